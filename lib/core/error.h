@@ -15,9 +15,9 @@ namespace spool {
 
 // Exit codes of the program. 0 is success.
 enum class ErrorCode : int {
-  kData = 1,    // the data can be read but not used (wrong format, wrong contents, too small a pool)
-  kUsage = 2,   // wrong use: unknown name, option out of range, target exists
-  kIo = 3,      // the operating system refused: missing, unreadable, disk full
+  kData = 1,   // the data can be read but not used (wrong format, wrong contents, too small a pool)
+  kUsage = 2,  // wrong use: unknown name, option out of range, target exists
+  kIo = 3,     // the operating system refused: missing, unreadable, disk full
   kDamage = 4,  // the file is damaged or incomplete
 };
 
@@ -37,10 +37,10 @@ tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<Args...> format, A
 }  // namespace spool
 
 // Evaluates `expression` (a Result<void>); returns its error from the enclosing function, if any.
-#define SPOOL_TRY(expression)                                                       \
-  do {                                                                              \
-    if (auto try_result_ = (expression); !try_result_.has_value())                  \
-      return tl::unexpected<::spool::Error>(std::move(try_result_).error());        \
+#define SPOOL_TRY(expression)                                                \
+  do {                                                                       \
+    if (auto try_result_ = (expression); !try_result_.has_value())           \
+      return tl::unexpected<::spool::Error>(std::move(try_result_).error()); \
   } while (false)
 
 #define SPOOL_CONCAT_INNER(a, b) a##b
@@ -49,8 +49,7 @@ tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<Args...> format, A
 // Declares `variable` from a Result; returns the error from the enclosing function, if any.
 #define SPOOL_ASSIGN(variable, expression) \
   SPOOL_ASSIGN_INNER(variable, expression, SPOOL_CONCAT(assign_result_, __LINE__))
-#define SPOOL_ASSIGN_INNER(variable, expression, temporary)                     \
-  auto temporary = (expression);                                                \
-  if (!temporary.has_value())                                                   \
-    return tl::unexpected<::spool::Error>(std::move(temporary).error());        \
+#define SPOOL_ASSIGN_INNER(variable, expression, temporary)                                        \
+  auto temporary = (expression);                                                                   \
+  if (!temporary.has_value()) return tl::unexpected<::spool::Error>(std::move(temporary).error()); \
   variable = std::move(*temporary)

@@ -14,33 +14,33 @@
 namespace spool {
 
 // SPOOL_GUARDS(X): X(identifier, "name", "what it protects").
-#define SPOOL_GUARDS(X)                                                                           \
-  X(kRejectedNonFinite, "rejected_non_finite",                                                    \
-    "a NaN, infinite or > 1e15 sample is removed from its pool")                                  \
-  X(kZeroedNonFinite, "zeroed_non_finite", "a non-finite sample is replaced by zero (option)")    \
-  X(kClampedNegative, "clamped_negative", "a negative sample is replaced by zero (option)")       \
-  X(kClampedFirefly, "clamped_firefly", "a sample is clamped to the firefly limit (option)")      \
-  X(kExposureFallback, "exposure_fallback",                                                       \
-    "the exposure scale is 1 because the mean luminance is not finite or below 1e-20")            \
-  X(kVarianceFloor, "variance_floor",                                                             \
+#define SPOOL_GUARDS(X)                                                                            \
+  X(kRejectedNonFinite, "rejected_non_finite",                                                     \
+    "a NaN, infinite or > 1e15 sample is removed from its pool")                                   \
+  X(kZeroedNonFinite, "zeroed_non_finite", "a non-finite sample is replaced by zero (option)")     \
+  X(kClampedNegative, "clamped_negative", "a negative sample is replaced by zero (option)")        \
+  X(kClampedFirefly, "clamped_firefly", "a sample is clamped to the firefly limit (option)")       \
+  X(kExposureFallback, "exposure_fallback",                                                        \
+    "the exposure scale is 1 because the mean luminance is not finite or below 1e-20")             \
+  X(kVarianceFloor, "variance_floor",                                                              \
     "a variance of the mean is raised to (1e-6 (|mean| + 1e-3 key))^2 so that selectors can move") \
-  X(kContrastUndefined, "contrast_undefined",                                                     \
-    "the literal contrast is 0 because maximum + minimum is below 1e-30")                         \
+  X(kContrastUndefined, "contrast_undefined",                                                      \
+    "the literal contrast is 0 because maximum + minimum is below 1e-30")                          \
   X(kPriorityNotFinite, "priority_not_finite", "a non-finite priority is made the largest finite") \
-  X(kSaturatedPieces, "saturated_pieces", "a piece ran out of recorded samples")                  \
-  X(kUniformRemainder, "uniform_remainder",                                                       \
-    "samples spent uniformly because every priority was zero")                                    \
-  X(kSizeNotFinite, "size_not_finite", "a non-finite size criterion stops at its level")          \
-  X(kSizeFactorClamped, "size_factor_clamped", "the factor of eq 9 is clamped to its range")      \
-  X(kSizeFactorFallback, "size_factor_fallback",                                                  \
-    "the factor of eq 9 is a constant because no attenuation is defined")                         \
-  X(kIsotropicFallback, "isotropic_fallback",                                                     \
-    "no direction stands out of the noise: the filter is round")                                  \
-  X(kNegativeBandEnergy, "negative_band_energy",                                                  \
-    "a band's energy fell below its noise and is taken as zero")                                  \
-  X(kFilterFloor, "filter_floor", "a standard deviation of the filter is raised to 0.25 pieces")  \
-  X(kEmptyPiece, "empty_piece", "a piece without samples takes its neighbours' value")            \
-  X(kZeroWeight, "zero_weight", "all weights vanished: the nearest sampled piece is taken")       \
+  X(kSaturatedPieces, "saturated_pieces", "a piece ran out of recorded samples")                   \
+  X(kUniformRemainder, "uniform_remainder",                                                        \
+    "samples spent uniformly because every priority was zero")                                     \
+  X(kSizeNotFinite, "size_not_finite", "a non-finite size criterion stops at its level")           \
+  X(kSizeFactorClamped, "size_factor_clamped", "the factor of eq 9 is clamped to its range")       \
+  X(kSizeFactorFallback, "size_factor_fallback",                                                   \
+    "the factor of eq 9 is a constant because no attenuation is defined")                          \
+  X(kIsotropicFallback, "isotropic_fallback",                                                      \
+    "no direction stands out of the noise: the filter is round")                                   \
+  X(kNegativeBandEnergy, "negative_band_energy",                                                   \
+    "a band's energy fell below its noise and is taken as zero")                                   \
+  X(kFilterFloor, "filter_floor", "a standard deviation of the filter is raised to 0.25 pieces")   \
+  X(kEmptyPiece, "empty_piece", "a piece without samples takes its neighbours' value")             \
+  X(kZeroWeight, "zero_weight", "all weights vanished: the nearest sampled piece is taken")        \
   X(kMetricExcluded, "metric_excluded", "a non-finite pixel is excluded from the metrics")
 
 enum class Guard : std::size_t {
@@ -60,7 +60,8 @@ class GuardCounts {
   void add(Guard guard, std::uint64_t n = 1) { counts_[static_cast<std::size_t>(guard)] += n; }
   std::uint64_t operator[](Guard guard) const { return counts_[static_cast<std::size_t>(guard)]; }
   GuardCounts& operator+=(const GuardCounts& other) {
-    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
+    for (std::size_t i = 0; i < counts_.size(); ++i)
+      counts_[i] += other.counts_[i];
     return *this;
   }
   friend bool operator==(const GuardCounts&, const GuardCounts&) = default;

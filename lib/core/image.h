@@ -24,7 +24,8 @@ class Image {
 
   Image() = default;
   Image(int width, int height, T fill = T{})
-      : width_(width), height_(height),
+      : width_(width),
+        height_(height),
         data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {
     SPOOL_CHECK_GE(width, 0);
     SPOOL_CHECK_GE(height, 0);

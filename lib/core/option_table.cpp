@@ -28,12 +28,15 @@ Result<int> parse_integer(std::string_view name, std::string_view text, int lowe
     return fail(ErrorCode::kUsage, "option {}: '{}' is not a whole number", name, text);
   }
   if (value < lowest || value > highest) {
-    return fail(ErrorCode::kUsage, "option {}: {} is outside {} .. {}", name, text, lowest, highest);
+    return fail(ErrorCode::kUsage, "option {}: {} is outside {} .. {}", name, text, lowest,
+                highest);
   }
   return value;
 }
 
-std::string format_number(double value) { return fmt::format("{}", value); }
+std::string format_number(double value) {
+  return fmt::format("{}", value);
+}
 
 std::string number_range(double lowest, double highest) {
   return fmt::format("{} .. {}", lowest, highest);

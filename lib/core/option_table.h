@@ -40,7 +40,7 @@ std::string number_range(double lowest, double highest);
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
 
 template <class Options>
-Option<Options> number_option(std::string name, double Options::*member, double lowest,
+Option<Options> number_option(std::string name, double Options::* member, double lowest,
                               double highest, std::string help) {
   return {name, number_range(lowest, highest), std::move(help),
           [=](Options& options, std::string_view text) -> Result<void> {
@@ -52,7 +52,7 @@ Option<Options> number_option(std::string name, double Options::*member, double 
 }
 
 template <class Options>
-Option<Options> integer_option(std::string name, int Options::*member, int lowest, int highest,
+Option<Options> integer_option(std::string name, int Options::* member, int lowest, int highest,
                                std::string help) {
   return {name, fmt::format("{} .. {}", lowest, highest), std::move(help),
           [=](Options& options, std::string_view text) -> Result<void> {
@@ -64,10 +64,11 @@ Option<Options> integer_option(std::string name, int Options::*member, int lowes
 }
 
 template <class Options, class Enum>
-Option<Options> choice_option(std::string name, Enum Options::*member,
+Option<Options> choice_option(std::string name, Enum Options::* member,
                               std::vector<std::pair<std::string, Enum>> choices, std::string help) {
   std::string allowed;
-  for (const auto& choice : choices) allowed += (allowed.empty() ? "" : "|") + choice.first;
+  for (const auto& choice : choices)
+    allowed += (allowed.empty() ? "" : "|") + choice.first;
   return {name, allowed, std::move(help),
           [=](Options& options, std::string_view text) -> Result<void> {
             for (const auto& choice : choices) {
@@ -87,7 +88,7 @@ Option<Options> choice_option(std::string name, Enum Options::*member,
 }
 
 template <class Options>
-Option<Options> switch_option(std::string name, bool Options::*member, std::string help) {
+Option<Options> switch_option(std::string name, bool Options::* member, std::string help) {
   return choice_option<Options, bool>(std::move(name), member, {{"on", true}, {"off", false}},
                                       std::move(help));
 }
@@ -111,8 +112,33 @@ using OptionValues = std::vector<std::pair<std::string, std::string>>;
 template <class Options>
 OptionValues option_values(const OptionTable<Options>& table, const Options& options) {
   OptionValues values;
-  for (const auto& option : table) values.emplace_back(option.name, option.get(options));
+  for (const auto& option : table)
+    values.emplace_back(option.name, option.get(options));
   return values;
+}
+
+// One option as people see it; `value` is that of the options described.
+struct OptionDescription {
+  std::string name, allowed, help, value;
+};
+
+template <class Options>
+std::vector<OptionDescription> describe_options(const OptionTable<Options>& table,
+                                                const Options& options) {
+  std::vector<OptionDescription> descriptions;
+  for (const auto& option : table) {
+    descriptions.push_back({option.name, option.allowed, option.help, option.get(options)});
+  }
+  return descriptions;
+}
+
+// Applies NAME=VALUE pairs in order.
+template <class Options>
+Result<Options> with_options(const OptionTable<Options>& table, Options options,
+                             const OptionValues& set) {
+  for (const auto& [name, value] : set)
+    SPOOL_TRY(set_option(table, options, name, value));
+  return options;
 }
 
 }  // namespace spool

@@ -31,7 +31,8 @@ double pairwise_sum(std::size_t n, Term&& term) {
   parallel_for(chunks, [&](std::size_t c) {
     const std::size_t end = std::min(n, (c + 1) * kSumChunk);
     double sum = 0.0;
-    for (std::size_t i = c * kSumChunk; i < end; ++i) sum += term(i);
+    for (std::size_t i = c * kSumChunk; i < end; ++i)
+      sum += term(i);
     partial[c] = sum;
   });
   return detail::combine_pairwise(partial.data(), partial.size());

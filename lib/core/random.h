@@ -1,8 +1,8 @@
 // Counter-based random numbers: a value is a pure function of the words that name it.
 //
-// mix(seed, a, b, ...) folds its words one at a time by xor and passes each through the finaliser of
-// splitmix64 [SteeleLeaFlood14]. No generator state exists, so nothing depends on the order of calls
-// or on threads.
+// mix(seed, a, b, ...) folds its words one at a time by xor and passes each through the finaliser
+// of splitmix64 [SteeleLeaFlood14]. No generator state exists, so nothing depends on the order of
+// calls or on threads.
 #pragma once
 
 #include <cstdint>
@@ -32,13 +32,15 @@ inline constexpr double unit_double(std::uint64_t bits) {
 // A four-round Feistel network on the next even power of two, walked until it lands inside.
 inline constexpr std::uint32_t permute_index(std::uint32_t i, std::uint32_t n, std::uint64_t key) {
   unsigned half_bits = 1;
-  while ((std::uint64_t{1} << (2 * half_bits)) < n) ++half_bits;
+  while ((std::uint64_t{1} << (2 * half_bits)) < n)
+    ++half_bits;
   const std::uint32_t half_mask = (std::uint32_t{1} << half_bits) - 1;
   std::uint32_t x = i;
   do {
     std::uint32_t left = x >> half_bits, right = x & half_mask;
     for (std::uint64_t round = 0; round < 4; ++round) {
-      const auto f = static_cast<std::uint32_t>(splitmix64(key ^ (right | (round << 40)))) & half_mask;
+      const auto f =
+          static_cast<std::uint32_t>(splitmix64(key ^ (right | (round << 40)))) & half_mask;
       const std::uint32_t next = left ^ f;
       left = right;
       right = next;

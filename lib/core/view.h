@@ -1,0 +1,42 @@
+// Intermediate images of a method, by the names of docs/method.md: kept only when somebody asked.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "lib/core/image.h"
+
+namespace spool {
+
+struct View {
+  std::string name;  // "f.2", "P.1", "level", "band_energy.2.3"
+  Plane image;       // of pieces
+};
+
+// Collects the views whose name, or the part of it before the first dot, was asked for; "all" asks
+// for every one. An empty request collects nothing and costs nothing.
+class Views {
+ public:
+  Views() = default;
+  explicit Views(std::vector<std::string> wanted) : wanted_(std::move(wanted)) {}
+
+  bool wants(std::string_view name) const {
+    const std::string_view family = name.substr(0, name.find('.'));
+    for (const std::string& w : wanted_) {
+      if (w == name || w == family || w == "all") return true;
+    }
+    return false;
+  }
+  void add(std::string name, const Plane& image) {
+    if (wants(name)) views_.push_back({std::move(name), image});
+  }
+  const std::vector<View>& collected() const { return views_; }
+
+ private:
+  std::vector<std::string> wanted_;
+  std::vector<View> views_;
+};
+
+}  // namespace spool

@@ -1,0 +1,138 @@
+#include "lib/pool/recorded_samples.h"
+
+#include <algorithm>
+
+#include "lib/core/parallel.h"
+
+namespace spool {
+
+Result<RecordedSamples> RecordedSamples::create(std::string name, RadianceLayout layout,
+                                                std::shared_ptr<const void> storage,
+                                                const SanitiseRules& rules) {
+  SPOOL_CHECK_GT(layout.width, 0);
+  SPOOL_CHECK_GT(layout.height, 0);
+  SPOOL_CHECK_GT(layout.spp, 0);
+  SPOOL_CHECK_GT(layout.tile_size, 0);
+  SPOOL_CHECK_GT(layout.block_spp, 0);
+  RecordedSamples samples;
+  samples.name_ = std::move(name);
+  samples.tiles_x_ = (layout.width + layout.tile_size - 1) / layout.tile_size;
+  samples.blocks_ = (layout.spp + layout.block_spp - 1) / layout.block_spp;
+  const int tiles_y = (layout.height + layout.tile_size - 1) / layout.tile_size;
+  SPOOL_CHECK_EQ(layout.blocks.size(),
+                 static_cast<std::size_t>(samples.tiles_x_) * tiles_y * samples.blocks_);
+  samples.layout_ = std::move(layout);
+  samples.storage_ = std::move(storage);
+  samples.rules_ = rules;
+  SPOOL_TRY(samples.scan());
+  return samples;
+}
+
+Result<RecordedSamples> RecordedSamples::from_memory(std::string name, int width, int height,
+                                                     int spp, std::vector<float> radiance,
+                                                     const SanitiseRules& rules) {
+  SPOOL_CHECK_EQ(radiance.size(), static_cast<std::size_t>(3) * width * height * spp);
+  auto storage = std::make_shared<const std::vector<float>>(std::move(radiance));
+  RadianceLayout layout{width, height, spp, std::max(width, height), spp, {storage->data()}};
+  return create(std::move(name), std::move(layout), storage, rules);
+}
+
+Rgb RecordedSamples::raw_radiance(int x, int y, int s) const {
+  const int tile_size = layout_.tile_size;
+  const int tx = x / tile_size, ty = y / tile_size, b = s / layout_.block_spp;
+  const int tile_width = std::min(tile_size, layout_.width - tx * tile_size);
+  const int tile_height = std::min(tile_size, layout_.height - ty * tile_size);
+  const int count = std::min(layout_.block_spp, layout_.spp - b * layout_.block_spp);
+  const std::size_t channel = static_cast<std::size_t>(tile_width) * tile_height * count;
+  const float* p = layout_.blocks[(static_cast<std::size_t>(ty) * tiles_x_ + tx) * blocks_ + b];
+  p += (static_cast<std::size_t>(y - ty * tile_size) * tile_width + (x - tx * tile_size)) * count +
+       (s - b * layout_.block_spp);
+  return {p[0], p[channel], p[2 * channel]};
+}
+
+void RecordedSamples::set_pass_film(std::vector<FilmPosition> positions) {
+  SPOOL_CHECK_EQ(positions.size(), static_cast<std::size_t>(spp()));
+  pass_film_ = std::move(positions);
+}
+
+void RecordedSamples::set_sample_film(std::vector<FilmPosition> positions) {
+  SPOOL_CHECK_EQ(positions.size(), static_cast<std::size_t>(width()) * height() * spp());
+  sample_film_ = std::move(positions);
+}
+
+FilmPosition RecordedSamples::film(int x, int y, int s) const {
+  if (!pass_film_.empty()) return pass_film_[static_cast<std::size_t>(s)];
+  if (sample_film_.empty()) return {};
+  return sample_film_[(static_cast<std::size_t>(y) * width() + x) * spp() + s];
+}
+
+GuardCounts RecordedSamples::guards() const {
+  GuardCounts guards;
+  guards.add(rules_.nonfinite == NonFiniteRule::kZero ? Guard::kZeroedNonFinite
+                                                      : Guard::kRejectedNonFinite,
+             report_.nonfinite);
+  if (rules_.negative == NegativeRule::kClampToZero) {
+    guards.add(Guard::kClampedNegative, report_.negative);
+  }
+  guards.add(Guard::kClampedFirefly, report_.fireflies);
+  return guards;
+}
+
+Result<void> RecordedSamples::scan() {
+  std::vector<SanitiseReport> rows(static_cast<std::size_t>(height()));
+  parallel_rows(0, height(), [&](int y) {
+    SanitiseReport& row = rows[static_cast<std::size_t>(y)];
+    for (int x = 0; x < width(); ++x) {
+      int kept = 0;
+      for (int s = 0; s < spp(); ++s) {
+        const Rgb value = raw_radiance(x, y, s);
+        if (!is_ordinary(value)) {
+          if (row.nonfinite++ == 0) row.first_x = x, row.first_y = y, row.first_sample = s;
+          continue;
+        }
+        ++kept;
+        if (value[0] < 0 || value[1] < 0 || value[2] < 0) ++row.negative;
+        if (std::max({value[0], value[1], value[2]}) > rules_.firefly_limit) ++row.fireflies;
+      }
+      if (kept == 0) ++row.empty_pixels;
+    }
+  });
+  report_.samples = static_cast<std::uint64_t>(width()) * height() * spp();
+  for (const SanitiseReport& row : rows) {
+    if (report_.nonfinite == 0 && row.nonfinite > 0) {
+      report_.first_x = row.first_x, report_.first_y = row.first_y;
+      report_.first_sample = row.first_sample;
+    }
+    report_.nonfinite += row.nonfinite;
+    report_.negative += row.negative;
+    report_.fireflies += row.fireflies;
+    report_.empty_pixels += row.empty_pixels;
+  }
+  if (report_.nonfinite == 0) return {};
+  any_rejected_ = rules_.nonfinite == NonFiniteRule::kReject;
+  const auto where = fmt::format("first at pixel {},{} sample {}", report_.first_x, report_.first_y,
+                                 report_.first_sample);
+  if (rules_.nonfinite == NonFiniteRule::kError) {
+    return fail(ErrorCode::kData,
+                "{}: {} of {} samples are not finite ({}): leave them out with --set "
+                "pool.nonfinite=reject, or record them again",
+                name_, report_.nonfinite, report_.samples, where);
+  }
+  if (!any_rejected_ || rules_.allow_many_rejected) return {};
+  if (static_cast<double>(report_.nonfinite) >
+      kNonFiniteError * static_cast<double>(report_.samples)) {
+    return fail(ErrorCode::kData,
+                "{}: {} of {} samples are not finite ({}), more than 1 %: record them again, or go "
+                "on with --set pool.allow_many_rejected=on",
+                name_, report_.nonfinite, report_.samples, where);
+  }
+  if (report_.empty_pixels > 0) {
+    return fail(ErrorCode::kData,
+                "{}: {} pixels keep no finite sample ({}): record them again, or go on with --set "
+                "pool.allow_many_rejected=on",
+                name_, report_.empty_pixels, where);
+  }
+  return {};
+}
+
+}  // namespace spool

@@ -1,0 +1,106 @@
+// All samples of one recording: radiance [c][y][x][s] in tiles and blocks, with optional film
+// positions, an optional independent reference, and which samples were rejected.
+//
+// The values stay where they are (a mapped file, or memory); this class only knows where to look.
+// It is immutable once made, so any number of threads and pools may read it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/image.h"
+#include "lib/pool/sanitise.h"
+
+namespace spool {
+
+// The mean of independent samples of every pixel and the variance of that mean, scene-linear RGB.
+struct Reference {
+  RgbImage mean;
+  std::optional<RgbImage> variance_of_mean;
+};
+
+// Film position of a sample inside its pixel, [0, 1)^2, y down.
+struct FilmPosition {
+  float x = 0.5f, y = 0.5f;
+};
+
+// Where the radiance of a recording lies: tile t covers tile_size^2 pixels (cropped at the right
+// and bottom), its block b holds samples [b * block_spp, ...) as [c][y][x][s] floats.
+struct RadianceLayout {
+  int width = 0, height = 0, spp = 0;
+  int tile_size = 0;                 // pixels
+  int block_spp = 0;                 // samples
+  std::vector<const float*> blocks;  // [tile][block]
+};
+
+class RecordedSamples {
+ public:
+  // `storage` keeps alive whatever the block pointers point into. Scans every sample once (in
+  // parallel) to apply `rules`. Errors: kData when non-finite samples are forbidden or too many, or
+  // when a pixel keeps no sample, unless the rules allow it.
+  static Result<RecordedSamples> create(std::string name, RadianceLayout layout,
+                                        std::shared_ptr<const void> storage,
+                                        const SanitiseRules& rules = {});
+
+  // A recording in memory: radiance [c][y][x][s]. For synthetic scenes and tests.
+  static Result<RecordedSamples> from_memory(std::string name, int width, int height, int spp,
+                                             std::vector<float> radiance,
+                                             const SanitiseRules& rules = {});
+
+  // Film positions [s] shared by all pixels, or [y][x][s] of each sample.
+  void set_pass_film(std::vector<FilmPosition> positions);
+  void set_sample_film(std::vector<FilmPosition> positions);
+  void set_reference(Reference reference) { reference_ = std::move(reference); }
+  // True when s^2/n is the variance of the mean: independent samples, any prefix exchangeable.
+  void set_exchangeable(bool exchangeable) { exchangeable_ = exchangeable; }
+  void set_cost_per_sample(double seconds) { cost_per_sample_ = seconds; }
+
+  const std::string& name() const { return name_; }
+  int width() const { return layout_.width; }
+  int height() const { return layout_.height; }
+  int spp() const { return layout_.spp; }
+  bool exchangeable() const { return exchangeable_; }
+  std::optional<double> cost_per_sample() const { return cost_per_sample_; }  // seconds
+  const std::optional<Reference>& reference() const { return reference_; }
+  const SanitiseReport& report() const { return report_; }
+  GuardCounts guards() const;
+
+  bool has_film() const { return !pass_film_.empty() || !sample_film_.empty(); }
+  FilmPosition film(int x, int y, int s) const;
+
+  // Sample s (0 .. spp-1, recorded order) of pixel (x, y), after the rules.
+  Rgb radiance(int x, int y, int s) const {
+    const Rgb value = raw_radiance(x, y, s);
+    return rules_.changes_values() ? sanitised(value, rules_) : value;
+  }
+  Rgb raw_radiance(int x, int y, int s) const;
+  bool any_rejected() const { return any_rejected_; }
+  bool rejected(int x, int y, int s) const {
+    return any_rejected_ && !is_ordinary(raw_radiance(x, y, s));
+  }
+
+ private:
+  Result<void> scan();
+
+  std::string name_;
+  RadianceLayout layout_;
+  int tiles_x_ = 0;
+  int blocks_ = 0;
+  std::shared_ptr<const void> storage_;
+  SanitiseRules rules_;
+  SanitiseReport report_;
+  bool any_rejected_ = false;
+  bool exchangeable_ = true;
+  std::optional<double> cost_per_sample_;
+  std::optional<Reference> reference_;
+  std::vector<FilmPosition> pass_film_;
+  std::vector<FilmPosition> sample_film_;
+};
+
+}  // namespace spool

@@ -1,0 +1,96 @@
+#include "lib/pool/sample_pool.h"
+
+#include <algorithm>
+
+namespace spool {
+namespace {
+
+// Piece (0 .. q*q-1, row-major inside the pixel) that a film position falls into.
+int piece_of(const FilmPosition& film, int q) {
+  const int ix = std::clamp(static_cast<int>(film.x * static_cast<float>(q)), 0, q - 1);
+  const int iy = std::clamp(static_cast<int>(film.y * static_cast<float>(q)), 0, q - 1);
+  return iy * q + ix;
+}
+
+}  // namespace
+
+Result<SamplePool> SamplePool::create(std::shared_ptr<const RecordedSamples> recording,
+                                      const PoolOptions& options) {
+  SPOOL_CHECK(recording != nullptr);
+  SPOOL_CHECK_GE(options.holdout, 0);
+  const int q = options.pieces_per_side;
+  if (q != 1 && q != 2) {
+    return fail(ErrorCode::kUsage, "pieces per pixel side: {} is not 1 or 2", q);
+  }
+  if (q > 1 && !recording->has_film()) {
+    return fail(ErrorCode::kData,
+                "{}: quarter-pixel pieces need film positions, which were not recorded: use "
+                "--set pool.q=1, or record in shift mode",
+                recording->name());
+  }
+  if (options.holdout >= recording->spp()) {
+    return fail(ErrorCode::kData, "{}: holding out {} of {} samples leaves none to replay",
+                recording->name(), options.holdout, recording->spp());
+  }
+  SamplePool pool;
+  pool.recording_ = std::move(recording);
+  pool.options_ = options;
+  const RecordedSamples& samples = *pool.recording_;
+  if (q == 1 && !samples.any_rejected()) return pool;
+
+  pool.list_begin_.assign(static_cast<std::size_t>(pool.width()) * pool.height() + 1, 0);
+  for (int y = 0; y < samples.height(); ++y) {
+    std::vector<std::vector<std::uint16_t>> pieces(static_cast<std::size_t>(q) * pool.width());
+    for (int x = 0; x < samples.width(); ++x) {
+      for (int s = 0; s < samples.spp(); ++s) {
+        if (samples.rejected(x, y, s)) continue;
+        const int piece = q == 1 ? 0 : piece_of(samples.film(x, y, s), q);
+        const std::size_t column = static_cast<std::size_t>(x * q + piece % q);
+        pieces[static_cast<std::size_t>(piece / q) * pool.width() + column].push_back(
+            static_cast<std::uint16_t>(s));
+      }
+    }
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+      const std::size_t index = static_cast<std::size_t>(y) * q * pool.width() + p;
+      pool.lists_.insert(pool.lists_.end(), pieces[p].begin(), pieces[p].end());
+      pool.list_begin_[index + 1] = pool.lists_.size();
+    }
+  }
+  return pool;
+}
+
+int SamplePool::size(int x, int y) const {
+  if (list_begin_.empty()) return recording_->spp();
+  const std::size_t p = static_cast<std::size_t>(y) * width() + x;
+  return static_cast<int>(list_begin_[p + 1] - list_begin_[p]);
+}
+
+int SamplePool::capacity(int x, int y) const {
+  const int all = size(x, y);
+  if (options_.holdout == 0) return all;
+  // With q = 2 each piece gives up its share of the pixel's held-out samples, rounded up.
+  const int pieces = options_.pieces_per_side * options_.pieces_per_side;
+  return std::max(0, all - (options_.holdout + pieces - 1) / pieces);
+}
+
+long long SamplePool::total_capacity() const {
+  long long total = 0;
+  for (int y = 0; y < height(); ++y) {
+    for (int x = 0; x < width(); ++x)
+      total += capacity(x, y);
+  }
+  return total;
+}
+
+int SamplePool::recorded_index(int x, int y, int i) const {
+  const std::size_t p = static_cast<std::size_t>(y) * width() + x;
+  int j = i;
+  if (options_.order == PoolOrder::kShuffled) {
+    j = static_cast<int>(permute_index(static_cast<std::uint32_t>(i),
+                                       static_cast<std::uint32_t>(size(x, y)),
+                                       mix(options_.seed, p)));
+  }
+  return list_begin_.empty() ? j : lists_[list_begin_[p] + static_cast<std::size_t>(j)];
+}
+
+}  // namespace spool

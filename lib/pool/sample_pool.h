@@ -1,0 +1,69 @@
+// A replayable view of a recording: for every piece of the image an ordered list of samples.
+//
+// Pieces are the cells of a grid with q x q equal squares per pixel (q = 1: a piece is a pixel). A
+// sampler owns a cursor per piece and always takes the sample at its cursor next; samples behind
+// the cursor are all it may know. Samples held out for judging are at the end of each list and are
+// never offered. Immutable; any number of threads may read.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/image.h"
+#include "lib/core/random.h"
+#include "lib/pool/recorded_samples.h"
+
+namespace spool {
+
+enum class PoolOrder { kRecorded, kShuffled };
+
+struct PoolOptions {
+  int pieces_per_side = 1;                 // q, 1 or 2; 2 needs film positions
+  PoolOrder order = PoolOrder::kRecorded;  // kShuffled: every pixel by its own permutation
+  std::uint64_t seed = 0;                  // of the permutations; one per replicate
+  int holdout = 0;                         // samples per pixel kept for the reference, at the end
+};
+
+class SamplePool {
+ public:
+  // Errors: kData when q = 2 without film positions or when the holdout leaves no sample.
+  static Result<SamplePool> create(std::shared_ptr<const RecordedSamples> recording,
+                                   const PoolOptions& options);
+
+  const RecordedSamples& recording() const { return *recording_; }
+  const PoolOptions& options() const { return options_; }
+  int pieces_per_side() const { return options_.pieces_per_side; }
+  int width() const { return recording_->width() * options_.pieces_per_side; }    // pieces
+  int height() const { return recording_->height() * options_.pieces_per_side; }  // pieces
+
+  // Samples that a sampler may take from piece (x, y).
+  int capacity(int x, int y) const;
+  long long total_capacity() const;
+
+  // The i-th sample of the piece, 0 <= i < size(x, y): i < capacity() for samplers, the rest is
+  // held out.
+  Rgb sample(int x, int y, int i) const {
+    const int q = options_.pieces_per_side;
+    return recording_->radiance(x / q, y / q, recorded_index(x, y, i));
+  }
+  FilmPosition film(int x, int y, int i) const {
+    const int q = options_.pieces_per_side;
+    return recording_->film(x / q, y / q, recorded_index(x, y, i));
+  }
+  // Index in the recording of the i-th sample of the piece.
+  int recorded_index(int x, int y, int i) const;
+  // All samples of the piece, the held-out ones included.
+  int size(int x, int y) const;
+
+ private:
+  std::shared_ptr<const RecordedSamples> recording_;
+  PoolOptions options_;
+  // Recorded indices of each piece's samples, only where that is not simply 0 .. spp-1 (q = 2, or
+  // rejected samples): lists_[list_begin_[p] .. list_begin_[p + 1]) for piece p.
+  std::vector<std::uint16_t> lists_;
+  std::vector<std::size_t> list_begin_;
+};
+
+}  // namespace spool

@@ -1,0 +1,67 @@
+// The one interface of all samplers, and their list.
+//
+// A sampler spends a budget of samples on a pool: it may know only the samples it has taken. Any
+// sampler works with any reconstructor (lib/reconstruction/reconstructor.h); neither knows the
+// other.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/guards.h"
+#include "lib/core/option_table.h"
+#include "lib/core/view.h"
+#include "lib/pool/sample_pool.h"
+#include "lib/statistics/selection.h"
+
+namespace spool {
+
+struct SamplingLog {
+  long long budget = 0;             // samples asked for
+  long long initial = 0;            // taken everywhere before the first decision
+  long long spent = 0;              // taken in all; less than budget only when the pool ran out
+  long long uniform_remainder = 0;  // spent uniformly because nothing had a priority
+  long long saturated_pieces = 0;   // pieces that ran out of samples
+  std::vector<long long>
+      samples_of_level;  // adaptive samples by queue level 0 .. K, if it has levels
+  GuardCounts guards;
+};
+
+struct SamplingResult {
+  Selection selection;
+  SamplingLog log;
+};
+
+struct SamplingContext {
+  std::uint64_t seed = 0;                // of whatever is random in the method itself
+  Views* views = nullptr;                // intermediate images wanted, may be null
+  std::function<void(double)> progress;  // share of the work done, may be empty
+  const std::function<bool()>* cancelled = nullptr;
+};
+
+using SamplerFunction = std::function<Result<SamplingResult>(const SamplePool&, long long budget,
+                                                             const SamplingContext&)>;
+
+struct SamplerEntry {
+  std::string name;
+  std::string summary;
+  bool by_description = false;       // re-implemented from descriptions, not from the primary text
+  std::vector<std::string> presets;  // the first is the default; empty: no presets
+  std::function<std::vector<OptionDescription>(std::string_view preset)> describe;
+  std::function<Result<SamplerFunction>(std::string_view preset, const OptionValues& set)> make;
+};
+
+// All samplers by name, in the order in which people should read them.
+const std::vector<SamplerEntry>& samplers();
+// Error kUsage, with the nearest known name, when there is no such sampler, preset or option.
+Result<SamplerFunction> make_sampler(std::string_view name, std::string_view preset,
+                                     const OptionValues& set);
+
+// Budget in samples for a number of samples per pixel, which need not be whole.
+long long sample_budget(double samples_per_pixel, const RecordedSamples& recording);
+
+}  // namespace spool

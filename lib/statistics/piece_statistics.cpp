@@ -1,0 +1,217 @@
+#include "lib/statistics/piece_statistics.h"
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "lib/core/parallel.h"
+
+namespace spool {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void welford(double& mean, double& m2, std::int32_t n_after, double value) {
+  const double delta = value - mean;
+  mean += delta / n_after;
+  m2 += delta * (value - mean);
+}
+
+// Index of the non-empty piece nearest to (x, y) by rings of growing Chebyshev radius; inside a
+// ring the smallest Euclidean distance wins, then the lowest index. -1 when every piece is empty.
+std::ptrdiff_t nearest_non_empty(const CountImage& n, int x, int y) {
+  const int reach = std::max(n.width(), n.height());
+  for (int radius = 1; radius <= reach; ++radius) {
+    std::ptrdiff_t best = -1;
+    long long best_distance = std::numeric_limits<long long>::max();
+    for (int dy = -radius; dy <= radius; ++dy) {
+      const bool edge_row = dy == -radius || dy == radius;
+      for (int dx = -radius; dx <= radius; dx += edge_row ? 1 : 2 * radius) {
+        const int px = x + dx, py = y + dy;
+        if (!n.bounds().contains(px, py) || n(px, py) == 0) continue;
+        const long long distance =
+            static_cast<long long>(dx) * dx + static_cast<long long>(dy) * dy;
+        if (distance < best_distance) {
+          best_distance = distance;
+          best = static_cast<std::ptrdiff_t>(n.index(px, py));
+        }
+      }
+    }
+    if (best >= 0) return best;
+  }
+  return -1;
+}
+
+}  // namespace
+
+ScalarStatistics::ScalarStatistics(int width, int height)
+    : mean(width, height),
+      m2(width, height),
+      minimum(width, height, kInfinity),
+      maximum(width, height, -kInfinity) {}
+
+void ScalarStatistics::add(std::size_t piece, std::int32_t n_after, double value) {
+  welford(mean[piece], m2[piece], n_after, value);
+  minimum[piece] = std::min(minimum[piece], value);
+  maximum[piece] = std::max(maximum[piece], value);
+}
+
+PieceStatistics empty_statistics(const SamplePool& pool, const AnalysisSignal& signal,
+                                 bool channel_extremes) {
+  const int width = pool.width(), height = pool.height();
+  PieceStatistics statistics;
+  statistics.pieces_per_side = pool.pieces_per_side();
+  statistics.n = CountImage(width, height);
+  statistics.mean = make_rgb(width, height);
+  statistics.m2 = make_rgb(width, height);
+  statistics.signal = signal;
+  statistics.analysis = ScalarStatistics(width, height);
+  if (channel_extremes) {
+    statistics.channel_minimum = make_rgb(width, height, kInfinity);
+    statistics.channel_maximum = make_rgb(width, height, -kInfinity);
+  }
+  return statistics;
+}
+
+void take(PieceStatistics& statistics, const SamplePool& pool, int x, int y, int count) {
+  const std::size_t piece = statistics.n.index(x, y);
+  std::int32_t& n = statistics.n[piece];
+  SPOOL_CHECK_LE(n + count, pool.capacity(x, y));
+  for (int i = 0; i < count; ++i) {
+    const Rgb value = pool.sample(x, y, n);
+    ++n;
+    for (std::size_t c = 0; c < 3; ++c) {
+      welford(statistics.mean[c][piece], statistics.m2[c][piece], n, value[c]);
+    }
+    if (statistics.channel_minimum) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        double& low = (*statistics.channel_minimum)[c][piece];
+        double& high = (*statistics.channel_maximum)[c][piece];
+        low = std::min<double>(low, value[c]);
+        high = std::max<double>(high, value[c]);
+      }
+    }
+    statistics.analysis.add(piece, n, statistics.signal.value(value));
+  }
+}
+
+long long take_everywhere(PieceStatistics& statistics, const SamplePool& pool, int spp) {
+  std::vector<long long> taken(static_cast<std::size_t>(pool.height()), 0);
+  parallel_rows(0, pool.height(), [&](int y) {
+    for (int x = 0; x < pool.width(); ++x) {
+      const int count = std::min(spp, pool.capacity(x, y) - statistics.n(x, y));
+      take(statistics, pool, x, y, count);
+      taken[static_cast<std::size_t>(y)] += count;
+    }
+  });
+  long long total = 0;
+  for (const long long row : taken)
+    total += row;
+  return total;
+}
+
+PieceStatistics prefix_statistics(const SamplePool& pool, const CountImage& counts,
+                                  const AnalysisSignal& signal, bool channel_extremes) {
+  SPOOL_CHECK_EQ(counts.width(), pool.width());
+  SPOOL_CHECK_EQ(counts.height(), pool.height());
+  PieceStatistics statistics = empty_statistics(pool, signal, channel_extremes);
+  parallel_rows(0, pool.height(), [&](int y) {
+    for (int x = 0; x < pool.width(); ++x)
+      take(statistics, pool, x, y, counts(x, y));
+  });
+  return statistics;
+}
+
+void set_signal(PieceStatistics& statistics, const SamplePool& pool, const AnalysisSignal& signal) {
+  const AnalysisSignal old = statistics.signal;
+  statistics.signal = signal;
+  if (old == signal) return;
+  ScalarStatistics& analysis = statistics.analysis;
+  if (old.is_linear() && signal.is_linear() && old.channel == signal.channel) {
+    const double factor = signal.exposure / old.exposure;
+    for (std::size_t i = 0; i < analysis.mean.size(); ++i) {
+      analysis.mean[i] *= factor;
+      analysis.m2[i] *= factor * factor;
+      analysis.minimum[i] *= factor;
+      analysis.maximum[i] *= factor;
+    }
+    return;
+  }
+  analysis = ScalarStatistics(statistics.width(), statistics.height());
+  parallel_rows(0, statistics.height(), [&](int y) {
+    for (int x = 0; x < statistics.width(); ++x) {
+      const std::size_t piece = statistics.n.index(x, y);
+      for (int i = 0; i < statistics.n[piece]; ++i) {
+        analysis.add(piece, i + 1, signal.value(pool.sample(x, y, i)));
+      }
+    }
+  });
+}
+
+double exposure_of(const PieceStatistics& statistics, double key, GuardCounts& guards) {
+  SPOOL_CHECK(statistics.signal.is_linear());
+  return exposure_scale(statistics.analysis.mean, statistics.n, key, guards) *
+         statistics.signal.exposure;
+}
+
+Plane fill_empty_pieces(const Plane& pieces, const CountImage& n, int pieces_per_side,
+                        GuardCounts& guards) {
+  Plane filled = pieces;
+  const int q = pieces_per_side;
+  for (int y = 0; y < pieces.height(); ++y) {
+    for (int x = 0; x < pieces.width(); ++x) {
+      if (n(x, y) > 0) continue;
+      guards.add(Guard::kEmptyPiece);
+      double sum = 0.0;
+      int count = 0;
+      for (int py = y / q * q; py < y / q * q + q; ++py) {
+        for (int px = x / q * q; px < x / q * q + q; ++px) {
+          if (n(px, py) == 0) continue;
+          sum += pieces(px, py);
+          ++count;
+        }
+      }
+      if (count > 0) {
+        filled(x, y) = sum / count;
+        continue;
+      }
+      const std::ptrdiff_t nearest = nearest_non_empty(n, x, y);
+      if (nearest >= 0) filled(x, y) = pieces[static_cast<std::size_t>(nearest)];
+    }
+  }
+  return filled;
+}
+
+Plane pieces_to_pixels(const Plane& pieces, const CountImage& n, int pieces_per_side,
+                       GuardCounts& guards) {
+  const int q = pieces_per_side;
+  Plane filled = fill_empty_pieces(pieces, n, q, guards);
+  if (q == 1) return filled;
+  Plane pixels(pieces.width() / q, pieces.height() / q);
+  for (int y = 0; y < pixels.height(); ++y) {
+    for (int x = 0; x < pixels.width(); ++x) {
+      double sum = 0.0;
+      for (int j = 0; j < q; ++j) {
+        for (int i = 0; i < q; ++i)
+          sum += filled(x * q + i, y * q + j);
+      }
+      pixels(x, y) = sum / (q * q);
+    }
+  }
+  return pixels;
+}
+
+RgbImage pixel_means(const PieceStatistics& statistics, GuardCounts& guards) {
+  GuardCounts once;
+  RgbImage pixels;
+  for (std::size_t c = 0; c < 3; ++c) {
+    GuardCounts of_channel;
+    pixels[c] =
+        pieces_to_pixels(statistics.mean[c], statistics.n, statistics.pieces_per_side, of_channel);
+    once = of_channel;  // the three channels share their empty pieces: count them once
+  }
+  guards += once;
+  return pixels;
+}
+
+}  // namespace spool

@@ -1,0 +1,20 @@
+// What a sampler hands to a reconstructor: the statistics of every prefix it took, and the
+// attenuation of each level where it kept one.
+//
+// A replay always takes a prefix of each pool, so the counts say everything: statistics can be
+// recomputed from pool and counts, and anybody's sampler can take part by writing a count image.
+#pragma once
+
+#include <vector>
+
+#include "lib/core/image.h"
+#include "lib/statistics/piece_statistics.h"
+
+namespace spool {
+
+struct Selection {
+  PieceStatistics statistics;
+  std::vector<Plane> attenuation;  // A_0 .. A_K [y][x], or empty when the sampler keeps none
+};
+
+}  // namespace spool

@@ -1,0 +1,107 @@
+#include "lib/statistics/variance_of_mean.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "lib/core/pairwise_sum.h"
+#include "lib/core/parallel.h"
+
+namespace spool {
+namespace {
+
+// Pooled sample variance around (x, y); negative when no piece of the image has two samples.
+double window_variance(const CountImage& n, const Plane& m2, int x, int y) {
+  const int reach = std::max(n.width(), n.height());
+  for (int radius = 2;; radius *= 2) {
+    const Rectangle window =
+        intersect({x - radius, y - radius, x + radius + 1, y + radius + 1}, n.bounds());
+    double squares = 0.0, freedom = 0.0;
+    for (int py = window.y0; py < window.y1; ++py) {
+      for (int px = window.x0; px < window.x1; ++px) {
+        if (n(px, py) < 2) continue;
+        squares += m2(px, py);
+        freedom += n(px, py) - 1;
+      }
+    }
+    if (freedom > 0.0) return squares / freedom;
+    if (radius >= reach) return -1.0;
+  }
+}
+
+// Half the mean squared difference of neighbouring means: the variance of a piece's mean when the
+// image is flat. Used only where every n <= 1, so a mean is one sample.
+double neighbour_variance(const CountImage& n, const Plane& mean) {
+  const int width = mean.width(), height = mean.height();
+  const auto pair = [&](std::size_t i, std::size_t j, double& sum, double& count) {
+    if (n[i] == 0 || n[j] == 0) return;
+    const double difference = mean[i] - mean[j];
+    sum += difference * difference;
+    count += 1.0;
+  };
+  std::vector<double> sums(static_cast<std::size_t>(height), 0.0), counts(sums.size(), 0.0);
+  parallel_rows(0, height, [&](int y) {
+    double sum = 0.0, count = 0.0;
+    for (int x = 0; x < width; ++x) {
+      if (x + 1 < width) pair(mean.index(x, y), mean.index(x + 1, y), sum, count);
+      if (y + 1 < height) pair(mean.index(x, y), mean.index(x, y + 1), sum, count);
+    }
+    sums[static_cast<std::size_t>(y)] = sum;
+    counts[static_cast<std::size_t>(y)] = count;
+  });
+  const double pairs = pairwise_sum(counts.size(), [&](std::size_t i) { return counts[i]; });
+  if (pairs == 0.0) return 0.0;
+  return 0.5 * pairwise_sum(sums.size(), [&](std::size_t i) { return sums[i]; }) / pairs;
+}
+
+}  // namespace
+
+Plane variance_of_mean(const CountImage& n, const Plane& mean, const Plane& m2,
+                       const VarianceOptions& options, GuardCounts& guards) {
+  SPOOL_CHECK(n.same_size(mean));
+  SPOOL_CHECK(n.same_size(m2));
+  const bool any_pair =
+      std::any_of(n.pixels().begin(), n.pixels().end(), [](std::int32_t k) { return k >= 2; });
+  const double flat_variance =
+      any_pair || options.mode == VarianceMode::kRaw ? 0.0 : neighbour_variance(n, mean);
+  Plane v(n.width(), n.height());
+  std::vector<GuardCounts> rows(static_cast<std::size_t>(n.height()));
+  parallel_rows(0, n.height(), [&](int y) {
+    for (int x = 0; x < n.width(); ++x) {
+      const int count = n(x, y);
+      if (count == 0) {
+        v(x, y) = std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const bool pooled = options.mode == VarianceMode::kPooled ||
+                          (options.mode == VarianceMode::kAuto && count < 4);
+      double value = 0.0;
+      if (pooled) {
+        const double shared = any_pair ? window_variance(n, m2, x, y) : flat_variance;
+        const double own = count >= 2 ? m2(x, y) : 0.0;
+        value = (own + options.nu0 * shared) / (std::max(count - 1, 0) + options.nu0) / count;
+      } else if (count >= 2) {
+        value = m2(x, y) / (count - 1) / count;
+      }
+      const double deviation = 1e-6 * (std::abs(mean(x, y)) + 1e-3 * options.key);
+      const double floor = deviation * deviation;
+      if (!(value >= floor)) {
+        rows[static_cast<std::size_t>(y)].add(Guard::kVarianceFloor);
+        value = floor;
+      }
+      v(x, y) = value;
+    }
+  });
+  for (const GuardCounts& row : rows)
+    guards += row;
+  return v;
+}
+
+Plane analysis_variance(const PieceStatistics& statistics, const VarianceOptions& options,
+                        GuardCounts& guards) {
+  return variance_of_mean(statistics.n, statistics.analysis.mean, statistics.analysis.m2, options,
+                          guards);
+}
+
+}  // namespace spool
