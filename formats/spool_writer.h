@@ -1,0 +1,60 @@
+// Writes a .spool file by appending records.
+//
+// The file is NAME.partial until finish() has written index and footer, synced it and renamed it to
+// NAME. A writer that is destroyed without finish() leaves NAME.partial, from which every whole
+// record can be recovered. Blocks may come in any order. One thread per writer.
+//
+// Errors: kUsage for a call that breaks the contract (target exists, wrong payload size, block
+// written twice); kIo when the system refuses. After a kIo error the file is cut back to its last
+// whole record and the writer accepts nothing more; a failed fsync is never repeated.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "formats/dump_header.h"
+#include "lib/core/error.h"
+
+namespace spool::format {
+
+struct WriterOptions {
+  bool compress = false;  // byte shuffle + zstd, kept per block only where it saves 5 % or more
+  bool force = false;     // replace an existing NAME and a stale NAME.partial
+  std::optional<std::array<uint8_t, 16>> uuid;  // for reproducible files; random when absent
+};
+
+class SpoolWriter {
+ public:
+  static Result<SpoolWriter> create(const std::filesystem::path& path, const DumpHeader& header,
+                                    const WriterOptions& options = {});
+
+  SpoolWriter(SpoolWriter&&) noexcept;
+  SpoolWriter& operator=(SpoolWriter&&) noexcept;
+  ~SpoolWriter();
+
+  const DumpHeader& header() const;
+
+  // One JSON object; later records override top-level keys of earlier ones.
+  Result<void> write_meta(std::string_view json);
+
+  // payload: dtype[channel][y][x][sample] of all channels of the group, cropped to the image.
+  // Group of scope sample: sample_begin a multiple of block_spp, sample_count the whole block;
+  // pixel: 0 and 1, one value per pixel; pass: tile 0, dtype[channel][1][1][sample].
+  Result<void> write_block(uint16_t group, uint32_t tile, uint32_t sample_begin,
+                           uint32_t sample_count, std::span<const std::byte> payload);
+
+  bool has_block(uint16_t group, uint32_t tile, uint32_t block) const;
+
+  Result<void> finish();
+
+ private:
+  struct State;
+  explicit SpoolWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace spool::format
