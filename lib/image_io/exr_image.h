@@ -1,0 +1,63 @@
+// OpenEXR images as planes of doubles: flat files, half, float and 32-bit unsigned channels.
+//
+// Values are scene-linear and unchanged: every half, float and uint is held exactly by a double.
+// Channel names may carry a layer, "A.0"; they come back in alphabetical order. The size is that of
+// the data window. Files are taken as hostile: sizes are checked against the cap and against the
+// length of the file before anything is allocated.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/image.h"
+
+namespace spool {
+
+enum class PixelType { kHalf, kFloat, kUint };
+
+struct NamedPlane {
+  std::string name;
+  PixelType type = PixelType::kFloat;
+  Plane data;  // [y][x]
+};
+
+struct ExrFile {
+  int width = 0;
+  int height = 0;
+  std::vector<NamedPlane> channels;
+  std::map<std::string, std::string> text_attributes = {};
+  std::map<std::string, double> number_attributes = {};
+
+  const Plane* find(std::string_view name) const;  // nullptr when absent
+};
+
+struct ExrReadLimits {
+  std::uint64_t max_pixels = std::uint64_t{1} << 28;
+  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // of all channels, as doubles
+};
+
+struct ExrWriteOptions {
+  bool overwrite = false;
+};
+
+// Reads part 0. kIo when the file cannot be opened, kData when it is no flat EXR or too large,
+// kDamage when pixels are missing or do not decode.
+Result<ExrFile> read_exr(const std::filesystem::path& path, const ExrReadLimits& limits = {});
+
+// Writes ZIP-compressed scanlines under a temporary name, then renames. A value that the channel's
+// type cannot hold (a half above 65504, a negative or fractional count) is an error with its pixel.
+Result<void> write_exr(const std::filesystem::path& path, const ExrFile& image,
+                       const ExrWriteOptions& options = {});
+
+// An image whose channels are R, G, B (float).
+ExrFile exr_from_rgb(const RgbImage& rgb);
+
+// The channels R, G, B of a file; a single channel (Y or the only one) is taken as grey.
+Result<RgbImage> rgb_from_exr(const ExrFile& file, std::string_view name);
+
+}  // namespace spool

@@ -1,0 +1,57 @@
+#include "lib/image_io/png_writer.h"
+
+#include <dlfcn.h>
+#include <array>
+#include <cstdlib>
+#include <string>
+
+#include "lib/image_io/atomic_file.h"
+
+namespace spool {
+namespace {
+
+using WritePng = int (*)(const char*, int, int, const unsigned char*, char*, std::size_t);
+
+Result<std::filesystem::path> find_module() {
+  if (const char* named = std::getenv("SPOOL_PNG_MODULE")) return std::filesystem::path(named);
+  std::error_code status;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", status);
+  std::filesystem::path folder = program.parent_path();
+  for (int up = 0; up < 3; ++up, folder = folder.parent_path()) {
+    std::filesystem::path candidate = folder / "lib" / "spool" / "spool_png.so";
+    if (std::filesystem::exists(candidate, status)) return candidate;
+  }
+  return fail(
+      ErrorCode::kIo,
+      "spool_png.so: not found in lib/spool near {}: PNG pictures need it; build the target "
+      "spool_png or set SPOOL_PNG_MODULE",
+      program.string());
+}
+
+Result<WritePng> load_module() {
+  SPOOL_ASSIGN(const std::filesystem::path path, find_module());
+  // Never closed: libraries with threads of their own do not survive being unloaded.
+  void* module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* function = module ? ::dlsym(module, "spool_write_png") : nullptr;
+  if (!function) {
+    return fail(ErrorCode::kIo, "{}: cannot be loaded ({}): PNG pictures need it", path.string(),
+                ::dlerror());
+  }
+  return reinterpret_cast<WritePng>(function);
+}
+
+}  // namespace
+
+Result<void> write_png(const std::filesystem::path& path, const Picture& picture, bool overwrite) {
+  static const Result<WritePng> write = load_module();
+  if (!write) return tl::unexpected<Error>(write.error());
+  SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, overwrite));
+  std::array<char, 512> error{};
+  if ((*write)(file.temporary_path().c_str(), picture.width, picture.height, picture.rgb.data(),
+               error.data(), error.size()) != 0) {
+    return fail(ErrorCode::kIo, "{}: cannot be written ({})", path.string(), error.data());
+  }
+  return file.commit();
+}
+
+}  // namespace spool
