@@ -1,0 +1,86 @@
+// The undecimated Laplacian pyramid: coarse images f_0 .. f_K and the details d_0 .. d_{K-1}.
+//
+//   f_{k+1} = h *_D f_k,  d_k = f_k - prediction(f_{k+1}),  D = 2^k     [LiuZheng (1)-(4)]
+//
+// All images have the size of f_0, which may be any, 1 x 1 too. f_k is "the coarse value of size
+// 2^k". With the sign of eq 1 corrected and the polyphase bookkeeping kept, eqs 1-3 are exactly
+// this a-trous convolution [HolschneiderEtAl90]. f_k = d_k + prediction holds by construction, so
+// collapse inverts build for every filter and border rule. Analysis is double; bits do not depend
+// on threads, and update_pyramid gives the bits of a full rebuild. Slow twin:
+// tests/reference/laplacian_pyramid_reference.h.
+#pragma once
+
+#include <vector>
+
+#include "lib/core/extend.h"
+#include "lib/core/image.h"
+#include "lib/core/option_table.h"
+#include "lib/core/rectangle.h"
+#include "lib/pyramid/wavelet_filters.h"
+
+namespace spool {
+
+enum class LaplacianIteration {
+  kAtrous,     // dilation 2^k: level k covers 2^k
+  kUndilated,  // the same filter again at each level: eqs 1-3 iterated on the recombined image
+};
+enum class LaplacianSign {
+  kCorrected,  // f^{ij}(x, y) = f(x + i, y + j)
+  kLiteral,    // eq 1 as printed, f(x - i, y - j): odd rows and columns are two pixels off
+               // (demonstration)
+};
+enum class LaplacianDetail {
+  kCycleSpun,   // d_k = f_k - (g/2) * f_{k+1}: the mean of eq 4 over its four phases,
+                // shift-invariant
+  kPhase00,     // d_k = f_k - g * (f_{k+1} on phase (0, 0)): eq 4 as printed, shift-variant
+  kAtrousDiff,  // d_k = f_k - f_{k+1}
+};
+
+struct PyramidOptions {
+  WaveletFilter filter = WaveletFilter::k53;
+  FilterRoles roles = FilterRoles::kLongAnalysis;
+  EvenAlign even_align = EvenAlign::kAlternate;
+  LaplacianIteration iteration = LaplacianIteration::kAtrous;
+  LaplacianSign sign = LaplacianSign::kCorrected;
+  LaplacianDetail detail = LaplacianDetail::kCycleSpun;
+  int levels = 4;  // K, 0 .. 8
+  Extension extension = Extension::kSymmetric;
+};
+
+OptionTable<PyramidOptions> pyramid_option_table();
+
+struct Pyramid {
+  std::vector<Plane> coarse;  // f_0 .. f_K
+  std::vector<Plane> detail;  // d_0 .. d_{K-1}
+};
+
+Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options);
+
+// build_pyramid into storage that exists; f0 may be pyramid.coarse[0] itself.
+void rebuild_pyramid(Pyramid& pyramid, const Plane& f0, const PyramidOptions& options);
+
+// f_0 from f_K and the details.
+Plane collapse(const Pyramid& pyramid, const PyramidOptions& options);
+
+// After pyramid.coarse[0] was changed inside `changed`: recomputes what depends on it and nothing
+// else. The boxes, if asked for, are what was recomputed: K + 1 coarse (the first is `changed`) and
+// K detail ones.
+void update_pyramid(Pyramid& pyramid, const Rectangle& changed, const PyramidOptions& options,
+                    std::vector<Rectangle>* coarse_boxes = nullptr,
+                    std::vector<Rectangle>* detail_boxes = nullptr);
+
+// Those boxes alone, for an image of size `bounds`.
+void pyramid_influence(const Rectangle& changed, const Rectangle& bounds,
+                       const PyramidOptions& options, std::vector<Rectangle>& coarse_boxes,
+                       std::vector<Rectangle>& detail_boxes);
+
+// 2^k for a-trous, 1 for undilated.
+int pyramid_dilation(const PyramidOptions& options, int k);
+
+// Eqs 1-3 as the text writes them, on every polyphase component of step `dilation`: four shifted
+// copies, each filtered and decimated, then interleaved. Corrected, it equals convolve_box bit for
+// bit; literal, it shows the misprint. Direct sums, slow: for demonstration and sign = literal.
+void apply_eqs_1_to_3_box(const Plane& in, const Taps& analysis, int dilation, LaplacianSign sign,
+                          Extension extension, const Rectangle& box, Plane& out);
+
+}  // namespace spool
