@@ -1,0 +1,27 @@
+#include "lib/reconstruction/reconstructor.h"
+
+#include "lib/reconstruction/box.h"
+
+namespace spool {
+
+const std::vector<ReconstructorEntry>& reconstructors() {
+  static const std::vector<ReconstructorEntry> list = {
+      reconstructor_entry(box_method()),
+  };
+  return list;
+}
+
+Result<ReconstructorFunction> make_reconstructor(std::string_view name, std::string_view preset,
+                                                 const OptionValues& set) {
+  std::vector<std::string> names;
+  for (const ReconstructorEntry& entry : reconstructors()) {
+    if (entry.name == name) return entry.make(preset, set);
+    names.push_back(entry.name);
+  }
+  const std::string near = nearest_name(name, names);
+  return fail(ErrorCode::kUsage, "unknown filter '{}'{}", name,
+              near.empty() ? std::string(": spool list filters names them all")
+                           : fmt::format(": did you mean '{}'?", near));
+}
+
+}  // namespace spool
