@@ -64,4 +64,10 @@ Result<SamplerFunction> make_sampler(std::string_view name, std::string_view pre
 // Budget in samples for a number of samples per pixel, which need not be whole.
 long long sample_budget(double samples_per_pixel, const RecordedSamples& recording);
 
+// Pieces of which every offered sample was taken.
+long long count_saturated(const SamplePool& pool, const CountImage& n);
+
+// What every sampler reports at its end: saturated pieces, and the guards that follow from the log.
+void finish_log(SamplingLog& log, const SamplePool& pool, const CountImage& n);
+
 }  // namespace spool

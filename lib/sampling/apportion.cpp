@@ -1,0 +1,86 @@
+#include "lib/sampling/apportion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "lib/core/check.h"
+
+namespace spool {
+namespace {
+
+using Wide = unsigned __int128;
+
+// Weights as whole multiples of 2^-32 of the largest.
+std::vector<std::uint64_t> fractions_of_largest(std::span<const double> weights) {
+  double largest = 0.0;
+  for (const double w : weights) {
+    if (std::isfinite(w)) largest = std::max(largest, w);
+  }
+  const bool any_infinite = std::any_of(weights.begin(), weights.end(),
+                                        [](double w) { return std::isinf(w) && w > 0.0; });
+  if (largest == 0.0 && any_infinite) largest = 1.0;  // only the infinite ones count
+  std::vector<std::uint64_t> units(weights.size(), 0);
+  if (largest == 0.0) return units;
+  for (std::size_t t = 0; t < weights.size(); ++t) {
+    if (!(weights[t] > 0.0)) continue;
+    units[t] = static_cast<std::uint64_t>(std::min(weights[t] / largest, 1.0) * 0x1.0p32);
+  }
+  return units;
+}
+
+}  // namespace
+
+std::vector<long long> apportion(std::span<const double> weights, long long budget,
+                                 std::span<const long long> caps) {
+  SPOOL_CHECK_EQ(weights.size(), caps.size());
+  SPOOL_CHECK_GE(budget, 0);
+  const std::vector<std::uint64_t> units = fractions_of_largest(weights);
+  std::vector<long long> share(weights.size(), 0);
+  std::vector<std::size_t> active;
+  long long capacity = 0;
+  for (std::size_t t = 0; t < caps.size(); ++t) {
+    SPOOL_CHECK_GE(caps[t], 0);
+    capacity += caps[t];
+    if (caps[t] > 0) active.push_back(t);
+  }
+  long long left = std::min(budget, capacity);
+  while (left > 0) {
+    Wide total = 0;
+    for (const std::size_t t : active)
+      total += units[t];
+    const bool equal = total == 0;
+    if (equal) total = active.size();
+    const auto product = [&](std::size_t t) {
+      return static_cast<Wide>(left) * (equal ? 1 : units[t]);
+    };
+    long long given = 0;
+    for (const std::size_t t : active) {
+      const Wide wanted = product(t) / total;
+      const auto room = static_cast<Wide>(caps[t] - share[t]);
+      const auto add = static_cast<long long>(std::min(wanted, room));
+      share[t] += add;
+      given += add;
+    }
+    if (given == 0) {  // every wanted share is below 1, so fewer samples are left than shares
+      std::vector<std::pair<Wide, std::size_t>> remainders;
+      remainders.reserve(active.size());
+      for (const std::size_t t : active)
+        remainders.emplace_back(product(t) % total, t);
+      const auto larger = [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first > b.first : a.second < b.second;
+      };
+      const auto cut = remainders.begin() + left;
+      SPOOL_CHECK_LE(static_cast<std::size_t>(left), remainders.size());
+      std::nth_element(remainders.begin(), cut, remainders.end(), larger);
+      for (auto it = remainders.begin(); it != cut; ++it)
+        ++share[it->second];
+      return share;
+    }
+    left -= given;
+    std::erase_if(active, [&](std::size_t t) { return share[t] == caps[t]; });
+  }
+  return share;
+}
+
+}  // namespace spool

@@ -1,0 +1,53 @@
+#include "lib/sampling/sampler.h"
+
+#include <cmath>
+
+#include "lib/core/parallel.h"
+#include "lib/sampling/sampler_entry.h"
+#include "lib/sampling/uniform.h"
+
+namespace spool {
+
+const std::vector<SamplerEntry>& samplers() {
+  static const std::vector<SamplerEntry> list = {
+      sampler_entry<UniformOptions>("uniform", "the same number of samples in every piece",
+                                    PrimaryText::kKnown, {{"", {}}}, uniform_option_table(),
+                                    sample_uniform),
+  };
+  return list;
+}
+
+Result<SamplerFunction> make_sampler(std::string_view name, std::string_view preset,
+                                     const OptionValues& set) {
+  std::vector<std::string> names;
+  for (const SamplerEntry& entry : samplers()) {
+    if (entry.name == name) return entry.make(preset, set);
+    names.push_back(entry.name);
+  }
+  const std::string near = nearest_name(name, names);
+  return fail(ErrorCode::kUsage, "unknown sampler '{}'{}", name,
+              near.empty() ? std::string(": see spool list samplers")
+                           : fmt::format(": did you mean '{}'?", near));
+}
+
+long long sample_budget(double samples_per_pixel, const RecordedSamples& recording) {
+  SPOOL_CHECK_GE(samples_per_pixel, 0.0);
+  return std::llround(samples_per_pixel * recording.width() * recording.height());
+}
+
+long long count_saturated(const SamplePool& pool, const CountImage& n) {
+  long long saturated = 0;
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x)
+      saturated += n(x, y) >= pool.capacity(x, y);
+  }
+  return saturated;
+}
+
+void finish_log(SamplingLog& log, const SamplePool& pool, const CountImage& n) {
+  log.saturated_pieces = count_saturated(pool, n);
+  log.guards.add(Guard::kSaturatedPieces, static_cast<std::uint64_t>(log.saturated_pieces));
+  log.guards.add(Guard::kUniformRemainder, static_cast<std::uint64_t>(log.uniform_remainder));
+}
+
+}  // namespace spool

@@ -1,0 +1,89 @@
+#include "lib/sampling/uniform.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "lib/core/random.h"
+
+namespace spool {
+
+const OptionTable<UniformOptions>& uniform_option_table() {
+  using O = UniformOptions;
+  static const OptionTable<O> table = {
+      choice_option<O, ExposureMode>(
+          "exposure", &O::exposure,
+          {{"normalise", ExposureMode::kNormalise}, {"none", ExposureMode::kNone}},
+          "scale of the analysis signal that reconstructors see"),
+      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised analysis signal"),
+  };
+  return table;
+}
+
+long long raise_least_sampled(CountImage& n, const SamplePool& pool, const Rectangle& area,
+                              long long budget, std::uint64_t seed, int limit) {
+  SPOOL_CHECK_EQ(n.width(), pool.width());
+  SPOOL_CHECK_EQ(n.height(), pool.height());
+  SPOOL_CHECK_GE(budget, 0);
+  const auto ceiling = [&](int x, int y) { return std::min(pool.capacity(x, y), limit); };
+  int highest = 0;
+  for (int y = area.y0; y < area.y1; ++y) {
+    for (int x = area.x0; x < area.x1; ++x)
+      highest = std::max(highest, ceiling(x, y));
+  }
+  // takers[l]: pieces that take a sample when the level rises from l to l + 1.
+  std::vector<long long> takers(static_cast<std::size_t>(highest) + 1, 0);
+  for (int y = area.y0; y < area.y1; ++y) {
+    for (int x = area.x0; x < area.x1; ++x) {
+      if (n(x, y) >= ceiling(x, y)) continue;
+      ++takers[static_cast<std::size_t>(n(x, y))];
+      --takers[static_cast<std::size_t>(ceiling(x, y))];
+    }
+  }
+  for (std::size_t l = 1; l < takers.size(); ++l)
+    takers[l] += takers[l - 1];
+
+  int level = 0;
+  long long left = budget;
+  while (level < highest && takers[static_cast<std::size_t>(level)] <= left) {
+    left -= takers[static_cast<std::size_t>(level)];
+    ++level;
+  }
+  std::vector<std::pair<std::uint64_t, std::size_t>> last_takers;  // at the level left incomplete
+  for (int y = area.y0; y < area.y1; ++y) {
+    for (int x = area.x0; x < area.x1; ++x) {
+      const std::size_t i = n.index(x, y);
+      const int top = ceiling(x, y);
+      n[i] = std::max(n[i], std::min(level, top));
+      if (n[i] == level && level < top && left > 0) last_takers.emplace_back(mix(seed, i), i);
+    }
+  }
+  if (last_takers.empty()) return budget - left;
+  SPOOL_CHECK_LT(left, static_cast<long long>(last_takers.size()));
+  std::nth_element(last_takers.begin(), last_takers.begin() + left, last_takers.end());
+  for (auto it = last_takers.begin(); it != last_takers.begin() + left; ++it)
+    ++n[it->second];
+  return budget;
+}
+
+Result<SamplingResult> sample_uniform(const SamplePool& pool, long long budget,
+                                      const UniformOptions& options,
+                                      const SamplingContext& context) {
+  SPOOL_CHECK_GE(budget, 0);
+  SamplingResult result;
+  result.log.budget = budget;
+  CountImage n(pool.width(), pool.height());
+  result.log.spent = raise_least_sampled(n, pool, n.bounds(), budget, context.seed);
+  result.log.initial = result.log.spent;
+  PieceStatistics& statistics = result.selection.statistics;
+  statistics = prefix_statistics(pool, n);
+  if (options.exposure == ExposureMode::kNormalise) {
+    AnalysisSignal signal;
+    signal.exposure = exposure_of(statistics, options.key, result.log.guards);
+    set_signal(statistics, pool, signal);
+  }
+  finish_log(result.log, pool, statistics.n);
+  return result;
+}
+
+}  // namespace spool
