@@ -1,12 +1,14 @@
 #include "lib/reconstruction/reconstructor.h"
 
 #include "lib/reconstruction/box.h"
+#include "lib/reconstruction/gaussian.h"
 
 namespace spool {
 
 const std::vector<ReconstructorEntry>& reconstructors() {
   static const std::vector<ReconstructorEntry> list = {
       reconstructor_entry(box_method()),
+      reconstructor_entry(gaussian_method()),
   };
   return list;
 }
