@@ -1,0 +1,389 @@
+#include "lib/evaluation/error_metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "lib/core/pairwise_sum.h"
+#include "lib/core/parallel.h"
+#include "lib/evaluation/largest_first.h"
+#include "lib/evaluation/tone_map.h"
+
+namespace spool {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kAbsoluteFloor = 1e-2;  // of relmae and smape, after the relative scale
+constexpr int kDeciles = 10;
+
+// Per-pixel terms whose block sums the linear metrics are ratios of.
+enum Term : int {
+  kCount,
+  kSquared,                      // mean over channels of (I - R)^2 - b
+  kSquaredOf,                    // + c
+  kRawSquared = kSquaredOf + 3,  // without b
+  kRelative,                     // mean over channels of ((I - R)^2 - b) / (D^2 + eps)
+  kRelativeOf,                   // + c
+  kAbsolute = kRelativeOf + 3,
+  kRelativeAbsolute,
+  kSymmetric,
+  kToneSquared,
+  kEnergy,                                            // sum over channels of I
+  kReferenceEnergy,                                   // sum over channels of R
+  kDecileEnergy,                                      // + decile
+  kDecileReferenceEnergy = kDecileEnergy + kDeciles,  // + decile
+  kTermCount = kDecileReferenceEnergy + kDeciles
+};
+using Terms = std::array<double, kTermCount>;
+
+enum class Rule { kRatio, kRootRatio, kDecibel, kTrimmed, kDropped, kQuantile, kMaximum };
+
+struct Metric {
+  MetricDescription description;
+  Rule rule = Rule::kRatio;
+  int numerator = 0, denominator = kCount;  // Terms, of the ratio rules
+};
+
+std::vector<Metric> make_registry() {
+  std::vector<Metric> registry = {
+      {{"mse", "mean squared error over pixels and channels, debiased"}, Rule::kRatio, kSquared},
+      {{"mse_r", "mean squared error of red, debiased"}, Rule::kRatio, kSquaredOf},
+      {{"mse_g", "mean squared error of green, debiased"}, Rule::kRatio, kSquaredOf + 1},
+      {{"mse_b", "mean squared error of blue, debiased"}, Rule::kRatio, kSquaredOf + 2},
+      {{"rmse", "root of the mean squared error, not debiased"}, Rule::kRootRatio, kRawSquared},
+      {{"relmse", "mean of (squared error, debiased) / (reference^2 + rel_eps)"},
+       Rule::kRatio,
+       kRelative},
+      {{"relmse_r", "relmse of red"}, Rule::kRatio, kRelativeOf},
+      {{"relmse_g", "relmse of green"}, Rule::kRatio, kRelativeOf + 1},
+      {{"relmse_b", "relmse of blue"}, Rule::kRatio, kRelativeOf + 2},
+      {{"relmse_trimmed", "relmse without the largest 0.1 % of the pixels (option trim)"},
+       Rule::kTrimmed},
+      {{"relmse_dropped", "what those pixels add to relmse"}, Rule::kDropped},
+      {{"mae", "mean absolute error over pixels and channels"}, Rule::kRatio, kAbsolute},
+      {{"relmae", "mean of absolute error / (|reference| + 0.01)"},
+       Rule::kRatio,
+       kRelativeAbsolute},
+      {{"smape", "mean of absolute error / (|image| + |reference| + 0.01), 0 .. 1"},
+       Rule::kRatio,
+       kSymmetric},
+      {{"se_p999", "99.9 % quantile of the pixels' squared error, not debiased"}, Rule::kQuantile},
+      {{"se_max", "largest squared error of a pixel, not debiased"}, Rule::kMaximum},
+      {{"psnr_tm", "peak signal-to-noise ratio of the tone-mapped images, dB", Better::kHigher},
+       Rule::kDecibel,
+       kToneSquared},
+      {{"energy_ratio", "sum of the image / sum of the reference", Better::kOne},
+       Rule::kRatio,
+       kEnergy,
+       kReferenceEnergy},
+  };
+  for (int d = 0; d < kDeciles; ++d) {
+    registry.push_back({{fmt::format("energy_ratio_d{}", d + 1),
+                         fmt::format("energy ratio of decile {} of the reference's luminance{}",
+                                     d + 1, d == 0 ? " (the darkest)" : ""),
+                         Better::kOne},
+                        Rule::kRatio,
+                        kDecileEnergy + d,
+                        kDecileReferenceEnergy + d});
+  }
+  return registry;
+}
+
+const std::vector<Metric>& registry() {
+  static const std::vector<Metric> all = make_registry();
+  return all;
+}
+
+bool is_finite(const RgbImage& image, std::size_t p) {
+  return std::isfinite(image[0][p]) && std::isfinite(image[1][p]) && std::isfinite(image[2][p]);
+}
+
+double luminance_at(const RgbImage& image, std::size_t p) {
+  return luminance(image[0][p], image[1][p], image[2][p]);
+}
+
+// Everything that is computed once per pair of images and looked at once per resample.
+class Evaluation {
+ public:
+  Evaluation(const RgbImage& estimate, const JudgingReference& reference,
+             const MetricOptions& options)
+      : estimate_(estimate),
+        reference_(reference),
+        options_(options),
+        bootstrap_(estimate[0].width(), estimate[0].height(), options.bootstrap),
+        judged_(estimate[0].width(), estimate[0].height()),
+        decile_(estimate[0].width(), estimate[0].height()) {
+    select_pixels();
+    if (table_.pixels == 0) return;
+    choose_scales();
+    assign_deciles();
+    add_up_blocks();
+  }
+
+  MetricTable table() {
+    table_.values.resize(registry().size());
+    table_.resampled.resize(registry().size());
+    if (table_.pixels == 0) return std::move(table_);
+    LargestFirst relative(relative_, judged_), squared(squared_, judged_);
+    const bool resamples = bootstrap_.blocks() > 1;
+    for (std::size_t m = 0; m < registry().size(); ++m) {
+      const Metric& metric = registry()[m];
+      table_.values[m].value = value(metric, {}, relative, squared);
+      if (!resamples || metric.rule == Rule::kMaximum) continue;
+      std::vector<double>& resampled = table_.resampled[m];
+      for (int r = 0; r < bootstrap_.resamples(); ++r)
+        resampled.push_back(value(metric, bootstrap_.weights(r), relative, squared));
+      table_.values[m].standard_error = standard_error_of(resampled);
+    }
+    return std::move(table_);
+  }
+
+ private:
+  void select_pixels() {
+    for (std::size_t p = 0; p < judged_.size(); ++p) {
+      if (!is_finite(estimate_, p)) {
+        ++table_.excluded_estimate;
+      } else if (!is_finite(reference_.mean, p) ||
+                 (reference_.variance && !is_finite(*reference_.variance, p)) ||
+                 (reference_.denominator && !is_finite(*reference_.denominator, p))) {
+        ++table_.excluded_reference;
+      } else {
+        judged_[p] = 1;
+        ++table_.pixels;
+      }
+    }
+    table_.failed = table_.excluded_estimate > 0;
+    table_.guards.add(Guard::kMetricExcluded, table_.excluded_estimate + table_.excluded_reference);
+  }
+
+  void choose_scales() {
+    exposure_ = tone_map_exposure(reference_.mean, judged_);
+    if (options_.rel_scale == RelativeScale::kNone) return;
+    const double sum = pairwise_sum(judged_.size(), [&](std::size_t p) {
+      return judged_[p] ? luminance_at(reference_.mean, p) : 0.0;
+    });
+    const double mean = sum / static_cast<double>(table_.pixels);
+    if (std::isfinite(mean) && mean >= 1e-20) {
+      table_.relative_scale = 1.0 / mean;
+    } else {
+      table_.guards.add(Guard::kExposureFallback);
+    }
+  }
+
+  const RgbImage& denominator() const {
+    return reference_.denominator ? *reference_.denominator : reference_.mean;
+  }
+
+  // By the denominator image: its noise is independent of R's where R is noisy, else a decile of
+  // bright pixels would hold those that R has too bright.
+  void assign_deciles() {
+    std::vector<std::pair<double, std::size_t>> order;
+    order.reserve(table_.pixels);
+    for (std::size_t p = 0; p < judged_.size(); ++p) {
+      if (judged_[p]) order.emplace_back(luminance_at(denominator(), p), p);
+    }
+    std::sort(order.begin(), order.end());
+    for (std::size_t i = 0; i < order.size(); ++i)
+      decile_[order[i].second] = static_cast<std::uint8_t>(kDeciles * i / order.size());
+  }
+
+  Terms terms_at(std::size_t p) {
+    Terms terms{};
+    terms[kCount] = 1.0;
+    const double scale = table_.relative_scale;
+    const double shared = options_.rel_denominator == RelativeDenominator::kLuminance
+                              ? scale * luminance_at(denominator(), p)
+                              : 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double i = estimate_[c][p], r = reference_.mean[c][p];
+      const double b = reference_.variance ? (*reference_.variance)[c][p] : 0.0;
+      const double raw = (i - r) * (i - r), squared = raw - b;
+      const double d = options_.rel_denominator == RelativeDenominator::kLuminance
+                           ? shared
+                           : scale * denominator()[c][p];
+      const double relative = scale * scale * squared / (d * d + options_.rel_eps);
+      const double difference = std::abs(i - r);
+      terms[kSquared] += squared / 3.0;
+      terms[kSquaredOf + c] = squared;
+      terms[kRawSquared] += raw / 3.0;
+      terms[kRelative] += relative / 3.0;
+      terms[kRelativeOf + c] = relative;
+      terms[kAbsolute] += difference / 3.0;
+      terms[kRelativeAbsolute] += scale * difference / (scale * std::abs(r) + kAbsoluteFloor) / 3.0;
+      terms[kSymmetric] +=
+          scale * difference / (scale * (std::abs(i) + std::abs(r)) + kAbsoluteFloor) / 3.0;
+      const double tone = tone_mapped(i, exposure_) - tone_mapped(r, exposure_);
+      terms[kToneSquared] += tone * tone / 3.0;
+      terms[kEnergy] += i;
+      terms[kReferenceEnergy] += r;
+    }
+    terms[kDecileEnergy + decile_[p]] = terms[kEnergy];
+    terms[kDecileReferenceEnergy + decile_[p]] = terms[kReferenceEnergy];
+    return terms;
+  }
+
+  void add_up_blocks() {
+    const auto blocks = static_cast<std::size_t>(bootstrap_.blocks());
+    for (std::vector<double>& sums : sums_)
+      sums.assign(blocks, 0.0);
+    relative_ = Plane(judged_.width(), judged_.height());
+    squared_ = Plane(judged_.width(), judged_.height());
+    parallel_for(blocks, [&](std::size_t b) {
+      const Rectangle bounds = bootstrap_.block_bounds(static_cast<int>(b));
+      Terms sums{};
+      for (int y = bounds.y0; y < bounds.y1; ++y) {
+        for (int x = bounds.x0; x < bounds.x1; ++x) {
+          const std::size_t p = judged_.index(x, y);
+          if (!judged_[p]) continue;
+          const Terms terms = terms_at(p);
+          for (std::size_t t = 0; t < kTermCount; ++t)
+            sums[t] += terms[t];
+          relative_[p] = terms[kRelative];
+          squared_[p] = terms[kRawSquared];
+        }
+      }
+      for (std::size_t t = 0; t < kTermCount; ++t)
+        sums_[t][b] = sums[t];
+    });
+  }
+
+  double sum(int term, std::span<const double> weights) const {
+    return weighted_sum(sums_[static_cast<std::size_t>(term)], weights);
+  }
+
+  double value(const Metric& metric, std::span<const double> weights, LargestFirst& relative,
+               LargestFirst& squared) {
+    switch (metric.rule) {
+      case Rule::kRatio:
+        return sum(metric.numerator, weights) / sum(metric.denominator, weights);
+      case Rule::kRootRatio:
+        return std::sqrt(sum(metric.numerator, weights) / sum(metric.denominator, weights));
+      case Rule::kDecibel:
+        return 10.0 * std::log10(sum(metric.denominator, weights) / sum(metric.numerator, weights));
+      case Rule::kTrimmed:
+      case Rule::kDropped: {
+        const double count = sum(kCount, weights);
+        // The factor keeps ceil from counting the rounding of trim * count as one pixel more.
+        const double to_drop = std::ceil(options_.trim * count * (1.0 - 1e-12));
+        double left = to_drop, dropped = 0.0;
+        relative.walk([&](const LargestFirst::Entry& entry) {
+          if (left <= 0.0) return false;
+          const double copies = std::min(left, copies_of(entry.pixel, weights));
+          dropped += copies * entry.value;
+          left -= copies;
+          return true;
+        });
+        if (metric.rule == Rule::kDropped) return dropped / count;
+        return (sum(kRelative, weights) - dropped) / (count - to_drop);
+      }
+      case Rule::kQuantile:
+      case Rule::kMaximum: {
+        double skip = metric.rule == Rule::kMaximum ? 0.0 : std::floor(sum(kCount, weights) / 1e3);
+        double found = kNaN;
+        squared.walk([&](const LargestFirst::Entry& entry) {
+          skip -= copies_of(entry.pixel, weights);
+          found = entry.value;
+          return skip >= 0.0;
+        });
+        return found;
+      }
+    }
+    return kNaN;
+  }
+
+  double copies_of(std::size_t pixel, std::span<const double> weights) const {
+    if (weights.empty()) return 1.0;
+    const auto width = static_cast<std::size_t>(judged_.width());
+    return weights[static_cast<std::size_t>(
+        bootstrap_.block_of(static_cast<int>(pixel % width), static_cast<int>(pixel / width)))];
+  }
+
+  const RgbImage& estimate_;
+  const JudgingReference& reference_;
+  const MetricOptions& options_;
+  BlockBootstrap bootstrap_;
+  Image<std::uint8_t> judged_, decile_;
+  double exposure_ = 1.0;
+  std::array<std::vector<double>, kTermCount> sums_;  // [term][block]
+  Plane relative_, squared_;  // per pixel: relMSE debiased, squared error raw
+  MetricTable table_;
+};
+
+void check_sizes(const RgbImage& estimate, const JudgingReference& reference) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    SPOOL_CHECK(estimate[c].same_size(estimate[0]));
+    SPOOL_CHECK(reference.mean[c].same_size(estimate[0]));
+    if (reference.variance) SPOOL_CHECK((*reference.variance)[c].same_size(estimate[0]));
+    if (reference.denominator) SPOOL_CHECK((*reference.denominator)[c].same_size(estimate[0]));
+  }
+}
+
+}  // namespace
+
+const OptionTable<MetricOptions>& metric_option_table() {
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  static const OptionTable<MetricOptions> table = {
+      number_option("rel_eps", &MetricOptions::rel_eps, 0.0, kLargest,
+                    "added to the squared reference in relmse"),
+      choice_option<MetricOptions, RelativeScale>(
+          "rel_scale", &MetricOptions::rel_scale,
+          {{"mean", RelativeScale::kMean}, {"none", RelativeScale::kNone}},
+          "relative metrics divide both images by the reference's mean luminance, or not"),
+      choice_option<MetricOptions, RelativeDenominator>(
+          "rel_denominator", &MetricOptions::rel_denominator,
+          {{"per_channel", RelativeDenominator::kPerChannel},
+           {"luminance", RelativeDenominator::kLuminance}},
+          "relmse divides each channel by itself, or all by the luminance"),
+      number_option("trim", &MetricOptions::trim, 0.0, 0.5,
+                    "share of pixels that relmse_trimmed leaves out"),
+  };
+  return table;
+}
+
+const std::vector<MetricDescription>& metrics() {
+  static const std::vector<MetricDescription> descriptions = [] {
+    std::vector<MetricDescription> all;
+    for (const Metric& metric : registry())
+      all.push_back(metric.description);
+    return all;
+  }();
+  return descriptions;
+}
+
+int metric_index(std::string_view name) {
+  const std::vector<MetricDescription>& all = metrics();
+  for (std::size_t m = 0; m < all.size(); ++m) {
+    if (all[m].name == name) return static_cast<int>(m);
+  }
+  return -1;
+}
+
+const MetricValue& MetricTable::operator[](std::string_view name) const {
+  const int index = metric_index(name);
+  SPOOL_CHECK_GE(index, 0);
+  SPOOL_CHECK_LT(static_cast<std::size_t>(index), values.size());
+  return values[static_cast<std::size_t>(index)];
+}
+
+MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& reference,
+                          const MetricOptions& options) {
+  check_sizes(estimate, reference);
+  return Evaluation(estimate, reference, options).table();
+}
+
+Plane squared_error_map(const RgbImage& estimate, const JudgingReference& reference) {
+  check_sizes(estimate, reference);
+  Plane map(estimate[0].width(), estimate[0].height());
+  for (std::size_t p = 0; p < map.size(); ++p) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double difference = estimate[c][p] - reference.mean[c][p];
+      sum += difference * difference - (reference.variance ? (*reference.variance)[c][p] : 0.0);
+    }
+    map[p] = std::isfinite(sum) ? sum / 3.0 : kNaN;
+  }
+  return map;
+}
+
+}  // namespace spool

@@ -1,0 +1,269 @@
+#include "lib/evaluation/experiment.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <numeric>
+#include <tuple>
+
+#include <oneapi/tbb/global_control.h>
+
+namespace spool {
+namespace {
+
+class StageClock {
+ public:
+  StageTime elapsed() const {
+    return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(),
+            cpu_seconds() - cpu_};
+  }
+
+ private:
+  static double cpu_seconds() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+
+  std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
+  double cpu_ = cpu_seconds();
+};
+
+bool same_sampling(const Cell& a, const Cell& b) {
+  return a.dump == b.dump && a.sampler == b.sampler && a.spp == b.spp && a.replicate == b.replicate;
+}
+
+// A recording in use, loaded once for all neighbouring cells that want it.
+struct LoadedDump {
+  std::string name;
+  Result<std::shared_ptr<const RecordedSamples>> samples;
+  StageTime reading;
+};
+
+// One sampling run with what its cells are judged by.
+struct SamplingRun {
+  SamplePool pool;
+  SamplingResult sampled;
+  StageTime time;
+  ReferenceKind kind;
+  JudgingReference reference;
+};
+
+class Runner {
+ public:
+  Runner(const std::vector<Cell>& cells, const ExperimentOptions& options,
+         const ExperimentSources& sources, const ExperimentCallbacks& callbacks)
+      : cells_(cells), options_(options), sources_(sources), callbacks_(callbacks) {}
+
+  std::vector<CellResult> run() {
+    std::vector<std::optional<CellResult>> results(cells_.size());
+    const std::vector<std::size_t> order = work_order();
+    for (std::size_t begin = 0; begin < order.size();) {
+      std::size_t end = begin + 1;
+      while (end < order.size() && same_sampling(cells_[order[begin]], cells_[order[end]]))
+        ++end;
+      if (cancelled()) break;
+      const Cell& first = cells_[order[begin]];
+      const Result<SamplingRun> sampling = sample(first);
+      for (std::size_t i = begin; i < end && !cancelled(); ++i) {
+        results[order[i]] = filter(cells_[order[i]], sampling);
+        ++done_;
+        report_progress(0.0);
+      }
+      begin = end;
+    }
+    std::vector<CellResult> finished;
+    for (std::optional<CellResult>& result : results) {
+      if (result) finished.push_back(std::move(*result));
+    }
+    return finished;
+  }
+
+ private:
+  // Cells that share a recording, and of those the ones that share a sampling run, side by side;
+  // otherwise as they came.
+  std::vector<std::size_t> work_order() const {
+    std::vector<std::size_t> order, group(cells_.size()), dump(cells_.size());
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const auto matches = [&](auto&& same) {
+        std::size_t j = 0;
+        while (j < i && !same(cells_[j], cells_[i]))
+          ++j;
+        return j;
+      };
+      group[i] = matches(same_sampling);
+      dump[i] = matches([](const Cell& a, const Cell& b) { return a.dump == b.dump; });
+    }
+    order.resize(cells_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return std::tie(dump[a], group[a]) < std::tie(dump[b], group[b]);
+    });
+    return order;
+  }
+
+  bool cancelled() const { return callbacks_.cancelled && callbacks_.cancelled(); }
+
+  void report_progress(double share_of_cell) const {
+    if (!callbacks_.progress) return;
+    callbacks_.progress((static_cast<double>(done_) + share_of_cell) /
+                        static_cast<double>(cells_.size()));
+  }
+
+  Result<std::shared_ptr<const RecordedSamples>> load(const std::string& name) {
+    if (!dump_ || dump_->name != name) {
+      dump_.reset();  // frees the last recording before the next one is read
+      const StageClock clock;
+      auto samples = sources_.load(name);
+      dump_ = LoadedDump{name, std::move(samples), clock.elapsed()};
+      fresh_ = true;
+    }
+    return dump_->samples;
+  }
+
+  Result<SamplingRun> sample(const Cell& cell) {
+    SPOOL_ASSIGN(const auto recording, load(cell.dump));
+    if (options_.order == PoolOrder::kRecorded && cell.replicate > 0) {
+      return fail(ErrorCode::kUsage,
+                  "pool.order=recorded gives every replicate the same samples: use shuffled, or "
+                  "one replicate");
+    }
+    const ReferenceKind kind = options_.reference.value_or(default_reference_kind(*recording));
+    const bool holds_out = kind == ReferenceKind::kHoldout;
+    int holdout = options_.holdout.value_or(0);
+    if (!options_.holdout && holds_out) holdout = default_holdout(*recording);
+    const std::uint64_t seed = mix(options_.seed, static_cast<std::uint64_t>(cell.replicate));
+    SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, {options_.pieces_per_side,
+                                                                 options_.order, seed, holdout}));
+    SPOOL_ASSIGN(const SamplerFunction sampler, sources_.sampler(cell.sampler));
+    SamplingContext context;
+    context.seed = seed;
+    context.progress = [&](double share) { report_progress(0.5 * share); };
+    context.cancelled = callbacks_.cancelled ? &callbacks_.cancelled : nullptr;
+    const StageClock clock;
+    SPOOL_ASSIGN(SamplingResult sampled,
+                 sampler(pool, sample_budget(cell.spp, *recording), context));
+    const StageTime time = clock.elapsed();
+    SPOOL_ASSIGN(JudgingReference reference,
+                 judging_reference(kind, pool, sampled.selection.statistics.n));
+    return SamplingRun{std::move(pool), std::move(sampled), time, kind, std::move(reference)};
+  }
+
+  static Result<JudgingReference> judging_reference(ReferenceKind kind, const SamplePool& pool,
+                                                    const CountImage& counts) {
+    switch (kind) {
+      case ReferenceKind::kIndependent:
+        return independent_reference(pool.recording());
+      case ReferenceKind::kHoldout:
+        return holdout_reference(pool);
+      case ReferenceKind::kLeaveSelectedOut:
+        return leave_selected_out_reference(pool, counts);
+      case ReferenceKind::kPool:
+        return pool_reference(pool);
+    }
+    return fail(ErrorCode::kUsage, "unknown reference");
+  }
+
+  CellResult filter(const Cell& cell, const Result<SamplingRun>& sampling) {
+    CellResult result;
+    result.cell = cell;
+    result.threads = static_cast<int>(oneapi::tbb::global_control::active_value(
+        oneapi::tbb::global_control::max_allowed_parallelism));
+    if (fresh_) result.reading = dump_->reading;
+    fresh_ = false;
+    const Result<void> outcome =
+        sampling ? judge(*sampling, result) : tl::unexpected<Error>(sampling.error());
+    if (!outcome) {
+      result.error = outcome.error();
+      if (callbacks_.finished) callbacks_.finished(result, nullptr);
+    }
+    return result;
+  }
+
+  Result<void> judge(const SamplingRun& run, CellResult& result) const {
+    const RecordedSamples& recording = run.pool.recording();
+    SPOOL_ASSIGN(const ReconstructorFunction reconstructor, sources_.filter(result.cell.filter));
+    ReconstructionContext context;
+    context.reference = recording.reference() ? &*recording.reference() : nullptr;
+    context.progress = [&](double share) { report_progress(0.5 + 0.5 * share); };
+    const StageClock clock;
+    SPOOL_ASSIGN(const Reconstruction reconstruction,
+                 reconstructor(run.sampled.selection, run.pool, context));
+    result.filtering = clock.elapsed();
+    if (reconstruction.image[0].width() != recording.width() ||
+        reconstruction.image[0].height() != recording.height()) {
+      return fail(ErrorCode::kData,
+                  "{}: the filter returned {} x {} pixels for a recording of {} x {}",
+                  result.cell.filter.label(), reconstruction.image[0].width(),
+                  reconstruction.image[0].height(), recording.width(), recording.height());
+    }
+    result.metrics = error_metrics(reconstruction.image, run.reference, options_.metrics);
+    result.reference = run.kind;
+    result.holdout = run.pool.options().holdout;
+    result.width = recording.width();
+    result.height = recording.height();
+    result.pieces_per_side = run.pool.pieces_per_side();
+    result.sampling = run.time;
+    result.cost_per_sample = recording.cost_per_sample();
+    result.log = run.sampled.log;
+    result.guards = recording.guards();
+    result.guards += run.sampled.log.guards;
+    result.guards += reconstruction.guards;
+    result.guards += result.metrics.guards;
+    if (callbacks_.finished) {
+      const CellImages images{reconstruction.image, run.sampled.selection, reconstruction,
+                              run.reference};
+      callbacks_.finished(result, &images);
+    }
+    return {};
+  }
+
+  const std::vector<Cell>& cells_;
+  const ExperimentOptions& options_;
+  const ExperimentSources& sources_;
+  const ExperimentCallbacks& callbacks_;
+  std::optional<LoadedDump> dump_;
+  bool fresh_ = false;  // the recording was loaded for the cell at hand
+  std::size_t done_ = 0;
+};
+
+}  // namespace
+
+std::string MethodChoice::label() const {
+  std::string text = name;
+  if (!preset.empty()) text += ":" + preset;
+  if (set.empty()) return text;
+  text += "{";
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    if (i > 0) text += ',';
+    text += set[i].first + "=" + set[i].second;
+  }
+  return text + "}";
+}
+
+std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
+                            const std::vector<MethodChoice>& samplers,
+                            const std::vector<MethodChoice>& filters,
+                            const std::vector<double>& spp, int replicates) {
+  std::vector<Cell> cells;
+  for (const std::string& dump : dumps) {
+    for (const MethodChoice& sampler : samplers) {
+      for (const double budget : spp) {
+        for (int replicate = 0; replicate < replicates; ++replicate) {
+          for (const MethodChoice& filter : filters)
+            cells.push_back({dump, sampler, filter, budget, replicate});
+        }
+      }
+    }
+  }
+  return cells;
+}
+
+std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
+                                       const ExperimentOptions& options,
+                                       const ExperimentSources& sources,
+                                       const ExperimentCallbacks& callbacks) {
+  return Runner(cells, options, sources, callbacks).run();
+}
+
+}  // namespace spool

@@ -1,0 +1,28 @@
+#include <gtest/gtest.h>
+
+#include "lib/core/parallel.h"
+#include "lib/evaluation/error_metrics.h"
+#include "tests/evaluation/random_images.h"
+
+namespace spool {
+namespace {
+
+TEST(ErrorMetrics, BitsDoNotDependOnTheNumberOfThreads) {
+  const RgbImage r = testing::uniform_image(200, 150, 1);
+  const RgbImage i = testing::add_noise(r, 2, 0.2);
+  const auto bits = [&](int threads) {
+    const ThreadLimit limit(threads);
+    std::vector<double> values;
+    for (const MetricValue& metric : error_metrics(i, {r, {}, {}}).values) {
+      values.push_back(metric.value);
+      if (!std::isnan(metric.standard_error)) values.push_back(metric.standard_error);
+    }
+    return values;
+  };
+  const std::vector<double> once = bits(1);
+  for (const int threads : {2, 3, 8})
+    EXPECT_EQ(bits(threads), once) << threads;
+}
+
+}  // namespace
+}  // namespace spool

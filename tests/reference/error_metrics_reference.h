@@ -1,0 +1,180 @@
+// Slow twin of lib/evaluation/error_metrics: each metric by its definition, one plain loop each.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lib/evaluation/error_metrics.h"
+
+namespace spool::reference {
+
+// One judged pixel: [c] of estimate, reference, its variance and the denominator image.
+struct JudgedPixel {
+  double i[3], r[3], b[3], d[3];
+  double y_r() const { return 0.2126 * r[0] + 0.7152 * r[1] + 0.0722 * r[2]; }
+  double y_d() const { return 0.2126 * d[0] + 0.7152 * d[1] + 0.0722 * d[2]; }
+};
+
+inline std::vector<JudgedPixel> judged_pixels(const RgbImage& estimate,
+                                              const JudgingReference& reference) {
+  std::vector<JudgedPixel> pixels;
+  for (int y = 0; y < estimate[0].height(); ++y) {
+    for (int x = 0; x < estimate[0].width(); ++x) {
+      JudgedPixel p{};
+      bool finite = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        p.i[c] = estimate[c](x, y);
+        p.r[c] = reference.mean[c](x, y);
+        p.b[c] = reference.variance ? (*reference.variance)[c](x, y) : 0.0;
+        p.d[c] = reference.denominator ? (*reference.denominator)[c](x, y) : p.r[c];
+        finite = finite && std::isfinite(p.i[c] + p.r[c] + p.b[c] + p.d[c]);
+      }
+      if (finite) pixels.push_back(p);
+    }
+  }
+  return pixels;
+}
+
+using PixelTerm = std::function<double(const JudgedPixel&, int)>;
+
+inline double mean_of(const std::vector<JudgedPixel>& pixels, const PixelTerm& term) {
+  long double sum = 0;
+  for (const JudgedPixel& p : pixels) {
+    for (int c = 0; c < 3; ++c)
+      sum += term(p, c);
+  }
+  return static_cast<double>(sum / 3 / static_cast<long double>(pixels.size()));
+}
+
+inline double relative_factor(const std::vector<JudgedPixel>& pixels, const MetricOptions& o) {
+  if (o.rel_scale == RelativeScale::kNone) return 1.0;
+  long double sum = 0;
+  for (const JudgedPixel& p : pixels)
+    sum += p.y_r();
+  return static_cast<double>(static_cast<long double>(pixels.size()) / sum);
+}
+
+inline double relative_term(const JudgedPixel& p, int c, double scale, const MetricOptions& o) {
+  const double d =
+      scale * (o.rel_denominator == RelativeDenominator::kLuminance ? p.y_d() : p.d[c]);
+  const double difference = scale * p.i[c] - scale * p.r[c];
+  return (difference * difference - scale * scale * p.b[c]) / (d * d + o.rel_eps);
+}
+
+inline double tone(double v, double exposure) {
+  const double x = std::min(1.0, std::max(0.0, exposure * v));
+  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+}
+
+// Metrics that are means over pixels and channels; NaN for any other name.
+inline double linear_metric(const std::string& name, const std::vector<JudgedPixel>& pixels,
+                            const MetricOptions& o) {
+  const double scale = relative_factor(pixels, o);
+  const PixelTerm squared = [](const JudgedPixel& p, int c) {
+    return (p.i[c] - p.r[c]) * (p.i[c] - p.r[c]) - p.b[c];
+  };
+  const PixelTerm relative = [&](const JudgedPixel& p, int c) {
+    return relative_term(p, c, scale, o);
+  };
+  const auto of_channel = [&](const PixelTerm& term, int channel) {
+    return 3 * mean_of(pixels, [&](const JudgedPixel& p, int c) {
+             return c == channel ? term(p, c) : 0.0;
+           });
+  };
+  if (name == "mse") return mean_of(pixels, squared);
+  if (name == "mse_r") return of_channel(squared, 0);
+  if (name == "mse_g") return of_channel(squared, 1);
+  if (name == "mse_b") return of_channel(squared, 2);
+  if (name == "relmse") return mean_of(pixels, relative);
+  if (name == "relmse_r") return of_channel(relative, 0);
+  if (name == "relmse_g") return of_channel(relative, 1);
+  if (name == "relmse_b") return of_channel(relative, 2);
+  if (name == "rmse") {
+    return std::sqrt(
+        mean_of(pixels, [&](const JudgedPixel& p, int c) { return squared(p, c) + p.b[c]; }));
+  }
+  if (name == "mae") {
+    return mean_of(pixels, [](const JudgedPixel& p, int c) { return std::abs(p.i[c] - p.r[c]); });
+  }
+  if (name == "relmae") {
+    return mean_of(pixels, [&](const JudgedPixel& p, int c) {
+      return std::abs(scale * p.i[c] - scale * p.r[c]) / (std::abs(scale * p.r[c]) + 0.01);
+    });
+  }
+  if (name == "smape") {
+    return mean_of(pixels, [&](const JudgedPixel& p, int c) {
+      return std::abs(scale * p.i[c] - scale * p.r[c]) /
+             (std::abs(scale * p.i[c]) + std::abs(scale * p.r[c]) + 0.01);
+    });
+  }
+  if (name == "psnr_tm") {
+    long double log_sum = 0;
+    for (const JudgedPixel& p : pixels)
+      log_sum += std::log(std::max(p.y_r(), 0.0) + 1e-4);
+    const double e =
+        0.18 / std::exp(static_cast<double>(log_sum / static_cast<long double>(pixels.size())));
+    return 10 * std::log10(1 / mean_of(pixels, [&](const JudgedPixel& p, int c) {
+                             const double t = tone(p.i[c], e) - tone(p.r[c], e);
+                             return t * t;
+                           }));
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+// Trimmed mean, dropped share, quantile and maximum; NaN for any other name.
+inline double ranked_metric(const std::string& name, const std::vector<JudgedPixel>& pixels,
+                            const MetricOptions& o) {
+  const double scale = relative_factor(pixels, o);
+  std::vector<double> values;
+  for (const JudgedPixel& p : pixels) {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) {
+      sum += name.starts_with("relmse") ? relative_term(p, c, scale, o)
+                                        : (p.i[c] - p.r[c]) * (p.i[c] - p.r[c]);
+    }
+    values.push_back(sum / 3);
+  }
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  const auto drop = static_cast<std::size_t>(std::ceil(o.trim * static_cast<double>(n) - 1e-9));
+  long double kept = 0, dropped = 0;
+  for (std::size_t k = 0; k < n; ++k)
+    (k < n - drop ? kept : dropped) += values[k];
+  if (name == "se_max") return values.back();
+  if (name == "se_p999") return values[n - 1 - n / 1000];
+  if (name == "relmse_trimmed") return static_cast<double>(kept / (n - drop));
+  if (name == "relmse_dropped") return static_cast<double>(dropped / n);
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+// Energy of the image (decile 0), or of one decile (1 .. 10) of the denominator's luminance.
+inline double energy_metric(int decile, std::vector<JudgedPixel> pixels) {
+  std::stable_sort(pixels.begin(), pixels.end(),
+                   [](const JudgedPixel& a, const JudgedPixel& b) { return a.y_d() < b.y_d(); });
+  long double of_image = 0, of_reference = 0;
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    if (decile != 0 && static_cast<int>(k * 10 / pixels.size()) + 1 != decile) continue;
+    for (int c = 0; c < 3; ++c) {
+      of_image += pixels[k].i[c];
+      of_reference += pixels[k].r[c];
+    }
+  }
+  return static_cast<double>(of_image / of_reference);
+}
+
+inline double metric(const std::string& name, const RgbImage& estimate,
+                     const JudgingReference& reference, const MetricOptions& o) {
+  const std::vector<JudgedPixel> pixels = judged_pixels(estimate, reference);
+  if (name == "energy_ratio") return energy_metric(0, pixels);
+  if (name.starts_with("energy_ratio_d")) return energy_metric(std::stoi(name.substr(14)), pixels);
+  const double linear = linear_metric(name, pixels, o);
+  return std::isnan(linear) ? ranked_metric(name, pixels, o) : linear;
+}
+
+}  // namespace spool::reference
