@@ -1,0 +1,25 @@
+"""The one exception of this package: one line "FILE: what (where): what to do".
+
+`kind` is the class of failure in section 7 of the specification, or one of this package: "usage" (unknown layer, range
+outside the image, target exists), "absent" (a block that was never recorded), "missing_package". `code` is the exit
+code of the program `spool` for it.
+"""
+DATA, USAGE, IO, DAMAGE = 1, 2, 3, 4
+
+CODE_OF_KIND = {"not_spool": DATA, "unsupported": DATA, "invalid": DATA, "absent": DATA, "usage": USAGE,
+                "missing_package": USAGE, "io": IO, "incomplete": DAMAGE, "damaged": DAMAGE}
+
+ADVICE = {"not_spool": "check the name", "unsupported": "use a newer reader",
+          "invalid": "the writer is at fault, record again", "absent": "ask for fewer samples or record them",
+          "incomplete": "run spool recover", "damaged": "run spool recover"}
+
+
+class SpoolError(Exception):
+    def __init__(self, kind, message):
+        super().__init__(message)
+        self.kind = kind
+        self.message = message
+
+    @property
+    def code(self):
+        return CODE_OF_KIND[self.kind]

@@ -1,0 +1,107 @@
+"""An append-only file under the name NAME.partial that becomes NAME when it is complete (section 8, Write)."""
+import errno
+import os
+import time
+
+from .error import SpoolError
+
+try:
+    import fcntl
+except ImportError:  # Windows: O_EXCL alone keeps a second writer out
+    fcntl = None
+
+_SYNC_BYTES = 256 << 20
+_SYNC_SECONDS = 30
+
+
+class PartialFile:
+    """size: bytes of whole records so far. After a failed write or fsync every further call fails."""
+
+    def __init__(self, path, force):
+        self.path = os.path.abspath(os.fspath(path))
+        self.name = os.fspath(path)
+        self.partial = self.path + ".partial"
+        self.size = 0
+        self._force = force
+        self._failed = None
+        self._synced, self._synced_at = 0, time.monotonic()
+        if not force and os.path.lexists(self.path):
+            raise self.error("usage", "exists: choose another name or ask to replace it")
+        try:
+            self._handle = os.open(self.partial, os.O_CREAT | os.O_EXCL | os.O_RDWR | getattr(os, "O_CLOEXEC", 0)
+                                   | getattr(os, "O_BINARY", 0), 0o666)
+        except FileExistsError:
+            raise SpoolError("usage", f"{self.name}.partial: exists, another recording runs or was cut: "
+                                      "recover or remove it") from None
+        except OSError as reason:
+            raise self.error("io", f"{reason.strerror or reason}: check the folder and its permissions") from None
+        if fcntl is not None:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+    def error(self, kind, text):
+        return SpoolError(kind, f"{self.name}: {text}")
+
+    def append(self, record):
+        """One whole record; after a failure the file ends where the last whole record ended."""
+        self._alive()
+        view = memoryview(record)
+        try:
+            while view:
+                written = os.write(self._handle, view)  # Python itself retries EINTR (PEP 475)
+                view = view[written:]
+        except OSError as reason:
+            self._failed = reason.strerror or str(reason)
+            try:
+                os.ftruncate(self._handle, self.size)
+            except OSError:
+                pass
+            advice = "free space and record again" if reason.errno == errno.ENOSPC else "check the disk"
+            raise self.error("io", f"{self._failed} (byte {self.size}): {advice}, whole records are in "
+                                   f"{self.name}.partial") from None
+        self.size += len(record)
+        if self.size - self._synced >= _SYNC_BYTES or time.monotonic() - self._synced_at >= _SYNC_SECONDS:
+            self._sync()
+
+    def finish(self):
+        """fsync, rename to the final name, fsync of the folder."""
+        self._alive()
+        self._sync()
+        try:
+            if not self._force and os.path.lexists(self.path):
+                raise self.error("usage", f"appeared during the recording: rename {self.name}.partial")
+            if fcntl is None:
+                self.close()  # Windows does not rename an open file
+            os.replace(self.partial, self.path)
+            self._sync_folder()
+        except OSError as reason:
+            raise self.error("io", f"{reason.strerror or reason}: rename {self.name}.partial by hand") from None
+        finally:
+            self.close()
+
+    def close(self):
+        if self._handle is not None:
+            os.close(self._handle)
+            self._handle = None
+
+    def _alive(self):
+        if self._failed or self._handle is None:
+            raise self.error("io", f"not writable after: {self._failed or 'close'}: record again")
+
+    def _sync(self):
+        try:
+            os.fsync(self._handle)
+        except OSError as reason:
+            # Never repeated: the kernel may have dropped the pages and report success the second time.
+            self._failed = reason.strerror or str(reason)
+            raise self.error("io", f"fsync failed, {self._failed}: check the disk, then recover "
+                                   f"{self.name}.partial") from None
+        self._synced, self._synced_at = self.size, time.monotonic()
+
+    def _sync_folder(self):
+        if fcntl is None:
+            return
+        folder = os.open(os.path.dirname(self.path), os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)

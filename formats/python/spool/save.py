@@ -1,0 +1,45 @@
+"""One call from arrays to a complete `.spool` file."""
+import numpy as np
+
+from .channel import VOCABULARY
+from .error import SpoolError
+from .writer import Writer
+
+_DTYPES = {"f2": "<f2", "f4": "<f4", "f8": "<f4", "u1": "<u4", "u2": "<u4", "u4": "<u4", "b1": "<u4"}
+
+
+def write(path, radiance, *, meta=None, components=None, scope=None, dtypes=None, tile_size=64, block_spp=16,
+          sample_order="renderer", uuid=None, compress=False, force=False, **layers):
+    """Writes radiance [y][x][s][3] and any further layers.
+
+    Layers of scope sample are [y][x][s][c], of scope pixel [y][x][c] and of scope pass [s][c]; a single component may
+    leave out its axis. `reference` and `reference_variance` have scope pixel, every other layer has scope sample unless
+    `scope` says otherwise: scope={"film": "pass"}. Components come from the specification's list of layers, or from
+    `components`: {"half_vector": "XYZ"}. float64 is rounded to float32; `dtypes` asks for another: {"albedo": "f2"}.
+    """
+    components, scope, dtypes = dict(components or {}), dict(scope or {}), dict(dtypes or {})
+    arrays = {"radiance": np.asarray(radiance), **{name: np.asarray(array) for name, array in layers.items()}}
+    if arrays["radiance"].ndim != 4 or arrays["radiance"].shape[3] != 3:
+        raise SpoolError("usage", f"{path}: radiance has shape {arrays['radiance'].shape}, not (height, width, spp, 3)")
+    for name in {**components, **scope, **dtypes}:
+        if name not in arrays:
+            raise SpoolError("usage", f"{path}: no layer {name}: it has {', '.join(arrays)}")
+    height, width, spp, _ = arrays["radiance"].shape
+    declared = {}
+    for name, array in arrays.items():
+        if name not in components and name not in VOCABULARY:
+            raise SpoolError("usage", f"{path}: layer {name} is not in the list: name its components")
+        code = dtypes.get(name) or _DTYPES.get(array.dtype.newbyteorder("=").str[1:])
+        if code is None:
+            raise SpoolError("usage", f"{path}: layer {name} is {array.dtype}: convert it with astype")
+        declared[name] = (code, tuple(components.get(name, VOCABULARY.get(name, ("",))[0])),
+                          scope.get(name, "pixel" if name.startswith("reference") else "sample"))
+    with Writer(path, width, height, spp, declared, tile_size=tile_size, block_spp=block_spp,
+                sample_order=sample_order, meta=meta, uuid=uuid, compress=compress, force=force) as writer:
+        samples = {name: array for name, array in arrays.items() if declared[name][2] == "sample"}
+        writer.write_passes(0, samples)
+        for name, array in arrays.items():
+            if declared[name][2] == "pixel":
+                writer.write_pixel(name, array)
+            elif declared[name][2] == "pass":
+                writer.write_pass(name, array)

@@ -1,0 +1,259 @@
+"""Streaming writer of `.spool` files: IMAG and CHAN at once, then blocks in any order, then the index and the footer.
+
+Memory: one block; `write_passes` keeps at most `block_spp` passes. One thread per writer.
+"""
+import os
+import uuid as uuid_module
+import zlib
+
+import numpy as np
+
+from . import channel, chunk_codec, meta as meta_json
+from . import record_layout as layout
+from .conversion import convert
+from .error import SpoolError
+from .geometry import Geometry, groups_of
+from .partial_file import PartialFile
+
+
+class Writer:
+    """`layers` is {name: (dtype, components[, scope])}, each a group of its own, radiance first; a list of Channel in
+    `channels` says more (several layers in a group, semantics). `sample_order`: "renderer" or "exchangeable".
+
+    Used with `with`: leaving the block normally finishes the file, an exception leaves NAME.partial behind.
+    """
+
+    def __init__(self, path, width, height, spp, layers=None, *, channels=None, tile_size=64, block_spp=16,
+                 sample_order="renderer", meta=None, uuid=None, compress=False, force=False):
+        if (layers is None) == (channels is None):
+            raise SpoolError("usage", f"{path}: give either layers or channels")
+        self.path, self._compress = os.fspath(path), compress
+        self._file = None
+        try:
+            self.channels = _with_dtypes(channels if channels is not None else channel.channels_of(layers))
+            if sample_order not in layout.SAMPLE_ORDERS:
+                raise SpoolError("usage", f"sample_order {sample_order!r} is not one of {layout.SAMPLE_ORDERS}")
+            group_count = 1 + max((entry.group for entry in self.channels), default=0)
+            self.geometry = Geometry(width, height, tile_size, spp, block_spp, group_count, len(self.channels),
+                                     sample_order=layout.SAMPLE_ORDERS.index(sample_order))
+            self.geometry.validate()
+            channel.validate(self.channels, group_count)
+            self._groups = groups_of(self.channels)
+            self.geometry.validate_groups(self._groups)
+            payload = None if meta is None else meta_json.encode(meta)
+        except SpoolError as reason:
+            raise SpoolError("usage", f"{self.path}: {reason.message}") from None
+        self.layers = channel.layers_of(self.channels)
+        self.uuid = uuid_module.UUID(bytes=os.urandom(16)) if uuid is None else _uuid(uuid)
+        self._dump_id = int.from_bytes(self.uuid.bytes[:8], "little")
+        self._entries, self._seen, self._meta_count = [], set(), 0
+        self._pending, self._next_pass = {name: [] for name in self.layers}, None
+        self._file = PartialFile(path, force)
+        head = np.zeros((), layout.FILE_HEADER)
+        head["magic"], head["major"], head["minor"] = np.void(layout.MAGIC), layout.MAJOR, layout.MINOR
+        head["dump_uuid"] = np.void(self.uuid.bytes)
+        try:
+            self._file.append(layout.seal(head))
+            self._append(b"IMAG", self.geometry.encode())
+            self._append(b"CHAN", channel.encode(self.channels))
+            if payload is not None:
+                self.write_meta(meta)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, *_):
+        if kind is None:
+            self.finish()
+        else:
+            self._file.close()
+
+    def write_block(self, group, tile, begin, block):
+        """One DATA record from [c][y][x][s]; `group` is a number, or the name of a layer that is alone in its group."""
+        if isinstance(group, str):
+            layer = self._layer(group)
+            if len(layer.components) != self._groups[layer.group][2]:
+                raise self._error(f"layer {group} shares its group: give the group's number and all its channels")
+            group = layer.group
+        if not 0 <= group < len(self._groups):
+            raise self._error(f"no group {group}")
+        scope, dtype, channels = self._groups[group]
+        if not (0 <= tile < self.geometry.tile_count(scope) and 0 <= begin < self.geometry.sample_count(scope)
+                and begin % self.geometry.block_spp == 0):
+            raise self._error(f"no block starts at group {group}, tile {tile}, sample {begin}")
+        if (group, tile, begin) in self._seen:
+            raise self._error(f"block is written twice (group {group}, tile {tile}, sample {begin})")
+        shape = self.geometry.block_shape(scope, channels, tile, begin)
+        what = f"{self.path}: block of group {group}, tile {tile}, sample {begin}"
+        block = convert(block, dtype, what)
+        if block.shape != shape:
+            raise SpoolError("usage", f"{what}: shape {block.shape} is not {shape}")
+        raw = np.ascontiguousarray(block).tobytes()
+        codec, filter, stored = layout.CODEC_NONE, layout.FILTER_NONE, raw
+        if self._compress:
+            codec, filter, stored = chunk_codec.compress(raw, dtype.itemsize)
+        self._append(b"DATA", stored, raw_bytes=len(raw), codec=codec, filter=filter, group=group, tile=tile,
+                     sample_begin=begin, sample_count=shape[3])
+        self._seen.add((group, tile, begin))
+
+    def write_passes(self, first, arrays):
+        """Whole-image passes from sample `first` on: {layer: [y][x][s][c]} of every layer of scope sample.
+
+        Passes come in order; blocks are written as soon as they are full. One component may leave out its axis.
+        """
+        names = [name for name, layer in self.layers.items() if layer.scope == "sample"]
+        if set(arrays) != set(names):
+            raise self._error(f"passes of {sorted(arrays)} given, {sorted(names)} needed")
+        if self._next_pass is None and first % self.geometry.block_spp == 0:
+            self._next_pass = first
+        if first != self._next_pass:
+            raise self._error(f"passes start at {first}, expected {self._next_pass or 0}")
+        ready, counts = {}, set()
+        for name in names:
+            layer = self.layers[name]
+            array = convert(arrays[name], layer.dtype, f"{self.path}: layer {name}")
+            if array.ndim == 3 and len(layer.components) == 1:
+                array = array[..., None]
+            expected = self.geometry.height, self.geometry.width, "s", len(layer.components)
+            if array.ndim != 4 or (array.shape[:2] + array.shape[3:]) != expected[:2] + expected[3:]:
+                raise self._error(f"layer {name} has shape {array.shape}, not {expected}")
+            ready[name] = array
+            counts.add(array.shape[2])
+        if len(counts) != 1 or 0 in counts or first + max(counts) > self.geometry.spp:
+            raise self._error(f"{sorted(counts)} passes from {first} on, the file takes {self.geometry.spp}")
+        self._next_pass += counts.pop()
+        for name, array in ready.items():
+            self._pending[name].append(array)
+        self._flush_passes(first)
+
+    def write_pixel(self, layer, array):
+        """A layer of scope pixel from [y][x][c]."""
+        layer = self._layer(layer, "pixel")
+        self._by_group(layer, array, 3)
+
+    def write_pass(self, layer, array):
+        """A layer of scope pass from [s][c], all samples at once."""
+        layer = self._layer(layer, "pass")
+        self._by_group(layer, array, 2)
+
+    def write_meta(self, meta):
+        """One more meta record: a dict, or the text of a JSON object that is kept byte for byte."""
+        if self._meta_count == layout.MAX_META_RECORDS:
+            raise self._error(f"more than {layout.MAX_META_RECORDS} meta records")
+        try:
+            payload = meta_json.encode(meta)
+        except SpoolError as reason:
+            raise self._error(reason.message) from None
+        self._append(b"meta", payload)
+        self._meta_count += 1
+
+    def finish(self):
+        """Index, footer, fsync, rename. Blocks may be missing, but a pass that was begun must be whole."""
+        try:
+            waiting = [name for name, arrays in self._pending.items() if arrays]
+            if waiting:
+                raise self._error(f"passes of {', '.join(waiting)} do not fill a block: give the rest of them")
+            at, count, data = self._file.size, len(self._entries), len(self._seen)
+            self._append(b"INDX", b"".join(self._entries))
+            foot = np.zeros((), layout.FOOTER)
+            foot["index_offset"], foot["file_bytes"] = at, self._file.size + 64
+            foot["record_count"], foot["data_record_count"] = count + 1, data
+            foot["dump_id"], foot["end_magic"] = self._dump_id, np.void(layout.END_MAGIC)
+            foot["flags"] = layout.FLAG_COMPLETE if data == self.geometry.total_blocks(self._groups) else 0
+            self._file.append(layout.seal(foot))
+            self._file.finish()
+        finally:
+            self._file.close()
+
+    def _flush_passes(self, first):
+        block_spp, geometry = self.geometry.block_spp, self.geometry
+        begin = first // block_spp * block_spp
+        while begin < self._next_pass:
+            count = min(block_spp, geometry.spp - begin)
+            if begin + count > self._next_pass:
+                break
+            joined = {}
+            for name, arrays in self._pending.items():
+                if arrays:
+                    whole = np.concatenate(arrays, axis=2) if len(arrays) > 1 else arrays[0]
+                    joined[name], rest = whole[:, :, :count], whole[:, :, count:]
+                    self._pending[name] = [rest] if rest.shape[2] else []
+            for group, (scope, _, _) in enumerate(self._groups):
+                if scope == "sample":
+                    parts = [joined[name] for name, layer in self.layers.items() if layer.group == group]
+                    self._write_image(group, begin, parts)
+            begin += count
+
+    def _write_image(self, group, begin, parts):
+        """All tiles of a group for one block of samples; parts are [y][x][s][c] of its layers."""
+        for tile in range(self.geometry.tile_count("sample")):
+            x0, y0, x1, y1 = self.geometry.rectangle(tile)
+            pieces = [part[y0:y1, x0:x1].transpose(3, 0, 1, 2) for part in parts]
+            self.write_block(group, tile, begin, np.concatenate(pieces) if len(pieces) > 1 else pieces[0])
+
+    def _by_group(self, layer, array, ndim):
+        array = convert(array, layer.dtype, f"{self.path}: layer {layer.name}")
+        if array.ndim == ndim - 1 and len(layer.components) == 1:
+            array = array[..., None]
+        leading = (self.geometry.height, self.geometry.width) if ndim == 3 else (self.geometry.spp,)
+        if array.shape != leading + (len(layer.components),):
+            raise self._error(f"layer {layer.name} has shape {array.shape}, not {leading + (len(layer.components),)}")
+        if self._pending[layer.name]:
+            raise self._error(f"layer {layer.name} is written twice")
+        self._pending[layer.name].append(array)
+        members = [name for name, other in self.layers.items() if other.group == layer.group]
+        if not all(self._pending[name] for name in members):
+            return  # the other layers of this group are still to come
+        parts = [self._pending[name].pop() for name in members]
+        if ndim == 3:
+            self._write_image(layer.group, 0, [part[:, :, None] for part in parts])
+        else:
+            whole = np.concatenate(parts, axis=1).T[:, None, None]
+            for begin in range(0, self.geometry.spp, self.geometry.block_spp):
+                self.write_block(layer.group, 0, begin, whole[..., begin:begin + self.geometry.block_spp])
+
+    def _append(self, type, stored, raw_bytes=None, **fields):
+        if len(self._entries) + 2 > layout.MAX_RECORDS and type != b"INDX":
+            raise self._error(f"more than {layout.MAX_RECORDS} records")
+        head = np.zeros((), layout.RECORD_HEADER)
+        head["sync"], head["type"] = np.void(layout.SYNC), np.void(type)
+        head["sequence"], head["dump_id"] = len(self._entries), self._dump_id
+        head["stored_bytes"], head["raw_bytes"] = len(stored), len(stored) if raw_bytes is None else raw_bytes
+        head["payload_crc32"] = zlib.crc32(stored)
+        for name, value in fields.items():
+            head[name] = value
+        sealed = layout.seal(head)
+        offset = self._file.size
+        self._file.append(b"".join((sealed, stored, bytes(layout.padded(len(stored)) - len(stored)))))
+        self._entries.append(offset.to_bytes(8, "little") + sealed[4:60])
+
+    def _layer(self, name, scope=None):
+        if name not in self.layers:
+            raise self._error(f"no layer {name}: it has {', '.join(self.layers)}")
+        layer = self.layers[name]
+        if scope is not None and layer.scope != scope:
+            raise self._error(f"layer {name} has scope {layer.scope}, not {scope}")
+        return layer
+
+    def _error(self, text):
+        return SpoolError("usage", f"{self.path}: {text}")
+
+
+def _with_dtypes(channels):
+    """Any spelling of a dtype ("f4", np.float32) -> the little-endian dtype of the file."""
+    result = []
+    for entry in channels:
+        dtype = np.dtype(entry.dtype).newbyteorder("<")
+        if dtype not in layout.DTYPES.values():
+            raise SpoolError("usage", f"channel {entry.name} is {dtype.name}, not float16, float32 or uint32")
+        result.append(entry._replace(dtype=dtype))
+    return result
+
+
+def _uuid(value):
+    if isinstance(value, uuid_module.UUID):
+        return value
+    return uuid_module.UUID(bytes=value) if isinstance(value, bytes) else uuid_module.UUID(value)

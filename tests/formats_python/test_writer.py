@@ -1,0 +1,173 @@
+import errno
+import os
+
+import numpy as np
+import pytest
+import spool
+from spool import partial_file
+
+LAYERS = {"radiance": ("f4", "RGB")}
+BLOCK = np.zeros((3, 8, 8, 2), "f4")
+
+
+def writer(path, **options):
+    return spool.Writer(path, 8, 8, 4, options.pop("layers", LAYERS), **{"tile_size": 8, "block_spp": 2, **options})
+
+
+def usage(call, *arguments, **options):
+    with pytest.raises(spool.SpoolError) as caught:
+        call(*arguments, **options)
+    assert caught.value.kind == "usage" and caught.value.code == 2 and "\n" not in str(caught.value)
+
+
+def test_partial_name_until_finished(tmp_path):
+    path = tmp_path / "a.spool"
+    with writer(path) as output:
+        output.write_block(0, 0, 0, BLOCK)
+        assert os.listdir(tmp_path) == ["a.spool.partial"]
+    assert os.listdir(tmp_path) == ["a.spool"]
+
+
+def test_exception_leaves_the_partial_file(tmp_path):
+    path = tmp_path / "a.spool"
+    with pytest.raises(KeyError):
+        with writer(path):
+            raise KeyError
+    assert os.listdir(tmp_path) == ["a.spool.partial"]
+    usage(writer, path)
+    usage(writer, path, force=True)
+    with pytest.raises(spool.SpoolError) as caught:
+        spool.open(tmp_path / "a.spool.partial")
+    assert caught.value.kind == "incomplete"
+
+
+def test_existing_target_needs_force(tmp_path):
+    path = tmp_path / "a.spool"
+    path.write_bytes(b"precious")
+    usage(writer, path)
+    assert path.read_bytes() == b"precious"
+    with writer(path, force=True):
+        assert path.read_bytes() == b"precious"
+    assert spool.check(path).ok
+
+
+def test_target_that_appears_meanwhile_is_kept(tmp_path):
+    path = tmp_path / "a.spool"
+    output = writer(path)
+    path.write_bytes(b"precious")
+    usage(output.finish)
+    assert path.read_bytes() == b"precious" and (tmp_path / "a.spool.partial").exists()
+
+
+def test_wrong_blocks_are_refused_and_cost_nothing(tmp_path):
+    path = tmp_path / "a.spool"
+    with writer(path) as output:
+        output.write_block(0, 0, 0, BLOCK)
+        for arguments in ((0, 0, 0, BLOCK), (0, 0, 1, BLOCK), (0, 1, 0, BLOCK), (0, -1, 0, BLOCK), (0, 0, 4, BLOCK), (1, 0, 2, BLOCK),
+                          (0, 0, 2, BLOCK[:2]), (0, 0, 2, BLOCK[..., :1]), (0, 0, 2, BLOCK.astype("i4")), ("depth", 0, 0, BLOCK)):
+            usage(output.write_block, *arguments)
+        output.write_block("radiance", 0, 2, BLOCK)
+    assert spool.check(path).ok and spool.check(path).complete
+
+
+def test_half_refuses_what_it_cannot_hold(tmp_path):
+    with writer(tmp_path / "a.spool", layers={"radiance": ("f2", "RGB")}) as output:
+        bright = BLOCK.copy()
+        bright[1, 2, 3, 1] = 65520
+        with pytest.raises(spool.SpoolError, match=r"65520.0 at \[1, 2, 3, 1\] does not fit float16"):
+            output.write_block(0, 0, 0, bright)
+        bright[1, 2, 3, 1] = np.inf
+        output.write_block(0, 0, 0, bright)
+
+
+def test_passes_must_be_whole_and_in_order(tmp_path):
+    passes = np.zeros((8, 8, 1, 3))
+    output = writer(tmp_path / "a.spool")
+    usage(output.write_passes, 1, {"radiance": passes})
+    output.write_passes(0, {"radiance": passes})
+    usage(output.write_passes, 0, {"radiance": passes})
+    usage(output.write_passes, 1, {"radiance": np.zeros((8, 8, 4, 3))})
+    usage(output.write_passes, 1, {})
+    usage(output.write_passes, 1, {"radiance": np.zeros((8, 8, 1, 4))})
+    usage(output.finish)
+    assert os.listdir(tmp_path) == ["a.spool.partial"]
+
+
+@pytest.mark.parametrize("options", [
+    {"layers": {}}, {"layers": {"albedo": ("f4", "RGB")}}, {"layers": {"radiance": ("u4", "RGB")}},
+    {"layers": {"radiance": ("f8", "RGB")}}, {"layers": {"radiance": ("f4", "RGB"), "Depth": ("f4", "Z")}},
+    {"tile_size": 12}, {"block_spp": 0}, {"sample_order": "sorted"},
+    {"layers": {"radiance": ("f4", "RGB"), **{f"l{i}": ("f4", "X") for i in range(16)}}}])
+def test_impossible_files_are_refused_before_anything_is_written(tmp_path, options):
+    usage(writer, tmp_path / "a.spool", **options)
+    assert not os.listdir(tmp_path)
+
+
+def test_write_never_guesses(tmp_path):
+    radiance = np.zeros((8, 8, 4, 3))
+    path = tmp_path / "a.spool"
+    usage(spool.write, path, radiance[0])
+    usage(spool.write, path, radiance, half_vector=radiance)
+    usage(spool.write, path, radiance.astype("i8"))
+    usage(spool.write, path, radiance, scope={"film": "pass"})
+    assert not os.listdir(tmp_path)
+    spool.write(path, radiance, half_vector=radiance, components={"half_vector": "XYZ"}, dtypes={"half_vector": "f2"})
+    with spool.open(path) as dump:
+        assert dump.layers["half_vector"].dtype == np.float16
+
+
+class Failing:
+    """os, with one call that fails from the k-th time on."""
+
+    def __init__(self, name, after, number):
+        self._name, self._after, self._number = name, after, number
+
+    def __getattr__(self, name):
+        real = getattr(os, name)
+        if name != self._name:
+            return real
+
+        def call(*arguments):
+            self._after -= 1
+            if self._after < 0:
+                raise OSError(self._number, os.strerror(self._number))
+            return real(*arguments)
+        return call
+
+
+@pytest.mark.parametrize("after", range(7))
+def test_full_disk_leaves_whole_records(tmp_path, monkeypatch, after):
+    path = tmp_path / "a.spool"
+    monkeypatch.setattr(partial_file, "os", Failing("write", after, errno.ENOSPC))
+    with pytest.raises(spool.SpoolError) as caught:
+        with writer(path) as output:
+            output.write_block(0, 0, 0, BLOCK)
+            output.write_block(0, 0, 2, BLOCK)
+    assert caught.value.kind == "io" and "free space" in str(caught.value)
+    sizes = [0, 64, 192, 448, 448 + 64 + 1536, 448 + 2 * 1600, 448 + 2 * 1600 + 64 + 256]
+    assert os.listdir(tmp_path) == ["a.spool.partial"] and os.path.getsize(path.with_suffix(".spool.partial")) == sizes[after]
+
+
+def test_short_writes_continue(tmp_path, monkeypatch):
+    reference, path = tmp_path / "reference.spool", tmp_path / "short.spool"
+    samples = np.random.default_rng(1).random((8, 8, 4, 3))
+    spool.write(reference, samples, uuid=bytes(16))
+
+    class Short:
+        def __getattr__(self, name):
+            return (lambda handle, data: os.write(handle, data[:7])) if name == "write" else getattr(os, name)
+    monkeypatch.setattr(partial_file, "os", Short())
+    spool.write(path, samples, uuid=bytes(16))
+    assert path.read_bytes() == reference.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["fsync", "replace"])
+def test_failed_fsync_or_rename_never_shows_the_file(tmp_path, monkeypatch, name):
+    path = tmp_path / "a.spool"
+    output = writer(path)
+    failing = Failing(name, 0, errno.EIO)
+    monkeypatch.setattr(partial_file, "os", failing)
+    with pytest.raises(spool.SpoolError) as caught:
+        output.finish()
+    assert caught.value.kind == "io" and failing._after == -1  # not tried a second time
+    assert os.listdir(tmp_path) == ["a.spool.partial"]
