@@ -1,0 +1,328 @@
+#include "lib/directions/directional_filter_bank.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <numbers>
+
+#include "lib/directions/fourier_wedges.h"
+#include "lib/pyramid/row_loop.h"
+
+namespace spool {
+namespace {
+
+struct Vector {
+  int x = 0, y = 0;
+};
+Vector operator*(int factor, Vector v) {
+  return {factor * v.x, factor * v.y};
+}
+
+// The vectors p and q of a stage.
+struct Stage {
+  Vector p, q;
+};
+constexpr Stage kHorizontalOrVertical = {{1, 1}, {1, -1}};  // "+": |wx| > |wy|
+constexpr Stage kDiagonal = {{2, 0}, {0, 2}};               // "+": wx wy > 0
+// "+": the half of a wedge that lies towards the diagonal; s is the sign of wx wy.
+constexpr Stage split_of_horizontal(int s) {
+  return {{-s, 2}, {s, 0}};
+}
+constexpr Stage split_of_vertical(int s) {
+  return {{2, -s}, {0, s}};
+}
+
+// Rows of an image with `pad` readable pixels on the left and right of each.
+template <class T>
+struct Rows {
+  T* origin = nullptr;  // pixel (0, 0)
+  std::ptrdiff_t stride = 0;
+  int width = 0, height = 0, pad = 0;
+
+  T* row(int y) const { return origin + y * stride; }
+};
+
+template <class T>
+void extend_row(const Rows<T>& rows, int y, Extension extension) {
+  T* row = rows.row(y);
+  for (int i = 1; i <= rows.pad; ++i) {
+    row[-i] = row[extend(-i, rows.width, extension)];
+    row[rows.width - 1 + i] = row[extend(rows.width - 1 + i, rows.width, extension)];
+  }
+}
+
+template <class T>
+Rows<T> rows_of(Image<T>& image) {
+  return {&image[0], image.width(), image.width(), image.height(), 0};
+}
+
+// out[x] = sum_j s_j (plus[j][x] - minus[j][x])
+template <class T, int kPairs>
+void odd_sum(const T* const* plus, const T* const* minus, const T* s, int width,
+             T* __restrict out) {
+  for (int x = 0; x < width; ++x) {
+    T sum = s[0] * (plus[0][x] - minus[0][x]);
+    for (int j = 1; j < kPairs; ++j)
+      sum += s[j] * (plus[j][x] - minus[j][x]);
+    out[x] = sum;
+  }
+}
+
+template <class T>
+class Bank {
+ public:
+  Bank(const Image<T>& image, const BankOptions& options, std::vector<Image<T>>& bands)
+      : options_(options),
+        bands_(bands),
+        width_(image.width()),
+        height_(image.height()),
+        pad_((2 * pairs() - 1) * options.dilation) {
+    const auto s = sign_coefficients(options.taps);
+    s_.assign(s.begin(), s.end());
+    // The input and two channels for every stage but the last; twice the pad holds any t of a
+    // stage.
+    for (int i = 0; i < 1 + 2 * (options.levels - 1); ++i)
+      storage_.push_back(allocate());
+    t_ = std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(width_ + 2 * pad_) *
+                                             static_cast<std::size_t>(height_ + 2 * pad_));
+    const Rows<T> input = storage(0);
+    rows_by_area(0, height_, static_cast<long long>(width_) * height_, [&](int y) {
+      std::copy(image.row(y).begin(), image.row(y).end(), input.row(y));
+      extend_row(input, y, options_.extension);
+    });
+  }
+
+  void run() {
+    const Rows<T> x = storage(0);
+    if (options_.levels == 1) {
+      split(x, kHorizontalOrVertical, band(0), band(1));
+      return;
+    }
+    const Rows<T> horizontal = storage(1), vertical = storage(2);
+    split(x, kHorizontalOrVertical, horizontal, vertical);
+    if (options_.levels == 2) {
+      split(horizontal, kDiagonal, band(0), band(3));
+      split(vertical, kDiagonal, band(1), band(2));
+      return;
+    }
+    const Rows<T> positive = storage(3), negative = storage(4);
+    split(horizontal, kDiagonal, positive, negative);
+    split(positive, split_of_horizontal(1), band(1), band(0));
+    split(negative, split_of_horizontal(-1), band(6), band(7));
+    split(vertical, kDiagonal, positive, negative);
+    split(positive, split_of_vertical(1), band(2), band(3));
+    split(negative, split_of_vertical(-1), band(5), band(4));
+  }
+
+ private:
+  int pairs() const { return static_cast<int>(sign_coefficients(options_.taps).size()); }
+
+  std::unique_ptr<T[]> allocate() const {
+    return std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(width_ + 2 * pad_) *
+                                               static_cast<std::size_t>(height_));
+  }
+  Rows<T> storage(std::size_t i) const {
+    const std::ptrdiff_t stride = width_ + 2 * pad_;
+    return {storage_[i].get() + pad_, stride, width_, height_, pad_};
+  }
+  Rows<T> band(std::size_t i) const { return rows_of(bands_[i]); }
+
+  // y+ and y- of x; their pads are filled where they have any.
+  void split(const Rows<T>& x, Stage stage, const Rows<T>& plus, const Rows<T>& minus) {
+    const T half = T(0.5);
+    if (options_.pair == ChannelPair::kComplementary) {
+      for_each_product_row(x, stage, [&](int y, const T* z) {
+        const T* from = x.row(y);
+        T* __restrict to_plus = plus.row(y);
+        T* __restrict to_minus = minus.row(y);
+        for (int i = 0; i < width_; ++i) {
+          to_plus[i] = half * (from[i] - z[i]);
+          to_minus[i] = half * (from[i] + z[i]);
+        }
+        extend_row(plus, y, options_.extension);
+        extend_row(minus, y, options_.extension);
+      });
+      return;
+    }
+    // B y+ reads y+ beyond the border, which a band does not store: a padded copy serves.
+    const std::unique_ptr<T[]> copy = allocate();
+    const Rows<T> padded = {copy.get() + pad_, width_ + 2 * pad_, width_, height_, pad_};
+    for_each_product_row(x, stage, [&](int y, const T* z) {
+      for (int i = 0; i < width_; ++i)
+        padded.row(y)[i] = half * (x.row(y)[i] - z[i]);
+      extend_row(padded, y, options_.extension);
+    });
+    for_each_product_row(padded, stage, [&](int y, const T* z) {
+      for (int i = 0; i < width_; ++i) {
+        plus.row(y)[i] = padded.row(y)[i];
+        minus.row(y)[i] = x.row(y)[i] + z[i];
+      }
+      extend_row(plus, y, options_.extension);
+      extend_row(minus, y, options_.extension);
+    });
+  }
+
+  // finish(y, z) for every row y, where z = -Bx on that row.
+  template <class Finish>
+  void for_each_product_row(const Rows<T>& x, Stage stage, Finish&& finish) {
+    const Vector p = options_.dilation * stage.p, q = options_.dilation * stage.q;
+    const Vector centre = {(p.x + q.x) / 2, (p.y + q.y) / 2};
+    // t(m) = sum_a tap(a) x(m - a p) wherever z(n) = sum_b tap(b) t(n - centre - b q) reads it.
+    const auto span = [&](int step, int offset) {
+      const int a = -offset + pairs() * step, b = -offset - (pairs() - 1) * step;
+      return std::pair{std::min(a, b), std::max(a, b)};
+    };
+    const auto [left, right] = span(q.x, centre.x);
+    const auto [up, down] = span(q.y, centre.y);
+    const std::ptrdiff_t stride = width_ + right - left;
+    const Rows<T> t = {t_.get() - left - up * stride, stride, width_, height_, 0};
+
+    const long long area = static_cast<long long>(width_) * height_;
+    rows_by_area(up, height_ + down, area, [&](int y) {
+      odd_sum_along(p, static_cast<int>(stride), t.row(y) + left, [&](int shift_x, int shift_y) {
+        return x.row(extend(y + shift_y, height_, options_.extension)) + left + shift_x;
+      });
+    });
+    rows_by_area(0, height_, area, [&](int y) {
+      const auto z = std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(width_));
+      odd_sum_along(q, width_, z.get(), [&](int shift_x, int shift_y) {
+        return t.row(y - centre.y + shift_y) - centre.x + shift_x;
+      });
+      finish(y, z.get());
+    });
+  }
+
+  // out = sum_j s_j (row shifted by -j v, less row shifted by +(j + 1) v)
+  template <class Source>
+  void odd_sum_along(Vector v, int width, T* out, Source&& source) {
+    const T* plus[6];
+    const T* minus[6];
+    for (int j = 0; j < pairs(); ++j) {
+      plus[j] = source(-j * v.x, -j * v.y);
+      minus[j] = source((j + 1) * v.x, (j + 1) * v.y);
+    }
+    switch (pairs()) {
+      case 3:
+        return odd_sum<T, 3>(plus, minus, s_.data(), width, out);
+      case 4:
+        return odd_sum<T, 4>(plus, minus, s_.data(), width, out);
+      default:
+        return odd_sum<T, 6>(plus, minus, s_.data(), width, out);
+    }
+  }
+
+  const BankOptions options_;
+  std::vector<Image<T>>& bands_;
+  int width_ = 0, height_ = 0, pad_ = 0;
+  std::vector<T> s_;
+  std::vector<std::unique_ptr<T[]>> storage_;
+  std::unique_ptr<T[]> t_;
+};
+
+double degrees(double radians) {
+  return radians * 180.0 / std::numbers::pi;
+}
+
+}  // namespace
+
+int detail_dilation(int k) {
+  SPOOL_CHECK_GE(k, 0);
+  return k <= 1 ? 1 : 1 << (k - 1);
+}
+
+int band_count(const BankOptions& options) {
+  return options.kind == BankKind::kNone ? 1 : 1 << options.levels;
+}
+
+template <class T>
+std::vector<Image<T>> directional_bands(const Image<T>& image, const BankOptions& options) {
+  std::vector<Image<T>> bands;
+  directional_bands(image, options, bands);
+  return bands;
+}
+
+template <class T>
+void directional_bands(const Image<T>& image, const BankOptions& options,
+                       std::vector<Image<T>>& bands) {
+  SPOOL_CHECK_GE(options.levels, 0);
+  SPOOL_CHECK_LE(options.levels, 3);
+  SPOOL_CHECK_GE(options.dilation, 1);
+  bands.resize(static_cast<std::size_t>(band_count(options)));
+  if (bands.size() == 1 || image.empty()) {
+    for (Image<T>& band : bands)
+      band = image;
+    return;
+  }
+  for (Image<T>& band : bands) {
+    if (!band.same_size(image)) band = Image<T>(image.width(), image.height());
+  }
+  if (options.kind == BankKind::kFftWedge) {
+    fourier_wedge_bands(image, options.levels, options.extension, bands);
+  } else {
+    Bank<T>(image, options, bands).run();
+  }
+}
+
+template std::vector<Image<double>> directional_bands(const Image<double>&, const BankOptions&);
+template std::vector<Image<float>> directional_bands(const Image<float>&, const BankOptions&);
+template void directional_bands(const Image<double>&, const BankOptions&,
+                                std::vector<Image<double>>&);
+template void directional_bands(const Image<float>&, const BankOptions&,
+                                std::vector<Image<float>>&);
+
+std::vector<double> band_borders(int levels) {
+  const double low = degrees(std::atan(0.5)), high = degrees(std::atan(2.0));
+  switch (levels) {
+    case 0:
+      return {0.0};
+    case 1:
+      return {135.0, 45.0};
+    case 2:
+      return {0.0, 45.0, 90.0, 135.0};
+    default:
+      return {0.0, low, 45.0, high, 90.0, 180.0 - high, 135.0, 180.0 - low};
+  }
+}
+
+std::vector<double> band_frequency_angles(int levels) {
+  if (levels == 0) return {0.0};
+  const std::vector<double> borders = band_borders(levels);
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < borders.size(); ++i) {
+    const double begin = borders[i];
+    double end = borders[(i + 1) % borders.size()];
+    if (end <= begin) end += 180.0;
+    angles.push_back(std::fmod(0.5 * (begin + end), 180.0));
+  }
+  return angles;
+}
+
+std::vector<double> band_tangents(int levels) {
+  std::vector<double> angles = band_frequency_angles(levels);
+  for (double& angle : angles)
+    angle = std::fmod(angle + 90.0, 180.0);
+  return angles;
+}
+
+OptionTable<BankOptions> bank_option_table() {
+  using O = BankOptions;
+  return {
+      choice_option<O, BankKind>("dfb", &O::kind,
+                                 {{"nonsub", BankKind::kNonsub},
+                                  {"fft_wedge", BankKind::kFftWedge},
+                                  {"none", BankKind::kNone}},
+                                 "directional filter bank"),
+      integer_option<O>("dfb_levels", &O::levels, 0, 3, "stages of the bank: 2^levels directions"),
+      choice_option<O, SignTaps>(
+          "dfb_taps", &O::taps,
+          {{"pkva12", SignTaps::kPkva12}, {"pkva8", SignTaps::kPkva8}, {"pkva6", SignTaps::kPkva6}},
+          "sign filter of the bank"),
+      choice_option<O, ChannelPair>(
+          "dfb_pair", &O::pair,
+          {{"complementary", ChannelPair::kComplementary}, {"ladder", ChannelPair::kLadder}},
+          "the two channels of a stage"),
+  };
+}
+
+}  // namespace spool
