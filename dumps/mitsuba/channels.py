@@ -1,0 +1,39 @@
+"""Layers of a Mitsuba recording: what they are called in the file, their type, and who wants them."""
+
+# layer: (dtype in the file, components, always available)
+LAYERS = {
+    "radiance": ("f4", "RGB"),
+    "direct": ("f4", "RGB"),
+    "albedo": ("f2", "RGB"),
+    "normal": ("f2", "XYZ"),
+    "depth": ("f4", "Z"),
+    "position": ("f4", "XYZ"),
+    "film": ("f4", "XY"),
+    "lens": ("f4", "UV"),
+    "time": ("f4", "T"),
+    "shape": ("u4", "I"),
+}
+FEATURES = ("albedo", "normal", "depth", "position", "shape")
+DEFAULT = "radiance,albedo,normal,depth,film"
+
+
+def chosen_layers(wanted, recordable):
+    """Names in file order. `needed` adds lens and time where the scene has them; `all` takes everything."""
+    names = [name for name in wanted.split(",") if name]
+    if "all" in names:
+        names = list(LAYERS)
+    elif "lens" not in names and recordable.has_lens:
+        names.append("lens")
+    if "time" not in names and recordable.shutter_time > 0:
+        names.append("time")
+    unknown = [name for name in names if name not in LAYERS]
+    if unknown:
+        from failure import usage_failure
+        raise usage_failure("unknown channel '%s': choose from %s" % (unknown[0], ", ".join(LAYERS)))
+    available = dict(lens=recordable.has_lens, time=recordable.shutter_time > 0, direct=recordable.direct is not None)
+    if "direct" in names and "all" not in wanted.split(",") and not available["direct"]:
+        from failure import scene_failure
+        raise scene_failure("%s: only the path integrator can tell the direct part: leave out `direct` or give "
+                            "--integrator path" % recordable.name)
+    return ["radiance"] + [name for name in LAYERS
+                           if name != "radiance" and name in names and available.get(name, True)]

@@ -1,0 +1,75 @@
+"""The folder of an unfinished recording: what was asked for, the chunks that are whole, the reference so far.
+
+A chunk is some samples of every pixel. It is written under another name, flushed and renamed, so that a
+run killed at any moment loses the chunk it was rendering and nothing else.
+"""
+import json
+import os
+import shutil
+
+import numpy as np
+
+from failure import io_failure, usage_failure
+
+
+class Chunks:
+    def __init__(self, folder, plan):
+        """plan: everything that must be equal for two runs to continue each other."""
+        self.folder = folder
+        path = os.path.join(folder, "plan.json")
+        try:
+            os.makedirs(folder, exist_ok=True)
+            if os.path.exists(path):
+                with open(path) as stream:
+                    found = json.load(stream)
+                different = sorted(key for key in set(found) | set(plan) if found.get(key) != plan.get(key))
+                if different:
+                    raise usage_failure("%s: holds another recording (%s differs): finish that one, remove the "
+                                        "folder, or choose another output" % (folder, different[0]))
+            else:
+                self._save("plan.json", lambda stream: stream.write(json.dumps(plan, indent=1).encode()))
+        except OSError as error:
+            raise io_failure("%s: %s" % (folder, error.strerror))
+
+    def has(self, index):
+        return os.path.exists(self._name(index))
+
+    def save(self, index, arrays, seconds):
+        self._save(os.path.basename(self._name(index)),
+                   lambda stream: np.savez(stream, seconds=np.float64(seconds), **arrays))
+
+    def load(self, index):
+        """(arrays, seconds)"""
+        with np.load(self._name(index)) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        return arrays, float(arrays.pop("seconds"))
+
+    def save_reference(self, state):
+        self._save("reference.npz", lambda stream: np.savez(stream, **state))
+
+    def load_reference(self):
+        path = os.path.join(self.folder, "reference.npz")
+        if not os.path.exists(path):
+            return None
+        with np.load(path) as stored:
+            return {name: stored[name] for name in stored.files}
+
+    def remove(self):
+        shutil.rmtree(self.folder)
+
+    def _name(self, index):
+        return os.path.join(self.folder, "chunk_%05d.npz" % index)
+
+    def _save(self, name, write):
+        path = os.path.join(self.folder, name)
+        try:
+            with open(path + ".writing", "wb") as stream:
+                write(stream)
+                stream.flush()
+                os.fsync(stream.fileno())
+            os.replace(path + ".writing", path)
+        except OSError as error:
+            if os.path.exists(path + ".writing"):
+                os.remove(path + ".writing")
+            raise io_failure("%s: %s: make room and run the same command again, it goes on where it stopped"
+                             % (path, error.strerror))

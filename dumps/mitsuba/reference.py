@@ -1,0 +1,32 @@
+"""Running mean and variance of the mean of the reference, by chunks, in double precision.
+
+Chunks are merged pairwise in order by the update of Chan, Golub and LeVeque; sums of squares are not used.
+Non-finite samples are left out and counted.
+"""
+import numpy as np
+
+
+def empty_reference(height, width):
+    return {"count": np.zeros((height, width, 1)), "mean": np.zeros((height, width, 3)),
+            "m2": np.zeros((height, width, 3)), "chunks": np.int64(0), "nonfinite": np.int64(0),
+            "seconds": np.float64(0)}
+
+
+def add_chunk(state, radiance, seconds):
+    """radiance: [y][x][s][3] float32."""
+    finite = np.isfinite(radiance).all(axis=3, keepdims=True)
+    values = np.where(finite, radiance, 0).astype(np.float64)
+    count = finite.sum(axis=2).astype(np.float64)
+    mean = values.sum(axis=2) / np.maximum(count, 1)
+    m2 = (np.where(finite, values - mean[:, :, None], 0) ** 2).sum(axis=2)
+    total = state["count"] + count
+    delta = mean - state["mean"]
+    share = count / np.maximum(total, 1)
+    return {"count": total, "mean": state["mean"] + delta * share,
+            "m2": state["m2"] + m2 + delta ** 2 * state["count"] * share, "chunks": state["chunks"] + 1,
+            "nonfinite": state["nonfinite"] + int((~finite).sum()), "seconds": state["seconds"] + seconds}
+
+
+def variance_of_mean(state):
+    count = np.maximum(state["count"], 2)
+    return state["m2"] / (count - 1) / count

@@ -1,0 +1,63 @@
+"""The same records without LLVM: a Python loop over samples in a scalar variant, about four times slower.
+
+Scalar and wavefront variants draw different numbers from one seed, so the variant is part of a recording.
+"""
+import numpy as np
+
+
+class ScalarLoop:
+    def __init__(self, mi, recordable, samples_per_pixel):
+        self.mi, self.of = mi, recordable
+        self.width, self.height = (int(v) for v in recordable.sensor.film().crop_size())
+        self.differential_scale = samples_per_pixel ** -0.5
+        self.features = mi.load_dict({"type": "aov", "aovs": "a:albedo,n:sh_normal,p:position,s:shape_index"})
+        self.shape_index = {}
+        for index, shape in enumerate(recordable.scene.shapes()):
+            self.shape_index[shape.id()] = index + 1
+        self.to_camera = recordable.sensor.world_transform().inverse()
+
+    def trace(self, count, seed, layers):
+        mi, of = self.mi, self.of
+        widths = dict(radiance=3, direct=3, albedo=3, normal=3, depth=1, position=3, film=2, lens=2, time=1, shape=1)
+        arrays = {name: np.zeros((self.height, self.width, count, widths[name]), np.float32) for name in layers}
+        sampler = mi.load_dict({"type": "independent", "sample_count": count})
+        medium = of.sensor.get_medium()
+        need_features = any(name in layers for name in ("albedo", "normal", "depth", "position", "shape"))
+        for y in range(self.height):
+            for x in range(self.width):
+                # One stream for each pixel of each chunk: seeds far apart, because neighbouring scalar
+                # seeds may share streams.
+                sampler.seed((seed * self.width * self.height + y * self.width + x) * 8 & 0xFFFFFFFF)
+                for s in range(count):
+                    film = sampler.next_2d()
+                    lens = sampler.next_2d() if of.has_lens else mi.Point2f(.5, .5)
+                    time = of.shutter_open + sampler.next_1d() * of.shutter_time if of.shutter_time > 0 \
+                        else of.shutter_open
+                    position = mi.Point2f((x + film[0]) / self.width, (y + film[1]) / self.height)
+                    ray, weight = of.sensor.sample_ray_differential(time, 0.0, position, lens)
+                    ray.scale_differential(self.differential_scale)
+                    again = sampler.clone() if "direct" in arrays else None
+                    arrays["radiance"][y, x, s] = weight * of.integrator.sample(of.scene, sampler, ray, medium)[0]
+                    if again:
+                        arrays["direct"][y, x, s] = weight * of.direct.sample(of.scene, again, ray, medium)[0]
+                    for name, value in (("film", film), ("lens", lens), ("time", time)):
+                        if name in arrays:
+                            arrays[name][y, x, s] = value
+                    if need_features:
+                        self._features(arrays, y, x, s, ray, sampler, medium)
+        if "albedo" in arrays:
+            np.clip(arrays["albedo"], 0, 1, out=arrays["albedo"])
+        return arrays
+
+    def _features(self, arrays, y, x, s, ray, sampler, medium):
+        mi, of = self.mi, self.of
+        values = self.features.sample(of.scene, sampler, ray, medium)[2]
+        hit = of.scene.ray_intersect_preliminary(ray)
+        shape = 0
+        if hit.is_valid():
+            shape = self.shape_index.get(hit.shape.id(), 0)
+        found = {"albedo": values[0:3], "normal": values[3:6], "position": values[6:9], "shape": shape,
+                 "depth": (self.to_camera @ mi.Point3f(values[6], values[7], values[8]))[2] if shape else 0}
+        for name, value in found.items():
+            if name in arrays:
+                arrays[name][y, x, s] = value

@@ -1,0 +1,73 @@
+"""The renderer's own sample loop in a wavefront variant: one lane is one camera sample.
+
+The random numbers are drawn in the order in which Mitsuba's integrator draws them, so that the same seed
+gives `mi.render`'s image to the last bits; film, lens and time are known exactly because they are drawn here.
+"""
+import numpy as np
+
+
+class Wavefront:
+    def __init__(self, mi, dr, recordable, samples_per_pixel):
+        self.mi, self.dr, self.of = mi, dr, recordable
+        film = recordable.sensor.film()
+        self.width, self.height = (int(v) for v in film.crop_size())
+        self.differential_scale = samples_per_pixel ** -0.5  # the same for pool and reference
+        self.features = mi.load_dict({"type": "aov", "aovs": "a:albedo,n:sh_normal,p:position,s:shape_index"})
+        registered = np.array(dr.reinterpret_array(mi.UInt32, recordable.scene.shapes_dr()))
+        table = np.zeros(int(registered.max()) + 1 if len(registered) else 1, np.uint32)
+        table[registered] = 1 + np.arange(len(registered))  # pointer ids differ from run to run
+        self.shape_table = mi.UInt32(table)
+
+    def trace(self, count, seed, layers):
+        """{layer: [y][x][s][c] float32 (shape: uint32)} of `count` samples of every pixel."""
+        out = self._lanes(count, seed, layers)
+        arrays = {}
+        for name, value in out.items():
+            array = np.array(value)
+            array = array.T if array.ndim == 2 else array[:, None]  # Dr.Jit gives [component][lane]
+            arrays[name] = array.reshape(self.height, self.width, count, -1)
+        if "albedo" in arrays:
+            # BSDFs without an albedo of their own answer with an estimate that exceeds 1.
+            np.clip(arrays["albedo"], 0, 1, out=arrays["albedo"])
+        return arrays
+
+    def _lanes(self, count, seed, layers):
+        mi, dr, of = self.mi, self.dr, self.of
+        lanes = self.width * self.height * count
+        sampler = mi.load_dict({"type": "independent", "sample_count": count})
+        sampler.seed(seed, lanes)
+        pixel = dr.arange(mi.UInt32, lanes) // dr.opaque(mi.UInt32, count)
+        row = pixel // self.width
+        corner = mi.Vector2f(mi.Float(pixel - row * self.width), mi.Float(row))
+        film = sampler.next_2d()
+        lens = sampler.next_2d() if of.has_lens else mi.Point2f(.5)
+        time = of.shutter_open + sampler.next_1d() * of.shutter_time if of.shutter_time > 0 \
+            else mi.Float(of.shutter_open)
+        wavelength = sampler.next_1d() if mi.is_spectral else mi.Float(0)
+        ray, weight = of.sensor.sample_ray_differential(
+            time, wavelength, (corner + film) / mi.ScalarVector2f(self.width, self.height), lens)
+        ray.scale_differential(self.differential_scale)
+        medium = of.sensor.get_medium()
+        # A second walk with the same numbers, cut after one bounce: the direct part of the same path.
+        again = sampler.clone() if "direct" in layers else None
+
+        def rgb(spectrum):
+            spectrum = mi.unpolarized_spectrum(weight * spectrum)
+            return mi.spectrum_to_srgb(spectrum, ray.wavelengths) if mi.is_spectral else mi.Color3f(spectrum)
+
+        out = {"radiance": rgb(of.integrator.sample(of.scene, sampler, ray, medium)[0])}
+        if again:
+            out["direct"] = rgb(of.direct.sample(of.scene, again, ray, medium)[0])
+        drawn = {"film": film, "lens": lens, "time": time}
+        out.update((name, drawn[name]) for name in drawn if name in layers)
+        if any(name in layers for name in ("albedo", "normal", "depth", "position", "shape")):
+            values = self.features.sample(of.scene, sampler, ray, medium)[2]
+            position = mi.Point3f(values[6], values[7], values[8])
+            shape = dr.gather(mi.UInt32, self.shape_table, mi.UInt32(values[9]))
+            view = of.sensor.world_transform().inverse() @ position
+            found = {"albedo": mi.Color3f(values[0], values[1], values[2]),
+                     "normal": mi.Vector3f(values[3], values[4], values[5]),
+                     "depth": dr.select(shape > 0, view.z, 0), "position": position, "shape": shape}
+            out.update((name, found[name]) for name in found if name in layers)
+        dr.eval(out)
+        return out

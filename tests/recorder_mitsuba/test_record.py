@@ -1,0 +1,165 @@
+"""Real recordings with Mitsuba at small size. Run with the Python that has mitsuba (tools/dev.sh test does)."""
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import spool
+
+pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
+
+ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
+RECORD = os.path.join(ROOT, "dumps", "mitsuba", "record.py")
+LENS = """<scene version="3.0.0"><integrator type="path"/>
+<sensor type="thinlens"><float name="fov" value="40"/><float name="aperture_radius" value="0.3"/>
+<float name="focus_distance" value="4"/><float name="shutter_close" value="0.5"/>
+<transform name="to_world"><lookat origin="0,0,-4" target="0,0,0" up="0,1,0"/></transform>
+<film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film></sensor>
+<shape type="sphere" id="ball"><bsdf type="diffuse"><rgb name="reflectance" value="0.8,0.4,0.2"/></bsdf></shape>
+<emitter type="constant"><rgb name="radiance" value="1,1,1"/></emitter></scene>"""
+
+
+def record(*arguments):
+    return subprocess.run([sys.executable, RECORD, *map(str, arguments)], capture_output=True, text=True)
+
+
+def check_ok(result):
+    assert result.returncode == 0, result.stderr
+    return result
+
+
+@pytest.fixture(scope="module")
+def box(tmp_path_factory):
+    path = tmp_path_factory.mktemp("box") / "box.spool"
+    check_ok(record("cornell-box", "-o", path, "--size", 32, "--samples", 24, "--reference", 512,
+                    "--channels", "all", "--chunk-lanes", 1 << 13))
+    return path
+
+
+def test_every_layer_is_there_and_the_file_is_sound(box):
+    assert spool.check(box).ok
+    with spool.open(box) as dump:
+        assert {"radiance", "direct", "albedo", "normal", "depth", "position", "film", "shape", "reference",
+                "reference_variance"} <= set(dump.layers)
+        assert "lens" not in dump.layers and "time" not in dump.layers  # the box needs neither
+        assert dump.sample_order == "exchangeable"
+        assert dump.meta["cost_per_sample"] > 0
+        film = dump.read("film")
+        assert film.min() >= 0 and film.max() < 1
+        assert 0.27 < film.std() < 0.31  # uniform: 0.2887; the pixel-centre trap: 0
+        indirect = dump.read("radiance") - dump.read("direct")
+        assert indirect.min() > -1e-5 and indirect.max() > 0
+        normal = np.linalg.norm(dump.read("normal").astype(float), axis=-1)
+        assert np.abs(normal[normal > 0] - 1).max() < 2e-3
+        assert len(np.unique(dump.read("shape"))) > 3
+
+
+def test_pool_is_what_the_renderer_renders(box):
+    """The same seeds through the renderer's own loop give the same image, to float32 summation."""
+    import mitsuba as mi
+    from variant import force_good_llvm
+    with spool.open(box) as dump:
+        if not dump.meta["renderer"]["variant"].startswith("llvm"):
+            pytest.skip("the scalar fallback draws other numbers than its renderer")
+        force_good_llvm()
+        mi.set_variant(dump.meta["renderer"]["variant"])
+        from scene import load_scene
+        scene = load_scene(mi, "cornell-box", (32, 32)).scene
+        step = dump.meta["seeds"]["chunk_samples"]
+        first = dump.read("radiance", 0, 0, 32, 32, 0, step).astype(float).mean(axis=2)
+        rendered = np.array(mi.render(scene, spp=step, seed=dump.meta["seeds"]["pool_first"]))
+        assert np.abs(first - rendered).max() < 1e-4 * rendered.max()
+
+
+def test_pool_and_reference_agree_within_their_errors(box):
+    with spool.open(box) as dump:
+        radiance = dump.read("radiance").astype(float)
+        # The reference's own samples say what a pool mean should vary by: 24 samples of a skewed quantity
+        # underestimate it exactly where their mean is low.
+        single = dump.pixel("reference_variance") * dump.meta["reference"]["samples"]
+        variance = single / radiance.shape[2] + dump.pixel("reference_variance")
+        difference = radiance.mean(axis=2) - dump.pixel("reference")
+        lit = variance > 1e-12
+        chi2 = (difference[lit] ** 2 / variance[lit]).mean()
+        assert 0.85 < chi2 < 1.15
+        z = difference.sum() / np.sqrt(variance.sum())
+        assert abs(z) < 4  # two-sided 6e-5
+
+
+def test_lens_and_time_are_recorded_where_the_scene_has_them(tmp_path):
+    scene, out = tmp_path / "lens.xml", tmp_path / "lens.spool"
+    scene.write_text(LENS)
+    check_ok(record(scene, "-o", out, "--samples", 8, "--reference", 64))
+    with spool.open(out) as dump:
+        assert (dump.width, dump.height) == (24, 16)
+        assert dump.read("lens").std() > 0.25
+        shutter = dump.read("time")
+        assert 0 <= shutter.min() < 0.1 and 0.4 < shutter.max() <= 0.5
+
+
+def test_scalar_fallback_agrees_with_the_wavefront(tmp_path):
+    out = tmp_path / "scalar.spool"
+    check_ok(record("cornell-box", "-o", out, "--size", 12, "--samples", 24, "--variant", "scalar_rgb",
+                    "--channels", "all"))
+    fast = tmp_path / "fast.spool"
+    check_ok(record("cornell-box", "-o", fast, "--size", 12, "--samples", 24, "--reference", 4096, "--channels", "all"))
+    with spool.open(out) as a, spool.open(fast) as b:
+        for layer in ("albedo", "normal", "depth", "position"):
+            one, two = a.read(layer).astype(float).mean(axis=(0, 1, 2)), b.read(layer).astype(float).mean(axis=(0, 1, 2))
+            assert np.abs(one - two).max() < 0.05 * max(1, np.abs(two).max()), layer
+        radiance = a.read("radiance").astype(float)
+        variance = radiance.var(axis=2, ddof=1).sum() / radiance.shape[2] + b.pixel("reference_variance").sum()
+        assert abs((radiance.mean(axis=2) - b.pixel("reference")).sum()) < 4 * np.sqrt(variance)
+
+
+def test_killed_recording_goes_on_and_gives_the_same_bits(tmp_path):
+    whole, cut = tmp_path / "whole.spool", tmp_path / "cut.spool"
+    options = ["--size", 32, "--samples", 64, "--reference", 256, "--chunk-lanes", 1 << 11]
+    check_ok(record("cornell-box", "-o", whole, *options))
+    process = subprocess.Popen([sys.executable, RECORD, "cornell-box", "-o", str(cut), *map(str, options)],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    folder = str(cut) + ".recording"
+    for _ in range(600):
+        if os.path.isdir(folder) and sum(name.startswith("chunk_") for name in os.listdir(folder)) >= 5:
+            break
+        time.sleep(0.05)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert not cut.exists()
+    kept = sorted(name for name in os.listdir(folder) if name.endswith(".npz"))
+    assert kept
+    changed = record("cornell-box", "-o", cut, *options[:-1], 1 << 12)
+    assert changed.returncode == 2 and "chunk_samples differs" in changed.stderr
+    check_ok(record("cornell-box", "-o", cut, *options))
+    with spool.open(whole) as a, spool.open(cut) as b:
+        for layer in ("radiance", "albedo", "film"):
+            assert np.array_equal(a.read(layer), b.read(layer)), layer
+        assert np.array_equal(a.pixel("reference"), b.pixel("reference"))
+    assert not os.path.exists(folder)
+
+
+@pytest.mark.parametrize("arguments, code, words", [
+    (["missing.xml", "-o", "x.spool"], 3, "no such file"),
+    (["cornell-box"], 2, "give -o"),
+    (["cornell-box", "-o", "x.spool", "--channels", "radiance,smell"], 2, "unknown channel 'smell'"),
+    (["cornell-box", "-o", "x.spool", "--size", "0x9"], 2, "--size"),
+    (["cornell-box", "-o", "x.spool", "--integrator", "ptracer"], 1, "no samples of a pixel"),
+    (["cornell-box", "-o", "x.spool", "--seed", "5000"], 2, "outside"),
+])
+def test_bad_input_is_one_line_and_a_code(tmp_path, arguments, code, words):
+    result = subprocess.run([sys.executable, RECORD, *arguments], cwd=tmp_path, capture_output=True, text=True)
+    assert result.returncode == code, result.stderr
+    assert words in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_scene_without_a_camera_and_broken_xml(tmp_path):
+    for text, words in (("<scene version='3.0.0'><integrator type='path'/></scene>", "no sensor"), ("<scene", "cannot load")):
+        scene = tmp_path / "bad.xml"
+        scene.write_text(text)
+        result = record(scene, "-o", tmp_path / "bad.spool")
+        assert result.returncode == 1 and words in result.stderr
