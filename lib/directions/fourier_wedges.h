@@ -3,7 +3,7 @@
 // Wedge weights have cos^2 ramps of half-width 8 degrees at the borders of band_borders() and sum
 // to 1; the zero frequency is shared equally. The image is first extended to one period of its
 // extension (symmetric: twice its size). Cost: 1 + 2^l / 2 complex transforms of that period, about
-// 2 us a pixel at l = 3; double inside. Dilation has no meaning here: a wedge has no scale.
+// 7 us a pixel at l = 3; double inside. Dilation has no meaning here: a wedge has no scale.
 #pragma once
 
 #include <vector>
