@@ -29,10 +29,11 @@ struct DamagedRecord {
 };
 
 struct CheckReport {
-  bool complete = false;  // opens strictly, nothing damaged, no block missing
-  bool opens = false;     // opens strictly
-  uint64_t records = 0;   // records found intact
-  uint64_t bytes = 0;     // size of the file
+  bool complete = false;   // opens strictly, nothing damaged, no block missing
+  bool opens = false;      // opens strictly
+  std::string open_error;  // the line of SpoolReader::open, if it does not
+  uint64_t records = 0;    // records found intact
+  uint64_t bytes = 0;      // size of the file
   std::vector<DamagedRecord> damaged;
   std::vector<BlockKey> missing;  // blocks of the geometry of which no intact record exists
 

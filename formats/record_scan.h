@@ -1,0 +1,35 @@
+// Finds every intact record of a file, whatever its state: no index, no footer, holes, foreign
+// bytes.
+//
+// A record counts as intact when sync word, header CRC, dump id, the rules that need no geometry,
+// payload CRC and pad bytes agree. Past damage the scan goes on in steps of 64 bytes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "formats/dump_check.h"
+#include "formats/dump_header.h"
+#include "formats/file_handle.h"
+#include "formats/structures.h"
+
+namespace spool::format {
+
+struct RecordScan {
+  FileHeader file_header;  // rebuilt from the records if the file's own is damaged
+  uint64_t file_bytes = 0;
+  std::vector<IndexEntry> intact;  // in file order
+  std::vector<DamagedRecord> damaged;
+  uint64_t whole_until = kUnit;  // records touch and are intact from the front up to here
+  bool footer_intact = false;
+};
+
+// Errors: kIo; kData when the file is not a .spool file or of a later version; kDamage when not
+// even the identity of the dump can be found.
+Result<RecordScan> scan_records(const FileHandle& file);
+
+// Geometry and channels of the first intact IMAG and CHAN; the error says what is lost.
+Result<DumpHeader> header_of_scan(const FileHandle& file, const RecordScan& scan);
+
+}  // namespace spool::format

@@ -1,0 +1,158 @@
+// Small dumps for the tests of formats/: headers, contents that follow from a seed, files as bytes.
+#pragma once
+
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "formats/dump_geometry.h"
+#include "formats/spool_writer.h"
+
+namespace spool::format {
+
+using Bytes = std::vector<std::byte>;
+
+// A folder of its own that goes when the test ends.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "spool_formats_XXXXXX").string();
+    if (::mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+
+  std::filesystem::path operator/(const char* name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline Bytes read_bytes(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::vector<char> text((std::istreambuf_iterator<char>(in)), {});
+  Bytes bytes(text.size());
+  if (!text.empty()) std::memcpy(bytes.data(), text.data(), text.size());
+  return bytes;
+}
+
+inline void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+}
+
+inline constexpr std::array<uint8_t, 16> kFixedUuid = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                       8, 9, 10, 11, 12, 13, 14, 15};
+
+inline DumpHeader small_header(uint32_t width, uint32_t height, uint32_t spp, uint32_t block_spp,
+                               uint32_t tile_size = 8, DataType type = DataType::kFloat32) {
+  DumpHeader header;
+  header.width = width;
+  header.height = height;
+  header.tile_size = tile_size;
+  header.spp = spp;
+  header.block_spp = block_spp;
+  header.sample_order = SampleOrder::kExchangeable;
+  header.channels = radiance_channels(type);
+  return header;
+}
+
+inline void add_group(DumpHeader& header, std::vector<std::string> names, DataType type,
+                      Scope scope = Scope::kSample, Semantic semantic = Semantic::kNotStated) {
+  const auto group = static_cast<uint16_t>(header.channels.back().group + 1);
+  for (std::string& name : names) {
+    header.channels.push_back(
+        {std::move(name), group, type, static_cast<uint16_t>(semantic), scope});
+  }
+}
+
+inline uint64_t mix(uint64_t x) {  // splitmix64
+  x += 0x9E3779B97F4A7C15u;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+  return x ^ (x >> 31);
+}
+
+// Bytes of one block; every bit pattern occurs, NaN and infinity too. A `smooth` one compresses.
+inline Bytes block_bytes(const DumpGeometry& geometry, uint16_t group, uint32_t tile,
+                         uint32_t block, uint64_t seed, bool smooth) {
+  Bytes bytes(geometry.raw_bytes(group, tile, block));
+  const uint64_t key = mix(seed ^ mix(group ^ mix(tile ^ mix(block))));
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    bytes[i] = smooth ? static_cast<std::byte>((key + i / 64) & 0xFF)
+                      : static_cast<std::byte>(mix(key + i) & 0xFF);
+  }
+  return bytes;
+}
+
+struct MadeDump {
+  DumpHeader header;
+  WriterOptions options{.uuid = kFixedUuid};
+  std::vector<std::string> meta;
+  uint64_t seed = 1;
+  bool smooth = false;
+  uint32_t skip_every = 0;  // leave out every so many blocks
+};
+
+inline bool is_skipped(const MadeDump& dump, uint32_t slot) {
+  return dump.skip_every != 0 && slot % dump.skip_every == dump.skip_every - 1;
+}
+
+inline Result<void> write_blocks(SpoolWriter& writer, const MadeDump& dump) {
+  const DumpGeometry geometry(dump.header);
+  for (uint16_t group = 0; group < geometry.groups().size(); ++group) {
+    for (uint32_t tile = 0; tile < geometry.groups()[group].tiles; ++tile) {
+      for (uint32_t block = 0; block < geometry.groups()[group].blocks; ++block) {
+        if (is_skipped(dump, *geometry.slot(group, tile, block))) continue;
+        if (writer.has_block(group, tile, block)) continue;
+        SPOOL_TRY(writer.write_block(
+            group, tile, geometry.block_begin(group, block), geometry.block_count(group, block),
+            block_bytes(geometry, group, tile, block, dump.seed, dump.smooth)));
+      }
+    }
+  }
+  return {};
+}
+
+inline Result<void> make_dump(const std::filesystem::path& path, const MadeDump& dump) {
+  SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(path, dump.header, dump.options));
+  for (const std::string& text : dump.meta)
+    SPOOL_TRY(writer.write_meta(text));
+  SPOOL_TRY(write_blocks(writer, dump));
+  return writer.finish();
+}
+
+// One group of each kind, edge tiles, a short last block.
+inline MadeDump rich_dump(bool compressed) {
+  MadeDump dump;
+  dump.header = small_header(9, 5, 3, 2);
+  add_group(dump.header, {"albedo.R", "albedo.G", "albedo.B", "depth.Z"}, DataType::kFloat16,
+            Scope::kSample);
+  add_group(dump.header, {"film.X", "film.Y"}, DataType::kFloat32, Scope::kPass,
+            Semantic::kSampleCoordinate);
+  add_group(dump.header, {"reference.R", "reference.G", "reference.B"}, DataType::kFloat32,
+            Scope::kPixel, Semantic::kLight);
+  add_group(dump.header, {"path.flags"}, DataType::kUint32, Scope::kSample, Semantic::kBits);
+  dump.meta = {R"({"renderer":"test","seed":1})"};
+  dump.smooth = compressed;
+  dump.options.compress = compressed;
+  return dump;
+}
+
+}  // namespace spool::format
