@@ -93,6 +93,20 @@ Option<Options> switch_option(std::string name, bool Options::* member, std::str
                                       std::move(help));
 }
 
+// Appends the options of a struct that is a member of Outer, under their own names.
+template <class Outer, class Inner>
+void append_options(OptionTable<Outer>& table, const OptionTable<Inner>& inner,
+                    Inner Outer::* member) {
+  for (const Option<Inner>& option : inner) {
+    table.push_back(
+        {option.name, option.allowed, option.help,
+         [set = option.set, member](Outer& options, std::string_view text) {
+           return set(options.*member, text);
+         },
+         [get = option.get, member](const Outer& options) { return get(options.*member); }});
+  }
+}
+
 // Sets options by name; an unknown name is an error that says the nearest known one.
 template <class Options>
 Result<void> set_option(const OptionTable<Options>& table, Options& options, std::string_view name,
