@@ -119,6 +119,11 @@ class Dump:
         return list(zip(entries["group"].tolist(), entries["tile"].tolist(), entries["sample_begin"].tolist()))
 
     @property
+    def compressed(self):
+        """True when some record is stored compressed."""
+        return bool(self._records.entries["codec"].any())
+
+    @property
     def record_count(self):
         """All records, the index included."""
         return len(self._records.entries) + 1

@@ -1,0 +1,30 @@
+"""Every layer that was recorded holds something: finite, not the same everywhere."""
+import numpy as np
+
+from finding import finding
+
+
+def feature_findings(dump):
+    found = []
+    for name, layer in dump.layers.items():
+        if name in ("radiance", "film", "reference", "reference_variance") or layer.scope != "sample":
+            continue
+        values = dump.read(name, first=0, count=min(4, dump.spp)).astype(np.float64)
+        finite = np.isfinite(values).mean()
+        spread = float(np.nanmax(values) - np.nanmin(values)) if finite else 0.0
+        found.append(finding("layer %s" % name, bool(finite == 1.0 and spread > 0),
+                             "%.4g %% finite, range %.4g" % (100 * finite, spread), "finite and not constant",
+                             note="" if spread else "empty: the renderer wrote nothing into this pass"))
+    return found
+
+
+def radiance_findings(radiance):
+    bad = int((~np.isfinite(radiance)).any(axis=3).sum())
+    negative = int((radiance < 0).any(axis=3).sum())
+    total = radiance[..., 0].size
+    same = bool(radiance.shape[2] > 1 and (radiance == radiance[:, :, :1]).all())
+    found = [finding("samples finite", bad <= total * 1e-4, "%d of %d are not" % (bad, total), "at most 1e-4",
+                     note="%d negative" % negative if negative else "")]
+    found.append(finding("samples differ", not same, "all passes are the same" if same else "they do", "they do",
+                         note="the seed did not reach the renderer" if same else ""))
+    return found

@@ -1,0 +1,18 @@
+"""One statement about a dump: what was measured, what was expected, and whether they agree."""
+
+
+def finding(name, holds, measured, expected, p_value=None, note=""):
+    """holds: True, False, or None where the dump does not say enough to tell."""
+    entry = {"name": name, "holds": holds, "measured": measured, "expected": expected}
+    if p_value is not None:
+        entry["p_value"] = p_value
+    if note:
+        entry["note"] = note
+    return entry
+
+
+def line(entry):
+    verdict = {True: "holds", False: "FAILS", None: "not known"}[entry["holds"]]
+    tail = "" if "p_value" not in entry else "  p = %.3g" % entry["p_value"]
+    note = "  (%s)" % entry["note"] if entry.get("note") else ""
+    return "%-24s %-9s %s, expected %s%s%s" % (entry["name"], verdict, entry["measured"], entry["expected"], tail, note)

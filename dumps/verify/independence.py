@@ -1,0 +1,89 @@
+"""Are the samples of a pixel exchangeable, and is s^2/n the variance of their mean?
+
+Statistics are taken on x / (1 + x) of the luminance, so that fireflies do not decide, after each pixel was
+brought to mean 0 and variance 1. Their distribution under the claim comes from permuting the sample indices,
+one permutation for all pixels: that keeps whatever pixels share (a film position, in shifted recordings), and
+makes the p-values exact without a model.
+"""
+import numpy as np
+
+from finding import finding
+
+PERMUTATIONS = 400
+SEED = 20090807
+
+
+def residuals(radiance):
+    """[pixel][s] tone-mapped luminance, mean 0 and variance 1 per pixel; constant pixels are left out."""
+    value = np.maximum(radiance.astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722]), 0)
+    value = (value / (1 + value)).reshape(-1, radiance.shape[2])
+    value = value - value.mean(axis=1, keepdims=True)
+    sigma = np.sqrt((value ** 2).sum(axis=1) / (value.shape[1] - 1))
+    return value[sigma > 1e-6] / sigma[sigma > 1e-6, None]
+
+
+def group_variance(e, size):
+    """size * variance of the means of `size` consecutive samples, over pixels: 1 for independent samples."""
+    groups = e.shape[1] // size
+    means = e[:, :groups * size].reshape(len(e), groups, size).mean(axis=2)
+    return float(size * means.var(axis=1, ddof=1).mean())
+
+
+def lag_correlation(e, lag):
+    return float((e[:, :-lag] * e[:, lag:]).mean())
+
+
+def permutation_test(e, statistic, seed):
+    """(value, mean under the claim, two-sided p-value)."""
+    value = statistic(e)
+    rng = np.random.default_rng(seed)
+    null = np.array([statistic(e[:, rng.permutation(e.shape[1])]) for _ in range(PERMUTATIONS)])
+    center = float(null.mean())
+    p = (1 + np.sum(np.abs(null - center) >= abs(value - center))) / (PERMUTATIONS + 1)
+    return value, center, float(p)
+
+
+def independence_findings(radiance, claimed, level):
+    """level: significance of each test after correction. claimed: what the header says (exchangeable)."""
+    count = radiance.shape[2]
+    if count < 8:
+        return [finding("independence", None, "%d samples" % count, "at least 8")]
+    e = residuals(radiance)
+    if not len(e):
+        return [finding("independence", None, "every pixel is constant", "noise to look at")]
+    if len(e) > 4096:  # a permutation costs a pass over the pool; 4096 pixels see correlations of 1e-3
+        e = e[np.random.default_rng(SEED).choice(len(e), 4096, replace=False)]
+    tests = [("variance of %d-means" % size, lambda v, size=size: group_variance(v, size))
+             for size in (4, 16) if count // size >= 4]
+    tests += [("correlation at lag %d" % lag, lambda v, lag=lag: lag_correlation(v, lag)) for lag in (1, 2, 4)]
+    found = []
+    for index, (name, statistic) in enumerate(tests):
+        value, center, p = permutation_test(e, statistic, SEED + index)
+        holds = p > level if claimed else None
+        note = "" if claimed else "the header claims renderer order only"
+        found.append(finding(name, holds, "%.4f" % value, "%.4f" % center, p, note))
+    return found
+
+
+def neighbour_finding(radiance, shared_film, level):
+    """Correlation of horizontally neighbouring pixels within a sample index; error from its spread over indices."""
+    height, width, count, _ = radiance.shape
+    if width < 2 or count < 8:
+        return finding("neighbour correlation", None, "%dx%d, %d samples" % (width, height, count), "more of them")
+    value = np.maximum(radiance.astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722]), 0)
+    value = value / (1 + value)
+    value = value - value.mean(axis=2, keepdims=True)
+    sigma = np.sqrt((value ** 2).sum(axis=2, keepdims=True) / (count - 1))
+    e = np.where(sigma > 1e-6, value / np.maximum(sigma, 1e-6), 0)
+    both = (sigma[:, 1:, 0] > 1e-6) & (sigma[:, :-1, 0] > 1e-6)
+    if not both.any():
+        return finding("neighbour correlation", None, "no noisy neighbours", "noise to look at")
+    products = (e[:, 1:] * e[:, :-1])[both].mean(axis=0)  # [s]
+    mean, error = products.mean(), products.std(ddof=1) / np.sqrt(count)
+    z = mean / max(error, 1e-12)
+    from math import erfc, sqrt
+    p = erfc(abs(z) / sqrt(2))
+    if shared_film:
+        return finding("neighbour correlation", None, "%.4f" % mean, "any", p,
+                       "all pixels of a sample share their film position")
+    return finding("neighbour correlation", bool(p > level), "%.4f" % mean, "0", p)

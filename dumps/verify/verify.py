@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""Test that the samples of a .spool dump are what its header claims.
+
+    python3 dumps/verify/verify.py scene.spool             print the findings; exit 1 if one fails
+    python3 dumps/verify/verify.py scene.spool --write     and keep them in the dump's metadata
+"""
+import argparse
+import json
+import os
+import sys
+
+import numpy as np
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+for folder in (HERE, os.path.join(HERE, "..", "..", "formats", "python")):
+    sys.path.insert(0, folder)
+
+import spool  # noqa: E402
+from features import feature_findings, radiance_findings  # noqa: E402
+from film import film_findings  # noqa: E402
+from finding import line  # noqa: E402
+from independence import independence_findings, neighbour_finding  # noqa: E402
+from reference_agreement import reference_findings  # noqa: E402
+
+SIGNIFICANCE = 1e-3  # of the whole set of tests, divided among them (Bonferroni)
+TESTS = 12
+LARGEST_WINDOW = 1 << 26  # values of radiance looked at together
+
+
+def verify(path):
+    """Findings of one dump. Large dumps are judged on a centred window that fits in memory."""
+    level = SIGNIFICANCE / TESTS
+    with spool.open(path) as dump:
+        side_x, side_y = dump.width, dump.height
+        while side_x * side_y * dump.spp * 3 > LARGEST_WINDOW and max(side_x, side_y) > 16:
+            side_x, side_y = max(16, side_x // 2), max(16, side_y // 2)
+        x0, y0 = (dump.width - side_x) // 2, (dump.height - side_y) // 2
+        radiance = dump.read("radiance", x0, y0, x0 + side_x, y0 + side_y)
+        found = radiance_findings(radiance)
+        finite = np.where(np.isfinite(radiance), radiance, 0)
+        film = dump.layers.get("film")
+        found += independence_findings(finite, dump.sample_order == "exchangeable", level)
+        found.append(neighbour_finding(finite, film is not None and film.scope == "pass", level))
+        found += film_findings(dump, level)
+        if (side_x, side_y) == (dump.width, dump.height):
+            found += reference_findings(dump, finite, level)
+        else:
+            found += reference_findings(_Window(dump, x0, y0, side_x, side_y), finite, level)
+        found += feature_findings(dump)
+        return {"findings": found, "window": [x0, y0, x0 + side_x, y0 + side_y], "significance": SIGNIFICANCE,
+                "holds": all(entry["holds"] is not False for entry in found)}
+
+
+class _Window:
+    """The pixel layers of a part of a dump."""
+
+    def __init__(self, dump, x0, y0, width, height):
+        self.layers, self.meta, self._dump = dump.layers, dump.meta, dump
+        self._slice = np.s_[y0:y0 + height, x0:x0 + width]
+
+    def pixel(self, layer):
+        return self._dump.pixel(layer)[self._slice]
+
+
+def write_verification(path, verification):
+    """Rewrites the dump with one more meta record; every block is copied as it is read back."""
+    temporary = path + ".verified"
+    with spool.open(path) as dump:
+        with spool.Writer(temporary, dump.width, dump.height, dump.spp, channels=dump.channels, tile_size=dump.tile_size,
+                          block_spp=dump.block_spp, sample_order=dump.sample_order, uuid=dump.uuid.bytes,
+                          compress=dump.compressed, force=True) as writer:
+            for record in dump.meta_records:
+                writer.write_meta(record)
+            writer.write_meta({"verification": verification})
+            for group, tile, begin in dump.blocks():
+                writer.write_block(group, tile, begin, dump.block(group, tile, begin))
+    os.replace(temporary, path)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("dump")
+    parser.add_argument("--write", action="store_true", help="keep the findings in the dump's metadata")
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    try:
+        verification = verify(options.dump)
+        if options.write:
+            write_verification(options.dump, verification)
+    except spool.SpoolError as error:
+        print(error, file=sys.stderr)
+        return error.code
+    except OSError as error:
+        print("%s: %s" % (options.dump, error.strerror), file=sys.stderr)
+        return 3
+    if options.json:
+        print(json.dumps(verification, indent=1))
+    else:
+        for entry in verification["findings"]:
+            print(line(entry))
+    return 0 if verification["holds"] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,122 @@
+"""Each claim of a dump is believed when it is true and refused when it is not."""
+import numpy as np
+import pytest
+
+import spool
+from verify import verify, write_verification
+
+SIZE, SPP, REFERENCE = 24, 64, 4096
+
+
+def pool(seed=0, heavy=False):
+    """Independent samples [y][x][s][3] with a mean and a spread that vary over the image."""
+    rng = np.random.default_rng(seed)
+    mean = np.linspace(0.2, 1, SIZE)[None, :, None, None]
+    noise = rng.lognormal(0, 1.0 if heavy else 0.4, (SIZE, SIZE, SPP, 3))
+    return (mean * noise).astype("f4")
+
+
+def independent_reference(seed=99):
+    mean = np.linspace(0.2, 1, SIZE)[None, :, None] * np.exp(0.4 ** 2 / 2)
+    single = (np.exp(0.4 ** 2) - 1) * mean ** 2 * np.ones((SIZE, SIZE, 3))
+    rng = np.random.default_rng(seed)
+    return (mean + rng.standard_normal((SIZE, SIZE, 3)) * np.sqrt(single / REFERENCE)).astype("f4"), \
+        (single / REFERENCE).astype("f4")
+
+
+def dump(path, radiance, film=None, albedo=None, reference=None, order="exchangeable"):
+    layers = {"radiance": ("f4", "RGB")}
+    if albedo is not None:
+        layers["albedo"] = ("f4", "RGB")
+    if film is not None:
+        layers["film"] = ("f4", "XY", "sample" if film.ndim == 4 else "pass")
+    if reference is not None:
+        layers["reference"] = layers["reference_variance"] = ("f4", "RGB", "pixel")
+    with spool.Writer(path, SIZE, SIZE, SPP, layers, sample_order=order, force=True,
+                      meta={"reference": {"samples": REFERENCE}}) as writer:
+        arrays = {"radiance": radiance}
+        if albedo is not None:
+            arrays["albedo"] = albedo
+        if film is not None and film.ndim == 4:
+            arrays["film"] = film
+        writer.write_passes(0, arrays)
+        if film is not None and film.ndim == 2:
+            writer.write_pass("film", film)
+        if reference is not None:
+            writer.write_pixel("reference", reference[0])
+            writer.write_pixel("reference_variance", reference[1])
+    return path
+
+
+def failed(path):
+    return {entry["name"] for entry in verify(str(path))["findings"] if entry["holds"] is False}
+
+
+def uniform_film(seed=5):
+    return np.random.default_rng(seed).random((SIZE, SIZE, SPP, 2)).astype("f4") * np.float32(0.99999)
+
+
+def test_true_claims_hold(tmp_path):
+    albedo = np.random.default_rng(1).random((SIZE, SIZE, SPP, 3)).astype("f4")
+    path = dump(tmp_path / "good.spool", pool(), uniform_film(), albedo, independent_reference())
+    assert failed(path) == set()
+
+
+def test_a_sequence_is_not_exchangeable(tmp_path):
+    """Stratified samples: every run of four covers the distribution."""
+    ranks = np.random.default_rng(2).random((SIZE, SIZE, SPP // 4, 4)).argsort(axis=3)
+    u = (ranks + np.random.default_rng(3).random(ranks.shape)) / 4
+    radiance = np.repeat(u.reshape(SIZE, SIZE, SPP, 1), 3, axis=3).astype("f4")
+    assert "variance of 4-means" in failed(dump(tmp_path / "sequence.spool", radiance))
+    assert failed(dump(tmp_path / "said.spool", radiance, order="renderer")) == set()
+
+
+def test_drift_over_the_samples_is_found(tmp_path):
+    radiance = pool() * np.linspace(0.8, 1.2, SPP, dtype="f4")[None, None, :, None]
+    assert {"variance of 16-means", "correlation at lag 1"} <= failed(dump(tmp_path / "drift.spool", radiance))
+
+
+def test_pixels_that_share_their_noise_are_found(tmp_path):
+    radiance = pool()
+    radiance[:, 1::2] = radiance[:, 0::2]
+    assert "neighbour correlation" in failed(dump(tmp_path / "shared.spool", radiance))
+
+
+@pytest.mark.parametrize("film, name", [
+    (np.full((SPP, 2), 0.5, "f4"), "no pixel-centre trap"),
+    (np.random.default_rng(4).beta(4, 4, (SIZE, SIZE, SPP, 2)).astype("f4"), "film x uniform"),
+    (np.random.default_rng(4).random((SPP, 2)).astype("f4") + 0.5, "film inside the pixel"),
+])
+def test_film_that_is_not_uniform_is_found(tmp_path, film, name):
+    assert name in failed(dump(tmp_path / "film.spool", pool(), film))
+
+
+def test_a_reference_of_the_same_samples_is_found(tmp_path):
+    radiance = pool()
+    same = radiance.astype(float).mean(axis=2).astype("f4")
+    assert "reference chi-square" in failed(
+        dump(tmp_path / "same.spool", radiance, reference=(same, independent_reference()[1])))
+
+
+def test_a_reference_of_another_scene_is_found(tmp_path):
+    mean, variance = independent_reference()
+    names = failed(dump(tmp_path / "other.spool", pool(), reference=(mean * np.float32(1.2), variance)))
+    assert {"reference chi-square", "reference energy"} <= names
+
+
+def test_empty_layers_and_repeated_passes_are_found(tmp_path):
+    albedo = np.zeros((SIZE, SIZE, SPP, 3), "f4")
+    assert "layer albedo" in failed(dump(tmp_path / "empty.spool", pool(), albedo=albedo))
+    assert "samples differ" in failed(dump(tmp_path / "seed.spool", np.repeat(pool()[:, :, :1], SPP, axis=2)))
+
+
+def test_findings_travel_in_the_metadata_and_change_no_sample(tmp_path):
+    path = dump(tmp_path / "kept.spool", pool(), uniform_film(), reference=independent_reference())
+    with spool.open(path) as before:
+        radiance, uuid = before.read("radiance"), before.uuid
+    write_verification(str(path), verify(str(path)))
+    assert spool.check(path).ok
+    with spool.open(path) as after:
+        assert after.meta["verification"]["holds"] is True
+        assert after.meta["reference"]["samples"] == REFERENCE
+        assert np.array_equal(radiance, after.read("radiance")) and uuid == after.uuid
