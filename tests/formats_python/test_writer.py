@@ -35,10 +35,14 @@ def test_exception_leaves_the_partial_file(tmp_path):
             raise KeyError
     assert os.listdir(tmp_path) == ["a.spool.partial"]
     usage(writer, path)
-    usage(writer, path, force=True)
     with pytest.raises(spool.SpoolError) as caught:
         spool.open(tmp_path / "a.spool.partial")
     assert caught.value.kind == "incomplete"
+    with writer(path, force=True) as output:
+        usage(writer, path)
+        usage(writer, path, force=True)  # a recording that runs is never replaced
+        output.write_block(0, 0, 0, BLOCK)
+    assert spool.check(path).ok and os.listdir(tmp_path) == ["a.spool"]
 
 
 def test_existing_target_needs_force(tmp_path):

@@ -27,16 +27,23 @@ class PartialFile:
         self._synced, self._synced_at = 0, time.monotonic()
         if not force and os.path.lexists(self.path):
             raise self.error("usage", "exists: choose another name or ask to replace it")
+        flags = os.O_RDWR | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
         try:
-            self._handle = os.open(self.partial, os.O_CREAT | os.O_EXCL | os.O_RDWR | getattr(os, "O_CLOEXEC", 0)
-                                   | getattr(os, "O_BINARY", 0), 0o666)
+            self._handle = os.open(self.partial, flags | (os.O_CREAT if force else os.O_CREAT | os.O_EXCL), 0o666)
         except FileExistsError:
             raise SpoolError("usage", f"{self.name}.partial: exists, another recording runs or was cut: "
                                       "recover or remove it") from None
         except OSError as reason:
             raise self.error("io", f"{reason.strerror or reason}: check the folder and its permissions") from None
-        if fcntl is not None:
-            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        try:
+            if fcntl is not None:
+                fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.ftruncate(self._handle, 0)  # a stale partial file, with force
+        except OSError as reason:
+            self.close()
+            if reason.errno in (errno.EAGAIN, errno.EACCES):
+                raise SpoolError("usage", f"{self.name}.partial: another recording writes it: wait for it") from None
+            raise self.error("io", f"{reason.strerror or reason}: check the folder and its permissions") from None
 
     def error(self, kind, text):
         return SpoolError(kind, f"{self.name}: {text}")

@@ -144,9 +144,15 @@ class Dump:
         if records.names[:2].tolist() != [b"IMAG", b"CHAN"] or np.isin(
                 records.names[2:], (b"IMAG", b"CHAN", b"INDX")).any():
             raise records.error("damaged", "IMAG and CHAN are not records 0 and 1 alone")
-        payloads = self._sized(0, 64), records.payload(1)
+        if int(records.entries[0]["raw_bytes"]) != 64:
+            raise records.error("damaged", "IMAG is not 64 bytes")
+        entries, odd = divmod(int(records.entries[1]["raw_bytes"]), 64)
+        if odd or entries > layout.MAX_CHANNELS:
+            raise records.error("damaged", "CHAN is not at most 64 entries of 64 bytes")
+        payloads = records.payload(0), records.payload(1)
         self.geometry = geometry = Geometry.decode(payloads[0], records.newer_minor)
-        self._sized(1, 64 * geometry.channel_count)
+        if entries != geometry.channel_count:
+            raise records.error("invalid", f"IMAG says {geometry.channel_count} channels, CHAN has {entries}")
         self.channels = channel.decode(payloads[1], geometry.group_count, records.newer_minor)
         self.layers = channel.layers_of(self.channels)
         self._groups = groups_of(self.channels)
@@ -154,12 +160,6 @@ class Dump:
         self.width, self.height, self.spp = geometry.width, geometry.height, geometry.spp
         self.tile_size, self.block_spp = geometry.tile_size, geometry.block_spp
         self.sample_order = layout.SAMPLE_ORDERS[geometry.sample_order]
-
-    def _sized(self, row, raw_bytes):
-        entry = self._records.entries[row]
-        if int(entry["raw_bytes"]) != raw_bytes:
-            raise self._records.error("damaged", f"record {row} has {entry['raw_bytes']} bytes, not {raw_bytes}")
-        return self._records.payload(row)
 
     def _read_meta(self):
         merged, texts = {}, []

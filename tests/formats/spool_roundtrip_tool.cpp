@@ -1,0 +1,70 @@
+// Shows another implementation what the C++ reader and writer do:
+//   rewrite IN OUT ...   reads each dump and writes it again: meta first, then group, tile, block
+//   open FILE ...        one line per file: 0, or the exit code and the message of the refusal
+//   check FILE ...       one line per file: 0 intact, 4 damaged, or the exit code and the message
+#include <cstdio>
+#include <string_view>
+
+#include "formats/dump_check.h"
+#include "formats/spool_reader.h"
+#include "formats/spool_writer.h"
+
+namespace {
+
+using namespace spool;
+using namespace spool::format;
+
+Result<void> rewrite(const char* in, const char* out) {
+  SPOOL_ASSIGN(const SpoolReader reader, SpoolReader::open(in));
+  WriterOptions options;
+  options.uuid = reader.header().uuid;
+  options.force = true;
+  SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, reader.header(), options));
+  for (const std::string& text : reader.meta()) SPOOL_TRY(writer.write_meta(text));
+  for (uint32_t group = 0; group < reader.group_count(); ++group) {
+    const auto number = static_cast<uint16_t>(group);
+    for (uint32_t tile = 0; tile < reader.tiles(); ++tile) {
+      for (uint32_t block = 0; block < reader.blocks(); ++block) {
+        if (!reader.has_block(number, tile, block)) continue;
+        SPOOL_ASSIGN(const auto payload, reader.read_block(number, tile, block));
+        Scope scope = Scope::kSample;
+        for (const ChannelInfo& channel : reader.header().channels)
+          if (channel.group == number) scope = channel.scope;
+        const bool pixel = scope == Scope::kPixel;
+        SPOOL_TRY(writer.write_block(number, tile, pixel ? 0 : reader.block_begin(block),
+                                     pixel ? 1 : reader.block_count(block), payload));
+      }
+    }
+  }
+  return writer.finish();
+}
+
+void print(const Result<void>& result) {
+  if (result) std::puts("0");
+  else std::printf("%d %s\n", static_cast<int>(result.error().code), result.error().message.c_str());
+}
+
+Result<void> check(const char* path) {
+  SPOOL_ASSIGN(const CheckReport report, check_dump(path));
+  if (report.intact()) return {};
+  return fail(ErrorCode::kDamage, "{}", report.damaged.empty() ? "" : report.damaged[0].reason);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const std::string_view verb = count > 1 ? arguments[1] : "";
+  for (int i = 2; i < count; ++i) {
+    if (verb == "rewrite" && i + 1 < count) {
+      print(rewrite(arguments[i], arguments[i + 1]));
+      ++i;
+    } else if (verb == "open") {
+      print(SpoolReader::open(arguments[i]).map([](const SpoolReader&) {}));
+    } else if (verb == "check") {
+      print(check(arguments[i]));
+    } else {
+      return 2;
+    }
+  }
+  return 0;
+}
