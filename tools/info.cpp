@@ -1,0 +1,138 @@
+#include "tools/info.h"
+
+#include <nlohmann/json.hpp>
+
+#include "tools/dump_loading.h"
+#include "tools/sha256.h"
+
+namespace spool::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+const char* type_name(format::DataType type) {
+  switch (type) {
+    case format::DataType::kFloat16:
+      return "f16";
+    case format::DataType::kFloat32:
+      return "f32";
+    case format::DataType::kUint32:
+      return "u32";
+  }
+  return "?";
+}
+
+const char* scope_name(format::Scope scope) {
+  switch (scope) {
+    case format::Scope::kSample:
+      return "sample";
+    case format::Scope::kPixel:
+      return "pixel";
+    case format::Scope::kPass:
+      return "pass";
+  }
+  return "?";
+}
+
+std::string hex(const std::array<std::uint8_t, 16>& bytes) {
+  std::string text;
+  for (const std::uint8_t byte : bytes)
+    text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+ordered_json describe(const format::SpoolReader& reader, std::uintmax_t bytes,
+                      const std::string& sha256) {
+  const format::DumpHeader& header = reader.header();
+  ordered_json layers = ordered_json::array();
+  for (const format::LayerInfo& layer : reader.layers()) {
+    layers.push_back({{"name", layer.name},
+                      {"components", layer.components},
+                      {"type", type_name(layer.type)},
+                      {"scope", scope_name(layer.scope)},
+                      {"group", layer.group}});
+  }
+  const ordered_json meta = merged_meta(reader);
+  ordered_json out = {
+      {"file", reader.path().string()},
+      {"bytes", bytes},
+      {"sha256", sha256},
+      {"uuid", hex(header.uuid)},
+      {"width", header.width},
+      {"height", header.height},
+      {"samples_per_pixel", header.spp},
+      {"sample_order",
+       header.sample_order == format::SampleOrder::kExchangeable ? "exchangeable" : "renderer"},
+      {"complete", reader.complete()},
+      {"tile_size", header.tile_size},
+      {"samples_per_block", header.block_spp},
+      {"layers", layers},
+      {"reference", reader.find_layer("reference").has_value()},
+      {"reference_variance", reader.find_layer("reference_variance").has_value()}};
+  const std::optional<double> cost = cost_per_sample(meta);
+  out["seconds_per_sample"] = cost ? ordered_json(*cost) : ordered_json(nullptr);
+  out["meta"] = meta;
+  return out;
+}
+
+// A value of the remarks in one line, or empty.
+std::string remark(const ordered_json& info, const char* key) {
+  const auto found = info["meta"].find(key);
+  if (found == info["meta"].end()) return {};
+  std::string text = found->is_string() ? found->get<std::string>() : found->dump();
+  return text.size() > 100 ? text.substr(0, 97) + "..." : text;
+}
+
+void print_text(const ordered_json& info) {
+  std::vector<std::vector<std::string>> rows;
+  rows.push_back({"file", info["file"].get<std::string>()});
+  rows.push_back({"size", format_bytes(info["bytes"].get<double>())});
+  rows.push_back({"sha256", info["sha256"].get<std::string>()});
+  rows.push_back({"image", fmt::format("{} x {} pixels", info["width"].get<unsigned>(),
+                                       info["height"].get<unsigned>())});
+  rows.push_back(
+      {"samples", fmt::format("{} per pixel, {}{}", info["samples_per_pixel"].get<unsigned>(),
+                              info["sample_order"] == "exchangeable" ? "exchangeable (independent)"
+                                                                     : "in renderer order",
+                              info["complete"].get<bool>() ? "" : ", INCOMPLETE")});
+  for (const auto& layer : info["layers"]) {
+    std::string components;
+    for (const auto& component : layer["components"]) {
+      components += (components.empty() ? "" : " ") + component.get<std::string>();
+    }
+    rows.push_back({"channel", fmt::format("{} ({})  {} per {}", layer["name"].get<std::string>(),
+                                           components, layer["type"].get<std::string>(),
+                                           layer["scope"].get<std::string>())});
+  }
+  rows.push_back({"reference", !info["reference"].get<bool>() ? "none recorded"
+                               : info["reference_variance"].get<bool>()
+                                   ? "recorded, with its variance"
+                                   : "recorded, without variance"});
+  rows.push_back(
+      {"cost", info["seconds_per_sample"].is_null()
+                   ? "not recorded"
+                   : format_seconds(info["seconds_per_sample"].get<double>()) + " per sample"});
+  for (const char* key : {"renderer", "version", "scene", "mode", "seed"}) {
+    const std::string text = remark(info, key);
+    if (!text.empty()) rows.push_back({key, text});
+  }
+  print(format_columns(rows, 2));
+}
+
+}  // namespace
+
+Result<void> run_info(const InfoOptions& options, const CommonOptions& common) {
+  SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(options.dump));
+  std::error_code status;
+  const std::uintmax_t bytes = std::filesystem::file_size(options.dump, status);
+  SPOOL_ASSIGN(const std::string sha256, sha256_of_file(options.dump));
+  const ordered_json info = describe(reader, bytes, sha256);
+  if (common.json) {
+    print(info.dump(2) + "\n");
+  } else {
+    print_text(info);
+  }
+  return {};
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,45 @@
+#include "tools/progress.h"
+
+#include <unistd.h>
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/console.h"
+
+namespace spool::tools {
+namespace {
+
+constexpr std::chrono::milliseconds kBetweenLines{100};
+// Before this the speed is not known well enough to promise a time.
+constexpr std::chrono::milliseconds kBeforeEstimate{500};
+
+}  // namespace
+
+Progress::Progress(std::string task, bool quiet)
+    : task_(std::move(task)), visible_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (visible_) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::update(double share, const std::string& detail) {
+  if (!visible_) return;
+  const std::scoped_lock lock(mutex_);
+  const Clock::time_point now = Clock::now();
+  if (now - printed_ < kBetweenLines) return;
+  printed_ = now;
+  const double done = std::clamp(share, 0.0, 1.0);
+  std::string line = fmt::format("{} {:3.0f} %", task_, 100.0 * done);
+  if (now - start_ > kBeforeEstimate && done > 0.01) {
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    line += ", " + format_seconds(elapsed * (1.0 - done) / done) + " left";
+  }
+  if (!detail.empty()) line += "  " + detail;
+  fmt::print(stderr, "\r\033[K{:.100}", line);
+  std::fflush(stderr);
+}
+
+}  // namespace spool::tools
