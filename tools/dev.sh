@@ -1,0 +1,202 @@
+#!/usr/bin/env bash
+# One script for everything a developer or a build machine does: tools/dev.sh VERB (see usage below).
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+build_packages=(g++ cmake ninja-build pkg-config
+  libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libzstd-dev zlib1g-dev
+  libfmt-dev nlohmann-json3-dev libexpected-dev libssl-dev libgtest-dev libgmock-dev librapidcheck-dev)
+test_packages=(blender python3 python3-numpy python3-zstandard python3-pytest)
+lint_packages=(clang-19 clang-format-19 clang-tidy-19)
+tsan_packages=(dpkg-dev)
+
+usage() {
+  cat <<'TEXT'
+usage: tools/dev.sh VERB [ARGUMENTS]
+  setup [build|test|lint|all]   install what is missing (Debian 12; as root). Default: all
+  build [PRESET] [TARGETS]      configure and build; PRESET is release (default), debug, asan or tsan
+  test [PRESET] [CTEST ARGS]    build, then every test; e.g. test release -L unit
+  demo                          evaluate a small scene; prints error and time, pictures in demo-output/
+  record SCENE FILE [ARGS]      record a .blend file or a built-in scene with Cycles into FILE
+  lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
+  clean                         remove build/ and demo-output/
+SPOOL_JOBS sets how many compilers run at once (default: one per core).
+TEXT
+}
+
+say() { printf '== %s\n' "$*" >&2; }
+die() { printf 'dev.sh: %s\n' "$*" >&2; exit 1; }
+
+# --- setup -------------------------------------------------------------------------------------
+
+missing_packages() {
+  local package
+  for package in "$@"; do
+    # A package may be provided by another (g++ by a versioned one), so ask for its status only.
+    [[ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" == "install ok installed" ]] || echo "$package"
+  done
+}
+
+require_packages() {
+  command -v dpkg-query >/dev/null || {
+    say "no dpkg here: docs/building.md lists what is needed; going on with what is installed"
+    return 0
+  }
+  local missing
+  mapfile -t missing < <(missing_packages "$@")
+  ((${#missing[@]} == 0)) && return 0
+  local sudo=()
+  if ((EUID != 0)); then
+    if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then sudo=(sudo)
+    else die "missing packages; as root: apt-get install --no-install-recommends ${missing[*]}"; fi
+  fi
+  say "installing ${#missing[@]} packages: ${missing[*]}"
+  local apt=("${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
+  "${apt[@]}" update >&2
+  "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >&2
+}
+
+setup() {
+  case "${1:-all}" in
+    build) require_packages "${build_packages[@]}" ;;
+    test) require_packages "${build_packages[@]}" "${test_packages[@]}" ;;
+    lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
+    all) require_packages "${build_packages[@]}" "${test_packages[@]}" ;;
+    *) die "setup: build, test, lint or all, not '$1'" ;;
+  esac
+}
+
+# Debian's TBB is not built with ThreadSanitizer, and with it correct programs look racy: build our
+# own once per machine (docs/building.md).
+setup_tsan_tbb() {
+  export SPOOL_TSAN_TBB="${SPOOL_TSAN_TBB:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/tbb-tsan}"
+  [[ -f "$SPOOL_TSAN_TBB/lib/cmake/TBB/TBBConfig.cmake" ]] && return 0
+  require_packages "${tsan_packages[@]}"
+  say "building a TBB with ThreadSanitizer in $SPOOL_TSAN_TBB"
+  local work
+  work="$(mktemp -d)"
+  (
+    cd "$work"
+    if ! apt-get -q source --download-only onetbb >/dev/null 2>&1; then
+      ((EUID == 0)) || die "no package sources: add a deb-src line for onetbb as root (docs/building.md)"
+      if [[ -f /etc/apt/sources.list.d/debian.sources ]]; then
+        sed 's/^Types: deb$/Types: deb-src/' /etc/apt/sources.list.d/debian.sources \
+          >/etc/apt/sources.list.d/spool-src.sources
+      else
+        sed -n 's/^deb /deb-src /p' /etc/apt/sources.list >/etc/apt/sources.list.d/spool-src.list
+      fi
+      apt-get -q -o DPkg::Lock::Timeout=300 update >&2
+    fi
+    apt-get -q source onetbb >&2
+    cmake -G Ninja -S onetbb-*/ -B build -DTBB_SANITIZE=thread -DTBB_TEST=OFF -DTBB_STRICT=OFF \
+      -DTBBMALLOC_BUILD=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+      -DCMAKE_INSTALL_PREFIX="$SPOOL_TSAN_TBB" >&2
+    ninja -C build install >&2
+  )
+  rm -rf "$work"
+  (($(nm -D "$SPOOL_TSAN_TBB"/lib/libtbb.so.12 | grep -c tsan) > 0)) || die "the TBB just built has no ThreadSanitizer"
+}
+
+# --- build and test ----------------------------------------------------------------------------
+
+is_preset() { [[ "$1" == release || "$1" == debug || "$1" == asan || "$1" == tsan ]]; }
+
+jobs() { echo "${SPOOL_JOBS:-$(nproc)}"; }
+
+configure() {
+  local preset="$1" launcher=()
+  [[ "$preset" == tsan ]] && setup_tsan_tbb
+  # The presets name ccache; without it the compiler is called directly.
+  command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=)
+  cmake --preset "$preset" "${launcher[@]}" >/dev/null || cmake --preset "$preset" "${launcher[@]}" >&2
+}
+
+build() {
+  local preset=release
+  if (($# > 0)) && is_preset "$1"; then preset="$1"; shift; fi
+  setup build
+  say "building build/$preset"
+  configure "$preset"
+  ninja -C "build/$preset" -j "$(jobs)" --quiet "$@" >&2
+}
+
+test_all() {
+  local preset=release
+  if (($# > 0)) && is_preset "$1"; then preset="$1"; shift; fi
+  setup test
+  build "$preset"
+  local runner=()
+  # g++ 12's sanitizers cannot start under the address randomisation of newer kernels.
+  [[ "$preset" == asan || "$preset" == tsan ]] && runner=(setarch "$(uname -m)" -R)
+  say "ctest build/$preset"
+  "${runner[@]}" ctest --preset "$preset" -j "$(jobs)" "$@"
+}
+
+# --- demo --------------------------------------------------------------------------------------
+
+demo() {
+  setup test
+  build release
+  local out=demo-output
+  rm -rf "$out"
+  say "evaluating dumps/tiny/chess.spool"
+  ./build/release/spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \
+    --filters box,gaussian,directional --spp 4,8,16 --replicates 5 -o "$out" "$@"
+  echo "pictures: $out/*.png (one contact sheet for each combination), numbers: $out/results.csv"
+}
+
+record() {
+  (($# >= 2)) || die "usage: tools/dev.sh record SCENE FILE.spool [ARGUMENTS of dumps/cycles/record.py]"
+  setup test
+  build release spool
+  local scene="$1" target="$2" passes
+  shift 2
+  [[ -e "$target" ]] && die "$target exists already: choose another name"
+  passes="${target%.spool}.passes"
+  /usr/bin/env python3 dumps/cycles/record.py "$scene" --out "$passes" "$@"
+  ./build/release/spool pack "$passes" -o "$target"
+  say "recorded $target; the single passes are in $passes and may be deleted"
+}
+
+# --- lint --------------------------------------------------------------------------------------
+
+cpp_files() { git ls-files --cached --others --exclude-standard '*.h' '*.cpp'; }
+
+changed_sources() {
+  local base
+  base="$(git merge-base HEAD "${SPOOL_LINT_BASE:-main}" 2>/dev/null || git rev-parse HEAD)"
+  { git diff --name-only --diff-filter=d "$base" -- '*.cpp'; git ls-files --others --exclude-standard '*.cpp'; } | sort -u
+}
+
+lint() {
+  setup lint
+  local failed=0 sources
+  say "format"
+  cpp_files | xargs -r clang-format-19 --dry-run -Werror || failed=1
+
+  say "citations, paths, lengths"
+  python3 tools/lint.py || failed=1
+
+  configure release
+  if [[ "${1:-}" == --all ]]; then mapfile -t sources < <(git ls-files '*.cpp')
+  else mapfile -t sources < <(changed_sources); fi
+  say "clang-tidy on ${#sources[@]} files"
+  if ((${#sources[@]} > 0)); then
+    printf '%s\n' "${sources[@]}" | xargs -r -n 4 -P "$(jobs)" clang-tidy-19 --quiet -p build/release \
+      --extra-arg=-Wno-unknown-warning-option 2>/dev/null || failed=1
+  fi
+  ((failed == 0)) || die "lint found something"
+  say "lint: nothing to complain about"
+}
+
+case "${1:-help}" in
+  setup) shift; setup "$@" ;;
+  build) shift; build "$@" ;;
+  test) shift; test_all "$@" ;;
+  demo) shift; demo "$@" ;;
+  record) shift; record "$@" ;;
+  lint) shift; lint "$@" ;;
+  clean) rm -rf build demo-output ;;
+  help | -h | --help) usage ;;
+  *) usage >&2; die "unknown verb '$1'" ;;
+esac
