@@ -1,0 +1,16 @@
+// `spool list`: the methods, their presets and options, and the metrics, as the library knows them.
+#pragma once
+
+#include <string>
+
+#include "tools/console.h"
+
+namespace spool::tools {
+
+struct ListOptions {
+  std::string what;  // samplers, filters, presets
+};
+
+Result<void> run_list(const ListOptions& options, const CommonOptions& common);
+
+}  // namespace spool::tools

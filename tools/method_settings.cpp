@@ -1,0 +1,174 @@
+#include "tools/method_settings.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+namespace spool::tools {
+namespace {
+
+struct Setting {
+  std::string text, part, option, value;
+  bool used = false;
+};
+
+Result<std::vector<Setting>> parse_settings(const std::vector<std::string>& texts) {
+  std::vector<Setting> settings;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    const std::size_t dot = text.find('.');
+    if (equals == std::string::npos || dot == std::string::npos || dot > equals || dot == 0) {
+      return fail(ErrorCode::kUsage,
+                  "--set {}: write PART.OPTION=VALUE, for example sampler.alpha=0.3", text);
+    }
+    settings.push_back({text, text.substr(0, dot), text.substr(dot + 1, equals - dot - 1),
+                        text.substr(equals + 1)});
+  }
+  return settings;
+}
+
+template <class Entry>
+Result<const Entry*> find_entry(const std::vector<Entry>& entries, std::string_view kind,
+                                const std::string& name) {
+  std::vector<std::string> names;
+  for (const Entry& entry : entries) {
+    if (entry.name == name) return &entry;
+    names.push_back(entry.name);
+  }
+  const std::string near = nearest_name(name, names);
+  return fail(ErrorCode::kUsage, "unknown {} '{}'{}: see spool list {}s", kind, name,
+              near.empty() ? "" : fmt::format(", did you mean '{}'?", near), kind);
+}
+
+// One kind of method (samplers or filters) being put together for a command.
+template <class Entry>
+struct Choice {
+  std::string kind;  // "sampler", "filter"
+  std::vector<const Entry*> entries;
+
+  static Result<Choice> of(std::string kind, const std::vector<Entry>& all,
+                           const std::vector<std::string>& names) {
+    Choice choice{std::move(kind), {}};
+    for (const std::string& name : names) {
+      SPOOL_ASSIGN(const Entry* entry, find_entry(all, choice.kind, name));
+      choice.entries.push_back(entry);
+    }
+    return choice;
+  }
+
+  bool reaches(const Setting& setting, const Entry& entry) const {
+    return setting.part == entry.name || setting.part == kind;
+  }
+
+  // The settings meant for `entry`: all of them when it is alone or named, else those it has.
+  OptionValues values_for(const Entry& entry, std::vector<Setting>& settings) const {
+    std::set<std::string> known;
+    for (const OptionDescription& option : entry.describe(""))
+      known.insert(option.name);
+    OptionValues values;
+    for (Setting& setting : settings) {
+      if (!reaches(setting, entry)) continue;
+      const bool strict = entries.size() == 1 || setting.part == entry.name;
+      if (!strict && !known.contains(setting.option)) continue;
+      setting.used = true;
+      values.emplace_back(setting.option, setting.value);
+    }
+    return values;
+  }
+};
+
+template <class Entry>
+bool has_preset(const Entry& entry, const std::string& preset) {
+  return std::ranges::find(entry.presets, preset) != entry.presets.end();
+}
+
+template <class Entry, class Named>
+Result<void> make_all(const Choice<Entry>& choice, const std::string& preset,
+                      std::vector<Setting>& settings, std::vector<Named>& made) {
+  for (const Entry* entry : choice.entries) {
+    const std::string own_preset = has_preset(*entry, preset) ? preset : "";
+    SPOOL_ASSIGN(auto run, entry->make(own_preset, choice.values_for(*entry, settings)));
+    made.push_back({entry->name, std::move(run)});
+  }
+  return {};
+}
+
+template <class Entry>
+void collect_presets(const Choice<Entry>& choice, std::vector<std::string>& presets) {
+  for (const Entry* entry : choice.entries) {
+    presets.insert(presets.end(), entry->presets.begin(), entry->presets.end());
+  }
+}
+
+Result<void> check_preset(const std::string& preset, const std::vector<std::string>& known) {
+  if (preset.empty() || std::ranges::find(known, preset) != known.end()) return {};
+  if (known.empty()) {
+    return fail(ErrorCode::kUsage, "--preset {}: none of these methods has presets", preset);
+  }
+  const std::string near = nearest_name(preset, known);
+  return fail(ErrorCode::kUsage, "--preset {}: unknown{}: see spool list presets", preset,
+              near.empty() ? "" : fmt::format(", did you mean '{}'?", near));
+}
+
+Result<SanitiseRules> make_rules(std::vector<Setting>& settings) {
+  SanitiseRules rules;
+  for (Setting& setting : settings) {
+    if (setting.part != "pool") continue;
+    setting.used = true;
+    SPOOL_TRY(set_option(sanitise_option_table(), rules, setting.option, setting.value));
+  }
+  return rules;
+}
+
+// Why nothing took `setting`: its part names no method of this command, or no method has the
+// option.
+Error unused(const Setting& setting, const Choice<SamplerEntry>& samplers,
+             const Choice<ReconstructorEntry>& filters) {
+  std::vector<std::string> parts = {"pool"};
+  std::vector<std::string> options;
+  const auto add = [&](const auto& choice) {
+    if (!choice.entries.empty()) parts.push_back(choice.kind);
+    for (const auto* entry : choice.entries) {
+      parts.push_back(entry->name);
+      if (!choice.reaches(setting, *entry)) continue;
+      for (const OptionDescription& option : entry->describe(""))
+        options.push_back(option.name);
+    }
+  };
+  add(samplers);
+  add(filters);
+  const bool part_known = std::ranges::find(parts, setting.part) != parts.end();
+  const std::string near =
+      part_known ? nearest_name(setting.option, options) : nearest_name(setting.part, parts);
+  return {ErrorCode::kUsage,
+          fmt::format("--set {}: {} '{}'{}", setting.text,
+                      part_known ? "no method here has an option" : "no method here is called",
+                      part_known ? setting.option : setting.part,
+                      near.empty() ? "" : fmt::format(", did you mean '{}'?", near))};
+}
+
+}  // namespace
+
+Result<Methods> make_methods(const std::vector<std::string>& sampler_names,
+                             const std::vector<std::string>& filter_names,
+                             const MethodOptions& options) {
+  SPOOL_ASSIGN(std::vector<Setting> settings, parse_settings(options.settings));
+  SPOOL_ASSIGN(const auto sampler_choice,
+               Choice<SamplerEntry>::of("sampler", samplers(), sampler_names));
+  SPOOL_ASSIGN(const auto filter_choice,
+               Choice<ReconstructorEntry>::of("filter", reconstructors(), filter_names));
+  std::vector<std::string> presets;
+  collect_presets(sampler_choice, presets);
+  collect_presets(filter_choice, presets);
+  SPOOL_TRY(check_preset(options.preset, presets));
+  Methods methods;
+  SPOOL_TRY(make_all(sampler_choice, options.preset, settings, methods.samplers));
+  SPOOL_TRY(make_all(filter_choice, options.preset, settings, methods.filters));
+  SPOOL_ASSIGN(methods.rules, make_rules(settings));
+  for (const Setting& setting : settings) {
+    if (!setting.used) return tl::unexpected<Error>(unused(setting, sampler_choice, filter_choice));
+  }
+  return methods;
+}
+
+}  // namespace spool::tools

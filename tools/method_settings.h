@@ -1,0 +1,46 @@
+// --preset and --set for one method or several.
+//
+// A setting is PART.OPTION=VALUE. PART is `sampler`, `filter` or `pool`, or the name of one method
+// ("multiscale.alpha=0.3"). With several methods, `sampler.` and `filter.` reach those that have
+// the option, and at least one must.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/pool/sanitise.h"
+#include "lib/reconstruction/reconstructor.h"
+#include "lib/sampling/sampler.h"
+
+namespace spool::tools {
+
+struct MethodOptions {
+  std::string preset;                 // empty: each method's default
+  std::vector<std::string> settings;  // "PART.OPTION=VALUE"
+};
+
+struct NamedSampler {
+  std::string name;
+  SamplerFunction run;
+};
+
+struct NamedFilter {
+  std::string name;
+  ReconstructorFunction run;
+};
+
+// Everything that the settings of one command speak of. Errors are kUsage and name the nearest
+// known word. A preset must be known to at least one of the methods; the others keep their default.
+struct Methods {
+  std::vector<NamedSampler> samplers;
+  std::vector<NamedFilter> filters;
+  SanitiseRules rules;
+};
+
+Result<Methods> make_methods(const std::vector<std::string>& sampler_names,
+                             const std::vector<std::string>& filter_names,
+                             const MethodOptions& options);
+
+}  // namespace spool::tools

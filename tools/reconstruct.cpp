@@ -1,0 +1,130 @@
+#include "tools/reconstruct.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "lib/image_io/atomic_file.h"
+#include "lib/image_io/exr_image.h"
+#include "tools/dump_loading.h"
+#include "tools/progress.h"
+#include "tools/result_pictures.h"
+#include "tools/selection_file.h"
+
+namespace spool::tools {
+namespace {
+
+// The first `spp` samples of every pixel, spread evenly over its pieces.
+Result<CountImage> uniform_counts(const SamplePool& pool, int spp) {
+  const int q = pool.pieces_per_side();
+  CountImage n(pool.width(), pool.height());
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x) {
+      const int capacity = pool.capacity(x, y);
+      if (q == 1 && spp > capacity) {
+        return fail(
+            ErrorCode::kData,
+            "{}: {} samples of a pixel asked for, the pool has {} (pixel {}, {}): use fewer",
+            pool.recording().name(), spp, capacity, x, y);
+      }
+      n(x, y) = spp == 0 ? capacity : std::min(capacity, (spp + q * q - 1) / (q * q));
+    }
+  }
+  return n;
+}
+
+struct Input {
+  SamplePool pool;
+  Selection selection;
+};
+
+Result<Input> load_input(const ReconstructOptions& options, const SanitiseRules& rules) {
+  SPOOL_ASSIGN(const auto recording, load_recording(options.dump, rules));
+  if (options.selection.empty()) {
+    SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, options.pool));
+    SelectionFile all;
+    SPOOL_ASSIGN(all.n, uniform_counts(pool, options.spp));
+    SPOOL_ASSIGN(Selection selection, apply_selection(all, options.dump, pool));
+    return Input{std::move(pool), std::move(selection)};
+  }
+  SPOOL_ASSIGN(const SelectionFile file, read_selection(options.selection));
+  SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, file.pool.value_or(options.pool)));
+  SPOOL_ASSIGN(Selection selection, apply_selection(file, options.selection, pool));
+  return Input{std::move(pool), std::move(selection)};
+}
+
+ExrFile image_file(const Reconstruction& result, bool layers) {
+  ExrFile file = exr_from_rgb(result.image);
+  if (!layers) return file;
+  const auto add = [&](std::string name, const Plane& plane) {
+    if (plane.width() == file.width && plane.height() == file.height) {
+      file.channels.push_back({std::move(name), PixelType::kFloat, plane});
+    }
+  };
+  if (result.variance) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      add(std::string("variance.") + "RGB"[c], (*result.variance)[c]);
+    }
+  }
+  if (result.level) {
+    Plane level(result.level->width(), result.level->height());
+    for (std::size_t i = 0; i < level.size(); ++i)
+      level[i] = (*result.level)[i];
+    add("filter.level", level);
+  }
+  if (result.dominant_direction) add("filter.angle", *result.dominant_direction);
+  return file;
+}
+
+void add_views(const Views& views, ExrFile& file) {
+  for (const View& view : views.collected()) {
+    if (view.image.width() == file.width && view.image.height() == file.height) {
+      file.channels.push_back({"view." + view.name, PixelType::kFloat, view.image});
+    }
+  }
+}
+
+Result<void> write_pictures(const ReconstructOptions& options, const Input& input,
+                            const Reconstruction& result, bool overwrite) {
+  std::error_code status;
+  std::filesystem::create_directories(options.pictures, status);
+  const CountImage& counts = input.selection.statistics.n;
+  const auto& reference = input.pool.recording().reference();
+  const RgbImage* mean = reference ? &reference->mean : nullptr;
+  const ResultImages images{fmt::format("{}  {}", options.dump.filename().string(), options.filter),
+                            &result, &counts, mean};
+  const PictureScale scale =
+      picture_scale(mean, result.image, *std::ranges::max_element(counts.pixels()));
+  SPOOL_TRY(write_result_pictures(options.pictures, "", images, scale, overwrite));
+  return write_contact_sheet(options.pictures / "contact_sheet.png", images, scale, overwrite);
+}
+
+}  // namespace
+
+Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(refuse_existing(options.output, common.force));
+  SPOOL_ASSIGN(const Methods methods, make_methods({}, {options.filter}, options.method));
+  SPOOL_ASSIGN(const Input input, load_input(options, methods.rules));
+  Progress progress("reconstruct " + options.filter, common.quiet);
+  Views views(split_list(options.views));
+  const auto& reference = input.pool.recording().reference();
+  const ReconstructionContext context{&views, reference ? &*reference : nullptr,
+                                      [&](double share) { progress.update(share); }};
+  const auto start = std::chrono::steady_clock::now();
+  SPOOL_ASSIGN(const Reconstruction result,
+               methods.filters[0].run(input.selection, input.pool, context));
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  ExrFile file = image_file(result, options.layers);
+  add_views(views, file);
+  file.text_attributes = {{"spool.filter", options.filter}, {"spool.dump", options.dump.string()}};
+  SPOOL_TRY(write_exr(options.output, file, {.overwrite = common.force}));
+  if (!options.pictures.empty()) {
+    SPOOL_TRY(write_pictures(options, input, result, common.force));
+  }
+  if (!common.quiet) {
+    print(fmt::format("{}: {} x {} pixels, {}\n", options.output.string(), file.width, file.height,
+                      format_seconds(seconds.count())));
+  }
+  return {};
+}
+
+}  // namespace spool::tools

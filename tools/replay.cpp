@@ -1,0 +1,76 @@
+#include "tools/replay.h"
+
+#include <chrono>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/image_io/atomic_file.h"
+#include "tools/dump_loading.h"
+#include "tools/progress.h"
+#include "tools/selection_file.h"
+
+namespace spool::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json describe(const ReplayOptions& options, const SamplingLog& log, double seconds) {
+  ordered_json guards = ordered_json::object();
+  for (std::size_t g = 0; g < kGuardCount; ++g) {
+    const auto guard = static_cast<Guard>(g);
+    if (log.guards[guard] > 0) guards[std::string(guard_name(guard))] = log.guards[guard];
+  }
+  return {{"sampler", options.sampler},
+          {"output", options.output.string()},
+          {"budget", log.budget},
+          {"initial", log.initial},
+          {"spent", log.spent},
+          {"uniform_remainder", log.uniform_remainder},
+          {"saturated_pieces", log.saturated_pieces},
+          {"samples_of_level", log.samples_of_level},
+          {"guards", guards},
+          {"seconds", seconds}};
+}
+
+}  // namespace
+
+Result<long long> checked_budget(const SamplePool& pool, double spp) {
+  const RecordedSamples& recording = pool.recording();
+  const long long budget = sample_budget(spp, recording);
+  if (budget > pool.total_capacity()) {
+    return fail(ErrorCode::kData,
+                "{}: {} samples per pixel are {} samples, the pool has {}: use --spp {} or record "
+                "more",
+                recording.name(), spp, budget, pool.total_capacity(),
+                pool.total_capacity() / (static_cast<long long>(recording.width()) *
+                                         static_cast<long long>(recording.height())));
+  }
+  return budget;
+}
+
+Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(refuse_existing(options.output, common.force));
+  SPOOL_ASSIGN(const Methods methods, make_methods({options.sampler}, {}, options.method));
+  SPOOL_ASSIGN(const auto recording, load_recording(options.dump, methods.rules));
+  SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, options.pool));
+  SPOOL_ASSIGN(const long long budget, checked_budget(pool, options.spp));
+  Progress progress("replay " + options.sampler, common.quiet);
+  SamplingContext context;
+  context.seed = options.pool.seed;
+  context.progress = [&](double share) { progress.update(share); };
+  const auto start = std::chrono::steady_clock::now();
+  SPOOL_ASSIGN(const SamplingResult result, methods.samplers[0].run(pool, budget, context));
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  SPOOL_TRY(write_selection(options.output, result.selection,
+                            {options.sampler, options.dump.string(), options.pool}, common.force));
+  if (common.json) {
+    print(describe(options, result.log, seconds.count()).dump(2) + "\n");
+  } else if (!common.quiet) {
+    print(fmt::format("{}: {} samples taken of {} asked for, {} pieces ran out, {}\n",
+                      options.output.string(), result.log.spent, result.log.budget,
+                      result.log.saturated_pieces, format_seconds(seconds.count())));
+  }
+  return {};
+}
+
+}  // namespace spool::tools

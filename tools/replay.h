@@ -1,0 +1,28 @@
+// `spool replay`: a sampler spends a budget on a recording; the counts are written as an EXR.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "lib/pool/sample_pool.h"
+#include "tools/console.h"
+#include "tools/method_settings.h"
+
+namespace spool::tools {
+
+struct ReplayOptions {
+  std::filesystem::path dump;
+  std::string sampler;
+  double spp = 0.0;  // samples per pixel on average
+  MethodOptions method;
+  PoolOptions pool;
+  std::filesystem::path output;
+};
+
+Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common);
+
+// kData when the pool cannot pay for `spp` samples per pixel.
+Result<long long> checked_budget(const SamplePool& pool, double spp);
+
+}  // namespace spool::tools

@@ -1,0 +1,131 @@
+#include "tools/result_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "lib/image_io/contact_sheet.h"
+#include "lib/image_io/exr_image.h"
+#include "lib/image_io/png_writer.h"
+
+namespace spool::tools {
+namespace {
+
+// One picture and the plane it shows; the plane is what a program should read.
+struct NamedPanel {
+  std::string name;
+  Panel panel;
+  std::optional<NamedPlane> plane;
+};
+
+Plane plane_of(const CountImage& counts) {
+  Plane plane(counts.width(), counts.height());
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    plane[i] = counts[i];
+  return plane;
+}
+
+NamedPanel size_panel(const CountImage& level) {
+  std::set<int> used(level.pixels().begin(), level.pixels().end());
+  CategoryKey key;
+  for (const int l : used) {
+    key.entries.emplace_back(l <= 0 ? "none" : std::to_string(1 << std::min(l, 30)),
+                             l < 0 ? kNeutral : category_colour(l));
+  }
+  const Plane plane = plane_of(level);
+  return {"filter_size",
+          {"filter size (pixels)", category_picture(plane), std::move(key)},
+          NamedPlane{"level", PixelType::kFloat, plane}};
+}
+
+std::vector<NamedPanel> panels_of(const ResultImages& images, const PictureScale& scale) {
+  const Reconstruction& result = *images.reconstruction;
+  std::vector<NamedPanel> panels;
+  panels.push_back({"estimate", {"estimate", tone_map(result.image, scale.exposure), {}}, {}});
+  if (images.reference) {
+    panels.push_back(
+        {"reference", {"reference", tone_map(*images.reference, scale.exposure), {}}, {}});
+  }
+  const Plane density = plane_of(*images.counts);
+  panels.push_back({"density",
+                    {"density", false_colour(density, scale.density),
+                     ColourBar{scale.density, "samples per piece"}},
+                    NamedPlane{"n", PixelType::kUint, density}});
+  if (result.level) panels.push_back(size_panel(*result.level));
+  if (result.dominant_direction) {
+    panels.push_back({"direction",
+                      {"dominant direction (degrees)",
+                       direction_picture(*result.dominant_direction), DirectionKey{}},
+                      NamedPlane{"angle", PixelType::kFloat, *result.dominant_direction}});
+  }
+  if (images.reference && scale.error) {
+    const Plane error = squared_error(result.image, *images.reference);
+    panels.push_back({"squared_error",
+                      {"squared error", false_colour(error, *scale.error),
+                       ColourBar{*scale.error, "mean over channels"}},
+                      NamedPlane{"Y", PixelType::kFloat, error}});
+  }
+  return panels;
+}
+
+}  // namespace
+
+Plane squared_error(const RgbImage& image, const RgbImage& reference) {
+  Plane error(image[0].width(), image[0].height());
+  for (std::size_t i = 0; i < error.size(); ++i) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      sum += (image[c][i] - reference[c][i]) * (image[c][i] - reference[c][i]);
+    }
+    error[i] = sum / 3.0;
+  }
+  return error;
+}
+
+PictureScale picture_scale(const RgbImage* reference, const RgbImage& estimate,
+                           double largest_count) {
+  const RgbImage& guide = reference ? *reference : estimate;
+  PictureScale scale;
+  scale.exposure = tone_exposure(guide);
+  scale.density = {1.0, std::max(2.0, largest_count), true};
+  if (!reference) return scale;
+  double sum = 0.0;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < guide[0].size(); ++i) {
+    const double y = luminance(guide[0][i], guide[1][i], guide[2][i]);
+    if (!std::isfinite(y)) continue;
+    sum += y;
+    ++n;
+  }
+  const double mean = n > 0 ? sum / static_cast<double>(n) : 0.0;
+  const double high = mean > 0.0 ? mean * mean : 1.0;
+  scale.error = ValueRange{1e-5 * high, high, true};
+  return scale;
+}
+
+Result<void> write_contact_sheet(const std::filesystem::path& path, const ResultImages& images,
+                                 const PictureScale& scale, bool overwrite) {
+  std::vector<Panel> panels;
+  for (NamedPanel& named : panels_of(images, scale))
+    panels.push_back(std::move(named.panel));
+  return write_png(path, contact_sheet(images.title, panels, 3), overwrite);
+}
+
+Result<void> write_result_pictures(const std::filesystem::path& folder, const std::string& suffix,
+                                   const ResultImages& images, const PictureScale& scale,
+                                   bool overwrite) {
+  for (const NamedPanel& named : panels_of(images, scale)) {
+    const std::filesystem::path stem = folder / (named.name + suffix);
+    if (named.name == "reference") continue;  // the same for every result
+    SPOOL_TRY(write_png(stem.string() + ".png", labelled_picture(named.panel), overwrite));
+    if (!named.plane) continue;
+    ExrFile file;
+    file.width = named.plane->data.width();
+    file.height = named.plane->data.height();
+    file.channels.push_back(*named.plane);
+    SPOOL_TRY(write_exr(stem.string() + ".exr", file, {.overwrite = overwrite}));
+  }
+  return {};
+}
+
+}  // namespace spool::tools

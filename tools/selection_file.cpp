@@ -1,0 +1,128 @@
+#include "tools/selection_file.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+
+#include "lib/core/guards.h"
+#include "lib/image_io/exr_image.h"
+
+namespace spool::tools {
+namespace {
+
+constexpr double kLargestCount = 65536.0;  // samples per pixel of a dump [spool.md 6]
+
+const NamedPlane& count_channel(const ExrFile& file) {
+  for (const char* name : {"n", "Y", "R"}) {
+    for (const NamedPlane& channel : file.channels) {
+      if (channel.name == name) return channel;
+    }
+  }
+  return file.channels.front();
+}
+
+Result<CountImage> counts_of(const NamedPlane& channel, const std::string& name) {
+  CountImage n(channel.data.width(), channel.data.height());
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x) {
+      const double value = channel.data(x, y);
+      // Written so that NaN fails.
+      if (!(value >= 0.0 && value <= kLargestCount) || value != std::floor(value)) {
+        return fail(ErrorCode::kData,
+                    "{}: channel {} holds {}, which is no number of samples (pixel {}, {}): counts "
+                    "are whole numbers from 0",
+                    name, channel.name, value, x, y);
+      }
+      n(x, y) = static_cast<std::int32_t>(value);
+    }
+  }
+  return n;
+}
+
+std::optional<PoolOptions> pool_options_of(const ExrFile& file) {
+  const auto order = file.text_attributes.find("spool.pool_order");
+  const auto seed = file.text_attributes.find("spool.pool_seed");
+  const auto holdout = file.number_attributes.find("spool.holdout");
+  const auto side = file.number_attributes.find("spool.pieces_per_side");
+  if (order == file.text_attributes.end() || seed == file.text_attributes.end() ||
+      holdout == file.number_attributes.end() || side == file.number_attributes.end()) {
+    return std::nullopt;
+  }
+  PoolOptions options;
+  options.order = order->second == "shuffled" ? PoolOrder::kShuffled : PoolOrder::kRecorded;
+  options.seed = std::strtoull(seed->second.c_str(), nullptr, 10);
+  options.holdout = static_cast<int>(std::clamp(holdout->second, 0.0, kLargestCount));
+  options.pieces_per_side = side->second == 2.0 ? 2 : 1;
+  return options;
+}
+
+}  // namespace
+
+Result<void> write_selection(const std::filesystem::path& path, const Selection& selection,
+                             const SelectionInfo& info, bool overwrite) {
+  const CountImage& n = selection.statistics.n;
+  ExrFile file;
+  file.width = n.width();
+  file.height = n.height();
+  Plane counts(n.width(), n.height());
+  for (std::size_t i = 0; i < n.size(); ++i)
+    counts[i] = n[i];
+  file.channels.push_back({"n", PixelType::kUint, std::move(counts)});
+  for (std::size_t l = 0; l < selection.attenuation.size(); ++l) {
+    file.channels.push_back({fmt::format("A.{}", l), PixelType::kFloat, selection.attenuation[l]});
+  }
+  file.text_attributes = {
+      {"spool.sampler", info.sampler},
+      {"spool.dump", info.dump},
+      {"spool.pool_order", info.pool.order == PoolOrder::kShuffled ? "shuffled" : "recorded"},
+      {"spool.pool_seed", std::to_string(info.pool.seed)}};
+  file.number_attributes = {{"spool.holdout", info.pool.holdout},
+                            {"spool.pieces_per_side", info.pool.pieces_per_side},
+                            {"spool.exposure", selection.statistics.signal.exposure}};
+  return write_exr(path, file, {.overwrite = overwrite});
+}
+
+Result<SelectionFile> read_selection(const std::filesystem::path& path) {
+  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
+  SelectionFile selection;
+  SPOOL_ASSIGN(selection.n, counts_of(count_channel(file), path.string()));
+  for (std::size_t l = 0; const Plane* layer = file.find(fmt::format("A.{}", l)); ++l) {
+    selection.attenuation.push_back(*layer);
+  }
+  selection.pool = pool_options_of(file);
+  const auto exposure = file.number_attributes.find("spool.exposure");
+  if (exposure != file.number_attributes.end() && std::isfinite(exposure->second) &&
+      exposure->second > 0.0) {
+    selection.exposure = exposure->second;
+  }
+  return selection;
+}
+
+Result<Selection> apply_selection(const SelectionFile& file, const std::filesystem::path& path,
+                                  const SamplePool& pool) {
+  if (file.n.width() != pool.width() || file.n.height() != pool.height()) {
+    return fail(ErrorCode::kData,
+                "{}: is {} x {}, the dump {} x {}: a selection has the dump's size", path.string(),
+                file.n.width(), file.n.height(), pool.width(), pool.height());
+  }
+  for (int y = 0; y < file.n.height(); ++y) {
+    for (int x = 0; x < file.n.width(); ++x) {
+      if (file.n(x, y) > pool.capacity(x, y)) {
+        return fail(ErrorCode::kData,
+                    "{}: asks for {} samples where the pool has {} (pixel {}, {}): record more or "
+                    "ask for fewer",
+                    path.string(), file.n(x, y), pool.capacity(x, y), x, y);
+      }
+    }
+  }
+  Selection selection;
+  selection.statistics = prefix_statistics(pool, file.n);
+  selection.attenuation = file.attenuation;
+  AnalysisSignal signal;
+  GuardCounts guards;
+  signal.exposure = file.exposure ? *file.exposure : exposure_of(selection.statistics, 1.0, guards);
+  set_signal(selection.statistics, pool, signal);
+  return selection;
+}
+
+}  // namespace spool::tools
