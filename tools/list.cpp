@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/evaluation/error_metrics.h"
+#include "lib/evaluation/result_table.h"
 #include "lib/reconstruction/reconstructor.h"
 #include "lib/sampling/sampler.h"
 
@@ -97,12 +99,55 @@ void print_presets(const ordered_json& presets) {
   }
 }
 
+const char* better_name(Better better) {
+  return better == Better::kLower ? "lower" : (better == Better::kHigher ? "higher" : "near 1");
+}
+
+ordered_json describe_metrics() {
+  ordered_json list = ordered_json::array();
+  for (const MetricDescription& metric : metrics()) {
+    list.push_back({{"name", metric.name},
+                    {"better", better_name(metric.better)},
+                    {"meaning", metric.meaning}});
+  }
+  return list;
+}
+
+ordered_json describe_columns() {
+  ordered_json list = ordered_json::array();
+  for (const ResultColumn& column : result_columns()) {
+    list.push_back({{"name", column.name}, {"meaning", column.meaning}});
+  }
+  return list;
+}
+
+// Rows of equal keys as columns under their names.
+void print_table(const ordered_json& list) {
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& entry : list) {
+    std::vector<std::string> header;
+    std::vector<std::string> row;
+    for (const auto& [key, value] : entry.items()) {
+      header.push_back(key);
+      row.push_back(value.get<std::string>());
+    }
+    if (rows.empty()) rows.push_back(header);
+    rows.push_back(row);
+  }
+  print(format_columns(rows, 100));
+}
+
 }  // namespace
 
 Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   if (options.what == "presets") {
     const ordered_json presets = describe_presets();
     common.json ? print(presets.dump(2) + "\n") : print_presets(presets);
+    return {};
+  }
+  if (options.what == "metrics" || options.what == "columns") {
+    const ordered_json list = options.what == "metrics" ? describe_metrics() : describe_columns();
+    common.json ? print(list.dump(2) + "\n") : print_table(list);
     return {};
   }
   const bool filters = options.what == "filters";

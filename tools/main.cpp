@@ -4,6 +4,7 @@
 // function with a plain struct of options.
 #include <exception>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,12 @@
 #include "lib/core/parallel.h"
 #include "tools/check.h"
 #include "tools/console.h"
+#include "tools/evaluate.h"
 #include "tools/info.h"
 #include "tools/interrupt.h"
+#include "tools/list.h"
+#include "tools/reconstruct.h"
+#include "tools/replay.h"
 
 namespace spool::tools {
 namespace {
@@ -33,6 +38,10 @@ struct Program {
   CommonOptions common;
   InfoOptions info;
   CheckOptions check;
+  ReplayOptions replay;
+  ReconstructOptions reconstruct;
+  EvaluateOptions evaluate;
+  ListOptions list;
   Verb chosen;
 };
 
@@ -71,6 +80,147 @@ void add_check(Program& program) {
       "  spool check dumps/tiny/chess.spool\n"
       "  for f in *.spool; do spool check -q $f || echo \"$f is damaged\"; done");
   verb.callback([&] { program.chosen = [&] { return run_check(program.check, program.common); }; });
+}
+
+void add_output(CLI::App& verb, std::filesystem::path& output, const std::string& help) {
+  verb.add_option("-o,--output", output, help)->required();
+}
+
+void add_method(CLI::App& verb, MethodOptions& method) {
+  verb.add_option("--preset", method.preset,
+                  "values of all options at once: see spool list presets");
+  verb.add_option("--set", method.settings,
+                  "an option of a method, PART.OPTION=VALUE; PART is sampler, filter, pool or the "
+                  "name of one method; may be given several times")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+void add_pool(CLI::App& verb, PoolOptions& pool) {
+  verb.add_option("--order", pool.order,
+                  "order of each pixel's samples: recorded (default) or shuffled by --seed")
+      ->transform(CLI::CheckedTransformer(
+                      std::map<std::string, PoolOrder>{{"recorded", PoolOrder::kRecorded},
+                                                       {"shuffled", PoolOrder::kShuffled}})
+                      .description(""))
+      ->option_text("recorded|shuffled");
+  verb.add_option("--seed", pool.seed, "seed of the order and of the method (0)");
+  verb.add_option("--holdout", pool.holdout, "samples per pixel that are never offered (0)")
+      ->check(CLI::Range(0, 65535));
+  verb.add_option("--pieces", pool.pieces_per_side,
+                  "pieces per side of a pixel: 1, or 2 where film positions were recorded")
+      ->check(CLI::Range(1, 2));
+}
+
+void add_replay(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("replay", "a sampler spends a budget on a dump; counts as EXR");
+  ReplayOptions& options = program.replay;
+  add_dump(verb, options.dump);
+  verb.add_option("--sampler", options.sampler, "see spool list samplers")->required();
+  verb.add_option("--spp", options.spp, "budget, samples per pixel on average")
+      ->required()
+      ->check(CLI::Range(1e-3, 65536.0));
+  add_method(verb, options.method);
+  add_pool(verb, options.pool);
+  add_output(verb, options.output, "the selection to write: channel n, and A.0 .. A.K");
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "A selection says how many samples of each piece were taken, always the first ones; a\n"
+      "sampler may know only those. Any image of counts made elsewhere is a selection too.\n"
+      "Examples:\n"
+      "  spool replay dumps/tiny/chess.spool --sampler multiscale --spp 8 -o chess_8.exr\n"
+      "  spool replay dumps/tiny/chess.spool --sampler multiscale --preset paper \\\n"
+      "    --set sampler.alpha=0.3 --spp 8 -o chess_8.exr\n"
+      "  spool reconstruct dumps/tiny/chess.spool --selection chess_8.exr --filter box -o box.exr");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_replay(program.replay, program.common); }; });
+}
+
+void add_reconstruct(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("reconstruct", "the samples of a selection become an image");
+  ReconstructOptions& options = program.reconstruct;
+  add_dump(verb, options.dump);
+  CLI::Option* selection = verb.add_option(
+      "--selection", options.selection,
+      "which samples: an image of counts (channel n, Y, R or its only one), of the dump's size");
+  verb.add_option("--spp", options.spp, "instead: the first samples of each pixel (all)")
+      ->check(CLI::Range(1, 65536))
+      ->excludes(selection);
+  verb.add_option("--filter", options.filter, "see spool list filters")->required();
+  add_method(verb, options.method);
+  add_pool(verb, options.pool);
+  add_output(verb, options.output, "the image to write: R, G, B, scene-linear");
+  verb.add_flag(
+      "--layers", options.layers,
+      "also write variance.R/G/B, filter.level and filter.angle where the filter has them");
+  verb.add_option("--views", options.views,
+                  "also write intermediate images, as view.NAME: names of docs/method.md, or all");
+  verb.add_option("--pictures", options.pictures, "a folder for PNG pictures of the result");
+  add_common(verb, program.common, false, true);
+  verb.footer(
+      "A selection written by spool replay says in which order it took the samples; for others,\n"
+      "--order and --seed do.\n"
+      "Examples:\n"
+      "  spool reconstruct dumps/tiny/chess.spool --filter box --spp 4 -o noisy.exr\n"
+      "  spool reconstruct dumps/tiny/chess.spool --selection mine.exr --filter directional \\\n"
+      "    --layers --pictures pictures -o filtered.exr");
+  verb.callback([&] {
+    program.chosen = [&] { return run_reconstruct(program.reconstruct, program.common); };
+  });
+}
+
+void add_evaluate(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "evaluate", "every sampler with every filter at every budget: error, time, pictures");
+  EvaluateOptions& options = program.evaluate;
+  verb.add_option("FILES", options.dumps, "recorded dumps")->required();
+  verb.add_option("--samplers", options.samplers, "a,b,c (uniform)");
+  verb.add_option("--filters", options.filters, "a,b,c (box)");
+  verb.add_option("--spp", options.spp, "budgets in samples per pixel: 4,8,16")->required();
+  verb.add_option("--replicates", options.replicates,
+                  "repetitions, each with the samples of every pixel in another order (5)")
+      ->check(CLI::Range(1, 100000));
+  add_method(verb, options.methods);
+  verb.add_option("--reference", options.reference,
+                  "what images are judged by: independent, holdout, leave_selected_out or pool "
+                  "(default: the first of these that the dump can give)");
+  verb.add_option("--holdout", options.holdout,
+                  "samples per pixel kept for judging (a quarter, where they are needed)")
+      ->check(CLI::Range(0, 65535));
+  verb.add_option("--seed", options.seed, "seed of all replicates (1)");
+  verb.add_flag("--recorded-order", options.recorded_order,
+                "take samples in recorded order; all replicates are then alike");
+  verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
+  add_output(verb, options.output, "folder for results.csv and the pictures");
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "results.csv has one row per sampler, filter, budget and replicate: spool list columns.\n"
+      "MSE is debiased by the variance of the reference and may be slightly negative. `pool` "
+      "judges\n"
+      "an image by the samples it was made of: biased, and differently for each method.\n"
+      "Examples:\n"
+      "  spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \\\n"
+      "    --filters box,directional --spp 4,8,16 -o results\n"
+      "  spool evaluate *.spool --samplers multiscale --filters directional --spp 8 \\\n"
+      "    --preset paper --set multiscale.alpha=0.3 --replicates 20 --json -o paper > paper.json");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_evaluate(program.evaluate, program.common); }; });
+}
+
+void add_list(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("list", "what there is, with every option explained");
+  verb.add_option("WHAT", program.list.what, "samplers, filters, presets, metrics or columns")
+      ->required()
+      ->check(CLI::IsMember({"samplers", "filters", "presets", "metrics", "columns"}));
+  add_common(verb, program.common, true, false);
+  verb.footer(
+      "Examples:\n"
+      "  spool list samplers\n"
+      "  spool list filters --json | jq '.[].name'");
+  verb.callback([&] { program.chosen = [&] { return run_list(program.list, program.common); }; });
 }
 
 // Names of `app`'s verbs or long options, for a hint after a misspelt word.
@@ -119,6 +269,10 @@ int run(int count, char** arguments) {
   program.app.set_version_flag("--version", "spool " SPOOL_VERSION);
   add_info(program);
   add_check(program);
+  add_replay(program);
+  add_reconstruct(program);
+  add_evaluate(program);
+  add_list(program);
   try {
     program.app.parse(count, arguments);
   } catch (const CLI::Success& asked_for_help) {

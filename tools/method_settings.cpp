@@ -82,15 +82,17 @@ bool has_preset(const Entry& entry, const std::string& preset) {
   return std::ranges::find(entry.presets, preset) != entry.presets.end();
 }
 
-template <class Entry, class Named>
-Result<void> make_all(const Choice<Entry>& choice, const std::string& preset,
-                      std::vector<Setting>& settings, std::vector<Named>& made) {
+template <class Entry>
+Result<std::vector<MethodChoice>> choose(const Choice<Entry>& choice, const std::string& preset,
+                                         std::vector<Setting>& settings) {
+  std::vector<MethodChoice> chosen;
   for (const Entry* entry : choice.entries) {
-    const std::string own_preset = has_preset(*entry, preset) ? preset : "";
-    SPOOL_ASSIGN(auto run, entry->make(own_preset, choice.values_for(*entry, settings)));
-    made.push_back({entry->name, std::move(run)});
+    MethodChoice method{entry->name, has_preset(*entry, preset) ? preset : "",
+                        choice.values_for(*entry, settings)};
+    SPOOL_TRY(entry->make(method.preset, method.set));  // wrong values are found before any work
+    chosen.push_back(std::move(method));
   }
-  return {};
+  return chosen;
 }
 
 template <class Entry>
@@ -149,9 +151,9 @@ Error unused(const Setting& setting, const Choice<SamplerEntry>& samplers,
 
 }  // namespace
 
-Result<Methods> make_methods(const std::vector<std::string>& sampler_names,
-                             const std::vector<std::string>& filter_names,
-                             const MethodOptions& options) {
+Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
+                               const std::vector<std::string>& filter_names,
+                               const MethodOptions& options) {
   SPOOL_ASSIGN(std::vector<Setting> settings, parse_settings(options.settings));
   SPOOL_ASSIGN(const auto sampler_choice,
                Choice<SamplerEntry>::of("sampler", samplers(), sampler_names));
@@ -162,13 +164,21 @@ Result<Methods> make_methods(const std::vector<std::string>& sampler_names,
   collect_presets(filter_choice, presets);
   SPOOL_TRY(check_preset(options.preset, presets));
   Methods methods;
-  SPOOL_TRY(make_all(sampler_choice, options.preset, settings, methods.samplers));
-  SPOOL_TRY(make_all(filter_choice, options.preset, settings, methods.filters));
+  SPOOL_ASSIGN(methods.samplers, choose(sampler_choice, options.preset, settings));
+  SPOOL_ASSIGN(methods.filters, choose(filter_choice, options.preset, settings));
   SPOOL_ASSIGN(methods.rules, make_rules(settings));
   for (const Setting& setting : settings) {
     if (!setting.used) return tl::unexpected<Error>(unused(setting, sampler_choice, filter_choice));
   }
   return methods;
+}
+
+Result<SamplerFunction> make_sampler(const MethodChoice& choice) {
+  return spool::make_sampler(choice.name, choice.preset, choice.set);
+}
+
+Result<ReconstructorFunction> make_filter(const MethodChoice& choice) {
+  return make_reconstructor(choice.name, choice.preset, choice.set);
 }
 
 }  // namespace spool::tools

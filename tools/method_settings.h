@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "lib/core/error.h"
+#include "lib/evaluation/experiment.h"
 #include "lib/pool/sanitise.h"
-#include "lib/reconstruction/reconstructor.h"
-#include "lib/sampling/sampler.h"
 
 namespace spool::tools {
 
@@ -21,26 +20,20 @@ struct MethodOptions {
   std::vector<std::string> settings;  // "PART.OPTION=VALUE"
 };
 
-struct NamedSampler {
-  std::string name;
-  SamplerFunction run;
-};
-
-struct NamedFilter {
-  std::string name;
-  ReconstructorFunction run;
-};
-
-// Everything that the settings of one command speak of. Errors are kUsage and name the nearest
-// known word. A preset must be known to at least one of the methods; the others keep their default.
+// Everything that the settings of one command speak of; each method can be made. Errors are kUsage
+// and name the nearest known word. A preset must be known to at least one of the methods; the
+// others keep their default.
 struct Methods {
-  std::vector<NamedSampler> samplers;
-  std::vector<NamedFilter> filters;
+  std::vector<MethodChoice> samplers;
+  std::vector<MethodChoice> filters;
   SanitiseRules rules;
 };
 
-Result<Methods> make_methods(const std::vector<std::string>& sampler_names,
-                             const std::vector<std::string>& filter_names,
-                             const MethodOptions& options);
+Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
+                               const std::vector<std::string>& filter_names,
+                               const MethodOptions& options);
+
+Result<SamplerFunction> make_sampler(const MethodChoice& choice);
+Result<ReconstructorFunction> make_filter(const MethodChoice& choice);
 
 }  // namespace spool::tools

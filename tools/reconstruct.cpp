@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "lib/evaluation/reference.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_image.h"
 #include "tools/dump_loading.h"
@@ -88,13 +89,12 @@ Result<void> write_pictures(const ReconstructOptions& options, const Input& inpu
   std::error_code status;
   std::filesystem::create_directories(options.pictures, status);
   const CountImage& counts = input.selection.statistics.n;
-  const auto& reference = input.pool.recording().reference();
-  const RgbImage* mean = reference ? &reference->mean : nullptr;
+  const Result<JudgingReference> reference = independent_reference(input.pool.recording());
   const ResultImages images{fmt::format("{}  {}", options.dump.filename().string(), options.filter),
-                            &result, &counts, mean};
+                            &result, &counts, reference ? &*reference : nullptr};
   const PictureScale scale =
-      picture_scale(mean, result.image, *std::ranges::max_element(counts.pixels()));
-  SPOOL_TRY(write_result_pictures(options.pictures, "", images, scale, overwrite));
+      picture_scale(images.reference, result.image, *std::ranges::max_element(counts.pixels()));
+  SPOOL_TRY(write_result_pictures(options.pictures, images, scale, overwrite));
   return write_contact_sheet(options.pictures / "contact_sheet.png", images, scale, overwrite);
 }
 
@@ -102,7 +102,8 @@ Result<void> write_pictures(const ReconstructOptions& options, const Input& inpu
 
 Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common) {
   SPOOL_TRY(refuse_existing(options.output, common.force));
-  SPOOL_ASSIGN(const Methods methods, make_methods({}, {options.filter}, options.method));
+  SPOOL_ASSIGN(const Methods methods, choose_methods({}, {options.filter}, options.method));
+  SPOOL_ASSIGN(const ReconstructorFunction filter, make_filter(methods.filters[0]));
   SPOOL_ASSIGN(const Input input, load_input(options, methods.rules));
   Progress progress("reconstruct " + options.filter, common.quiet);
   Views views(split_list(options.views));
@@ -110,8 +111,7 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   const ReconstructionContext context{&views, reference ? &*reference : nullptr,
                                       [&](double share) { progress.update(share); }};
   const auto start = std::chrono::steady_clock::now();
-  SPOOL_ASSIGN(const Reconstruction result,
-               methods.filters[0].run(input.selection, input.pool, context));
+  SPOOL_ASSIGN(const Reconstruction result, filter(input.selection, input.pool, context));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   ExrFile file = image_file(result, options.layers);
   add_views(views, file);

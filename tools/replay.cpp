@@ -50,7 +50,8 @@ Result<long long> checked_budget(const SamplePool& pool, double spp) {
 
 Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common) {
   SPOOL_TRY(refuse_existing(options.output, common.force));
-  SPOOL_ASSIGN(const Methods methods, make_methods({options.sampler}, {}, options.method));
+  SPOOL_ASSIGN(const Methods methods, choose_methods({options.sampler}, {}, options.method));
+  SPOOL_ASSIGN(const SamplerFunction sample, make_sampler(methods.samplers[0]));
   SPOOL_ASSIGN(const auto recording, load_recording(options.dump, methods.rules));
   SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, options.pool));
   SPOOL_ASSIGN(const long long budget, checked_budget(pool, options.spp));
@@ -59,7 +60,7 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   context.seed = options.pool.seed;
   context.progress = [&](double share) { progress.update(share); };
   const auto start = std::chrono::steady_clock::now();
-  SPOOL_ASSIGN(const SamplingResult result, methods.samplers[0].run(pool, budget, context));
+  SPOOL_ASSIGN(const SamplingResult result, sample(pool, budget, context));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   SPOOL_TRY(write_selection(options.output, result.selection,
                             {options.sampler, options.dump.string(), options.pool}, common.force));

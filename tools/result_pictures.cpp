@@ -11,12 +11,20 @@
 namespace spool::tools {
 namespace {
 
-// One picture and the plane it shows; the plane is what a program should read.
+// One picture and the numbers it shows.
 struct NamedPanel {
   std::string name;
   Panel panel;
-  std::optional<NamedPlane> plane;
+  ExrFile data;
 };
+
+ExrFile one_channel(const char* name, PixelType type, const Plane& plane) {
+  ExrFile file;
+  file.width = plane.width();
+  file.height = plane.height();
+  file.channels.push_back({name, type, plane});
+  return file;
+}
 
 Plane plane_of(const CountImage& counts) {
   Plane plane(counts.width(), counts.height());
@@ -35,56 +43,46 @@ NamedPanel size_panel(const CountImage& level) {
   const Plane plane = plane_of(level);
   return {"filter_size",
           {"filter size (pixels)", category_picture(plane), std::move(key)},
-          NamedPlane{"level", PixelType::kFloat, plane}};
+          one_channel("level", PixelType::kFloat, plane)};
 }
 
 std::vector<NamedPanel> panels_of(const ResultImages& images, const PictureScale& scale) {
   const Reconstruction& result = *images.reconstruction;
   std::vector<NamedPanel> panels;
-  panels.push_back({"estimate", {"estimate", tone_map(result.image, scale.exposure), {}}, {}});
+  panels.push_back({"estimate",
+                    {"estimate", tone_map(result.image, scale.exposure), {}},
+                    exr_from_rgb(result.image)});
   if (images.reference) {
     panels.push_back(
-        {"reference", {"reference", tone_map(*images.reference, scale.exposure), {}}, {}});
+        {"reference", {"reference", tone_map(images.reference->mean, scale.exposure), {}}, {}});
   }
   const Plane density = plane_of(*images.counts);
   panels.push_back({"density",
                     {"density", false_colour(density, scale.density),
                      ColourBar{scale.density, "samples per piece"}},
-                    NamedPlane{"n", PixelType::kUint, density}});
+                    one_channel("n", PixelType::kUint, density)});
   if (result.level) panels.push_back(size_panel(*result.level));
   if (result.dominant_direction) {
     panels.push_back({"direction",
                       {"dominant direction (degrees)",
                        direction_picture(*result.dominant_direction), DirectionKey{}},
-                      NamedPlane{"angle", PixelType::kFloat, *result.dominant_direction}});
+                      one_channel("angle", PixelType::kFloat, *result.dominant_direction)});
   }
   if (images.reference && scale.error) {
-    const Plane error = squared_error(result.image, *images.reference);
+    const Plane error = squared_error_map(result.image, *images.reference);
     panels.push_back({"squared_error",
                       {"squared error", false_colour(error, *scale.error),
                        ColourBar{*scale.error, "mean over channels"}},
-                      NamedPlane{"Y", PixelType::kFloat, error}});
+                      one_channel("Y", PixelType::kFloat, error)});
   }
   return panels;
 }
 
 }  // namespace
 
-Plane squared_error(const RgbImage& image, const RgbImage& reference) {
-  Plane error(image[0].width(), image[0].height());
-  for (std::size_t i = 0; i < error.size(); ++i) {
-    double sum = 0.0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      sum += (image[c][i] - reference[c][i]) * (image[c][i] - reference[c][i]);
-    }
-    error[i] = sum / 3.0;
-  }
-  return error;
-}
-
-PictureScale picture_scale(const RgbImage* reference, const RgbImage& estimate,
+PictureScale picture_scale(const JudgingReference* reference, const RgbImage& estimate,
                            double largest_count) {
-  const RgbImage& guide = reference ? *reference : estimate;
+  const RgbImage& guide = reference ? reference->mean : estimate;
   PictureScale scale;
   scale.exposure = tone_exposure(guide);
   scale.density = {1.0, std::max(2.0, largest_count), true};
@@ -111,19 +109,13 @@ Result<void> write_contact_sheet(const std::filesystem::path& path, const Result
   return write_png(path, contact_sheet(images.title, panels, 3), overwrite);
 }
 
-Result<void> write_result_pictures(const std::filesystem::path& folder, const std::string& suffix,
-                                   const ResultImages& images, const PictureScale& scale,
-                                   bool overwrite) {
+Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,
+                                   const PictureScale& scale, bool overwrite) {
   for (const NamedPanel& named : panels_of(images, scale)) {
-    const std::filesystem::path stem = folder / (named.name + suffix);
+    const std::filesystem::path stem = folder / named.name;
     if (named.name == "reference") continue;  // the same for every result
     SPOOL_TRY(write_png(stem.string() + ".png", labelled_picture(named.panel), overwrite));
-    if (!named.plane) continue;
-    ExrFile file;
-    file.width = named.plane->data.width();
-    file.height = named.plane->data.height();
-    file.channels.push_back(*named.plane);
-    SPOOL_TRY(write_exr(stem.string() + ".exr", file, {.overwrite = overwrite}));
+    SPOOL_TRY(write_exr(stem.string() + ".exr", named.data, {.overwrite = overwrite}));
   }
   return {};
 }
