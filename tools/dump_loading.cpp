@@ -109,7 +109,7 @@ nlohmann::ordered_json merged_meta(const SpoolReader& reader) {
 }
 
 std::optional<double> cost_per_sample(const nlohmann::ordered_json& meta) {
-  const auto found = meta.find("seconds_per_sample");
+  const auto found = meta.find("cost_per_sample");
   if (found == meta.end() || !found->is_number()) return std::nullopt;
   const double seconds = found->get<double>();
   return seconds > 0.0 ? std::optional(seconds) : std::nullopt;

@@ -16,7 +16,7 @@ namespace spool::tools {
 // The `meta` records combined; later top-level keys replace earlier ones.
 nlohmann::ordered_json merged_meta(const format::SpoolReader& reader);
 
-// Seconds of rendering per sample of a pixel, if the recorder measured them.
+// Seconds of rendering per sample of a pixel: the remark `cost_per_sample`, if there is one.
 std::optional<double> cost_per_sample(const nlohmann::ordered_json& meta);
 
 // Raw f32 radiance stays in the file and is mapped; compressed or f16 radiance is decoded to

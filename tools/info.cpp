@@ -75,11 +75,22 @@ ordered_json describe(const format::SpoolReader& reader, std::uintmax_t bytes,
   return out;
 }
 
-// A value of the remarks in one line, or empty.
+// A value of the remarks in one line, or empty: an object as "name value, name value".
 std::string remark(const ordered_json& info, const char* key) {
   const auto found = info["meta"].find(key);
   if (found == info["meta"].end()) return {};
-  std::string text = found->is_string() ? found->get<std::string>() : found->dump();
+  const auto plain = [](const ordered_json& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump();
+  };
+  std::string text;
+  if (found->is_object()) {
+    for (const auto& [name, value] : found->items()) {
+      if (value.is_structured()) continue;
+      text += (text.empty() ? "" : ", ") + name + " " + plain(value);
+    }
+  } else {
+    text = plain(*found);
+  }
   return text.size() > 100 ? text.substr(0, 97) + "..." : text;
 }
 
@@ -112,7 +123,7 @@ void print_text(const ordered_json& info) {
       {"cost", info["seconds_per_sample"].is_null()
                    ? "not recorded"
                    : format_seconds(info["seconds_per_sample"].get<double>()) + " per sample"});
-  for (const char* key : {"renderer", "version", "scene", "mode", "seed"}) {
+  for (const char* key : {"renderer", "version", "scene", "mode", "seed", "seeds"}) {
     const std::string text = remark(info, key);
     if (!text.empty()) rows.push_back({key, text});
   }

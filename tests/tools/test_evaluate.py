@@ -1,0 +1,103 @@
+"""`spool evaluate`: its table, its numbers against numpy, its pictures, its errors."""
+import csv
+
+import numpy as np
+import pytest
+
+from conftest import read_exr, samples, write_dump
+
+
+def rows_of(folder):
+    with open(folder / "results.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_every_cell_is_a_row_and_columns_are_the_listed_ones(good, dump, tmp_path):
+    good("evaluate", dump, "--filters", "box,gaussian", "--spp", "2,4", "--replicates", 3, "-o", "out")
+    rows = rows_of(tmp_path / "out")
+    assert len(rows) == 2 * 2 * 3
+    assert list(rows[0]) == [column["name"] for column in good("list", "columns", "--json").json]
+    cells = {(r["filter"], r["spp"], r["replicate"]) for r in rows}
+    assert cells == {(f, s, r) for f in ("box", "gaussian") for s in "24" for r in "012"}
+
+
+def test_mse_in_recorded_order_is_that_of_numpy(good, dump, tmp_path):
+    radiance, mean = samples()
+    good("evaluate", dump, "--spp", 4, "--recorded-order", "--replicates", 1, "-o", "out")
+    estimate = radiance[:, :, :4].astype(float).mean(axis=2)
+    expected = ((estimate - mean[:, :, None].astype("<f4")) ** 2).mean()
+    row = rows_of(tmp_path / "out")[0]
+    assert np.isclose(float(row["mse"]), expected, rtol=1e-6)
+    assert row["error"] == "" and int(row["samples_spent"]) == 4 * mean.size
+
+
+def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
+    result = good("evaluate", dump, "--filters", "box,gaussian", "--spp", 4, "-o", "out", "--json").json
+    by_filter = {entry["filter"]: entry for entry in result}
+    assert by_filter["box"]["mse_to_uniform_box"] == 1.0
+    ratio = by_filter["gaussian"]["mse"]["mean"] / by_filter["box"]["mse"]["mean"]
+    assert np.isclose(by_filter["gaussian"]["mse_to_uniform_box"], ratio)
+    rows = [float(r["mse"]) for r in rows_of(tmp_path / "out") if r["filter"] == "box"]
+    assert np.isclose(by_filter["box"]["mse"]["mean"], np.mean(rows))
+    assert np.isclose(by_filter["box"]["mse"]["standard_error"], np.std(rows, ddof=1) / 5**0.5)
+    text = good("evaluate", dump, "--spp", 4, "-o", "text").out
+    assert "+-" in text and "1.000" in text and "results.csv" in text
+
+
+def test_pictures_stand_beside_the_numbers(good, dump, tmp_path):
+    good("evaluate", dump, "--filters", "box,gaussian", "--spp", 4, "--replicates", 2, "-o", "out")
+    out = tmp_path / "out"
+    assert {"scene_4spp.png", "scene_uniform_box_4spp.png", "scene_uniform_gaussian_4spp.png",
+            "results.csv"} <= {p.name for p in out.iterdir()}
+    details = {p.name for p in (out / "scene_uniform_gaussian_4spp").iterdir()}
+    assert {"estimate.exr", "estimate.png", "density.exr", "density.png", "squared_error.exr",
+            "squared_error.png"} <= details
+    assert (read_exr(out / "scene_uniform_box_4spp" / "density.exr", "n") == 4).all()
+
+
+def test_results_do_not_depend_on_threads(good, dump, tmp_path):
+    for threads in (1, 3):
+        good("evaluate", dump, "--filters", "box,gaussian", "--spp", "2,4", "--replicates", 2,
+             "--no-pictures", "--threads", threads, "-o", f"t{threads}")
+    one, three = (rows_of(tmp_path / f"t{t}") for t in (1, 3))
+    for a, b in zip(one, three):
+        assert [a[k] for k in ("mse", "relmse", "energy_ratio")] == \
+               [b[k] for k in ("mse", "relmse", "energy_ratio")]
+
+
+def test_errors_are_found_before_the_work(run, good, dump, tmp_path):
+    run("evaluate", dump, "--spp", 99, "-o", "out").failed_with(1, "the pool has 16")
+    run("evaluate", dump, "--spp", "4,x", "-o", "out").failed_with(2, "--spp")
+    run("evaluate", "none.spool", "--spp", 4, "-o", "out").failed_with(3, "none.spool")
+    run("evaluate", dump, "--spp", 4, "--samplers", "unifrom", "-o", "out").failed_with(2, "uniform")
+    run("evaluate", dump, "--spp", 4, "--reference", "best", "-o", "out").failed_with(2, "best")
+    assert not (tmp_path / "out").exists()
+    good("evaluate", dump, "--spp", 4, "-o", "out", "--no-pictures")
+    run("evaluate", dump, "--spp", 4, "-o", "out").failed_with(2, "--force")
+
+
+def test_settings_reach_the_methods_that_have_them(good, run, dump, tmp_path):
+    command = ("evaluate", dump, "--spp", 4, "--replicates", 1, "--no-pictures", "--filters", "box,gaussian")
+    good(*command, "--set", "filter.sigma=2", "-o", "a")
+    good(*command, "--set", "gaussian.sigma=2", "-o", "b")
+    good(*command, "-o", "c")
+    a, b, c = ([r["mse"] for r in rows_of(tmp_path / name)] for name in "abc")
+    assert a == b and a[0] == c[0] and a[1] != c[1]
+    run(*command, "--set", "filter.sigmaa=2", "-o", "d").failed_with(2, "did you mean 'sigma'")
+
+
+def test_pool_too_small_for_a_holdout_still_is_judged(good, tmp_path):
+    radiance, _ = samples(8, 8, 8)
+    path = write_dump(tmp_path / "short.spool", radiance)
+    good("evaluate", path, "--spp", 2, "--replicates", 1, "--no-pictures", "-o", "out")
+    assert rows_of(tmp_path / "out")[0]["mse"] not in ("", "nan")
+
+
+@pytest.mark.parametrize("reference", ["independent", "holdout", "leave_selected_out", "pool"])
+def test_every_kind_of_reference_works(good, tmp_path, reference):
+    radiance, mean = samples(16, 16, 48)
+    exact = np.repeat(mean[:, :, None], 3, axis=2).astype("<f4")
+    path = write_dump(tmp_path / "r.spool", radiance, reference=exact,
+                      reference_variance=np.zeros_like(exact))
+    text = good("evaluate", path, "--spp", 4, "--reference", reference, "--no-pictures", "-o", "out").out
+    assert reference in text and ("BIASED" in text) == (reference == "pool")

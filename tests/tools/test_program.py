@@ -1,0 +1,212 @@
+"""Help, errors and exit codes; info, check, replay, reconstruct and list on good files."""
+import hashlib
+import os
+import re
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+
+from conftest import PROGRAM, read_exr, samples, write_dump
+
+VERBS = ["info", "check", "replay", "reconstruct", "evaluate", "list"]
+
+
+def test_help_lists_every_verb_and_the_exit_codes(good):
+    text = good("--help").out
+    for verb in VERBS:
+        assert re.search(rf"^\s+{verb}\s", text, re.M)
+    assert "Exit codes" in text
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_examples_of_the_help_are_of_this_verb_and_use_its_options(good, verb):
+    options, examples = good(verb, "--help").out.split("Examples:\n")
+    own = [line for line in examples.replace("\\\n", " ").splitlines() if f"spool {verb} " in line]
+    assert own
+    for line in own:
+        for option in re.findall(r" (--[a-z-]+)", line):
+            assert option in options, line
+
+
+def test_misuse_is_exit_code_2_with_the_nearest_word(run, dump):
+    run("infoo", dump).failed_with(2, "did you mean 'info'")
+    run("info", dump, "--jsn").failed_with(2, "did you mean '--json'")
+    run("info").failed_with(2, "FILE", "spool info --help")
+    run().failed_with(2)
+    run("list", "samplings").failed_with(2, "samplings")
+    run("replay", dump, "--sampler", "unifrm", "--spp", 2, "-o", "s.exr").failed_with(2, "uniform")
+    run("reconstruct", dump, "--filter", "boxx", "-o", "i.exr").failed_with(2, "did you mean 'box'")
+    replay = ("replay", dump, "--sampler", "uniform", "--spp", 2, "-o", "s.exr")
+    run(*replay, "--set", "sampler.exposur=none").failed_with(2, "exposure")
+    run(*replay, "--set", "samplr.exposure=none").failed_with(2, "did you mean 'sampler'")
+    run(*replay, "--set", "sampler.exposure=never").failed_with(2, "normalise|none")
+    run(*replay, "--set", "exposure").failed_with(2, "PART.OPTION=VALUE")
+    run(*replay, "--preset", "none").failed_with(2, "preset")
+
+
+def test_missing_and_foreign_files(run, tmp_path):
+    run("info", "no.spool").failed_with(3, "no.spool")
+    (tmp_path / "text.spool").write_text("this is not a dump, but it is long enough to be read " * 9)
+    for verb in ("info", "check"):
+        run(verb, "text.spool").failed_with(1, "text.spool")
+    run("info", tmp_path).failed_with(3)
+
+
+def test_info_tells_what_is_in_the_file(good, dump):
+    info = good("info", dump, "--json").json
+    assert (info["width"], info["height"], info["samples_per_pixel"]) == (24, 20, 16)
+    assert info["sha256"] == hashlib.sha256(dump.read_bytes()).hexdigest()
+    assert info["reference"] and info["reference_variance"] and info["complete"]
+    assert info["seconds_per_sample"] == 2e-6
+    assert info["meta"]["renderer"]["name"] == "numpy"
+    assert [layer["name"] for layer in info["layers"]] == ["radiance", "reference", "reference_variance"]
+    text = good("info", dump).out
+    assert "24 x 20" in text and "numpy" in text and info["sha256"] in text
+
+
+def test_check_finds_cut_and_flipped_bytes(good, run, dump, tmp_path):
+    assert good("check", dump, "--json").json["complete"]
+    data = dump.read_bytes()
+    (tmp_path / "cut.spool").write_bytes(data[:-1000])
+    run("check", "cut.spool").failed_with(4, "cut.spool")
+    run("info", "cut.spool").failed_with(4, "recover")
+    flipped = bytearray(data)
+    flipped[len(data) // 2] ^= 4
+    (tmp_path / "flipped.spool").write_bytes(flipped)
+    finished = run("check", "flipped.spool")
+    finished.failed_with(4, "flipped.spool")
+    assert "damaged" in finished.out
+    report = run("check", "flipped.spool", "--json").json
+    assert len(report["damaged"]) == 1 and not report["complete"]
+
+
+def test_existing_targets_are_kept_without_force(run, good, dump, tmp_path):
+    target = tmp_path / "out.exr"
+    target.write_bytes(b"precious")
+    replay = ("replay", dump, "--sampler", "uniform", "--spp", 2, "-o", target)
+    image = ("reconstruct", dump, "--filter", "box", "-o", target)
+    for command in (replay, image):
+        run(*command).failed_with(2, "--force")
+        assert target.read_bytes() == b"precious"
+    good(*replay, "--force")
+    assert (read_exr(target, "n") == 2).all()
+    good(*image, "--force")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["out.exr", "scene.spool"]
+
+
+def test_reconstruction_of_the_first_samples_is_their_mean(good, dump):
+    radiance, _ = samples()
+    good("reconstruct", dump, "--filter", "box", "--spp", 3, "-o", "three.exr", "-q")
+    for c, name in enumerate("RGB"):
+        mean = radiance[:, :, :3, c].astype(float).mean(axis=2)
+        assert np.allclose(read_exr(f"{dump.parent}/three.exr", name), mean, rtol=1e-5)
+
+
+def test_replay_then_reconstruct_with_box_is_the_mean_of_what_was_taken(good, dump):
+    radiance, _ = samples()
+    good("replay", dump, "--sampler", "uniform", "--spp", 5.5, "-o", "n.exr")
+    n = read_exr(dump.parent / "n.exr", "n").astype(int)
+    assert n.sum() == round(5.5 * n.size) and set(np.unique(n)) == {5, 6}
+    good("reconstruct", dump, "--selection", "n.exr", "--filter", "box", "-o", "i.exr")
+    taken = np.arange(16) < n[:, :, None]
+    mean = (radiance[..., 1] * taken).sum(axis=2) / n
+    assert np.allclose(read_exr(dump.parent / "i.exr", "G"), mean, rtol=1e-5)
+
+
+def test_shuffled_selection_is_reconstructed_in_its_own_order(good, dump):
+    order = ("--order", "shuffled", "--seed", 7)
+    good("replay", dump, "--sampler", "uniform", "--spp", 4, *order, "-o", "n.exr")
+    good("reconstruct", dump, "--selection", "n.exr", "--filter", "box", "-o", "a.exr")
+    good("reconstruct", dump, "--spp", 4, *order, "--filter", "box", "-o", "b.exr")
+    good("reconstruct", dump, "--spp", 4, "--filter", "box", "-o", "c.exr")
+    a, b, c = (read_exr(dump.parent / f"{name}.exr", "R") for name in "abc")
+    assert (a == b).all() and not (a == c).all()
+
+
+def make_exr(path, expression, data_type):
+    subprocess.run(["oiiotool", "--create", "24x20", "1", *expression, "-d", data_type, "-o",
+                    str(path)], check=True)
+
+
+@pytest.mark.parametrize("data_type", ["half", "float"])
+def test_count_image_made_elsewhere_is_a_selection(good, dump, tmp_path, data_type):
+    make_exr(tmp_path / "mine.exr", ["--addc", "2", "--fill:color=9", "5x4+1+2"], data_type)
+    good("reconstruct", dump, "--selection", "mine.exr", "--filter", "box", "-o", "i.exr")
+    radiance, _ = samples()
+    image = read_exr(tmp_path / "i.exr", "B")
+    assert np.isclose(image[2, 1], radiance[2, 1, :9, 2].mean(), rtol=1e-5)
+    assert np.isclose(image[0, 0], radiance[0, 0, :2, 2].mean(), rtol=1e-5)
+
+
+@pytest.mark.parametrize("value, words", [
+    ("1.5", ["no number of samples"]), ("-1", ["no number of samples"]), ("17", ["the pool has 16"]),
+    ("nan", ["no number of samples"])])
+def test_bad_count_is_refused_with_its_pixel(run, dump, tmp_path, value, words):
+    make_exr(tmp_path / "bad.exr", ["--addc", "2", f"--fill:color={value}", "1x1+5+3"], "float")
+    run("reconstruct", dump, "--selection", "bad.exr", "--filter", "box",
+        "-o", "i.exr").failed_with(1, "bad.exr", "pixel 5, 3", *words)
+
+
+def test_selection_of_another_size_and_no_image_are_refused(run, dump, tmp_path):
+    subprocess.run(["oiiotool", "--create", "4x4", "1", "-o", str(tmp_path / "small.exr")], check=True)
+    command = ("reconstruct", dump, "--filter", "box", "-o", "i.exr", "--selection")
+    run(*command, "small.exr").failed_with(1, "4 x 4", "24 x 20")
+    run(*command, dump).failed_with(1, "not an OpenEXR")
+    run(*command, "none.exr").failed_with(3, "none.exr")
+
+
+def test_budget_larger_than_the_pool_is_refused(run, dump):
+    run("replay", dump, "--sampler", "uniform", "--spp", 17, "-o", "n.exr").failed_with(1, "--spp 16")
+    run("reconstruct", dump, "--filter", "box", "--spp", 17, "-o", "i.exr").failed_with(1, "pixel 0, 0")
+
+
+def test_pictures_and_layers_are_written(good, dump, tmp_path):
+    good("reconstruct", dump, "--filter", "gaussian", "--spp", 2, "-o", "i.exr", "--layers",
+         "--pictures", "pictures")
+    names = {p.name for p in (tmp_path / "pictures").iterdir()}
+    assert {"estimate.png", "density.png", "squared_error.png", "contact_sheet.png"} <= names
+    info = subprocess.run(["oiiotool", "--info", str(tmp_path / "pictures" / "contact_sheet.png")],
+                          check=True, capture_output=True, text=True).stdout
+    width, height = map(int, re.search(r"(\d+) x +(\d+)", info).groups())
+    assert width > 3 * 256 and height > 256
+
+
+def test_lists_name_every_option_with_defaults(good):
+    for what in ("samplers", "filters"):
+        methods = good("list", what, "--json").json
+        assert methods
+        for method in methods:
+            assert method["name"] in good("list", what).out and method["summary"]
+            for option in method["options"]:
+                assert option["defaults"] and option["help"] and option["allowed"]
+    assert "mse" in {m["name"] for m in good("list", "metrics", "--json").json}
+    good("list", "presets")
+    assert "samples_spent" in good("list", "columns").out
+
+
+def test_output_does_not_depend_on_threads(good, dump, tmp_path):
+    for threads in (1, 3):
+        good("reconstruct", dump, "--filter", "gaussian", "--spp", 4, "-o", f"{threads}.exr",
+             "--threads", threads)
+    assert (tmp_path / "1.exr").read_bytes() == (tmp_path / "3.exr").read_bytes()
+
+
+def test_no_progress_when_piped(good, dump):
+    assert good("replay", dump, "--sampler", "uniform", "--spp", 4, "-o", "n.exr").err == ""
+
+
+def test_interrupt_says_so_in_one_line(tmp_path):
+    radiance, _ = samples(96, 96, 64)
+    path = write_dump(tmp_path / "large.spool", radiance)
+    process = subprocess.Popen(
+        [PROGRAM, "evaluate", str(path), "--spp", "4,8,16", "--filters", "gaussian", "--replicates",
+         "1000", "--no-pictures", "-o", str(tmp_path / "out")], stderr=subprocess.PIPE, text=True)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=20)
+    assert process.returncode == 130 and "interrupted" in error
+    rows = (tmp_path / "out" / "results.csv.partial").read_text().splitlines()
+    assert len(rows) > 1 and not os.path.exists(tmp_path / "out" / "results.csv")
