@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "lib/evaluation/error_metrics.h"
-#include "tests/evaluation/random_images.h"
+#include "tests/support/random_images.h"
 
 namespace spool {
 namespace {
 
-using testing::add_noise;
-using testing::normal;
+using test::add_noise;
+using test::normal;
 
 TEST(BlockBootstrap, EveryResampleDrawsAsManyBlocksAsThereAre) {
   const BlockBootstrap bootstrap(70, 33);
@@ -66,7 +66,7 @@ TEST(BlockBootstrap, StandardErrorOfWhiteNoiseMseIsThatOfTheory) {
 // Noise constant over 16x16 blocks: single pixels would claim an error 16 times too small.
 TEST(BlockBootstrap, StandardErrorKnowsThatPixelsOfABlockAreAlike) {
   const RgbImage r = make_rgb(320, 320, 1.0);
-  const RgbImage i = testing::make_image(320, 320, [](int x, int y, int c) {
+  const RgbImage i = test::make_image(320, 320, [](int x, int y, int c) {
     return 1.0 + 0.3 * normal(5, static_cast<std::uint64_t>(y / 16 * 20 + x / 16),
                               static_cast<std::uint64_t>(c));
   });
@@ -76,7 +76,7 @@ TEST(BlockBootstrap, StandardErrorKnowsThatPixelsOfABlockAreAlike) {
 
 TEST(BlockBootstrap, StandardErrorOfTheEnergyRatioIsThatOfTheRatio) {
   // I = R exactly: numerator and denominator vary together and the ratio does not vary at all.
-  const RgbImage r = testing::uniform_image(128, 128, 3);
+  const RgbImage r = test::uniform_image(128, 128, 3);
   EXPECT_LT(error_metrics(r, {r, {}, {}})["energy_ratio"].standard_error, 1e-14);
   // White noise on a flat reference: sigma / sqrt(3 N).
   const RgbImage flat = make_rgb(256, 256, 1.0);
@@ -87,7 +87,7 @@ TEST(BlockBootstrap, StandardErrorOfTheEnergyRatioIsThatOfTheRatio) {
 }
 
 TEST(BlockBootstrap, OneBlockHasNoStandardError) {
-  const RgbImage r = testing::uniform_image(16, 16, 3);
+  const RgbImage r = test::uniform_image(16, 16, 3);
   EXPECT_TRUE(std::isnan(error_metrics(add_noise(r, 4, 0.1), {r, {}, {}})["mse"].standard_error));
 }
 

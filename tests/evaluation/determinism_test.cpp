@@ -2,14 +2,14 @@
 
 #include "lib/core/parallel.h"
 #include "lib/evaluation/error_metrics.h"
-#include "tests/evaluation/random_images.h"
+#include "tests/support/random_images.h"
 
 namespace spool {
 namespace {
 
 TEST(ErrorMetrics, BitsDoNotDependOnTheNumberOfThreads) {
-  const RgbImage r = testing::uniform_image(200, 150, 1);
-  const RgbImage i = testing::add_noise(r, 2, 0.2);
+  const RgbImage r = test::uniform_image(200, 150, 1);
+  const RgbImage i = test::add_noise(r, 2, 0.2);
   const auto bits = [&](int threads) {
     const ThreadLimit limit(threads);
     std::vector<double> values;

@@ -1,14 +1,14 @@
 #include <gtest/gtest.h>
 
 #include "lib/evaluation/error_metrics.h"
-#include "tests/evaluation/random_images.h"
 #include "tests/reference/error_metrics_reference.h"
+#include "tests/support/random_images.h"
 
 namespace spool {
 namespace {
 
-using testing::add_noise;
-using testing::uniform_image;
+using test::add_noise;
+using test::uniform_image;
 
 TEST(ErrorMetrics, EqualTheSlowTwin) {
   struct Case {

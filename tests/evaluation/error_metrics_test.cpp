@@ -3,14 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "lib/evaluation/largest_first.h"
-#include "tests/evaluation/random_images.h"
+#include "tests/support/random_images.h"
 
 namespace spool {
 namespace {
 
-using testing::add_noise;
-using testing::make_image;
-using testing::uniform_image;
+using test::add_noise;
+using test::make_image;
+using test::uniform_image;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -170,7 +170,7 @@ TEST(SquaredErrorMap, AveragesToMse) {
 TEST(LargestFirst, WalksEveryPixelInDescendingOrderThoughOnlyTheHeadIsSorted) {
   Plane values(70, 70);
   for (std::size_t p = 0; p < values.size(); ++p)
-    values[p] = std::floor(100.0 * testing::uniform(3, p));
+    values[p] = std::floor(100.0 * test::uniform(3, p));
   LargestFirst order(values, Image<std::uint8_t>(70, 70, 1));
   LargestFirst::Entry last{1e300, 0};
   std::size_t visited = 0;

@@ -1,4 +1,4 @@
-// Images of counter-based random numbers for the tests of evaluation.
+// Images of counter-based random numbers for tests.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "lib/core/image.h"
 #include "lib/core/random.h"
 
-namespace spool::testing {
+namespace spool::test {
 
 inline double uniform(std::uint64_t seed, std::uint64_t a, std::uint64_t b = 0) {
   return unit_double(mix(seed, a, b));
@@ -50,4 +50,4 @@ inline RgbImage add_noise(const RgbImage& image, std::uint64_t seed, double sigm
   return noisy;
 }
 
-}  // namespace spool::testing
+}  // namespace spool::test

@@ -1,0 +1,182 @@
+#include "lib/pool/load_recording.h"
+
+#include <bit>
+#include <cstring>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/half_float.h"
+#include "formats/spool_reader.h"
+#include "lib/core/parallel.h"
+
+namespace spool {
+namespace {
+
+using format::DataType;
+using format::SpoolReader;
+
+static_assert(std::endian::native == std::endian::little,
+              "samples are used as they lie in the file");
+
+// What the block pointers of a recording point into.
+struct FileStorage {
+  explicit FileStorage(SpoolReader opened) : reader(std::move(opened)) {}
+  SpoolReader reader;
+  std::vector<std::vector<float>> decoded;  // [tile][block], empty where the file is mapped
+};
+
+std::vector<float> as_floats(const std::vector<std::byte>& bytes, DataType type) {
+  if (type == DataType::kFloat32) {
+    std::vector<float> values(bytes.size() / sizeof(float));
+    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+    return values;
+  }
+  std::vector<float> values(bytes.size() / sizeof(std::uint16_t));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::uint16_t half = 0;
+    std::memcpy(&half, bytes.data() + i * sizeof(half), sizeof(half));
+    values[i] = format::half_to_float(half);
+  }
+  return values;
+}
+
+Result<const float*> place_block(FileStorage& storage, std::uint32_t tile, std::uint32_t block) {
+  const SpoolReader& reader = storage.reader;
+  const DataType type = reader.header().channels[0].type;
+  if (!reader.has_block(0, tile, block)) {
+    const format::PixelRect rect = reader.tile_rect(tile);
+    const std::uint32_t begin = reader.block_begin(block);
+    return fail(
+        ErrorCode::kDamage,
+        "{}: samples {}-{} of tile {} (pixels {},{} to {},{}) were not recorded: record them, "
+        "or use a recording that is complete",
+        reader.path().string(), begin, begin + reader.block_count(block) - 1, tile, rect.x0,
+        rect.y0, rect.x1 - 1, rect.y1 - 1);
+  }
+  if (type == DataType::kFloat32 && reader.is_raw(0, tile, block)) {
+    SPOOL_ASSIGN(const auto bytes, reader.map_block(0, tile, block));
+    return reinterpret_cast<const float*>(bytes.data());  // payloads start at a multiple of 64
+  }
+  SPOOL_ASSIGN(const auto bytes, reader.read_block(0, tile, block));
+  std::vector<float>& values =
+      storage.decoded[static_cast<std::size_t>(tile) * reader.blocks() + block];
+  values = as_floats(bytes, type);
+  return values.data();
+}
+
+Result<std::vector<const float*>> place_blocks(FileStorage& storage) {
+  const std::size_t blocks = storage.reader.blocks();
+  const std::size_t count = blocks * storage.reader.tiles();
+  storage.decoded.resize(count);
+  std::vector<Result<const float*>> placed(count, nullptr);
+  parallel_for(count, [&](std::size_t i) {
+    placed[i] = place_block(storage, static_cast<std::uint32_t>(i / blocks),
+                            static_cast<std::uint32_t>(i % blocks));
+  });
+  std::vector<const float*> pointers;
+  for (Result<const float*>& block : placed) {
+    SPOOL_ASSIGN(const float* pointer, std::move(block));
+    pointers.push_back(pointer);
+  }
+  return pointers;
+}
+
+Result<void> load_film(const SpoolReader& reader, RecordedSamples& samples) {
+  const auto layer = reader.find_layer("film");
+  if (!layer) return {};
+  const bool by_sample = layer->scope == format::Scope::kSample;
+  if (layer->components != std::vector<std::string>{"X", "Y"} ||
+      layer->scope == format::Scope::kPixel) {
+    return fail(
+        ErrorCode::kData,
+        "{}: layer film is not X, Y of each sample or pass: record it as formats/spool.md 10 "
+        "says",
+        reader.path().string());
+  }
+  const format::DumpHeader& header = reader.header();
+  SPOOL_ASSIGN(const std::vector<float> values,
+               by_sample
+                   ? reader.read_region("film", {0, 0, header.width, header.height}, 0, header.spp)
+                   : reader.read_pass_layer("film"));
+  const std::size_t count = values.size() / 2;
+  std::vector<FilmPosition> film(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    film[i] = {values[i], values[count + i]};
+    // Written so that NaN fails.
+    if (!(film[i].x >= 0.0f && film[i].x < 1.0f && film[i].y >= 0.0f && film[i].y < 1.0f)) {
+      return fail(ErrorCode::kData,
+                  "{}: film position {},{} of sample {} is outside [0, 1): record it again",
+                  reader.path().string(), film[i].x, film[i].y, i % header.spp);
+    }
+  }
+  if (by_sample) {
+    samples.set_sample_film(std::move(film));
+  } else {
+    samples.set_pass_film(std::move(film));
+  }
+  return {};
+}
+
+Result<RgbImage> pixel_image(const SpoolReader& reader, const char* layer) {
+  const int width = static_cast<int>(reader.header().width);
+  const int height = static_cast<int>(reader.header().height);
+  SPOOL_ASSIGN(const std::vector<float> values, reader.read_pixel_layer(layer));
+  RgbImage image = make_rgb(width, height);
+  if (values.size() != 3 * image[0].size()) {
+    return fail(ErrorCode::kData,
+                "{}: layer {} is not R, G, B: record it as formats/spool.md 10 says",
+                reader.path().string(), layer);
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t p = 0; p < image[c].size(); ++p)
+      image[c][p] = values[c * image[c].size() + p];
+  }
+  return image;
+}
+
+Result<void> load_reference(const SpoolReader& reader, RecordedSamples& samples) {
+  if (!reader.find_layer("reference")) return {};
+  Reference reference;
+  SPOOL_ASSIGN(reference.mean, pixel_image(reader, "reference"));
+  if (reader.find_layer("reference_variance")) {
+    SPOOL_ASSIGN(reference.variance_of_mean, pixel_image(reader, "reference_variance"));
+  }
+  samples.set_reference(std::move(reference));
+  return {};
+}
+
+void load_cost(const SpoolReader& reader, RecordedSamples& samples) {
+  for (const std::string& text : reader.meta()) {
+    const auto meta = nlohmann::json::parse(text, nullptr, false);
+    if (!meta.is_object()) continue;
+    const auto cost = meta.find("cost_per_sample");
+    if (cost != meta.end() && cost->is_number()) samples.set_cost_per_sample(cost->get<double>());
+  }
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesystem::path& path,
+                                                              const SanitiseRules& rules) {
+  SPOOL_ASSIGN(SpoolReader opened, SpoolReader::open(path));
+  auto storage = std::make_shared<FileStorage>(std::move(opened));
+  const SpoolReader& reader = storage->reader;
+  const format::DumpHeader& header = reader.header();
+  RadianceLayout layout;
+  layout.width = static_cast<int>(header.width);
+  layout.height = static_cast<int>(header.height);
+  layout.spp = static_cast<int>(header.spp);
+  layout.tile_size = static_cast<int>(header.tile_size);
+  layout.block_spp = static_cast<int>(header.block_spp);
+  SPOOL_ASSIGN(layout.blocks, place_blocks(*storage));
+  SPOOL_ASSIGN(RecordedSamples samples,
+               RecordedSamples::create(path.string(), std::move(layout), storage, rules));
+  samples.set_exchangeable(header.sample_order == format::SampleOrder::kExchangeable);
+  SPOOL_TRY(load_film(reader, samples));
+  SPOOL_TRY(load_reference(reader, samples));
+  load_cost(reader, samples);
+  return std::make_shared<const RecordedSamples>(std::move(samples));
+}
+
+}  // namespace spool

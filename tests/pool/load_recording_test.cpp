@@ -1,0 +1,147 @@
+#include "lib/pool/load_recording.h"
+
+#include <cstring>
+#include <span>
+
+#include <gtest/gtest.h>
+
+#include "formats/spool_writer.h"
+#include "lib/synthetic/scene_s.h"
+#include "lib/synthetic/write_synthetic.h"
+#include "tests/support/scratch_folder.h"
+
+namespace spool {
+namespace {
+
+using test::ScratchFolder;
+
+void expect_same_samples(const RecordedSamples& a, const RecordedSamples& b) {
+  ASSERT_EQ(a.width(), b.width());
+  ASSERT_EQ(a.height(), b.height());
+  ASSERT_EQ(a.spp(), b.spp());
+  for (int y = 0; y < a.height(); ++y) {
+    for (int x = 0; x < a.width(); ++x) {
+      for (int s = 0; s < a.spp(); ++s) {
+        ASSERT_EQ(a.radiance(x, y, s), b.radiance(x, y, s)) << x << "," << y << "," << s;
+        ASSERT_EQ(a.film(x, y, s).x, b.film(x, y, s).x);
+        ASSERT_EQ(a.film(x, y, s).y, b.film(x, y, s).y);
+      }
+    }
+  }
+}
+
+TEST(LoadRecording, GivesBackWhatWasWrittenInTilesAndBlocksOfAnySize) {
+  const ScratchFolder folder;
+  const RecordedSamples made = make_scene_s(37, 21, 11, 5);
+  for (const bool compress : {false, true}) {
+    WriteSyntheticOptions options;
+    options.tile_size = 16;
+    options.block_spp = 4;
+    options.writer.compress = compress;
+    options.writer.force = true;
+    const auto written = write_synthetic("scene_s", 37, 21, 11, 5, folder / "s.spool", options);
+    ASSERT_TRUE(written.has_value()) << written.error().message;
+    const auto loaded = load_recording(folder / "s.spool");
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+    expect_same_samples(**loaded, made);
+    EXPECT_TRUE((*loaded)->exchangeable());
+    EXPECT_FALSE((*loaded)->cost_per_sample().has_value());
+    ASSERT_TRUE((*loaded)->reference().has_value());
+    const Reference& reference = *(*loaded)->reference();
+    for (std::size_t p = 0; p < reference.mean[0].size(); ++p) {
+      EXPECT_EQ(reference.mean[1][p], static_cast<float>(made.reference()->mean[1][p]));
+      EXPECT_EQ((*reference.variance_of_mean)[1][p], 0.0);
+    }
+  }
+}
+
+TEST(LoadRecording, AppliesTheRules) {
+  const ScratchFolder folder;
+  WriteSyntheticOptions options;
+  options.scene.odds = 0.005;
+  ASSERT_TRUE(
+      write_synthetic("not_finite", 40, 40, 16, 5, folder / "n.spool", options).has_value());
+  SanitiseRules rules;
+  const auto loaded = load_recording(folder / "n.spool", rules);
+  ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+  EXPECT_GT((*loaded)->report().nonfinite, 0u);
+  rules.nonfinite = NonFiniteRule::kError;
+  const auto refused = load_recording(folder / "n.spool", rules);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::kData);
+}
+
+TEST(LoadRecording, MissingFileIsAnIoError) {
+  const ScratchFolder folder;
+  const auto loaded = load_recording(folder / "absent.spool");
+  ASSERT_FALSE(loaded.has_value());
+  EXPECT_EQ(loaded.error().code, ErrorCode::kIo);
+}
+
+template <class T>
+void write_block(format::SpoolWriter& writer, std::uint16_t group, std::uint32_t tile,
+                 std::uint32_t begin, std::uint32_t count, const std::vector<T>& values) {
+  const auto written =
+      writer.write_block(group, tile, begin, count, std::as_bytes(std::span(values)));
+  ASSERT_TRUE(written.has_value()) << written.error().message;
+}
+
+format::DumpHeader small_header(format::DataType type) {
+  format::DumpHeader header;
+  header.width = 10;
+  header.height = 3;
+  header.tile_size = 8;
+  header.spp = 3;
+  header.block_spp = 2;
+  header.channels = format::radiance_channels(type);
+  return header;
+}
+
+TEST(LoadRecording, WidensHalfFloatsAndReadsPassFilmAndCost) {
+  const ScratchFolder folder;
+  format::DumpHeader header = small_header(format::DataType::kFloat16);
+  header.channels.push_back({"film.X", 1, format::DataType::kFloat32, 6, format::Scope::kPass});
+  header.channels.push_back({"film.Y", 1, format::DataType::kFloat32, 6, format::Scope::kPass});
+  auto writer = format::SpoolWriter::create(folder / "h.spool", header);
+  ASSERT_TRUE(writer.has_value());
+  constexpr std::uint16_t kHalfOfOne = 0x3C00, kHalfOfMinusTwo = 0xC000;
+  for (const std::uint32_t tile : {0u, 1u}) {
+    const std::size_t pixels = tile == 0 ? 24 : 6;
+    write_block(*writer, 0, tile, 0, 2, std::vector<std::uint16_t>(3 * pixels * 2, kHalfOfOne));
+    write_block(*writer, 0, tile, 2, 1, std::vector<std::uint16_t>(3 * pixels, kHalfOfMinusTwo));
+  }
+  write_block(*writer, 1, 0, 0, 2, std::vector<float>{0.25f, 0.5f, 0.75f, 0.0f});
+  write_block(*writer, 1, 0, 2, 1, std::vector<float>{0.125f, 0.375f});
+  ASSERT_TRUE(writer->write_meta(R"({"cost_per_sample": 2.5e-6})").has_value());
+  ASSERT_TRUE(writer->finish().has_value());
+  const auto loaded = load_recording(folder / "h.spool");
+  ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+  EXPECT_EQ((*loaded)->radiance(9, 2, 1), (Rgb{1.0f, 1.0f, 1.0f}));
+  EXPECT_EQ((*loaded)->radiance(0, 0, 2), (Rgb{-2.0f, -2.0f, -2.0f}));
+  EXPECT_EQ((*loaded)->film(4, 1, 1).x, 0.5f);
+  EXPECT_EQ((*loaded)->film(9, 2, 1).y, 0.0f);
+  EXPECT_EQ((*loaded)->film(9, 2, 2).y, 0.375f);
+  EXPECT_EQ((*loaded)->cost_per_sample(), 2.5e-6);
+  EXPECT_FALSE((*loaded)->exchangeable());
+  EXPECT_FALSE((*loaded)->reference().has_value());
+}
+
+TEST(LoadRecording, MissingBlockIsRefusedWithItsTile) {
+  const ScratchFolder folder;
+  auto writer =
+      format::SpoolWriter::create(folder / "m.spool", small_header(format::DataType::kFloat32));
+  ASSERT_TRUE(writer.has_value());
+  write_block(*writer, 0, 0, 0, 2, std::vector<float>(3 * 24 * 2, 1.0f));
+  write_block(*writer, 0, 0, 2, 1, std::vector<float>(3 * 24, 1.0f));
+  write_block(*writer, 0, 1, 0, 2, std::vector<float>(3 * 6 * 2, 1.0f));
+  ASSERT_TRUE(writer->finish().has_value());
+  const auto loaded = load_recording(folder / "m.spool");
+  ASSERT_FALSE(loaded.has_value());
+  EXPECT_EQ(loaded.error().code, ErrorCode::kDamage);
+  EXPECT_NE(loaded.error().message.find("samples 2-2 of tile 1 (pixels 8,0 to 9,2)"),
+            std::string::npos)
+      << loaded.error().message;
+}
+
+}  // namespace
+}  // namespace spool
