@@ -35,9 +35,15 @@ void mark_found(const IndexEntry& entry, const DumpGeometry& geometry, std::vect
   }
 }
 
-// What is wrong with the payload of a record whose header is good; empty if nothing.
-std::string payload_damage(const FileHandle& file, const DumpGeometry& geometry,
-                           const IndexEntry& entry) {
+// What is wrong with a record whose header is intact; empty if nothing.
+std::string record_damage(const FileHandle& file, const DumpGeometry& geometry,
+                          const IndexEntry& entry) {
+  if (entry.header.is(kTypeData)) {
+    // Comes first: the geometry bounds what decoding may allocate.
+    if (const auto fits = check_data_record(entry.header, geometry); !fits) {
+      return fits.error().what;
+    }
+  }
   auto stored = read_payload(file, entry, true);
   if (!stored) return "payload or pad bytes do not match";
   if (!entry.header.is(kTypeData)) return {};
@@ -56,7 +62,7 @@ CheckReport check_open(const OpenDump& dump) {
   report.records = 1;  // INDX: its payload and pad were verified at opening
   std::vector<bool> found(dump.geometry.slot_count());
   for (const IndexEntry& entry : dump.entries) {
-    std::string reason = payload_damage(dump.file, dump.geometry, entry);
+    std::string reason = record_damage(dump.file, dump.geometry, entry);
     if (!reason.empty()) {
       report.damaged.push_back({std::string(entry.header.type_name()), key_of(entry.header),
                                 entry.offset, std::move(reason)});
@@ -88,7 +94,7 @@ Result<CheckReport> check_closed(const std::filesystem::path& path, const Error&
     std::vector<bool> found(geometry.slot_count());
     for (const IndexEntry& entry : scan->intact) {
       if (!entry.header.is(kTypeData)) continue;
-      if (const std::string reason = payload_damage(file, geometry, entry); !reason.empty()) {
+      if (const std::string reason = record_damage(file, geometry, entry); !reason.empty()) {
         report.damaged.push_back({"DATA", key_of(entry.header), entry.offset, reason});
         --report.records;
         continue;

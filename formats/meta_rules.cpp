@@ -45,7 +45,9 @@ Judged<void> check_meta(std::string_view text) {
                     kMaxMetaBytes);
   }
   DepthLimit limit;
-  if (text.front() != '{' || !nlohmann::json::sax_parse(text, &limit)) {
+  // The parser takes a byte 0 for the end of the text.
+  if (text.front() != '{' || text.find('\0') != std::string_view::npos ||
+      !nlohmann::json::sax_parse(text, &limit)) {
     return violates(kDamaged, "meta is not one JSON object of UTF-8");
   }
   return {};

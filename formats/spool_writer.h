@@ -24,7 +24,7 @@ namespace spool::format {
 struct WriterOptions {
   bool compress = false;  // byte shuffle + zstd, kept per block only where it saves 5 % or more
   bool force = false;     // replace an existing NAME and a stale NAME.partial
-  std::optional<std::array<uint8_t, 16>> uuid;  // for reproducible files; random when absent
+  std::optional<std::array<uint8_t, 16>> uuid = {};  // for reproducible files; random when absent
 };
 
 class SpoolWriter {
