@@ -32,6 +32,7 @@ class Views {
   void add(std::string name, const Plane& image) {
     if (wants(name)) views_.push_back({std::move(name), image});
   }
+  const std::vector<std::string>& wanted() const { return wanted_; }
   const std::vector<View>& collected() const { return views_; }
 
  private:

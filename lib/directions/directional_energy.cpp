@@ -35,10 +35,12 @@ Image<T> smoothed_measure(std::span<const NoisyBands<T>> sources, std::size_t ba
 }
 
 // Sum of squares of the bands of d_{level-1} for a delta at (x, y) of an n x n image.
-void add_response_energy(const PyramidOptions& pyramid, const BankOptions& bank, int level, int n,
-                         int x, int y, double weight, std::vector<double>& gains) {
+void add_response_energy(const PyramidOptions& pyramid, const BankOptions& bank, int level,
+                         const Taps& prefilter, int n, int x, int y, double weight,
+                         std::vector<double>& gains) {
   Plane delta(n, n);
   delta(x, y) = 1.0;
+  delta = convolve(delta, prefilter, 1, Extension::kPeriodic);
   const Plane detail = build_pyramid(delta, pyramid).detail[static_cast<std::size_t>(level - 1)];
   const std::vector<Plane> bands = directional_bands(detail, bank);
   for (std::size_t i = 0; i < bands.size(); ++i) {
@@ -135,7 +137,8 @@ template DirectionalEnergy<float> directional_energy(std::span<const NoisyBands<
                                                      GuardCounts&);
 
 std::vector<double> band_noise_gains(const PyramidOptions& pyramid_options,
-                                     const BankOptions& bank_options, int level) {
+                                     const BankOptions& bank_options, int level,
+                                     const Taps& prefilter) {
   SPOOL_CHECK_GE(level, 1);
   PyramidOptions pyramid = pyramid_options;
   BankOptions bank = bank_options;
@@ -153,17 +156,19 @@ std::vector<double> band_noise_gains(const PyramidOptions& pyramid_options,
   const int pairs = static_cast<int>(sign_coefficients(bank.taps).size());
   const int stages = bank.levels * (bank.pair == ChannelPair::kLadder ? 2 : 1);
   const int bank_reach = stages * (2 * pairs - 1) * bank.dilation;
+  const int prefilter_reach = static_cast<int>(prefilter.values.size());
   const int cell = 2 * pyramid_dilation(pyramid, level - 1);  // period of the phases
-  const int n = (reach.width() + 2 * bank_reach + 3 * cell) / cell * cell;
+  const int n = (reach.width() + prefilter_reach + 2 * bank_reach + 3 * cell) / cell * cell;
 
   std::vector<double> gains(static_cast<std::size_t>(band_count(bank)), 0.0);
   if (pyramid.detail != LaplacianDetail::kPhase00) {
-    add_response_energy(pyramid, bank, level, n, n / 2, n / 2, 1.0, gains);
+    add_response_energy(pyramid, bank, level, prefilter, n, n / 2, n / 2, 1.0, gains);
     return gains;
   }
   for (int j = 0; j < 2; ++j) {
     for (int i = 0; i < 2; ++i) {
-      add_response_energy(pyramid, bank, level, n, i * cell / 2, j * cell / 2, 0.25, gains);
+      add_response_energy(pyramid, bank, level, prefilter, n, i * cell / 2, j * cell / 2, 0.25,
+                          gains);
     }
   }
   return gains;

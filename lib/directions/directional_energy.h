@@ -58,9 +58,9 @@ DirectionalEnergy<T> directional_energy(std::span<const NoisyBands<T>> sources,
 
 // g_i: sum of squares of the impulse response of "band i of d_{level-1}", by pushing a delta
 // through the pyramid and the bank (with the dilation of `bank`). phase00 is not shift-invariant:
-// the mean over deltas on its four phases. Costs a bank on a few hundred pixels square: call it
-// once.
+// the mean over deltas on its four phases. `prefilter` is what the image passed, rows and columns,
+// before it became f_0. Costs a bank on a few hundred pixels square: call it once.
 std::vector<double> band_noise_gains(const PyramidOptions& pyramid, const BankOptions& bank,
-                                     int level);
+                                     int level, const Taps& prefilter = {0, {1.0}});
 
 }  // namespace spool

@@ -1,6 +1,7 @@
 #include "lib/reconstruction/reconstructor.h"
 
 #include "lib/reconstruction/box.h"
+#include "lib/reconstruction/directional/directional.h"
 #include "lib/reconstruction/gaussian.h"
 
 namespace spool {
@@ -9,6 +10,7 @@ const std::vector<ReconstructorEntry>& reconstructors() {
   static const std::vector<ReconstructorEntry> list = {
       reconstructor_entry(box_method()),
       reconstructor_entry(gaussian_method()),
+      reconstructor_entry(directional_method()),
   };
   return list;
 }

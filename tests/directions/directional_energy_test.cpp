@@ -63,6 +63,24 @@ TEST(BandNoiseGains, WithoutABankTheyAreTheSquaresOfTheDetailKernel) {
   }
 }
 
+TEST(BandNoiseGains, PrefilterIsPartOfTheResponse) {
+  PyramidOptions pyramid;
+  const BankOptions bank = bank_of_level(2);
+  const Taps prefilter = {-1, {0.1, 0.8, 0.1}};
+  const auto gains = band_noise_gains(pyramid, bank, 2, prefilter);
+  Plane delta(400, 400);
+  delta(200, 200) = 1.0;
+  pyramid.levels = 2;
+  const auto bands =
+      directional_bands(build_pyramid(convolve(delta, prefilter), pyramid).detail[1], bank);
+  for (std::size_t i = 0; i < 8; ++i) {
+    double sum = 0.0;
+    for (const double value : bands[i].pixels())
+      sum += value * value;
+    EXPECT_NEAR(gains[i], sum, 1e-14);
+  }
+}
+
 TEST(BandNoiseGains, ResponseDoesNotWrapOntoItself) {
   // The gains of one period equal those of a far larger one.
   PyramidOptions pyramid;

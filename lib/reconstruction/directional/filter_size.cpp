@@ -1,0 +1,204 @@
+#include "lib/reconstruction/directional/filter_size.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "lib/core/parallel.h"
+#include "lib/pyramid/convolution.h"
+#include "lib/pyramid/region_mean.h"
+#include "lib/statistics/contrast.h"
+
+namespace spool {
+namespace {
+
+constexpr double kLargestInverseFactor = 1e6;
+constexpr double kLeastSamples = 1.0001;  // keeps 1 - 1/N above zero: else no size ever stops
+constexpr double kOwnVote = 0.01;         // weight that a piece keeps in its neighbours' vote
+constexpr double kHalf = 0.5 - 1e-9;      // a tie at a straight border must not hang on rounding
+
+template <class Body>
+void for_rows(const Plane& like, GuardCounts& guards, Body&& body) {
+  std::vector<GuardCounts> rows(static_cast<std::size_t>(like.height()));
+  parallel_rows(0, like.height(), [&](int y) { body(y, rows[static_cast<std::size_t>(y)]); });
+  for (const GuardCounts& row : rows)
+    guards += row;
+}
+
+// Squared contrast of the extremes over R_k, and 0 where the region has fewer than two samples.
+Plane region_contrast(const FilterSizeInput& input, int level, ContrastForm form,
+                      GuardCounts& guards) {
+  Plane contrast(input.mean.width(), input.mean.height());
+  for_rows(contrast, guards, [&](int y, GuardCounts& caught) {
+    for (int x = 0; x < contrast.width(); ++x) {
+      const Rectangle r = region(x, y, level, contrast.bounds());
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      long long samples = 0;
+      for (int py = r.y0; py < r.y1; ++py) {
+        for (int px = r.x0; px < r.x1; ++px) {
+          low = std::min(low, input.minimum(px, py));
+          high = std::max(high, input.maximum(px, py));
+          samples += input.n(px, py);
+        }
+      }
+      if (samples >= 2) contrast(x, y) = squared_contrast(low, high, form, caught);
+    }
+  });
+  return contrast;
+}
+
+// S_0 .. S_K
+std::vector<Plane> size_variances(const FilterSizeInput& input, const FilterSizeOptions& options,
+                                  GuardCounts& guards) {
+  std::vector<Plane> s;
+  if (options.variance == SizeVariance::kContrast) {
+    Plane piece = region_contrast(input, 0, options.contrast, guards);
+    for (int k = 0; k <= input.levels; ++k) {
+      s.push_back(k > 0 && options.contrast_region == ContrastRegion::kRegionMinMax
+                      ? region_contrast(input, k, options.contrast, guards)
+                      : region_mean(piece, k));
+    }
+    return s;
+  }
+  for (int k = 0; k <= input.levels; ++k) {
+    Plane sum = region_sum(input.variance, k);
+    parallel_rows(0, sum.height(), [&](int y) {
+      for (int x = 0; x < sum.width(); ++x) {
+        const double count = region_count(x, y, k, sum.bounds());
+        sum(x, y) /= count * count;
+      }
+    });
+    s.push_back(std::move(sum));
+  }
+  return s;
+}
+
+// w of eq 9 from two values of the attenuation.
+double attenuation_factor(double a_fine, double a_coarse, const FilterSizeOptions& options,
+                          GuardCounts& caught) {
+  const double sum = a_fine + a_coarse;
+  const bool never_updated = a_fine == 1.0 && a_coarse == 1.0;
+  if (!(sum > 0.0) || never_updated) {
+    caught.add(Guard::kSizeFactorFallback);
+    return options.factor_fallback;
+  }
+  const double difference = std::abs(a_fine - a_coarse);
+  if (options.factor.rule == SizeFactorRule::kInverse) {
+    const double w = sum / difference;
+    if (w <= kLargestInverseFactor) return w;
+    caught.add(Guard::kSizeFactorClamped);
+    return kLargestInverseFactor;
+  }
+  const double w = difference / sum;
+  if (options.factor.rule == SizeFactorRule::kLiteral) return w;
+  if (w < options.factor_min || w > options.factor_max) caught.add(Guard::kSizeFactorClamped);
+  return std::clamp(w, options.factor_min, options.factor_max);
+}
+
+Plane size_factors(const FilterSizeInput& input, int k, const FilterSizeOptions& options,
+                   GuardCounts& guards) {
+  const int width = input.mean.width(), height = input.mean.height();
+  if (options.factor.rule == SizeFactorRule::kConstant) {
+    return Plane(width, height, options.factor.constant);
+  }
+  Plane w(width, height);
+  if (options.factor.rule == SizeFactorRule::kGreedy) {
+    // Samples that the comparison rests on: the piece's own, then the mean over the coarser region.
+    Plane samples(width, height);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      samples[i] = input.n[i];
+    if (k > 0) samples = region_mean(samples, k + 1);
+    const double scale = (k > 0 ? 5.0 / 3.0 : 1.0) * greedy_caution(options.gamma);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      w[i] = scale * (1.0 - 1.0 / std::max(samples[i], kLeastSamples));
+    return w;
+  }
+  if (static_cast<int>(input.attenuation.size()) <= k + 1) {
+    guards.add(Guard::kSizeFactorFallback, w.size());
+    return Plane(width, height, 0.10);  // a bare selection: no attenuation was ever defined
+  }
+  const std::size_t fine = k == 0 && !options.track_a0 ? 1 : static_cast<std::size_t>(k);
+  const Plane& a_fine = input.attenuation[fine];
+  const Plane& a_coarse = input.attenuation[static_cast<std::size_t>(k) + 1];
+  for_rows(w, guards, [&](int y, GuardCounts& caught) {
+    for (int x = 0; x < width; ++x)
+      w(x, y) = attenuation_factor(a_fine(x, y), a_coarse(x, y), options, caught);
+  });
+  return w;
+}
+
+// Replaces the votes stop_k of the pieces by the decision after their neighbours have voted.
+void smooth_stops(Plane& stop, int k, SizeSmooth rule) {
+  if (rule == SizeSmooth::kOff) return;
+  const double sigma = std::max(0.8, 0.7 * std::ldexp(1.0, k));
+  const Taps taps = gaussian_taps(sigma);
+  const double middle = taps.values[static_cast<std::size_t>(-taps.first)];
+  const double own = std::max(0.0, middle * middle - kOwnVote);
+  const Plane vote = convolve(stop, taps);
+  parallel_rows(0, stop.height(), [&](int y) {
+    for (int x = 0; x < stop.width(); ++x) {
+      if (rule == SizeSmooth::kOn) {
+        stop(x, y) = vote(x, y) >= kHalf ? 1.0 : 0.0;
+      } else {
+        const double others = (vote(x, y) - own * stop(x, y)) / (1.0 - own);
+        stop(x, y) = stop(x, y) > 0.0 && others >= kHalf ? 1.0 : 0.0;
+      }
+    }
+  });
+}
+
+void add_view(Views* views, const char* family, int k, const Plane& image) {
+  if (views) views->add(fmt::format("{}.{}", family, k), image);
+}
+
+}  // namespace
+
+double greedy_caution(double gamma) {
+  return -std::log(1.0 - std::pow(1.9 * gamma, 1.0 / std::sqrt(2.0)));
+}
+
+CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& options, Views* views,
+                       GuardCounts& guards) {
+  const int width = input.mean.width(), height = input.mean.height();
+  const std::vector<Plane> s = size_variances(input, options, guards);
+  CountImage level(width, height, input.levels);
+
+  Plane fine = input.mean;
+  add_view(views, "S", 0, s[0]);
+  add_view(views, "q", 0, fine);
+  for (int k = 0; k < input.levels; ++k) {
+    const auto next = static_cast<std::size_t>(k) + 1;
+    Plane coarse = options.coarse == SizeCoarse::kLaplace ? input.coarse[next]
+                                                          : region_mean(input.mean, k + 1);
+    const Plane w = size_factors(input, k, options, guards);
+
+    // T_k [LiuZheng (9)]
+    Plane t(width, height), stop(width, height);
+    for_rows(t, guards, [&](int y, GuardCounts& caught) {
+      for (int x = 0; x < width; ++x) {
+        const double dq = coarse(x, y) - fine(x, y);
+        t(x, y) = s[next](x, y) - s[next - 1](x, y) + w(x, y) * dq * dq;
+        const bool finite = std::isfinite(t(x, y));
+        if (!finite) caught.add(Guard::kSizeNotFinite);
+        stop(x, y) = !finite || t(x, y) > 0.0 ? 1.0 : 0.0;
+      }
+    });
+    smooth_stops(stop, k, options.smooth);
+    parallel_rows(0, height, [&](int y) {
+      for (int x = 0; x < width; ++x) {
+        if (stop(x, y) > 0.0) level(x, y) = std::min(level(x, y), k);
+      }
+    });
+    add_view(views, "w", k, w);
+    add_view(views, "T", k, t);
+    add_view(views, "stop", k, stop);
+    add_view(views, "S", k + 1, s[next]);
+    add_view(views, "q", k + 1, coarse);
+    fine = std::move(coarse);
+  }
+  return level;
+}
+
+}  // namespace spool

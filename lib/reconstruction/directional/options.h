@@ -1,0 +1,133 @@
+// All options of the directional reconstruction and its two presets.
+//
+//   robust (default)  what recorded pools taught: sizes that only open, piece weights, a base image
+//   paper             the most literal reading of the text that can be defended
+// Nothing in the code asks for a preset's name; docs/method.md says what each symbol means.
+#pragma once
+
+#include "lib/core/option_table.h"
+#include "lib/directions/directional_energy.h"
+#include "lib/directions/directional_filter_bank.h"
+#include "lib/pyramid/laplacian_pyramid.h"
+#include "lib/statistics/contrast.h"
+#include "lib/statistics/variance_of_mean.h"
+
+namespace spool {
+
+// S_k of eq 9.
+enum class SizeVariance {
+  kCoarseVariance,  // variance of the mean over R_k
+  kContrast,        // V_k of eq 6, as the text says
+};
+enum class ContrastRegion {
+  kPiece,         // mean over R_k of the pieces' squared contrasts
+  kRegionMinMax,  // squared contrast of the extremes over R_k
+};
+// q_k of eq 9.
+enum class SizeCoarse {
+  kBox,      // mean over R_k
+  kLaplace,  // f_k of the pyramid
+};
+// w_k of eq 9.
+enum class SizeFactorRule {
+  kConstant,        // `constant`
+  kLiteral,         // |A_k - A_{k+1}| / (A_k + A_{k+1})
+  kLiteralClamped,  // the same, clamped to [factor_min, factor_max]
+  kInverse,         // (A_k + A_{k+1}) / |A_k - A_{k+1}|, at most 1e6
+  kGreedy,          // beta_k z of the greedy selection: beta_0 = 1, beta_k = 5/3
+};
+struct SizeFactor {
+  SizeFactorRule rule = SizeFactorRule::kConstant;
+  double constant = 0.5;
+  friend bool operator==(const SizeFactor&, const SizeFactor&) = default;
+};
+enum class SizeSmooth {
+  kOpensOnly,  // stop where the piece and its neighbours' vote, without its own, both say so
+  kOn,         // stop where the vote of the neighbourhood, its own included, says so
+  kOff,
+};
+
+struct FilterSizeOptions {
+  SizeVariance variance = SizeVariance::kCoarseVariance;
+  ContrastForm contrast = ContrastForm::kGuarded;
+  ContrastRegion contrast_region = ContrastRegion::kPiece;
+  SizeCoarse coarse = SizeCoarse::kBox;
+  SizeFactor factor;
+  double factor_min = 0.05, factor_max = 0.30;
+  double factor_fallback = 0.10;  // where A_k + A_{k+1} = 0 or both were never updated
+  bool track_a0 = false;          // A_0 as the sampler kept it; else A_0 := A_1
+  double gamma = 0.2;             // of `gem`
+  SizeSmooth smooth = SizeSmooth::kOpensOnly;
+};
+
+enum class AnisotropySource {
+  kFilterBank,       // energies of the directional filter bank
+  kIsotropic,        // no direction: round filters
+  kStructureTensor,  // energies of the smoothed gradient tensor
+};
+enum class BankSource {
+  kMatched,  // d_{k-1} for size 2^k
+  kSum,      // energies of d_0 .. d_{k-1} added
+  kFixed,    // d_j for every size, j = bank_detail
+};
+enum class FilterAngle {
+  kTangent,  // beta = wedge frequency angle + 90: along edges
+  kNormal,   // beta = wedge frequency angle: across them (demonstration)
+};
+struct FilterWidthOptions {
+  AnisotropySource anisotropy = AnisotropySource::kFilterBank;
+  BankSource bank_source = BankSource::kMatched;
+  int bank_detail = 0;
+  FilterAngle angle = FilterAngle::kTangent;
+  double sigma_max = 0.40;  // widest standard deviation / 2^k
+  double rho = 0.10;        // narrowest / widest
+  double gamma_d = 1.5;
+};
+
+enum class Eq12 { kCorrected, kLiteral };
+enum class FilterWindow { kDisc, kSquare };
+enum class FilterReach { kHalf, kFull };  // radius 2^{k-1} or 2^k
+enum class FilterWeighting { kPerPiece, kPerSample };
+enum class FilterGranularity {
+  kPiece,   // samples stand at the centre of their piece
+  kSample,  // at their film position, where recorded; else as kPiece
+};
+struct FilterOptions {
+  Eq12 eq12 = Eq12::kCorrected;
+  FilterWindow window = FilterWindow::kDisc;
+  FilterReach reach = FilterReach::kHalf;
+  FilterWeighting weighting = FilterWeighting::kPerPiece;
+  FilterGranularity granularity = FilterGranularity::kPiece;
+};
+
+enum class BaseImage {
+  kPixelGaussian,  // piece means filtered with taps exp(-2 d^2) - exp(-8), d = -1, 0, 1
+  kNone,
+};
+enum class ReconstructionScope { kGlobal, kTile };
+enum class Precision { kFloat32, kFloat64 };  // of bands, energies and weights; sums are double
+
+struct DirectionalOptions {
+  bool normalise_exposure = true;
+  double key = 1.0;
+  VarianceMode var_mode = VarianceMode::kAuto;
+  double nu0 = 2.0;
+  BaseImage base = BaseImage::kPixelGaussian;
+  PyramidOptions pyramid;
+  FilterSizeOptions size;
+  BankOptions bank;
+  EnergyOptions energy;
+  FilterWidthOptions width;
+  FilterOptions filter;
+  ReconstructionScope scope = ReconstructionScope::kGlobal;
+  int tile = 64;
+  bool variance = true;  // also estimate the variance of the output
+  Precision precision = Precision::kFloat32;
+};
+
+DirectionalOptions robust_directional_options();
+DirectionalOptions paper_directional_options();
+
+OptionTable<DirectionalOptions> directional_option_table();
+
+}  // namespace spool
