@@ -1,0 +1,22 @@
+"""The one exception of the recorder: a line for stderr and the exit code of the program.
+
+1 the scene cannot be recorded, 2 wrong use, 3 the operating system or the renderer refused.
+"""
+
+
+class Failure(Exception):
+    def __init__(self, code, message):
+        super().__init__(message)
+        self.code = code
+
+
+def scene_failure(message):
+    return Failure(1, message)
+
+
+def usage_failure(message):
+    return Failure(2, message)
+
+
+def io_failure(message):
+    return Failure(3, message)

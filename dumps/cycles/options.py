@@ -1,0 +1,98 @@
+"""Command line of the recorder: plain values out, or one line and exit code 2."""
+import argparse
+import sys
+
+from failure import usage_failure
+from passes import CHANNELS, DEFAULT
+
+MODES = {
+    "iid": "independent samples, a new seed per pass (film position unknown)",
+    "shift": "independent samples, a new seed per pass; all pixels share one known film position",
+    "sequence": "consecutive samples of one low-discrepancy sequence, as the renderer works",
+}
+LARGEST = 65536
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise usage_failure(message)
+
+
+def script_arguments():
+    """Blender keeps what follows `--` for the script; the bpy module leaves the command line alone."""
+    arguments = sys.argv[1:]
+    if "--" in arguments:
+        return arguments[arguments.index("--") + 1:]
+    return [] if any(a in ("-P", "--python", "-b", "--background") for a in arguments) else arguments
+
+
+def parse_options(arguments):
+    parser = Parser(prog="record.py", description="Record every sample of a Cycles rendering.")
+    parser.add_argument("--scene", help="a scene of dumps/scenes")
+    parser.add_argument("--blend", help="a .blend file")
+    parser.add_argument("-o", "--out", help="folder of the passes; an interrupted one is continued")
+    parser.add_argument("--size", help="WxH or N (default: the scene's)")
+    parser.add_argument("--samples", type=int, default=64, help="per pixel (64)")
+    parser.add_argument("--first", type=int, default=0,
+                        help="index of the first pass (0), to share a recording among machines")
+    parser.add_argument("--mode", choices=MODES, default="iid",
+                        help="; ".join("%s: %s" % m for m in MODES.items()))
+    parser.add_argument("--seed", type=int, default=1, help="seed of the recording (1)")
+    parser.add_argument("--reference", type=int, default=0, metavar="SPP",
+                        help="samples per pixel of an independent reference (0: none)")
+    parser.add_argument("--first-batch", type=int, default=0, help="first batch of the reference (0)")
+    parser.add_argument("--channels", default=",".join(DEFAULT), help=", ".join(CHANNELS))
+    parser.add_argument("--camera", help="name of the camera object")
+    parser.add_argument("--frame", type=int, help="frame of the animation")
+    parser.add_argument("--threads", type=int, default=0, help="(0: all)")
+    parser.add_argument("--pixels", choices=("auto", "engine", "file"), default="auto",
+                        help="how pixels leave Blender; all give the same bits")
+    parser.add_argument("--dry-run", action="store_true",
+                        help="print what the scene needs and what a recording would cost")
+    options = parser.parse_args(arguments)
+    check_options(options)
+    return options
+
+
+def check_options(options):
+    options.size = parse_size(options.size) if options.size else None
+    options.channels = [c for c in options.channels.split(",") if c]
+    if not options.out and not options.dry_run:
+        raise usage_failure("no folder for the passes: give -o FOLDER")
+    for name, low, high in (("samples", 1, LARGEST), ("first", 0, LARGEST - 1), ("seed", 0, 2**31 - 1),
+                            ("reference", 0, 2**24), ("first_batch", 0, 2**20), ("threads", 0, 1024)):
+        value = getattr(options, name)
+        if not low <= value <= high:
+            raise usage_failure("--%s %d is out of range [%d, %d]" %
+                                (name.replace("_", "-"), value, low, high))
+    if options.first + options.samples > LARGEST:
+        raise usage_failure("--first + --samples is more than %d" % LARGEST)
+    if options.mode == "sequence" and options.first:
+        raise usage_failure("--first: the samples of a sequence belong together, record all in one "
+                            "folder")
+    if options.reference > 1 and batch_plan(options.reference)[0] * batch_plan(
+            options.reference)[1] != options.reference:
+        raise usage_failure("--reference %d does not split into equal batches: use a multiple of %d" %
+                            (options.reference, batch_plan(options.reference)[0]))
+
+
+def parse_size(text):
+    parts = text.lower().split("x")
+    try:
+        width, height = (int(p) for p in (parts * 2)[:2])
+        if len(parts) > 2 or not (4 <= width <= LARGEST and 4 <= height <= LARGEST):
+            raise ValueError
+    except ValueError:
+        raise usage_failure("--size '%s' is no size: use WxH or N, 4 to %d" % (text, LARGEST))
+    return width, height
+
+
+def batch_plan(reference):
+    """(samples per batch, batches): a power of two of samples, at most 128, and at least 64 batches
+    where there are that many samples. The variance of the mean comes from the batch means."""
+    if not reference:
+        return 1, 0
+    batch = 1
+    while batch < 128 and reference // (2 * batch) >= 64:
+        batch *= 2
+    return batch, reference // batch

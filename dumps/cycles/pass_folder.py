@@ -1,0 +1,137 @@
+"""The folder of a recording: manifest.json, passes.jsonl, one file per pass (see ../passes.md).
+
+A pass counts once its line stands in passes.jsonl, and the line is written after the file is whole,
+flushed and renamed. So a run killed at any moment leaves a valid smaller recording.
+"""
+import errno
+import json
+import os
+import zlib
+
+try:
+    import fcntl
+except ImportError:                        # not on this system: two recorders at once go unnoticed
+    fcntl = None
+
+from failure import Failure, io_failure, usage_failure
+
+FORMAT, VERSION = "spool-passes", 1
+FILES = {"pass": "pass_%05d.f32", "reference": "reference_%05d.f32"}
+
+
+class PassFolder:
+    """recording: everything that must be equal for passes to belong together."""
+
+    def __init__(self, path, recording):
+        self.path = path
+        self.entries = {kind: {} for kind in FILES}
+        try:
+            os.makedirs(path, exist_ok=True)
+            self._lock()
+            self._open_manifest(recording)
+            self._open_log()
+        except OSError as error:
+            raise io_failure("%s: %s" % (path, error.strerror))
+
+    def has(self, kind, index):
+        return index in self.entries[kind]
+
+    def add(self, kind, index, data, entry):
+        """data: float32 [channel][y][x]. entry: what the log keeps besides index, file and crc32."""
+        name = FILES[kind] % index
+        temporary = self._name(name + ".partial")
+        line = dict(kind=kind, index=index, file=name, crc32=zlib.crc32(data), **entry)
+        try:
+            _write_synced(temporary, "wb", data)
+            os.replace(temporary, self._name(name))
+            _write_synced(self._name("passes.jsonl"), "ab", (json.dumps(line) + "\n").encode())
+        except OSError as error:
+            if os.path.exists(temporary):
+                os.remove(temporary)
+            hint = ": free some space and run the same command again" \
+                if error.errno == errno.ENOSPC else ""
+            raise io_failure("%s: %s%s" % (self._name(name), error.strerror, hint))
+        self.entries[kind][index] = line
+
+    def _name(self, name):
+        return os.path.join(self.path, name)
+
+    def _lock(self):
+        self.lock = open(self._name(".lock"), "w")
+        if fcntl:
+            try:
+                fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise usage_failure("%s: another recorder is writing here" % self.path)
+
+    def _open_manifest(self, recording):
+        name = self._name("manifest.json")
+        # through text, so that what is compared is what a file can hold
+        recording = json.loads(json.dumps(recording))
+        if not os.path.exists(name):
+            manifest = {"format": FORMAT, "version": VERSION, "recording": recording}
+            _write_synced(name + ".partial", "wb", (json.dumps(manifest, indent=1) + "\n").encode())
+            os.replace(name + ".partial", name)
+            return
+        try:
+            with open(name, "rb") as stream:
+                manifest = json.load(stream)
+            found = manifest["recording"]
+            if (manifest["format"], manifest["version"]) != (FORMAT, VERSION):
+                raise ValueError("format or version")
+        except (ValueError, KeyError, TypeError) as error:
+            raise Failure(1, "%s: not a manifest of recorded passes (%s): remove the folder or choose "
+                             "another" % (name, error))
+        difference = first_difference(found, recording)
+        if difference:
+            raise usage_failure("%s: holds another recording (%s): choose another folder" %
+                                (self.path, difference))
+
+    def _open_log(self):
+        """Keeps the lines whose file is whole, and cuts off a torn last line."""
+        name = self._name("passes.jsonl")
+        if not os.path.exists(name):
+            return
+        with open(name, "rb") as stream:
+            content = stream.read()
+        whole = content[:content.rfind(b"\n") + 1]
+        if len(whole) != len(content):
+            os.truncate(name, len(whole))
+        for number, text in enumerate(whole.splitlines(), 1):
+            try:
+                line = json.loads(text)
+                kind, index = line["kind"], line["index"]
+                if self._is_whole(line):
+                    self.entries[kind][index] = line
+                else:
+                    self.entries[kind].pop(index, None)
+            except (ValueError, KeyError, TypeError):
+                raise Failure(1, "%s: line %d is damaged: remove the line, its pass is rendered again"
+                              % (name, number))
+
+    def _is_whole(self, line):
+        try:
+            with open(self._name(line["file"]), "rb") as stream:
+                return zlib.crc32(stream.read()) == line["crc32"]
+        except FileNotFoundError:
+            return False
+
+
+def first_difference(old, new, path=""):
+    """`key: OLD there, NEW here` of the first key that differs, or an empty text."""
+    for key in sorted(set(old) | set(new)):
+        a, b = old.get(key), new.get(key)
+        if isinstance(a, dict) and isinstance(b, dict):
+            inner = first_difference(a, b, path + key + ".")
+            if inner:
+                return inner
+        elif a != b:
+            return "%s%s: %s there, %s here" % (path, key, json.dumps(a), json.dumps(b))
+    return ""
+
+
+def _write_synced(name, mode, data):
+    with open(name, mode) as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())

@@ -1,0 +1,155 @@
+"""Which render passes a channel is made of, and how their values become planes.
+
+A plane is an array of float32, row-major, top row first. Render passes arrive as flat arrays,
+components interleaved, bottom row first, as the engine keeps them.
+"""
+from array import array
+
+from failure import io_failure, usage_failure
+
+NOTHING = 1e9          # Cycles writes 1e10 as the depth of rays that hit nothing; a dump holds 0
+
+
+class Channel:
+    """components: names after the dot. sources: for each wanted render pass its names by version.
+    space: of vectors, `world` or `camera`. index_zero: Cycles writes the pass for sample index 0
+    alone, so it exists in mode `shift` only."""
+
+    def __init__(self, components, sources, note, space=None, index_zero=False, dtype="f16", mix=None):
+        self.components, self.sources, self.note, self.space = components, sources, note, space
+        self.index_zero, self.dtype, self.mix = index_zero, dtype, mix
+
+
+LIGHT = ("Diff", "Gloss", "Trans")
+
+
+def _direct(values):
+    """Light that met no surface or one: seen emitters and each closure's colour times direct light."""
+    total = [e + w for e, w in zip(values["Emit"], values["Env"])]
+    total = [t + v for t, v in zip(total, values["VolumeDir"])]
+    for kind in LIGHT:
+        total = [t + c * d for t, c, d in zip(total, values[kind + "Col"], values[kind + "Dir"])]
+    return array("f", total)
+
+
+CHANNELS = {
+    "radiance": Channel("RGB", ("Combined",), "linear Rec.709, times the scene's film exposure",
+                        dtype="f32"),
+    "albedo": Channel("RGB", ("DiffCol",), "diffuse colour of the first hit; 0 on metal, glass and "
+                      "where nothing is hit"),
+    "albedo_ns": Channel("RGB", ("Denoising Albedo",), "colour of the first surface that is not a "
+                         "mirror or glass; of the background where nothing is hit"),
+    "normal": Channel("XYZ", ("Normal",), "shading normal of the first hit; 0 where nothing is hit",
+                      space="world"),
+    "normal_ns": Channel("XYZ", ("Denoising Normal",), "shading normal of the first surface that is "
+                         "not a mirror or glass; 0 where nothing is hit", space="camera"),
+    "depth": Channel("Z", ("Depth",), "depth of the first hit along the viewing axis; 0 where nothing "
+                     "is hit", index_zero=True, dtype="f32"),
+    "depth_ns": Channel("Z", ("Denoising Depth",), "length of the path, from the near clipping plane "
+                        "to the first surface that is not a mirror or glass", dtype="f32"),
+    "position": Channel("XYZ", ("Position",), "first hit; 0 where nothing is hit", space="world",
+                        index_zero=True, dtype="f32"),
+    "object": Channel(("ID",), (("IndexOB", "Object Index"),), "1 + index of the object among the "
+                      "scene's objects by name; 0 where nothing is hit", index_zero=True,
+                      dtype="f32"),
+    "direct": Channel("RGB", ("Emit", "Env", "VolumeDir") + tuple(
+        k + part for k in LIGHT for part in ("Col", "Dir")),
+        "part of the radiance that met at most one surface; indirect = radiance - direct",
+        dtype="f32", mix=_direct),
+}
+MIST_DEPTH = Channel("Z", ("Mist",), "distance of the first hit from the camera; 0 where nothing is "
+                     "hit", dtype="f32")
+DEFAULT = ("radiance", "albedo", "normal", "depth")
+# View-layer switches by render pass.
+SWITCHES = {"Combined": "use_pass_combined", "Depth": "use_pass_z", "Mist": "use_pass_mist",
+            "Normal": "use_pass_normal", "Position": "use_pass_position",
+            "IndexOB": "use_pass_object_index", "Emit": "use_pass_emit",
+            "Env": "use_pass_environment", "DiffCol": "use_pass_diffuse_color",
+            "DiffDir": "use_pass_diffuse_direct", "GlossCol": "use_pass_glossy_color",
+            "GlossDir": "use_pass_glossy_direct", "TransCol": "use_pass_transmission_color",
+            "TransDir": "use_pass_transmission_direct"}
+CYCLES_SWITCHES = {"Denoising Albedo": "denoising_store_passes",
+                   "Denoising Normal": "denoising_store_passes",
+                   "Denoising Depth": "denoising_store_passes",
+                   "VolumeDir": "use_pass_volume_direct"}
+
+
+def plan_channels(names, mode):
+    """{name: Channel}, radiance first; names that this mode cannot fill are refused."""
+    unknown = [n for n in names if n not in CHANNELS]
+    if unknown:
+        raise usage_failure("channel '%s' is unknown: use %s" % (unknown[0], ", ".join(CHANNELS)))
+    plan = {"radiance": CHANNELS["radiance"]}
+    for name in names:
+        channel = CHANNELS[name]
+        if channel.index_zero and mode != "shift":
+            if name != "depth":
+                raise usage_failure("channel '%s' exists for sample index 0 alone: use --mode shift"
+                                    % name)
+            channel = MIST_DEPTH
+        plan[name] = channel
+    return plan
+
+
+def channel_names(plan):
+    return ["%s.%s" % (name, c) for name, channel in plan.items() for c in channel.components]
+
+
+def describe_channels(plan):
+    """The list `channels` of the manifest, in the order of the planes of a pass file."""
+    return [{"name": "%s.%s" % (name, c), "dtype": channel.dtype}
+            for name, channel in plan.items() for c in channel.components]
+
+
+def describe_layers(plan):
+    """What the numbers of each layer are, for `meta.channels` of the dump."""
+    return {name: dict({"space": channel.space} if channel.space else {}, note=channel.note)
+            for name, channel in plan.items()}
+
+
+def switch_passes(view_layer, plan):
+    """Turns on what the plan needs and turns off what it does not: every pass costs time."""
+    wanted = {alias for channel in plan.values() for alias in map(_first_name, channel.sources)}
+    for name, switch in SWITCHES.items():
+        setattr(view_layer, switch, name in wanted or name == "Combined")
+    cycles = view_layer.cycles
+    for switch in sorted(set(CYCLES_SWITCHES.values())):
+        setattr(cycles, switch, any(n in wanted for n, s in CYCLES_SWITCHES.items() if s == switch))
+
+
+def _first_name(source):
+    return source if isinstance(source, str) else source[0]
+
+
+def planes_of(plan, rendered, width, height, mist_depth):
+    """rendered: {render pass: (flat array, components)}. Returns the bytes of a pass file,
+    float32 [channel][y][x]."""
+    out = []
+    for name, channel in plan.items():
+        found = [_find(rendered, source) for source in channel.sources]
+        for c in range(len(channel.components)):
+            values = {_first_name(s): flat[c::n] for s, (flat, n) in zip(channel.sources, found)}
+            plane = channel.mix(values) if channel.mix else values[_first_name(channel.sources[0])]
+            if channel is MIST_DEPTH:
+                plane = array("f", [0.0 if v >= 1.0 else v * mist_depth for v in plane])
+            elif name == "depth":
+                plane = array("f", [0.0 if v > NOTHING else v for v in plane])
+            if len(plane) != width * height:
+                raise io_failure("channel '%s' came with %d values instead of %d" %
+                                 (name, len(plane), width * height))
+            out.append(flip_rows(plane, width, height))
+    return b"".join(out)
+
+
+def _find(rendered, source):
+    for name in (source,) if isinstance(source, str) else source:
+        if name in rendered:
+            return rendered[name]
+    raise io_failure("the renderer gave no pass '%s' (it gave %s)" %
+                     (source, ", ".join(sorted(rendered))))
+
+
+def flip_rows(plane, width, height):
+    raw = memoryview(plane).cast("B")
+    row = 4 * width
+    return b"".join(raw[y * row:(y + 1) * row] for y in reversed(range(height)))

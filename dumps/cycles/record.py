@@ -1,0 +1,207 @@
+"""Records every sample of a Cycles rendering into a folder of passes; `spool pack` makes it a dump.
+
+  blender -b [FILE.blend] -P record.py --python-exit-code 3 -- --scene chess --samples 64 -o FOLDER
+  python record.py --blend FILE.blend --samples 64 -o FOLDER               (with the bpy module)
+
+Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or the system refused.
+Run again after an interruption: finished passes are kept, the result is the same bit for bit.
+"""
+import os
+import statistics
+import sys
+import time
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.dont_write_bytecode = True
+
+import bpy  # noqa: E402
+
+from camera import ShiftedCamera  # noqa: E402
+from engine import Renderer  # noqa: E402
+from failure import Failure, usage_failure  # noqa: E402
+from options import batch_plan, parse_options, script_arguments  # noqa: E402
+from pass_folder import PassFolder  # noqa: E402
+from passes import (CHANNELS, MIST_DEPTH, channel_names, describe_channels, describe_layers,  # noqa: E402
+                    plan_channels, planes_of, switch_passes)
+from progress import Progress, duration, size  # noqa: E402
+from scene import find_needs, load_scene, prepare, scene_reach  # noqa: E402
+from seeds import film_position, pool_seed, reference_seed  # noqa: E402
+from settings import (apply_settings, longest_sequence, power_of_two, recorded_settings,  # noqa: E402
+                      select_samples)
+
+
+class Recorder:
+    """A scene made ready: renders pass i or batch b as bytes and the log entry that goes with them."""
+
+    def __init__(self, options):
+        self.options = options
+        self.plan = plan_channels(options.channels, options.mode)
+        self.scene, self.identity = load_scene(options.scene, options.blend)
+        prepare(self.scene, options.camera, options.frame, options.size)
+        self.view_layer = bpy.context.view_layer
+        apply_settings(self.scene, self.view_layer, options.threads)
+        self.width, self.height = self.scene.render.resolution_x, self.scene.render.resolution_y
+        self.mist_depth = self._set_mist()
+        if "object" in self.plan:
+            for i, item in enumerate(sorted(self.scene.objects, key=lambda o: o.name)):
+                item.pass_index = i + 1
+        self.camera = ShiftedCamera(self.scene)
+        if options.mode == "shift":
+            self.camera.refuse_unusable()
+        elif options.mode == "sequence" and options.samples > longest_sequence():
+            raise usage_failure("mode sequence: this Cycles (%s) gives at most %d samples one by one" %
+                                (bpy.app.version_string, longest_sequence()))
+        scratch = options.out or bpy.app.tempdir
+        os.makedirs(scratch, exist_ok=True)
+        self.renderer = Renderer(self.scene, options.pixels, scratch)
+        self.batch_spp, self.batches = batch_plan(options.reference)
+
+    def _set_mist(self):
+        """Distance by the mist pass: the one depth that Cycles writes for every sample index."""
+        if self.plan.get("depth") is not MIST_DEPTH:
+            return 0.0
+        world = self.scene.world
+        if world is None:
+            world = self.scene.world = bpy.data.worlds.new("record")
+            world.use_nodes = False
+            world.color = (0.0, 0.0, 0.0)
+        mist = world.mist_settings
+        mist.use_mist, mist.start, mist.falloff = False, 0.0, "LINEAR"
+        mist.depth = scene_reach(self.scene)
+        return mist.depth
+
+    def recording(self):
+        """Everything that must agree between passes of one recording."""
+        options = self.options
+        found = {
+            "renderer": "Cycles", "renderer_version": bpy.app.version_string,
+            "scene": self.identity, "camera": self.scene.camera.name,
+            "frame": self.scene.frame_current, "view_layer": self.view_layer.name,
+            "width": self.width, "height": self.height, "mode": options.mode, "seed": options.seed,
+            "channels": describe_channels(self.plan), "layers": describe_layers(self.plan),
+            "needs": find_needs(self.scene),
+            "mist_depth": self.mist_depth, "settings": recorded_settings(self.scene),
+        }
+        if options.mode == "sequence":       # its place in the sequence depends on the length
+            found["sequence_length"] = options.samples
+        return found
+
+    def render_pass(self, index):
+        options, entry = self.options, {}
+        if options.mode == "sequence":
+            seed = pool_seed(options.seed, 0)
+            # an aligned block that leaves out index 0, which is shot through the pixel centre
+            sample = power_of_two(options.samples) + index
+        else:
+            seed = pool_seed(options.seed, index)
+            sample = 0 if options.mode == "shift" else 1
+        if options.mode == "shift":
+            x, y = film_position(options.seed, index)
+            self.camera.place(x, y)
+            entry["film"] = [x, y]
+        return self._render(self.plan, seed, sample, 1, entry)
+
+    def render_batch(self, batch):
+        """The mean of `batch_spp` samples: an aligned block of a sequence of its own."""
+        self.camera.restore()
+        plan = {"radiance": CHANNELS["radiance"]}
+        seed = reference_seed(self.options.seed, batch)
+        return self._render(plan, seed, self.batch_spp, self.batch_spp, {})
+
+    def _render(self, plan, seed, first, count, entry):
+        switch_passes(self.view_layer, plan)
+        select_samples(self.scene, seed, first, count)
+        start = time.perf_counter()
+        rendered = self.renderer.render()
+        entry.update(seed=seed, sample_index=first, samples=count,
+                     seconds=round(time.perf_counter() - start, 6))
+        return planes_of(plan, rendered, self.width, self.height, self.mist_depth), entry
+
+
+def record(recorder, options):
+    folder = PassFolder(options.out, recorder.recording())
+    start = time.monotonic()
+    jobs = (("pass", recorder.render_pass, range(options.first, options.first + options.samples)),
+            ("reference", recorder.render_batch,
+             range(options.first_batch, options.first_batch + recorder.batches)))
+    kept = {}
+    for kind, render, wanted in jobs:
+        missing = [i for i in wanted if not folder.has(kind, i)]
+        kept[kind] = len(wanted) - len(missing)
+        progress = Progress("passes" if kind == "pass" else "reference", len(missing))
+        for i in missing:
+            data, entry = render(i)
+            folder.add(kind, i, data, entry)
+            progress.step()
+        progress.close()
+    return "%s: %s, %dx%d, %d passes (%d kept), reference %d x %d spp (%d kept), %s%s" % (
+        options.out, recorder.identity["name"], recorder.width, recorder.height, options.samples,
+        kept["pass"], recorder.batches, recorder.batch_spp, kept["reference"],
+        duration(time.monotonic() - start), file_note(recorder.renderer))
+
+
+def file_note(renderer):
+    return "; pixels by EXR: " + renderer.why_file if renderer.why_file else ""
+
+
+def dry_run(recorder, options):
+    """Needs of the scene and the price of the recording, from three passes and one batch."""
+    seconds = [recorder.render_pass(i)[1]["seconds"] for i in range(3)]
+    per_pass = statistics.median(seconds[1:])
+    per_batch = recorder.render_batch(0)[1]["seconds"] if recorder.batches else 0.0
+    pixels = recorder.width * recorder.height
+    planes = len(channel_names(recorder.plan))
+    needs = ", ".join("%s: %s" % (k.replace("_", " "), "yes" if v else "no")
+                      for k, v in find_needs(recorder.scene).items())
+    folder_bytes = 4 * pixels * (planes * options.samples + 3 * recorder.batches)
+    stored = sum(2 if c["dtype"] == "f16" else 4 for c in describe_channels(recorder.plan))
+    dump_bytes = pixels * (stored * options.samples + (24 if recorder.batches else 0))
+    rest = per_pass * options.samples + per_batch * recorder.batches
+    return "\n".join((
+        "scene %s, camera %s, %dx%d, Cycles %s" % (recorder.identity["name"], recorder.camera.data.name,
+                                                   recorder.width, recorder.height,
+                                                   bpy.app.version_string),
+        "needs %s" % needs,
+        "channels %s" % " ".join(channel_names(recorder.plan)),
+        "passes %d at %.3g s, reference %d batches of %d spp at %.3g s" % (
+            options.samples, per_pass, recorder.batches, recorder.batch_spp, per_batch),
+        "estimate %s (%.2f minutes), folder %s, dump at most %s" % (
+            duration(seconds[0] + rest), (seconds[0] + rest) / 60, size(folder_bytes),
+            size(dump_bytes))))
+
+
+def silence_blender():
+    """Blender prints a line per step on file descriptor 1; returns a stream to what it was."""
+    sys.stdout.flush()
+    out = os.fdopen(os.dup(1), "w")
+    sink = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(sink, 1)
+    os.close(sink)
+    return out
+
+
+def main():
+    out = sys.stdout
+    try:
+        options = parse_options(script_arguments())
+        out = silence_blender()
+        recorder = Recorder(options)
+        print((dry_run if options.dry_run else record)(recorder, options), file=out)
+        code = 0
+    except Failure as failure:
+        print("record: %s" % failure, file=sys.stderr)
+        code = failure.code
+    except KeyboardInterrupt:
+        print("record: stopped; run the same command again to go on", file=sys.stderr)
+        code = 3
+    except OSError as error:
+        print("record: %s: %s" % (error.filename, error.strerror), file=sys.stderr)
+        code = 3
+    out.flush()
+    sys.stderr.flush()
+    # Blender 3.4 may crash while it unloads Cycles after all is done; the code must be ours.
+    os._exit(code)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,126 @@
+"""The scene to record: from a .blend file or built by a script of dumps/scenes; its needs and hash."""
+import hashlib
+import importlib
+import os
+import sys
+
+import bpy
+
+from failure import Failure, io_failure, scene_failure, usage_failure
+
+SCENES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "scenes")
+
+
+def scene_names():
+    return sorted(f[:-3] for f in os.listdir(SCENES) if f.endswith(".py") and f[0] != "_")
+
+
+def load_scene(name, blend):
+    """Returns (scene, identity for the manifest: name and sha256)."""
+    if name and blend:
+        raise usage_failure("--scene and --blend are two scenes: give one")
+    if name:
+        return _build(name)
+    if blend:
+        _open(blend)
+    if not bpy.data.filepath:
+        raise usage_failure("no scene: give --scene NAME (%s) or --blend FILE" %
+                            ", ".join(scene_names()))
+    with open(bpy.data.filepath, "rb") as stream:
+        digest = hashlib.sha256(stream.read()).hexdigest()
+    return bpy.context.scene, {"name": os.path.basename(bpy.data.filepath), "sha256": digest}
+
+
+def _build(name):
+    if name not in scene_names():
+        raise usage_failure("scene '%s' is unknown: use %s" % (name, ", ".join(scene_names())))
+    if SCENES not in sys.path:
+        sys.path.insert(0, SCENES)
+    scene = importlib.import_module(name).build()
+    digest = hashlib.sha256()
+    sources = [os.path.join(SCENES, name + ".py")]
+    model = os.path.join(SCENES, "model")
+    sources += [os.path.join(model, f) for f in sorted(os.listdir(model)) if f.endswith(".py")]
+    for source in sources:
+        with open(source, "rb") as stream:
+            digest.update(stream.read())
+    return scene, {"name": name, "sha256": digest.hexdigest()}
+
+
+def _open(blend):
+    try:
+        with open(blend, "rb") as stream:
+            stream.read(1)
+    except OSError as error:
+        raise io_failure("%s: %s" % (blend, error.strerror))
+    try:
+        bpy.ops.wm.open_mainfile(filepath=os.path.abspath(blend), load_ui=False)
+    except RuntimeError as error:
+        raise Failure(1, "%s: Blender cannot load it: %s" % (blend, " ".join(str(error).split())))
+
+
+def prepare(scene, camera, frame, size):
+    """Camera, frame and resolution by the options; refuses what cannot be rendered."""
+    if camera:
+        found = scene.objects.get(camera)
+        if found is None or found.type != "CAMERA":
+            cameras = sorted(o.name for o in scene.objects if o.type == "CAMERA")
+            raise usage_failure("camera '%s' is not in the scene (%s)" %
+                                (camera, ", ".join(cameras) or "it has none"))
+        scene.camera = found
+    if scene.camera is None:
+        raise scene_failure("scene '%s' has no camera: set one in the file or give --camera NAME" %
+                            scene.name)
+    if scene.camera.type != "CAMERA":
+        raise scene_failure("scene '%s' looks through '%s', which is no camera" %
+                            (scene.name, scene.camera.name))
+    if frame is not None:
+        scene.frame_set(frame)
+    render = scene.render
+    if size:
+        render.resolution_x, render.resolution_y = size
+    else:
+        percent = render.resolution_percentage
+        render.resolution_x = max(1, render.resolution_x * percent // 100)
+        render.resolution_y = max(1, render.resolution_y * percent // 100)
+
+
+def find_needs(scene):
+    """What the scene makes a sample depend on: {'depth_of_field': ..., ...}, true or false."""
+    camera = scene.camera.data
+    return {
+        "depth_of_field": bool(camera.dof.use_dof and _aperture(camera) > 0),
+        "motion_blur": bool(scene.render.use_motion_blur and scene.render.motion_blur_shutter > 0),
+        "volumes": _has_volumes(scene),
+    }
+
+
+def _aperture(camera):
+    """Radius of the lens; 0 where the f-number is infinite."""
+    stop = camera.dof.aperture_fstop
+    return camera.lens / (2000.0 * stop) if stop > 0 else 1.0
+
+
+def _has_volumes(scene):
+    trees = [m.node_tree for m in bpy.data.materials if m.use_nodes and m.users]
+    if scene.world and scene.world.use_nodes:
+        trees.append(scene.world.node_tree)
+    linked = any(link.to_node.bl_idname.startswith("ShaderNodeOutput") and
+                 link.to_socket.name == "Volume" for tree in trees for link in tree.links)
+    return linked or any(o.type == "VOLUME" for o in scene.objects)
+
+
+def scene_reach(scene):
+    """A length in scene units that no camera ray's first hit exceeds: twice the distance from the
+    camera to the farthest corner of any object's box (moving objects move within that factor)."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    eye = scene.camera.matrix_world.translation
+    farthest = 1.0
+    for instance in graph.object_instances:
+        if instance.object.type in ("CAMERA", "LIGHT", "EMPTY", "ARMATURE"):
+            continue
+        matrix = instance.matrix_world
+        for corner in instance.object.bound_box:
+            point = [sum(matrix[r][k] * corner[k] for k in range(3)) + matrix[r][3] for r in range(3)]
+            farthest = max(farthest, sum((p - e) ** 2 for p, e in zip(point, eye)) ** 0.5)
+    return 2.0 * farthest
