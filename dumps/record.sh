@@ -1,0 +1,57 @@
+#!/bin/sh
+# Records a scene with Blender's Cycles and packs it into one dump:
+#   dumps/record.sh NAME|FILE.blend [--size WxH] [--samples N] [--reference N] [--OPTION VALUE]... -o FILE.spool
+# NAME is a script of dumps/scenes. Further options go to dumps/cycles/record.py (--mode, --seed, --channels ...).
+# --compress and --force go to `spool pack`. The passes stay in FILE.spool.passes until the dump is whole, so an
+# interrupted run continues; --keep leaves them there.
+# BLENDER names the Blender to use, or a Python with the module bpy; SPOOL the program.
+# Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or the system refused, 4 damage.
+set -eu
+
+here=$(cd "$(dirname "$0")" && pwd)
+fail() { code=$1; shift; echo "record.sh: $*" >&2; exit "$code"; }
+usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p;}' "$0"; }
+
+[ $# -ge 1 ] || { usage >&2; exit 2; }
+case $1 in -h|--help) usage; exit 0 ;; -*) fail 2 "the first argument is a scene or a .blend file, not $1" ;; esac
+scene=$1; shift
+out=; keep=; pack=; dry=
+count=$#
+while [ "$count" -gt 0 ]; do
+  argument=$1; shift; count=$((count - 1))
+  case $argument in
+    -o|--out) [ "$count" -gt 0 ] || fail 2 "$argument needs a file"
+              out=$1; shift; count=$((count - 1)) ;;
+    --keep) keep=yes ;;
+    --compress|--force) pack="$pack $argument" ;;
+    --dry-run) dry=yes; set -- "$@" "$argument" ;;
+    *) set -- "$@" "$argument" ;;
+  esac
+done
+[ -n "$out$dry" ] || fail 2 "no file for the dump: give -o FILE.spool"
+case $scene in *.blend) set -- --blend "$scene" "$@" ;; *) set -- --scene "$scene" "$@" ;; esac
+passes=$out.passes
+[ -z "$out" ] || set -- "$@" -o "$passes"
+
+spool=${SPOOL:-}
+for candidate in "$here/../build/release/tools/spool" "$here/../build/release/spool"; do
+  [ -n "$spool" ] || [ ! -x "$candidate" ] || spool=$candidate
+done
+[ -n "$spool" ] || spool=$(command -v spool) || [ -n "$dry" ] || fail 3 "the program spool is not built: run cmake, or set SPOOL"
+case "$out:$pack" in
+  *--force*|:*) ;;
+  *) [ ! -e "$out" ] || fail 2 "$out exists: choose another name or give --force" ;;
+esac
+
+blender=${BLENDER:-blender}
+program=$(command -v "$blender") || fail 3 "$blender is not installed: apt-get install blender python3-numpy, or set BLENDER"
+record=$here/cycles/record.py
+case $(basename "$program") in
+  python*) "$program" "$record" "$@" ;;
+  # Blender says which version it is, and that it quits; the recorder speaks on standard error and in its last line
+  *) "$program" -b --factory-startup -P "$record" --python-exit-code 3 -- "$@" ;;
+esac
+[ -z "$dry" ] || exit 0
+# shellcheck disable=SC2086
+"$spool" pack "$passes" -o "$out" $pack
+[ -n "$keep" ] || rm -rf "$passes"

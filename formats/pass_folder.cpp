@@ -1,0 +1,200 @@
+#include "formats/pass_folder.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <utility>
+
+#include "formats/pass_plan.h"
+#include "formats/pass_recording.h"
+#include "formats/spool_writer.h"
+
+namespace spool::format {
+
+namespace {
+
+constexpr float kLargestHalf = 65504.0F;
+Result<uint16_t> to_half(float value, const PassManifest& manifest, const PassEntry& entry,
+                         uint32_t plane, uint32_t x, uint32_t y) {
+  if (std::isfinite(value) && std::abs(value) > kLargestHalf) {
+    return fail(ErrorCode::kData,
+                "{}: {} is {} (pixel {}, {}), which f16 cannot hold: pack with {}",
+                entry.file.string(), manifest.channels[plane].name, value, x, y,
+                plane < 3 ? "radiance as f32" : "features as f32");
+  }
+  return std::bit_cast<uint16_t>(static_cast<_Float16>(value));
+}
+
+// One sample of one plane into the blocks of its group, [channel][y][x][sample].
+Result<void> scatter(const PassManifest& manifest, const PassEntry& entry, uint32_t plane,
+                     std::span<const float> rows, uint32_t image_width, DataType type,
+                     size_t channel, size_t sample, size_t count, std::span<const Tile> tiles,
+                     std::vector<std::vector<std::byte>>& blocks) {
+  for (size_t t = 0; t < tiles.size(); ++t) {
+    const Tile& tile = tiles[t];
+    std::byte* block = blocks[t].data();
+    for (uint32_t y = 0; y < tile.height; ++y) {
+      for (uint32_t x = 0; x < tile.width; ++x) {
+        const size_t at = ((channel * tile.height + y) * tile.width + x) * count + sample;
+        const float value = rows[size_t{y} * image_width + tile.x0 + x];
+        if (type == DataType::kFloat16) {
+          SPOOL_ASSIGN(const uint16_t half,
+                       to_half(value, manifest, entry, plane, tile.x0 + x, tile.y0 + y));
+          std::memcpy(block + 2 * at, &half, 2);
+        } else {
+          std::memcpy(block + 4 * at, &value, 4);
+        }
+      }
+    }
+  }
+  return {};
+}
+
+// Samples [begin, begin + count) of one row of tiles, all sample groups.
+Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
+                        std::span<const Tile> tiles, uint32_t begin, uint32_t count,
+                        SpoolWriter& writer) {
+  const uint32_t y0 = tiles.front().y0;
+  const uint32_t y1 = y0 + tiles.front().height;
+  std::vector<float> rows(size_t{manifest.width} * (y1 - y0));
+  for (const SampleGroup& group : plan.groups) {
+    std::vector<std::vector<std::byte>> blocks;
+    for (const Tile& tile : tiles) {
+      blocks.emplace_back(size_t{tile.width} * tile.height * count * group.bytes_per_sample());
+    }
+    for (uint32_t s = 0; s < count; ++s) {
+      const PassEntry& entry = manifest.passes[begin + s];
+      for (size_t c = 0; c < group.planes.size(); ++c) {
+        SPOOL_TRY(read_pass_rows(manifest, entry, group.planes[c], y0, y1, rows));
+        SPOOL_TRY(scatter(manifest, entry, group.planes[c], rows, manifest.width, group.type, c, s,
+                          count, tiles, blocks));
+      }
+    }
+    for (size_t t = 0; t < tiles.size(); ++t) {
+      SPOOL_TRY(writer.write_block(group.group, tiles[t].number, begin, count, blocks[t]));
+    }
+  }
+  return {};
+}
+
+template <class Value, class Take>
+Result<void> write_pass_group(const PassManifest& manifest, const DumpHeader& header,
+                              uint16_t group, size_t channels, Take take, SpoolWriter& writer) {
+  for (uint32_t begin = 0; begin < header.spp; begin += header.block_spp) {
+    const uint32_t count = std::min(header.block_spp, header.spp - begin);
+    std::vector<Value> values;
+    for (size_t c = 0; c < channels; ++c) {
+      for (uint32_t s = 0; s < count; ++s)
+        values.push_back(take(manifest.passes[begin + s], c));
+    }
+    SPOOL_TRY(writer.write_block(group, 0, begin, count, std::as_bytes(std::span(values))));
+  }
+  return {};
+}
+
+// Mean of the batches and variance of that mean, pixel by pixel [Welford62], in the order of the
+// batches, double; rounded to float32 at the end.
+Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& plan,
+                                  std::span<const Tile> tiles, SpoolWriter& writer) {
+  const uint32_t y0 = tiles.front().y0;
+  const uint32_t y1 = y0 + tiles.front().height;
+  const size_t plane = size_t{manifest.width} * (y1 - y0);
+  std::vector<double> mean(3 * plane, 0.0);
+  std::vector<double> squares(3 * plane, 0.0);
+  std::vector<float> rows(plane);
+  double count = 0.0;
+  for (const PassEntry& batch : manifest.batches) {
+    count += 1.0;
+    for (uint32_t c = 0; c < 3; ++c) {
+      SPOOL_TRY(read_pass_rows(manifest, batch, c, y0, y1, rows));
+      for (size_t i = 0; i < plane; ++i) {
+        const double delta = rows[i] - mean[c * plane + i];
+        mean[c * plane + i] += delta / count;
+        squares[c * plane + i] += delta * (rows[i] - mean[c * plane + i]);
+      }
+    }
+  }
+  const bool variance = manifest.batches.size() > 1;
+  for (const Tile& tile : tiles) {
+    std::vector<float> values;
+    values.reserve(size_t{6} * tile.width * tile.height);
+    for (size_t c = 0; c < (variance ? 6U : 3U); ++c) {
+      for (uint32_t y = 0; y < tile.height; ++y) {
+        for (uint32_t x = 0; x < tile.width; ++x) {
+          const size_t at = (c % 3) * plane + size_t{y} * manifest.width + tile.x0 + x;
+          const double value = c < 3 ? mean[at] : squares[at] / (count - 1.0) / count;
+          values.push_back(static_cast<float>(value));
+        }
+      }
+    }
+    SPOOL_TRY(
+        writer.write_block(plan.reference, tile.number, 0, 1, std::as_bytes(std::span(values))));
+  }
+  return {};
+}
+
+Result<void> write_dump(const PassRecording& recording, const DumpPlan& plan, SpoolWriter& writer) {
+  const PassManifest& manifest = recording.manifest;
+  const DumpHeader& header = plan.header;
+  SPOOL_TRY(writer.write_meta(recording_meta(recording)));
+  if (plan.film != 0) {
+    SPOOL_TRY(write_pass_group<float>(
+        manifest, header, plan.film, 2,
+        [](const PassEntry& pass, size_t c) { return c == 0 ? pass.film_x : pass.film_y; },
+        writer));
+  }
+  SPOOL_TRY(write_pass_group<uint32_t>(
+      manifest, header, plan.seed, 1, [](const PassEntry& pass, size_t) { return pass.seed; },
+      writer));
+  const uint32_t bands = (header.height + header.tile_size - 1) / header.tile_size;
+  for (uint32_t band = 0; band < bands; ++band) {
+    const std::vector<Tile> tiles = tiles_of_band(header, band);
+    for (uint32_t begin = 0; begin < header.spp; begin += header.block_spp) {
+      const uint32_t count = std::min(header.block_spp, header.spp - begin);
+      SPOOL_TRY(write_band(manifest, plan, tiles, begin, count, writer));
+    }
+    if (plan.reference != 0) SPOOL_TRY(write_reference_band(manifest, plan, tiles, writer));
+  }
+  return writer.finish();
+}
+
+PackReport report_of(const PassRecording& recording, const DumpHeader& header,
+                     const std::filesystem::path& out) {
+  PackReport report{header.width, header.height, header.spp, 0, 0, 0.0, {}, 0};
+  const auto& batches = recording.manifest.batches;
+  report.batches = static_cast<uint32_t>(batches.size());
+  if (!batches.empty()) report.reference_spp = batches.size() * batches.front().samples;
+  report.cost_per_sample = cost_per_sample(recording);
+  for (const ChannelInfo& channel : header.channels) {
+    const std::string layer = channel.name.substr(0, channel.name.find('.'));
+    if (report.layers.empty() || report.layers.back() != layer) report.layers.push_back(layer);
+  }
+  std::error_code code;
+  report.bytes = std::filesystem::file_size(out, code);
+  return report;
+}
+
+}  // namespace
+
+Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders,
+                               const std::filesystem::path& out, const PackOptions& options) {
+  SPOOL_ASSIGN(const PassRecording recording, read_pass_recording(folders));
+  SPOOL_ASSIGN(const DumpPlan plan, plan_dump(recording.manifest, options));
+  WriterOptions writer_options;
+  writer_options.compress = options.compress;
+  writer_options.force = options.force;
+  writer_options.uuid = options.uuid;
+  SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, plan.header, writer_options));
+  const Result<void> written = write_dump(recording, plan, writer);
+  if (!written.has_value()) {
+    // a dump of half the samples is no use where the passes are still at hand
+    std::error_code code;
+    std::filesystem::remove(out.string() + ".partial", code);
+    return tl::unexpected<Error>(written.error());
+  }
+  return report_of(recording, plan.header, out);
+}
+
+}  // namespace spool::format

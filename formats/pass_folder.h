@@ -1,0 +1,48 @@
+// Folders of recorded passes -> one .spool file, in bounded memory.
+//
+// Several folders are joined when they hold disjoint passes of the same recording: all settings
+// agree, no seed occurs twice (in mode sequence: no sample index). Their order is the order of the
+// samples. Groups of the dump: radiance; features (f16 layers); measures (f32 layers); film and
+// seed (pass scope); reference and reference_variance (pixel scope).
+//
+// Errors: kIo, kData and kDamage as in formats/pass_manifest.h; kUsage no folder, target exists;
+// kData where folders do not belong together or a value does not fit f16.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/core/error.h"
+
+namespace spool::format {
+
+struct PackOptions {
+  bool compress = false;
+  bool force = false;         // replace the target
+  bool radiance_f16 = false;  // f32 by default: fireflies pass 65504, and rounding adds variance
+  bool features_f32 = false;  // f16 by default, where the recorder says that f16 is enough
+  uint32_t tile_size = 64;
+  uint32_t block_spp = 0;  // 0: 16, or fewer if memory_bytes or spp ask for it
+  uint64_t memory_bytes = uint64_t{512} << 20;
+  std::optional<std::array<uint8_t, 16>> uuid;
+};
+
+struct PackReport {
+  uint32_t width = 0;
+  uint32_t height = 0;
+  uint32_t spp = 0;
+  uint64_t reference_spp = 0;  // 0: no reference
+  uint32_t batches = 0;
+  double cost_per_sample = 0.0;  // seconds per pixel and sample, from the passes; 0 unknown
+  std::vector<std::string> layers;
+  uint64_t bytes = 0;  // size of the dump
+};
+
+Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders,
+                               const std::filesystem::path& out, const PackOptions& options = {});
+
+}  // namespace spool::format

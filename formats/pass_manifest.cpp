@@ -1,0 +1,274 @@
+#include "formats/pass_manifest.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <set>
+
+#include <zlib.h>
+#include <nlohmann/json.hpp>
+
+namespace spool::format {
+
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr uintmax_t kMaxTextBytes = uintmax_t{256} << 20;  // a line per pass: 65536 need 20 MB
+
+Result<std::string> read_text(const fs::path& path) {
+  std::error_code code;
+  const uintmax_t size = fs::file_size(path, code);
+  if (code) {
+    return fail(ErrorCode::kIo, "{}: {}: give a folder of recorded passes", path.string(),
+                code.message());
+  }
+  if (size > kMaxTextBytes) {
+    return fail(ErrorCode::kData, "{}: {} bytes are too many for a list of passes", path.string(),
+                size);
+  }
+  std::ifstream stream(path, std::ios::binary);
+  std::string text(size, '\0');
+  if (!stream.read(text.data(), static_cast<std::streamsize>(size))) {
+    return fail(ErrorCode::kIo, "{}: cannot be read", path.string());
+  }
+  return text;
+}
+
+// Numbers of a line; nlohmann would convert -1 and 1.5 silently.
+bool take_integer(const json& object, const char* key, uint64_t limit, uint64_t& value) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number_unsigned()) return false;
+  value = found->get<uint64_t>();
+  return value <= limit;
+}
+
+bool take_text(const json& object, const char* key, std::string& value) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_string()) return false;
+  value = found->get<std::string>();
+  return true;
+}
+
+bool is_layer_component(const std::string& name) {
+  const size_t dot = name.find('.');
+  return name.size() <= 31 && dot != std::string::npos && dot > 0 && dot + 1 < name.size();
+}
+
+bool take_channels(const json& recording, std::vector<PassChannel>& channels) {
+  const auto list = recording.find("channels");
+  if (list == recording.end() || !list->is_array() || list->size() < 3 || list->size() > 64) {
+    return false;
+  }
+  static const std::map<std::string, DataType> types = {{"f16", DataType::kFloat16},
+                                                        {"f32", DataType::kFloat32}};
+  for (const json& entry : *list) {
+    PassChannel channel;
+    std::string type;
+    if (!entry.is_object() || !take_text(entry, "name", channel.name) ||
+        !take_text(entry, "dtype", type) || !types.contains(type) ||
+        !is_layer_component(channel.name)) {
+      return false;
+    }
+    channel.type = types.at(type);
+    channels.push_back(channel);
+  }
+  return channels[0].name == "radiance.R" && channels[1].name == "radiance.G" &&
+         channels[2].name == "radiance.B";
+}
+
+Result<void> read_recording(const fs::path& path, PassManifest& manifest) {
+  SPOOL_ASSIGN(const std::string text, read_text(path));
+  const json document = json::parse(text, nullptr, false);
+  uint64_t version = 0;
+  std::string format;
+  if (!document.is_object() || !take_text(document, "format", format) || format != "spool-passes" ||
+      !document.contains("recording") || !document["recording"].is_object()) {
+    return fail(ErrorCode::kData, "{}: not a manifest of recorded passes", path.string());
+  }
+  if (!take_integer(document, "version", 1, version) || version != 1) {
+    return fail(ErrorCode::kData, "{}: version is not 1: use a newer spool", path.string());
+  }
+  const json& recording = document["recording"];
+  uint64_t width = 0;
+  uint64_t height = 0;
+  static const std::set<std::string> modes = {"iid", "shift", "sequence"};
+  if (!take_integer(recording, "width", kMaxPassSide, width) || width == 0 ||
+      !take_integer(recording, "height", kMaxPassSide, height) || height == 0) {
+    return fail(ErrorCode::kData, "{}: width and height must be 1 to {}", path.string(),
+                kMaxPassSide);
+  }
+  if (!take_text(recording, "mode", manifest.mode) || !modes.contains(manifest.mode)) {
+    return fail(ErrorCode::kData, "{}: mode must be iid, shift or sequence", path.string());
+  }
+  if (!take_channels(recording, manifest.channels)) {
+    return fail(ErrorCode::kData,
+                "{}: channels must be 3 to 64 names with a dtype of f16 or f32, radiance.R, .G, .B "
+                "first",
+                path.string());
+  }
+  manifest.width = static_cast<uint32_t>(width);
+  manifest.height = static_cast<uint32_t>(height);
+  manifest.recording = recording.dump();
+  return {};
+}
+
+bool take_film(const json& line, PassEntry& entry) {
+  const auto film = line.find("film");
+  if (film == line.end()) return true;
+  if (!film->is_array() || film->size() != 2 || !(*film)[0].is_number() ||
+      !(*film)[1].is_number()) {
+    return false;
+  }
+  const double x = (*film)[0].get<double>();
+  const double y = (*film)[1].get<double>();
+  entry.has_film = true;
+  entry.film_x = static_cast<float>(x);
+  entry.film_y = static_cast<float>(y);
+  return entry.film_x >= 0.0F && entry.film_x < 1.0F && entry.film_y >= 0.0F && entry.film_y < 1.0F;
+}
+
+bool take_entry(const json& line, const fs::path& folder, std::string& kind, PassEntry& entry) {
+  std::string file;
+  uint64_t crc = 0;
+  uint64_t seed = 0;
+  constexpr uint64_t u32 = std::numeric_limits<uint32_t>::max();
+  if (!line.is_object() || !take_text(line, "kind", kind) || !take_text(line, "file", file) ||
+      !take_integer(line, "index", u32, entry.index) || !take_integer(line, "crc32", u32, crc) ||
+      !take_integer(line, "seed", u32, seed) ||
+      !take_integer(line, "sample_index", u32, entry.sample_index) ||
+      !take_integer(line, "samples", u32, entry.samples) || entry.samples == 0 ||
+      !take_film(line, entry)) {
+    return false;
+  }
+  const auto seconds = line.find("seconds");
+  if (seconds != line.end() && seconds->is_number()) entry.seconds = seconds->get<double>();
+  if (!std::isfinite(entry.seconds) || entry.seconds < 0.0) return false;
+  // a name of this folder, never a way out of it
+  if (file.empty() || fs::path(file).filename().string() != file || file == "." || file == "..") {
+    return false;
+  }
+  entry.file = folder / file;
+  entry.crc32 = static_cast<uint32_t>(crc);
+  entry.seed = static_cast<uint32_t>(seed);
+  return kind == "pass" ? entry.samples == 1 : kind == "reference";
+}
+
+Result<void> read_entries(const fs::path& path, PassManifest& manifest) {
+  SPOOL_ASSIGN(const std::string text, read_text(path));
+  std::map<uint64_t, PassEntry> passes;
+  std::map<uint64_t, PassEntry> batches;
+  size_t begin = 0;
+  size_t number = 0;
+  for (size_t end = 0; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    ++number;
+    PassEntry entry;
+    std::string kind;
+    const json line = json::parse(text.data() + begin, text.data() + end, nullptr, false);
+    if (!take_entry(line, manifest.folder, kind, entry)) {
+      return fail(ErrorCode::kData,
+                  "{}: line {} is no entry of a pass: remove it and run the recorder again",
+                  path.string(), number);
+    }
+    // a pass that was rendered again has two lines; the later one is its file's
+    (kind == "pass" ? passes : batches)[entry.index] = entry;
+  }
+  for (auto& [index, entry] : passes)
+    manifest.passes.push_back(std::move(entry));
+  for (auto& [index, entry] : batches)
+    manifest.batches.push_back(std::move(entry));
+  return {};
+}
+
+std::string difference(const json& there, const json& here, const std::string& path) {
+  if (there.is_object() && here.is_object()) {
+    std::set<std::string> keys;
+    for (const auto& item : there.items())
+      keys.insert(item.key());
+    for (const auto& item : here.items())
+      keys.insert(item.key());
+    for (const std::string& key : keys) {
+      if (path.empty() && key == "seed") continue;
+      const std::string inner = path.empty() ? key : path + "." + key;
+      const std::string found =
+          difference(there.value(key, json()), here.value(key, json()), inner);
+      if (!found.empty()) return found;
+    }
+    return {};
+  }
+  if (there == here) return {};
+  return fmt::format("{}: {} there, {} here", path, there.dump().substr(0, 60),
+                     here.dump().substr(0, 60));
+}
+
+}  // namespace
+
+Result<PassManifest> read_pass_manifest(const std::filesystem::path& folder) {
+  PassManifest manifest;
+  manifest.folder = folder;
+  SPOOL_TRY(read_recording(folder / "manifest.json", manifest));
+  SPOOL_TRY(read_entries(folder / "passes.jsonl", manifest));
+  if (manifest.passes.empty()) {
+    return fail(ErrorCode::kData, "{}: no finished pass: run the recorder again", folder.string());
+  }
+  return manifest;
+}
+
+std::string recording_difference(const std::string& there, const std::string& here) {
+  return difference(json::parse(there, nullptr, false), json::parse(here, nullptr, false), "");
+}
+
+Result<void> verify_pass_file(const PassManifest& manifest, const PassEntry& entry,
+                              uint32_t channels) {
+  const std::string name = entry.file.string();
+  const uintmax_t expected = uintmax_t{4} * channels * manifest.width * manifest.height;
+  std::error_code code;
+  const uintmax_t size = fs::file_size(entry.file, code);
+  if (code) {
+    return fail(ErrorCode::kDamage, "{}: {}: run the recorder again, it renders what is missing",
+                name, code.message());
+  }
+  if (size != expected) {
+    return fail(ErrorCode::kDamage,
+                "{}: {} bytes instead of {} ({} planes of {}x{}): run the recorder again", name,
+                size, expected, channels, manifest.width, manifest.height);
+  }
+  std::ifstream stream(entry.file, std::ios::binary);
+  std::vector<char> buffer(size_t{1} << 20);
+  uLong crc = ::crc32(0, nullptr, 0);
+  for (uintmax_t left = expected; left > 0;) {
+    const auto count = static_cast<std::streamsize>(std::min<uintmax_t>(left, buffer.size()));
+    if (!stream.read(buffer.data(), count)) {
+      return fail(ErrorCode::kIo, "{}: cannot be read", name);
+    }
+    crc = ::crc32(crc, reinterpret_cast<const Bytef*>(buffer.data()), static_cast<uInt>(count));
+    left -= static_cast<uintmax_t>(count);
+  }
+  if (crc != entry.crc32) {
+    return fail(ErrorCode::kDamage,
+                "{}: damaged (CRC-32 {:08x} instead of {:08x}): run the recorder "
+                "again, it renders the pass anew",
+                name, crc, entry.crc32);
+  }
+  return {};
+}
+
+Result<void> read_pass_rows(const PassManifest& manifest, const PassEntry& entry, uint32_t channel,
+                            uint32_t y0, uint32_t y1, std::span<float> values) {
+  std::ifstream stream(entry.file, std::ios::binary);
+  const uint64_t row = uint64_t{4} * manifest.width;
+  stream.seekg(static_cast<std::streamoff>((uint64_t{channel} * manifest.height + y0) * row));
+  if (!stream.read(reinterpret_cast<char*>(values.data()),
+                   static_cast<std::streamsize>(row * (y1 - y0)))) {
+    return fail(ErrorCode::kIo, "{}: cannot be read", entry.file.string());
+  }
+  return {};
+}
+
+}  // namespace spool::format

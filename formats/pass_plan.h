@@ -1,0 +1,45 @@
+// Which planes of recorded passes go into which group of the dump, and how the image is cut.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "formats/dump_header.h"
+#include "formats/pass_folder.h"
+#include "formats/pass_manifest.h"
+#include "lib/core/error.h"
+
+namespace spool::format {
+
+// Planes of a pass file that go into one group of scope sample.
+struct SampleGroup {
+  uint16_t group = 0;
+  DataType type = DataType::kFloat32;
+  std::vector<uint32_t> planes;
+
+  uint64_t bytes_per_sample() const { return planes.size() * bytes_per_value(type); }
+};
+
+struct DumpPlan {
+  DumpHeader header;
+  std::vector<SampleGroup> groups;
+  uint16_t film = 0;  // group numbers; 0: none, radiance has that one
+  uint16_t seed = 0;
+  uint16_t reference = 0;
+};
+
+struct Tile {
+  uint32_t number = 0;
+  uint32_t x0 = 0;
+  uint32_t y0 = 0;
+  uint32_t width = 0;
+  uint32_t height = 0;
+};
+
+// kData: more passes than a dump holds.
+Result<DumpPlan> plan_dump(const PassManifest& manifest, const PackOptions& options);
+
+// The tiles of row `band` of tiles, cropped to the image.
+std::vector<Tile> tiles_of_band(const DumpHeader& header, uint32_t band);
+
+}  // namespace spool::format

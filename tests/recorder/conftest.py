@@ -1,0 +1,64 @@
+"""Runs the recorder as a user does: Blender in a process of its own."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+RECORD = ROOT / "dumps" / "cycles" / "record.py"
+
+
+def command(*options):
+    """BLENDER may name another Blender, or a Python that has the module bpy."""
+    program = os.environ.get("BLENDER", "blender")
+    if "python" in os.path.basename(program):
+        return [program, str(RECORD), *map(str, options)]
+    return [program, "-b", "--factory-startup", "-P", str(RECORD), "--python-exit-code", "3", "--",
+            *map(str, options)]
+
+
+def record(*options):
+    return subprocess.run(command(*options), capture_output=True, text=True, timeout=280)
+
+
+class Folder:
+    def __init__(self, path):
+        self.path = pathlib.Path(path)
+        self.recording = json.loads((self.path / "manifest.json").read_text())["recording"]
+        lines = (self.path / "passes.jsonl").read_text().splitlines()
+        self.entries = [json.loads(line) for line in lines]
+        self.names = [c["name"] for c in self.recording["channels"]]
+
+    def files(self):
+        return {p.name: p.read_bytes() for p in sorted(self.path.glob("*.f32"))}
+
+    def plane(self, name, channel):
+        """float[y][x] of one channel of one file."""
+        import numpy
+        shape = (-1, self.recording["height"], self.recording["width"])
+        return numpy.frombuffer((self.path / name).read_bytes(), "<f4").reshape(shape)[
+            self.names.index(channel)]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def blender():
+    program = os.environ.get("BLENDER", "blender")
+    if shutil.which(program) is None:
+        pytest.skip("NOT TESTED: no Blender (%s); apt-get install blender python3-numpy" % program,
+                    allow_module_level=True)
+    return program
+
+
+SMALL = ("--scene", "chess", "--size", "16", "--samples", "4", "--reference", "16")
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory):
+    """One small recording that several tests look at."""
+    path = tmp_path_factory.mktemp("recorded") / "passes"
+    done = record(*SMALL, "--mode", "shift", "-o", path)
+    assert done.returncode == 0, done.stderr
+    return Folder(path)

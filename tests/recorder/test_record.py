@@ -1,0 +1,145 @@
+"""The recorder with Blender: what it records, what it refuses, and that a kill costs nothing."""
+import os
+import signal
+import subprocess
+import time
+import zlib
+
+import pytest
+from conftest import SMALL, Folder, command, record
+
+
+def one_line(text):
+    lines = [line for line in text.splitlines() if line.startswith("record:")]
+    assert len(lines) == 1, text
+    return lines[0]
+
+
+def test_recording_is_whole(recorded):
+    assert recorded.names == ["radiance.R", "radiance.G", "radiance.B", "albedo.R", "albedo.G",
+                              "albedo.B", "normal.X", "normal.Y", "normal.Z", "depth.Z"]
+    files = recorded.files()
+    assert len(files) == 4 + 16
+    for entry in recorded.entries:
+        assert zlib.crc32(files[entry["file"]]) == entry["crc32"]
+        assert len(files[entry["file"]]) == 4 * 16 * 16 * (10 if entry["kind"] == "pass" else 3)
+    assert len({entry["seed"] for entry in recorded.entries}) == 20
+    assert recorded.recording["needs"] == {"depth_of_field": True, "motion_blur": False,
+                                           "volumes": False}
+    assert recorded.recording["settings"]["cycles.sample_clamp_indirect"] == 0.0
+
+
+def test_passes_differ_and_features_make_sense(recorded):
+    import numpy
+    passes = [e["file"] for e in recorded.entries if e["kind"] == "pass"]
+    first, second = (recorded.plane(name, "radiance.G") for name in passes[:2])
+    assert (first != second).mean() > 0.9
+    depth = recorded.plane(passes[0], "depth.Z")
+    hit = depth > 0
+    assert 0.5 < hit.mean() < 1 and depth.max() < 100
+    length = numpy.sqrt(sum(recorded.plane(passes[0], "normal." + a).astype(float) ** 2 for a in "XYZ"))
+    assert abs(length[hit] - 1).max() < 1e-3 and (length[~hit] == 0).all()
+    # rows from the top: the sky is above, the board below
+    assert (depth[0] == 0).mean() > (depth[-1] == 0).mean()
+
+
+def test_pixels_by_file_and_by_engine_are_the_same_bits(recorded, tmp_path):
+    done = record(*SMALL, "--mode", "shift", "--pixels", "file", "-o", tmp_path / "passes")
+    assert done.returncode == 0, done.stderr
+    assert Folder(tmp_path / "passes").files() == recorded.files()
+
+
+@pytest.mark.parametrize("mode", ["shift", "iid", "sequence"])
+def test_a_killed_recording_continues_bit_for_bit(mode, tmp_path):
+    options = ("--scene", "chess", "--size", "16", "--samples", "24", "--reference", "16", "--mode", mode)
+    whole = record(*options, "-o", tmp_path / "whole")
+    assert whole.returncode == 0, whole.stderr
+    torn = tmp_path / "torn"
+    process = subprocess.Popen(command(*options, "-o", torn), stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 60
+    while not list(torn.glob("pass_00003.f32")) and time.monotonic() < deadline:
+        time.sleep(0.001)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    left = len(list(torn.glob("*_?????.f32")))
+    assert 0 < left < 40
+    again = record(*options, "-o", torn)
+    assert again.returncode == 0, again.stderr
+    assert "(0 kept), reference" not in again.stdout
+    assert Folder(torn).files() == Folder(tmp_path / "whole").files()
+
+
+def test_quiet_when_piped_and_one_line_at_the_end(recorded):
+    done = record(*SMALL, "--mode", "shift", "-o", recorded.path)
+    lines = [line for line in done.stdout.splitlines() if not line.startswith("Blender")]
+    assert done.returncode == 0 and len(lines) == 1 and "4 passes (4 kept)" in lines[0]
+    assert "\r" not in done.stderr
+
+
+@pytest.mark.parametrize("other", [("--seed", "2"), ("--size", "17"), ("--mode", "iid"),
+                                   ("--channels", "radiance")])
+def test_another_recording_is_not_mixed_in(recorded, other):
+    before = recorded.files()
+    done = record(*SMALL, "--mode", "shift", "-o", recorded.path, *other)
+    assert done.returncode == 2 and "another recording" in one_line(done.stderr)
+    assert recorded.files() == before
+
+
+@pytest.mark.parametrize("options, code, message", [
+    (("--scene", "nowhere"), 2, "scene 'nowhere' is unknown: use chess"),
+    ((), 2, "no scene"),
+    (("--scene", "chess", "--channels", "radiance,heat"), 2, "channel 'heat' is unknown"),
+    (("--scene", "chess", "--channels", "object"), 2, "use --mode shift"),
+    (("--scene", "chess", "--camera", "lamp"), 2, "camera 'lamp' is not in the scene (camera)"),
+    (("--blend", "missing.blend"), 3, "missing.blend: No such file"),
+    (("--scene", "chess", "--samples", "many"), 2, "samples"),
+])
+def test_wrong_use_is_one_line(options, code, message, tmp_path):
+    done = record(*options, "-o", tmp_path / "passes")
+    assert done.returncode == code and message in one_line(done.stderr)
+
+
+def test_a_broken_blend_file_is_one_line(tmp_path):
+    broken = tmp_path / "broken.blend"
+    broken.write_bytes(b"BLENDER-v304" + bytes(range(200)))
+    done = record("--blend", broken, "-o", tmp_path / "passes")
+    assert done.returncode == 1 and "cannot load" in one_line(done.stderr)
+
+
+def make_blend(path, script):
+    done = subprocess.run(["blender", "-b", "--factory-startup", "--python-exit-code", "3", "--python-expr",
+                           "import bpy\n%s\nbpy.ops.wm.save_as_mainfile(filepath=%r)" %
+                           (script, str(path))], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_scene_without_a_camera_is_refused(tmp_path):
+    make_blend(tmp_path / "blind.blend", "bpy.data.objects.remove(bpy.context.scene.camera)")
+    done = record("--blend", tmp_path / "blind.blend", "-o", tmp_path / "passes")
+    assert done.returncode == 1 and "has no camera" in one_line(done.stderr)
+
+
+def test_a_blend_file_is_recorded_with_its_hash(tmp_path):
+    import hashlib
+    blend = tmp_path / "cube.blend"
+    make_blend(blend, "pass")
+    done = record("--blend", blend, "--size", "24x16", "--samples", "2", "-o", tmp_path / "passes")
+    assert done.returncode == 0, done.stderr
+    folder = Folder(tmp_path / "passes")
+    assert folder.recording["scene"] == {"name": "cube.blend",
+                                         "sha256": hashlib.sha256(blend.read_bytes()).hexdigest()}
+    assert folder.plane("pass_00000.f32", "radiance.R").shape == (16, 24)
+    # iid: depth by the mist pass; the default cube stands 11 units from the camera
+    depth = folder.plane("pass_00000.f32", "depth.Z")
+    assert 8 < depth[8, 12] < 12
+
+
+def test_a_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
+    done = record("--scene", "chess", "--size", "16", "--dry-run", "-o", tmp_path / "passes",
+                  "--reference", "64")
+    assert done.returncode == 0, done.stderr
+    for part in ("depth of field: yes, motion blur: no, volumes: no", "64 batches of 1 spp",
+                 "minutes", "folder 852 kB"):
+        assert part in done.stdout
+    assert list(tmp_path.rglob("*.f32")) == []
