@@ -26,6 +26,7 @@ struct DamagedRecord {
   std::optional<BlockKey> block;  // of DATA records whose header is intact
   uint64_t offset = 0;            // in the file
   std::string reason;
+  std::optional<uint64_t> sequence = std::nullopt;  // of records whose header is intact
 };
 
 struct CheckReport {

@@ -168,6 +168,9 @@ Judged<void> check_record_alone(const RecordHeader& record, uint64_t dump_id) {
   if (record.filter > static_cast<uint8_t>(Filter::kByteShuffle)) {
     return violates(kUnsupported, "unknown filter {}", record.filter);
   }
+  if (record.sequence >= kMaxRecords) {
+    return violates(kDamaged, "sequence number {} above the limit of records", record.sequence);
+  }
   const bool coded = record.codec != 0;
   if (coded && !is_data) return violates(kDamaged, "{} has a codec", record.type_name());
   if (record.filter != 0 && !coded) return violates(kDamaged, "filter without codec");

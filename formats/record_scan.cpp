@@ -64,6 +64,7 @@ Result<FileHeader> find_file_header(const FileHandle& file, RecordScan& scan) {
   const auto dump_id = find_dump_id(file, scan.file_bytes);
   if (!dump_id) return tl::unexpected(file_error(file.path(), header.error()));
   scan.damaged.push_back({"header", std::nullopt, 0, header.error().what});
+  scan.header_intact = false;
   FileHeader rebuilt;
   if (first.size() == kUnit) rebuilt.dump_uuid = decode_file_header(first).dump_uuid;
   store(std::as_writable_bytes(std::span(rebuilt.dump_uuid)), 0, *dump_id);
@@ -115,6 +116,7 @@ void note_damage(RecordScan& scan, const Finding& finding) {
   DamagedRecord damage{"?", std::nullopt, finding.entry.offset, finding.reason};
   if (finding.known) {
     damage.type = header.type_name();
+    damage.sequence = header.sequence;
     if (header.is(kTypeData)) {
       damage.block = BlockKey{header.group, header.tile, header.sample_begin, header.sample_count};
     }

@@ -22,6 +22,7 @@ struct RecordScan {
   std::vector<IndexEntry> intact;  // in file order
   std::vector<DamagedRecord> damaged;
   uint64_t whole_until = kUnit;  // records touch and are intact from the front up to here
+  bool header_intact = true;
   bool footer_intact = false;
 };
 

@@ -2,25 +2,18 @@
 
 #include <sys/random.h>
 
-#include <chrono>
-#include <cstring>
 #include <vector>
 
-#include "formats/checked_math.h"
 #include "formats/chunk_codec.h"
-#include "formats/crc32.h"
 #include "formats/dump_geometry.h"
-#include "formats/file_handle.h"
 #include "formats/header_rules.h"
 #include "formats/meta_rules.h"
+#include "formats/record_scan.h"
+#include "formats/record_writer.h"
 
 namespace spool::format {
 
 namespace {
-
-// How much a power failure may cost.
-constexpr uint64_t kSyncBytes256M = uint64_t{256} << 20;
-constexpr std::chrono::seconds kSyncInterval{30};
 
 Result<std::array<uint8_t, 16>> random_uuid(const std::filesystem::path& path) {
   std::array<uint8_t, 16> uuid{};
@@ -30,142 +23,64 @@ Result<std::array<uint8_t, 16>> random_uuid(const std::filesystem::path& path) {
   return uuid;
 }
 
-std::filesystem::path partial_name(const std::filesystem::path& path) {
-  std::filesystem::path partial = path;
-  partial += ".partial";
-  return partial;
-}
-
-bool is_there(const std::filesystem::path& path) {
-  std::error_code ignored;
-  return std::filesystem::exists(std::filesystem::symlink_status(path, ignored));
-}
-
-Result<FileHandle> open_partial(const std::filesystem::path& partial, bool force) {
-  if (!is_there(partial)) {
-    SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kCreate));
-    SPOOL_TRY(file.lock());
-    return file;
-  }
-  if (!force) {
-    return fail(ErrorCode::kUsage,
-                "{}: an unfinished dump is there: `spool recover` it, delete it or use --force",
-                partial.string());
-  }
-  SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kAppend));
-  SPOOL_TRY(file.size());
-  SPOOL_TRY(file.lock());
-  SPOOL_TRY(file.truncate(0));
-  return file;
-}
-
 }  // namespace
 
 struct SpoolWriter::State {
-  std::filesystem::path path;
-  WriterOptions options;
+  RecordWriter records;
+  bool compress = false;
   DumpHeader header;
   DumpGeometry geometry;
-  FileHandle file;
-  FileHeader file_header;
-  std::vector<IndexEntry> entries;
   std::vector<bool> written;  // by slot
-  std::vector<std::byte> buffer;
-  uint64_t end = 0;  // of the last whole record
   uint64_t data_records = 0;
   uint32_t meta_records = 0;
-  bool stopped = false;  // finished or failed
-  uint64_t synced_until = 0;
-  std::chrono::steady_clock::time_point synced_at = std::chrono::steady_clock::now();
+  bool finished = false;
+
+  State(const DumpHeader& dump_header, bool compress_blocks)
+      : compress(compress_blocks),
+        header(dump_header),
+        geometry(dump_header),
+        written(geometry.slot_count()) {}
+
+  std::string name() const { return records.path().string(); }
 
   Result<void> check_running() const {
-    if (!stopped) return {};
-    return fail(ErrorCode::kUsage, "{}: the writer has stopped: open a new one", path.string());
-  }
-
-  // Cuts a torn record off. If that fails too, the torn record is what recovery skips.
-  Result<void> stop_after(Error error) {
-    stopped = true;
-    static_cast<void>(file.truncate(end));
-    return tl::unexpected(std::move(error));
-  }
-
-  Result<void> sync() {
-    if (auto synced = file.sync(); !synced) {
-      stopped = true;  // a failed fsync is final
-      return synced;
-    }
-    synced_until = end;
-    synced_at = std::chrono::steady_clock::now();
-    return {};
-  }
-
-  void build_record(RecordHeader& record, std::span<const std::byte> stored) {
-    record.sequence = entries.size();
-    record.dump_id = file_header.dump_id();
-    record.stored_bytes = stored.size();
-    record.payload_crc32 = crc32(stored);
-    const UnitBytes head = encode(record);
-    buffer.assign(kUnit + *checked_pad64(stored.size()), std::byte{0});
-    std::memcpy(buffer.data(), head.data(), kUnit);
-    std::memcpy(buffer.data() + kUnit, stored.data(), stored.size());
-  }
-
-  Result<void> append(RecordHeader record, std::span<const std::byte> stored) {
-    if (entries.size() + 2 > kMaxRecords) {
-      return fail(ErrorCode::kUsage, "{}: more than {} records", path.string(), kMaxRecords);
-    }
-    build_record(record, stored);
-    if (auto put = file.write_at(end, buffer); !put) return stop_after(std::move(put).error());
-    entries.push_back({end, record});
-    end += buffer.size();
-    const bool due = end - synced_until >= kSyncBytes256M ||
-                     std::chrono::steady_clock::now() - synced_at >= kSyncInterval;
-    if (due) return sync();
-    return {};
-  }
-
-  Result<void> append_plain(std::string_view type, std::span<const std::byte> payload) {
-    RecordHeader record;
-    record.type = record_type(type);
-    record.raw_bytes = payload.size();
-    return append(record, payload);
+    if (!finished) return {};
+    return fail(ErrorCode::kUsage, "{}: the dump is finished: open a new writer", name());
   }
 
   Result<void> write_preamble() {
-    const UnitBytes head = encode(file_header);
-    if (auto put = file.write_at(0, head); !put) return stop_after(std::move(put).error());
-    end = kUnit;
-    SPOOL_TRY(append_plain(kTypeImag, encode_imag(header)));
+    SPOOL_TRY(records.append_plain(kTypeImag, encode_imag(header)));
     std::vector<std::byte> channels;
     for (const ChannelInfo& channel : header.channels) {
       const UnitBytes entry = encode_channel(channel);
       channels.insert(channels.end(), entry.begin(), entry.end());
     }
-    return append_plain(kTypeChan, channels);
+    return records.append_plain(kTypeChan, channels);
   }
 
-  Result<void> write_index_and_footer() {
-    std::vector<std::byte> index;
-    index.reserve(entries.size() * kUnit);
-    for (const IndexEntry& entry : entries) {
-      const UnitBytes bytes = encode(entry);
-      index.insert(index.end(), bytes.begin(), bytes.end());
+  // Takes the records of a partial file as if they had been written now.
+  Result<void> adopt(const std::vector<IndexEntry>& entries, const std::filesystem::path& file) {
+    for (size_t i = 0; i < entries.size(); ++i) {
+      const RecordHeader& record = entries[i].header;
+      const auto refuse = [&](std::string_view what) {
+        return tl::unexpected(
+            file_error(file, {FailureClass::kDamaged,
+                              fmt::format("{} ({})", what, describe(record, entries[i].offset))}));
+      };
+      const bool in_place = record.sequence == i && (i == 0) == record.is(kTypeImag) &&
+                            (i == 1) == record.is(kTypeChan);
+      if (!in_place) return refuse("records are out of order");
+      if (record.is(kTypeMeta) && ++meta_records > kMaxMetaRecords) {
+        return refuse("too many meta records");
+      }
+      if (!record.is(kTypeData)) continue;
+      const auto block = check_data_record(record, geometry);
+      if (!block) return refuse(block.error().what);
+      const uint32_t slot = *geometry.slot(record.group, record.tile, *block);
+      if (written[slot]) return refuse("block occurs twice");
+      written[slot] = true;
+      ++data_records;
     }
-    RecordHeader record;
-    record.type = record_type(kTypeIndx);
-    record.raw_bytes = index.size();
-    build_record(record, index);
-    Footer footer;
-    footer.index_offset = end;
-    footer.file_bytes = end + buffer.size() + kUnit;
-    footer.record_count = entries.size() + 1;
-    footer.dump_id = file_header.dump_id();
-    footer.data_record_count = data_records;
-    footer.flags = data_records == geometry.slot_count() ? kFlagComplete : 0;
-    const UnitBytes tail = encode(footer);
-    buffer.insert(buffer.end(), tail.begin(), tail.end());
-    if (auto put = file.write_at(end, buffer); !put) return stop_after(std::move(put).error());
     return {};
   }
 };
@@ -181,23 +96,48 @@ Result<SpoolWriter> SpoolWriter::create(const std::filesystem::path& path, const
     return fail(ErrorCode::kUsage, "{}: {}: see formats/spool.md for the limits", path.string(),
                 valid.error().what);
   }
-  if (!options.force && is_there(path)) {
-    return fail(ErrorCode::kUsage, "{}: already exists: remove it or use --force", path.string());
-  }
-  auto state = std::make_unique<State>();
-  state->path = path;
-  state->options = options;
-  state->header = header;
+  auto state = std::make_unique<State>(header, options.compress);
   if (options.uuid) {
     state->header.uuid = *options.uuid;
   } else {
     SPOOL_ASSIGN(state->header.uuid, random_uuid(path));
   }
-  state->file_header.dump_uuid = state->header.uuid;
-  state->geometry = DumpGeometry(header);
-  state->written.resize(state->geometry.slot_count());
-  SPOOL_ASSIGN(state->file, open_partial(partial_name(path), options.force));
+  FileHeader file_header;
+  file_header.dump_uuid = state->header.uuid;
+  SPOOL_ASSIGN(state->records, RecordWriter::create(path, file_header, options.force));
   SPOOL_TRY(state->write_preamble());
+  return SpoolWriter(std::move(state));
+}
+
+Result<SpoolWriter> SpoolWriter::resume(const std::filesystem::path& path,
+                                        const WriterOptions& options) {
+  const std::filesystem::path partial = partial_name(path);
+  SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kAppend));
+  SPOOL_TRY(file.lock());
+  SPOOL_ASSIGN(RecordScan scan, scan_records(file));
+  if (scan.file_header.minor > kMinorVersion) {
+    return fail(ErrorCode::kData,
+                "{}: format version {}.{}: resume it with the program that wrote it",
+                partial.string(), scan.file_header.major, scan.file_header.minor);
+  }
+  const bool torn_tail_only =
+      scan.header_intact && !scan.intact.empty() && scan.intact.back().offset < scan.whole_until;
+  if (!torn_tail_only) {
+    return fail(ErrorCode::kDamage,
+                "{}: damaged before its end, not just unfinished: run `spool recover`",
+                partial.string());
+  }
+  SPOOL_ASSIGN(const DumpHeader header, header_of_scan(file, scan));
+  // Sealed already, but not renamed: the index is written again at the end.
+  if (scan.intact.back().header.is(kTypeIndx)) {
+    scan.whole_until = scan.intact.back().offset;
+    scan.intact.pop_back();
+  }
+  auto state = std::make_unique<State>(header, options.compress);
+  SPOOL_TRY(state->adopt(scan.intact, partial));
+  SPOOL_ASSIGN(state->records,
+               RecordWriter::resume(path, std::move(file), scan.file_header, std::move(scan.intact),
+                                    scan.whole_until, options.force));
   return SpoolWriter(std::move(state));
 }
 
@@ -210,18 +150,22 @@ bool SpoolWriter::has_block(uint16_t group, uint32_t tile, uint32_t block) const
   return slot && state_->written[*slot];
 }
 
+uint32_t SpoolWriter::meta_count() const {
+  return state_->meta_records;
+}
+
 Result<void> SpoolWriter::write_meta(std::string_view json) {
   State& state = *state_;
   SPOOL_TRY(state.check_running());
   if (const auto valid = check_meta(json); !valid) {
-    return fail(ErrorCode::kUsage, "{}: {}: give one JSON object", state.path.string(),
+    return fail(ErrorCode::kUsage, "{}: {}: give one JSON object", state.name(),
                 valid.error().what);
   }
   if (state.meta_records == kMaxMetaRecords) {
-    return fail(ErrorCode::kUsage, "{}: more than {} meta records: join them", state.path.string(),
+    return fail(ErrorCode::kUsage, "{}: more than {} meta records: join them", state.name(),
                 kMaxMetaRecords);
   }
-  SPOOL_TRY(state.append_plain(kTypeMeta, std::as_bytes(std::span(json))));
+  SPOOL_TRY(state.records.append_plain(kTypeMeta, std::as_bytes(std::span(json))));
   ++state.meta_records;
   return {};
 }
@@ -240,23 +184,24 @@ Result<void> SpoolWriter::write_block(uint16_t group, uint32_t tile, uint32_t sa
   const auto block = check_data_record(record, state.geometry);
   if (!block) {
     return fail(ErrorCode::kUsage,
-                "{}: {} (group {} tile {} samples {}+{}): see formats/spool.md 4.3",
-                state.path.string(), block.error().what, group, tile, sample_begin, sample_count);
+                "{}: {} (group {} tile {} samples {}+{}): see formats/spool.md 4.3", state.name(),
+                block.error().what, group, tile, sample_begin, sample_count);
   }
   const uint32_t slot = *state.geometry.slot(group, tile, *block);
   if (state.written[slot]) {
-    return fail(ErrorCode::kUsage, "{}: block was written before (group {} tile {} samples {}+{})",
-                state.path.string(), group, tile, sample_begin, sample_count);
+    return fail(ErrorCode::kUsage,
+                "{}: block was written before (group {} tile {} samples {}+{}): write it once",
+                state.name(), group, tile, sample_begin, sample_count);
   }
   std::optional<std::vector<std::byte>> packed;
-  if (state.options.compress) {
+  if (state.compress) {
     packed = compress_payload(payload, bytes_per_value(state.geometry.groups()[group].type));
   }
   if (packed) {
     record.codec = static_cast<uint8_t>(Codec::kZstd);
     record.filter = static_cast<uint8_t>(Filter::kByteShuffle);
   }
-  SPOOL_TRY(state.append(record, packed ? std::span<const std::byte>(*packed) : payload));
+  SPOOL_TRY(state.records.append(record, packed ? std::span<const std::byte>(*packed) : payload));
   state.written[slot] = true;
   ++state.data_records;
   return {};
@@ -265,12 +210,10 @@ Result<void> SpoolWriter::write_block(uint16_t group, uint32_t tile, uint32_t sa
 Result<void> SpoolWriter::finish() {
   State& state = *state_;
   SPOOL_TRY(state.check_running());
-  SPOOL_TRY(state.write_index_and_footer());
-  SPOOL_TRY(state.sync());
-  state.stopped = true;
-  SPOOL_TRY(rename_file(partial_name(state.path), state.path, state.options.force));
-  SPOOL_TRY(sync_directory(state.path.parent_path()));
-  return state.file.close();
+  const bool complete = state.data_records == state.geometry.slot_count();
+  SPOOL_TRY(state.records.seal(state.data_records, complete ? kFlagComplete : 0));
+  state.finished = true;
+  return state.records.publish();
 }
 
 }  // namespace spool::format

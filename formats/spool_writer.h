@@ -32,11 +32,19 @@ class SpoolWriter {
   static Result<SpoolWriter> create(const std::filesystem::path& path, const DumpHeader& header,
                                     const WriterOptions& options = {});
 
+  // Goes on with NAME.partial: verifies it, cuts off a torn end and continues with the same uuid.
+  // `options.uuid` is not used. has_block() tells what is there already. kDamage when intact
+  // records stand behind a damaged one: resuming would drop them, recovery keeps them.
+  static Result<SpoolWriter> resume(const std::filesystem::path& path,
+                                    const WriterOptions& options = {});
+
   SpoolWriter(SpoolWriter&&) noexcept;
   SpoolWriter& operator=(SpoolWriter&&) noexcept;
   ~SpoolWriter();
 
   const DumpHeader& header() const;
+
+  uint32_t meta_count() const;
 
   // One JSON object; later records override top-level keys of earlier ones.
   Result<void> write_meta(std::string_view json);

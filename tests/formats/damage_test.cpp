@@ -44,17 +44,12 @@ struct Verdict {
 };
 Verdict judge(const std::filesystem::path& path) {
   Verdict verdict;
-  const auto reader = SpoolReader::open(path);
-  verdict.opens = reader.has_value();
-  if (!reader) {
-    EXPECT_EQ(reader.error().code, ErrorCode::kDamage) << reader.error().message;
-  }
   const auto report = check_dump(path);
   EXPECT_TRUE(report) << report.error().message;
-  verdict.intact = report && report->intact();
   if (report) {
-    EXPECT_EQ(report->opens, verdict.opens);
+    verdict = {report->opens, report->intact()};
     EXPECT_EQ(report->damaged.empty(), verdict.intact);
+    EXPECT_EQ(report->open_error.empty(), verdict.opens);
   }
   return verdict;
 }

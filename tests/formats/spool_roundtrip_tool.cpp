@@ -20,7 +20,8 @@ Result<void> rewrite(const char* in, const char* out) {
   options.uuid = reader.header().uuid;
   options.force = true;
   SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, reader.header(), options));
-  for (const std::string& text : reader.meta()) SPOOL_TRY(writer.write_meta(text));
+  for (const std::string& text : reader.meta())
+    SPOOL_TRY(writer.write_meta(text));
   for (uint32_t group = 0; group < reader.group_count(); ++group) {
     const auto number = static_cast<uint16_t>(group);
     for (uint32_t tile = 0; tile < reader.tiles(); ++tile) {
@@ -40,8 +41,10 @@ Result<void> rewrite(const char* in, const char* out) {
 }
 
 void print(const Result<void>& result) {
-  if (result) std::puts("0");
-  else std::printf("%d %s\n", static_cast<int>(result.error().code), result.error().message.c_str());
+  if (result)
+    std::puts("0");
+  else
+    std::printf("%d %s\n", static_cast<int>(result.error().code), result.error().message.c_str());
 }
 
 Result<void> check(const char* path) {
