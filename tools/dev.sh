@@ -7,7 +7,7 @@ build_packages=(g++ cmake ninja-build pkg-config
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libzstd-dev zlib1g-dev
   libfmt-dev nlohmann-json3-dev libexpected-dev libssl-dev libgtest-dev libgmock-dev librapidcheck-dev)
 test_packages=(blender python3 python3-numpy python3-zstandard python3-pytest)
-lint_packages=(clang-19 clang-format-19 clang-tidy-19)
+lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
 tsan_packages=(dpkg-dev)
 
 usage() {
@@ -173,6 +173,7 @@ lint() {
   local failed=0 sources
   say "format"
   cpp_files | xargs -r clang-format-19 --dry-run -Werror || failed=1
+  command -v shellcheck >/dev/null && { shellcheck tools/dev.sh .ci/run || failed=1; }
 
   say "citations, paths, lengths"
   python3 tools/lint.py || failed=1

@@ -143,6 +143,7 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
   SPOOL_ASSIGN(ResultsFile file, ResultsFile::create(options.output / "results.csv"));
 
   std::vector<std::string> dumps;
+  dumps.reserve(options.dumps.size());
   for (const auto& dump : options.dumps)
     dumps.push_back(dump.string());
   const std::vector<Cell> cells =

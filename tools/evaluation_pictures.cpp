@@ -67,17 +67,16 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
     found->second.panels.push_back(
         {"reference", tone_map(images.reference.mean, scale.exposure), {}});
   }
-  found->second.panels.push_back(
-      {fmt::format("{} + {}  MSE {:.3g}", cell.sampler.label(), cell.filter.label(), mse),
-       tone_map(images.image, scale.exposure),
-       {}});
+  found->second.panels.push_back({fmt::format("{} + {}", cell.sampler.label(), cell.filter.label()),
+                                  tone_map(images.image, scale.exposure),
+                                  Caption{fmt::format("MSE {:.3g}", mse)}});
   return {};
 }
 
 Result<void> EvaluationPictures::finish() const {
   for (const auto& [stem, overview] : overviews_) {
-    SPOOL_TRY(write_png(folder_ / (stem + ".png"),
-                        contact_sheet(overview.heading, overview.panels, 4), true));
+    SPOOL_TRY(write_png(folder_ / (stem + ".png"), contact_sheet(overview.heading, overview.panels),
+                        true));
   }
   return {};
 }

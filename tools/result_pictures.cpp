@@ -106,7 +106,7 @@ Result<void> write_contact_sheet(const std::filesystem::path& path, const Result
   std::vector<Panel> panels;
   for (NamedPanel& named : panels_of(images, scale))
     panels.push_back(std::move(named.panel));
-  return write_png(path, contact_sheet(images.title, panels, 3), overwrite);
+  return write_png(path, contact_sheet(images.title, panels), overwrite);
 }
 
 Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,

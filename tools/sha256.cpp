@@ -17,8 +17,9 @@ Result<std::string> sha256_of_file(const std::filesystem::path& path) {
   if (!file) return fail(ErrorCode::kIo, "{}: cannot be read", path.string());
   std::vector<unsigned char> buffer(std::size_t{1} << 20);
   bool good = digest && EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr) == 1;
-  std::size_t n = 0;
-  while (good && (n = std::fread(buffer.data(), 1, buffer.size(), file.get())) > 0) {
+  std::size_t n = buffer.size();
+  while (good && n == buffer.size()) {  // a short read is the end, or an error
+    n = std::fread(buffer.data(), 1, buffer.size(), file.get());
     good = EVP_DigestUpdate(digest.get(), buffer.data(), n) == 1;
   }
   std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};

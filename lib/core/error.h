@@ -46,6 +46,7 @@ tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<Args...> format, A
 #define SPOOL_CONCAT_INNER(a, b) a##b
 #define SPOOL_CONCAT(a, b) SPOOL_CONCAT_INNER(a, b)
 
+// NOLINTBEGIN(bugprone-macro-parentheses): `variable` may be a declaration.
 // Declares `variable` from a Result; returns the error from the enclosing function, if any.
 #define SPOOL_ASSIGN(variable, expression) \
   SPOOL_ASSIGN_INNER(variable, expression, SPOOL_CONCAT(assign_result_, __LINE__))
@@ -53,3 +54,4 @@ tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<Args...> format, A
   auto temporary = (expression);                                                                   \
   if (!temporary.has_value()) return tl::unexpected<::spool::Error>(std::move(temporary).error()); \
   variable = std::move(*temporary)
+// NOLINTEND(bugprone-macro-parentheses)

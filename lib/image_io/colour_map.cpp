@@ -76,7 +76,7 @@ Rgb8 colour_of_luminance(double y, double chroma, double hue_deg) {
 Rgb8 make_sequential_colour(double u) {
   // CIE lightness L* from 8 to 94 carries the value; its cube law is the inverse of L*(Y).
   const double y = std::pow((8.0 + 86.0 * u + 16.0) / 116.0, 3);
-  const double chroma = 0.07 + 0.10 * std::sin(std::numbers::pi * std::sqrt(u)) + 0.06 * u;
+  const double chroma = 0.06 + 0.055 * std::sin(std::numbers::pi * u) + 0.06 * u;
   // From violet (305) over teal (205) to yellow (105).
   return colour_of_luminance(y, chroma, 305.0 - 200.0 * u);
 }

@@ -17,6 +17,7 @@ constexpr int kTextScale = 2;
 constexpr int kLine = kGlyphHeight * kTextScale + 4;
 constexpr int kBarHeight = 12;
 constexpr int kLegendHeight = 3 * kLine;
+constexpr int kMostColumns = 4;
 
 std::string short_number(double value) {
   if (value == 0.0) return "0";
@@ -76,7 +77,8 @@ void draw_legend(Picture& target, const DirectionKey&, int left, int top, int wi
     const double angle = angle_deg * 3.14159265358979 / 180.0;
     const double centre_x = left + cell * (k + 0.5);
     const double centre_y = top + radius;
-    for (double t = -radius; t <= radius; t += 0.25) {
+    for (int step = -2 * kLine; step <= 2 * kLine; ++step) {
+      const double t = 0.25 * step;  // pixels from the centre
       fill(target, static_cast<int>(centre_x + t * std::cos(angle)) - 1,
            static_cast<int>(centre_y + t * std::sin(angle)) - 1, 4, 4, direction_colour(angle_deg));
     }
@@ -91,6 +93,15 @@ void draw_legend(Picture& target, const DirectionKey&, int left, int top, int wi
 }
 
 void draw_legend(Picture&, const NoLegend&, int, int, int) {}
+
+void draw_legend(Picture& target, const Caption& caption, int left, int top, int width) {
+  draw_fitting(target, caption.text, left, top, width);
+}
+
+int legend_height(const Panel& panel) {
+  if (std::holds_alternative<NoLegend>(panel.legend)) return 0;
+  return std::holds_alternative<Caption>(panel.legend) ? kLine : kLegendHeight;
+}
 
 int enlargement(const Picture& picture) {
   const int side = std::max(1, std::min(picture.width, picture.height));
@@ -107,7 +118,7 @@ struct PanelSize {
 PanelSize panel_size(const Panel& panel) {
   const int factor = enlargement(panel.picture);
   return {std::max(kMinPanelSide, panel.picture.width * factor),
-          kLine + panel.picture.height * factor + 6 + kLegendHeight};
+          kLine + panel.picture.height * factor + 6 + legend_height(panel)};
 }
 
 void draw_panel(Picture& target, const Panel& panel, int left, int top) {
@@ -122,10 +133,11 @@ void draw_panel(Picture& target, const Panel& panel, int left, int top) {
 
 }  // namespace
 
-Picture contact_sheet(const std::string& heading, const std::vector<Panel>& panels, int columns) {
-  const int count = static_cast<int>(panels.size());
-  const int across = columns > 0 ? std::min(columns, std::max(1, count)) : std::max(1, count);
-  const int down = (count + across - 1) / across;
+Picture contact_sheet(const std::string& heading, const std::vector<Panel>& panels) {
+  // Rows as equal as possible: five panels stand as three and two, not as four and one.
+  const int count = std::max(1, static_cast<int>(panels.size()));
+  const int down = (count + kMostColumns - 1) / kMostColumns;
+  const int across = (count + down - 1) / down;
   PanelSize cell;
   for (const Panel& panel : panels) {
     cell.width = std::max(cell.width, panel_size(panel).width);
@@ -135,7 +147,7 @@ Picture contact_sheet(const std::string& heading, const std::vector<Panel>& pane
   Picture sheet(kMargin + across * (cell.width + kMargin), top + down * (cell.height + kMargin),
                 kPaper);
   if (!heading.empty()) draw_fitting(sheet, heading, kMargin, kMargin, sheet.width - 2 * kMargin);
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < static_cast<int>(panels.size()); ++i) {
     draw_panel(sheet, panels[static_cast<std::size_t>(i)],
                kMargin + (i % across) * (cell.width + kMargin),
                top + (i / across) * (cell.height + kMargin));
@@ -144,7 +156,7 @@ Picture contact_sheet(const std::string& heading, const std::vector<Panel>& pane
 }
 
 Picture labelled_picture(const Panel& panel) {
-  return contact_sheet("", {panel}, 1);
+  return contact_sheet("", {panel});
 }
 
 }  // namespace spool

@@ -19,18 +19,21 @@ struct CategoryKey {  // a square of colour and a word for each
   std::vector<std::pair<std::string, Rgb8>> entries;
 };
 struct DirectionKey {};  // the hue wheel with degrees
+struct Caption {         // a line of text
+  std::string text;
+};
 
 struct Panel {
   std::string title;
   Picture picture;
-  std::variant<NoLegend, ColourBar, CategoryKey, DirectionKey> legend = NoLegend{};
+  std::variant<NoLegend, ColourBar, CategoryKey, DirectionKey, Caption> legend = NoLegend{};
 };
 
 // Pixels are repeated so that a panel is at least this many pixels wide and high.
 inline constexpr int kMinPanelSide = 256;
 
-// The panels from left to right, `columns` in a row (0: all in one row), under `heading`.
-Picture contact_sheet(const std::string& heading, const std::vector<Panel>& panels, int columns);
+// The panels from left to right under `heading`, at most four in a row.
+Picture contact_sheet(const std::string& heading, const std::vector<Panel>& panels);
 
 // One panel with its title and legend.
 Picture labelled_picture(const Panel& panel);

@@ -1,5 +1,6 @@
 #include "lib/image_io/exr_image.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -42,7 +43,7 @@ Result<ExrFile> checked_geometry(const std::string& name, const Imf::Header& hea
     return fail(ErrorCode::kData, "{}: a deep EXR (part 0 is '{}'): a flat image is needed", name,
                 header.type());
   }
-  const Imath::Box2i window = header.dataWindow();
+  const Imath::Box2i& window = header.dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
@@ -67,7 +68,7 @@ Result<ExrFile> checked_geometry(const std::string& name, const Imf::Header& hea
     pixel_bytes += sizeof(double);
   }
   if (file.channels.empty()) return fail(ErrorCode::kData, "{}: has no channels", name);
-  if (pixels > limits.max_bytes / pixel_bytes) {
+  if (pixels > limits.max_bytes / std::max<std::uint64_t>(pixel_bytes, 1)) {
     return fail(ErrorCode::kData, "{}: {} channels of {} x {} pixels exceed the limit of {} bytes",
                 name, file.channels.size(), width, height, limits.max_bytes);
   }
@@ -101,7 +102,7 @@ struct RawPlane {
 };
 
 void read_pixels(Imf::InputPart& part, ExrFile& file) {
-  const Imath::Box2i window = part.header().dataWindow();
+  const Imath::Box2i& window = part.header().dataWindow();
   const std::size_t pixels =
       static_cast<std::size_t>(file.width) * static_cast<std::size_t>(file.height);
   std::vector<RawPlane> raw(file.channels.size());

@@ -101,7 +101,7 @@ TEST(ContactSheet, SmallImagesFillPanelsOf256PixelsAndAnySizeIsDrawn) {
     const Picture one = labelled_picture(panel);
     EXPECT_GE(one.width, kMinPanelSide);
     EXPECT_GE(one.height, height);
-    const Picture sheet = contact_sheet("heading", {panel, panel, panel}, 2);
+    const Picture sheet = contact_sheet("heading", {panel, panel, panel, panel, panel});
     EXPECT_GT(sheet.width, one.width);
     EXPECT_GT(sheet.height, one.height);
   }
