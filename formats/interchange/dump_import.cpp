@@ -1,0 +1,191 @@
+#include "formats/interchange/dump_import.h"
+
+#include <algorithm>
+#include <map>
+
+#include "formats/checked_math.h"
+#include "formats/dump_geometry.h"
+#include "formats/header_rules.h"
+#include "formats/interchange/layer_names.h"
+#include "formats/interchange/sha256.h"
+#include "formats/spool_writer.h"
+
+namespace spool::interchange {
+namespace {
+
+using format::DataType;
+using format::DumpGeometry;
+using format::DumpHeader;
+using format::GroupLayout;
+using format::Scope;
+using format::SpoolWriter;
+
+constexpr uint64_t kBoxBytes = uint64_t{64} << 20;
+constexpr uint32_t kDefaultBlockSpp = 16;
+
+// Layers in file order, each with its group; sorts plan.layers accordingly.
+std::vector<uint16_t> assign_groups(std::vector<ForeignLayer>& layers) {
+  const auto key = [](const ForeignLayer& layer) {
+    return std::pair(stored_type(layer.array.type), layer.scope);
+  };
+  const bool share = layers.size() > format::kMaxGroups;
+  if (share)
+    std::stable_sort(layers.begin() + 1, layers.end(),
+                     [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  std::vector<uint16_t> groups = {0};
+  for (size_t i = 1; i < layers.size(); ++i) {
+    const bool same = share && i > 1 && key(layers[i]) == key(layers[i - 1]);
+    groups.push_back(static_cast<uint16_t>(groups.back() + (same ? 0 : 1)));
+  }
+  return groups;
+}
+
+// Blocks of a whole dump, as the limit of spool.md 6 counts them.
+uint64_t total_blocks(const DumpHeader& header) {
+  const uint64_t tiles = format::divide_up(header.width, header.tile_size) *
+                         format::divide_up(header.height, header.tile_size);
+  const uint64_t blocks = format::divide_up(header.spp, header.block_spp);
+  uint64_t total = 0;
+  for (size_t i = 0; i < header.channels.size(); ++i) {
+    if (i > 0 && header.channels[i].group == header.channels[i - 1].group) continue;
+    const Scope scope = header.channels[i].scope;
+    total += scope == Scope::kPixel ? tiles : scope == Scope::kPass ? blocks : tiles * blocks;
+  }
+  return total;
+}
+
+DumpHeader make_header(const DumpPlan& plan, const std::vector<uint16_t>& groups,
+                       const ImportOptions& options) {
+  DumpHeader header;
+  header.width = plan.width;
+  header.height = plan.height;
+  header.spp = plan.spp;
+  header.tile_size = options.tile_size;
+  header.sample_order = plan.sample_order;
+  for (size_t i = 0; i < plan.layers.size(); ++i) {
+    const ForeignLayer& layer = plan.layers[i];
+    const auto known = find_layer_name(layer.name);
+    const auto semantic = known ? known->semantic : format::Semantic::kNotStated;
+    for (const std::string& component : layer.components)
+      header.channels.push_back({layer.name + "." + component, groups[i],
+                                 stored_type(layer.array.type), static_cast<uint16_t>(semantic),
+                                 layer.scope});
+  }
+  header.block_spp = options.block_spp != 0 ? options.block_spp : kDefaultBlockSpp;
+  while (options.block_spp == 0 && header.tile_size != 0 &&
+         header.block_spp < format::kMaxBlockSpp && total_blocks(header) > format::kMaxBlocks)
+    header.block_spp *= 2;
+  return header;
+}
+
+// All blocks of one tile of one group.
+Result<void> write_tile(SpoolWriter& writer, const DumpGeometry& geometry, uint16_t group,
+                        uint32_t tile, std::span<const ForeignLayer> layers,
+                        const std::string& source, ValueCounts& counts) {
+  const GroupLayout& layout = geometry.groups()[group];
+  const format::PixelRect rect =
+      layout.scope == Scope::kPass ? format::PixelRect{0, 0, 1, 1} : geometry.tile_rect(tile);
+  const uint64_t pixels = uint64_t{rect.width()} * rect.height();
+  uint64_t widest = 1;  // source bytes of one sample of the widest layer
+  for (const ForeignLayer& layer : layers)
+    widest = std::max(widest, pixels * layer.array.components * element_bytes(layer.array.type));
+  const uint64_t full = geometry.block_count(group, 0);
+  const uint32_t step = static_cast<uint32_t>(std::max<uint64_t>(1, kBoxBytes / (widest * full)));
+  for (uint32_t block = 0; block < layout.blocks; block += step) {
+    const uint32_t last = std::min(layout.blocks, block + step) - 1;
+    const uint32_t begin = geometry.block_begin(group, block);
+    const uint32_t end = geometry.block_begin(group, last) + geometry.block_count(group, last);
+    std::vector<std::vector<std::byte>> payloads;
+    for (uint32_t b = block; b <= last; ++b)
+      payloads.emplace_back(geometry.raw_bytes(group, tile, b));
+    uint64_t channel = 0;
+    for (const ForeignLayer& layer : layers) {
+      SPOOL_ASSIGN(const auto box,
+                   read_box(layer.array, {rect.y0, rect.y1, rect.x0, rect.x1, begin, end}));
+      for (uint32_t b = block; b <= last; ++b) {
+        const uint32_t count = geometry.block_count(group, b);
+        const uint64_t plane = pixels * count * format::bytes_per_value(layout.type);
+        if (!to_planar(box, layer.array.type, pixels, end - begin,
+                       geometry.block_begin(group, b) - begin, count, layer.array.components,
+                       std::span(payloads[b - block])
+                           .subspan(channel * plane, layer.array.components * plane),
+                       counts))
+          return fail(ErrorCode::kData,
+                      "{}: {} holds a value beyond float32 (tile {}, samples {} to {}): scale it",
+                      source, layer.name, tile, geometry.block_begin(group, b),
+                      geometry.block_begin(group, b) + count - 1);
+      }
+      channel += layer.array.components;
+    }
+    for (uint32_t b = block; b <= last; ++b)
+      SPOOL_TRY(writer.write_block(group, tile, geometry.block_begin(group, b),
+                                   geometry.block_count(group, b), payloads[b - block]));
+  }
+  return {};
+}
+
+nlohmann::json to_json(const ImportRecord& record, bool half) {
+  nlohmann::json files = nlohmann::json::array();
+  for (const ForeignFile& file : record.files)
+    files.push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
+  nlohmann::json json = {
+      {"format", record.format},   {"version", record.version},     {"files", files},
+      {"options", record.options}, {"converted", record.converted}, {"dropped", record.dropped}};
+  if (record.independent == "unknown")
+    json["independent"] = "unknown";
+  else
+    json["independent"] = record.independent == "true";
+  if (half) json["precision"] = "half";
+  return json;
+}
+
+}  // namespace
+
+Result<ForeignFile> identify(const format::FileHandle& file) {
+  SPOOL_ASSIGN(const uint64_t bytes, file.size());
+  SPOOL_ASSIGN(std::string hash, sha256_of(file));
+  return ForeignFile{file.path().filename().string(), bytes, std::move(hash)};
+}
+
+Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
+                                const ImportOptions& options) {
+  const std::vector<uint16_t> groups = assign_groups(plan.layers);
+  const DumpHeader header = make_header(plan, groups, options);
+  format::WriterOptions writer_options;
+  writer_options.compress = options.compress;
+  writer_options.force = options.force;
+  writer_options.uuid = options.uuid;
+  SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, header, writer_options));
+  const DumpGeometry geometry(writer.header());
+  const std::string source = plan.record.files.empty() ? out.string() : plan.record.files[0].name;
+
+  ImportReport report{plan.width, plan.height, plan.spp, {}, {}, {}};
+  bool half = false;
+  for (const ForeignLayer& layer : plan.layers) {
+    report.layers.push_back(layer.name);
+    half = half || layer.array.type == ElementType::kFloat16;
+  }
+  plan.meta["import"] = to_json(plan.record, half);
+  SPOOL_TRY(
+      writer.write_meta(plan.meta.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+  for (size_t first = 0; first < plan.layers.size();) {
+    size_t end = first;
+    while (end < plan.layers.size() && groups[end] == groups[first])
+      ++end;
+    const auto members = std::span(plan.layers).subspan(first, end - first);
+    for (uint32_t tile = 0; tile < geometry.groups()[groups[first]].tiles; ++tile)
+      SPOOL_TRY(write_tile(writer, geometry, groups[first], tile, members, source, report.counts));
+    first = end;
+  }
+  SPOOL_TRY(writer.finish());
+  if (report.counts.non_finite > 0)
+    report.notes.push_back(fmt::format("{} values are not finite and were stored as they are",
+                                       report.counts.non_finite));
+  if (report.counts.at_half_limit > 0)
+    report.notes.push_back(
+        fmt::format("{} values at the half-float limit: the renderer clamped them",
+                    report.counts.at_half_limit));
+  return report;
+}
+
+}  // namespace spool::interchange

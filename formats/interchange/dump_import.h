@@ -1,0 +1,76 @@
+// The common half of every importer: arrays of a foreign file -> one .spool, block by block.
+//
+// Memory: about one tile of one block of a group, or 64 MiB where a tile's samples are read
+// together; never the image. What was done is told twice: in the report, and in `meta.import`.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/dump_header.h"
+#include "formats/interchange/sample_array.h"
+#include "lib/core/error.h"
+
+namespace spool::interchange {
+
+// Options that mean the same for every format.
+struct ImportOptions {
+  uint32_t tile_size = 64;
+  uint32_t block_spp = 0;  // 0: 16, or more where the file would need too many blocks
+  bool compress = false;
+  bool force = false;                               // replace OUT
+  std::optional<format::SampleOrder> sample_order;  // where the source does not say
+  std::optional<std::array<uint8_t, 16>> uuid;      // random when absent
+};
+
+struct ImportReport {
+  uint32_t width = 0, height = 0, spp = 0;
+  std::vector<std::string> layers;
+  ValueCounts counts;
+  std::vector<std::string> notes;  // one line each, for the user
+};
+
+struct ForeignFile {
+  std::string name;
+  uint64_t bytes = 0;
+  std::string sha256;
+};
+
+Result<ForeignFile> identify(const format::FileHandle& file);
+
+// `meta.import`; `independent`: "true", "false" or "unknown".
+struct ImportRecord {
+  std::string format;
+  int version = 1;
+  std::vector<ForeignFile> files;
+  nlohmann::json options = nlohmann::json::object();
+  std::vector<std::string> converted, dropped;
+  std::string independent = "unknown";
+};
+
+struct ForeignLayer {
+  std::string name;
+  std::vector<std::string> components;
+  format::Scope scope = format::Scope::kSample;
+  SampleArray array;
+};
+
+struct DumpPlan {
+  uint32_t width = 0, height = 0, spp = 0;
+  format::SampleOrder sample_order = format::SampleOrder::kRenderer;
+  std::vector<ForeignLayer> layers;  // radiance first
+  nlohmann::json meta = nlohmann::json::object();
+  ImportRecord record;
+};
+
+// Writes OUT and completes the report. A layer is a group of its own while 16 groups suffice;
+// else layers of equal dtype and scope share one.
+Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
+                                const ImportOptions& options);
+
+}  // namespace spool::interchange

@@ -1,0 +1,150 @@
+#include <algorithm>
+
+#include "formats/interchange/export_file.h"
+#include "formats/interchange/npy_header.h"
+#include "formats/interchange/npz.h"
+#include "formats/interchange/zip_writer.h"
+#include "formats/spool_reader.h"
+
+namespace spool::interchange {
+namespace {
+
+using format::FileHandle;
+using format::LayerInfo;
+using format::PixelRect;
+using format::Scope;
+using format::SpoolReader;
+using nlohmann::json;
+
+// A tile's samples are gathered together up to this size.
+constexpr uint64_t kGatherBytes = uint64_t{64} << 20;
+
+std::string_view scope_name(Scope scope) {
+  return scope == Scope::kPixel ? "pixel" : scope == Scope::kPass ? "pass" : "sample";
+}
+
+std::string_view type_code(format::DataType type) {
+  return type == format::DataType::kFloat16   ? "<f2"
+         : type == format::DataType::kFloat32 ? "<f4"
+                                              : "<u4";
+}
+
+// The dump's own meta, then what a reader of the arrays must know.
+std::string describe(const SpoolReader& dump) {
+  json meta = json::object();
+  for (const std::string& text : dump.meta())
+    meta.update(json::parse(text));
+  if (!meta.contains("channels") || !meta["channels"].is_object())
+    meta["channels"] = json::object();
+  meta["scope"] = json::object();
+  for (const LayerInfo& layer : dump.layers()) {
+    meta["scope"][layer.name] = scope_name(layer.scope);
+    json& channel = meta["channels"][layer.name];  // an object holds remarks about the layer
+    if (channel.is_object())
+      channel["components"] = layer.components;
+    else
+      channel = layer.components;
+  }
+  meta["spool_npz"] = 1;
+  meta["layout"] = "HWSC";
+  meta["sample_order"] = dump.header().sample_order == format::SampleOrder::kExchangeable
+                             ? "exchangeable"
+                             : "renderer";
+  meta["pixel_filter"] = "box";
+  meta["colour_space"] = "linear_rec709";
+  return meta.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::vector<uint64_t> shape_of(const LayerInfo& layer, const SpoolReader& dump) {
+  std::vector<uint64_t> shape;
+  if (layer.scope != Scope::kPass) shape = {dump.header().height, dump.header().width};
+  if (layer.scope != Scope::kPixel) shape.push_back(dump.header().spp);
+  if (layer.channel_count > 1) shape.push_back(layer.channel_count);
+  return shape;
+}
+
+// All samples of one tile into the array at `data_offset`.
+Result<void> write_tile(const SpoolReader& dump, const LayerInfo& layer, uint32_t tile,
+                        uint64_t data_offset, FileHandle& out) {
+  const bool pass = layer.scope == Scope::kPass, pixel = layer.scope == Scope::kPixel;
+  const PixelRect rect = pass ? PixelRect{0, 0, 1, 1} : dump.tile_rect(tile);
+  const uint64_t width = pass ? 1 : dump.header().width;
+  const uint64_t spp = pixel ? 1 : dump.header().spp;
+  const uint64_t pixels = uint64_t{rect.width()} * rect.height();
+  const uint32_t bytes = format::bytes_per_value(layer.type);
+  const uint64_t value = uint64_t{layer.channel_count} * bytes;
+  const uint32_t blocks = pixel ? 1 : dump.blocks();
+  const uint64_t full = pixel ? 1 : dump.block_count(0);
+  const uint32_t step =
+      static_cast<uint32_t>(std::max<uint64_t>(1, kGatherBytes / (pixels * full * value)));
+  uint64_t begin = 0;
+  for (uint32_t block = 0; block < blocks; block += step) {
+    std::vector<std::vector<std::byte>> payloads;
+    std::vector<uint32_t> samples;
+    uint64_t count = 0;
+    for (uint32_t b = block; b < std::min(blocks, block + step); ++b) {
+      SPOOL_ASSIGN(auto payload, dump.read_block(layer.group, tile, b));
+      payloads.push_back(std::move(payload));
+      samples.push_back(pixel ? 1 : dump.block_count(b));
+      count += samples.back();
+    }
+    const auto values =
+        interleave(payloads, samples, pixels, layer.first_channel, layer.channel_count, bytes);
+    const bool whole = count == spp;
+    const uint64_t run = (whole ? rect.width() : 1) * count * value;
+    size_t at = 0;
+    for (uint64_t y = rect.y0; y < rect.y1; ++y) {
+      for (uint64_t x = rect.x0; x < rect.x1; x += whole ? rect.width() : 1) {
+        const uint64_t to = data_offset + ((y * width + x) * spp + begin) * value;
+        SPOOL_TRY(out.write_at(to, std::span(values).subspan(at, run)));
+        at += run;
+      }
+    }
+    begin += count;
+  }
+  return {};
+}
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+}  // namespace
+
+Result<void> export_npz(const std::filesystem::path& in, const std::filesystem::path& out,
+                        const NpzExportOptions& options) {
+  SPOOL_ASSIGN(const SpoolReader dump, SpoolReader::open(in));
+  if (!dump.complete())
+    return fail(ErrorCode::kData, "{}: blocks are missing: an array has no place for holes",
+                in.string());
+  std::vector<PlannedMember> members;
+  std::vector<std::string> starts;  // what stands before the numbers of a member
+  const std::string meta = describe(dump);
+  const uint64_t meta_bytes[] = {meta.size()};
+  starts.push_back(format_npy_header("|u1", meta_bytes) + meta);
+  members.push_back({"meta.npy", starts.back().size()});
+  for (const LayerInfo& layer : dump.layers()) {
+    const auto shape = shape_of(layer, dump);
+    uint64_t data = format::bytes_per_value(layer.type);
+    for (uint64_t axis : shape)
+      data *= axis;  // at most 2^28 * 65536 * 64 * 4 = 2^52
+    starts.push_back(format_npy_header(type_code(layer.type), shape));
+    members.push_back({layer.name + ".npy", starts.back().size() + data});
+  }
+  plan_zip(members);
+  return write_whole_file(out, options.force, [&](FileHandle& file) -> Result<void> {
+    for (size_t i = 0; i < members.size(); ++i)
+      SPOOL_TRY(file.write_at(members[i].data_offset, bytes_of(starts[i])));
+    size_t member = 1;
+    for (const LayerInfo& layer : dump.layers()) {
+      const uint64_t data_offset = members[member].data_offset + starts[member].size();
+      const uint32_t tiles = layer.scope == Scope::kPass ? 1 : dump.tiles();
+      for (uint32_t tile = 0; tile < tiles; ++tile)
+        SPOOL_TRY(write_tile(dump, layer, tile, data_offset, file));
+      ++member;
+    }
+    return finish_zip(file, members);
+  });
+}
+
+}  // namespace spool::interchange

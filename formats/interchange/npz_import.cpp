@@ -1,0 +1,353 @@
+#include <algorithm>
+#include <map>
+
+#include "formats/byte_io.h"
+#include "formats/checked_math.h"
+#include "formats/interchange/layer_names.h"
+#include "formats/interchange/npy_header.h"
+#include "formats/interchange/npz.h"
+#include "formats/interchange/zip_directory.h"
+#include "formats/meta_rules.h"
+
+namespace spool::interchange {
+namespace {
+
+using format::FileHandle;
+using format::Scope;
+using nlohmann::json;
+
+struct Member {
+  std::string layer;
+  ZipMember zip;
+  NpyHeader header;
+};
+
+std::string shape_text(const std::vector<uint64_t>& shape) {
+  std::string text = "(";
+  for (size_t i = 0; i < shape.size(); ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : ",", shape[i]);
+  return text + ")";
+}
+
+std::optional<ElementType> element_type(const std::string& type) {
+  static const std::map<std::string, ElementType> types = {
+      {"<f2", ElementType::kFloat16}, {"<f4", ElementType::kFloat32},
+      {"<f8", ElementType::kFloat64}, {"<u4", ElementType::kUint32},
+      {"|u1", ElementType::kUint8},   {"|b1", ElementType::kUint8}};
+  const auto found = types.find(type);
+  return found == types.end() ? std::nullopt : std::optional(found->second);
+}
+
+// Every array of the file with its header; sizes agree with the shapes.
+Result<std::vector<Member>> read_members(const FileHandle& file) {
+  SPOOL_ASSIGN(std::vector<ZipMember> zips, read_zip_directory(file));
+  std::vector<Member> members;
+  for (ZipMember& zip : zips) {
+    if (!zip.name.ends_with(".npy"))
+      return fail(ErrorCode::kData, "{}: member {} is not an array: save with numpy.savez",
+                  file.path().string(), zip.name);
+    Member member{zip.name.substr(0, zip.name.size() - 4), std::move(zip), {}};
+    const std::string name = fmt::format("{}: {}", file.path().string(), member.layer);
+    if (!is_layer_name(member.layer))
+      return fail(ErrorCode::kData,
+                  "{}: not a layer name: use lower-case letters, digits and _, 29 at most", name);
+    SPOOL_ASSIGN(const auto start, decode_member_start(file, member.zip, kMaxNpyHeaderBytes));
+    SPOOL_ASSIGN(member.header, parse_npy_header(start, name));
+    std::optional<uint64_t> bytes = member.header.item_bytes();
+    for (uint64_t axis : member.header.shape)
+      if (bytes) bytes = format::checked_multiply(*bytes, axis);
+    if (!bytes || *bytes != member.zip.bytes - member.header.header_bytes)
+      return fail(ErrorCode::kDamage, "{}: shape {} of {} is not {} bytes: fetch the file again",
+                  name, shape_text(member.header.shape), member.header.type,
+                  member.zip.bytes - member.header.header_bytes);
+    members.push_back(std::move(member));
+  }
+  return members;
+}
+
+// UTF-32 code points, padded with NUL, as numpy keeps strings.
+std::string from_utf32(std::span<const std::byte> bytes) {
+  std::string text;
+  for (size_t at = 0; at + 4 <= bytes.size(); at += 4) {
+    const uint32_t c = format::load<uint32_t>(bytes, at);
+    if (c == 0) break;
+    const auto put = [&](uint32_t value) { text += static_cast<char>(value); };
+    if (c < 0x80) {
+      put(c);
+    } else if (c < 0x800) {
+      put(0xC0 | c >> 6), put(0x80 | (c & 0x3F));
+    } else if (c < 0x10000) {
+      put(0xE0 | c >> 12), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
+    } else {
+      put(0xF0 | (c >> 18 & 7)), put(0x80 | (c >> 12 & 0x3F)), put(0x80 | (c >> 6 & 0x3F));
+      put(0x80 | (c & 0x3F));
+    }
+  }
+  return text;
+}
+
+Result<json> read_meta(const FileHandle& file, const Member& member) {
+  const std::string name = fmt::format("{}: meta", file.path().string());
+  const std::string& type = member.header.type;
+  const bool characters = type == "|u1" && member.header.shape.size() == 1;
+  const bool string =
+      (type.starts_with("<U") || type.starts_with("|S")) && member.header.shape.empty();
+  if (!characters && !string)
+    return fail(ErrorCode::kData,
+                "{}: {} of shape {}: save np.frombuffer(json.dumps(meta).encode(), 'u1')", name,
+                type, shape_text(member.header.shape));
+  if (member.zip.bytes > 4 * format::kMaxMetaBytes)
+    return fail(ErrorCode::kData, "{}: larger than 1 MiB: shorten it", name);
+  std::vector<std::byte> bytes;
+  SPOOL_TRY(decode_member(file, member.zip, [&](std::span<const std::byte> piece) -> Result<void> {
+    bytes.insert(bytes.end(), piece.begin(), piece.end());
+    return {};
+  }));
+  bytes.erase(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(member.header.header_bytes));
+  std::string text = type.starts_with("<U")
+                         ? from_utf32(bytes)
+                         : std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (type.starts_with("|S")) text.resize(std::min(text.size(), text.find('\0')));
+  if (const auto judged = format::check_meta(text); !judged)
+    return fail(ErrorCode::kData, "{}: {}: save one JSON object", name, judged.error().what);
+  return json::parse(text, nullptr, false);
+}
+
+// A string option of `meta`; nullopt when the key is absent.
+Result<std::optional<std::string>> text_of(const json& meta, const char* key,
+                                           std::initializer_list<std::string_view> allowed,
+                                           const std::string& file) {
+  if (!meta.contains(key)) return std::nullopt;
+  const json& value = meta[key];
+  if (value.is_string() &&
+      std::find(allowed.begin(), allowed.end(), value.get<std::string>()) != allowed.end())
+    return value.get<std::string>();
+  return fail(ErrorCode::kData, "{}: meta.{} is {}: one of {} is possible", file, key,
+              value.dump(-1, ' ', true), fmt::join(allowed, ", "));
+}
+
+Result<Scope> scope_of(const json& meta, const std::string& layer, const std::string& file) {
+  if (meta.contains("scope") && !meta["scope"].is_object())
+    return fail(ErrorCode::kData, "{}: meta.scope is not an object: give {{layer: scope}}", file);
+  if (meta.contains("scope")) {
+    SPOOL_ASSIGN(const auto scope,
+                 text_of(meta["scope"], layer.c_str(), {"sample", "pixel", "pass"}, file));
+    if (scope)
+      return *scope == "pixel" ? Scope::kPixel : *scope == "pass" ? Scope::kPass : Scope::kSample;
+  }
+  return layer.starts_with("reference") ? Scope::kPixel : Scope::kSample;
+}
+
+// meta.channels.LAYER is the list of components, or an object of remarks that holds it.
+const json* component_list(const json& meta, const std::string& layer) {
+  if (!meta.contains("channels") || !meta["channels"].is_object()) return nullptr;
+  const json& channels = meta["channels"];
+  if (!channels.contains(layer)) return nullptr;
+  const json& entry = channels[layer];
+  if (entry.is_array()) return &entry;
+  return entry.is_object() && entry.contains("components") && entry["components"].is_array()
+             ? &entry["components"]
+             : nullptr;
+}
+
+Result<std::vector<std::string>> components_of(const json& meta, const std::string& layer,
+                                               const std::string& file) {
+  if (const json* list = component_list(meta, layer)) {
+    std::vector<std::string> components;
+    for (const json& component : *list) {
+      if (!component.is_string())
+        return fail(ErrorCode::kData, "{}: meta.channels.{} is not a list of names", file, layer);
+      components.push_back(component.get<std::string>());
+    }
+    return components;
+  }
+  if (auto known = find_layer_name(layer)) return known->components;
+  return fail(ErrorCode::kData, "{}: {}: unknown layer: name its components in meta.channels", file,
+              layer);
+}
+
+// Axes of a layer, in words for the message and as sizes.
+Result<ForeignLayer> plan_layer(const Member& member, const json& meta, bool sample_major,
+                                bool narrow, const std::string& file) {
+  ForeignLayer layer;
+  layer.name = member.layer;
+  const std::string name = fmt::format("{}: {}", file, member.layer);
+  const auto type = element_type(member.header.type);
+  if (!type)
+    return fail(ErrorCode::kData, "{}: dtype {}: save with astype('<f4')", name,
+                member.header.type);
+  if (*type == ElementType::kFloat64 && !narrow)
+    return fail(ErrorCode::kData, "{}: dtype <f8: save with astype('<f4') or import with --narrow",
+                name);
+  if (member.layer == "radiance" && stored_type(*type) == format::DataType::kUint32)
+    return fail(ErrorCode::kData, "{}: dtype {}: save with astype('<f4')", name,
+                member.header.type);
+  SPOOL_ASSIGN(layer.scope, scope_of(meta, member.layer, file));
+  SPOOL_ASSIGN(layer.components, components_of(meta, member.layer, file));
+  std::vector<uint64_t> shape = member.header.shape;
+  const size_t axes = layer.scope == Scope::kSample ? 3 : layer.scope == Scope::kPixel ? 2 : 1;
+  if (shape.size() == axes && layer.components.size() == 1) shape.push_back(1);
+  if (shape.size() != axes + 1)
+    return fail(ErrorCode::kData, "{}: shape {}, expected {} axes", name,
+                shape_text(member.header.shape), axes + 1);
+  if (shape.back() != layer.components.size())
+    return fail(ErrorCode::kData, "{}: shape {}, expected {} components", name,
+                shape_text(member.header.shape), layer.components.size());
+  for (uint64_t axis : shape)
+    if (axis == 0 || axis > UINT32_MAX)
+      return fail(ErrorCode::kData, "{}: shape {}: nothing can be stored in it", name,
+                  shape_text(member.header.shape));
+  const auto at = [&](size_t axis) { return static_cast<uint32_t>(shape[axis]); };
+  layer.array.type = *type;
+  layer.array.components = at(axes);
+  if (layer.scope == Scope::kSample) {
+    layer.array.sample_major = sample_major;
+    layer.array.height = at(sample_major ? 1 : 0);
+    layer.array.width = at(sample_major ? 2 : 1);
+    layer.array.samples = at(sample_major ? 0 : 2);
+  } else if (layer.scope == Scope::kPixel) {
+    layer.array.height = at(0);
+    layer.array.width = at(1);
+  } else {
+    layer.array.samples = at(0);
+  }
+  return layer;
+}
+
+Result<void> check_sizes(const DumpPlan& plan, const std::string& file) {
+  for (const ForeignLayer& layer : plan.layers) {
+    const SampleArray& array = layer.array;
+    const bool image = layer.scope != Scope::kPass, samples = layer.scope != Scope::kPixel;
+    if ((image && (array.height != plan.height || array.width != plan.width)) ||
+        (samples && array.samples != plan.spp))
+      return fail(ErrorCode::kData,
+                  "{}: {} is {}x{} with {} samples but radiance is {}x{} with {}: save them alike",
+                  file, layer.name, array.width, array.height, array.samples, plan.width,
+                  plan.height, plan.spp);
+  }
+  return {};
+}
+
+// Gives every layer its file and offset, with all checksums verified.
+Result<FileHandle> locate(const FileHandle& file, const std::vector<Member>& members,
+                          const std::filesystem::path& out, DumpPlan& plan) {
+  FileHandle inflated;
+  uint64_t end = 0;
+  std::map<std::string, uint64_t> inflated_at;
+  for (const Member& member : members) {
+    if (member.layer == "meta") continue;
+    if (member.zip.deflated && inflated_at.empty()) {
+      std::filesystem::path name = out;
+      name += ".inflated";
+      SPOOL_ASSIGN(inflated, FileHandle::open(name, format::OpenMode::kCreate));
+      std::error_code ignored;
+      std::filesystem::remove(name, ignored);  // lives as long as it is open
+    }
+    if (member.zip.deflated) inflated_at[member.layer] = end;
+    const auto keep = [&](std::span<const std::byte> piece) -> Result<void> {
+      if (!member.zip.deflated) return {};
+      end += piece.size();
+      return inflated.write_at(end - piece.size(), piece);
+    };
+    SPOOL_TRY(decode_member(file, member.zip, keep));
+  }
+  for (ForeignLayer& layer : plan.layers) {
+    const Member& member = *std::find_if(members.begin(), members.end(),
+                                         [&](const Member& m) { return m.layer == layer.name; });
+    layer.array.offset = member.header.header_bytes +
+                         (member.zip.deflated ? inflated_at[layer.name] : member.zip.data_offset);
+    layer.array.file = member.zip.deflated ? nullptr : &file;  // set by the caller: it may move
+  }
+  return inflated;
+}
+
+// Removes from `meta` what the dump itself says; remarks stay.
+void drop_structure(json& meta, const DumpPlan& plan) {
+  for (const char* key :
+       {"spool_npz", "layout", "scope", "sample_order", "pixel_filter", "colour_space", "import"})
+    meta.erase(key);
+  if (!meta.contains("channels") || !meta["channels"].is_object()) return;
+  json& channels = meta["channels"];
+  for (const ForeignLayer& layer : plan.layers) {
+    if (!channels.contains(layer.name)) continue;
+    json& entry = channels[layer.name];
+    if (entry.is_object()) entry.erase("components");
+    if (entry.is_array() || entry.empty()) channels.erase(layer.name);
+  }
+  if (channels.empty()) meta.erase("channels");
+}
+
+void note_conversions(const std::vector<Member>& members, ImportRecord& record) {
+  for (const Member& member : members) {
+    if (member.layer == "meta") continue;
+    if (member.header.type == "<f8") record.converted.push_back(member.layer + ": f8 to f4");
+    if (member.header.type == "|u1" || member.header.type == "|b1")
+      record.converted.push_back(member.layer + ": " + member.header.type.substr(1) + " to u4");
+  }
+}
+
+}  // namespace
+
+Result<ImportReport> import_npz(const std::filesystem::path& in, const std::filesystem::path& out,
+                                const NpzImportOptions& options) {
+  const std::string name = in.string();
+  SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
+  std::error_code ignored;
+  if (!options.force && std::filesystem::exists(out, ignored))  // before hours of inflating
+    return fail(ErrorCode::kUsage, "{}: exists: choose another name or use --force", out.string());
+  SPOOL_ASSIGN(std::vector<Member> members, read_members(file));
+  const auto named = [&](std::string_view layer) {
+    return std::find_if(members.begin(), members.end(),
+                        [&](const Member& member) { return member.layer == layer; });
+  };
+  if (named("radiance") == members.end())
+    return fail(ErrorCode::kData, "{}: no array radiance: save it as [y][x][s][3]", name);
+  std::rotate(members.begin(), named("radiance"), named("radiance") + 1);
+
+  DumpPlan plan;
+  json meta = json::object();
+  const bool has_meta = named("meta") != members.end();
+  if (has_meta) {
+    SPOOL_ASSIGN(meta, read_meta(file, *named("meta")));
+  } else if (!options.layout) {
+    return fail(ErrorCode::kUsage,
+                "{}: no array meta, so the order of axes is unknown: give --layout HWSC or SHWC",
+                name);
+  }
+  SPOOL_ASSIGN(const auto layout, text_of(meta, "layout", {"HWSC", "SHWC"}, name));
+  SPOOL_ASSIGN(const auto order, text_of(meta, "sample_order", {"renderer", "exchangeable"}, name));
+  SPOOL_TRY(text_of(meta, "pixel_filter", {"box"}, name).map([](const auto&) {}));
+  SPOOL_TRY(text_of(meta, "colour_space", {"linear_rec709"}, name).map([](const auto&) {}));
+  const bool sample_major = options.layout ? *options.layout == NpzLayout::kSHWC : layout == "SHWC";
+  if (options.layout && layout && sample_major != (*layout == "SHWC"))
+    return fail(ErrorCode::kUsage, "{}: meta.layout is {}: leave --layout out", name, *layout);
+
+  for (const Member& member : members) {
+    if (member.layer == "meta") continue;
+    SPOOL_ASSIGN(ForeignLayer layer, plan_layer(member, meta, sample_major, options.narrow, name));
+    plan.layers.push_back(std::move(layer));
+  }
+  const SampleArray& radiance = plan.layers[0].array;
+  plan.height = radiance.height;
+  plan.width = radiance.width;
+  plan.spp = radiance.samples;
+  plan.sample_order = order ? (*order == "exchangeable" ? format::SampleOrder::kExchangeable
+                                                        : format::SampleOrder::kRenderer)
+                            : options.sample_order.value_or(format::SampleOrder::kRenderer);
+  SPOOL_TRY(check_sizes(plan, name));
+
+  drop_structure(meta, plan);
+  plan.meta = std::move(meta);
+  SPOOL_ASSIGN(ForeignFile identity, identify(file));
+  plan.record.format = "npz";
+  plan.record.files.push_back(std::move(identity));
+  plan.record.options = {{"layout", sample_major ? "SHWC" : "HWSC"}, {"narrow", options.narrow}};
+  note_conversions(members, plan.record);
+
+  SPOOL_ASSIGN(const FileHandle inflated, locate(file, members, out, plan));
+  for (ForeignLayer& layer : plan.layers)
+    if (layer.array.file == nullptr) layer.array.file = &inflated;
+  return write_dump(out, std::move(plan), options);
+}
+
+}  // namespace spool::interchange

@@ -1,0 +1,97 @@
+// Runs imports and exports for the tests: one job per input line, fields separated by tabs,
+//   VERB IN OUT [KEY=VALUE ...]
+// and answers each with one line: "0 NOTES", or the exit code and the message of the refusal.
+#include <iostream>
+#include <map>
+#include <sstream>
+
+#include "formats/interchange/npz.h"
+#include "formats/interchange/zip_directory.h"
+#include "formats/interchange/zip_writer.h"
+
+namespace {
+
+using namespace spool;
+using namespace spool::interchange;
+
+struct Job {
+  std::string verb, in, out;
+  std::map<std::string, std::string> options;
+
+  bool has(const std::string& key) const { return options.contains(key); }
+};
+
+Job parse(const std::string& line) {
+  std::istringstream fields(line);
+  Job job;
+  std::getline(fields, job.verb, '\t');
+  std::getline(fields, job.in, '\t');
+  std::getline(fields, job.out, '\t');
+  for (std::string field; std::getline(fields, field, '\t');) {
+    const size_t equals = field.find('=');
+    job.options[field.substr(0, equals)] =
+        equals == std::string::npos ? "" : field.substr(equals + 1);
+  }
+  return job;
+}
+
+template <class Options>
+Options common(const Job& job) {
+  Options options;
+  options.force = job.has("force");
+  options.compress = job.has("compress");
+  if (job.has("tile"))
+    options.tile_size = static_cast<uint32_t>(std::stoul(job.options.at("tile")));
+  if (job.has("block"))
+    options.block_spp = static_cast<uint32_t>(std::stoul(job.options.at("block")));
+  if (job.has("exchangeable")) options.sample_order = format::SampleOrder::kExchangeable;
+  return options;
+}
+
+Result<std::string> notes_of(const Result<ImportReport>& report) {
+  if (!report) return tl::unexpected(report.error());
+  std::string text;
+  for (const std::string& note : report->notes)
+    text += note + "; ";
+  return text;
+}
+
+Result<std::string> run(const Job& job) {
+  if (job.verb == "import_npz") {
+    auto options = common<NpzImportOptions>(job);
+    options.narrow = job.has("narrow");
+    if (job.has("layout"))
+      options.layout = job.options.at("layout") == "SHWC" ? NpzLayout::kSHWC : NpzLayout::kHWSC;
+    return notes_of(import_npz(job.in, job.out, options));
+  }
+  if (job.verb == "export_npz") {
+    SPOOL_TRY(export_npz(job.in, job.out, {.force = job.has("force")}));
+    return std::string();
+  }
+  if (job.verb == "sparse_zip") {  // 5 GiB of zeros, then three bytes: sizes and offsets past 4 GiB
+    std::vector<PlannedMember> members = {{"big", uint64_t{5} << 30}, {"small", 3}};
+    plan_zip(members);
+    SPOOL_ASSIGN(auto file, format::FileHandle::open(job.out, format::OpenMode::kCreate));
+    SPOOL_TRY(file.write_at(members[1].data_offset, std::as_bytes(std::span("abc", 3))));
+    SPOOL_TRY(finish_zip(file, members));
+    SPOOL_ASSIGN(const auto found, read_zip_directory(file));
+    std::string text;
+    for (const ZipMember& member : found)
+      text += fmt::format("{} {} {}; ", member.name, member.bytes, member.data_offset);
+    return text;
+  }
+  return fail(ErrorCode::kUsage, "no verb {}", job.verb);
+}
+
+}  // namespace
+
+int main() {
+  for (std::string line; std::getline(std::cin, line);) {
+    const auto result = run(parse(line));
+    if (result)
+      std::cout << "0 " << *result << '\n';
+    else
+      std::cout << static_cast<int>(result.error().code) << ' ' << result.error().message << '\n';
+  }
+  return 0;
+}
