@@ -24,6 +24,7 @@ double largest_jump(Eq12 form, int levels) {
   std::vector<double> angles;
   for (int i = 0; i < 3600; ++i)
     angles.push_back(0.05 * i);
+  angles.push_back(std::nextafter(180.0, 0.0));
   for (const double b : beta) {
     angles.push_back(b);
     angles.push_back(std::nextafter(b, -1.0));
