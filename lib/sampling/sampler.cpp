@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lib/core/parallel.h"
+#include "lib/sampling/multiscale/multiscale.h"
 #include "lib/sampling/sampler_entry.h"
 #include "lib/sampling/uniform.h"
 
@@ -13,6 +14,9 @@ const std::vector<SamplerEntry>& samplers() {
       sampler_entry<UniformOptions>("uniform", "the same number of samples in every piece",
                                     PrimaryText::kKnown, {{"", {}}}, uniform_option_table(),
                                     sample_uniform),
+      sampler_entry<MultiscaleOptions>(
+          "multiscale", "regions of many sizes, by contrast, lost detail and change",
+          PrimaryText::kKnown, multiscale_presets(), multiscale_option_table(), sample_multiscale),
   };
   return list;
 }
@@ -33,6 +37,13 @@ Result<SamplerFunction> make_sampler(std::string_view name, std::string_view pre
 long long sample_budget(double samples_per_pixel, const RecordedSamples& recording) {
   SPOOL_CHECK_GE(samples_per_pixel, 0.0);
   return std::llround(samples_per_pixel * recording.width() * recording.height());
+}
+
+long long count_samples(const CountImage& n) {
+  long long sum = 0;
+  for (const std::int32_t count : n.pixels())
+    sum += count;
+  return sum;
 }
 
 long long count_saturated(const SamplePool& pool, const CountImage& n) {

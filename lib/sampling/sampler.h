@@ -64,6 +64,7 @@ Result<SamplerFunction> make_sampler(std::string_view name, std::string_view pre
 // Budget in samples for a number of samples per pixel, which need not be whole.
 long long sample_budget(double samples_per_pixel, const RecordedSamples& recording);
 
+long long count_samples(const CountImage& n);
 // Pieces of which every offered sample was taken.
 long long count_saturated(const SamplePool& pool, const CountImage& n);
 

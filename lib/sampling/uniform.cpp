@@ -20,26 +20,25 @@ const OptionTable<UniformOptions>& uniform_option_table() {
   return table;
 }
 
-long long raise_least_sampled(CountImage& n, const SamplePool& pool, const Rectangle& area,
-                              long long budget, std::uint64_t seed, int limit) {
+CountImage raise_least_sampled(const CountImage& n, const SamplePool& pool, const Rectangle& area,
+                               long long budget, std::uint64_t seed, int limit) {
   SPOOL_CHECK_EQ(n.width(), pool.width());
   SPOOL_CHECK_EQ(n.height(), pool.height());
   SPOOL_CHECK_GE(budget, 0);
-  const auto ceiling = [&](int x, int y) { return std::min(pool.capacity(x, y), limit); };
+  const auto for_each_piece = [&](auto&& body) {  // body(x, y, n, most it may have)
+    for (int y = area.y0; y < area.y1; ++y) {
+      for (int x = area.x0; x < area.x1; ++x)
+        body(x, y, n(x, y), std::max(n(x, y), std::min(pool.capacity(x, y), limit)));
+    }
+  };
   int highest = 0;
-  for (int y = area.y0; y < area.y1; ++y) {
-    for (int x = area.x0; x < area.x1; ++x)
-      highest = std::max(highest, ceiling(x, y));
-  }
+  for_each_piece([&](int, int, int, int most) { highest = std::max(highest, most); });
   // takers[l]: pieces that take a sample when the level rises from l to l + 1.
   std::vector<long long> takers(static_cast<std::size_t>(highest) + 1, 0);
-  for (int y = area.y0; y < area.y1; ++y) {
-    for (int x = area.x0; x < area.x1; ++x) {
-      if (n(x, y) >= ceiling(x, y)) continue;
-      ++takers[static_cast<std::size_t>(n(x, y))];
-      --takers[static_cast<std::size_t>(ceiling(x, y))];
-    }
-  }
+  for_each_piece([&](int, int, int has, int most) {
+    ++takers[static_cast<std::size_t>(has)];
+    --takers[static_cast<std::size_t>(most)];
+  });
   for (std::size_t l = 1; l < takers.size(); ++l)
     takers[l] += takers[l - 1];
 
@@ -49,21 +48,19 @@ long long raise_least_sampled(CountImage& n, const SamplePool& pool, const Recta
     left -= takers[static_cast<std::size_t>(level)];
     ++level;
   }
+  CountImage raised(area.width(), area.height());
   std::vector<std::pair<std::uint64_t, std::size_t>> last_takers;  // at the level left incomplete
-  for (int y = area.y0; y < area.y1; ++y) {
-    for (int x = area.x0; x < area.x1; ++x) {
-      const std::size_t i = n.index(x, y);
-      const int top = ceiling(x, y);
-      n[i] = std::max(n[i], std::min(level, top));
-      if (n[i] == level && level < top && left > 0) last_takers.emplace_back(mix(seed, i), i);
-    }
-  }
-  if (last_takers.empty()) return budget - left;
+  for_each_piece([&](int x, int y, int has, int most) {
+    const std::size_t i = raised.index(x - area.x0, y - area.y0);
+    raised[i] = std::max(has, std::min(level, most));
+    if (raised[i] == level && level < most) last_takers.emplace_back(mix(seed, n.index(x, y)), i);
+  });
+  if (level == highest) return raised;
   SPOOL_CHECK_LT(left, static_cast<long long>(last_takers.size()));
   std::nth_element(last_takers.begin(), last_takers.begin() + left, last_takers.end());
   for (auto it = last_takers.begin(); it != last_takers.begin() + left; ++it)
-    ++n[it->second];
-  return budget;
+    ++raised[it->second];
+  return raised;
 }
 
 Result<SamplingResult> sample_uniform(const SamplePool& pool, long long budget,
@@ -72,11 +69,12 @@ Result<SamplingResult> sample_uniform(const SamplePool& pool, long long budget,
   SPOOL_CHECK_GE(budget, 0);
   SamplingResult result;
   result.log.budget = budget;
-  CountImage n(pool.width(), pool.height());
-  result.log.spent = raise_least_sampled(n, pool, n.bounds(), budget, context.seed);
-  result.log.initial = result.log.spent;
+  const CountImage none(pool.width(), pool.height());
   PieceStatistics& statistics = result.selection.statistics;
-  statistics = prefix_statistics(pool, n);
+  statistics =
+      prefix_statistics(pool, raise_least_sampled(none, pool, none.bounds(), budget, context.seed));
+  result.log.spent = count_samples(statistics.n);
+  result.log.initial = result.log.spent;
   if (options.exposure == ExposureMode::kNormalise) {
     AnalysisSignal signal;
     signal.exposure = exposure_of(statistics, options.key, result.log.guards);

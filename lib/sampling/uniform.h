@@ -25,11 +25,12 @@ Result<SamplingResult> sample_uniform(const SamplePool& pool, long long budget,
                                       const UniformOptions& options,
                                       const SamplingContext& context);
 
-// Raises `n` inside `area` by `budget` samples, least-sampled pieces first, ties by a hash of seed
-// and index; no piece beyond its capacity in the pool or beyond `limit`. Returns how many were
-// given, less than `budget` only when every piece is full.
-long long raise_least_sampled(CountImage& n, const SamplePool& pool, const Rectangle& area,
-                              long long budget, std::uint64_t seed,
-                              int limit = std::numeric_limits<int>::max());
+// The counts of the pieces in `area` after `budget` more samples went to the least-sampled ones,
+// ties by a hash of seed and index; no piece beyond its capacity in the pool or beyond `limit`.
+// Less is given only when every piece is full. n: [y][x] of the whole pool, read inside `area`
+// only. Result: [y][x] of `area`.
+CountImage raise_least_sampled(const CountImage& n, const SamplePool& pool, const Rectangle& area,
+                               long long budget, std::uint64_t seed,
+                               int limit = std::numeric_limits<int>::max());
 
 }  // namespace spool

@@ -105,12 +105,15 @@ TEST(RaiseLeastSampled, FillsTheLowestFirstInsideTheAreaOnly) {
   n(1, 0) = 2;
   n(2, 0) = 3;
   n(3, 1) = 0;  // outside the area
-  EXPECT_EQ(raise_least_sampled(n, pool, {0, 0, 4, 1}, 3, 1), 3);
-  EXPECT_EQ(n(1, 0) + n(2, 0), 8);
-  EXPECT_EQ(std::max(n(1, 0), n(2, 0)), 4);
-  EXPECT_EQ(n(3, 1), 0);
-  EXPECT_EQ(raise_least_sampled(n, pool, {0, 0, 4, 1}, 100, 1, 5), 2);
-  EXPECT_EQ(n(1, 0), 5);
+  const CountImage raised = raise_least_sampled(n, pool, {0, 0, 4, 1}, 3, 1);
+  ASSERT_EQ(raised.height(), 1);
+  EXPECT_EQ(raised(1, 0) + raised(2, 0), 8);
+  EXPECT_EQ(std::max(raised(1, 0), raised(2, 0)), 4);
+  EXPECT_EQ(raised(0, 0), 5);
+  EXPECT_EQ(raised(3, 0), 5);
+  const CountImage limited = raise_least_sampled(n, pool, {0, 0, 4, 1}, 100, 1, 5);
+  for (const auto count : limited.pixels())
+    EXPECT_EQ(count, 5);
 }
 
 }  // namespace

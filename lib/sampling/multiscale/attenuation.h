@@ -1,0 +1,50 @@
+// The attenuation A of eqs 7 and 8: how much the coarse values of a region still change.
+//
+//   F_k = |f_k - f_k before the step|                              [LiuZheng (8)]
+//   A_k = (1 - w) A_k + w F_k / c,  w = 1 - (1 - alpha)^c          [LiuZheng (7)]
+//
+// with c = new samples in the region / max(1, its unsaturated pieces before the step): w composes,
+// so two half passes weigh as much as one. The equations are missing from the text; the other
+// readings are options. Slow twin: tests/reference/multiscale_reference.h.
+#pragma once
+
+#include <vector>
+
+#include "lib/core/rectangle.h"
+#include "lib/sampling/multiscale/board.h"
+
+namespace spool {
+
+// A_0 .. A_K before the first step: 1, or |f_k - f_k before the last initial sample|. `before_last`
+// has the size of the grid and may be null.
+void start_attenuation(ScalarAnalysis& scalar, const Rectangle& window, const Plane* before_last,
+                       const MultiscaleOptions& options);
+
+// Eq 7 for one level: the new A of an entry whose region received `fresh` > 0 samples on `open` >=
+// 0 unsaturated pieces. Not for several threads at once: it remembers powers.
+class AttenuationStep {
+ public:
+  AttenuationStep(int level, const MultiscaleOptions& options);
+  double operator()(double attenuation, double change, int fresh, int open);
+
+ private:
+  double kept(int fresh, int open);  // (1 - alpha)^(fresh / open)
+
+  AttenuationUpdate update_;
+  ChangeScale scale_;
+  double alpha_;
+  int whole_region_;                // pieces of a region that no border cuts
+  std::vector<double> whole_kept_;  // kept(m, whole_region_) at [m]; negative: not yet known
+};
+
+// Entries of level k whose attenuation a step may change, when the fresh samples lie in `changed`
+// and f_k changed inside `coarse_box`.
+Rectangle attenuation_box(const Board& board, int k, const Rectangle& changed,
+                          const Rectangle& coarse_box, const MultiscaleOptions& options);
+
+// Updates A_k of a scalar on `box`; before(x, y) is f_k before the step, an image whose (0, 0) is
+// (box.x0, box.y0).
+void update_attenuation(Board& board, ScalarAnalysis& scalar, int k, const Rectangle& box,
+                        const Plane& before, const MultiscaleOptions& options);
+
+}  // namespace spool

@@ -1,0 +1,47 @@
+// Intermediate images of the sampler, gathered from boards into images of the whole grid.
+//
+//   f.0 .. f.K, d.0 .., V.1 .., A.0 .., P.1 ..   at the end of the run
+//   f_initial.0 .. and so on                      after the initial samples
+//   samples.0 .. samples.K                        samples taken by pops of each level; 0: uniform
+// With several analysed scalars, all but P and samples end in .r, .g or .b.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/core/view.h"
+#include "lib/sampling/multiscale/board.h"
+
+namespace spool {
+
+// The views of one moment, for boards that cover the grid. Empty of images when nobody wants any.
+class BoardViews {
+ public:
+  // `suffix`: "" or "_initial". `wanted` may be null; `options` must outlive this.
+  BoardViews(const Views* wanted, std::string_view suffix, int width, int height,
+             const MultiscaleOptions& options);
+
+  // Copies the area of a board. Several threads may paste boards with disjoint areas.
+  void paste(const Board& board);
+  void hand_over(Views& views) const;
+
+ private:
+  const MultiscaleOptions* options_;
+  std::string suffix_;
+  std::vector<View> views_;
+};
+
+// The same for samples.0 .. samples.K; `level_of_samples` as in LoopLog.
+class LevelViews {
+ public:
+  LevelViews(const Views* wanted, int width, int height, int levels);
+  bool wanted() const { return !views_.empty(); }
+  void paste(const Board& board, const std::vector<CountImage>& level_of_samples);
+  void hand_over(Views& views) const;
+
+ private:
+  std::vector<View> views_;
+};
+
+}  // namespace spool

@@ -1,0 +1,31 @@
+// Recomputes exactly what a step changed, and nothing else: bit for bit the full analysis.
+#pragma once
+
+#include <vector>
+
+#include "lib/core/guards.h"
+#include "lib/core/rectangle.h"
+#include "lib/sampling/multiscale/board.h"
+
+namespace spool {
+
+// Where a step inside `changed` matters, and the coarse values there before it.
+struct BeforeStep {
+  Rectangle changed;                         // of the window
+  std::vector<Rectangle> coarse_boxes;       // per level 0 .. K: where f_k changes
+  std::vector<Rectangle> detail_boxes;       // per d_k
+  std::vector<Rectangle> attenuation_boxes;  // per level 0 .. K
+  std::vector<std::vector<Plane>> coarse;    // [scalar][k]: f_k on its attenuation box
+};
+
+BeforeStep remember(const Board& board, const Rectangle& changed, const MultiscaleOptions& options);
+
+// After samples were taken and loaded inside step.changed: f, d, V and A.
+void update_analysis(Board& board, const BeforeStep& step, const MultiscaleOptions& options,
+                     GuardCounts& guards);
+
+// Where P_1 .. P_K must be computed again after that.
+std::vector<Rectangle> priority_boxes(const Board& board, const BeforeStep& step,
+                                      const MultiscaleOptions& options);
+
+}  // namespace spool

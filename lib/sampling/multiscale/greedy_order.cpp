@@ -1,0 +1,82 @@
+#include "lib/sampling/multiscale/greedy_order.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "lib/sampling/multiscale/region_sampling.h"
+
+namespace spool {
+
+GreedyOrder::GreedyOrder(const Board& board, double above, std::size_t expected)
+    : board_(board),
+      above_(above),
+      expected_(std::max<std::size_t>(expected, 16)),
+      upper_(std::numeric_limits<double>::infinity()),
+      taken_(board.window.width(), board.window.height()) {
+  constexpr std::size_t kSampled = 1 << 14;
+  for (const Plane& plane : board.priority)
+    entries_ += plane.size();
+  const std::size_t stride = (entries_ / kSampled) | 1;
+  for (const Plane& plane : board.priority) {
+    for (std::size_t i = 0; i < plane.size(); i += stride) {
+      if (plane[i] > above_) sampled_.push_back(plane[i]);
+    }
+  }
+  std::sort(sampled_.begin(), sampled_.end(), std::greater<>());
+}
+
+bool GreedyOrder::is_free(const RegionEntry& entry) const {
+  const Rectangle r = sampled_region(board_, entry);
+  for (int y = r.y0; y < r.y1; ++y) {
+    for (int x = r.x0; x < r.x1; ++x) {
+      if (taken_(x, y)) return false;
+    }
+  }
+  return true;
+}
+
+void GreedyOrder::take(const RegionEntry& entry) {
+  const Rectangle r = sampled_region(board_, entry);
+  for (int y = r.y0; y < r.y1; ++y) {
+    for (int x = r.x0; x < r.x1; ++x)
+      taken_(x, y) = 1;
+  }
+}
+
+bool GreedyOrder::gather() {
+  batch_.clear();
+  batch_used_ = 0;
+  while (batch_.empty() && upper_ > above_) {
+    const std::size_t per_sample = std::max<std::size_t>(entries_ / (sampled_.size() + 1), 1);
+    sampled_used_ += std::max<std::size_t>(4 * expected_ / per_sample, 4);
+    const double lower = sampled_used_ < sampled_.size() ? sampled_[sampled_used_] : above_;
+    if (lower >= upper_) continue;  // many equal priorities
+    for (std::size_t l = 0; l < board_.priority.size(); ++l) {
+      const Plane& plane = board_.priority[l];
+      for (int y = board_.area.y0; y < board_.area.y1; ++y) {
+        for (int x = board_.area.x0; x < board_.area.x1; ++x) {
+          const double priority = plane(x, y);
+          if (!(priority > lower && priority <= upper_)) continue;
+          const RegionEntry entry{static_cast<int>(l) + 1, x, y, priority};
+          if (is_free(entry)) batch_.push_back(entry);
+        }
+      }
+    }
+    upper_ = lower;
+  }
+  std::sort(batch_.begin(), batch_.end(), precedes);
+  return !batch_.empty();
+}
+
+RegionEntry GreedyOrder::next() {
+  while (true) {
+    while (batch_used_ < batch_.size()) {
+      const RegionEntry& entry = batch_[batch_used_++];
+      if (is_free(entry)) return entry;
+    }
+    if (!gather()) return {};
+  }
+}
+
+}  // namespace spool

@@ -1,0 +1,201 @@
+#include "lib/sampling/multiscale/options.h"
+
+namespace spool {
+namespace {
+
+using O = MultiscaleOptions;
+
+// A whole number, or the word that stands for no number.
+Option<O> integer_or_word(std::string name, std::optional<int> O::* member, std::string word,
+                          int lowest, int highest, std::string help) {
+  return {name, fmt::format("{}|{} .. {}", word, lowest, highest), std::move(help),
+          [=](O& options, std::string_view text) -> Result<void> {
+            if (text == word) {
+              (options.*member).reset();
+              return {};
+            }
+            SPOOL_ASSIGN(const int value, parse_integer(name, text, lowest, highest));
+            options.*member = value;
+            return {};
+          },
+          [=](const O& options) {
+            return options.*member ? std::to_string(*(options.*member)) : word;
+          }};
+}
+
+Option<O> pop_option() {
+  return {"pop", "per_piece|fixed(1 .. 65536)",
+          "samples of a region: one for each piece, or m for its least-sampled pieces",
+          [](O& options, std::string_view text) -> Result<void> {
+            if (text == "per_piece") {
+              options.pop_samples.reset();
+              return {};
+            }
+            if (!text.starts_with("fixed(") || !text.ends_with(")")) {
+              return fail(ErrorCode::kUsage, "option pop: '{}' is not per_piece or fixed(m)", text);
+            }
+            SPOOL_ASSIGN(const int value,
+                         parse_integer("pop", text.substr(6, text.size() - 7), 1, 65536));
+            options.pop_samples = value;
+            return {};
+          },
+          [](const O& options) {
+            return options.pop_samples ? fmt::format("fixed({})", *options.pop_samples)
+                                       : std::string("per_piece");
+          }};
+}
+
+Option<O> stop_option() {
+  return {"P_stop", "off|0 .. inf", "stop, budget or not, when no priority exceeds this",
+          [](O& options, std::string_view text) -> Result<void> {
+            if (text == "off") {
+              options.stop_priority.reset();
+              return {};
+            }
+            SPOOL_ASSIGN(const double value, parse_number("P_stop", text, 0.0, 1e300));
+            options.stop_priority = value;
+            return {};
+          },
+          [](const O& options) {
+            return options.stop_priority ? format_number(*options.stop_priority)
+                                         : std::string("off");
+          }};
+}
+
+// The options of the pyramid, read and written inside these.
+void append_pyramid_options(OptionTable<O>& table) {
+  for (const Option<PyramidOptions>& option : pyramid_option_table()) {
+    table.push_back(
+        {option.name, option.allowed, option.help,
+         [option](O& options, std::string_view text) { return option.set(options.pyramid, text); },
+         [option](const O& options) { return option.get(options.pyramid); }});
+  }
+}
+
+OptionTable<O> make_table() {
+  OptionTable<O> table = {
+      integer_or_word("init_spp", &O::init_spp, "auto", 1, 65535,
+                      "samples that every piece takes first; auto: 4 from 8 samples per piece on, "
+                      "else 2"),
+      choice_option<O, ExposureMode>(
+          "exposure", &O::exposure,
+          {{"normalise", ExposureMode::kNormalise}, {"none", ExposureMode::kNone}},
+          "scale of the analysis signal, frozen after the initial samples"),
+      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised analysis signal"),
+      choice_option<O, AnalysedChannels>(
+          "analysis_channel", &O::channels,
+          {{"luminance", AnalysedChannels::kLuminance},
+           {"max_rgb", AnalysedChannels::kMaxRgb},
+           {"per_channel", AnalysedChannels::kPerChannel}},
+          "what is analysed; per_channel takes the largest priority"),
+      number_option<O>("decision_clamp", &O::decision_clamp, 1e-6,
+                       std::numeric_limits<double>::infinity(),
+                       "limit of the analysis signal; the estimate keeps every value"),
+      choice_option<O, DecisionMap>(
+          "decision_map", &O::decision_map,
+          {{"linear", DecisionMap::kLinear}, {"log1p", DecisionMap::kLog1p}},
+          "map of the analysis signal"),
+      choice_option<O, ContrastForm>(
+          "contrast", &O::contrast,
+          {{"guarded", ContrastForm::kGuarded}, {"literal", ContrastForm::kLiteral}},
+          "contrast of eq 6"),
+      choice_option<O, VarianceTerm>(
+          "V_mode", &O::variance_term,
+          {{"piece", VarianceTerm::kPiece}, {"region_minmax", VarianceTerm::kRegionMinmax}},
+          "V of a region: the mean over its pieces, or from the extremes of the region"),
+  };
+  append_pyramid_options(table);
+  const OptionTable<O> rest = {
+      choice_option<O, DetailIndex>("d_index", &O::detail_index,
+                                    {{"produced_with_level", DetailIndex::kProducedWithLevel},
+                                     {"same_k", DetailIndex::kSameK}},
+                                    "which detail image a level looks at: d_(k-1) or d_k"),
+      choice_option<O, DetailNorm>(
+          "d_norm", &O::detail_norm,
+          {{"absolute", DetailNorm::kAbsolute}, {"relative", DetailNorm::kRelative}},
+          "difference term of eq 5: d^2, or d^2 / (f^2 + 0.01)"),
+      number_option<O>("alpha", &O::alpha, 0.0, 1.0, "weight of the newest change in eq 7"),
+      choice_option<O, AttenuationUpdate>("A_update", &O::attenuation,
+                                          {{"fractional", AttenuationUpdate::kFractional},
+                                           {"region", AttenuationUpdate::kRegion},
+                                           {"any_touch", AttenuationUpdate::kAnyTouch},
+                                           {"accumulate", AttenuationUpdate::kAccumulate},
+                                           {"none", AttenuationUpdate::kNone}},
+                                          "reading of eq 7"),
+      choice_option<O, AttenuationStart>(
+          "A_init", &O::attenuation_start,
+          {{"one", AttenuationStart::kOne}, {"split", AttenuationStart::kSplit}},
+          "attenuation before the first step; split needs two initial samples, else one"),
+      choice_option<O, ChangeScale>("F_scale", &O::change_scale,
+                                    {{"per_pass", ChangeScale::kPerPass},
+                                     {"sqrt", ChangeScale::kSqrt},
+                                     {"plain", ChangeScale::kPlain}},
+                                    "change of a step: F/c, F/sqrt(c) or F (A_update=fractional)"),
+      number_option<O>("A_min", &O::attenuation_floor, 0.0, 1e6, "floor of A in eq 5"),
+      number_option<O>("explore_fraction", &O::explore_fraction, 0.0, 1.0,
+                       "share of the adaptive budget spent uniformly before the loop"),
+      choice_option<O, UpdateMode>("update", &O::update,
+                                   {{"epoch", UpdateMode::kEpoch}, {"exact", UpdateMode::kExact}},
+                                   "many regions a step, or one"),
+      integer_or_word("epochs", &O::epochs, "auto", 1, 1000000,
+                      "steps of update=epoch; auto: 256 up to 256 x 256 pieces, 96 beyond"),
+      pop_option(),
+      stop_option(),
+      choice_option<O, ParallelOver>(
+          "parallel", &O::parallel,
+          {{"rows", ParallelOver::kRows}, {"tiles", ParallelOver::kTiles}},
+          "what runs in parallel; never changes a result"),
+      integer_option<O>("tile", &O::tile, 0, 65536,
+                        "pieces per tile side, a multiple of 2^K; 0: no tiles"),
+      choice_option<O, TileHalo>("tile_halo", &O::tile_halo,
+                                 {{"frozen", TileHalo::kFrozen}, {"none", TileHalo::kNone}},
+                                 "what a tile sees of its neighbours"),
+      choice_option<O, BudgetBase>(
+          "budget_base", &O::budget_base,
+          {{"adaptive", BudgetBase::kAdaptive}, {"total", BudgetBase::kTotal}},
+          "what eq 13 divides among the tiles"),
+  };
+  table.insert(table.end(), rest.begin(), rest.end());
+  return table;
+}
+
+O paper_preset() {
+  O options;
+  options.init_spp = 1;
+  options.exposure = ExposureMode::kNone;
+  options.contrast = ContrastForm::kLiteral;
+  options.pyramid.detail = LaplacianDetail::kPhase00;
+  options.attenuation = AttenuationUpdate::kRegion;
+  options.change_scale = ChangeScale::kPlain;
+  options.update = UpdateMode::kExact;
+  options.parallel = ParallelOver::kTiles;
+  options.tile = 64;
+  options.tile_halo = TileHalo::kNone;
+  return options;
+}
+
+}  // namespace
+
+int initial_samples(const MultiscaleOptions& options, long long budget, long long pieces,
+                    int pieces_per_side) {
+  if (options.init_spp) return *options.init_spp;
+  if (budget >= 8 * pieces) return 4;
+  return pieces_per_side > 1 && budget < 4 * pieces ? 1 : 2;
+}
+
+int epoch_count(const MultiscaleOptions& options, long long pieces) {
+  if (options.epochs) return *options.epochs;
+  return pieces <= 256 * 256 ? 256 : 96;
+}
+
+const OptionTable<MultiscaleOptions>& multiscale_option_table() {
+  static const OptionTable<MultiscaleOptions> table = make_table();
+  return table;
+}
+
+const Presets<MultiscaleOptions>& multiscale_presets() {
+  static const Presets<MultiscaleOptions> presets = {{"robust", {}}, {"paper", paper_preset()}};
+  return presets;
+}
+
+}  // namespace spool

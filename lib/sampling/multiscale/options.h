@@ -1,0 +1,99 @@
+// Options of the multiscale sampler [LiuZheng], and its two presets: `paper`, the most literal
+// reading of the text that can be defended, and `robust`, the default. docs/method.md explains the
+// symbols; the code depends on the options alone, never on a preset's name.
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "lib/core/option_table.h"
+#include "lib/pyramid/laplacian_pyramid.h"
+#include "lib/sampling/sampler_entry.h"
+#include "lib/sampling/uniform.h"
+#include "lib/statistics/contrast.h"
+
+namespace spool {
+
+enum class AnalysedChannels { kLuminance, kMaxRgb, kPerChannel };  // per channel: P = max_c P_c
+enum class UpdateMode {
+  kExact,  // one region, then everything that it changed is recomputed
+  kEpoch,  // many regions that do not overlap, then one full analysis
+};
+enum class VarianceTerm {
+  kPiece,         // V_k = mean of C^2 over the region (eq 6)
+  kRegionMinmax,  // C^2 of the extremes of all samples in the region
+};
+enum class DetailNorm { kAbsolute, kRelative };  // d^2, or d^2 / (f^2 + 0.01)
+enum class DetailIndex {
+  kProducedWithLevel,  // level k looks at d_{k-1}, what is lost by going to that level
+  kSameK,              // level k looks at d_k
+};
+// Eq 7, with c = new samples of the region per unsaturated piece.
+enum class AttenuationUpdate {
+  kFractional,  // w = 1 - (1 - alpha)^c, A = (1 - w) A + w F / c
+  kRegion,      // A = (1 - alpha) A + alpha F where the region received samples
+  kAnyTouch,    // the same wherever f_k changed at all
+  kAccumulate,  // A = alpha A + F where the region received samples
+  kNone,        // A = 1
+};
+enum class AttenuationStart {
+  kOne,
+  kSplit,  // the change of f_k made by the last initial sample of each piece
+};
+enum class ChangeScale { kPerPass, kSqrt, kPlain };  // F / c, F / sqrt(c), F; fractional only
+enum class TileHalo {
+  kNone,    // a tile is analysed as if it were the whole image
+  kFrozen,  // it sees its neighbours as they were after the initial samples
+};
+enum class BudgetBase {
+  kAdaptive,  // eq 13 divides what is left after the initial samples
+  kTotal,     // eq 13 divides everything; a tile's initial samples count as spent
+};
+enum class ParallelOver { kRows, kTiles };  // never changes a result
+
+struct MultiscaleOptions {
+  std::optional<int> init_spp;  // per piece; empty: initial_samples()
+  ExposureMode exposure = ExposureMode::kNormalise;
+  double key = 1.0;
+  AnalysedChannels channels = AnalysedChannels::kLuminance;
+  double decision_clamp = std::numeric_limits<double>::infinity();
+  DecisionMap decision_map = DecisionMap::kLinear;
+  ContrastForm contrast = ContrastForm::kGuarded;
+  VarianceTerm variance_term = VarianceTerm::kPiece;
+
+  PyramidOptions pyramid;  // pyramid.levels is K
+  DetailIndex detail_index = DetailIndex::kProducedWithLevel;
+  DetailNorm detail_norm = DetailNorm::kAbsolute;
+
+  double alpha = 0.4;
+  AttenuationUpdate attenuation = AttenuationUpdate::kFractional;
+  AttenuationStart attenuation_start = AttenuationStart::kOne;
+  ChangeScale change_scale = ChangeScale::kPerPass;
+  double attenuation_floor = 0.0;  // A_min
+
+  double explore_fraction = 0.0;  // of the adaptive budget, spent uniformly before the loop
+  UpdateMode update = UpdateMode::kEpoch;
+  std::optional<int> epochs;       // empty: epoch_count()
+  std::optional<int> pop_samples;  // fixed(m); empty: one sample for each piece of the region
+  std::optional<double> stop_priority;
+
+  ParallelOver parallel = ParallelOver::kRows;
+  int tile = 0;  // pieces per side; 0: no tiles
+  TileHalo tile_halo = TileHalo::kFrozen;
+  BudgetBase budget_base = BudgetBase::kAdaptive;
+
+  int levels() const { return pyramid.levels; }
+};
+
+// Samples that every piece takes first. Automatic: 4 from 8 samples per piece on, else 2; 1 where
+// a pixel has several pieces and 2 would leave nothing to decide about.
+int initial_samples(const MultiscaleOptions& options, long long budget, long long pieces,
+                    int pieces_per_side);
+
+// Epochs of a run over `pieces` pieces. Automatic: 256 up to 256^2 pieces, 96 beyond.
+int epoch_count(const MultiscaleOptions& options, long long pieces);
+
+const OptionTable<MultiscaleOptions>& multiscale_option_table();
+const Presets<MultiscaleOptions>& multiscale_presets();
+
+}  // namespace spool

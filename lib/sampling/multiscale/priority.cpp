@@ -1,0 +1,103 @@
+#include "lib/sampling/multiscale/priority.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lib/pyramid/region_mean.h"
+#include "lib/pyramid/row_loop.h"
+#include "lib/sampling/multiscale/region_counts.h"
+
+namespace spool {
+namespace {
+
+// Keeps d^2 / f^2 finite in black regions; in squared units of the exposed signal (mean near 1).
+constexpr double kRelativeFloor = 0.01;
+
+// C^2 of the extremes of every sample in the region.
+void region_extremes_contrast(ScalarAnalysis& scalar, int k, const Rectangle& box,
+                              const MultiscaleOptions& options, GuardCounts& guards) {
+  const Rectangle bounds = scalar.lowest.bounds();
+  Plane& variance = scalar.variance[static_cast<std::size_t>(k - 1)];
+  std::vector<GuardCounts> rows(static_cast<std::size_t>(std::max(box.height(), 0)));
+  rows_by_area(box.y0, box.y1, box.area(), [&](int y) {
+    for (int x = box.x0; x < box.x1; ++x) {
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      const Rectangle r = region(x, y, k, bounds);
+      for (int j = r.y0; j < r.y1; ++j) {
+        for (int i = r.x0; i < r.x1; ++i) {
+          low = std::min(low, scalar.lowest(i, j));
+          high = std::max(high, scalar.highest(i, j));
+        }
+      }
+      variance(x, y) = low > high ? 0.0
+                                  : squared_contrast(low, high, options.contrast,
+                                                     rows[static_cast<std::size_t>(y - box.y0)]);
+    }
+  });
+  for (const GuardCounts& row : rows)
+    guards += row;
+}
+
+}  // namespace
+
+void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box,
+                          const MultiscaleOptions& options, GuardCounts& guards) {
+  if (options.variance_term == VarianceTerm::kRegionMinmax) {
+    region_extremes_contrast(scalar, k, box, options, guards);
+  } else {
+    region_mean_box(scalar.contrast, k, box, scalar.variance[static_cast<std::size_t>(k - 1)]);
+  }
+}
+
+double priority_value(double variance, double detail, double coarse, double attenuation,
+                      const MultiscaleOptions& options, GuardCounts& guards) {
+  double difference = detail * detail;
+  if (options.detail_norm == DetailNorm::kRelative) {
+    difference /= coarse * coarse + kRelativeFloor;
+  }
+  const double priority =
+      (variance + difference) * std::max(attenuation, options.attenuation_floor);
+  if (std::isfinite(priority)) return priority;
+  guards.add(Guard::kPriorityNotFinite);
+  return std::numeric_limits<double>::max();
+}
+
+void close_regions(Board& board, int k, const Rectangle& box) {
+  if (board.closed_pieces == 0) return;
+  const RegionCounts counts(board, k, box);
+  Plane& priority = board.priority[static_cast<std::size_t>(k - 1)];
+  for (int y = box.y0; y < box.y1; ++y) {
+    for (int x = box.x0; x < box.x1; ++x) {
+      if (counts.open(x, y) == 0) priority(x, y) = -std::numeric_limits<double>::infinity();
+    }
+  }
+}
+
+void update_priority(Board& board, int k, const Rectangle& wanted, const MultiscaleOptions& options,
+                     GuardCounts& guards) {
+  const Rectangle box = intersect(wanted, board.area);
+  if (box.empty()) return;
+  const auto level = static_cast<std::size_t>(k);
+  const auto detail = static_cast<std::size_t>(detail_of_level(k, options));
+  Plane& priority = board.priority[level - 1];
+  std::vector<GuardCounts> rows(static_cast<std::size_t>(box.height()));
+  rows_by_area(box.y0, box.y1, box.area(), [&](int y) {
+    GuardCounts& row = rows[static_cast<std::size_t>(y - box.y0)];
+    for (int x = box.x0; x < box.x1; ++x) {
+      double largest = -std::numeric_limits<double>::infinity();
+      for (const ScalarAnalysis& scalar : board.scalars) {
+        largest = std::max(largest, priority_value(scalar.variance[level - 1](x, y),
+                                                   scalar.pyramid.detail[detail](x, y),
+                                                   scalar.pyramid.coarse[level](x, y),
+                                                   scalar.attenuation[level](x, y), options, row));
+      }
+      priority(x, y) = largest;
+    }
+  });
+  for (const GuardCounts& row : rows)
+    guards += row;
+  close_regions(board, k, box);
+}
+
+}  // namespace spool

@@ -1,0 +1,31 @@
+// The priority of every region (eqs 5 and 6).
+//
+//   V_k = (1/N) sum of C^2 over R_k, N = pieces of R_k inside the window      [LiuZheng (6)]
+//   P_k = (V_k + D_k) max(A_k, A_min),  D_k = d_{k-1}^2                       [LiuZheng (5)]
+//
+// -infinity where every piece of the region is saturated. With several analysed scalars, the
+// largest. Slow twin: tests/reference/multiscale_reference.h.
+#pragma once
+
+#include "lib/core/guards.h"
+#include "lib/core/rectangle.h"
+#include "lib/sampling/multiscale/board.h"
+
+namespace spool {
+
+// Recomputes V_k on `box`.
+void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box,
+                          const MultiscaleOptions& options, GuardCounts& guards);
+
+// Recomputes P_k on the part of `box` that lies in the board's area.
+void update_priority(Board& board, int k, const Rectangle& box, const MultiscaleOptions& options,
+                     GuardCounts& guards);
+
+// P_k = -infinity on the part of `box` whose regions are saturated.
+void close_regions(Board& board, int k, const Rectangle& box);
+
+// (V + d^2) max(A, A_min) of one entry; the largest finite number, counted, if that is not finite.
+double priority_value(double variance, double detail, double coarse, double attenuation,
+                      const MultiscaleOptions& options, GuardCounts& guards);
+
+}  // namespace spool

@@ -1,0 +1,39 @@
+// Per region: how many samples are fresh and how many pieces can still be sampled.
+#pragma once
+
+#include <algorithm>
+
+#include "lib/core/image.h"
+#include "lib/core/rectangle.h"
+#include "lib/sampling/multiscale/board.h"
+
+namespace spool {
+
+// For the regions R_k of the entries in `box`, clipped to the board's area. The board must outlive
+// it and not change meanwhile.
+class RegionCounts {
+ public:
+  RegionCounts(const Board& board, int level, const Rectangle& box);
+
+  // Samples taken in this step.
+  int fresh(int x, int y) const { return fresh_(x - box_.x0, y - box_.y0); }
+  // Pieces that were not saturated before this step.
+  int open(int x, int y) const {
+    const int closed = closed_.empty() ? 0 : closed_(x - box_.x0, y - box_.y0);
+    return pieces(x, y) - closed;
+  }
+
+ private:
+  int pieces(int x, int y) const {
+    const int w = std::min(x + after_ + 1, area_.x1) - std::max(x - before_, area_.x0);
+    const int h = std::min(y + after_ + 1, area_.y1) - std::max(y - before_, area_.y0);
+    return w * h;
+  }
+
+  Rectangle box_, area_;
+  int before_ = 0, after_ = 0;
+  CountImage fresh_;
+  CountImage closed_;  // empty when no piece is saturated
+};
+
+}  // namespace spool
