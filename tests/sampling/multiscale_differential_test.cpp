@@ -1,0 +1,156 @@
+// The multiscale sampler against its slow twin, and local recomputation against full.
+#include <gtest/gtest.h>
+
+#include "lib/sampling/multiscale/exact_update.h"
+#include "lib/sampling/multiscale/priority.h"
+#include "lib/sampling/multiscale/region_sampling.h"
+#include "tests/reference/multiscale_reference.h"
+#include "tests/sampling/multiscale_cases.h"
+
+namespace spool {
+namespace {
+
+struct Case {
+  std::string name;
+  OptionValues set;
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+std::vector<Case> cases() {
+  const OptionValues small = {{"epochs", "6"}, {"init_spp", "2"}};
+  const std::vector<Case> changes = {
+      {"robust", {}},
+      {"init_1", {{"init_spp", "1"}}},
+      {"no_exposure", {{"exposure", "none"}}},
+      {"max_rgb", {{"analysis_channel", "max_rgb"}, {"key", "2"}}},
+      {"per_channel", {{"analysis_channel", "per_channel"}}},
+      {"log", {{"decision_map", "log1p"}, {"decision_clamp", "1.5"}}},
+      {"per_channel_log", {{"analysis_channel", "per_channel"}, {"decision_map", "log1p"}}},
+      {"literal", {{"contrast", "literal"}}},
+      {"region_minmax", {{"V_mode", "region_minmax"}, {"init_spp", "1"}}},
+      {"haar", {{"filter", "haar"}, {"K", "3"}}},
+      {"nine_seven", {{"filter", "9-7"}, {"K", "2"}}},
+      {"db3_causal", {{"filter", "db3"}, {"K", "2"}, {"even_align", "causal"}}},
+      {"swapped_undilated", {{"filter_roles", "swapped"}, {"lp_iteration", "undilated"}}},
+      {"literal_sign_phase00", {{"lp_sign", "literal"}, {"lp_detail", "phase00"}, {"K", "2"}}},
+      {"atrous_diff_same_k", {{"lp_detail", "atrous_diff"}, {"d_index", "same_k"}, {"K", "3"}}},
+      {"relative", {{"d_norm", "relative"}}},
+      {"region", {{"A_update", "region"}, {"alpha", "0.3"}}},
+      {"any_touch", {{"A_update", "any_touch"}}},
+      {"accumulate_split", {{"A_update", "accumulate"}, {"A_init", "split"}}},
+      {"none", {{"A_update", "none"}}},
+      {"fractional_split", {{"A_init", "split"}}},
+      {"sqrt", {{"F_scale", "sqrt"}}},
+      {"plain_floor", {{"F_scale", "plain"}, {"A_min", "0.2"}}},
+      {"fixed_4", {{"pop", "fixed(4)"}}},
+      {"fixed_9", {{"pop", "fixed(9)"}}},
+  };
+  std::vector<Case> all;
+  for (const std::string mode : {"epoch", "exact"}) {
+    for (const Case& change : changes) {
+      OptionValues set = small;
+      set.push_back({"update", mode});
+      set.insert(set.end(), change.set.begin(), change.set.end());
+      all.push_back({mode + "_" + change.name, set});
+    }
+  }
+  return all;
+}
+
+class MultiscaleTwin : public testing::TestWithParam<Case> {};
+
+TEST_P(MultiscaleTwin, CountsAreTheSameAndImagesAgree) {
+  const MultiscaleOptions options = test::multiscale_options("robust", GetParam().set);
+  const int width = 11, height = 9, spp = 6;
+  const SamplePool pool = test::noisy_pool(width, height, spp);
+  // The last budget saturates a good part of the pool.
+  for (const long long budget : {width * height * 3LL, width * height * 5LL + 7}) {
+    const auto expected = reference::Multiscale(pool, options, 42).run(budget);
+    SamplingContext context;
+    context.seed = 42;
+    Views views({"P"});
+    context.views = &views;
+    const auto result = sample_multiscale(pool, budget, options, context);
+    ASSERT_TRUE(result.has_value());
+    ASSERT_EQ(result->selection.statistics.n, expected.n);
+    ASSERT_EQ(result->log.samples_of_level, expected.samples_of_level);
+    for (std::size_t k = 0; k < result->selection.attenuation.size(); ++k) {
+      for (std::size_t p = 0; p < expected.n.size(); ++p) {
+        double mean = 0.0;
+        for (const auto& scalar : expected.attenuation)
+          mean += scalar[k][p] / static_cast<double>(expected.attenuation.size());
+        ASSERT_NEAR(result->selection.attenuation[k][p], mean, 1e-11 * (1.0 + mean)) << "A_" << k;
+      }
+    }
+    ASSERT_EQ(views.collected().size(), expected.priority.size());
+    for (std::size_t k = 0; k < expected.priority.size(); ++k) {
+      for (std::size_t p = 0; p < expected.n.size(); ++p) {
+        const double e = expected.priority[k][p], a = views.collected()[k].image[p];
+        if (std::isinf(e)) {
+          ASSERT_EQ(a, e);
+        } else {
+          ASSERT_NEAR(a, e, 1e-10 * (1.0 + e)) << views.collected()[k].name;
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Options, MultiscaleTwin, testing::ValuesIn(cases()),
+                         [](const auto& test) { return test.param.name; });
+
+// After every pop of exact mode, everything on the board equals a fresh analysis, bit for bit.
+TEST(MultiscaleExact, LocalUpdatesEqualFullRecomputation) {
+  for (const OptionValues& set : std::vector<OptionValues>{
+           {},
+           {{"filter", "9-7"}, {"K", "3"}},
+           {{"filter", "db3"}, {"d_index", "same_k"}, {"K", "2"}},
+           {{"lp_detail", "phase00"}, {"d_norm", "relative"}, {"V_mode", "region_minmax"}},
+           {{"lp_sign", "literal"}, {"A_update", "any_touch"}}}) {
+    const MultiscaleOptions options = test::multiscale_options("robust", set);
+    const SamplePool pool = test::noisy_pool(40, 27, 5);
+    GuardCounts guards;
+    Samples samples =
+        make_samples(prefix_statistics(pool, CountImage(40, 27, 2)), pool, 1.7, options);
+    const Rectangle grid{0, 0, 40, 27};
+    Board board = load_board(samples, pool, grid, grid, options, guards);
+    analyse(board, {}, options, guards);
+    for (std::uint64_t step = 0; step < 60; ++step) {
+      const RegionEntry entry{
+          1 + static_cast<int>(mix(1, step) % static_cast<std::uint64_t>(options.levels())),
+          static_cast<int>(mix(2, step) % 40), static_cast<int>(mix(3, step) % 27), 0.0};
+      const Rectangle region = sampled_region(board, entry);
+      const BeforeStep before = remember(board, region, options);
+      std::vector<Pick> picks;
+      choose_pieces(board, samples, pool, region, 1000, step, options, picks);
+      if (picks.empty()) continue;
+      take_picks(board, samples, pool, picks, options, guards);
+      update_analysis(board, before, options, guards);
+      end_step(board, samples, pool, picks);
+      const auto boxes = priority_boxes(board, before, options);
+      for (int k = 1; k <= options.levels(); ++k)
+        update_priority(board, k, boxes[static_cast<std::size_t>(k - 1)], options, guards);
+
+      Board fresh = load_board(samples, pool, grid, grid, options, guards);
+      analyse(fresh, {}, options, guards);
+      for (std::size_t k = 0; k < board.scalars[0].pyramid.coarse.size(); ++k)
+        ASSERT_EQ(board.scalars[0].pyramid.coarse[k], fresh.scalars[0].pyramid.coarse[k]) << k;
+      for (std::size_t k = 0; k < board.scalars[0].pyramid.detail.size(); ++k)
+        ASSERT_EQ(board.scalars[0].pyramid.detail[k], fresh.scalars[0].pyramid.detail[k]) << k;
+      ASSERT_EQ(board.scalars[0].variance, fresh.scalars[0].variance);
+      ASSERT_EQ(board.closed, fresh.closed);
+      ASSERT_EQ(board.closed_pieces, fresh.closed_pieces);
+      // A has a history; with it, the whole of P must follow.
+      fresh.scalars[0].attenuation = board.scalars[0].attenuation;
+      for (int k = 1; k <= options.levels(); ++k)
+        update_priority(fresh, k, grid, options, guards);
+      ASSERT_EQ(board.priority, fresh.priority) << step;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace spool
