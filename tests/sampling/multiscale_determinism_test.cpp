@@ -9,22 +9,27 @@ namespace spool {
 namespace {
 
 TEST(MultiscaleDeterminism, ThreadsDoNotChangeABit) {
-  const SamplePool pool = test::scene_s_pool(128, 16, 1, true);
+  // Coloured: sums of grey float samples are exact in double, whatever their order.
+  const SamplePool pool = test::noisy_pool(128, 120, 16);
   for (const OptionValues& set : std::vector<OptionValues>{
-           {{"update", "epoch"}, {"epochs", "20"}},
-           {{"update", "epoch"}, {"epochs", "10"}, {"analysis_channel", "per_channel"}},
-           {{"update", "epoch"}, {"epochs", "10"}, {"tile", "32"}, {"parallel", "tiles"}},
-           {{"update", "exact"}, {"tile", "32"}, {"tile_halo", "none"}, {"parallel", "tiles"}}}) {
+           {{"update", "epoch"}, {"epochs", "8"}},
+           {{"update", "epoch"}, {"epochs", "4"}, {"analysis_channel", "per_channel"}},
+           {{"update", "epoch"}, {"epochs", "6"}, {"tile", "32"}, {"parallel", "tiles"}},
+           {{"update", "exact"},
+            {"tile", "32"},
+            {"K", "2"},
+            {"tile_halo", "none"},
+            {"parallel", "tiles"}}}) {
     const MultiscaleOptions options = test::multiscale_options("robust", set);
     SamplingResult expected;
     {
       const ThreadLimit one(1);
-      expected = test::run_multiscale(pool, 128 * 128 * 3, options);
+      expected = test::run_multiscale(pool, 128 * 120 * 3, options);
     }
     for (const int threads : {1, 2, 3, 8}) {
       const ThreadLimit limit(threads);
       for (int repeat = 0; repeat < 3; ++repeat) {
-        const SamplingResult result = test::run_multiscale(pool, 128 * 128 * 3, options);
+        const SamplingResult result = test::run_multiscale(pool, 128 * 120 * 3, options);
         ASSERT_EQ(result.selection.statistics, expected.selection.statistics) << threads;
         ASSERT_EQ(result.selection.attenuation, expected.selection.attenuation) << threads;
         ASSERT_EQ(result.log.samples_of_level, expected.log.samples_of_level) << threads;

@@ -132,8 +132,10 @@ TEST(MultiscaleHardCases, HeldOutSamplesAreNeverTaken) {
 
 TEST(MultiscaleHardCases, QuarterPixelPieces) {
   const int width = 13, height = 10, spp = 32;
-  auto recording = RecordedSamples::from_memory(
-      "film", width, height, spp, std::vector<float>(3u * width * height * spp, 0.5f));
+  std::vector<float> radiance;
+  for (int i = 0; i < 3 * width * height * spp; ++i)
+    radiance.push_back(static_cast<float>(unit_double(mix(4, i))));
+  auto recording = RecordedSamples::from_memory("film", width, height, spp, radiance);
   ASSERT_TRUE(recording.has_value());
   std::vector<FilmPosition> film;
   for (int i = 0; i < width * height * spp; ++i) {

@@ -62,16 +62,6 @@ Option<O> stop_option() {
           }};
 }
 
-// The options of the pyramid, read and written inside these.
-void append_pyramid_options(OptionTable<O>& table) {
-  for (const Option<PyramidOptions>& option : pyramid_option_table()) {
-    table.push_back(
-        {option.name, option.allowed, option.help,
-         [option](O& options, std::string_view text) { return option.set(options.pyramid, text); },
-         [option](const O& options) { return option.get(options.pyramid); }});
-  }
-}
-
 OptionTable<O> make_table() {
   OptionTable<O> table = {
       integer_or_word("init_spp", &O::init_spp, "auto", 1, 65535,
@@ -104,7 +94,7 @@ OptionTable<O> make_table() {
           {{"piece", VarianceTerm::kPiece}, {"region_minmax", VarianceTerm::kRegionMinmax}},
           "V of a region: the mean over its pieces, or from the extremes of the region"),
   };
-  append_pyramid_options(table);
+  append_options(table, pyramid_option_table(), &O::pyramid);
   const OptionTable<O> rest = {
       choice_option<O, DetailIndex>("d_index", &O::detail_index,
                                     {{"produced_with_level", DetailIndex::kProducedWithLevel},
