@@ -11,7 +11,8 @@ import statistics
 import sys
 import time
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, os.path.join(HERE, "..", "recording")]
 sys.dont_write_bytecode = True
 
 import bpy  # noqa: E402

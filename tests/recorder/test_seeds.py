@@ -4,7 +4,8 @@ import sys
 
 import pytest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "dumps" / "cycles"))
+DUMPS = pathlib.Path(__file__).resolve().parents[2] / "dumps"
+sys.path[:0] = [str(DUMPS / "cycles"), str(DUMPS / "recording")]
 
 import options  # noqa: E402
 import pass_folder  # noqa: E402

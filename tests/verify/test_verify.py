@@ -33,7 +33,7 @@ def dump(path, radiance, film=None, albedo=None, reference=None, order="exchange
     if reference is not None:
         layers["reference"] = layers["reference_variance"] = ("f4", "RGB", "pixel")
     with spool.Writer(path, SIZE, SIZE, SPP, layers, sample_order=order, force=True,
-                      meta={"reference": {"samples": REFERENCE}}) as writer:
+                      meta={"reference": {"spp": REFERENCE}}) as writer:
         arrays = {"radiance": radiance}
         if albedo is not None:
             arrays["albedo"] = albedo
@@ -94,14 +94,14 @@ def test_film_that_is_not_uniform_is_found(tmp_path, film, name):
 def test_a_reference_of_the_same_samples_is_found(tmp_path):
     radiance = pool()
     same = radiance.astype(float).mean(axis=2).astype("f4")
-    assert "reference chi-square" in failed(
+    assert "reference error" in failed(
         dump(tmp_path / "same.spool", radiance, reference=(same, independent_reference()[1])))
 
 
 def test_a_reference_of_another_scene_is_found(tmp_path):
     mean, variance = independent_reference()
     names = failed(dump(tmp_path / "other.spool", pool(), reference=(mean * np.float32(1.2), variance)))
-    assert {"reference chi-square", "reference energy"} <= names
+    assert {"reference error", "reference energy"} <= names
 
 
 def test_empty_layers_and_repeated_passes_are_found(tmp_path):
@@ -118,5 +118,5 @@ def test_findings_travel_in_the_metadata_and_change_no_sample(tmp_path):
     assert spool.check(path).ok
     with spool.open(path) as after:
         assert after.meta["verification"]["holds"] is True
-        assert after.meta["reference"]["samples"] == REFERENCE
+        assert after.meta["reference"]["spp"] == REFERENCE
         assert np.array_equal(radiance, after.read("radiance")) and uuid == after.uuid
