@@ -52,6 +52,7 @@ double student_cdf(double t, double freedom) {
 double student_quantile(double probability, double freedom) {
   SPOOL_CHECK_GT(probability, 0.0);
   SPOOL_CHECK_LT(probability, 1.0);
+  if (probability == 0.5) return 0.0;
   if (probability < 0.5) return -student_quantile(1.0 - probability, freedom);
   double low = 0.0, high = 1.0;
   while (student_cdf(high, freedom) < probability)

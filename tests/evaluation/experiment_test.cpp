@@ -1,0 +1,262 @@
+#include "lib/evaluation/experiment.h"
+
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "lib/core/parallel.h"
+#include "lib/evaluation/result_table.h"
+#include "lib/synthetic/scene_s.h"
+
+namespace spool {
+namespace {
+
+// Methods for these tests: `uniform` takes samples everywhere, `broken` fails; `mean` gives pixel
+// means, `zero` black, `nan` an image that is not finite.
+struct Laboratory {
+  int loads = 0;
+  std::map<std::string, int> sampled;  // runs by sampler
+
+  ExperimentSources sources() {
+    return {[this](const std::string& name) -> Result<std::shared_ptr<const RecordedSamples>> {
+              ++loads;
+              if (name == "absent") return fail(ErrorCode::kIo, "absent: no such file");
+              return std::make_shared<const RecordedSamples>(
+                  make_scene_s(40, 30, 48, name == "other" ? 2 : 1));
+            },
+            [this](const MethodChoice& choice) { return sampler(choice); },
+            [](const MethodChoice& choice) { return filter(choice); }};
+  }
+
+  Result<SamplerFunction> sampler(const MethodChoice& choice) {
+    return SamplerFunction([this, choice](const SamplePool& pool, long long budget,
+                                          const SamplingContext&) -> Result<SamplingResult> {
+      ++sampled[choice.name];
+      if (choice.name == "broken") return fail(ErrorCode::kData, "broken on purpose");
+      SamplingResult result;
+      result.selection.statistics = empty_statistics(pool);
+      const long long pieces = static_cast<long long>(pool.width()) * pool.height();
+      result.log.budget = budget;
+      result.log.spent =
+          take_everywhere(result.selection.statistics, pool, static_cast<int>(budget / pieces));
+      return result;
+    });
+  }
+
+  static Result<ReconstructorFunction> filter(const MethodChoice& choice) {
+    if (choice.name == "unknown") return fail(ErrorCode::kUsage, "unknown filter 'unknown'");
+    return ReconstructorFunction([choice](const Selection& selection, const SamplePool&,
+                                          const ReconstructionContext&) -> Result<Reconstruction> {
+      Reconstruction result;
+      result.image = pixel_means(selection.statistics, result.guards);
+      if (choice.name == "zero") result.image = make_rgb(40, 30);
+      if (choice.name == "nan") result.image[0](0, 0) = std::nan("");
+      return result;
+    });
+  }
+};
+
+MethodChoice method(const std::string& name) {
+  return {name, "", {}};
+}
+
+std::string value_of(const CellResult& result, const std::string& column) {
+  for (const ResultColumn& c : result_columns()) {
+    if (c.name == column) return c.text(result);
+  }
+  return "no such column";
+}
+
+TEST(Experiment, AllCellsAreEveryCombination) {
+  const auto cells = all_cells({"a", "b"}, {method("s")}, {method("f"), method("g")}, {4, 8}, 3);
+  EXPECT_EQ(cells.size(), 2u * 1 * 2 * 2 * 3);
+  EXPECT_EQ(cells[0].filter.name, "f");
+  EXPECT_EQ(cells[1].filter.name, "g");
+  EXPECT_EQ(cells[2].replicate, 1);
+}
+
+TEST(Experiment, FiltersOfOneSamplingRunShareItAndRecordingsAreLoadedOnce) {
+  Laboratory laboratory;
+  auto cells =
+      all_cells({"one", "other"}, {method("uniform")}, {method("mean"), method("zero")}, {4, 8}, 2);
+  std::swap(cells[0], cells[9]);  // any order
+  std::swap(cells[3], cells[14]);
+  const auto results = run_experiment(cells, {}, laboratory.sources());
+  EXPECT_EQ(laboratory.loads, 2);
+  EXPECT_EQ(laboratory.sampled["uniform"], 2 * 2 * 2);
+  ASSERT_EQ(results.size(), cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    EXPECT_EQ(results[i].cell, cells[i]);
+}
+
+TEST(Experiment, MeasuresTheErrorOfUniformSampling) {
+  Laboratory laboratory;
+  const auto results = run_experiment(
+      all_cells({"one"}, {method("uniform")}, {method("mean")}, {8}, 6), {}, laboratory.sources());
+  const ExactImage exact = exact_image(scene_s(40, 30));
+  double expected = 0.0;
+  for (const double v : exact.sample_variance[0].pixels())
+    expected += v / 8 / 1200;
+  double sum = 0.0;
+  for (const CellResult& result : results) {
+    EXPECT_FALSE(result.error.has_value());
+    EXPECT_EQ(result.log.spent, 8 * 1200);
+    EXPECT_EQ(result.reference, ReferenceKind::kIndependent);
+    sum += result.metrics["mse"].value / 6;
+  }
+  EXPECT_NEAR(sum / expected, 1.0, 0.15);
+  EXPECT_NE(results[0].metrics["mse"].value, results[1].metrics["mse"].value);
+}
+
+TEST(Experiment, EveryReferenceKindFindsTheSameErrorExceptThePool) {
+  double mse[4] = {};
+  for (const ReferenceKind kind : {ReferenceKind::kIndependent, ReferenceKind::kHoldout,
+                                   ReferenceKind::kLeaveSelectedOut, ReferenceKind::kPool}) {
+    Laboratory laboratory;
+    ExperimentOptions options;
+    options.reference = kind;
+    const auto results =
+        run_experiment(all_cells({"one"}, {method("uniform")}, {method("mean")}, {16}, 8), options,
+                       laboratory.sources());
+    for (const CellResult& result : results) {
+      ASSERT_FALSE(result.error.has_value()) << result.error->message;
+      mse[static_cast<int>(kind)] += result.metrics["mse"].value / 8;
+      EXPECT_EQ(result.holdout, kind == ReferenceKind::kHoldout ? 16 : 0);
+      EXPECT_EQ(value_of(result, "reference"),
+                kind == ReferenceKind::kPool ? "pool (biased)" : reference_name(kind));
+    }
+  }
+  EXPECT_NEAR(mse[1] / mse[0], 1.0, 0.15);
+  EXPECT_NEAR(mse[2] / mse[0], 1.0, 0.15);
+  EXPECT_NEAR(mse[3] / mse[0], 1.0 - 16.0 / 48, 0.1);
+}
+
+TEST(Experiment, AFailedCellIsKeptAndTheOthersGoOn) {
+  Laboratory laboratory;
+  const auto results = run_experiment({{"one", method("broken"), method("mean"), 4, 0},
+                                       {"absent", method("uniform"), method("mean"), 4, 0},
+                                       {"one", method("uniform"), method("unknown"), 4, 0},
+                                       {"one", method("uniform"), method("mean"), 4, 0}},
+                                      {}, laboratory.sources());
+  ASSERT_EQ(results.size(), 4u);
+  EXPECT_EQ(results[0].error->message, "broken on purpose");
+  EXPECT_EQ(results[1].error->code, ErrorCode::kIo);
+  EXPECT_EQ(results[2].error->code, ErrorCode::kUsage);
+  EXPECT_FALSE(results[3].error.has_value());
+  EXPECT_EQ(value_of(results[0], "mse"), "");
+  EXPECT_EQ(value_of(results[0], "error"), "broken on purpose");
+}
+
+TEST(Experiment, AnImageThatIsNotFiniteIsMarkedAsFailed) {
+  Laboratory laboratory;
+  const auto results =
+      run_experiment({{"one", method("uniform"), method("nan"), 4, 0}}, {}, laboratory.sources());
+  EXPECT_FALSE(results[0].error.has_value());
+  EXPECT_TRUE(results[0].metrics.failed);
+  EXPECT_EQ(value_of(results[0], "excluded_image"), "1");
+  EXPECT_EQ(value_of(results[0], "error"), "image not finite");
+}
+
+TEST(Experiment, RecordedOrderHasOneReplicate) {
+  Laboratory laboratory;
+  ExperimentOptions options;
+  options.order = PoolOrder::kRecorded;
+  const auto results =
+      run_experiment(all_cells({"one"}, {method("uniform")}, {method("mean")}, {4}, 2), options,
+                     laboratory.sources());
+  EXPECT_FALSE(results[0].error.has_value());
+  EXPECT_TRUE(results[1].error.has_value());
+}
+
+TEST(Experiment, HandsOverImagesReportsProgressAndStopsWhenCancelled) {
+  Laboratory laboratory;
+  int finished = 0;
+  double last = 0.0;
+  ExperimentCallbacks callbacks;
+  callbacks.finished = [&](const CellResult& result, const CellImages* images) {
+    ++finished;
+    ASSERT_NE(images, nullptr);
+    EXPECT_EQ(images->image[0].width(), 40);
+    EXPECT_EQ(images->selection.statistics.n(3, 3), 4);
+    EXPECT_EQ(error_metrics(images->image, images->reference)["mse"].value,
+              result.metrics["mse"].value);
+  };
+  callbacks.progress = [&](double share) {
+    EXPECT_GE(share, last);
+    last = share;
+  };
+  callbacks.cancelled = [&] { return finished == 2; };
+  const auto results =
+      run_experiment(all_cells({"one"}, {method("uniform")}, {method("mean")}, {4}, 4), {},
+                     laboratory.sources(), callbacks);
+  EXPECT_EQ(results.size(), 2u);
+  EXPECT_EQ(last, 0.5);
+}
+
+TEST(Experiment, ResultsDoNotDependOnTheNumberOfThreads) {
+  const auto run = [](int threads) {
+    const ThreadLimit limit(threads);
+    Laboratory laboratory;
+    std::vector<double> values;
+    for (const CellResult& result :
+         run_experiment(all_cells({"one"}, {method("uniform")}, {method("mean")}, {4}, 2), {},
+                        laboratory.sources())) {
+      EXPECT_EQ(result.threads, threads);
+      for (const MetricValue& metric : result.metrics.values)
+        if (!std::isnan(metric.value)) values.push_back(metric.value);
+    }
+    return values;
+  };
+  const std::vector<double> once = run(1);
+  EXPECT_EQ(run(2), once);
+}
+
+TEST(ResultTable, RowsHaveAFieldForEveryColumnAndQuoteWhatNeedsIt) {
+  EXPECT_EQ(csv_header().substr(0, 33), "dump,sampler,filter,spp,replicate");
+  CellResult result;
+  result.cell = {"a \"b\", c", {"s", "p", {{"x", "1"}, {"y", "2"}}}, method("f"), 2.5, 3};
+  result.error = Error{ErrorCode::kData, "no"};
+  const std::string row = to_csv_row(result);
+  EXPECT_EQ(row.substr(0, 43), "\"a \"\"b\"\", c\",\"s:p{x=1,y=2}\",f,2.5,3,,,,,,,,");
+  std::size_t commas = 0;
+  bool quoted = false;
+  for (const char c : row) {
+    if (c == '"') quoted = !quoted;
+    commas += c == ',' && !quoted;
+  }
+  EXPECT_EQ(commas + 1, result_columns().size());
+}
+
+TEST(ResultTable, ColumnsHaveUniqueNamesAndMeanings) {
+  std::map<std::string, int> names;
+  for (const ResultColumn& column : result_columns()) {
+    EXPECT_EQ(++names[column.name], 1) << column.name;
+    EXPECT_FALSE(column.meaning.empty());
+  }
+  for (const char* name :
+       {"mse", "mse_se", "relmse", "relmse_trimmed", "energy_ratio", "energy_ratio_se",
+        "seconds_sampling", "seconds_filtering", "samples_spent", "saturated", "guards"}) {
+    EXPECT_EQ(names[name], 1) << name;
+  }
+}
+
+TEST(ResultTable, EfficiencyIsUnresolvedWithinTwoStandardErrorsOfZero) {
+  CellResult result;
+  result.metrics.values.resize(metrics().size());
+  result.sampling.wall = 1.0;
+  result.filtering.wall = 3.0;
+  MetricValue& mse = result.metrics.values[static_cast<std::size_t>(metric_index("mse"))];
+  mse = {0.5, 0.1};
+  EXPECT_DOUBLE_EQ(*efficiency(result), 1.0 / (0.5 * 4.0));
+  result.cost_per_sample = 0.01;
+  result.log.spent = 400;
+  EXPECT_DOUBLE_EQ(*efficiency(result), 1.0 / (0.5 * 8.0));
+  mse = {0.5, 0.3};
+  EXPECT_FALSE(efficiency(result).has_value());
+  mse = {0.5, std::nan("")};
+  EXPECT_FALSE(efficiency(result).has_value());
+}
+
+}  // namespace
+}  // namespace spool
