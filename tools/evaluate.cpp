@@ -4,9 +4,10 @@
 #include <memory>
 #include <utility>
 
+#include "formats/spool_reader.h"
 #include "lib/evaluation/experiment.h"
 #include "lib/evaluation/result_table.h"
-#include "tools/dump_loading.h"
+#include "lib/pool/load_recording.h"
 #include "tools/evaluation_pictures.h"
 #include "tools/evaluation_summary.h"
 #include "tools/progress.h"

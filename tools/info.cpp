@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/dump_loading.h"
+#include "tools/dump_meta.h"
 #include "tools/sha256.h"
 
 namespace spool::tools {

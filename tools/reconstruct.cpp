@@ -6,7 +6,7 @@
 #include "lib/evaluation/reference.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_image.h"
-#include "tools/dump_loading.h"
+#include "lib/pool/load_recording.h"
 #include "tools/progress.h"
 #include "tools/result_pictures.h"
 #include "tools/selection_file.h"

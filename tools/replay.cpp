@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/image_io/atomic_file.h"
-#include "tools/dump_loading.h"
+#include "lib/pool/load_recording.h"
 #include "tools/progress.h"
 #include "tools/selection_file.h"
 

@@ -146,13 +146,16 @@ Result<void> load_reference(const SpoolReader& reader, RecordedSamples& samples)
   return {};
 }
 
+// The last `cost_per_sample` holds, as the format wants; one that is no positive number is none.
 void load_cost(const SpoolReader& reader, RecordedSamples& samples) {
+  double seconds = 0.0;
   for (const std::string& text : reader.meta()) {
     const auto meta = nlohmann::json::parse(text, nullptr, false);
-    if (!meta.is_object()) continue;
+    if (!meta.is_object()) continue;  // the reader has checked it; this is for the type's sake
     const auto cost = meta.find("cost_per_sample");
-    if (cost != meta.end() && cost->is_number()) samples.set_cost_per_sample(cost->get<double>());
+    if (cost != meta.end()) seconds = cost->is_number() ? cost->get<double>() : 0.0;
   }
+  if (seconds > 0.0) samples.set_cost_per_sample(seconds);
 }
 
 }  // namespace

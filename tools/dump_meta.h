@@ -1,0 +1,18 @@
+// What the remarks of a dump say.
+#pragma once
+
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/spool_reader.h"
+
+namespace spool::tools {
+
+// The `meta` records combined; later top-level keys replace earlier ones.
+nlohmann::ordered_json merged_meta(const format::SpoolReader& reader);
+
+// Seconds of rendering per sample of a pixel: the remark `cost_per_sample`, if there is one.
+std::optional<double> cost_per_sample(const nlohmann::ordered_json& meta);
+
+}  // namespace spool::tools
