@@ -1,0 +1,22 @@
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent
+REPORT = HERE.parents[1] / "tools" / "report"
+sys.dont_write_bytecode = True
+sys.path[:0] = [str(REPORT), str(HERE)]
+
+
+@pytest.fixture(scope="session")
+def made_folder(tmp_path_factory):
+    """A results folder with images; some methods tie, some differ."""
+    from made_results import make_rows, write_images, write_results
+    from result_images import dump_names, file_name_of
+
+    folder = tmp_path_factory.mktemp("results")
+    rows = make_rows()
+    write_results(folder, rows)
+    write_images(folder, rows, dump_names(dict.fromkeys(row["dump"] for row in rows)), file_name_of)
+    return folder

@@ -1,0 +1,58 @@
+"""The three scripts of other people that a report carries, taken from a cache and checked by sha256.
+
+They are fetched by fetch_assets.sh and never stored in the repository; assets.sha256 pins them.
+"""
+
+import hashlib
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+from failure import Failure
+
+HERE = Path(__file__).resolve().parent
+FETCH = "run tools/report/fetch_assets.sh once (needs the network)"
+
+
+class Asset(NamedTuple):
+    name: str
+    source: str
+    script: str  # file
+    licence: str  # file
+
+
+ASSETS = (
+    Asset("plotly.js basic 4.1.1", "npm plotly.js-basic-dist-min", "plotly-basic.min.js",
+          "plotly-LICENSE.txt"),
+    Asset("FlipBook 1.13.0 (with React)", "PyPI simpleimageio", "flipbook.js",
+          "flipbook-LICENSE.txt"),
+    Asset("tablesort 5.6.0", "npm tablesort", "tablesort.min.js", "tablesort-LICENSE.txt"),
+)
+
+
+def cache_folder():
+    chosen = os.environ.get("SPOOL_REPORT_ASSETS")
+    if chosen:
+        return Path(chosen)
+    cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(cache) / "spool" / "report-assets"
+
+
+def pinned_hashes(path=HERE / "assets.sha256"):
+    """{file: sha256}"""
+    lines = path.read_text(encoding="ascii").splitlines()
+    return {name.strip(): digest for digest, name in (line.split(None, 1) for line in lines if line)}
+
+
+def load_asset(file, folder=None, pinned=None):
+    path = (folder or cache_folder()) / file
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError as error:
+        raise Failure(f"{path}: not there: {FETCH}", 3) from error
+    except OSError as error:
+        raise Failure(f"{path}: {error.strerror}: {FETCH}", 3) from error
+    if hashlib.sha256(data).hexdigest() != (pinned or pinned_hashes())[file]:
+        raise Failure(f"{path}: not the file that was pinned (sha256 differs): delete it and "
+                      f"{FETCH}", 3)
+    return data.decode("utf-8")

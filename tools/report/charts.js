@@ -1,0 +1,167 @@
+// Error against time and error against budget of one recording, both axes logarithmic.
+// Colour = sampler, symbol and dash = filter.
+const symbols = ['circle', 'square', 'diamond', 'cross', 'x', 'triangle-up', 'triangle-down', 'star',
+  'pentagon', 'hexagon2', 'hourglass', 'bowtie'];
+const dashes = ['solid', 'dash', 'dot', 'dashdot', 'longdash', 'longdashdot'];
+
+// Plotly reads a subset of HTML in its labels.
+const plotText = (text) => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;');
+
+const isPositive = (value) => value > 0 && Number.isFinite(value);
+
+// A bar that reaches zero or below has no end on a logarithmic axis: it ends off the axis instead.
+function errorBar(points, colour) {
+  const known = (p) => Number.isFinite(p.low) && Number.isFinite(p.high);
+  return {
+    type: 'data', symmetric: false, visible: true, color: colour, thickness: 1.5, width: 4,
+    array: points.map((p) => (known(p) ? p.high - p.mean : 0)),
+    arrayminus: points.map((p) => (known(p) ? p.mean - Math.max(p.low, p.mean * 1e-6) : 0)),
+  };
+}
+
+// Range that holds all means and those interval ends that are within a factor 100 of their mean.
+function logRange(points) {
+  const ends = points.flatMap((p) => [p.mean, p.low, p.high].filter(
+    (end) => isPositive(end) && end > p.mean / 100));
+  const low = Math.log10(Math.min(...ends)), high = Math.log10(Math.max(...ends));
+  const margin = Math.max(0.06 * (high - low), 0.05);
+  return [low - margin, high + margin];
+}
+
+function hoverText(c) {
+  const lines = [methodOf(c), `${c.spp} spp, ${c.replicates} replicates`];
+  for (const name of [shown.metric, 'energy_ratio', 'seconds_total']) {
+    if (!quantityIndex.has(name)) continue;
+    const {mean, low, high} = interval(c, name);
+    lines.push(`${name} ${numberText(mean)}` +
+      (Number.isFinite(low) ? ` [${numberText(low)}, ${numberText(high)}]` : ''));
+  }
+  return lines.map(plotText).join('<br>');
+}
+
+// x: what a combination's place on the horizontal axis is, as {mean, low, high}.
+function traces(combinations, x) {
+  const groups = new Map();
+  for (const c of combinations) {
+    const key = c.sampler * report.filters.length + c.filter;
+    if (!groups.has(key)) groups.set(key, []);
+    groups.get(key).push(c);
+  }
+  return [...groups.values()].map((group) => {
+    const {sampler, filter} = group[0];
+    const colour = samplerColour(sampler);
+    const ys = group.map((c) => interval(c, shown.metric)), xs = group.map(x);
+    return {
+      type: 'scatter', mode: 'lines+markers', name: plotText(methodOf(group[0])),
+      x: xs.map((p) => p.mean), y: ys.map((p) => p.mean),
+      error_y: errorBar(ys, colour), error_x: errorBar(xs, colour),
+      text: group.map(hoverText), hovertemplate: '%{text}<extra></extra>',
+      marker: {color: colour, symbol: symbols[filter % symbols.length], size: 9},
+      line: {color: colour, width: 1.2, dash: dashes[filter % dashes.length]},
+    };
+  });
+}
+
+function frontTrace(combinations, x) {
+  const points = combinations.map((c) => [x(c).mean, interval(c, shown.metric).mean])
+    .sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const front = [];
+  for (const point of points) {
+    if (front.length === 0 || point[1] < front[front.length - 1][1]) front.push(point);
+  }
+  return {
+    type: 'scatter', mode: 'lines', name: 'Pareto front of the means', hoverinfo: 'skip',
+    x: front.map((p) => p[0]), y: front.map((p) => p[1]),
+    line: {color: isDark() ? '#888' : '#999', width: 6, shape: 'hv'}, opacity: 0.35,
+  };
+}
+
+function drawChart(target, combinations, x, xTitle, xTicks, withFront) {
+  const narrow = target.clientWidth < 560;
+  const style = getComputedStyle(document.documentElement);
+  const ink = style.getPropertyValue('--text-colour').trim(), grid = style.getPropertyValue('--rule').trim();
+  const axis = {type: 'log', gridcolor: grid, linecolor: grid, zeroline: false, ticks: 'outside',
+    tickcolor: grid, automargin: true};
+  const ys = combinations.map((c) => interval(c, shown.metric)), xs = combinations.map(x);
+  const lines = traces(combinations, x);
+  if (withFront) lines.unshift(frontTrace(combinations, x));
+  const legendRows = narrow ? lines.length : Math.ceil(lines.length / 3);
+  const layout = {
+    height: 420 + Math.min(legendRows, 20) * 22, margin: {l: 10, r: 12, t: 12, b: 10},
+    paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)', font: {color: ink, size: 13},
+    xaxis: {...axis, title: {text: xTitle}, range: logRange(xs), ...xTicks},
+    yaxis: {...axis, title: {text: plotText(shown.metric)}, range: logRange(ys), exponentformat: 'power'},
+    legend: {orientation: 'h', y: -0.2, yanchor: 'top', x: 0, font: {size: 12}},
+    hovermode: 'closest', showlegend: true,
+    hoverlabel: {bgcolor: style.getPropertyValue('--panel').trim(), font: {color: ink}},
+  };
+  Plotly.react(target, lines, layout, {responsive: true, displaylogo: false,
+    modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d']});
+}
+
+function startCharts(area) {
+  const heading = (text) => element('h3', {}, text);
+  const pareto = element('div', {class: 'chart', id: 'pareto-chart'});
+  const budget = element('div', {class: 'chart', id: 'budget-chart'});
+  const note = element('p', {class: 'note', 'aria-live': 'polite'});
+  area.append(filterControls(true), note,
+    element('div', {class: 'charts'},
+      element('figure', {}, heading('Error against time'), pareto),
+      element('figure', {}, heading('Error against samples per pixel'), budget)));
+
+  const draw = () => {
+    const known = report.combinations.filter((c) => c.dump === shown.dump && isShown(c));
+    const drawable = known.filter((c) => isPositive(interval(c, shown.metric).mean));
+    const timed = drawable.filter((c) => isPositive(interval(c, 'seconds_total').mean));
+    const hidden = known.length - drawable.length;
+    note.textContent = 'Bars are 95 % intervals; colour is the sampler, symbol and dash the filter. ' +
+      'Points of a line are budgets.' + (hidden === 0 ? '' :
+        ` Not drawn, for they have no value above zero: ${hidden} of ${known.length}.`);
+    const budgets = [...new Set(drawable.map((c) => c.spp))].sort((a, b) => a - b);
+    const ticks = budgets.length > 0 && budgets.length < 12 ?
+      {tickvals: budgets, ticktext: budgets.map(String)} : {};
+    const spp = (c) => ({mean: c.spp, low: NaN, high: NaN});
+    for (const [target, points] of [[pareto, timed], [budget, drawable]]) {
+      target.hidden = points.length === 0;
+    }
+    if (timed.length > 0) {
+      drawChart(pareto, timed, (c) => interval(c, 'seconds_total'), 'seconds', {exponentformat: 'power'}, true);
+    }
+    if (drawable.length > 0) drawChart(budget, drawable, spp, 'samples per pixel', ticks, false);
+  };
+  listeners.push(draw);
+  darkQuery.addEventListener('change', draw);
+  draw();
+}
+
+// Recording, metric, samplers and filters, for charts and table alike.
+function filterControls(withDump) {
+  const chips = (title, names, chosen, mark) => {
+    const group = element('fieldset', {class: 'chips'}, element('legend', {}, title));
+    names.forEach((name, i) => {
+      const box = element('input', {type: 'checkbox', checked: chosen.has(i)});
+      box.addEventListener('change', () => {
+        if (box.checked) chosen.add(i); else chosen.delete(i);
+        changed();
+      });
+      listeners.push(() => { box.checked = chosen.has(i); });
+      group.append(element('label', {}, box, mark(i), ' ' + name));
+    });
+    return group;
+  };
+  const swatch = (i) => {
+    const node = element('span', {class: 'swatch', 'aria-hidden': 'true'});
+    const paint = () => { node.style.background = samplerColour(i); };
+    darkQuery.addEventListener('change', paint);
+    paint();
+    return node;
+  };
+  const symbolText = ['●', '■', '◆', '✚', '✖', '▲', '▼', '★', '⬟', '⬢', '⧗', '⋈'];
+  return element('div', {class: 'controls'},
+    withDump ? select('Recording', report.dumps, shown.dump, (i) => { shown.dump = i; changed(); }) : null,
+    select('Error', report.metrics, report.metrics.indexOf(shown.metric),
+      (i) => { shown.metric = report.metrics[i]; changed(); }),
+    chips('Samplers', report.samplers, shown.samplers, swatch),
+    chips('Filters', report.filters, shown.filters,
+      (i) => element('span', {'aria-hidden': 'true'}, symbolText[i % symbolText.length])));
+}

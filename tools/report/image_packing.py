@@ -1,0 +1,60 @@
+"""Images as text in the page: half floats or counts, bytes sorted by weight, deflated, base64.
+
+The browser undoes it with DecompressionStream (image_codec.js). Values keep eleven bits.
+"""
+
+import base64
+import math
+import zlib
+from typing import NamedTuple
+
+import numpy as np
+
+LARGEST_HALF = 65504.0
+STRETCHED_MAXIMUM = 16384.0
+
+
+class Packed(NamedTuple):
+    width: int
+    height: int
+    channels: int
+    kind: str  # half, count
+    scale: float  # stored value * scale = value
+    text: str  # base64
+    values: np.ndarray  # [y][x] or [y][x][c], as they were
+
+    @property
+    def size(self):
+        return len(self.text)
+
+
+def pack_half(image, stretch):
+    """`stretch`: the largest magnitude is brought to the upper end of half's range."""
+    image = np.asarray(image, np.float32)
+    finite = np.abs(image[np.isfinite(image)])
+    largest = float(finite.max()) if finite.size else 0.0
+    scale = 1.0
+    if largest > 0.0 and (stretch or largest > LARGEST_HALF or largest < 2.0 ** -6):
+        scale = 2.0 ** math.ceil(math.log2(largest / STRETCHED_MAXIMUM))
+    with np.errstate(over="ignore", invalid="ignore"):
+        stored = (image.astype(np.float64) / scale).astype("<f2")
+    return _pack(image, stored, "half", scale)
+
+
+def pack_counts(image):
+    """Whole numbers up to 65535; larger ones are divided by a power of two."""
+    largest = float(np.nanmax(image)) if image.size else 0.0
+    scale = 1.0
+    while largest / scale > 65535.0:
+        scale *= 2.0
+    stored = np.clip(np.rint(np.nan_to_num(image) / scale), 0, 65535).astype("<u2")
+    return _pack(image, stored, "count", scale)
+
+
+def _pack(image, stored, kind, scale):
+    height, width = image.shape[:2]
+    channels = image.shape[2] if image.ndim == 3 else 1
+    planes = np.ascontiguousarray(np.moveaxis(stored.reshape(height, width, channels), 2, 0))
+    by_weight = planes.view(np.uint8).reshape(-1, 2).T
+    text = base64.b64encode(zlib.compress(by_weight.tobytes(), 6)).decode("ascii")
+    return Packed(width, height, channels, kind, scale, text, image)

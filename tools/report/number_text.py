@@ -1,0 +1,34 @@
+"""Figures as people read them: as many digits as the interval supports, lists with 'and'."""
+
+import math
+
+
+def number_text(value, digits=4):
+    if math.isnan(value):
+        return "not known"
+    return f"{value:.{digits}g}"
+
+
+def interval_text(interval, digits=4):
+    """"0.0260 [0.0240, 0.0281]" """
+    if math.isnan(interval.low) or math.isnan(interval.high):
+        return number_text(interval.mean, digits)
+    return (f"{number_text(interval.mean, digits)} [{number_text(interval.low, digits)}, "
+            f"{number_text(interval.high, digits)}]")
+
+
+def factor_text(interval):
+    return interval_text(interval, 3)
+
+
+def count_text(count, noun):
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def list_text(items, longest):
+    """"a, b and c"; beyond `longest`, "a, b and 5 more"."""
+    if len(items) > longest:
+        items = items[:longest - 1] + [f"{len(items) - longest + 1} more"]
+    if len(items) < 2:
+        return "".join(items)
+    return ", ".join(items[:-1]) + " and " + items[-1]

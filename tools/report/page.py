@@ -1,0 +1,74 @@
+"""Puts a report together: one HTML file that needs nothing else and may load nothing else.
+
+The policy allows the page's own scripts by their hashes and no connection; whatever a file name
+holds, it arrives as text.
+"""
+
+import base64
+import hashlib
+import json
+from html import escape
+
+from assets import ASSETS, HERE, load_asset
+
+OWN_SCRIPTS = ("report_data.js", "charts.js", "result_table.js", "image_codec.js", "image_pages.js",
+               "image_book.js", "page_start.js")
+REACT_NOTICE = ("React (in FlipBook): MIT License, Copyright (c) Meta Platforms, Inc. and "
+                "affiliates.\n\n")
+
+
+def json_for_html(value):
+    """No '<' survives, so that nothing in a string ends the element it stands in."""
+    text = json.dumps(value, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def script_for_html(source):
+    """JavaScript without the two texts that change how HTML reads a script element."""
+    for text in ("</script", "</SCRIPT", "</Script"):
+        source = source.replace(text, "<\\/" + text[2:])
+    return source.replace("<!--", "<\\!--")
+
+
+def build_page(title, sections, data, packed):
+    """`sections`: [(id, heading, HTML)], in order."""
+    scripts = [script_for_html(load_asset(asset.script)) for asset in ASSETS]
+    own = "\n".join((HERE / name).read_text(encoding="utf-8") for name in OWN_SCRIPTS)
+    scripts.append(script_for_html(f"(() => {{\n'use strict';\n{own}\n}})();"))
+    hashes = " ".join(f"'sha256-{_hash(script)}'" for script in scripts)
+    policy = (f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; "
+              "img-src data: blob:; base-uri 'none'; form-action 'none'")
+    style = (HERE / "style.css").read_text(encoding="utf-8")
+    links = "".join(f'<a href="#{id_}">{escape(heading)}</a>' for id_, heading, _ in sections)
+    body = "".join(f'<section id="{id_}"><h2>{escape(heading)}</h2>{html}</section>\n'
+                   for id_, heading, html in sections)
+    images = "".join(f'<script type="text/plain" id="image-{i}">{image.text}</script>\n'
+                     for i, image in enumerate(packed))
+    tags = "".join(f"<script>{script}</script>\n" for script in scripts)
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        '<meta name="color-scheme" content="light dark">\n'
+        f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body>\n"
+        f'<header><h1>{escape(title)}</h1><nav aria-label="Sections">{links}</nav></header>\n'
+        "<noscript><p class=\"warning\">Charts, table and images need JavaScript; the summary and "
+        "the details of the run do not.</p></noscript>\n"
+        f"<main>\n{body}</main>\n"
+        f'<script type="application/json" id="report-data">{json_for_html(data)}</script>\n'
+        f"{images}{tags}</body>\n</html>\n")
+
+
+def _hash(script):
+    return base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
+
+
+def licences_html():
+    parts = []
+    for asset in ASSETS:
+        text = load_asset(asset.licence)
+        if asset.script == "flipbook.js":
+            text = REACT_NOTICE + text
+        parts.append(f"<details><summary>{escape(asset.name)}, from {escape(asset.source)}: MIT "
+                     f"License</summary><pre>{escape(text)}</pre></details>")
+    return "".join(parts)

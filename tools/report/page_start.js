@@ -1,0 +1,11 @@
+// Fills the areas that the page holds; whichever fails says so in its place.
+for (const [id, start] of [['chart-area', startCharts], ['table-area', startTable], ['image-area', startImages]]) {
+  const area = document.getElementById(id);
+  if (!area) continue;
+  try {
+    start(area);
+  } catch (error) {
+    area.append(element('p', {class: 'warning'}, `This part cannot be shown: ${error.message}`));
+    throw error;
+  }
+}

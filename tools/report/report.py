@@ -1,0 +1,121 @@
+"""One HTML file from the folder that `spool evaluate` wrote: sentences, charts, table, images.
+
+usage: report.py DIR -o report.html [--metric relmse] [--max-image-mb 40] [--vocabulary FILE]
+                 [--title TEXT] [--force]
+Needs Python 3.9 and numpy; everything the page needs is in the page. Errors are one line on stderr;
+exit codes are those of spool: 1 data unusable, 2 wrong use, 3 input or output failed.
+"""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from failure import IO, USAGE, Failure  # noqa: E402
+
+
+def main(arguments=None):
+    try:
+        options = parse(arguments)
+        try:
+            import numpy  # noqa: F401
+        except ImportError as error:
+            raise Failure("spool report needs numpy: apt-get install python3-numpy, or pip install "
+                          "numpy into the Python that SPOOL_PYTHON names", USAGE) from error
+        print(make_report(options))
+    except Failure as failure:
+        print(failure, file=sys.stderr)
+        return failure.code
+    return 0
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(prog="spool report", description=__doc__.split("\n", 1)[0])
+    parser.add_argument("folder", type=Path, help="what spool evaluate -o DIR wrote")
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    parser.add_argument("--metric", default="", help="what the summary compares (relmse)")
+    parser.add_argument("--max-image-mb", type=float, default=40.0,
+                        help="megabytes of images; beyond, crops and links to the EXRs (40)")
+    parser.add_argument("--vocabulary", type=Path, help="meanings of columns as JSON")
+    parser.add_argument("--title", default="")
+    parser.add_argument("--force", action="store_true", help="replace the report")
+    return parser.parse_args(arguments)
+
+
+def make_report(options):
+    from aggregate import aggregate
+    from page import build_page
+    from report_data import OWN_MEANINGS, quantity_names, report_data
+    from result_images import dump_names, find_images, pack_images
+    from results_table import read_results
+    from sections import guards_html, quantities_html, run_html, summary_html
+    from summary import summarise
+    from vocabulary import read_manifest, read_vocabulary
+
+    if options.output.exists() and not options.force:
+        raise Failure(f"{options.output}: exists: choose another name or give --force", USAGE)
+    if not options.max_image_mb >= 0.0:
+        raise Failure(f"--max-image-mb: {options.max_image_mb} is no size", USAGE)
+    table = read_results(options.folder / "results.csv")
+    metric = choose_metric(options.metric, table)
+    vocabulary, manifest = read_vocabulary(options.vocabulary), read_manifest(options.folder)
+    combinations = aggregate(table)
+    labels = dump_names(dict.fromkeys(c.dump for c in combinations))
+    images = pack_images(find_images(options.folder, combinations),
+                         options.output.resolve().parent, options.max_image_mb)
+    names = quantity_names(combinations, table.metrics)
+    title = options.title or f"Spool report: {', '.join(list(labels.values())[:4])}"
+    sections = [
+        ("summary", "Summary",
+         summary_html(summarise(combinations, metric, labels), combinations, metric, len(labels))),
+        ("charts", "Error, time and budget", '<div id="chart-area"></div>'),
+        ("table", "All results",
+         '<div id="table-area"></div>' + quantities_html(names, vocabulary, OWN_MEANINGS)),
+        ("images", "Images", images_html(images)),
+        ("guards", "Saturated, rejected, clamped", guards_html(combinations, labels, vocabulary)),
+        ("run", "The run", run_html(manifest, combinations, labels, vocabulary.version)),
+    ]
+    data = report_data(combinations, table.metrics, metric, labels, vocabulary, images)
+    html = build_page(title, sections, data, images.packed)
+    write(options.output, html)
+    size = options.output.stat().st_size / 1e6
+    return (f"{options.output}: {size:.1f} MB, {len(table.rows)} results, {len(images.packed)} images "
+            f"({images.bytes / 1e6:.1f} MB)")
+
+
+def images_html(images):
+    if not images.sets:
+        return "<p>No images were written by the evaluation (--no-pictures).</p>"
+    notes = []
+    if images.crops:
+        notes.append("Images are cut to the window with the largest error to keep the page small.")
+    if images.left_out:
+        notes.append(f"{images.left_out} of {len(images.sets)} results have links to their EXR files "
+                     "only: raise --max-image-mb to embed them.")
+    return "".join(f"<p>{note}</p>" for note in notes) + '<div id="image-area"></div>'
+
+
+def choose_metric(wanted, table):
+    if wanted and wanted not in table.metrics:
+        raise Failure(f"--metric: no {wanted} in results.csv, which has {', '.join(table.metrics)}",
+                      USAGE)
+    if not table.metrics:
+        raise Failure("results.csv has no metric: not a table that spool evaluate wrote")
+    return wanted or ("relmse" if "relmse" in table.metrics else table.metrics[0])
+
+
+def write(path, text):
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise Failure(f"{path}: {error.strerror}: choose another place", IO) from error
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,64 @@
+// The figures, what is chosen to be shown, and small pieces that every part of the page uses.
+const report = JSON.parse(document.getElementById('report-data').textContent);
+const quantityIndex = new Map(report.quantities.map((q, i) => [q.name, i]));
+
+// What is shown; parts of the page register to be told of a change.
+const shown = {
+  dump: 0,
+  metric: report.metric,
+  samplers: new Set(report.samplers.keys()),
+  filters: new Set(report.filters.keys()),
+};
+const listeners = [];
+function changed() {
+  for (const listener of listeners) listener();
+}
+
+function interval(combination, name) {
+  const value = combination.values[quantityIndex.get(name)] ?? [];
+  const [mean = NaN, low = NaN, high = NaN] = value.map(Number);
+  return {mean, low, high};
+}
+
+const methodOf = (c) => `${report.samplers[c.sampler]} + ${report.filters[c.filter]}`;
+const isShown = (c) => shown.samplers.has(c.sampler) && shown.filters.has(c.filter);
+
+function numberText(value, digits = 4) {
+  if (Number.isNaN(value)) return '';
+  if (!Number.isFinite(value)) return value > 0 ? 'inf' : '-inf';
+  if (value === 0) return '0';
+  const magnitude = Math.abs(value);
+  if (magnitude >= 1e5 || magnitude < 1e-3) return value.toExponential(digits - 1);
+  return String(Number(value.toPrecision(digits)));
+}
+
+// element('td', {class: 'x', onclick: f}, 'text', child): text never becomes markup.
+function element(tag, attributes = {}, ...children) {
+  const node = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
+    else if (value === true) node.setAttribute(name, '');
+    else if (value !== false && value !== null) node.setAttribute(name, value);
+  }
+  node.append(...children.filter((child) => child !== null));
+  return node;
+}
+
+function select(label, texts, value, onchange) {
+  const list = element('select', {onchange: (event) => onchange(Number(event.target.value))});
+  texts.forEach((text, i) => list.append(element('option', {value: i, selected: i === value}, text)));
+  return element('label', {}, label + ' ', list);
+}
+
+const darkQuery = matchMedia('(prefers-color-scheme: dark)');
+const isDark = () => darkQuery.matches;
+
+// Colours of samplers, told apart on the page's light and dark grounds and by colour-blind readers.
+const palettes = {
+  light: ['#0072b2', '#d55e00', '#00805c', '#aa3377', '#8a6d00', '#3d9bd1', '#7f3fbf', '#666666'],
+  dark: ['#4da3e0', '#ff8a4c', '#2fc79b', '#e277b0', '#e0b84c', '#9ad4f5', '#b794f4', '#bbbbbb'],
+};
+const samplerColour = (sampler) => {
+  const palette = isDark() ? palettes.dark : palettes.light;
+  return palette[sampler % palette.length];
+};

@@ -1,0 +1,92 @@
+"""The figures of a report as JSON for its scripts: combinations, quantities, pictures.
+
+Only sums over replicates go in: a page stays usable with ten thousand results.
+"""
+
+import math
+
+from aggregate import RATIO_METRICS, TIMES
+from result_images import exposure_of
+
+QUANTITIES_LAST = TIMES + ("samples_per_pixel", "saturated_share", "efficiency")
+OWN_MEANINGS = {
+    "samples_per_pixel": "samples taken, per pixel",
+    "mse_ratio": "mse / mse of uniform + box at the same budget",
+    "relmse_ratio": "relmse / relmse of uniform + box at the same budget",
+}
+
+
+def quantity_names(combinations, metrics):
+    """In the order of the table: metrics with their ratios, then samples and times; known ones."""
+    ordered = []
+    for name in metrics:
+        ordered += [name, name + "_ratio"] if name in RATIO_METRICS else [name]
+    known = {name for c in combinations for name, q in c.quantities.items() if q.n > 0}
+    return [name for name in ordered + list(QUANTITIES_LAST) if name in known]
+
+
+def report_data(combinations, metrics, metric, labels, vocabulary, images):
+    names = quantity_names(combinations, metrics)
+    dumps = list(dict.fromkeys(c.dump for c in combinations))
+    samplers = list(dict.fromkeys(c.sampler for c in combinations))
+    filters = list(dict.fromkeys(c.filter for c in combinations))
+    return {
+        "dumps": [labels[dump] for dump in dumps],
+        "samplers": samplers,
+        "filters": filters,
+        "metric": metric,
+        "metrics": [name for name in names if name in metrics],
+        "quantities": [{"name": name,
+                        "meaning": OWN_MEANINGS.get(name) or vocabulary.meaning(name),
+                        "better": _better(name, metrics, vocabulary)} for name in names],
+        "combinations": [{
+            "dump": dumps.index(c.dump), "sampler": samplers.index(c.sampler),
+            "filter": filters.index(c.filter), "spp": c.spp,
+            "replicates": c.independent_replicates, "failed": len(c.failures),
+            "values": [_interval(c.quantities.get(name)) for name in names],
+        } for c in combinations],
+        "pictures": _pictures(images, combinations, dumps),
+    }
+
+
+def _better(name, metrics, vocabulary):
+    if name == "efficiency":
+        return "higher"
+    return vocabulary.better(name) if name in metrics else "lower"
+
+
+def _interval(interval):
+    """[mean, low, high], [mean] without bounds, nothing when unknown."""
+    if interval is None or math.isnan(interval.mean):
+        return []
+    if math.isinf(interval.mean):
+        return ["Infinity" if interval.mean > 0 else "-Infinity"]
+    if not (math.isfinite(interval.low) and math.isfinite(interval.high)):
+        return [_short(interval.mean)]
+    return [_short(interval.mean), _short(interval.low), _short(interval.high)]
+
+
+def _short(value):
+    """Seven digits: more than is shown, less than doubles the size of the page."""
+    value = float(f"{value:.7g}")
+    return int(value) if value == int(value) and abs(value) < 1e15 else value
+
+
+def _pictures(images, combinations, dumps):
+    scenes = {}
+    for entry in images.sets:
+        dump = combinations[entry.combination].dump
+        guide = entry.images.get("reference", entry.images.get("estimate"))
+        if dump in scenes or guide is None:
+            continue
+        exposure, mean = exposure_of(images.packed[guide])
+        crop, (width, height) = images.crops.get(dump), images.sizes[dump]
+        scenes[dump] = {"dump": dumps.index(dump), "exposure": exposure, "mean": mean,
+                        "width": width, "height": height, "crop": list(crop) if crop else None}
+    return {
+        "scenes": list(scenes.values()),
+        "images": [{"width": p.width, "height": p.height, "channels": p.channels, "kind": p.kind,
+                    "scale": p.scale} for p in images.packed],
+        "sets": [{"combination": s.combination, "images": s.images, "links": s.links}
+                 for s in images.sets],
+    }

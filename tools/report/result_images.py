@@ -1,0 +1,192 @@
+"""Finds the images that `spool evaluate` wrote beside results.csv and packs them for the page.
+
+Folders are named DUMP_SAMPLER_FILTER_SPPspp; they hold estimate, squared_error, density, filter_size
+and direction as .exr. The reference lies in the folder of each result, or once per recording as
+DUMP_reference.exr. Every result of a recording is cropped alike, so that pages flip in place.
+"""
+
+import math
+import os
+import re
+from typing import NamedTuple
+from urllib.parse import quote
+
+import numpy as np
+
+from exr_image import read_exr, rgb, single
+from image_packing import Packed, pack_counts, pack_half
+
+PICTURES = ("estimate", "reference", "squared_error", "density", "filter_size", "direction")
+COLOUR = {"estimate", "reference"}
+SMALLEST_CROP = 96  # pixels; below, results are left out instead
+BYTES_PER_MB = 1e6
+
+
+class Crop(NamedTuple):
+    x: int
+    y: int
+    width: int
+    height: int
+
+    def of(self, image):
+        return image[self.y:self.y + self.height, self.x:self.x + self.width]
+
+
+class PictureSet(NamedTuple):
+    combination: int  # index
+    images: dict  # picture: index into ResultImages.packed; empty where only links fit
+    links: dict  # picture: address of the EXR relative to the report
+
+
+class ResultImages(NamedTuple):
+    packed: list  # of Packed
+    sets: list  # of PictureSet
+    crops: dict  # recording: Crop, where not the whole image
+    sizes: dict  # recording: (width, height)
+    left_out: int  # sets with links only
+    bytes: int  # in the page
+
+
+def file_name_of(label):
+    """As tools/evaluation_pictures.cpp names files: byte by byte."""
+    return re.sub(rb"[^A-Za-z0-9.\-]", b"_", label.encode("utf-8", "replace")).decode().rstrip("_")
+
+
+def dump_names(dumps):
+    """{recording: name of its files}: stems, numbered where two are alike."""
+    names = {}
+    for dump in dumps:
+        stem = file_name_of(os.path.splitext(os.path.basename(dump))[0])
+        name, i = stem, 2
+        while name in names.values():
+            name, i = f"{stem}-{i}", i + 1
+        names[dump] = name
+    return names
+
+
+class _Found(NamedTuple):
+    combination: int
+    dump: str
+    paths: dict  # picture: path
+
+
+def find_images(folder, combinations):
+    names = dump_names(dict.fromkeys(c.dump for c in combinations))
+    found = []
+    for index, c in enumerate(combinations):
+        stem = "_".join([names[c.dump], file_name_of(c.sampler), file_name_of(c.filter),
+                         f"{c.spp:g}spp"])
+        paths = {name: folder / stem / f"{name}.exr" for name in PICTURES}
+        if not paths["reference"].exists():
+            paths["reference"] = folder / f"{names[c.dump]}_reference.exr"
+        paths = {name: path for name, path in paths.items() if path.is_file()}
+        if "estimate" in paths:
+            found.append(_Found(index, c.dump, paths))
+    return found
+
+
+def pack_images(found, page_folder, max_mb):
+    """As many images as `max_mb` megabytes of page hold: crops first, then fewer results."""
+    budget = max_mb * BYTES_PER_MB
+    crops, sizes = _choose_crops(found, budget)
+    images = ResultImages([], [], {d: c for d, c in crops.items()
+                                   if (c.width, c.height) != sizes[d]}, sizes, 0, 0)
+    stored, total, left_out = {}, 0, 0
+    sets = {}
+    for entry in _in_turn(found):
+        packed = {}
+        for name, path in entry.paths.items():
+            if path not in stored:
+                packed[name] = _pack(name, path, crops[entry.dump], sizes[entry.dump])
+        cost = sum(p.size for p in packed.values() if p)
+        links = {name: _link(path, page_folder) for name, path in entry.paths.items()}
+        if total + cost > budget:
+            left_out += 1
+            sets[entry.combination] = PictureSet(entry.combination, {}, links)
+            continue
+        total += cost
+        for name, image in packed.items():
+            stored[entry.paths[name]] = len(images.packed) if image else None
+            if image:
+                images.packed.append(image)
+        shown = {name: stored[path] for name, path in entry.paths.items()
+                 if stored.get(path) is not None}
+        sets[entry.combination] = PictureSet(entry.combination, shown, links)
+    ordered = [sets[entry.combination] for entry in found]
+    return images._replace(sets=ordered, left_out=left_out, bytes=total)
+
+
+def _choose_crops(found, budget):
+    """One window per recording; its side follows from the size of one packed result of each."""
+    first, number = {}, {}
+    for entry in found:
+        first.setdefault(entry.dump, entry)
+        number[entry.dump] = number.get(entry.dump, 0) + 1
+    sizes, whole, error = {}, {}, {}
+    expected = 0.0
+    for dump, entry in first.items():
+        estimate = rgb(read_exr(entry.paths["estimate"]))
+        sizes[dump] = (estimate.shape[1], estimate.shape[0])
+        whole[dump] = Crop(0, 0, *sizes[dump])
+        for name, path in entry.paths.items():
+            packed = _pack(name, path, whole[dump], sizes[dump])
+            expected += (packed.size if packed else 0) * (
+                1 if name == "reference" else number[dump])
+        if "squared_error" in entry.paths:
+            error[dump] = single(read_exr(entry.paths["squared_error"]))
+    if expected <= budget:
+        return whole, sizes
+    share = 0.97 * math.sqrt(budget / expected)
+    return {dump: _window(size, share, error.get(dump)) for dump, size in sizes.items()}, sizes
+
+
+def _window(size, share, error):
+    """The window with the largest error, outliers capped so that no single pixel chooses it."""
+    width, height = (min(side, max(SMALLEST_CROP, round(side * share))) for side in size)
+    if error is None or error.shape != (size[1], size[0]):
+        return Crop((size[0] - width) // 2, (size[1] - height) // 2, width, height)
+    finite = np.where(np.isfinite(error), error, 0.0).astype(np.float64)
+    capped = np.clip(finite, 0.0, np.quantile(finite, 0.99))
+    columns = np.pad(np.cumsum(np.cumsum(capped, 0), 1), ((1, 0), (1, 0)))
+    sums = (columns[height:, width:] - columns[:-height, width:] - columns[height:, :-width]
+            + columns[:-height, :-width])
+    y, x = np.unravel_index(np.argmax(sums), sums.shape)
+    return Crop(int(x), int(y), width, height)
+
+
+def _in_turn(found):
+    """One result of each recording after the other, so that a small budget shows some of each."""
+    queues = {}
+    for entry in found:
+        queues.setdefault(entry.dump, []).append(entry)
+    for i in range(max(map(len, queues.values()), default=0)):
+        yield from (queue[i] for queue in queues.values() if i < len(queue))
+
+
+def _pack(name, path, crop, size):
+    """None where the image has another size than the estimate: pieces smaller than a pixel."""
+    planes = read_exr(path)
+    image = rgb(planes) if name in COLOUR else single(planes)
+    if image.shape[:2] != (size[1], size[0]):
+        if image.shape[0] % size[1] or image.shape[1] % size[0]:
+            return None
+        image = image[::image.shape[0] // size[1], ::image.shape[1] // size[0]]
+    if name == "density":
+        return pack_counts(crop.of(image))
+    return pack_half(crop.of(image), stretch=name == "squared_error")
+
+
+def _link(path, page_folder):
+    return quote(os.path.relpath(path, page_folder))
+
+
+def exposure_of(packed_reference):
+    """EV that brings the log-average luminance to middle grey, in half steps."""
+    image = packed_reference.values
+    luminance = image @ np.array([0.2126, 0.7152, 0.0722])
+    luminance = luminance[np.isfinite(luminance)]
+    if luminance.size == 0:
+        return 0.0, 1.0
+    grey = math.exp(float(np.mean(np.log(np.maximum(luminance, 0.0) + 1e-4))))
+    mean = float(np.mean(luminance))
+    return round(2.0 * math.log2(0.18 / grey)) / 2.0, mean if mean > 0.0 else 1.0

@@ -1,0 +1,66 @@
+"""Reads results.csv of `spool evaluate`: one row per recording, sampler, filter, budget, replicate.
+
+A metric is any column NAME that has a column NAME_se beside it, so that new metrics appear in the
+report without a change here.
+"""
+
+import csv
+from typing import NamedTuple
+
+from failure import Failure
+
+KEY = ("dump", "sampler", "filter", "spp", "replicate")
+TEXT = {"dump", "sampler", "filter", "reference", "guards", "error"}
+csv.field_size_limit(1 << 24)
+
+
+class ResultsTable(NamedTuple):
+    rows: list  # of {column: text or float; NaN where the field is empty}
+    metrics: list  # names, in the order of the file
+
+
+def read_results(path):
+    try:
+        with path.open(newline="", encoding="utf-8", errors="replace") as file:
+            return _read(path, csv.reader(file, strict=True))
+    except OSError as error:
+        hint = "run spool evaluate ... -o DIR first"
+        if path.with_name(path.name + ".partial").exists():
+            hint = "the evaluation has not finished"
+        raise Failure(f"{path}: {error.strerror}: {hint}", 3) from error
+    except csv.Error as error:
+        raise Failure(f"{path}: {error}: not a table that spool evaluate wrote") from error
+
+
+def _read(path, reader):
+    header = next(reader, None)
+    missing = [name for name in KEY if name not in (header or [])]
+    if missing:
+        raise Failure(f"{path}: no column {missing[0]}: not a table that spool evaluate wrote")
+    if len(set(header)) != len(header):
+        raise Failure(f"{path}: a column occurs twice: not a table that spool evaluate wrote")
+    rows, seen = [], set()
+    for fields in reader:
+        if len(fields) != len(header):
+            raise Failure(f"{path}: line {reader.line_num} has {len(fields)} fields, not "
+                          f"{len(header)}: run spool evaluate again")
+        row = {name: field if name in TEXT else _number(path, reader.line_num, name, field)
+               for name, field in zip(header, fields)}
+        key = tuple(row[name] for name in KEY)
+        if key in seen:
+            raise Failure(f"{path}: line {reader.line_num} repeats an earlier result: keep one")
+        seen.add(key)
+        rows.append(row)
+    if not rows:
+        raise Failure(f"{path}: no results in it: run spool evaluate again")
+    return ResultsTable(rows, [name for name in header if name + "_se" in header])
+
+
+def _number(path, line, name, field):
+    if field == "":
+        return float("nan")
+    try:
+        return float(field)
+    except ValueError as error:
+        raise Failure(f"{path}: line {line}, column {name}: '{field[:40]}' is no number: "
+                      "run spool evaluate again") from error

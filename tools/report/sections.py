@@ -1,0 +1,160 @@
+"""The parts of a report that are words and small tables, as HTML."""
+
+import math
+from collections import Counter, defaultdict
+from html import escape
+
+from number_text import number_text
+from page import licences_html
+from summary import verdicts
+
+LONGEST_VERDICTS = 60
+
+
+def summary_html(sentences, combinations, metric, dumps):
+    parts = [f"<p>{escape(s.text)}</p>" for s in sentences if s.kind == "scope"]
+    for s in sentences:
+        if s.kind == "warning":
+            parts.append(f'<p class="warning">{escape(s.text)}</p>')
+    findings = [f"<li>{escape(s.text)}</li>" for s in sentences if s.kind == "finding"]
+    if len(findings) > 12:
+        parts.append(f"<ul>{''.join(findings[:8])}</ul><details><summary>{len(findings) - 8} more"
+                     f"</summary><ul>{''.join(findings[8:])}</ul></details>")
+    else:
+        parts.append(f"<ul>{''.join(findings)}</ul>")
+    parts.append(_verdict_table(combinations, metric, dumps))
+    parts.append(HOW_TO_READ)
+    return "".join(parts)
+
+
+HOW_TO_READ = (
+    "<details><summary>How to read this</summary><p>Values are means over replicates with Student's "
+    "95 % interval in brackets; each replicate shuffles the recorded samples. With one replicate the "
+    "interval is a bootstrap over blocks of pixels. Intervals say how much a figure depends on the "
+    "samples drawn from these recordings; they do not say how another scene would come out. Methods "
+    "are compared replicate by replicate; the comparison of one recording and budget holds at 95 % "
+    "for all its pairs together. Ratios are ratios of means with Fieller's interval. Errors are "
+    "debiased by the variance of the reference, so a very good image may come out at or below zero: "
+    "such an error is not resolved.</p></details>")
+
+
+def _verdict_table(combinations, metric, dumps):
+    table = verdicts(combinations, metric)
+    if not table:
+        return ""
+    methods = list(dict.fromkeys(method for method, _ in table))
+    budgets = sorted({spp for _, spp in table})
+    head = "".join(f'<th scope="col">{spp:g} spp</th>' for spp in budgets)
+    rows = []
+    for method in methods[:LONGEST_VERDICTS]:
+        cells = "".join(_verdict_cell(table.get((method, spp))) for spp in budgets)
+        rows.append(f'<tr><th scope="row">{escape(method)}</th>{cells}</tr>')
+    rest = len(methods) - LONGEST_VERDICTS
+    more = f"<p>{rest} further methods: see the table.</p>" if rest > 0 else ""
+    over = ("with its 95 % interval" if dumps == 1 else
+            f"geometric mean over {dumps} recordings; below it, on how many the 95 % interval lies "
+            "below 1 (better), above 1 (worse) or holds 1 (undecided)")
+    return (f'<div class="scroll" tabindex="0"><table class="verdicts"><caption>{escape(metric)} '
+            f"relative to uniform + box at the same budget: {over}.</caption><thead><tr>"
+            f'<th scope="col">method</th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
+            f"</div>{more}")
+
+
+def _verdict_cell(verdict):
+    if verdict is None:
+        return "<td></td>"
+    word = "better" if not verdict.worse and not verdict.undecided else (
+        "worse" if not verdict.better and not verdict.undecided else "undecided")
+    if verdict.interval is not None:
+        low, high = verdict.interval.low, verdict.interval.high
+        note = word if math.isnan(low) else f"[{number_text(low, 3)}, {number_text(high, 3)}] {word}"
+    else:
+        note = (f"{verdict.better} better, {verdict.worse} worse, {verdict.undecided} undecided")
+    value = "not resolved" if math.isnan(verdict.ratio) else number_text(verdict.ratio, 3)
+    return f'<td class="{word}">{value}<small>{note}</small></td>'
+
+
+def guards_html(combinations, labels, vocabulary):
+    """What was clamped, rejected, replaced or ran out, per guard, with where it was most."""
+    totals, caught, worst = Counter(), defaultdict(set), {}
+    for c in combinations:
+        for name, count in c.guards.items():
+            totals[name] += count
+            caught[name].add(id(c))
+            if name not in worst or count > worst[name][0]:
+                worst[name] = (count, c)
+    excluded = sum(row.get("excluded_image", 0) or 0 for c in combinations for row in c.rows.values())
+    parts = []
+    if excluded > 0:
+        parts.append(f'<p class="warning">{excluded:,.0f} pixels of images are not finite and were '
+                     "left out of every error: those results count as failed.</p>")
+    if not totals:
+        return "".join(parts) + "<p>No clamp, floor or early-out caught anything.</p>"
+    parts.append('<div class="scroll" tabindex="0"><table class="guards"><caption>Every clamp, floor '
+                 "and early-out that caught something, counted over all replicates.</caption><thead>"
+                 '<tr><th scope="col">guard</th><th scope="col">count</th><th scope="col">in '
+                 'combinations</th><th scope="col">most in</th></tr></thead><tbody>')
+    for name, total in totals.most_common():
+        count, c = worst[name]
+        meaning = vocabulary.guard_meaning(name)
+        parts.append(
+            f'<tr><th scope="row">{escape(name)}<small>{escape(meaning)}</small></th>'
+            f"<td>{total:,.0f}</td><td>{len(caught[name])} of {len(combinations)}</td>"
+            f"<td>{escape(c.method)}, {escape(labels[c.dump])}, {c.spp:g} spp: {count:,.0f}</td></tr>")
+    return "".join(parts) + "</tbody></table></div>"
+
+
+def run_html(manifest, combinations, labels, version):
+    """Command, program, machine, recordings; what was not recorded is said to be so."""
+    rows = [("command", _text(manifest.get("command"))),
+            ("program", _text(manifest.get("version"))),
+            ("machine", _text(manifest.get("machine"))),
+            ("started", _text(manifest.get("started"))),
+            ("report by", f"spool {version}" if version else "")]
+    first = next((row for c in combinations for row in c.rows.values()), {})
+    rows.append(("judged by", ", ".join(sorted({
+        row.get("reference", "") for c in combinations for row in c.rows.values()} - {""}))))
+    threads = first.get("threads", math.nan)
+    rows.append(("threads", "" if math.isnan(threads) else f"{threads:g}"))
+    html = "".join(f"<dt>{escape(name)}</dt><dd>{_value_html(name, value)}</dd>"
+                   for name, value in rows)
+    hashes = {str(d.get("path", "")): d for d in manifest.get("dumps", []) if isinstance(d, dict)}
+    body = []
+    for dump, label in labels.items():
+        row = next((r for c in combinations if c.dump == dump for r in c.rows.values()), {})
+        size = (f"{row['width']:g} x {row['height']:g}"
+                if math.isfinite(row.get("width", math.nan)) else "")
+        digest = _text(hashes.get(dump, {}).get("sha256")) or "not recorded"
+        body.append(f'<tr><th scope="row">{escape(label)}</th><td>{escape(dump)}</td><td>{size}</td>'
+                    f"<td>{_known(row.get('holdout'))}</td><td><code>{escape(digest)}</code></td></tr>")
+    return (f'<dl class="run">{html}</dl><div class="scroll" tabindex="0"><table><caption>Recordings'
+            '</caption><thead><tr><th scope="col">name</th><th scope="col">file</th><th scope="col">'
+            'pixels</th><th scope="col">held out</th><th scope="col">sha256</th></tr></thead><tbody>'
+            f'{"".join(body)}</tbody></table></div><h3>Scripts of others in this page</h3>'
+            f"{licences_html()}")
+
+
+def _known(value):
+    return "" if value is None or math.isnan(value) else f"{value:g} spp"
+
+
+def _text(value):
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_text(item)}" for key, item in value.items() if _text(item))
+    if isinstance(value, list):
+        return " ".join(_text(item) for item in value)
+    return "" if value is None else str(value)
+
+
+def _value_html(name, value):
+    if not value:
+        return '<span class="unknown">not recorded</span>'
+    return f"<code>{escape(value)}</code>" if name == "command" else escape(value)
+
+
+def quantities_html(names, vocabulary, own):
+    items = "".join(f"<dt>{escape(name)}</dt><dd>{escape(own.get(name) or vocabulary.meaning(name))}"
+                    "</dd>" for name in names if own.get(name) or vocabulary.meaning(name))
+    return f"<details><summary>What the columns mean</summary><dl>{items}</dl></details>" if items else ""
+
+
