@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(g++ cmake ninja-build pkg-config
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libzstd-dev zlib1g-dev
   libfmt-dev nlohmann-json3-dev libexpected-dev libssl-dev libgtest-dev libgmock-dev librapidcheck-dev)
-test_packages=(blender python3 python3-numpy python3-zstandard python3-pytest)
+test_packages=(blender chromium curl python3 python3-numpy python3-pip python3-pytest python3-venv python3-zstandard)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
 tsan_packages=(dpkg-dev)
 
@@ -59,11 +59,23 @@ require_packages() {
 setup() {
   case "${1:-all}" in
     build) require_packages "${build_packages[@]}" ;;
-    test) require_packages "${build_packages[@]}" "${test_packages[@]}" ;;
+    test) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_report ;;
     lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
-    all) require_packages "${build_packages[@]}" "${test_packages[@]}" ;;
+    all) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_report ;;
     *) die "setup: build, test, lint or all, not '$1'" ;;
   esac
+}
+
+# What the HTML report carries, and a browser to test it with.
+setup_report() {
+  tools/report/fetch_assets.sh >&2 || say "without them spool report and its browser test cannot run"
+  local browser="${SPOOL_BROWSER_PYTHON:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/browser-venv/bin/python}"
+  "$browser" -c 'import playwright, numpy, pytest' 2>/dev/null && return 0
+  [[ -n "${SPOOL_BROWSER_PYTHON:-}" ]] && die "SPOOL_BROWSER_PYTHON: no playwright, numpy and pytest in $browser"
+  say "a Python with playwright for the report's browser test"
+  /usr/bin/env python3 -m venv "${browser%/bin/python}" >&2 &&
+    "$browser" -m pip install -q playwright==1.65.0 numpy pytest >&2 ||
+    say "playwright cannot be installed: the report's browser test will be skipped"
 }
 
 # Debian's TBB is not built with ThreadSanitizer, and with it correct programs look racy: build our

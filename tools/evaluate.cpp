@@ -1,5 +1,6 @@
 #include "tools/evaluate.h"
 
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "tools/evaluation_pictures.h"
 #include "tools/evaluation_summary.h"
 #include "tools/progress.h"
+#include "tools/run_manifest.h"
 
 namespace spool::tools {
 namespace {
@@ -135,6 +137,7 @@ Result<void> verdict(const std::vector<CellResult>& results) {
 }  // namespace
 
 Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& common) {
+  const auto started = std::chrono::system_clock::now();
   SPOOL_ASSIGN(const Methods methods, choose_methods(split_list(options.samplers),
                                                      split_list(options.filters), options.methods));
   SPOOL_ASSIGN(const std::vector<double> budgets, parse_budgets(options.spp));
@@ -174,6 +177,7 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
   SPOOL_TRY(written);
   if (!options.no_pictures) SPOOL_TRY(pictures.finish());
   SPOOL_TRY(file.finish());
+  SPOOL_TRY(write_manifest(options.output, {options.dumps, started}));
   print(common.json ? summary_json(results) : summary_text(results));
   if (!common.json && !common.quiet) {
     print(fmt::format("\nnumbers: {}\n", (options.output / "results.csv").string()));

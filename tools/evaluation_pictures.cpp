@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "lib/image_io/exr_image.h"
 #include "lib/image_io/png_writer.h"
 #include "tools/result_pictures.h"
 
@@ -56,6 +57,7 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
                                        file_name_of(cell.filter.label()), spp);
   std::error_code status;
   std::filesystem::create_directories(folder_ / stem, status);
+  SPOOL_TRY(write_reference(result, images, dump, stem));
   SPOOL_TRY(write_result_pictures(folder_ / stem, pictures, scale, true));
   SPOOL_TRY(write_contact_sheet(folder_ / (stem + ".png"), pictures, scale, true));
 
@@ -71,6 +73,15 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
                                   tone_map(images.image, scale.exposure),
                                   Caption{fmt::format("MSE {:.3g}", mse)}});
   return {};
+}
+
+// Every result has its own reference where that is made of the samples it did not take.
+Result<void> EvaluationPictures::write_reference(const CellResult& result, const CellImages& images,
+                                                 const std::string& dump, const std::string& stem) {
+  const bool own = result.reference == ReferenceKind::kLeaveSelectedOut;
+  if (!own && !referenced_.insert(dump).second) return {};
+  return write_exr(own ? folder_ / stem / "reference.exr" : folder_ / (dump + "_reference.exr"),
+                   exr_from_rgb(images.reference.mean), {.overwrite = true});
 }
 
 Result<void> EvaluationPictures::finish() const {

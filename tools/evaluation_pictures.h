@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,9 @@ class EvaluationPictures {
   std::string describe() const;  // where they are, in one line
 
  private:
+  Result<void> write_reference(const CellResult& result, const CellImages& images,
+                               const std::string& dump, const std::string& stem);
+
   struct Overview {
     std::string heading;
     std::vector<Panel> panels;
@@ -34,6 +38,7 @@ class EvaluationPictures {
   std::filesystem::path folder_;
   std::vector<std::pair<std::string, Overview>> overviews_;  // file stem, in order of appearance
   std::map<std::string, std::string> dump_names_;            // path: short name, unique
+  std::set<std::string> referenced_;                         // names whose reference is written
 };
 
 }  // namespace spool::tools

@@ -20,6 +20,7 @@
 #include "tools/list.h"
 #include "tools/reconstruct.h"
 #include "tools/replay.h"
+#include "tools/report_verb.h"
 
 namespace spool::tools {
 namespace {
@@ -41,6 +42,7 @@ struct Program {
   ReplayOptions replay;
   ReconstructOptions reconstruct;
   EvaluateOptions evaluate;
+  ReportOptions report;
   ListOptions list;
   Verb chosen;
 };
@@ -209,6 +211,28 @@ void add_evaluate(Program& program) {
       [&] { program.chosen = [&] { return run_evaluate(program.evaluate, program.common); }; });
 }
 
+void add_report(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "report", "one HTML file of an evaluation: sentences, charts, table, images");
+  ReportOptions& options = program.report;
+  verb.add_option("DIR", options.folder, "the folder that spool evaluate -o DIR wrote")->required();
+  add_output(verb, options.output, "the HTML file; it needs no network and no other file");
+  verb.add_option("--metric", options.metric, "the error that the summary compares (relmse)");
+  verb.add_option("--max-image-mb", options.max_image_mb,
+                  "megabytes of images in the page; beyond, crops and links to the EXRs (40)")
+      ->check(CLI::Range(0.0, 1e6));
+  verb.add_option("--title", options.title, "heading of the page (names of the recordings)");
+  add_common(verb, program.common, false, true);
+  verb.footer(
+      "Needs Python 3 with numpy (SPOOL_PYTHON names the interpreter) and, once, the scripts that\n"
+      "tools/report/fetch_assets.sh fetches.\n"
+      "Examples:\n"
+      "  spool evaluate dumps/tiny/chess.spool --spp 4,8,16 -o results\n"
+      "  spool report results -o report.html");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_report(program.report, program.common); }; });
+}
+
 void add_list(Program& program) {
   CLI::App& verb =
       *program.app.add_subcommand("list", "what there is, with every option explained");
@@ -272,6 +296,7 @@ int run(int count, char** arguments) {
   add_replay(program);
   add_reconstruct(program);
   add_evaluate(program);
+  add_report(program);
   add_list(program);
   try {
     program.app.parse(count, arguments);

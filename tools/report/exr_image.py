@@ -1,6 +1,7 @@
 """Reads the OpenEXR files that Spool writes: one part, scanlines, ZIP, ZIPS or no compression.
 
-Channels come back as arrays [y][x] in the type of the file (half, float, uint) [OpenEXRLayout].
+Channels come back as arrays [y][x] in the type of the file (half, float, uint); the layout
+is that of OpenEXR's own page "OpenEXR File Layout".
 Sizes are checked against the length of the file before anything is allocated.
 """
 
@@ -27,7 +28,7 @@ def read_exr(path):
         raise Failure(f"{path}: {error.strerror}: run spool evaluate again", 3) from error
     try:
         return _parse(data)
-    except (struct.error, zlib.error, ValueError, IndexError, KeyError, UnicodeDecodeError) as error:
+    except (struct.error, zlib.error, ValueError, IndexError, KeyError, OverflowError) as error:
         raise Failure(f"{path}: not an OpenEXR image that spool writes ({error}): "
                       "run spool evaluate again") from error
 

@@ -1,6 +1,7 @@
 """The one exception of the report: a line for the user and an exit code."""
 
 DATA, USAGE, IO = 1, 2, 3
+NO_NUMPY = 20  # not an exit code of spool: another Python may do
 
 
 class Failure(Exception):

@@ -14,7 +14,7 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from failure import IO, USAGE, Failure  # noqa: E402
+from failure import IO, NO_NUMPY, USAGE, Failure  # noqa: E402
 
 
 def main(arguments=None):
@@ -24,7 +24,7 @@ def main(arguments=None):
             import numpy  # noqa: F401
         except ImportError as error:
             raise Failure("spool report needs numpy: apt-get install python3-numpy, or pip install "
-                          "numpy into the Python that SPOOL_PYTHON names", USAGE) from error
+                          "numpy into the Python that SPOOL_PYTHON names", NO_NUMPY) from error
         print(make_report(options))
     except Failure as failure:
         print(failure, file=sys.stderr)

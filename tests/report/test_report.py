@@ -1,0 +1,157 @@
+import hashlib
+import json
+import re
+
+import numpy as np
+import pytest
+from made_results import make_rows, write_images, write_results
+
+import assets
+from assets import ASSETS, load_asset, pinned_hashes
+from failure import Failure
+from image_packing import pack_counts, pack_half
+from page import build_page, json_for_html, script_for_html
+from report import main
+from result_images import dump_names, file_name_of, find_images, pack_images
+
+HOSTILE = '</script><script>alert(1)</script>"&\'<img src=x onerror=alert(2)>'
+
+
+@pytest.fixture
+def assets_cache(tmp_path, monkeypatch):
+    """Stand-ins for the scripts of others, so that no network is needed."""
+    folder = tmp_path / "assets"
+    folder.mkdir()
+    pinned = {}
+    for asset in ASSETS:
+        for file in (asset.script, asset.licence):
+            data = f"// {file} <!-- </script>".encode()
+            (folder / file).write_bytes(data)
+            pinned[file] = hashlib.sha256(data).hexdigest()
+    monkeypatch.setenv("SPOOL_REPORT_ASSETS", str(folder))
+    monkeypatch.setattr(assets, "pinned_hashes", lambda: pinned)
+    return folder
+
+
+def test_every_asset_is_pinned():
+    pinned = pinned_hashes()
+    assert set(pinned) == {file for asset in ASSETS for file in (asset.script, asset.licence)}
+    assert all(re.fullmatch(r"[0-9a-f]{64}", digest) for digest in pinned.values())
+
+
+def test_an_altered_asset_is_refused_and_a_missing_one_named(assets_cache):
+    load_asset("flipbook.js")
+    (assets_cache / "flipbook.js").write_bytes(b"altered")
+    with pytest.raises(Failure, match="sha256 differs"):
+        load_asset("flipbook.js")
+    (assets_cache / "flipbook.js").unlink()
+    with pytest.raises(Failure, match="fetch_assets.sh"):
+        load_asset("flipbook.js")
+
+
+def test_json_and_scripts_cannot_end_their_elements():
+    text = json_for_html({"name": HOSTILE + "\u2028"})
+    assert "<" not in text and json.loads(text)["name"] == HOSTILE + "\u2028"
+    script = script_for_html("a = '</script>'; b = '<!-- x'; /<\\/script/")
+    assert "</script" not in script and "<!--" not in script
+
+
+def test_hostile_names_arrive_as_text(tmp_path, assets_cache):
+    rows = make_rows(dumps=(f"x/{HOSTILE}.spool",), samplers=("uniform", HOSTILE), budgets=(8,))
+    for row in rows:
+        row["guards"] = f"<b>{HOSTILE.replace(' ', '_')}</b>=3"
+        row["error"] = HOSTILE if row["replicate"] == "1" else ""
+    write_results(tmp_path / "r", rows)
+    (tmp_path / "r" / "manifest.json").write_text(json.dumps({"command": HOSTILE, "machine": {"a": HOSTILE}}))
+    output = tmp_path / "out.html"
+    assert main([str(tmp_path / "r"), "-o", str(output), "--title", HOSTILE]) == 0
+    html = output.read_text()
+    assert "<script>alert" not in html and "<img" not in html and "<b>" not in html.split("<main>")[0]
+    # Every script element is one of ours: three bundles, the page's own, the figures.
+    assert len(re.findall(r"<script", html)) == len(ASSETS) + 2
+    assert len(re.findall(r"</script", html)) == len(ASSETS) + 2
+
+
+def test_the_policy_allows_the_pages_own_scripts_only(assets_cache):
+    html = build_page("t", [("a", "A", "<p>x</p>")], {}, [])
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', html).group(1)
+    assert policy.startswith("default-src 'none'; script-src 'sha256-")
+    assert "unsafe-inline" not in policy.split("style-src")[0] and "http" not in policy
+    assert policy.count("sha256-") == len(ASSETS) + 1
+
+
+def test_errors_are_one_line_with_the_exit_codes_of_the_program(tmp_path, capsys, assets_cache):
+    assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 3
+    assert capsys.readouterr().err.count("\n") == 1
+    write_results(tmp_path, make_rows())
+    assert main([str(tmp_path), "-o", str(tmp_path / "a.html"), "--metric", "beauty"]) == 2
+    assert "no beauty" in capsys.readouterr().err
+    assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 0
+    assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert main([str(tmp_path), "-o", str(tmp_path / "a.html"), "--force"]) == 0
+    assert [p.name for p in tmp_path.iterdir() if "partial" in p.name] == []
+
+
+def test_ten_thousand_results_make_a_small_page(tmp_path, assets_cache):
+    rows = make_rows(dumps=[f"s{i}.spool" for i in range(10)], samplers=list("abcde"), filters=list("vwxyz"),
+                     budgets=(2, 4, 8, 16, 32, 64, 96, 128))
+    assert len(rows) == 10000
+    write_results(tmp_path, rows)
+    assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 0
+    assert (tmp_path / "a.html").stat().st_size < 5e6
+
+
+def unpacked(packed):
+    """What image_codec.js does."""
+    import base64
+    import zlib
+    data = np.frombuffer(zlib.decompress(base64.b64decode(packed.text)), np.uint8).reshape(2, -1).T
+    kind = "<f2" if packed.kind == "half" else "<u2"
+    values = np.ascontiguousarray(data).view(kind).astype(np.float64) * packed.scale
+    return np.moveaxis(values.reshape(packed.channels, packed.height, packed.width), 0, 2)
+
+
+@pytest.mark.parametrize("magnitude", [1e-30, 1e-9, 1.0, 3e4, 1e9, 1e30])
+@pytest.mark.parametrize("stretch", [False, True])
+def test_packed_images_keep_eleven_bits_at_any_brightness(magnitude, stretch):
+    image = (magnitude * np.random.default_rng(5).uniform(0.1, 1.0, (6, 5, 3))).astype("f4")
+    image[1, 1] = np.nan
+    np.testing.assert_allclose(unpacked(pack_half(image, stretch)), image, rtol=2.0 ** -10)
+
+
+def test_counts_are_exact():
+    counts = np.array([[0, 1, 2049], [4097, 65535, 3]], "f4")
+    assert unpacked(pack_counts(counts))[..., 0].tolist() == counts.tolist()
+
+
+def made_sets(tmp_path, size):
+    from aggregate import aggregate
+    from results_table import read_results
+    rows = make_rows(samplers=("uniform",), budgets=(4, 8), size=size)
+    write_results(tmp_path, rows)
+    write_images(tmp_path, rows, dump_names(dict.fromkeys(r["dump"] for r in rows)), file_name_of)
+    return find_images(tmp_path, aggregate(read_results(tmp_path / "results.csv")))
+
+
+@pytest.mark.parametrize("megabytes", [10.0, 2.0, 0.2, 0.0])
+def test_images_keep_to_their_budget_by_crops_then_by_links(tmp_path, megabytes):
+    images = pack_images(made_sets(tmp_path, (200, 150)), tmp_path, megabytes)
+    assert images.bytes == sum(p.size for p in images.packed) <= megabytes * 1e6
+    assert len(images.sets) == 12 and all("estimate" in s.links for s in images.sets)
+    assert bool(images.crops) == (megabytes < 5.0)
+    assert (images.left_out > 0) == (megabytes < 0.5)
+    for crop in images.crops.values():
+        assert 96 <= crop.width <= 200 and crop.x + crop.width <= 200 and crop.y + crop.height <= 150
+
+
+def test_the_reference_is_stored_once_per_recording(tmp_path):
+    images = pack_images(made_sets(tmp_path, (40, 30)), tmp_path, 10.0)
+    assert len({s.images["reference"] for s in images.sets}) == 2
+
+
+def test_names_of_files_are_those_of_the_program():
+    assert file_name_of("multiscale:paper{alpha=0.3}") == "multiscale_paper_alpha_0.3"
+    assert file_name_of("gr\u00fcn 1") == "gr__n_1"
+    assert dump_names(["a/chess.spool", "b/chess.spool", "b/x y.spool"]) == {
+        "a/chess.spool": "chess", "b/chess.spool": "chess-2", "b/x y.spool": "x_y"}

@@ -1,0 +1,97 @@
+"""`spool evaluate` and then `spool report`, as people use them."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import spool
+from assets import ASSETS, cache_folder, pinned_hashes
+from exr_image import read_exr, rgb
+from results_table import read_results
+
+PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
+
+
+def run(*arguments, **environment):
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=120,
+                          env={**os.environ, **environment})
+
+
+@pytest.fixture(scope="module")
+def evaluated(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("evaluated")
+    random = np.random.default_rng(1)
+    mean = np.linspace(0.2, 1.0, 40)[None, :] * np.where(np.arange(36) < 18, 1, 3)[:, None]
+    radiance = (mean[:, :, None, None] * random.exponential(1.0, (36, 40, 32, 3))).astype("<f4")
+    spool.write(folder / "edge.spool", radiance=radiance, sample_order="exchangeable", tile_size=16, block_spp=8)
+    done = run("evaluate", folder / "edge.spool", "--samplers", "uniform", "--filters", "box,gaussian", "--spp", "4,8",
+               "--replicates", "3", "-o", folder / "results", "-q")
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def have_assets():
+    return all((cache_folder() / asset.script).exists() for asset in ASSETS)
+
+
+def test_the_manifest_says_what_was_run(evaluated):
+    manifest = json.loads((evaluated / "results" / "manifest.json").read_text())
+    assert "evaluate" in manifest["command"] and "--replicates 3" in manifest["command"]
+    assert manifest["version"].startswith("spool ") and manifest["machine"]["threads"] >= 1
+    digest = subprocess.run(["sha256sum", evaluated / "edge.spool"], capture_output=True, text=True).stdout.split()[0]
+    assert [d["sha256"] for d in manifest["dumps"]] == [digest]
+
+
+def test_the_squared_error_is_that_of_estimate_and_reference_where_it_counts(evaluated):
+    """The EXR files that the program writes are read right: their error agrees with results.csv."""
+    row = next(r for r in read_results(evaluated / "results" / "results.csv").rows
+               if (r["filter"], r["spp"], r["replicate"]) == ("gaussian", 4.0, 0.0))
+    stem = evaluated / "results" / "edge_uniform_gaussian_4spp"
+    estimate = rgb(read_exr(stem / "estimate.exr")).astype(float)
+    reference = rgb(read_exr(evaluated / "results" / "edge_reference.exr")).astype(float)
+    assert np.sqrt(np.mean((estimate - reference) ** 2)) == pytest.approx(row["rmse"], rel=1e-5)
+    error = read_exr(stem / "squared_error.exr")["Y"].astype(float)
+    assert error.mean() == pytest.approx(row["mse"], rel=1e-5)
+
+
+@pytest.mark.skipif(not have_assets(), reason="SKIPPED: tools/report/fetch_assets.sh has not been run")
+def test_a_report_of_a_real_evaluation(evaluated):
+    output = evaluated / "report.html"
+    done = run("report", evaluated / "results", "-o", output, SPOOL_PYTHON=sys.executable)
+    assert done.returncode == 0, done.stderr
+    assert "12 results" in done.stdout and done.stdout.count("\n") == 1
+    html = output.read_text()
+    manifest = json.loads((evaluated / "results" / "manifest.json").read_text())
+    assert manifest["dumps"][0]["sha256"] in html and manifest["version"] in html
+    text = html.split('id="report-data">')[1].split("</script>")[0]
+    data = json.loads(text)
+    assert len(data["combinations"]) == 4 and len(data["pictures"]["sets"]) == 4
+    assert {"estimate", "reference", "squared_error", "density"} <= set(data["pictures"]["sets"][0]["images"])
+    assert all(q["meaning"] for q in data["quantities"])
+    again = run("report", evaluated / "results", "-o", output, SPOOL_PYTHON=sys.executable)
+    assert again.returncode == 2 and "--force" in again.stderr and again.stderr.count("\n") == 1
+
+
+def failed(done, code, *words):
+    assert done.returncode == code, (done.returncode, done.stderr)
+    assert done.stderr.count("\n") == 1
+    for word in words:
+        assert word in done.stderr
+
+
+def test_what_is_missing_is_named_in_one_line(evaluated, tmp_path):
+    output = tmp_path / "a.html"
+    failed(run("report", tmp_path, "-o", output, SPOOL_PYTHON=sys.executable), 3, "results.csv", "spool evaluate")
+    failed(run("report", evaluated / "results", "-o", output, SPOOL_PYTHON="no-such-python"), 2, "no-such-python", "numpy")
+    failed(run("report", evaluated / "results", "-o", output, SPOOL_PYTHON=sys.executable,
+               SPOOL_REPORT_ASSETS=str(tmp_path)), 3, "fetch_assets.sh")
+    failed(run("report", evaluated / "results", "-o", output, SPOOL_REPORT=str(tmp_path)), 3, "SPOOL_REPORT")
+    blocker = tmp_path / "numpy.py"
+    blocker.write_text("raise ImportError('none')")
+    failed(run("report", evaluated / "results", "-o", output, SPOOL_PYTHON=sys.executable, PYTHONPATH=str(tmp_path)), 2,
+           "no numpy")
+    assert not output.exists() and pinned_hashes()
