@@ -88,7 +88,7 @@ Result<void> write_tile(SpoolWriter& writer, const DumpGeometry& geometry, uint1
   const uint64_t pixels = uint64_t{rect.width()} * rect.height();
   uint64_t widest = 1;  // source bytes of one sample of the widest layer
   for (const ForeignLayer& layer : layers)
-    widest = std::max(widest, pixels * layer.array.components * element_bytes(layer.array.type));
+    widest = std::max(widest, pixels * layer.array.stride() * element_bytes(layer.array.type));
   const uint64_t full = geometry.block_count(group, 0);
   const uint32_t step = static_cast<uint32_t>(std::max<uint64_t>(1, kBoxBytes / (widest * full)));
   for (uint32_t block = 0; block < layout.blocks; block += step) {
@@ -105,11 +105,10 @@ Result<void> write_tile(SpoolWriter& writer, const DumpGeometry& geometry, uint1
       for (uint32_t b = block; b <= last; ++b) {
         const uint32_t count = geometry.block_count(group, b);
         const uint64_t plane = pixels * count * format::bytes_per_value(layout.type);
-        if (!to_planar(box, layer.array.type, pixels, end - begin,
-                       geometry.block_begin(group, b) - begin, count, layer.array.components,
-                       std::span(payloads[b - block])
-                           .subspan(channel * plane, layer.array.components * plane),
-                       counts))
+        const auto out =
+            std::span(payloads[b - block]).subspan(channel * plane, layer.array.components * plane);
+        if (!to_planar(box, layer.array, pixels, end - begin,
+                       geometry.block_begin(group, b) - begin, count, out, counts))
           return fail(ErrorCode::kData,
                       "{}: {} holds a value beyond float32 (tile {}, samples {} to {}): scale it",
                       source, layer.name, tile, geometry.block_begin(group, b),

@@ -1,10 +1,10 @@
-// What all exporters share: OUT.partial that becomes OUT when it is whole, and blocks as pixels.
+// What all exporters share: OUT.partial that becomes OUT when it is whole, and layers as arrays.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <span>
+#include <string>
 #include <vector>
 
 #include "formats/file_handle.h"
@@ -18,10 +18,15 @@ namespace spool::interchange {
 Result<void> write_whole_file(const std::filesystem::path& out, bool force,
                               const std::function<Result<void>(format::FileHandle&)>& fill);
 
-// Elements [y][x][s][c] of one layer out of blocks [c][y][x][s] that follow each other in one tile,
-// bit for bit. `bytes` per element.
-std::vector<std::byte> interleave(const std::vector<std::vector<std::byte>>& blocks,
-                                  const std::vector<uint32_t>& samples, uint64_t pixels,
-                                  uint32_t first_channel, uint32_t channels, uint32_t bytes);
+// What an export gave up or noticed: one line each, for the user.
+struct ExportReport {
+  std::vector<std::string> notes;
+};
+
+// The numbers of a layer as [y][x][s][c] (pixel: [y][x][c], pass: [s][c]) at `data_offset`, bit for
+// bit, or f16 widened to f32 where `type` says so. Every block must be present. Memory: about 64
+// MiB.
+Result<void> write_layer(const format::SpoolReader& dump, const format::LayerInfo& layer,
+                         format::DataType type, uint64_t data_offset, format::FileHandle& out);
 
 }  // namespace spool::interchange

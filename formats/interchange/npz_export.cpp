@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "formats/interchange/export_file.h"
 #include "formats/interchange/npy_header.h"
 #include "formats/interchange/npz.h"
@@ -11,13 +9,9 @@ namespace {
 
 using format::FileHandle;
 using format::LayerInfo;
-using format::PixelRect;
 using format::Scope;
 using format::SpoolReader;
 using nlohmann::json;
-
-// A tile's samples are gathered together up to this size.
-constexpr uint64_t kGatherBytes = uint64_t{64} << 20;
 
 std::string_view scope_name(Scope scope) {
   return scope == Scope::kPixel ? "pixel" : scope == Scope::kPass ? "pass" : "sample";
@@ -63,48 +57,6 @@ std::vector<uint64_t> shape_of(const LayerInfo& layer, const SpoolReader& dump) 
   return shape;
 }
 
-// All samples of one tile into the array at `data_offset`.
-Result<void> write_tile(const SpoolReader& dump, const LayerInfo& layer, uint32_t tile,
-                        uint64_t data_offset, FileHandle& out) {
-  const bool pass = layer.scope == Scope::kPass, pixel = layer.scope == Scope::kPixel;
-  const PixelRect rect = pass ? PixelRect{0, 0, 1, 1} : dump.tile_rect(tile);
-  const uint64_t width = pass ? 1 : dump.header().width;
-  const uint64_t spp = pixel ? 1 : dump.header().spp;
-  const uint64_t pixels = uint64_t{rect.width()} * rect.height();
-  const uint32_t bytes = format::bytes_per_value(layer.type);
-  const uint64_t value = uint64_t{layer.channel_count} * bytes;
-  const uint32_t blocks = pixel ? 1 : dump.blocks();
-  const uint64_t full = pixel ? 1 : dump.block_count(0);
-  const uint32_t step =
-      static_cast<uint32_t>(std::max<uint64_t>(1, kGatherBytes / (pixels * full * value)));
-  uint64_t begin = 0;
-  for (uint32_t block = 0; block < blocks; block += step) {
-    std::vector<std::vector<std::byte>> payloads;
-    std::vector<uint32_t> samples;
-    uint64_t count = 0;
-    for (uint32_t b = block; b < std::min(blocks, block + step); ++b) {
-      SPOOL_ASSIGN(auto payload, dump.read_block(layer.group, tile, b));
-      payloads.push_back(std::move(payload));
-      samples.push_back(pixel ? 1 : dump.block_count(b));
-      count += samples.back();
-    }
-    const auto values =
-        interleave(payloads, samples, pixels, layer.first_channel, layer.channel_count, bytes);
-    const bool whole = count == spp;
-    const uint64_t run = (whole ? rect.width() : 1) * count * value;
-    size_t at = 0;
-    for (uint64_t y = rect.y0; y < rect.y1; ++y) {
-      for (uint64_t x = rect.x0; x < rect.x1; x += whole ? rect.width() : 1) {
-        const uint64_t to = data_offset + ((y * width + x) * spp + begin) * value;
-        SPOOL_TRY(out.write_at(to, std::span(values).subspan(at, run)));
-        at += run;
-      }
-    }
-    begin += count;
-  }
-  return {};
-}
-
 std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
@@ -138,9 +90,7 @@ Result<void> export_npz(const std::filesystem::path& in, const std::filesystem::
     size_t member = 1;
     for (const LayerInfo& layer : dump.layers()) {
       const uint64_t data_offset = members[member].data_offset + starts[member].size();
-      const uint32_t tiles = layer.scope == Scope::kPass ? 1 : dump.tiles();
-      for (uint32_t tile = 0; tile < tiles; ++tile)
-        SPOOL_TRY(write_tile(dump, layer, tile, data_offset, file));
+      SPOOL_TRY(write_layer(dump, layer, layer.type, data_offset, file));
       ++member;
     }
     return finish_zip(file, members);

@@ -1,13 +1,9 @@
 #include <algorithm>
 #include <map>
 
-#include "formats/byte_io.h"
-#include "formats/checked_math.h"
 #include "formats/interchange/layer_names.h"
-#include "formats/interchange/npy_header.h"
 #include "formats/interchange/npz.h"
-#include "formats/interchange/zip_directory.h"
-#include "formats/meta_rules.h"
+#include "formats/interchange/npz_members.h"
 
 namespace spool::interchange {
 namespace {
@@ -16,19 +12,6 @@ using format::FileHandle;
 using format::Scope;
 using nlohmann::json;
 
-struct Member {
-  std::string layer;
-  ZipMember zip;
-  NpyHeader header;
-};
-
-std::string shape_text(const std::vector<uint64_t>& shape) {
-  std::string text = "(";
-  for (size_t i = 0; i < shape.size(); ++i)
-    text += fmt::format("{}{}", i == 0 ? "" : ",", shape[i]);
-  return text + ")";
-}
-
 std::optional<ElementType> element_type(const std::string& type) {
   static const std::map<std::string, ElementType> types = {
       {"<f2", ElementType::kFloat16}, {"<f4", ElementType::kFloat32},
@@ -36,81 +19,6 @@ std::optional<ElementType> element_type(const std::string& type) {
       {"|u1", ElementType::kUint8},   {"|b1", ElementType::kUint8}};
   const auto found = types.find(type);
   return found == types.end() ? std::nullopt : std::optional(found->second);
-}
-
-// Every array of the file with its header; sizes agree with the shapes.
-Result<std::vector<Member>> read_members(const FileHandle& file) {
-  SPOOL_ASSIGN(std::vector<ZipMember> zips, read_zip_directory(file));
-  std::vector<Member> members;
-  for (ZipMember& zip : zips) {
-    if (!zip.name.ends_with(".npy"))
-      return fail(ErrorCode::kData, "{}: member {} is not an array: save with numpy.savez",
-                  file.path().string(), zip.name);
-    Member member{zip.name.substr(0, zip.name.size() - 4), std::move(zip), {}};
-    const std::string name = fmt::format("{}: {}", file.path().string(), member.layer);
-    if (!is_layer_name(member.layer))
-      return fail(ErrorCode::kData,
-                  "{}: not a layer name: use lower-case letters, digits and _, 29 at most", name);
-    SPOOL_ASSIGN(const auto start, decode_member_start(file, member.zip, kMaxNpyHeaderBytes));
-    SPOOL_ASSIGN(member.header, parse_npy_header(start, name));
-    std::optional<uint64_t> bytes = member.header.item_bytes();
-    for (uint64_t axis : member.header.shape)
-      if (bytes) bytes = format::checked_multiply(*bytes, axis);
-    if (!bytes || *bytes != member.zip.bytes - member.header.header_bytes)
-      return fail(ErrorCode::kDamage, "{}: shape {} of {} is not {} bytes: fetch the file again",
-                  name, shape_text(member.header.shape), member.header.type,
-                  member.zip.bytes - member.header.header_bytes);
-    members.push_back(std::move(member));
-  }
-  return members;
-}
-
-// UTF-32 code points, padded with NUL, as numpy keeps strings.
-std::string from_utf32(std::span<const std::byte> bytes) {
-  std::string text;
-  for (size_t at = 0; at + 4 <= bytes.size(); at += 4) {
-    const uint32_t c = format::load<uint32_t>(bytes, at);
-    if (c == 0) break;
-    const auto put = [&](uint32_t value) { text += static_cast<char>(value); };
-    if (c < 0x80) {
-      put(c);
-    } else if (c < 0x800) {
-      put(0xC0 | c >> 6), put(0x80 | (c & 0x3F));
-    } else if (c < 0x10000) {
-      put(0xE0 | c >> 12), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
-    } else {
-      put(0xF0 | (c >> 18 & 7)), put(0x80 | (c >> 12 & 0x3F)), put(0x80 | (c >> 6 & 0x3F));
-      put(0x80 | (c & 0x3F));
-    }
-  }
-  return text;
-}
-
-Result<json> read_meta(const FileHandle& file, const Member& member) {
-  const std::string name = fmt::format("{}: meta", file.path().string());
-  const std::string& type = member.header.type;
-  const bool characters = type == "|u1" && member.header.shape.size() == 1;
-  const bool string =
-      (type.starts_with("<U") || type.starts_with("|S")) && member.header.shape.empty();
-  if (!characters && !string)
-    return fail(ErrorCode::kData,
-                "{}: {} of shape {}: save np.frombuffer(json.dumps(meta).encode(), 'u1')", name,
-                type, shape_text(member.header.shape));
-  if (member.zip.bytes > 4 * format::kMaxMetaBytes)
-    return fail(ErrorCode::kData, "{}: larger than 1 MiB: shorten it", name);
-  std::vector<std::byte> bytes;
-  SPOOL_TRY(decode_member(file, member.zip, [&](std::span<const std::byte> piece) -> Result<void> {
-    bytes.insert(bytes.end(), piece.begin(), piece.end());
-    return {};
-  }));
-  bytes.erase(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(member.header.header_bytes));
-  std::string text = type.starts_with("<U")
-                         ? from_utf32(bytes)
-                         : std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (type.starts_with("|S")) text.resize(std::min(text.size(), text.find('\0')));
-  if (const auto judged = format::check_meta(text); !judged)
-    return fail(ErrorCode::kData, "{}: {}: save one JSON object", name, judged.error().what);
-  return json::parse(text, nullptr, false);
 }
 
 // A string option of `meta`; nullopt when the key is absent.
@@ -167,7 +75,7 @@ Result<std::vector<std::string>> components_of(const json& meta, const std::stri
 }
 
 // Axes of a layer, in words for the message and as sizes.
-Result<ForeignLayer> plan_layer(const Member& member, const json& meta, bool sample_major,
+Result<ForeignLayer> plan_layer(const NpzMember& member, const json& meta, bool sample_major,
                                 bool narrow, const std::string& file) {
   ForeignLayer layer;
   layer.name = member.layer;
@@ -229,12 +137,12 @@ Result<void> check_sizes(const DumpPlan& plan, const std::string& file) {
 }
 
 // Gives every layer its file and offset, with all checksums verified.
-Result<FileHandle> locate(const FileHandle& file, const std::vector<Member>& members,
+Result<FileHandle> locate(const FileHandle& file, const std::vector<NpzMember>& members,
                           const std::filesystem::path& out, DumpPlan& plan) {
   FileHandle inflated;
   uint64_t end = 0;
   std::map<std::string, uint64_t> inflated_at;
-  for (const Member& member : members) {
+  for (const NpzMember& member : members) {
     if (member.layer == "meta") continue;
     if (member.zip.deflated && inflated_at.empty()) {
       std::filesystem::path name = out;
@@ -252,8 +160,8 @@ Result<FileHandle> locate(const FileHandle& file, const std::vector<Member>& mem
     SPOOL_TRY(decode_member(file, member.zip, keep));
   }
   for (ForeignLayer& layer : plan.layers) {
-    const Member& member = *std::find_if(members.begin(), members.end(),
-                                         [&](const Member& m) { return m.layer == layer.name; });
+    const NpzMember& member = *std::find_if(
+        members.begin(), members.end(), [&](const NpzMember& m) { return m.layer == layer.name; });
     layer.array.offset = member.header.header_bytes +
                          (member.zip.deflated ? inflated_at[layer.name] : member.zip.data_offset);
     layer.array.file = member.zip.deflated ? nullptr : &file;  // set by the caller: it may move
@@ -277,8 +185,8 @@ void drop_structure(json& meta, const DumpPlan& plan) {
   if (channels.empty()) meta.erase("channels");
 }
 
-void note_conversions(const std::vector<Member>& members, ImportRecord& record) {
-  for (const Member& member : members) {
+void note_conversions(const std::vector<NpzMember>& members, ImportRecord& record) {
+  for (const NpzMember& member : members) {
     if (member.layer == "meta") continue;
     if (member.header.type == "<f8") record.converted.push_back(member.layer + ": f8 to f4");
     if (member.header.type == "|u1" || member.header.type == "|b1")
@@ -295,10 +203,10 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
   std::error_code ignored;
   if (!options.force && std::filesystem::exists(out, ignored))  // before hours of inflating
     return fail(ErrorCode::kUsage, "{}: exists: choose another name or use --force", out.string());
-  SPOOL_ASSIGN(std::vector<Member> members, read_members(file));
+  SPOOL_ASSIGN(std::vector<NpzMember> members, read_npz_members(file));
   const auto named = [&](std::string_view layer) {
     return std::find_if(members.begin(), members.end(),
-                        [&](const Member& member) { return member.layer == layer; });
+                        [&](const NpzMember& member) { return member.layer == layer; });
   };
   if (named("radiance") == members.end())
     return fail(ErrorCode::kData, "{}: no array radiance: save it as [y][x][s][3]", name);
@@ -308,7 +216,7 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
   json meta = json::object();
   const bool has_meta = named("meta") != members.end();
   if (has_meta) {
-    SPOOL_ASSIGN(meta, read_meta(file, *named("meta")));
+    SPOOL_ASSIGN(meta, read_npz_meta(file, *named("meta")));
   } else if (!options.layout) {
     return fail(ErrorCode::kUsage,
                 "{}: no array meta, so the order of axes is unknown: give --layout HWSC or SHWC",
@@ -322,7 +230,7 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
   if (options.layout && layout && sample_major != (*layout == "SHWC"))
     return fail(ErrorCode::kUsage, "{}: meta.layout is {}: leave --layout out", name, *layout);
 
-  for (const Member& member : members) {
+  for (const NpzMember& member : members) {
     if (member.layer == "meta") continue;
     SPOOL_ASSIGN(ForeignLayer layer, plan_layer(member, meta, sample_major, options.narrow, name));
     plan.layers.push_back(std::move(layer));

@@ -11,7 +11,7 @@ namespace {
 // Runs of neighbouring elements; gaps between runs that are wanted together are not read.
 Result<void> read_pixel_major(const SampleArray& array, const SampleBox& box,
                               std::span<std::byte> out) {
-  const uint64_t value = element_bytes(array.type) * array.components;
+  const uint64_t value = element_bytes(array.type) * array.stride();
   const uint64_t pixel = value * array.samples;
   const bool whole = box.s0 == 0 && box.s1 == array.samples;
   const uint64_t columns = box.x1 - box.x0;
@@ -29,7 +29,7 @@ Result<void> read_pixel_major(const SampleArray& array, const SampleBox& box,
 
 Result<void> read_sample_major(const SampleArray& array, const SampleBox& box,
                                std::span<std::byte> out) {
-  const uint64_t value = element_bytes(array.type) * array.components;
+  const uint64_t value = element_bytes(array.type) * array.stride();
   const uint64_t columns = box.x1 - box.x0, rows = box.y1 - box.y0, samples = box.s1 - box.s0;
   const bool whole_rows = columns == array.width;
   std::vector<std::byte> plane(columns * rows * value);
@@ -48,14 +48,16 @@ Result<void> read_sample_major(const SampleArray& array, const SampleBox& box,
 }
 
 template <class T>
-void scatter(std::span<const std::byte> box, uint64_t pixels, uint32_t box_samples, uint32_t first,
-             uint32_t count, uint32_t components, std::span<std::byte> out, auto&& convert) {
+void scatter(std::span<const std::byte> box, const SampleArray& array, uint64_t pixels,
+             uint32_t box_samples, uint32_t first, uint32_t count, std::span<std::byte> out,
+             auto&& convert) {
+  const uint64_t stride = array.stride();
   size_t to = 0;
-  for (uint32_t c = 0; c < components; ++c) {
+  for (uint32_t c = 0; c < array.components; ++c) {
     for (uint64_t p = 0; p < pixels; ++p) {
       for (uint32_t s = 0; s < count; ++s) {
         const T source =
-            format::load<T>(box, ((p * box_samples + first + s) * components + c) * sizeof(T));
+            format::load<T>(box, ((p * box_samples + first + s) * stride + c) * sizeof(T));
         const auto stored = convert(source);
         format::store(out, to, stored);
         to += sizeof(stored);
@@ -97,21 +99,21 @@ format::DataType stored_type(ElementType type) {
 }
 
 Result<std::vector<std::byte>> read_box(const SampleArray& array, const SampleBox& box) {
-  std::vector<std::byte> out(element_bytes(array.type) * array.components * (box.y1 - box.y0) *
+  std::vector<std::byte> out(element_bytes(array.type) * array.stride() * (box.y1 - box.y0) *
                              (box.x1 - box.x0) * (box.s1 - box.s0));
   SPOOL_TRY(array.sample_major ? read_sample_major(array, box, out)
                                : read_pixel_major(array, box, out));
   return out;
 }
 
-bool to_planar(std::span<const std::byte> box, ElementType type, uint64_t pixels,
-               uint32_t box_samples, uint32_t first, uint32_t count, uint32_t components,
-               std::span<std::byte> out, ValueCounts& counts) {
+bool to_planar(std::span<const std::byte> box, const SampleArray& array, uint64_t pixels,
+               uint32_t box_samples, uint32_t first, uint32_t count, std::span<std::byte> out,
+               ValueCounts& counts) {
   bool all_fit = true;
   const auto run = [&]<class T>(T, auto&& convert) {
-    scatter<T>(box, pixels, box_samples, first, count, components, out, convert);
+    scatter<T>(box, array, pixels, box_samples, first, count, out, convert);
   };
-  switch (type) {
+  switch (array.type) {
     case ElementType::kFloat16:
       run(uint16_t{}, [&](uint16_t half) {
         const uint16_t magnitude = half & 0x7FFF;

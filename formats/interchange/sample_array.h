@@ -30,6 +30,9 @@ struct SampleArray {
   uint32_t width = 1;
   uint32_t samples = 1;
   uint32_t components = 1;
+  uint32_t skipped = 0;  // values that follow the components of each sample and are not wanted
+
+  uint32_t stride() const { return components + skipped; }
 };
 
 // Half-open ranges.
@@ -39,7 +42,7 @@ struct SampleBox {
   uint32_t s0 = 0, s1 = 0;
 };
 
-// Elements [y][x][s][c] of a box inside the array, in the array's own type.
+// Elements [y][x][s][c] of a box inside the array, in the array's own type, skipped ones included.
 Result<std::vector<std::byte>> read_box(const SampleArray& array, const SampleBox& box);
 
 // What was noticed while values were taken over.
@@ -49,10 +52,10 @@ struct ValueCounts {
 };
 
 // Samples [first, first + count) of a box of `box_samples` samples per pixel, as the planar block
-// stored[c][y][x][s] of stored_type(type). `out` has exactly that size. False when a finite f64
-// does not fit f32.
-bool to_planar(std::span<const std::byte> box, ElementType type, uint64_t pixels,
-               uint32_t box_samples, uint32_t first, uint32_t count, uint32_t components,
-               std::span<std::byte> out, ValueCounts& counts);
+// stored[c][y][x][s] of stored_type(array.type). `out` has exactly that size. False when a finite
+// f64 does not fit f32.
+bool to_planar(std::span<const std::byte> box, const SampleArray& array, uint64_t pixels,
+               uint32_t box_samples, uint32_t first, uint32_t count, std::span<std::byte> out,
+               ValueCounts& counts);
 
 }  // namespace spool::interchange

@@ -1,4 +1,4 @@
-// SHA-256 [FIPS180-4], the identity of a file.
+// SHA-256 [Fips180], the identity of a file.
 #pragma once
 
 #include <array>

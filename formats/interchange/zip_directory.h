@@ -2,7 +2,7 @@
 //
 // A hostile file can claim anything: every offset and size is compared with the file before it is
 // used, members may not overlap, and a member never gives more bytes than the directory says.
-// Sources: the .ZIP File Format Specification (APPNOTE 6.3) [APPNOTE]; RFC 1951 through zlib.
+// Sources: the .ZIP File Format Specification (APPNOTE 6.3) [Appnote]; RFC 1951 through zlib.
 // Errors: kDamage for a file that is cut or whose checksums disagree, kData for features that are
 // refused (encryption, several disks, other methods).
 #pragma once

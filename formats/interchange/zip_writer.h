@@ -1,7 +1,7 @@
 // A zip of stored members whose sizes are known beforehand; zip64 where 4 GiB are exceeded.
 //
 // The members' bytes are written at their places in any order; finish_zip reads them back for the
-// checksums and adds headers and directory. Source: [APPNOTE].
+// checksums and adds headers and directory. Source: [Appnote].
 #pragma once
 
 #include <cstdint>

@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 
+#include "formats/interchange/bcd_raw.h"
 #include "formats/interchange/npz.h"
 #include "formats/interchange/zip_directory.h"
 #include "formats/interchange/zip_writer.h"
@@ -48,7 +49,8 @@ Options common(const Job& job) {
   return options;
 }
 
-Result<std::string> notes_of(const Result<ImportReport>& report) {
+template <class Report>
+Result<std::string> notes_of(const Result<Report>& report) {
   if (!report) return tl::unexpected(report.error());
   std::string text;
   for (const std::string& note : report->notes)
@@ -68,6 +70,10 @@ Result<std::string> run(const Job& job) {
     SPOOL_TRY(export_npz(job.in, job.out, {.force = job.has("force")}));
     return std::string();
   }
+  if (job.verb == "import_bcd_raw")
+    return notes_of(import_bcd_raw(job.in, job.out, common<ImportOptions>(job)));
+  if (job.verb == "export_bcd_raw")
+    return notes_of(export_bcd_raw(job.in, job.out, {.force = job.has("force")}));
   if (job.verb == "sparse_zip") {  // 5 GiB of zeros, then three bytes: sizes and offsets past 4 GiB
     std::vector<PlannedMember> members = {{"big", uint64_t{5} << 30}, {"small", 3}};
     plan_zip(members);

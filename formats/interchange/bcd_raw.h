@@ -1,0 +1,30 @@
+// The raw sample file of BCD [Bcd]: import and export. Radiance only.
+//
+// Five i32 (version, width, height, samples, channels), then f32 [y][x][s][c], little-endian; 3
+// channels, or 4 of which the last (alpha) is dropped. The format has no magic: that the size is
+// exactly what the header says is the only proof. The order of the samples is not recorded.
+#pragma once
+
+#include <filesystem>
+
+#include "formats/interchange/dump_import.h"
+#include "formats/interchange/export_file.h"
+#include "lib/core/error.h"
+
+namespace spool::interchange {
+
+// Errors: kDamage for a file that is cut, kData for one that is something else.
+Result<ImportReport> import_bcd_raw(const std::filesystem::path& in,
+                                    const std::filesystem::path& out,
+                                    const ImportOptions& options = {});
+
+struct BcdRawExportOptions {
+  bool force = false;  // replace OUT
+};
+
+// Bit-exact (f16 radiance is widened). Other layers are dropped and named in the report.
+Result<ExportReport> export_bcd_raw(const std::filesystem::path& in,
+                                    const std::filesystem::path& out,
+                                    const BcdRawExportOptions& options = {});
+
+}  // namespace spool::interchange
