@@ -3,6 +3,11 @@
 #include "lib/reconstruction/box.h"
 #include "lib/reconstruction/directional/directional.h"
 #include "lib/reconstruction/gaussian.h"
+#include "lib/reconstruction/greedy_selection.h"
+#include "lib/reconstruction/multistage.h"
+#include "lib/reconstruction/nl_means.h"
+#include "lib/reconstruction/oracle_scale.h"
+#include "lib/reconstruction/wavelet_shrinkage.h"
 
 namespace spool {
 
@@ -11,6 +16,11 @@ const std::vector<ReconstructorEntry>& reconstructors() {
       reconstructor_entry(box_method()),
       reconstructor_entry(gaussian_method()),
       reconstructor_entry(directional_method()),
+      reconstructor_entry(greedy_selection_method()),
+      reconstructor_entry(nl_means_method()),
+      reconstructor_entry(multistage_method()),
+      reconstructor_entry(wavelet_shrinkage_method()),
+      reconstructor_entry(oracle_scale_method()),
   };
   return list;
 }

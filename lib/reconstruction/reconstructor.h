@@ -22,8 +22,9 @@ namespace spool {
 struct Reconstruction {
   RgbImage image;                    // [c][y][x] pixels, radiance units
   std::optional<RgbImage> variance;  // estimated variance of `image`, where the method has one
-  std::optional<CountImage> level;   // filter size 2^level of each piece, where it has one
+  std::optional<CountImage> level;   // scale chosen for each piece (its meaning is the method's)
   std::optional<Plane> dominant_direction;  // degrees mod 180, spatial; NaN where isotropic
+  std::vector<std::string> notes;  // one line each, for people: what was done other than asked
   GuardCounts guards;
 };
 

@@ -18,6 +18,9 @@ TEST(ReconstructionDeterminism, BitsDoNotDependOnThreads) {
       testing::make_pool(97, 61, 8, testing::noisy_picture(97, 61, 1), {}, film);
   const Selection selection =
       testing::select_counts(pool, [](int x, int y) { return 1 + (5 * x + 3 * y) % 8; });
+  const Reference reference{selection.statistics.mean, std::nullopt};
+  ReconstructionContext context;
+  context.reference = &reference;  // for oracles
   for (const ReconstructorEntry& entry : reconstructors()) {
     std::vector<std::string> presets = entry.presets;
     if (presets.empty()) presets.push_back("");
@@ -26,7 +29,7 @@ TEST(ReconstructionDeterminism, BitsDoNotDependOnThreads) {
       std::optional<Reconstruction> first;
       for (const int threads : {1, 2, 3, 8}) {
         const ThreadLimit limit(threads);
-        auto result = (*filter)(selection, pool, {});
+        auto result = (*filter)(selection, pool, context);
         ASSERT_TRUE(result.has_value());
         if (!first) {
           first = std::move(*result);

@@ -1,0 +1,68 @@
+#include "lib/reconstruction/oracle_scale.h"
+
+#include <limits>
+#include <utility>
+
+#include "lib/pyramid/convolution.h"
+#include "lib/reconstruction/box.h"
+#include "lib/reconstruction/greedy_selection.h"
+#include "lib/reconstruction/truncated_filter.h"
+
+namespace spool {
+
+OptionTable<OracleScaleOptions> oracle_scale_option_table() {
+  using O = OracleScaleOptions;
+  return {
+      integer_option<O>("scales", &O::scales, 1, 16, "Gaussians above the pixel mean"),
+      number_option<O>("error_smoothing", &O::error_smoothing, 0.0, 16.0,
+                       "blur of the squared error that decides, pixels"),
+  };
+}
+
+Result<Reconstruction> reconstruct_oracle_scale(const Selection& selection, const SamplePool& pool,
+                                                const ReconstructionContext& context,
+                                                const OracleScaleOptions& options) {
+  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, context, {}));
+  const RgbImage mean = result.image;
+  const int width = mean[0].width(), height = mean[0].height();
+  if (!context.reference || !context.reference->mean[0].same_size(mean[0])) {
+    return fail(ErrorCode::kData,
+                "oracle_scale: needs a reference of {} x {} pixels: hand one over, or use a filter "
+                "that is not an oracle",
+                width, height);
+  }
+  CountImage level(width, height);
+  Plane least(width, height, std::numeric_limits<double>::infinity());
+  for (int s = 0; s <= options.scales; ++s) {
+    RgbImage candidate = mean;
+    Plane error(width, height);
+    const Taps taps = s == 0 ? Taps{0, {1.0}} : floor_gaussian_taps(greedy_scale(s));
+    for (std::size_t c = 0; c < 3; ++c) {
+      candidate[c] = truncated_mean(mean[c], taps);
+      for (std::size_t i = 0; i < error.size(); ++i) {
+        const double d = candidate[c][i] - context.reference->mean[c][i];
+        error[i] += d * d / 3.0;
+      }
+    }
+    if (options.error_smoothing > 0.0) error = gaussian_blur(error, options.error_smoothing);
+    for (std::size_t i = 0; i < error.size(); ++i) {
+      if (!(error[i] < least[i])) continue;
+      least[i] = error[i];
+      level[i] = s;
+      for (std::size_t c = 0; c < 3; ++c)
+        result.image[c][i] = candidate[c][i];
+    }
+  }
+  result.variance.reset();  // a choice made with the answer has no variance of its own
+  result.level = std::move(level);
+  result.notes.push_back("oracle_scale: chosen with the reference; a bound, not a method");
+  return result;
+}
+
+ReconstructorMethod<OracleScaleOptions> oracle_scale_method() {
+  return {"oracle_scale", "the Gaussian nearest to the reference at each pixel (an oracle)",
+          false,          oracle_scale_option_table(),
+          {{"", {}}},     reconstruct_oracle_scale};
+}
+
+}  // namespace spool

@@ -1,0 +1,34 @@
+// The base image I_0 of the greedy selection, on either of its grids, and kernels composed with it.
+#pragma once
+
+#include "lib/core/image.h"
+#include "lib/pool/sample_pool.h"
+#include "lib/pyramid/wavelet_filters.h"
+#include "lib/statistics/selection.h"
+
+namespace spool {
+
+inline constexpr int kCellsPerPixel = 4;  // per side, of the subpixel grid
+
+// Taps of the pixel filter on cells of a quarter pixel: distances (i + 1/2 - 10) / 4, i = 0 .. 19,
+// sum 1; the first belongs to the cell 10 before the pixel's centre.
+Taps cell_filter_taps();
+
+// Means of the samples of each cell [c][4 height][4 width]; an empty cell takes its pixel's mean.
+RgbImage cell_means(const PieceStatistics& statistics, const SamplePool& pool,
+                    const RgbImage& pixel_mean);
+
+// Cells filtered with cell_filter_taps, one value per pixel; windows cut and renormalised.
+Plane filter_cells(const Plane& cells);
+
+// A kernel over pixels: taps for values, and what stands for their squares in a variance. On the
+// subpixel grid a pixel's tap is the sum over its cells and the square 4 times the sum of squares
+// (the mean of a cell has 4 x 4 times the variance of the pixel's mean).
+struct PixelKernel {
+  Taps taps, squares;
+};
+
+// `gaussian` (over pixels) composed with the pixel filter.
+PixelKernel compose_with_base(const Taps& gaussian, bool subpixel);
+
+}  // namespace spool
