@@ -84,9 +84,10 @@ void update_attenuation(Board& board, ScalarAnalysis& scalar, int k, const Recta
     const int first = box.y0 + band * kBand;
     for (int y = first; y < std::min(first + kBand, box.y1); ++y) {
       for (int x = box.x0; x < box.x1; ++x) {
-        const double change = std::abs(f(x, y) - before(x - box.x0, y - box.y0));  // eq 8
         const int fresh = counts.fresh(x, y);
-        if (any_touch ? change > 0.0 : fresh > 0) {
+        if (fresh == 0 && !any_touch) continue;
+        const double change = std::abs(f(x, y) - before(x - box.x0, y - box.y0));  // eq 8
+        if (change > 0.0 || !any_touch) {
           attenuation(x, y) = step(attenuation(x, y), change, fresh, counts.open(x, y));  // eq 7
         }
       }

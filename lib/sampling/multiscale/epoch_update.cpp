@@ -9,9 +9,17 @@
 namespace spool {
 namespace {
 
-// f, d, V and A of every scalar after the pieces of this step were loaded. before[i] holds the
-// coarse images of scalar i before the step and is used as storage.
-void analyse_everything(Board& board, std::vector<Pyramid>& before,
+// Keeps f_0 and hands f_1, f_2 .. over: the analysis after the step writes them anew.
+void remember_coarse(Pyramid& pyramid, std::vector<Plane>& before) {
+  before.resize(pyramid.coarse.size());
+  before[0] = pyramid.coarse[0];
+  for (std::size_t k = 1; k < before.size(); ++k)
+    std::swap(before[k], pyramid.coarse[k]);
+}
+
+// f, d, V and A of every scalar after the pieces of this step were loaded; before[i][k] is f_k of
+// scalar i before the step.
+void analyse_everything(Board& board, const std::vector<std::vector<Plane>>& before,
                         const MultiscaleOptions& options, GuardCounts& guards) {
   const PyramidOptions pyramid = board_pyramid(options);
   for (std::size_t i = 0; i < board.scalars.size(); ++i) {
@@ -22,7 +30,7 @@ void analyse_everything(Board& board, std::vector<Pyramid>& before,
       if (k > 0) update_variance_term(scalar, k, board.bounds(), options, guards);  // eq 6
       const Rectangle box =
           options.attenuation == AttenuationUpdate::kNone ? Rectangle{} : board.bounds();
-      update_attenuation(board, scalar, k, box, before[i].coarse[level], options);  // eqs 7, 8
+      update_attenuation(board, scalar, k, box, before[i][level], options);  // eqs 7, 8
     }
   }
 }
@@ -37,6 +45,7 @@ LoopLog run_epochs(Board& board, Samples& samples, const SamplePool& pool, long 
   const double above = options.stop_priority.value_or(0.0);
 
   std::vector<Pick> picks;
+  std::vector<std::vector<Plane>> before(board.scalars.size());  // f_k before the step
   for (std::uint64_t epoch = 0; log.spent < budget; ++epoch) {
     const long long spent_before = log.spent;
     const long long wanted = std::min(share, budget - log.spent);
@@ -58,9 +67,8 @@ LoopLog run_epochs(Board& board, Samples& samples, const SamplePool& pool, long 
       }
       break;
     }
-    std::vector<Pyramid> before;
-    for (const ScalarAnalysis& scalar : board.scalars)
-      before.push_back({scalar.pyramid.coarse, {}});
+    for (std::size_t i = 0; i < board.scalars.size(); ++i)
+      remember_coarse(board.scalars[i].pyramid, before[i]);
     take_picks(board, samples, pool, picks, options, log.guards);
     analyse_everything(board, before, options, log.guards);
     end_step(board, samples, pool, picks);

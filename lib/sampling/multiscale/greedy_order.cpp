@@ -14,7 +14,7 @@ GreedyOrder::GreedyOrder(const Board& board, double above, std::size_t expected)
       expected_(std::max<std::size_t>(expected, 16)),
       upper_(std::numeric_limits<double>::infinity()),
       taken_(board.window.width(), board.window.height()) {
-  constexpr std::size_t kSampled = 1 << 14;
+  constexpr std::size_t kSampled = 1 << 12;
   for (const Plane& plane : board.priority)
     entries_ += plane.size();
   const std::size_t stride = (entries_ / kSampled) | 1;
@@ -65,7 +65,8 @@ bool GreedyOrder::gather() {
     }
     upper_ = lower;
   }
-  std::sort(batch_.begin(), batch_.end(), precedes);
+  std::sort(batch_.begin(), batch_.end(),
+            [](const RegionEntry& a, const RegionEntry& b) { return precedes(a, b); });
   return !batch_.empty();
 }
 

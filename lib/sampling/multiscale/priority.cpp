@@ -1,7 +1,7 @@
 #include "lib/sampling/multiscale/priority.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "lib/pyramid/region_mean.h"
@@ -39,6 +39,31 @@ void region_extremes_contrast(ScalarAnalysis& scalar, int k, const Rectangle& bo
     guards += row;
 }
 
+// P of one row: (V + D) max(A, A_min). A priority that is not finite becomes the largest finite
+// one.
+void priority_row(const double* variance, const double* detail, const double* coarse,
+                  const double* attenuation, int width, const MultiscaleOptions& options,
+                  double* __restrict priority, GuardCounts& guards) {
+  const double floor = options.attenuation_floor;
+  if (options.detail_norm == DetailNorm::kRelative) {
+    for (int x = 0; x < width; ++x) {
+      const double difference = detail[x] * detail[x] / (coarse[x] * coarse[x] + kRelativeFloor);
+      priority[x] = (variance[x] + difference) * std::max(attenuation[x], floor);
+    }
+  } else {
+    for (int x = 0; x < width; ++x)
+      priority[x] = (variance[x] + detail[x] * detail[x]) * std::max(attenuation[x], floor);
+  }
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  std::int64_t caught = 0;
+  for (int x = 0; x < width; ++x) {
+    const bool finite = priority[x] <= kLargest;  // false for NaN too; none is negative
+    caught += finite ? 0 : 1;
+    priority[x] = finite ? priority[x] : kLargest;
+  }
+  guards.add(Guard::kPriorityNotFinite, static_cast<std::uint64_t>(caught));
+}
+
 }  // namespace
 
 void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box,
@@ -48,19 +73,6 @@ void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box,
   } else {
     region_mean_box(scalar.contrast, k, box, scalar.variance[static_cast<std::size_t>(k - 1)]);
   }
-}
-
-double priority_value(double variance, double detail, double coarse, double attenuation,
-                      const MultiscaleOptions& options, GuardCounts& guards) {
-  double difference = detail * detail;
-  if (options.detail_norm == DetailNorm::kRelative) {
-    difference /= coarse * coarse + kRelativeFloor;
-  }
-  const double priority =
-      (variance + difference) * std::max(attenuation, options.attenuation_floor);
-  if (std::isfinite(priority)) return priority;
-  guards.add(Guard::kPriorityNotFinite);
-  return std::numeric_limits<double>::max();
 }
 
 void close_regions(Board& board, int k, const Rectangle& box) {
@@ -83,16 +95,17 @@ void update_priority(Board& board, int k, const Rectangle& wanted, const Multisc
   Plane& priority = board.priority[level - 1];
   std::vector<GuardCounts> rows(static_cast<std::size_t>(box.height()));
   rows_by_area(box.y0, box.y1, box.area(), [&](int y) {
-    GuardCounts& row = rows[static_cast<std::size_t>(y - box.y0)];
-    for (int x = box.x0; x < box.x1; ++x) {
-      double largest = -std::numeric_limits<double>::infinity();
-      for (const ScalarAnalysis& scalar : board.scalars) {
-        largest = std::max(largest, priority_value(scalar.variance[level - 1](x, y),
-                                                   scalar.pyramid.detail[detail](x, y),
-                                                   scalar.pyramid.coarse[level](x, y),
-                                                   scalar.attenuation[level](x, y), options, row));
-      }
-      priority(x, y) = largest;
+    GuardCounts& guarded = rows[static_cast<std::size_t>(y - box.y0)];
+    double* row = &priority(box.x0, y);
+    std::vector<double> other(board.scalars.size() > 1 ? static_cast<std::size_t>(box.width()) : 0);
+    for (std::size_t i = 0; i < board.scalars.size(); ++i) {
+      const ScalarAnalysis& scalar = board.scalars[i];
+      priority_row(&scalar.variance[level - 1](box.x0, y),
+                   &scalar.pyramid.detail[detail](box.x0, y),
+                   &scalar.pyramid.coarse[level](box.x0, y), &scalar.attenuation[level](box.x0, y),
+                   box.width(), options, i == 0 ? row : other.data(), guarded);
+      for (int x = 0; i > 0 && x < box.width(); ++x)
+        row[x] = std::max(row[x], other[static_cast<std::size_t>(x)]);
     }
   });
   for (const GuardCounts& row : rows)

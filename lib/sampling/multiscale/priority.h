@@ -24,8 +24,4 @@ void update_priority(Board& board, int k, const Rectangle& box, const Multiscale
 // P_k = -infinity on the part of `box` whose regions are saturated.
 void close_regions(Board& board, int k, const Rectangle& box);
 
-// (V + d^2) max(A, A_min) of one entry; the largest finite number, counted, if that is not finite.
-double priority_value(double variance, double detail, double coarse, double attenuation,
-                      const MultiscaleOptions& options, GuardCounts& guards);
-
 }  // namespace spool

@@ -7,35 +7,54 @@
 namespace spool {
 namespace {
 
-// Sums over [x - before, x + after]^2 clipped to `area`, for the entries of `box`. Whole numbers,
-// so the order of additions is free.
+// sums[x] = image[x - before] + ... + image[x + after] over a row of `width` values with zeros on
+// both sides, by doubling: a window of 2^k is two of 2^(k-1). Whole numbers, so any order is exact.
+// padded: at least width + 2^level values; sums: the first `width` are the result.
+void double_up(std::int32_t* values, int level, int padded) {
+  for (int k = 0; k < level; ++k) {
+    const int step = 1 << k;
+    for (int x = 0; x + step < padded; ++x)
+      values[x] += values[x + step];
+  }
+}
+
+// Sums over the regions R_level of the entries of `box`; pieces outside `area` count as 0.
 template <class T>
-CountImage window_sums(const Image<T>& image, const Rectangle& area, int before, int after,
+CountImage region_sums(const Image<T>& image, const Rectangle& area, int level,
                        const Rectangle& box) {
-  const int width = box.width();
-  const int row_begin = std::max(box.y0 - before, area.y0);
-  const int row_end = std::max(std::min(box.y1 + after, area.y1), row_begin);
-  CountImage rows(width, row_end - row_begin);
-  const long long work = static_cast<long long>(rows.size());
-  rows_by_area(row_begin, row_end, work, [&](int y) {
+  const int before = level == 0 ? 0 : 1 << (level - 1), span = 1 << level;
+  const int width = box.width(), padded = width + span;
+  const int row_begin = box.y0 - before;
+  const int rows = box.height() + span;
+  // row_sums(x, y): the window that starts at column box.x0 - before + x, of row row_begin + y.
+  CountImage row_sums(padded, rows);
+  rows_by_area(0, rows, static_cast<long long>(row_sums.size()), [&](int r) {
+    const int y = row_begin + r;
+    if (y < area.y0 || y >= area.y1) return;
+    std::int32_t* to = row_sums.row(r).data();
+    const int first = box.x0 - before;
+    const int begin = std::max(first, area.x0), end = std::min(first + padded, area.x1);
+    if (begin >= end) return;
     const T* from = image.row(y).data();
-    std::int32_t* to = rows.row(y - row_begin).data();
-    for (int x = box.x0; x < box.x1; ++x) {
-      std::int32_t sum = 0;
-      for (int i = std::max(x - before, area.x0); i < std::min(x + after + 1, area.x1); ++i)
-        sum += from[i];
-      to[x - box.x0] = sum;
-    }
+    for (int x = begin; x < end; ++x)
+      to[x - first] = from[x];
+    double_up(to, level, padded);
   });
   CountImage sums(width, box.height());
-  rows_by_area(box.y0, box.y1, work, [&](int y) {
-    std::int32_t* to = sums.row(y - box.y0).data();
-    const int last = std::min(y + after + 1, area.y1);
-    for (int j = std::max(y - before, area.y0); j < last; ++j) {
-      const std::int32_t* from = rows.row(j - row_begin).data();
-      for (int x = 0; x < width; ++x)
-        to[x] += from[x];
+  constexpr int kBand = 64;  // columns that are doubled up together
+  const int bands = (width + kBand - 1) / kBand;
+  rows_by_area(0, bands, static_cast<long long>(row_sums.size()), [&](int band) {
+    const int x0 = band * kBand, x1 = std::min(width, x0 + kBand);
+    for (int k = 0; k < level; ++k) {
+      for (int r = 0; r + (1 << k) < rows; ++r) {
+        std::int32_t* to = row_sums.row(r).data();
+        const std::int32_t* from = row_sums.row(r + (1 << k)).data();
+        for (int x = x0; x < x1; ++x)
+          to[x] += from[x];
+      }
     }
+    for (int y = 0; y < box.height(); ++y)
+      std::copy(&row_sums(x0, y), &row_sums(x0, y) + (x1 - x0), &sums(x0, y));
   });
   return sums;
 }
@@ -48,8 +67,8 @@ RegionCounts::RegionCounts(const Board& board, int level, const Rectangle& box)
     before_ = 1 << (level - 1);
     after_ = before_ - 1;
   }
-  fresh_ = window_sums(board.fresh, area_, before_, after_, box);
-  if (board.closed_pieces > 0) closed_ = window_sums(board.closed, area_, before_, after_, box);
+  fresh_ = region_sums(board.fresh, area_, level, box);
+  if (board.closed_pieces > 0) closed_ = region_sums(board.closed, area_, level, box);
 }
 
 }  // namespace spool
