@@ -59,14 +59,30 @@ Result<SamplePool> SamplePool::create(std::shared_ptr<const RecordedSamples> rec
   return pool;
 }
 
+SamplePool SamplePool::half(int parity) const {
+  SPOOL_CHECK(parity == 0 || parity == 1);
+  SamplePool pool = *this;
+  pool.stride_ = 2 * stride_;
+  pool.offset_ = offset_ + parity * stride_;
+  return pool;
+}
+
 int SamplePool::size(int x, int y) const {
+  return std::max(0, (whole_size(x, y) - offset_ + stride_ - 1) / stride_);
+}
+
+int SamplePool::capacity(int x, int y) const {
+  return std::max(0, (whole_capacity(x, y) - offset_ + stride_ - 1) / stride_);
+}
+
+int SamplePool::whole_size(int x, int y) const {
   if (list_begin_.empty()) return recording_->spp();
   const std::size_t p = static_cast<std::size_t>(y) * width() + x;
   return static_cast<int>(list_begin_[p + 1] - list_begin_[p]);
 }
 
-int SamplePool::capacity(int x, int y) const {
-  const int all = size(x, y);
+int SamplePool::whole_capacity(int x, int y) const {
+  const int all = whole_size(x, y);
   if (options_.holdout == 0) return all;
   // With q = 2 each piece gives up its share of the pixel's held-out samples, rounded up.
   const int pieces = options_.pieces_per_side * options_.pieces_per_side;
@@ -84,10 +100,10 @@ long long SamplePool::total_capacity() const {
 
 int SamplePool::recorded_index(int x, int y, int i) const {
   const std::size_t p = static_cast<std::size_t>(y) * width() + x;
-  int j = i;
+  int j = stride_ * i + offset_;
   if (options_.order == PoolOrder::kShuffled) {
-    j = static_cast<int>(permute_index(static_cast<std::uint32_t>(i),
-                                       static_cast<std::uint32_t>(size(x, y)),
+    j = static_cast<int>(permute_index(static_cast<std::uint32_t>(j),
+                                       static_cast<std::uint32_t>(whole_size(x, y)),
                                        mix(options_.seed, p)));
   }
   return list_begin_.empty() ? j : lists_[list_begin_[p] + static_cast<std::size_t>(j)];

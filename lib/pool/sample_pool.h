@@ -52,14 +52,23 @@ class SamplePool {
     const int q = options_.pieces_per_side;
     return recording_->film(x / q, y / q, recorded_index(x, y, i));
   }
+  // The pool of every second sample of each piece: 0 the even ones, 1 the odd ones. Disjoint
+  // halves, for methods that filter both and compare. Its sample i is sample 2 i + parity of this
+  // pool.
+  SamplePool half(int parity) const;
+
   // Index in the recording of the i-th sample of the piece.
   int recorded_index(int x, int y, int i) const;
   // All samples of the piece, the held-out ones included.
   int size(int x, int y) const;
 
  private:
+  int whole_size(int x, int y) const;
+  int whole_capacity(int x, int y) const;
+
   std::shared_ptr<const RecordedSamples> recording_;
   PoolOptions options_;
+  int stride_ = 1, offset_ = 0;  // sample i is sample stride_ i + offset_ of the whole pool
   // Recorded indices of each piece's samples, only where that is not simply 0 .. spp-1 (q = 2, or
   // rejected samples): lists_[list_begin_[p] .. list_begin_[p + 1]) for piece p.
   std::vector<std::uint16_t> lists_;

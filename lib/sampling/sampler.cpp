@@ -3,7 +3,10 @@
 #include <cmath>
 
 #include "lib/core/parallel.h"
+#include "lib/sampling/filtered_halves.h"
+#include "lib/sampling/mitchell.h"
 #include "lib/sampling/multiscale/multiscale.h"
+#include "lib/sampling/neyman.h"
 #include "lib/sampling/sampler_entry.h"
 #include "lib/sampling/uniform.h"
 

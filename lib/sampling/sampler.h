@@ -21,9 +21,9 @@
 namespace spool {
 
 struct SamplingLog {
-  long long budget = 0;             // samples asked for
-  long long initial = 0;            // taken everywhere before the first decision
-  long long spent = 0;              // taken in all; less than budget only when the pool ran out
+  long long budget = 0;   // samples asked for
+  long long initial = 0;  // taken everywhere before the first decision
+  long long spent = 0;  // taken in all; less than budget where the pool ran out or the method stops
   long long uniform_remainder = 0;  // spent uniformly because nothing had a priority
   long long saturated_pieces = 0;   // pieces that ran out of samples
   std::vector<long long>
@@ -36,11 +36,15 @@ struct SamplingResult {
   SamplingLog log;
 };
 
+// The image that a selection gives; what a reconstructor is to a sampler that filters in its loop.
+using FilterFunction = std::function<Result<RgbImage>(const Selection&, const SamplePool&)>;
+
 struct SamplingContext {
   std::uint64_t seed = 0;                // of whatever is random in the method itself
   Views* views = nullptr;                // intermediate images wanted, may be null
   std::function<void(double)> progress;  // share of the work done, may be empty
   const std::function<bool()>* cancelled = nullptr;
+  FilterFunction filter;  // for samplers with a filter in their loop, which refuse to work without
 };
 
 using SamplerFunction = std::function<Result<SamplingResult>(const SamplePool&, long long budget,

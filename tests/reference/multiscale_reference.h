@@ -29,7 +29,7 @@ class Multiscale {
 
   MultiscaleRun run(long long budget) {
     const int width = pool_.width(), height = pool_.height();
-    const int first = initial_samples(o_, budget, width * height, pool_.pieces_per_side());
+    const int first = o_.init_spp.value_or(default_initial_samples(budget, pool_));
     n_ = CountImage(width, height);
     long long spent = 0;
     for_pieces([&](int x, int y) {

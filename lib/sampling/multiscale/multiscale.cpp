@@ -19,21 +19,6 @@ namespace {
 
 enum Lane : std::uint64_t { kInitialLane = 1, kExploreLane = 2, kTileLane = 3 };
 
-// The first samples of every piece, and more of them where the budget is explored uniformly.
-CountImage raised_everywhere(const CountImage& n, const SamplePool& pool, long long budget,
-                             std::uint64_t seed, int limit) {
-  return raise_least_sampled(n, pool, n.bounds(), budget, seed, limit);
-}
-
-PieceStatistics initial_samples_of(const SamplePool& pool, long long budget,
-                                   const MultiscaleOptions& options, std::uint64_t seed) {
-  const CountImage none(pool.width(), pool.height());
-  const auto pieces = static_cast<long long>(none.size());
-  const int each = initial_samples(options, budget, pieces, pool.pieces_per_side());
-  return prefix_statistics(pool,
-                           raised_everywhere(none, pool, budget, mix(seed, kInitialLane), each));
-}
-
 // Progress and cancellation, from several tiles at once.
 class Reporter {
  public:
@@ -100,7 +85,9 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
   log.samples_of_level.assign(static_cast<std::size_t>(options.levels()) + 1, 0);
 
   // The first samples of every piece.
-  PieceStatistics first = initial_samples_of(pool, budget, options, context.seed);
+  const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
+  PieceStatistics first =
+      prefix_statistics(pool, initial_counts(pool, budget, each, mix(context.seed, kInitialLane)));
   log.initial = count_samples(first.n);
 
   // The exposure of everything that decides, frozen from here on.
@@ -113,9 +100,8 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
   const auto explored =
       static_cast<long long>(options.explore_fraction * static_cast<double>(left));
   if (explored > 0) {
-    const CountImage n = raised_everywhere(first.n, pool, explored, mix(context.seed, kExploreLane),
-                                           std::numeric_limits<int>::max());
-    first = prefix_statistics(pool, n);
+    first = prefix_statistics(
+        pool, raise_least_sampled(first.n, pool, grid, explored, mix(context.seed, kExploreLane)));
     log.samples_of_level[0] += explored;
     left -= explored;
   }
@@ -124,8 +110,7 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
   reporter(budget - left);
 
   std::vector<Plane> before_last;
-  if (options.attenuation_start == AttenuationStart::kSplit &&
-      initial_samples(options, budget, grid.area(), pool.pieces_per_side()) >= 2) {
+  if (options.attenuation_start == AttenuationStart::kSplit && each >= 2) {
     for (std::size_t i = 0; i < samples.scalars(); ++i)
       before_last.push_back(means_before_last(samples, pool, i));
   }

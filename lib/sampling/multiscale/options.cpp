@@ -5,24 +5,6 @@ namespace {
 
 using O = MultiscaleOptions;
 
-// A whole number, or the word that stands for no number.
-Option<O> integer_or_word(std::string name, std::optional<int> O::* member, std::string word,
-                          int lowest, int highest, std::string help) {
-  return {name, fmt::format("{}|{} .. {}", word, lowest, highest), std::move(help),
-          [=](O& options, std::string_view text) -> Result<void> {
-            if (text == word) {
-              (options.*member).reset();
-              return {};
-            }
-            SPOOL_ASSIGN(const int value, parse_integer(name, text, lowest, highest));
-            options.*member = value;
-            return {};
-          },
-          [=](const O& options) {
-            return options.*member ? std::to_string(*(options.*member)) : word;
-          }};
-}
-
 Option<O> pop_option() {
   return {"pop", "per_piece|fixed(1 .. 65536)",
           "samples of a region: one for each piece, or m for its least-sampled pieces",
@@ -64,9 +46,7 @@ Option<O> stop_option() {
 
 OptionTable<O> make_table() {
   OptionTable<O> table = {
-      integer_or_word("init_spp", &O::init_spp, "auto", 1, 65535,
-                      "samples that every piece takes first; auto: 4 from 8 samples per piece on, "
-                      "else 2"),
+      init_spp_option<O>(&O::init_spp),
       choice_option<O, ExposureMode>(
           "exposure", &O::exposure,
           {{"normalise", ExposureMode::kNormalise}, {"none", ExposureMode::kNone}},
@@ -127,8 +107,9 @@ OptionTable<O> make_table() {
       choice_option<O, UpdateMode>("update", &O::update,
                                    {{"epoch", UpdateMode::kEpoch}, {"exact", UpdateMode::kExact}},
                                    "many regions a step, or one"),
-      integer_or_word("epochs", &O::epochs, "auto", 1, 1000000,
-                      "steps of update=epoch; auto: 256 up to 256 x 256 pieces, 96 beyond"),
+      integer_or_word_option<O>(
+          "epochs", &O::epochs, "auto", 1, 1000000,
+          "steps of update=epoch; auto: 256 up to 256 x 256 pieces, 96 beyond"),
       pop_option(),
       stop_option(),
       choice_option<O, ParallelOver>(
@@ -165,13 +146,6 @@ O paper_preset() {
 }
 
 }  // namespace
-
-int initial_samples(const MultiscaleOptions& options, long long budget, long long pieces,
-                    int pieces_per_side) {
-  if (options.init_spp) return *options.init_spp;
-  if (budget >= 8 * pieces) return 4;
-  return pieces_per_side > 1 && budget < 4 * pieces ? 1 : 2;
-}
 
 int epoch_count(const MultiscaleOptions& options, long long pieces) {
   if (options.epochs) return *options.epochs;

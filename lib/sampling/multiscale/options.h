@@ -8,6 +8,7 @@
 
 #include "lib/core/option_table.h"
 #include "lib/pyramid/laplacian_pyramid.h"
+#include "lib/sampling/rounds.h"
 #include "lib/sampling/sampler_entry.h"
 #include "lib/sampling/uniform.h"
 #include "lib/statistics/contrast.h"
@@ -52,7 +53,7 @@ enum class BudgetBase {
 enum class ParallelOver { kRows, kTiles };  // never changes a result
 
 struct MultiscaleOptions {
-  std::optional<int> init_spp;  // per piece; empty: initial_samples()
+  std::optional<int> init_spp;  // per piece; empty: default_initial_samples()
   ExposureMode exposure = ExposureMode::kNormalise;
   double key = 1.0;
   AnalysedChannels channels = AnalysedChannels::kLuminance;
@@ -84,11 +85,6 @@ struct MultiscaleOptions {
 
   int levels() const { return pyramid.levels; }
 };
-
-// Samples that every piece takes first. Automatic: 4 from 8 samples per piece on, else 2; 1 where
-// a pixel has several pieces and 2 would leave nothing to decide about.
-int initial_samples(const MultiscaleOptions& options, long long budget, long long pieces,
-                    int pieces_per_side);
 
 // Epochs of a run over `pieces` pieces. Automatic: 256 up to 256^2 pieces, 96 beyond.
 int epoch_count(const MultiscaleOptions& options, long long pieces);

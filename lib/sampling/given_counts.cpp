@@ -1,0 +1,40 @@
+#include "lib/sampling/given_counts.h"
+
+#include <utility>
+
+#include "lib/sampling/rounds.h"
+
+namespace spool {
+
+Result<SamplingResult> sample_given_counts(const SamplePool& pool, long long budget,
+                                           const CountImage& counts, const std::string& name,
+                                           const SamplingContext& context) {
+  if (counts.width() != pool.width() || counts.height() != pool.height()) {
+    return fail(ErrorCode::kData, "{}: {} x {} counts do not fit the pool's {} x {} pieces", name,
+                counts.width(), counts.height(), pool.width(), pool.height());
+  }
+  for (int y = 0; y < counts.height(); ++y) {
+    for (int x = 0; x < counts.width(); ++x) {
+      if (counts(x, y) >= 0 && counts(x, y) <= pool.capacity(x, y)) continue;
+      return fail(ErrorCode::kData,
+                  "{}: count {} of piece {},{} is outside 0 .. {}: clamp the counts to what was "
+                  "recorded and is not held out",
+                  name, counts(x, y), x, y, pool.capacity(x, y));
+    }
+  }
+  SamplingLog log;
+  log.budget = budget;
+  PieceStatistics statistics = prefix_statistics(pool, counts);
+  expose(statistics, pool, 1.0, log.guards);
+  SPOOL_TRY(report_progress(context, "counts", 1, 1));
+  return finished(std::move(log), std::move(statistics), pool);
+}
+
+SamplerFunction given_counts_sampler(CountImage counts, std::string name) {
+  return [counts = std::move(counts), name = std::move(name)](
+             const SamplePool& pool, long long budget, const SamplingContext& context) {
+    return sample_given_counts(pool, budget, counts, name, context);
+  };
+}
+
+}  // namespace spool

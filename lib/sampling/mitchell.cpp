@@ -1,0 +1,197 @@
+#include "lib/sampling/mitchell.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "lib/core/parallel.h"
+#include "lib/sampling/rounds.h"
+#include "lib/statistics/contrast.h"
+
+namespace spool {
+namespace {
+
+using Thresholds = std::array<double, 3>;
+
+bool is_grey(const PieceStatistics& statistics) {
+  return statistics.mean[0] == statistics.mean[1] && statistics.mean[1] == statistics.mean[2];
+}
+
+// max_c C_c / tau_c of every piece, over the window.
+Plane contrast_ratio(const PieceStatistics& statistics, const Thresholds& tau, int window) {
+  const int reach = window / 2;
+  const double exposure = statistics.signal.exposure;
+  Plane ratio(statistics.width(), statistics.height());
+  parallel_rows(0, ratio.height(), [&](int y) {
+    for (int x = 0; x < ratio.width(); ++x) {
+      const Rectangle around =
+          intersect({x - reach, y - reach, x + reach + 1, y + reach + 1}, ratio.bounds());
+      double largest = 0.0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Plane& lows = (*statistics.channel_minimum)[c];
+        const Plane& highs = (*statistics.channel_maximum)[c];
+        double low = std::numeric_limits<double>::infinity(), high = -low;
+        for (int v = around.y0; v < around.y1; ++v) {
+          for (int u = around.x0; u < around.x1; ++u) {
+            low = std::min(low, lows(u, v));
+            high = std::max(high, highs(u, v));
+          }
+        }
+        if (low > high) continue;  // no sample in the window
+        low *= exposure, high *= exposure;
+        const double contrast = (high - low) / (std::abs(high) + std::abs(low) + kContrastEpsilon);
+        largest = std::max(largest, contrast / tau[c]);
+      }
+      ratio(x, y) = largest;
+    }
+  });
+  return ratio;
+}
+
+// Gives `most` samples to each piece in `order` until `share` is used; what is used.
+long long give_in_order(const std::vector<std::size_t>& order, int most, long long share,
+                        const std::vector<int>& room, CountImage& extra) {
+  long long used = 0;
+  for (const std::size_t i : order) {
+    if (used == share) break;
+    const auto add = std::min<long long>({most, room[i] - extra[i], share - used});
+    extra[i] += static_cast<std::int32_t>(add);
+    used += add;
+  }
+  return used;
+}
+
+std::vector<int> room_of(const CountImage& n, const SamplePool& pool) {
+  std::vector<int> room(n.size());
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x)
+      room[n.index(x, y)] = pool.capacity(x, y) - n(x, y);
+  }
+  return room;
+}
+
+// Index order sorted by `before`, a strict order on pieces.
+template <class Before>
+std::vector<std::size_t> sorted_pieces(std::size_t count, Before&& before) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), before);
+  return order;
+}
+
+Result<void> run_rounds(PieceStatistics& statistics, const SamplePool& pool, long long left,
+                        const Thresholds& tau, const MitchellOptions& options,
+                        const SamplingContext& context) {
+  const long long budget = left + count_samples(statistics.n);
+  for (long long share : equal_shares(left, options.rounds)) {
+    const Plane ratio = contrast_ratio(statistics, tau, options.window);
+    const std::vector<int> room = room_of(statistics.n, pool);
+    const auto key = [&](std::size_t i) {
+      // Flagged first, least-sampled first, largest ratio first; where nothing is flagged the
+      // largest ratio alone decides.
+      const bool flagged = ratio[i] > 1.0;
+      return std::tuple(!flagged, flagged ? statistics.n[i] : 0, -ratio[i]);
+    };
+    const std::vector<std::size_t> order =
+        sorted_pieces(ratio.size(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+    CountImage extra(ratio.width(), ratio.height());
+    while (share > 0) {  // a second pass only when every piece had its turn
+      const long long used = give_in_order(order, options.per, share, room, extra);
+      if (used == 0) break;  // all saturated
+      share -= used;
+    }
+    take_extra(statistics, pool, extra);
+    SPOOL_TRY(report_progress(context, "mitchell", count_samples(statistics.n), budget));
+  }
+  return {};
+}
+
+// The two-level modes: one look at the base samples, one hand-out.
+void run_two_levels(PieceStatistics& statistics, const SamplePool& pool, long long left,
+                    const Thresholds& tau, const MitchellOptions& options) {
+  const Plane ratio = contrast_ratio(statistics, tau, options.window);
+  const std::vector<int> room = room_of(statistics.n, pool);
+  std::vector<std::size_t> order = sorted_pieces(
+      ratio.size(), [&](std::size_t a, std::size_t b) { return ratio[a] > ratio[b]; });
+  CountImage extra(ratio.width(), ratio.height());
+  const int per = std::max(options.n_high - options.n_base, 1);
+  if (options.mode == MitchellMode::kTwoLevel) {
+    std::erase_if(order, [&](std::size_t i) { return !(ratio[i] > 1.0); });
+    give_in_order(order, per, left, room, extra);
+  } else {
+    const auto pieces = static_cast<long long>(order.size());
+    const long long raised = std::max<long long>(per, (left + pieces - 1) / pieces);
+    while (left > 0) {  // again only for the shares of saturated pieces
+      const long long used = give_in_order(order, static_cast<int>(raised), left, room, extra);
+      if (used == 0) break;
+      left -= used;
+    }
+  }
+  take_extra(statistics, pool, extra);
+}
+
+}  // namespace
+
+const OptionTable<MitchellOptions>& mitchell_option_table() {
+  using O = MitchellOptions;
+  static const OptionTable<O> table = {
+      choice_option<O, MitchellMode>("mode", &O::mode,
+                                     {{"multi_round", MitchellMode::kMultiRound},
+                                      {"two_level_budget", MitchellMode::kTwoLevelBudget},
+                                      {"two_level", MitchellMode::kTwoLevel}},
+                                     "rounds, or two levels that meet the budget or do not"),
+      init_spp_option<O>(&O::init_spp),
+      integer_option<O>("n_base", &O::n_base, 1, 65535, "first samples of the two-level modes"),
+      integer_option<O>("n_high", &O::n_high, 1, 65535,
+                        "samples of a flagged pixel in the two-level modes"),
+      integer_option<O>("rounds", &O::rounds, 1, 1000, "rounds of multi_round"),
+      integer_option<O>("per", &O::per, 1, 65535, "samples of a pixel and round in multi_round"),
+      {"window", "3|1", "pixels per side over which contrast is taken",
+       [](O& options, std::string_view text) -> Result<void> {
+         SPOOL_ASSIGN(const int value, parse_integer("window", text, 1, 3));
+         if (value == 2) return fail(ErrorCode::kUsage, "option window: 2 is not 3 or 1");
+         options.window = value;
+         return {};
+       },
+       [](const O& options) { return std::to_string(options.window); }},
+      number_option<O>("tau_red", &O::tau_red, 1e-6, 1e6, "threshold of the red contrast"),
+      number_option<O>("tau_green", &O::tau_green, 1e-6, 1e6, "threshold of the green contrast"),
+      number_option<O>("tau_blue", &O::tau_blue, 1e-6, 1e6, "threshold of the blue contrast"),
+      number_option<O>("tau_grey", &O::tau_grey, 1e-6, 1e6, "threshold where all samples are grey"),
+      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance"),
+  };
+  return table;
+}
+
+Result<SamplingResult> sample_mitchell(const SamplePool& pool, long long budget,
+                                       const MitchellOptions& options,
+                                       const SamplingContext& context) {
+  SPOOL_CHECK_GE(budget, 0);
+  SamplingLog log;
+  log.budget = budget;
+  const bool rounds = options.mode == MitchellMode::kMultiRound;
+  const int each =
+      rounds ? options.init_spp.value_or(default_initial_samples(budget, pool)) : options.n_base;
+  PieceStatistics statistics =
+      prefix_statistics(pool, initial_counts(pool, budget, each, context.seed), {}, true);
+  log.initial = count_samples(statistics.n);
+  expose(statistics, pool, options.key, log.guards);
+  const Thresholds tau = is_grey(statistics)
+                             ? Thresholds{options.tau_grey, options.tau_grey, options.tau_grey}
+                             : Thresholds{options.tau_red, options.tau_green, options.tau_blue};
+  const long long left = std::min(budget, pool.total_capacity()) - log.initial;
+  if (rounds) {
+    SPOOL_TRY(run_rounds(statistics, pool, left, tau, options, context));
+  } else {
+    run_two_levels(statistics, pool, left, tau, options);
+  }
+  if (context.views != nullptr && context.views->wants("ratio")) {
+    context.views->add("ratio", contrast_ratio(statistics, tau, options.window));
+  }
+  SPOOL_TRY(report_progress(context, "mitchell", budget, budget));
+  return finished(std::move(log), std::move(statistics), pool);
+}
+
+}  // namespace spool

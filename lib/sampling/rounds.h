@@ -1,0 +1,72 @@
+// What samplers that work in rounds share: the first samples of every piece, equal shares of the
+// rest, and handing a share out over an image of weights.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/core/image.h"
+#include "lib/core/option_table.h"
+#include "lib/sampling/sampler.h"
+
+namespace spool {
+
+// Samples that every piece takes first, unless an option says how many: 4 from 8 samples per piece
+// on, else 2; 1 where a pixel has several pieces and 2 would leave nothing to decide about.
+int default_initial_samples(long long budget, const SamplePool& pool);
+
+// The counts after every piece took up to `each` samples, or, where the budget ends before, after a
+// uniform spread of it.
+CountImage initial_counts(const SamplePool& pool, long long budget, int each, std::uint64_t seed);
+
+// `total` in `rounds` whole shares that differ by at most one, the larger first.
+std::vector<long long> equal_shares(long long total, int rounds);
+
+// Apportions `share` over the pieces in proportion to `weights` (NaN and negative count as 0), no
+// piece beyond its capacity: samples to take per piece, in all min(share, what is left).
+CountImage hand_out(const Plane& weights, const CountImage& n, const SamplePool& pool,
+                    long long share);
+
+// Takes `extra` samples of every piece, in parallel.
+void take_extra(PieceStatistics& statistics, const SamplePool& pool, const CountImage& extra);
+
+// Tells the context how far a sampler is; an error when the caller wants to stop.
+Result<void> report_progress(const SamplingContext& context, std::string_view sampler,
+                             long long spent, long long budget);
+
+// Exposes the statistics' luminance to mean `key`, frozen from then on.
+void expose(PieceStatistics& statistics, const SamplePool& pool, double key, GuardCounts& guards);
+
+// Closes a run: counts what was spent and saturated. `log.budget` and `log.initial` are set before.
+SamplingResult finished(SamplingLog log, PieceStatistics statistics, const SamplePool& pool);
+
+// An option that is a whole number or a word that stands for "decide yourself".
+template <class Options>
+Option<Options> integer_or_word_option(std::string name, std::optional<int> Options::* member,
+                                       std::string word, int lowest, int highest,
+                                       std::string help) {
+  return {name, fmt::format("{}|{} .. {}", word, lowest, highest), std::move(help),
+          [=](Options& options, std::string_view text) -> Result<void> {
+            if (text == word) {
+              (options.*member).reset();
+              return {};
+            }
+            SPOOL_ASSIGN(const int value, parse_integer(name, text, lowest, highest));
+            options.*member = value;
+            return {};
+          },
+          [=](const Options& options) {
+            return options.*member ? std::to_string(*(options.*member)) : word;
+          }};
+}
+
+template <class Options>
+Option<Options> init_spp_option(std::optional<int> Options::* member) {
+  return integer_or_word_option<Options>(
+      "init_spp", member, "auto", 1, 65535,
+      "samples that every piece takes first; auto: 4 from 8 samples per piece on, else 2");
+}
+
+}  // namespace spool

@@ -1,0 +1,67 @@
+// Slow twin of lib/sampling/filtered_halves.h for one piece per pixel.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "lib/sampling/apportion.h"
+#include "lib/sampling/filtered_halves.h"
+
+namespace spool::reference {
+
+// Gaussian of radius ceil(3 sigma), half-sample symmetric at the border, as a double sum.
+inline Plane blurred(const Plane& image, double sigma) {
+  const int r = static_cast<int>(std::ceil(3 * sigma));
+  const auto mirrored = [](int i, int n) {
+    i = ((i % (2 * n)) + 2 * n) % (2 * n);
+    return i < n ? i : 2 * n - 1 - i;
+  };
+  Plane out(image.width(), image.height());
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      double sum = 0.0, weights = 0.0;
+      for (int v = -r; v <= r; ++v) {
+        for (int u = -r; u <= r; ++u) {
+          const double w = std::exp(-(u * u + v * v) / (2.0 * sigma * sigma));
+          sum += w * image(mirrored(x + u, image.width()), mirrored(y + v, image.height()));
+          weights += w;
+        }
+      }
+      out(x, y) = sum / weights;
+    }
+  }
+  return out;
+}
+
+// Weights of the next round: sqrt of the smoothed relative difference of the filtered halves.
+inline Plane halves_weight(const SamplePool& pool, const CountImage& n, double exposure,
+                           double sigma, const FilterFunction& filter) {
+  RgbImage image[2];
+  for (int parity = 0; parity < 2; ++parity) {
+    const SamplePool half_pool = pool.half(parity);
+    Selection half;
+    half.statistics = empty_statistics(half_pool);
+    for (int y = 0; y < n.height(); ++y) {
+      for (int x = 0; x < n.width(); ++x) {
+        for (int s = parity; s < n(x, y); s += 2)
+          take(half.statistics, half_pool, x, y);
+      }
+    }
+    half.statistics.signal.exposure = exposure;
+    image[parity] = *filter(half, half_pool);
+  }
+  Plane e(n.width(), n.height());
+  for (std::size_t i = 0; i < e.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double a = exposure * image[0][c][i], b = exposure * image[1][c][i];
+      const double f = (a + b) / 2;
+      e[i] += (a - b) * (a - b) / (f * f + 0.01) / 3.0;
+    }
+  }
+  e = blurred(e, sigma);
+  for (double& value : e.pixels())
+    value = std::sqrt(value);
+  return e;
+}
+
+}  // namespace spool::reference

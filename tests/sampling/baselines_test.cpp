@@ -1,0 +1,219 @@
+// Mitchell, filtered halves, given counts and the oracle: laws and slow twins.
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "lib/sampling/filtered_halves.h"
+#include "lib/sampling/given_counts.h"
+#include "lib/sampling/mitchell.h"
+#include "lib/sampling/neyman.h"
+#include "lib/sampling/rounds.h"
+#include "tests/reference/filtered_halves_reference.h"
+#include "tests/reference/mitchell_reference.h"
+#include "tests/sampling/multiscale_cases.h"
+#include "tests/support/scene_s.h"
+
+namespace spool {
+namespace {
+
+FilterFunction box_filter() {
+  return [](const Selection& selection, const SamplePool&) -> Result<RgbImage> {
+    GuardCounts guards;
+    return pixel_means(selection.statistics, guards);
+  };
+}
+
+TEST(Rounds, EqualSharesSumUpAndDifferByOne) {
+  for (const long long total : {0LL, 1LL, 7LL, 8LL, 1000003LL}) {
+    const auto shares = equal_shares(total, 8);
+    EXPECT_EQ(std::accumulate(shares.begin(), shares.end(), 0LL), total);
+    EXPECT_LE(shares.front() - shares.back(), 1);
+  }
+}
+
+TEST(Mitchell, CountsEqualThoseOfTheSlowTwin) {
+  const int width = 17, height = 13;
+  const SamplePool colour = test::noisy_pool(width, height, 14);
+  const SamplePool grey = test::scene_s_pool(16, 14, 5);
+  for (const OptionValues& set :
+       std::vector<OptionValues>{{},
+                                 {{"rounds", "3"}, {"per", "1"}, {"init_spp", "2"}},
+                                 {{"window", "1"}, {"tau_green", "0.6"}, {"init_spp", "3"}},
+                                 {{"mode", "two_level"}},
+                                 {{"mode", "two_level_budget"}},
+                                 {{"mode", "two_level_budget"}, {"n_high", "4"}}}) {
+    for (const SamplePool* pool : {&colour, &grey}) {
+      const auto options = with_options(mitchell_option_table(), MitchellOptions{}, set);
+      ASSERT_TRUE(options.has_value());
+      const long long pieces = pool->width() * pool->height();
+      for (const long long budget : {3 * pieces + 5, 9 * pieces, 13 * pieces + 1}) {
+        const auto result = sample_mitchell(*pool, budget, *options, {});
+        ASSERT_TRUE(result.has_value());
+        const int each = options->mode == MitchellMode::kMultiRound
+                             ? options->init_spp.value_or(default_initial_samples(budget, *pool))
+                             : options->n_base;
+        const CountImage first(pool->width(), pool->height(), each);
+        const std::vector<double> tau =
+            pool == &grey
+                ? std::vector<double>{0.4, 0.4, 0.4}
+                : std::vector<double>{options->tau_red, options->tau_green, options->tau_blue};
+        const CountImage expected =
+            reference::mitchell(*pool, first, result->selection.statistics.signal.exposure,
+                                budget - each * pieces, tau, *options);
+        EXPECT_EQ(result->selection.statistics.n, expected);
+        if (options->mode != MitchellMode::kTwoLevel) {
+          EXPECT_EQ(result->log.spent, std::min(budget, pool->total_capacity()));
+        }
+      }
+    }
+  }
+}
+
+TEST(Mitchell, TwoLevelGivesFlaggedPixelsNineSamplesAndOthersOne) {
+  const SamplePool pool = test::memory_pool(12, 8, 16, [](int x, int, int) {
+    const float v = x < 6 ? 1.0f : 0.1f;
+    return Rgb{v, v, v};
+  });
+  MitchellOptions options;
+  options.mode = MitchellMode::kTwoLevel;
+  const auto result = sample_mitchell(pool, 12 * 8 * 16, options, {});
+  ASSERT_TRUE(result.has_value());
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 12; ++x)
+      EXPECT_EQ(result->selection.statistics.n(x, y), x == 5 || x == 6 ? 9 : 1) << x;
+  }
+}
+
+TEST(FilteredHalves, CountsFollowFromTheWeightsOfTheSlowTwin) {
+  const int width = 19, height = 14;
+  const SamplePool pool = test::noisy_pool(width, height, 40);
+  const long long budget = width * height * 10 + 3;
+  SamplingContext context;
+  context.filter = box_filter();
+  FilteredHalvesOptions options;
+  options.rounds = 1;
+  Views views({"error"});
+  const auto one = sample_filtered_halves(pool, budget, options, context);
+  ASSERT_TRUE(one.has_value());
+  EXPECT_EQ(one->log.spent, budget);
+  EXPECT_EQ(one->log.initial, std::llround(0.25 * static_cast<double>(budget)));
+  // One round: wanted counts are proportional to the twin's weights, up to rounding.
+  const CountImage first =
+      initial_counts(pool, one->log.initial, std::numeric_limits<int>::max(), 0);
+  const Plane weight = reference::halves_weight(
+      pool, first, one->selection.statistics.signal.exposure, 2.0, context.filter);
+  double sum = 0.0;
+  for (const double w : weight.pixels())
+    sum += w;
+  std::vector<double> deficit;
+  double deficits = 0.0;
+  for (std::size_t i = 0; i < weight.size(); ++i) {
+    deficit.push_back(std::max(weight[i] / sum * static_cast<double>(budget) - first[i], 0.0));
+    deficits += deficit.back();
+  }
+  for (std::size_t i = 0; i < weight.size(); ++i) {
+    const int extra = one->selection.statistics.n[i] - first[i];
+    const double ideal = deficit[i] / deficits * static_cast<double>(budget - one->log.initial);
+    // Apportionment rounds down, then hands the rest out again in proportion.
+    ASSERT_GT(extra, ideal - 1.0 - 1e-6);
+    ASSERT_LT(extra, 1.35 * ideal + 1.0);
+  }
+}
+
+TEST(FilteredHalves, NeedsAFilterAndLooksAtNothingBeyondTheCursor) {
+  const SamplePool pool = test::noisy_pool(10, 10, 12);
+  EXPECT_EQ(sample_filtered_halves(pool, 600, {}, {}).error().code, ErrorCode::kUsage);
+  int calls = 0;
+  SamplingContext context;
+  context.filter = [&](const Selection& half, const SamplePool& half_pool) -> Result<RgbImage> {
+    ++calls;
+    for (int y = 0; y < 10; ++y) {
+      for (int x = 0; x < 10; ++x)
+        EXPECT_LE(half.statistics.n(x, y), half_pool.capacity(x, y));
+    }
+    GuardCounts guards;
+    return pixel_means(half.statistics, guards);
+  };
+  const auto result = sample_filtered_halves(pool, 600, {}, context);
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(calls, 8);
+  EXPECT_EQ(result->log.spent, 600);
+  const auto all = sample_filtered_halves(pool, 10000, {}, context);
+  EXPECT_EQ(all->log.spent, 1200);
+  EXPECT_EQ(all->log.saturated_pieces, 100);
+}
+
+TEST(PoolHalves, AreDisjointAndCoverThePool) {
+  const auto recording = test::memory_recording(
+      5, 4, 9, [](int x, int y, int s) { return test::varied_noise(5, x, y, s); });
+  for (const PoolOrder order : {PoolOrder::kRecorded, PoolOrder::kShuffled}) {
+    PoolOptions options;
+    options.order = order;
+    options.holdout = 2;
+    const SamplePool pool = test::pool_of(recording, options);
+    const SamplePool even = pool.half(0), odd = pool.half(1);
+    EXPECT_EQ(even.capacity(2, 2), 4);
+    EXPECT_EQ(odd.capacity(2, 2), 3);
+    EXPECT_EQ(even.size(2, 2) + odd.size(2, 2), 9);
+    for (int s = 0; s < 9; ++s)
+      EXPECT_EQ(pool.recorded_index(2, 2, s),
+                (s % 2 == 0 ? even : odd).recorded_index(2, 2, s / 2));
+    const SamplePool quarter = odd.half(1);
+    EXPECT_EQ(quarter.recorded_index(1, 1, 1), pool.recorded_index(1, 1, 7));
+  }
+}
+
+TEST(GivenCounts, AreTakenAsTheyAreOrRefused) {
+  const SamplePool pool = test::noisy_pool(6, 5, 4);
+  CountImage counts(6, 5, 2);
+  counts(1, 1) = 0;
+  counts(2, 3) = 4;
+  const SamplerFunction sampler = given_counts_sampler(counts, "mine.exr");
+  const auto result = sampler(pool, 17, {});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->selection.statistics.n, counts);
+  EXPECT_EQ(result->log.budget, 17);
+  EXPECT_EQ(result->log.spent, 60);
+  counts(2, 3) = 5;
+  EXPECT_EQ(given_counts_sampler(counts, "mine.exr")(pool, 17, {}).error().code, ErrorCode::kData);
+  counts(2, 3) = -1;
+  EXPECT_FALSE(given_counts_sampler(counts, "mine.exr")(pool, 17, {}).has_value());
+  EXPECT_FALSE(given_counts_sampler(CountImage(5, 6, 1), "mine.exr")(pool, 17, {}).has_value());
+}
+
+TEST(Neyman, CountsAreProportionalToTheDeviation) {
+  const SamplePool pool = test::memory_pool(8, 8, 200, [](int x, int y, int s) {
+    const auto u = static_cast<float>((x < 4 ? 1.0 : 3.0) * unit_double(mix(8, x, y, s)));
+    return Rgb{u, u, u};
+  });
+  const auto result = sample_neyman(pool, 64 * 40, {}, {});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->log.spent, 64 * 40);
+  double low = 0.0, high = 0.0;
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 8; ++x)
+      (x < 4 ? low : high) += result->selection.statistics.n(x, y);
+  }
+  // Apportionment floors 32 small shares and hands the rest out in proportion again: the larger
+  // weights gain up to one sample in twenty here.
+  EXPECT_GT(high / low, 2.9);
+  EXPECT_LT(high / low, 3.2);
+}
+
+TEST(Neyman, FlatPiecesKeepTheirFirstSampleAndCapsHold) {
+  const SamplePool pool = test::memory_pool(4, 4, 6, [](int x, int y, int s) {
+    const auto u = x == 0 ? static_cast<float>(unit_double(mix(8, x, y, s))) : 0.5f;
+    return Rgb{u, u, u};
+  });
+  const auto result = sample_neyman(pool, 16 * 3, {}, {});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->log.spent, 48);
+  for (int y = 0; y < 4; ++y)
+    EXPECT_EQ(result->selection.statistics.n(0, y), 6);
+  for (const auto n : result->selection.statistics.n.pixels())
+    EXPECT_GE(n, 1);
+}
+
+}  // namespace
+}  // namespace spool
