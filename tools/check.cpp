@@ -3,24 +3,12 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/dump_check.h"
+#include "tools/damage_listing.h"
 
 namespace spool::tools {
 namespace {
 
-using nlohmann::json;
 using nlohmann::ordered_json;
-
-std::string describe(const format::BlockKey& block) {
-  return fmt::format("group {}, tile {}, samples {} .. {}", block.group, block.tile,
-                     block.sample_begin, block.sample_begin + block.sample_count - 1);
-}
-
-ordered_json json_of(const format::BlockKey& block) {
-  return {{"group", block.group},
-          {"tile", block.tile},
-          {"sample_begin", block.sample_begin},
-          {"sample_count", block.sample_count}};
-}
 
 void print_json(const std::string& name, const format::CheckReport& report) {
   ordered_json out = {{"file", name},
@@ -28,27 +16,20 @@ void print_json(const std::string& name, const format::CheckReport& report) {
                       {"opens", report.opens},
                       {"records", report.records},
                       {"bytes", report.bytes},
-                      {"damaged", json::array()},
-                      {"missing", json::array()}};
-  for (const format::DamagedRecord& record : report.damaged) {
-    ordered_json entry = {
-        {"type", record.type}, {"offset", record.offset}, {"reason", record.reason}};
-    if (record.block) entry["block"] = json_of(*record.block);
-    out["damaged"].push_back(entry);
-  }
-  for (const format::BlockKey& block : report.missing)
-    out["missing"].push_back(json_of(block));
+                      {"damaged", ordered_json::array()},
+                      {"missing", ordered_json::array()}};
+  for (const auto& record : report.damaged)
+    out["damaged"].push_back(json_of_record(record));
+  for (const auto& block : report.missing)
+    out["missing"].push_back(json_of_block(block));
   print(out.dump(2) + "\n");
 }
 
 void print_text(const std::string& name, const format::CheckReport& report) {
-  for (const format::DamagedRecord& record : report.damaged) {
-    print(fmt::format("damaged  byte {}  {}  {}{}\n", record.offset, record.type, record.reason,
-                      record.block ? "  (" + describe(*record.block) + ")" : ""));
-  }
-  for (const format::BlockKey& block : report.missing) {
-    print(fmt::format("missing  {}\n", describe(block)));
-  }
+  for (const auto& record : report.damaged)
+    print(describe_record(record));
+  for (const auto& block : report.missing)
+    print("missing  " + describe_block(block) + "\n");
   if (report.complete) {
     print(fmt::format("{}: whole: {} records, {}, every byte verified\n", name, report.records,
                       format_bytes(static_cast<double>(report.bytes))));

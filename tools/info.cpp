@@ -70,7 +70,7 @@ ordered_json describe(const format::SpoolReader& reader, std::uintmax_t bytes,
       {"reference", reader.find_layer("reference").has_value()},
       {"reference_variance", reader.find_layer("reference_variance").has_value()}};
   const std::optional<double> cost = cost_per_sample(meta);
-  out["seconds_per_sample"] = cost ? ordered_json(*cost) : ordered_json(nullptr);
+  out["cost_per_sample"] = cost ? ordered_json(*cost) : ordered_json(nullptr);
   out["meta"] = meta;
   return out;
 }
@@ -120,9 +120,9 @@ void print_text(const ordered_json& info) {
                                    ? "recorded, with its variance"
                                    : "recorded, without variance"});
   rows.push_back(
-      {"cost", info["seconds_per_sample"].is_null()
+      {"cost", info["cost_per_sample"].is_null()
                    ? "not recorded"
-                   : format_seconds(info["seconds_per_sample"].get<double>()) + " per sample"});
+                   : format_seconds(info["cost_per_sample"].get<double>()) + " per sample"});
   for (const char* key : {"renderer", "version", "scene", "mode", "seed", "seeds"}) {
     const std::string text = remark(info, key);
     if (!text.empty()) rows.push_back({key, text});

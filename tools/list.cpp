@@ -6,6 +6,7 @@
 #include "lib/evaluation/result_table.h"
 #include "lib/reconstruction/reconstructor.h"
 #include "lib/sampling/sampler.h"
+#include "lib/synthetic/synthetic_scenes.h"
 
 namespace spool::tools {
 namespace {
@@ -121,6 +122,25 @@ ordered_json describe_columns() {
   return list;
 }
 
+ordered_json describe_scenes() {
+  ordered_json list = ordered_json::array();
+  for (const SyntheticEntry& scene : synthetic_scenes()) {
+    list.push_back({{"name", scene.name}, {"summary", scene.summary}});
+  }
+  return list;
+}
+
+ordered_json describe_scene_options() {
+  ordered_json list = ordered_json::array();
+  for (const auto& option : describe_options(synthetic_option_table(), SyntheticOptions{})) {
+    list.push_back({{"--set", option.name},
+                    {"allowed", option.allowed},
+                    {"default", option.value},
+                    {"meaning", option.help}});
+  }
+  return list;
+}
+
 // Rows of equal keys as columns under their names.
 void print_table(const ordered_json& list) {
   std::vector<std::vector<std::string>> rows;
@@ -148,6 +168,16 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   if (options.what == "metrics" || options.what == "columns") {
     const ordered_json list = options.what == "metrics" ? describe_metrics() : describe_columns();
     common.json ? print(list.dump(2) + "\n") : print_table(list);
+    return {};
+  }
+  if (options.what == "scenes") {
+    if (common.json) {
+      print(describe_scenes().dump(2) + "\n");
+      return {};
+    }
+    print_table(describe_scenes());
+    print("\n");
+    print_table(describe_scene_options());
     return {};
   }
   const bool filters = options.what == "filters";

@@ -18,9 +18,12 @@
 #include "tools/info.h"
 #include "tools/interrupt.h"
 #include "tools/list.h"
+#include "tools/pack.h"
 #include "tools/reconstruct.h"
+#include "tools/recover.h"
 #include "tools/replay.h"
 #include "tools/report_verb.h"
+#include "tools/synth.h"
 
 namespace spool::tools {
 namespace {
@@ -39,6 +42,9 @@ struct Program {
   CommonOptions common;
   InfoOptions info;
   CheckOptions check;
+  RecoverOptions recover;
+  PackVerbOptions pack;
+  SynthOptions synth;
   ReplayOptions replay;
   ReconstructOptions reconstruct;
   EvaluateOptions evaluate;
@@ -86,6 +92,61 @@ void add_check(Program& program) {
 
 void add_output(CLI::App& verb, std::filesystem::path& output, const std::string& help) {
   verb.add_option("-o,--output", output, help)->required();
+}
+
+void add_recover(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("recover", "all intact records of a damaged dump, as a new one");
+  verb.add_option("IN", program.recover.input, "a cut or damaged dump")->required();
+  verb.add_option("OUT", program.recover.output, "the dump to write")->required();
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "Exit code 4 and a list of what is lost when anything is; the new file is whole in itself.\n"
+      "Examples:\n"
+      "  spool recover damaged.spool saved.spool\n"
+      "  spool recover night.spool.partial night.spool    (a recording that was interrupted)");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_recover(program.recover, program.common); }; });
+}
+
+void add_pack(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("pack", "folders of recorded passes become one dump");
+  format::PackOptions& pack = program.pack.pack;
+  verb.add_option("PASSES", program.pack.folders,
+                  "folders that a recorder wrote; several are joined in this order")
+      ->required();
+  add_output(verb, program.pack.output, "the dump to write, NAME.spool");
+  verb.add_flag("--compress", pack.compress, "zstd, where it saves 5 % or more");
+  verb.add_flag("--half-radiance", pack.radiance_f16, "radiance as 16-bit floats (32)");
+  verb.add_flag("--full-features", pack.features_f32, "features as 32-bit floats (16)");
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "Examples:\n"
+      "  spool pack chess.passes -o chess.spool\n"
+      "  spool pack machine1.passes machine2.passes --compress -o chess.spool");
+  verb.callback([&] { program.chosen = [&] { return run_pack(program.pack, program.common); }; });
+}
+
+void add_synth(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "synth", "an analytic scene with its exact reference, as a dump; needs no renderer");
+  SynthOptions& options = program.synth;
+  verb.add_option("NAME", options.scene, "see spool list scenes")->required();
+  verb.add_option("--size", options.size, "WxH or N pixels (128x128)");
+  verb.add_option("--samples", options.spp, "per pixel (64)")->check(CLI::Range(1, 65536));
+  verb.add_option("--seed", options.seed, "of the samples (1)");
+  verb.add_option("--set", options.settings, "OPTION=VALUE of the scene: see spool list scenes")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_flag("--compress", options.compress, "zstd, where it saves 5 % or more");
+  add_output(verb, options.output, "the dump to write, NAME.spool");
+  add_common(verb, program.common, false, true);
+  verb.footer(
+      "Examples:\n"
+      "  spool synth scene_s --size 128 --samples 64 -o s.spool\n"
+      "  spool synth slanted_edge --set angle=45 -o edge.spool");
+  verb.callback([&] { program.chosen = [&] { return run_synth(program.synth, program.common); }; });
 }
 
 void add_method(CLI::App& verb, MethodOptions& method) {
@@ -236,9 +297,10 @@ void add_report(Program& program) {
 void add_list(Program& program) {
   CLI::App& verb =
       *program.app.add_subcommand("list", "what there is, with every option explained");
-  verb.add_option("WHAT", program.list.what, "samplers, filters, presets, metrics or columns")
+  verb.add_option("WHAT", program.list.what,
+                  "samplers, filters, presets, metrics, columns or scenes")
       ->required()
-      ->check(CLI::IsMember({"samplers", "filters", "presets", "metrics", "columns"}));
+      ->check(CLI::IsMember({"samplers", "filters", "presets", "metrics", "columns", "scenes"}));
   add_common(verb, program.common, true, false);
   verb.footer(
       "Examples:\n"
@@ -293,6 +355,9 @@ int run(int count, char** arguments) {
   program.app.set_version_flag("--version", "spool " SPOOL_VERSION);
   add_info(program);
   add_check(program);
+  add_recover(program);
+  add_pack(program);
+  add_synth(program);
   add_replay(program);
   add_reconstruct(program);
   add_evaluate(program);

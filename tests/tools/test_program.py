@@ -11,7 +11,7 @@ import pytest
 
 from conftest import PROGRAM, read_exr, samples, write_dump
 
-VERBS = ["info", "check", "replay", "reconstruct", "evaluate", "list"]
+VERBS = ["info", "check", "recover", "pack", "synth", "replay", "reconstruct", "evaluate", "list"]
 
 
 def test_help_lists_every_verb_and_the_exit_codes(good):
@@ -60,7 +60,7 @@ def test_info_tells_what_is_in_the_file(good, dump):
     assert (info["width"], info["height"], info["samples_per_pixel"]) == (24, 20, 16)
     assert info["sha256"] == hashlib.sha256(dump.read_bytes()).hexdigest()
     assert info["reference"] and info["reference_variance"] and info["complete"]
-    assert info["seconds_per_sample"] == 2e-6
+    assert info["cost_per_sample"] == 2e-6
     assert info["meta"]["renderer"]["name"] == "numpy"
     assert [layer["name"] for layer in info["layers"]] == ["radiance", "reference", "reference_variance"]
     text = good("info", dump).out
@@ -81,6 +81,37 @@ def test_check_finds_cut_and_flipped_bytes(good, run, dump, tmp_path):
     assert "damaged" in finished.out
     report = run("check", "flipped.spool", "--json").json
     assert len(report["damaged"]) == 1 and not report["complete"]
+
+
+def test_recover_saves_what_is_intact(good, run, dump, tmp_path):
+    data = bytearray(dump.read_bytes())
+    data[len(data) // 2] ^= 4
+    (tmp_path / "bad.spool").write_bytes(data)
+    finished = run("recover", "bad.spool", "saved.spool", "--json")
+    finished.failed_with(4, "saved.spool", "1 block")
+    assert len(finished.json["lost"]) == 1
+    run("check", "saved.spool").failed_with(4, "never recorded")
+    run("recover", "bad.spool", "saved.spool").failed_with(2, "saved.spool")
+    whole = good("recover", dump, "copy.spool")
+    assert "nothing was lost" in whole.out and good("check", "copy.spool")
+
+
+def test_synth_writes_a_scene_with_its_exact_reference(good, run, tmp_path):
+    names = [scene["name"] for scene in good("list", "scenes", "--json").json]
+    good("synth", names[0], "--size", "20x12", "--samples", 8, "-o", "s.spool")
+    info = good("info", "s.spool", "--json").json
+    assert (info["width"], info["height"], info["samples_per_pixel"]) == (20, 12, 8)
+    assert info["reference"] and good("check", "s.spool")
+    run("synth", names[0], "--size", "20x12", "-o", "s.spool").failed_with(2, "s.spool")
+    run("synth", names[0] + "x", "-o", "t.spool").failed_with(2, f"did you mean '{names[0]}'")
+    run("synth", names[0], "--size", "20", "--set", "nothing=1", "-o", "t.spool").failed_with(2, "nothing")
+    run("synth", names[0], "--size", "wide", "-o", "t.spool").failed_with(2, "WxH")
+
+
+def test_pack_refuses_what_is_no_folder_of_passes(run, tmp_path):
+    (tmp_path / "empty").mkdir()
+    assert run("pack", "empty", "-o", "p.spool").code in (1, 3)
+    run("pack", "none", "-o", "p.spool").failed_with(3, "none")
 
 
 def test_existing_targets_are_kept_without_force(run, good, dump, tmp_path):

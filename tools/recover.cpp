@@ -1,0 +1,53 @@
+#include "tools/recover.h"
+
+#include <nlohmann/json.hpp>
+
+#include "formats/spool_recovery.h"
+#include "tools/damage_listing.h"
+
+namespace spool::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json describe(const RecoverOptions& options, const format::RecoveryReport& report) {
+  ordered_json out = {{"input", options.input.string()},     {"output", options.output.string()},
+                      {"kept_blocks", report.kept_blocks},   {"kept_records", report.kept_records},
+                      {"lost_records", report.lost_records}, {"lost", ordered_json::array()},
+                      {"absent", ordered_json::array()},     {"damaged", ordered_json::array()}};
+  for (const auto& block : report.lost)
+    out["lost"].push_back(json_of_block(block));
+  for (const auto& block : report.absent)
+    out["absent"].push_back(json_of_block(block));
+  for (const auto& record : report.damaged)
+    out["damaged"].push_back(json_of_record(record));
+  return out;
+}
+
+void print_text(const RecoverOptions& options, const format::RecoveryReport& report) {
+  for (const auto& record : report.damaged)
+    print(describe_record(record));
+  for (const auto& block : report.lost)
+    print("lost     " + describe_block(block) + "\n");
+  print(fmt::format("{}: {} blocks kept, {}\n", options.output.string(), report.kept_blocks,
+                    report.anything_lost() ? fmt::format("{} records lost", report.lost_records)
+                                           : "nothing was lost"));
+}
+
+}  // namespace
+
+Result<void> run_recover(const RecoverOptions& options, const CommonOptions& common) {
+  SPOOL_ASSIGN(const format::RecoveryReport report,
+               format::recover_dump(options.input, options.output, common.force));
+  if (common.json) {
+    print(describe(options, report).dump(2) + "\n");
+  } else if (!common.quiet) {
+    print_text(options, report);
+  }
+  if (!report.anything_lost()) return {};
+  return fail(ErrorCode::kDamage, "{}: {} {} lost, {} kept: the rest is whole",
+              options.output.string(), report.lost.size(),
+              report.lost.size() == 1 ? "block" : "blocks", report.kept_blocks);
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,56 @@
+#include "tools/synth.h"
+
+#include <utility>
+
+#include "lib/image_io/atomic_file.h"
+#include "lib/synthetic/write_synthetic.h"
+#include "tools/progress.h"
+
+namespace spool::tools {
+namespace {
+
+constexpr int kLargestSide = 65536;
+
+Result<std::pair<int, int>> parse_size(const std::string& text) {
+  const std::size_t cross = text.find('x');
+  const std::string width_text = text.substr(0, cross);
+  const auto width = parse_integer("--size", width_text, 1, kLargestSide);
+  const auto height =
+      cross == std::string::npos
+          ? width
+          : parse_integer("--size", std::string_view(text).substr(cross + 1), 1, kLargestSide);
+  if (!width || !height) {
+    return fail(ErrorCode::kUsage, "--size {}: write WxH or N, from 1 to {} pixels", text,
+                kLargestSide);
+  }
+  return std::pair{*width, *height};
+}
+
+}  // namespace
+
+Result<void> run_synth(const SynthOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(refuse_existing(options.output, common.force));
+  SPOOL_ASSIGN(const auto size, parse_size(options.size));
+  WriteSyntheticOptions write;
+  for (const std::string& setting : options.settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+      return fail(ErrorCode::kUsage, "--set {}: write OPTION=VALUE, for example angle=45", setting);
+    }
+    SPOOL_TRY(set_option(synthetic_option_table(), write.scene, setting.substr(0, equals),
+                         setting.substr(equals + 1)));
+  }
+  write.writer.compress = options.compress;
+  write.writer.force = common.force;
+  Progress progress("synth " + options.scene, common.quiet);
+  write.progress = [&](double share) { progress.update(share); };
+  SPOOL_TRY(write_synthetic(options.scene, size.first, size.second, options.spp, options.seed,
+                            options.output, write));
+  if (!common.quiet) {
+    print(fmt::format("{}: {} x {} pixels, {} samples each, exact reference\n",
+                      options.output.string(), size.first, size.second, options.spp));
+  }
+  return {};
+}
+
+}  // namespace spool::tools
