@@ -17,7 +17,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   build [PRESET] [TARGETS]      configure and build; PRESET is release (default), debug, asan or tsan
   test [PRESET] [CTEST ARGS]    build, then every test; e.g. test release -L unit
   demo                          evaluate a small scene; prints error and time, pictures in demo-output/
-  record SCENE FILE [ARGS]      record a .blend file or a built-in scene with Cycles into FILE
+  record SCENE -o FILE [ARGS]   record a .blend file or a built-in scene with Cycles (dumps/record.sh)
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   clean                         remove build/ and demo-output/
 SPOOL_JOBS sets how many compilers run at once (default: one per core).
@@ -149,25 +149,23 @@ test_all() {
 demo() {
   setup test
   build release
-  local out=demo-output
+  local out=demo-output dump=dumps/tiny/chess.spool
   rm -rf "$out"
-  say "evaluating dumps/tiny/chess.spool"
-  ./build/release/spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \
+  if [[ ! -f "$dump" ]]; then
+    # A checkout without recordings still has the analytic scene.
+    mkdir -p build
+    dump=build/scene_s.spool
+    ./build/release/spool synth scene_s --size 128 --samples 64 --force -q -o "$dump"
+  fi
+  say "evaluating $dump"
+  ./build/release/spool evaluate "$dump" --samplers uniform,multiscale \
     --filters box,gaussian,directional --spp 4,8,16 --replicates 5 -o "$out" "$@"
-  echo "pictures: $out/*.png (one contact sheet for each combination), numbers: $out/results.csv"
 }
 
 record() {
-  (($# >= 2)) || die "usage: tools/dev.sh record SCENE FILE.spool [ARGUMENTS of dumps/cycles/record.py]"
   setup test
   build release spool
-  local scene="$1" target="$2" passes
-  shift 2
-  [[ -e "$target" ]] && die "$target exists already: choose another name"
-  passes="${target%.spool}.passes"
-  /usr/bin/env python3 dumps/cycles/record.py "$scene" --out "$passes" "$@"
-  ./build/release/spool pack "$passes" -o "$target"
-  say "recorded $target; the single passes are in $passes and may be deleted"
+  exec dumps/record.sh "$@"
 }
 
 # --- lint --------------------------------------------------------------------------------------

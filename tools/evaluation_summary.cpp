@@ -1,7 +1,9 @@
 #include "tools/evaluation_summary.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -25,7 +27,7 @@ struct Group {
   }
 };
 
-// In the order in which they were run.
+// By recording and budget, each in the order in which it was run.
 std::vector<Group> group_results(const std::vector<CellResult>& results) {
   std::vector<Group> groups;
   for (const CellResult& result : results) {
@@ -47,7 +49,13 @@ std::vector<Group> group_results(const std::vector<CellResult>& results) {
     group->spent.push_back(static_cast<double>(result.log.spent) /
                            (static_cast<double>(result.width) * result.height));
   }
-  return groups;
+  std::vector<Group> sorted;
+  for (const Group& group : groups) {
+    const auto same = [&](const Group& other) { return other.same_conditions(group.first->cell); };
+    if (std::ranges::any_of(sorted, same)) continue;
+    std::ranges::copy_if(groups, std::back_inserter(sorted), same);
+  }
+  return sorted;
 }
 
 const Group* baseline_of(const std::vector<Group>& groups, const Group& group) {

@@ -110,12 +110,18 @@ void add_recover(Program& program) {
 }
 
 void add_pack(Program& program) {
-  CLI::App& verb =
-      *program.app.add_subcommand("pack", "folders of recorded passes become one dump");
+  CLI::App& verb = *program.app.add_subcommand(
+      "pack", "folders of recorded passes, or a foreign file, become one dump");
   format::PackOptions& pack = program.pack.pack;
-  verb.add_option("PASSES", program.pack.folders,
-                  "folders that a recorder wrote; several are joined in this order")
+  verb.add_option("SOURCES", program.pack.sources,
+                  "folders that a recorder wrote, joined in this order; or a foreign file")
       ->required();
+  verb.add_option("--from", program.pack.from, "what SOURCES are: passes (default) or npz")
+      ->check(CLI::IsMember({"passes", "npz"}));
+  verb.add_option("--layout", program.pack.layout,
+                  "axes of npz arrays without `meta`: HWSC or SHWC (S: sample, C: channel)")
+      ->check(CLI::IsMember({"HWSC", "SHWC"}));
+  verb.add_flag("--narrow", program.pack.narrow, "round 64-bit floats of npz to 32 bits");
   add_output(verb, program.pack.output, "the dump to write, NAME.spool");
   verb.add_flag("--compress", pack.compress, "zstd, where it saves 5 % or more");
   verb.add_flag("--half-radiance", pack.radiance_f16, "radiance as 16-bit floats (32)");
@@ -124,7 +130,8 @@ void add_pack(Program& program) {
   verb.footer(
       "Examples:\n"
       "  spool pack chess.passes -o chess.spool\n"
-      "  spool pack machine1.passes machine2.passes --compress -o chess.spool");
+      "  spool pack machine1.passes machine2.passes --compress -o chess.spool\n"
+      "  spool pack --from npz samples.npz --layout HWSC -o mine.spool");
   verb.callback([&] { program.chosen = [&] { return run_pack(program.pack, program.common); }; });
 }
 

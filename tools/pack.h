@@ -1,7 +1,8 @@
-// `spool pack`: folders of recorded passes become one dump.
+// `spool pack`: folders of recorded passes, or a foreign file, become one dump.
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "formats/pass_folder.h"
@@ -10,7 +11,10 @@
 namespace spool::tools {
 
 struct PackVerbOptions {
-  std::vector<std::filesystem::path> folders;
+  std::vector<std::filesystem::path> sources;
+  std::string from = "passes";  // or npz
+  std::string layout;           // of npz without `meta`: HWSC or SHWC
+  bool narrow = false;          // of npz: take 64-bit floats
   std::filesystem::path output;
   format::PackOptions pack;
 };

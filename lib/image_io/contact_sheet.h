@@ -30,7 +30,7 @@ struct Panel {
 };
 
 // Pixels are repeated so that a panel is at least this many pixels wide and high.
-inline constexpr int kMinPanelSide = 256;
+inline constexpr int kMinPanelSide = 300;
 
 // The panels from left to right under `heading`, at most four in a row.
 Picture contact_sheet(const std::string& heading, const std::vector<Panel>& panels);

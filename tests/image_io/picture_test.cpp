@@ -93,7 +93,7 @@ TEST(Enlarge, RepeatsPixels) {
   EXPECT_EQ(large.at(3, 0), kWhite);
 }
 
-TEST(ContactSheet, SmallImagesFillPanelsOf256PixelsAndAnySizeIsDrawn) {
+TEST(ContactSheet, SmallImagesFillWholePanelsAndAnySizeIsDrawn) {
   for (const auto& [width, height] :
        {std::pair{1, 1}, std::pair{64, 64}, std::pair{3000, 1}, std::pair{1, 700}}) {
     const Plane plane(width, height, 2.0);

@@ -9,6 +9,7 @@ import time
 import numpy as np
 import pytest
 
+import spool
 from conftest import PROGRAM, read_exr, samples, write_dump
 
 VERBS = ["info", "check", "recover", "pack", "synth", "replay", "reconstruct", "evaluate", "list"]
@@ -112,6 +113,16 @@ def test_pack_refuses_what_is_no_folder_of_passes(run, tmp_path):
     (tmp_path / "empty").mkdir()
     assert run("pack", "empty", "-o", "p.spool").code in (1, 3)
     run("pack", "none", "-o", "p.spool").failed_with(3, "none")
+
+
+def test_pack_takes_numpy_archives(good, run, tmp_path):
+    radiance, _ = samples(6, 5, 4)
+    np.savez(tmp_path / "mine.npz", radiance=radiance)
+    run("pack", "--from", "npz", "mine.npz", "-o", "mine.spool").failed_with(2, "--layout HWSC")
+    good("pack", "--from", "npz", "mine.npz", "--layout", "HWSC", "-o", "mine.spool")
+    with spool.open(tmp_path / "mine.spool") as packed:
+        assert (packed.read("radiance") == radiance).all()
+    run("pack", "--from", "npz", "a.npz", "b.npz", "-o", "c.spool").failed_with(2, "one file")
 
 
 def test_existing_targets_are_kept_without_force(run, good, dump, tmp_path):
