@@ -178,7 +178,7 @@ def write_file(options, mi, recordable, tracer, layers, chunks, step, reference)
             "channels": {"normal": {"space": "world"}, "depth": {"meaning": "camera z, 0 = miss"},
                          "shape": {"meaning": "1 + index in scene.shapes, 0 = miss"}}}
     if reference is not None:
-        meta["reference"] = {"spp": options.reference, "independent": True,
+        meta["reference"] = {"samples": options.reference, "independent": True,
                              "nonfinite": int(reference["nonfinite"]),
                              "seconds": float(reference["seconds"])}
     with spool.Writer(options.out, tracer.width, tracer.height, options.samples, file_layers, tile_size=64,

@@ -80,7 +80,7 @@ def test_pool_and_reference_agree_within_their_errors(box):
         radiance = dump.read("radiance").astype(float)
         # The reference's own samples say what a pool mean should vary by: 24 samples of a skewed quantity
         # underestimate it exactly where their mean is low.
-        single = dump.pixel("reference_variance") * dump.meta["reference"]["spp"]
+        single = dump.pixel("reference_variance") * dump.meta["reference"]["samples"]
         variance = single / radiance.shape[2] + dump.pixel("reference_variance")
         difference = radiance.mean(axis=2) - dump.pixel("reference")
         lit = variance > 1e-12

@@ -33,7 +33,7 @@ def dump(path, radiance, film=None, albedo=None, reference=None, order="exchange
     if reference is not None:
         layers["reference"] = layers["reference_variance"] = ("f4", "RGB", "pixel")
     with spool.Writer(path, SIZE, SIZE, SPP, layers, sample_order=order, force=True,
-                      meta={"reference": {"spp": REFERENCE}}) as writer:
+                      meta={"reference": {"samples": REFERENCE}}) as writer:
         arrays = {"radiance": radiance}
         if albedo is not None:
             arrays["albedo"] = albedo
@@ -118,5 +118,5 @@ def test_findings_travel_in_the_metadata_and_change_no_sample(tmp_path):
     assert spool.check(path).ok
     with spool.open(path) as after:
         assert after.meta["verification"]["holds"] is True
-        assert after.meta["reference"]["spp"] == REFERENCE
+        assert after.meta["reference"]["samples"] == REFERENCE
         assert np.array_equal(radiance, after.read("radiance")) and uuid == after.uuid
