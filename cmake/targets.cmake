@@ -29,3 +29,18 @@ function(spool_test module label)
   gtest_discover_tests(${program} TEST_PREFIX "${module}." DISCOVERY_TIMEOUT 120
     PROPERTIES LABELS ${label} TIMEOUT ${ARG_TIMEOUT})
 endfunction()
+
+# spool_pytest(NAME LABEL ARGS... ENVIRONMENT...): a Python test of the current folder, run by Debian's interpreter
+# (which has numpy and pytest; one that comes first on PATH may not). Exit 77 is "skipped, and said so".
+function(spool_pytest name label)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "ARGS;ENVIRONMENT;COMMAND" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 600)
+  endif()
+  if(NOT ARG_COMMAND)
+    set(ARG_COMMAND ${Python3_EXECUTABLE} -m pytest -q -p no:cacheprovider ${ARG_ARGS})
+  endif()
+  add_test(NAME ${name} COMMAND ${ARG_COMMAND} WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+  set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT ${ARG_TIMEOUT} SKIP_RETURN_CODE 77
+    ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1;PYTHONPATH=${PROJECT_SOURCE_DIR}/formats/python;${ARG_ENVIRONMENT}")
+endfunction()
