@@ -14,8 +14,6 @@
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
 #include "formats/dump_geometry.h"
 #include "formats/spool_writer.h"
 
