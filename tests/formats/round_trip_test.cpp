@@ -1,6 +1,9 @@
 // What is written is what is read: bytes, floats, regions, mappings; and the page's own example.
+#include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -216,6 +219,34 @@ TEST(SpoolFormat, MappedBlockIsVerifiedOnce) {
   ASSERT_TRUE(reader->map_block(0, 0, 0));
   ASSERT_TRUE(reader->map_block(0, 0, 0));
   EXPECT_EQ(reader->bytes_read() - before, 3u * 64 * 2 * 4);
+}
+
+TEST(SpoolFormat, ManyThreadsShareOneReader) {
+  const ScratchFolder folder;
+  MadeDump dump;
+  dump.header = small_header(40, 40, 8, 2);
+  ASSERT_TRUE(make_dump(folder / "a.spool", dump));
+  const auto reader = SpoolReader::open(folder / "a.spool");
+  ASSERT_TRUE(reader) << why(reader);
+  const DumpGeometry geometry(dump.header);
+  std::atomic<size_t> wrong = 0;
+  const auto work = [&] {
+    for (uint32_t tile = 0; tile < reader->tiles(); ++tile) {
+      for (uint32_t block = 0; block < reader->blocks(); ++block) {
+        const Bytes expected = block_bytes(geometry, 0, tile, block, dump.seed, dump.smooth);
+        const auto mapped = reader->map_block(0, tile, block);
+        const auto read = reader->read_block(0, tile, block);
+        if (!mapped || !read || *read != expected || !std::ranges::equal(*mapped, expected))
+          ++wrong;
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i)
+    threads.emplace_back(work);
+  for (std::thread& thread : threads)
+    thread.join();
+  EXPECT_EQ(wrong, 0u);
 }
 
 TEST(SpoolFormat, PixelAndPassLayersReadWhole) {
