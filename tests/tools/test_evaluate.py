@@ -1,5 +1,6 @@
 """`spool evaluate`: its table, its numbers against numpy, its pictures, its errors."""
 import csv
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -101,3 +102,13 @@ def test_every_kind_of_reference_works(good, tmp_path, reference):
                       reference_variance=np.zeros_like(exact))
     text = good("evaluate", path, "--spp", 4, "--reference", reference, "--no-pictures", "-o", "out").out
     assert reference in text and ("BIASED" in text) == (reference == "pool")
+
+
+def test_documentation_explains_every_column(good):
+    page = (Path(__file__).parents[2] / "docs" / "results.md").read_text()
+    metrics = {metric["name"] for metric in good("list", "metrics", "--json").json}
+    for column in good("list", "columns", "--json").json:
+        name = column["name"]
+        described = name[:-3] if name.endswith("_se") and name[:-3] in metrics else name
+        if not described.startswith("energy_ratio_d"):
+            assert f"`{described}`" in page, name
