@@ -19,6 +19,11 @@ function errorBar(points, colour) {
   };
 }
 
+// Labels at 1, 2 and 5 where there is room for no more; plotly's choice on a short axis.
+function logTicks([low, high]) {
+  return high - low < 0.7 ? {} : {dtick: high - low > 4 ? 1 : 'D2'};
+}
+
 // Range that holds all means and those interval ends that are within a factor 100 of their mean.
 function logRange(points) {
   const ends = points.flatMap((p) => [p.mean, p.low, p.high].filter(
@@ -89,8 +94,9 @@ function drawChart(target, combinations, x, xTitle, xTicks, withFront) {
   const layout = {
     height: 420 + Math.min(legendRows, 20) * 22, margin: {l: 10, r: 12, t: 12, b: 10},
     paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)', font: {color: ink, size: 13},
-    xaxis: {...axis, title: {text: xTitle}, range: logRange(xs), ...xTicks},
-    yaxis: {...axis, title: {text: plotText(shown.metric)}, range: logRange(ys), exponentformat: 'power'},
+    xaxis: {...axis, title: {text: xTitle}, range: logRange(xs), ...logTicks(logRange(xs)), ...xTicks},
+    yaxis: {...axis, title: {text: plotText(shown.metric)}, range: logRange(ys), ...logTicks(logRange(ys)),
+      exponentformat: 'power'},
     legend: {orientation: 'h', y: -0.2, yanchor: 'top', x: 0, font: {size: 12}},
     hovermode: 'closest', showlegend: true,
     hoverlabel: {bgcolor: style.getPropertyValue('--panel').trim(), font: {color: ink}},

@@ -54,8 +54,8 @@ def _verdict_table(combinations, metric, dumps):
     over = ("with its 95 % interval" if dumps == 1 else
             f"geometric mean over {dumps} recordings; below it, on how many the 95 % interval lies "
             "below 1 (better), above 1 (worse) or holds 1 (undecided)")
-    return (f'<div class="scroll" tabindex="0"><table class="verdicts"><caption>{escape(metric)} '
-            f"relative to uniform + box at the same budget: {over}.</caption><thead><tr>"
+    return (f"<p>{escape(metric)} relative to uniform + box at the same budget: {over}.</p>"
+            '<div class="scroll" tabindex="0"><table class="verdicts"><thead><tr>'
             f'<th scope="col">method</th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
             f"</div>{more}")
 
@@ -90,8 +90,8 @@ def guards_html(combinations, labels, vocabulary):
                      "left out of every error: those results count as failed.</p>")
     if not totals:
         return "".join(parts) + "<p>No clamp, floor or early-out caught anything.</p>"
-    parts.append('<div class="scroll" tabindex="0"><table class="guards"><caption>Every clamp, floor '
-                 "and early-out that caught something, counted over all replicates.</caption><thead>"
+    parts.append("<p>Every clamp, floor and early-out that caught something, counted over all "
+                 'replicates.</p><div class="scroll" tabindex="0"><table class="guards"><thead>'
                  '<tr><th scope="col">guard</th><th scope="col">count</th><th scope="col">in '
                  'combinations</th><th scope="col">most in</th></tr></thead><tbody>')
     for name, total in totals.most_common():

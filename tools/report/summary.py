@@ -119,8 +119,8 @@ def _against_baseline(best, worse, metric):
     if not any((c.sampler, c.filter) == BASELINE for c in worse):
         return f"; its ratio to {' + '.join(BASELINE)} is not resolved"
     if not math.isfinite(ratio.low):
-        return f"; lower than {' + '.join(BASELINE)} by a ratio that is not resolved"
-    return f": {factor_text(ratio)} times that of {' + '.join(BASELINE)}"
+        return f"; it is lower than {' + '.join(BASELINE)} by a ratio that is not resolved"
+    return f"; it has {factor_text(ratio)} times the error of {' + '.join(BASELINE)}"
 
 
 class Verdict(NamedTuple):
