@@ -73,9 +73,10 @@ setup_report() {
   "$browser" -c 'import playwright, numpy, pytest' 2>/dev/null && return 0
   [[ -n "${SPOOL_BROWSER_PYTHON:-}" ]] && die "SPOOL_BROWSER_PYTHON: no playwright, numpy and pytest in $browser"
   say "a Python with playwright for the report's browser test"
-  /usr/bin/env python3 -m venv "${browser%/bin/python}" >&2 &&
-    "$browser" -m pip install -q playwright==1.65.0 numpy pytest >&2 ||
+  if ! { /usr/bin/env python3 -m venv "${browser%/bin/python}" >&2 &&
+    "$browser" -m pip install -q playwright==1.65.0 numpy pytest >&2; }; then
     say "playwright cannot be installed: the report's browser test will be skipped"
+  fi
 }
 
 # Debian's TBB is not built with ThreadSanitizer, and with it correct programs look racy: build our
