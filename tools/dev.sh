@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(g++ cmake ninja-build pkg-config
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libzstd-dev zlib1g-dev
   libfmt-dev nlohmann-json3-dev libexpected-dev libssl-dev libgtest-dev libgmock-dev librapidcheck-dev)
-test_packages=(blender chromium curl python3 python3-numpy python3-pip python3-pytest python3-venv python3-zstandard)
+test_packages=(blender chromium libatomic1 libllvm19 python3 python3-numpy python3-pytest python3-venv python3-zstandard)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
 tsan_packages=(dpkg-dev)
 
@@ -59,23 +59,29 @@ require_packages() {
 setup() {
   case "${1:-all}" in
     build) require_packages "${build_packages[@]}" ;;
-    test) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_report ;;
+    test | all) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_python ;;
     lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
-    all) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_report ;;
     *) die "setup: build, test, lint or all, not '$1'" ;;
   esac
 }
 
-# What the HTML report carries, and a browser to test it with.
-setup_report() {
+# Pythons of their own, in the user's cache, for what Debian does not package; tests that miss theirs say so.
+setup_python() {
+  setup_venv browser-venv "${SPOOL_BROWSER_PYTHON:-}" 'import playwright, numpy, pytest' playwright==1.65.0 numpy pytest
+  setup_venv mitsuba-venv "${SPOOL_MITSUBA_PYTHON:-}" 'import mitsuba, numpy, pytest' -r dumps/mitsuba/requirements.txt pytest
+  # npm is Debian's, unless the machine has its own.
+  command -v npm >/dev/null || require_packages npm
   tools/report/fetch_assets.sh >&2 || say "without them spool report and its browser test cannot run"
-  local browser="${SPOOL_BROWSER_PYTHON:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/browser-venv/bin/python}"
-  "$browser" -c 'import playwright, numpy, pytest' 2>/dev/null && return 0
-  [[ -n "${SPOOL_BROWSER_PYTHON:-}" ]] && die "SPOOL_BROWSER_PYTHON: no playwright, numpy and pytest in $browser"
-  say "a Python with playwright for the report's browser test"
-  if ! { /usr/bin/env python3 -m venv "${browser%/bin/python}" >&2 &&
-    "$browser" -m pip install -q playwright==1.65.0 numpy pytest >&2; }; then
-    say "playwright cannot be installed: the report's browser test will be skipped"
+}
+
+setup_venv() {  # FOLDER PYTHON-OF-THE-USER IMPORTS PIP-ARGUMENTS...
+  local folder="${XDG_CACHE_HOME:-$HOME/.cache}/spool/$1" chosen="$2" imports="$3"
+  shift 3
+  "${chosen:-$folder/bin/python}" -c "$imports" 2>/dev/null && return 0
+  [[ -z "$chosen" ]] || die "$chosen: cannot run '$imports'"
+  say "a Python for tests in $folder"
+  if ! { /usr/bin/python3 -m venv "$folder" >&2 && "$folder/bin/python" -m pip install -q "$@" >&2; }; then
+    say "pip could not install $*: the tests that need it will be skipped"
   fi
 }
 
@@ -148,19 +154,12 @@ test_all() {
 # --- demo --------------------------------------------------------------------------------------
 
 demo() {
-  setup test
-  build release
-  local out=demo-output dump=dumps/tiny/chess.spool
-  rm -rf "$out"
-  if [[ ! -f "$dump" ]]; then
-    # A checkout without recordings still has the analytic scene.
-    mkdir -p build
-    dump=build/scene_s.spool
-    ./build/release/spool synth scene_s --size 128 --samples 64 --force -q -o "$dump"
-  fi
-  say "evaluating $dump"
-  ./build/release/spool evaluate "$dump" --samplers uniform,multiscale \
-    --filters box,gaussian,directional --spp 4,8,16 --replicates 5 -o "$out" "$@"
+  setup build
+  build release spool
+  rm -rf demo-output
+  say "evaluating dumps/tiny/chess.spool"
+  ./build/release/spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \
+    --filters box,gaussian,directional --spp 4,8,16 --replicates 5 -o demo-output "$@"
 }
 
 record() {
