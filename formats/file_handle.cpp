@@ -245,8 +245,10 @@ Result<void> FileHandle::close() {
 
 Result<FileMapping> FileMapping::create(const FileHandle& file, uint64_t bytes) {
   FileMapping mapping;
-  if (bytes > std::numeric_limits<size_t>::max() ||
-      (mapping.data_ = file_calls().map(file.fd_, static_cast<size_t>(bytes))) == nullptr) {
+  if (bytes <= std::numeric_limits<size_t>::max()) {
+    mapping.data_ = file_calls().map(file.fd_, static_cast<size_t>(bytes));
+  }
+  if (mapping.data_ == nullptr) {
     return system_error(file.path(), fmt::format("cannot map {} bytes", bytes), errno,
                         "read blocks instead of mapping them");
   }
