@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lib/core/parallel.h"
+#include "lib/sampling/adaptive_wavelet.h"
 #include "lib/sampling/filtered_halves.h"
 #include "lib/sampling/mitchell.h"
 #include "lib/sampling/multiscale/multiscale.h"

@@ -26,8 +26,8 @@ struct SamplingLog {
   long long spent = 0;  // taken in all; less than budget where the pool ran out or the method stops
   long long uniform_remainder = 0;  // spent uniformly because nothing had a priority
   long long saturated_pieces = 0;   // pieces that ran out of samples
-  std::vector<long long>
-      samples_of_level;  // adaptive samples by queue level 0 .. K, if it has levels
+  // Adaptive samples by queue level 0 .. K, if it has levels; 0: single pieces, or uniform.
+  std::vector<long long> samples_of_level;
   GuardCounts guards;
 };
 

@@ -57,6 +57,11 @@ double neighbour_variance(const CountImage& n, const Plane& mean) {
 
 }  // namespace
 
+double variance_floor(double mean, double key) {
+  const double deviation = 1e-6 * (std::abs(mean) + 1e-3 * key);
+  return deviation * deviation;
+}
+
 Plane variance_of_mean(const CountImage& n, const Plane& mean, const Plane& m2,
                        const VarianceOptions& options, GuardCounts& guards) {
   SPOOL_CHECK(n.same_size(mean));
@@ -84,8 +89,7 @@ Plane variance_of_mean(const CountImage& n, const Plane& mean, const Plane& m2,
       } else if (count >= 2) {
         value = m2(x, y) / (count - 1) / count;
       }
-      const double deviation = 1e-6 * (std::abs(mean(x, y)) + 1e-3 * options.key);
-      const double floor = deviation * deviation;
+      const double floor = variance_floor(mean(x, y), options.key);
       if (!(value >= floor)) {
         rows[static_cast<std::size_t>(y)].add(Guard::kVarianceFloor);
         value = floor;

@@ -26,6 +26,10 @@ struct VarianceOptions {
   double key = 1.0;
 };
 
+// The least variance that variance_of_mean gives: a piece that has exactly this is flat as far as
+// anyone can see.
+double variance_floor(double mean, double key);
+
 // Pieces with n = 0 get v = +infinity (nothing is known of them).
 Plane variance_of_mean(const CountImage& n, const Plane& mean, const Plane& m2,
                        const VarianceOptions& options, GuardCounts& guards);

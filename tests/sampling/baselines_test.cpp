@@ -4,11 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/sampling/adaptive_wavelet.h"
 #include "lib/sampling/filtered_halves.h"
 #include "lib/sampling/given_counts.h"
 #include "lib/sampling/mitchell.h"
 #include "lib/sampling/neyman.h"
 #include "lib/sampling/rounds.h"
+#include "tests/reference/adaptive_wavelet_reference.h"
 #include "tests/reference/filtered_halves_reference.h"
 #include "tests/reference/mitchell_reference.h"
 #include "tests/sampling/multiscale_cases.h"
@@ -83,6 +85,46 @@ TEST(Mitchell, TwoLevelGivesFlaggedPixelsNineSamplesAndOthersOne) {
     for (int x = 0; x < 12; ++x)
       EXPECT_EQ(result->selection.statistics.n(x, y), x == 5 || x == 6 ? 9 : 1) << x;
   }
+}
+
+TEST(AdaptiveWavelet, CountsEqualThoseOfTheSlowTwin) {
+  for (const OptionValues& set : std::vector<OptionValues>{
+           {{"epochs", "7"}},
+           {{"epochs", "1000000"}, {"awr_levels", "2"}, {"init_spp", "2"}},
+           {{"epochs", "5"}, {"awr_priority", "absolute"}, {"var_mode", "raw"}, {"init_spp", "3"}},
+           {{"epochs", "4"}, {"awr_levels", "0"}}}) {
+    const auto options =
+        with_options(adaptive_wavelet_option_table(), AdaptiveWaveletOptions{}, set);
+    ASSERT_TRUE(options.has_value());
+    const int width = 19, height = 13;
+    const SamplePool pool = test::noisy_pool(width, height, 9);
+    for (const long long budget : {4LL * width * height + 3, 8LL * width * height + 100}) {
+      const auto result = sample_adaptive_wavelet(pool, budget, *options, {});
+      ASSERT_TRUE(result.has_value());
+      const int each = options->init_spp.value_or(default_initial_samples(budget, pool));
+      std::vector<long long> levels;
+      const CountImage expected = reference::adaptive_wavelet(
+          pool, CountImage(width, height, each), result->selection.statistics.signal,
+          budget - each * width * height, *options, levels);
+      EXPECT_EQ(result->selection.statistics.n, expected);
+      EXPECT_EQ(result->log.samples_of_level, levels);
+    }
+  }
+}
+
+TEST(AdaptiveWavelet, BlackIsUniformAndFixedPopsSpendTheBudget) {
+  const SamplePool black = test::memory_pool(20, 11, 8, [](int, int, int) { return Rgb{0, 0, 0}; });
+  AdaptiveWaveletOptions options;
+  options.var_mode = VarianceMode::kRaw;
+  const auto dark = sample_adaptive_wavelet(black, 220 * 5, options, {});
+  ASSERT_TRUE(dark.has_value());
+  for (const auto n : dark->selection.statistics.n.pixels())
+    ASSERT_EQ(n, 5);
+  EXPECT_EQ(dark->log.uniform_remainder, 220 * 3);
+  options.pop_samples = 3;
+  const auto result =
+      sample_adaptive_wavelet(test::noisy_pool(20, 11, 8), 220 * 5 + 1, options, {});
+  EXPECT_EQ(result->log.spent, 220 * 5 + 1);
 }
 
 TEST(FilteredHalves, CountsFollowFromTheWeightsOfTheSlowTwin) {

@@ -1,31 +1,11 @@
 #include "lib/sampling/multiscale/options.h"
 
+#include "lib/sampling/piece_choice.h"
+
 namespace spool {
 namespace {
 
 using O = MultiscaleOptions;
-
-Option<O> pop_option() {
-  return {"pop", "per_piece|fixed(1 .. 65536)",
-          "samples of a region: one for each piece, or m for its least-sampled pieces",
-          [](O& options, std::string_view text) -> Result<void> {
-            if (text == "per_piece") {
-              options.pop_samples.reset();
-              return {};
-            }
-            if (!text.starts_with("fixed(") || !text.ends_with(")")) {
-              return fail(ErrorCode::kUsage, "option pop: '{}' is not per_piece or fixed(m)", text);
-            }
-            SPOOL_ASSIGN(const int value,
-                         parse_integer("pop", text.substr(6, text.size() - 7), 1, 65536));
-            options.pop_samples = value;
-            return {};
-          },
-          [](const O& options) {
-            return options.pop_samples ? fmt::format("fixed({})", *options.pop_samples)
-                                       : std::string("per_piece");
-          }};
-}
 
 Option<O> stop_option() {
   return {"P_stop", "off|0 .. inf", "stop, budget or not, when no priority exceeds this",
@@ -110,7 +90,7 @@ OptionTable<O> make_table() {
       integer_or_word_option<O>(
           "epochs", &O::epochs, "auto", 1, 1000000,
           "steps of update=epoch; auto: 256 up to 256 x 256 pieces, 96 beyond"),
-      pop_option(),
+      pop_option<O>("pop", "per_piece", &O::pop_samples),
       stop_option(),
       choice_option<O, ParallelOver>(
           "parallel", &O::parallel,

@@ -1,0 +1,214 @@
+#include "lib/sampling/adaptive_wavelet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/core/extend.h"
+#include "lib/core/parallel.h"
+#include "lib/core/random.h"
+#include "lib/sampling/piece_choice.h"
+#include "lib/sampling/region_queue.h"
+#include "lib/sampling/rounds.h"
+#include "lib/sampling/uniform.h"
+
+namespace spool {
+namespace {
+
+constexpr double kRelativeFloor = 0.01;  // in squared units of the exposed signal
+
+// Sums and energies of the blocks of one level; block (x, y) covers 2^k pieces per side.
+struct BlockLevel {
+  Plane mean;      // Ybar
+  Plane variance;  // sum of v
+  Plane energy;    // w_H^2 + w_V^2 + w_D^2
+};
+
+BlockLevel pieces_as_blocks(const PieceStatistics& statistics, const Plane& v, int multiple,
+                            double key) {
+  const int width = (v.width() + multiple - 1) / multiple * multiple;
+  const int height = (v.height() + multiple - 1) / multiple * multiple;
+  BlockLevel level{Plane(width, height), Plane(width, height), Plane(width, height)};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const int px = extend_symmetric(x, v.width()), py = extend_symmetric(y, v.height());
+      level.mean(x, y) = statistics.analysis.mean(px, py);
+      // No reason to sample: a piece without samples has none to offer, a flat one only its floor.
+      const bool flat = v(px, py) <= variance_floor(level.mean(x, y), key);
+      level.variance(x, y) = statistics.n(px, py) == 0 || flat ? 0.0 : v(px, py);
+    }
+  }
+  return level;
+}
+
+BlockLevel merge_blocks(const BlockLevel& fine, int k) {
+  const int width = fine.mean.width() / 2, height = fine.mean.height() / 2;
+  const double scale = std::ldexp(0.5, k - 1);  // children's s = 2^(k-1) mean, w = sum / 2
+  BlockLevel level{Plane(width, height), Plane(width, height), Plane(width, height)};
+  parallel_rows(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      const double a = fine.mean(2 * x, 2 * y), b = fine.mean(2 * x + 1, 2 * y);
+      const double c = fine.mean(2 * x, 2 * y + 1), d = fine.mean(2 * x + 1, 2 * y + 1);
+      const double h = scale * ((a + c) - (b + d));
+      const double v = scale * ((a + b) - (c + d));
+      const double diagonal = scale * ((a + d) - (b + c));
+      level.mean(x, y) = 0.25 * ((a + b) + (c + d));
+      level.variance(x, y) =
+          (fine.variance(2 * x, 2 * y) + fine.variance(2 * x + 1, 2 * y)) +
+          (fine.variance(2 * x, 2 * y + 1) + fine.variance(2 * x + 1, 2 * y + 1));
+      level.energy(x, y) = h * h + v * v + diagonal * diagonal;
+    }
+  });
+  return level;
+}
+
+double block_priority(const BlockLevel& level, int k, int x, int y, WaveletPriority priority) {
+  const double pieces = std::ldexp(1.0, 2 * k);
+  const double variance = level.variance(x, y) / pieces;
+  const double above = k == 0 ? 0.0 : std::max(0.0, level.energy(x, y) - 4.0 * variance) / pieces;
+  const double mean = level.mean(x, y);
+  const double scale = priority == WaveletPriority::kRelative ? mean * mean + kRelativeFloor : 1.0;
+  return (variance + above) / scale;
+}
+
+Rectangle block_of(const RegionEntry& entry, const Rectangle& grid) {
+  const int side = 1 << entry.level;
+  return intersect({entry.x * side, entry.y * side, (entry.x + 1) * side, (entry.y + 1) * side},
+                   grid);
+}
+
+// All blocks of positive priority that lie in the grid; entry.x, entry.y count blocks.
+std::vector<RegionEntry> all_blocks(const PieceStatistics& statistics,
+                                    const AdaptiveWaveletOptions& options, GuardCounts& guards) {
+  const Plane v =
+      analysis_variance(statistics, {options.var_mode, options.nu0, options.key}, guards);
+  BlockLevel level = pieces_as_blocks(statistics, v, 1 << options.levels, options.key);
+  std::vector<RegionEntry> entries;
+  for (int k = 0; k <= options.levels; ++k) {
+    if (k > 0) level = merge_blocks(level, k);
+    const int side = 1 << k;
+    for (int y = 0; y * side < v.height(); ++y) {
+      for (int x = 0; x * side < v.width(); ++x) {
+        const double priority = block_priority(level, k, x, y, options.priority);
+        if (priority > 0.0) entries.push_back({k, x, y, priority});
+      }
+    }
+  }
+  return entries;
+}
+
+std::vector<OpenPiece> open_pieces(const Rectangle& block, const CountImage& n,
+                                   const SamplePool& pool) {
+  std::vector<OpenPiece> pieces;
+  for (int y = block.y0; y < block.y1; ++y) {
+    for (int x = block.x0; x < block.x1; ++x) {
+      if (n(x, y) < pool.capacity(x, y)) pieces.push_back({n(x, y), x, y});
+    }
+  }
+  return pieces;
+}
+
+// Samples of one epoch: the best blocks that do not overlap, until `share` is reached. Nothing when
+// no block has a priority.
+CountImage choose_epoch(const PieceStatistics& statistics, const SamplePool& pool, long long share,
+                        long long left, std::uint64_t seed, const AdaptiveWaveletOptions& options,
+                        SamplingLog& log) {
+  const Rectangle grid = statistics.n.bounds();
+  std::vector<RegionEntry> entries = all_blocks(statistics, options, log.guards);
+  CountImage extra(grid.x1, grid.y1), taken(grid.x1, grid.y1);
+  long long chosen = 0;
+  auto sorted_end = entries.begin();
+  for (auto it = entries.begin(); it != entries.end() && chosen < share; ++it) {
+    if (it == sorted_end) {  // sort the next batch, not the whole
+      const auto batch = std::min<std::ptrdiff_t>(4 * share + 64, entries.end() - it);
+      sorted_end = it + batch;
+      std::nth_element(it, sorted_end - 1, entries.end(), precedes);
+      std::sort(it, sorted_end, precedes);
+    }
+    const Rectangle block = block_of(*it, grid);
+    bool overlaps = false;
+    for (int y = block.y0; y < block.y1 && !overlaps; ++y) {
+      for (int x = block.x0; x < block.x1; ++x)
+        overlaps = overlaps || taken(x, y) != 0;
+    }
+    if (overlaps) continue;
+    std::vector<OpenPiece> pieces = open_pieces(block, statistics.n, pool);
+    if (pieces.empty()) continue;  // saturated
+    const std::vector<PieceShare> shares =
+        options.pop_samples
+            ? to_least_sampled(pieces, pool,
+                               std::min<long long>(*options.pop_samples, left - chosen),
+                               mix(seed, it->level, it->x, it->y))
+            : one_each(std::move(pieces), left - chosen);
+    for (const PieceShare& piece : shares) {
+      extra(piece.x, piece.y) += piece.count;
+      chosen += piece.count;
+      log.samples_of_level[static_cast<std::size_t>(it->level)] += piece.count;
+    }
+    for (int y = block.y0; y < block.y1; ++y) {
+      for (int x = block.x0; x < block.x1; ++x)
+        taken(x, y) = 1;
+    }
+  }
+  return extra;
+}
+
+}  // namespace
+
+const OptionTable<AdaptiveWaveletOptions>& adaptive_wavelet_option_table() {
+  using O = AdaptiveWaveletOptions;
+  static const OptionTable<O> table = {
+      init_spp_option<O>(&O::init_spp),
+      integer_option<O>("awr_levels", &O::levels, 0, 8, "levels of the block tree"),
+      choice_option<O, WaveletPriority>(
+          "awr_priority", &O::priority,
+          {{"relative", WaveletPriority::kRelative}, {"absolute", WaveletPriority::kAbsolute}},
+          "error relative to the block's mean, or absolute"),
+      pop_option<O>("awr_pop", "per_pixel", &O::pop_samples),
+      integer_option<O>("epochs", &O::epochs, 1, 1000000,
+                        "steps; as many as there are samples: one block each"),
+      choice_option<O, VarianceMode>("var_mode", &O::var_mode,
+                                     {{"auto", VarianceMode::kAuto},
+                                      {"raw", VarianceMode::kRaw},
+                                      {"pooled", VarianceMode::kPooled}},
+                                     "estimate of the variance of a piece's mean"),
+      number_option<O>("nu0", &O::nu0, 0.0, 1e6, "weight of the neighbours in a pooled variance"),
+      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance"),
+  };
+  return table;
+}
+
+Result<SamplingResult> sample_adaptive_wavelet(const SamplePool& pool, long long budget,
+                                               const AdaptiveWaveletOptions& options,
+                                               const SamplingContext& context) {
+  SPOOL_CHECK_GE(budget, 0);
+  SamplingLog log;
+  log.budget = budget;
+  log.samples_of_level.assign(static_cast<std::size_t>(options.levels) + 1, 0);
+  const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
+  PieceStatistics statistics =
+      prefix_statistics(pool, initial_counts(pool, budget, each, context.seed));
+  log.initial = count_samples(statistics.n);
+  expose(statistics, pool, options.key, log.guards);
+
+  long long left = std::min(budget, pool.total_capacity()) - log.initial;
+  const long long share = (left + options.epochs - 1) / options.epochs;
+  for (std::uint64_t epoch = 0; left > 0; ++epoch) {
+    CountImage extra = choose_epoch(statistics, pool, std::min(share, left), left,
+                                    mix(context.seed, epoch), options, log);
+    long long taken = count_samples(extra);
+    if (taken == 0) {  // no priority anywhere: the rest is spent uniformly
+      extra = raise_least_sampled(statistics.n, pool, statistics.n.bounds(), left, context.seed);
+      for (std::size_t i = 0; i < extra.size(); ++i)
+        extra[i] -= statistics.n[i];
+      taken = count_samples(extra);
+      log.uniform_remainder += taken;
+      log.samples_of_level[0] += taken;
+    }
+    take_extra(statistics, pool, extra);
+    left -= taken;
+    SPOOL_TRY(report_progress(context, "adaptive_wavelet", budget - left, budget));
+  }
+  return finished(std::move(log), std::move(statistics), pool);
+}
+
+}  // namespace spool
