@@ -22,7 +22,8 @@ struct NlMeansOptions {
   int patch = 3;    // f
   double kappa = 0.45;
   double alpha = 1.0;
-  VarianceMode var_mode = VarianceMode::kAuto;
+  // A half of few samples often has variance 0 by chance, and distances are divided by it.
+  VarianceMode var_mode = VarianceMode::kPooled;
   double nu0 = 2.0;
   double key = 1.0;
 };

@@ -43,14 +43,14 @@ struct PaddedInput {
 };
 
 // Sums of one run of pieces of equal level in a row.
-template <class T>
 struct RunSums {
-  std::vector<T> omega;
+  std::vector<double> before, after;  // weights of the neighbours at -offset and +offset
   std::vector<double> weight;
   std::array<std::vector<double>, 3> value, variance;
 
   void resize(std::size_t n) {
-    omega.resize(n);
+    before.resize(n);
+    after.resize(n);
     weight.resize(n);
     for (std::size_t c = 0; c < 3; ++c) {
       value[c].resize(n);
@@ -59,40 +59,42 @@ struct RunSums {
   }
 };
 
-// omega of one offset for `count` pieces whose widths along the two nearest directions are given.
+// Weights of the two neighbours at one offset and its opposite, for `count` pieces whose widths
+// along the two nearest directions are given.
 template <class T>
 void compute_weights(const T* __restrict lower, const T* __restrict upper, T lower_share,
-                     T half_squared_distance, int count, T* __restrict omega) {
+                     T half_squared_distance, const T* __restrict before, const T* __restrict after,
+                     int count, RunSums& sums) {
   const T upper_share = T{1} - lower_share;
+  double* __restrict w_before = sums.before.data();
+  double* __restrict w_after = sums.after.data();
+  double* __restrict total = sums.weight.data();
   for (int i = 0; i < count; ++i) {
-    const T delta = lower_share * lower[i] + upper_share * upper[i];   // (12)
-    omega[i] = exp_negative(half_squared_distance / (delta * delta));  // (11)
+    const T delta = lower_share * lower[i] + upper_share * upper[i];        // (12)
+    const T omega = exp_negative(half_squared_distance / (delta * delta));  // (11)
+    w_before[i] = static_cast<double>(omega * before[i]);
+    w_after[i] = static_cast<double>(omega * after[i]);
+    total[i] += w_before[i] + w_after[i];
   }
 }
 
-// Adds the neighbours at `from` with weights omega to the sums of pieces whose means are `centre`.
-template <class T>
-void add_neighbours(const PaddedInput<T>& input, std::size_t from, std::size_t centre, int count,
-                    RunSums<T>& sums) {
-  const T* __restrict omega = sums.omega.data();
-  const T* __restrict weight = input.weight.pixels().data() + from;
-  double* __restrict total = sums.weight.data();
-  for (int i = 0; i < count; ++i)
-    total[i] += static_cast<double>(omega[i] * weight[i]);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double* __restrict there = input.mean[c].pixels().data() + from;
-    const double* __restrict here = input.mean[c].pixels().data() + centre;
-    double* __restrict value = sums.value[c].data();
-    for (int i = 0; i < count; ++i) {
-      value[i] += static_cast<double>(omega[i] * weight[i]) * (there[i] - here[i]);
-    }
-    if (input.variance[c].empty()) continue;
-    const double* __restrict v = input.variance[c].pixels().data() + from;
-    double* __restrict variance = sums.variance[c].data();
-    for (int i = 0; i < count; ++i) {
-      const double w = static_cast<double>(omega[i] * weight[i]);
-      variance[i] += w * w * v[i];
-    }
+// Adds both neighbours to the sums of a channel.
+void add_neighbours(const RunSums& sums, const double* __restrict before,
+                    const double* __restrict after, const double* __restrict centre, int count,
+                    double* __restrict value) {
+  const double* __restrict w_before = sums.before.data();
+  const double* __restrict w_after = sums.after.data();
+  for (int i = 0; i < count; ++i) {
+    value[i] += w_before[i] * (before[i] - centre[i]) + w_after[i] * (after[i] - centre[i]);
+  }
+}
+
+void add_variances(const RunSums& sums, const double* __restrict before,
+                   const double* __restrict after, int count, double* __restrict variance) {
+  const double* __restrict w_before = sums.before.data();
+  const double* __restrict w_after = sums.after.data();
+  for (int i = 0; i < count; ++i) {
+    variance[i] += w_before[i] * w_before[i] * before[i] + w_after[i] * w_after[i] * after[i];
   }
 }
 
@@ -100,7 +102,7 @@ void add_neighbours(const PaddedInput<T>& input, std::size_t from, std::size_t c
 template <class T>
 void filter_run(const PaddedInput<T>& input, const FilterWidths<T>& widths,
                 const std::vector<FilterOffset>& offsets, Eq12 eq12, int x0, int y, int count,
-                RunSums<T>& sums, FilteredPieces& out, GuardCounts& caught) {
+                RunSums& sums, FilteredPieces& out, GuardCounts& caught) {
   const auto stride = static_cast<std::ptrdiff_t>(input.weight.width());
   const std::size_t centre = input.weight.index(x0 + input.border, y + input.border);
   sums.resize(static_cast<std::size_t>(count));
@@ -117,12 +119,19 @@ void filter_run(const PaddedInput<T>& input, const FilterWidths<T>& widths,
   for (const FilterOffset& offset : offsets) {
     const auto lower = static_cast<std::size_t>(offset.sector.lower);
     const auto upper = static_cast<std::size_t>(offset.sector.upper);
+    const auto step = static_cast<std::size_t>(offset.dy * stride + offset.dx);
+    const std::size_t before = centre - step, after = centre + step;
     compute_weights(&widths.delta[lower](x0, y), &widths.delta[upper](x0, y),
                     static_cast<T>(lower_weight(offset.sector, eq12)),
-                    static_cast<T>(0.5 * offset.squared_distance), count, sums.omega.data());
-    const std::ptrdiff_t step = offset.dy * stride + offset.dx;
-    add_neighbours(input, centre + static_cast<std::size_t>(step), centre, count, sums);
-    add_neighbours(input, centre - static_cast<std::size_t>(step), centre, count, sums);
+                    static_cast<T>(0.5 * offset.squared_distance), &input.weight[before],
+                    &input.weight[after], count, sums);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Plane& mean = input.mean[c];
+      add_neighbours(sums, &mean[before], &mean[after], &mean[centre], count, sums.value[c].data());
+      if (input.variance[c].empty()) continue;
+      add_variances(sums, &input.variance[c][before], &input.variance[c][after], count,
+                    sums.variance[c].data());
+    }
   }
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -165,7 +174,7 @@ FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& wi
 
   std::vector<GuardCounts> caught(static_cast<std::size_t>(height));
   parallel_rows(0, height, [&](int y) {
-    RunSums<T> sums;
+    RunSums sums;
     for (int x = 0; x < width;) {
       const int k = input.level(x, y);
       int end = x + 1;
