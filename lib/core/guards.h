@@ -41,7 +41,9 @@ namespace spool {
   X(kFilterFloor, "filter_floor", "a standard deviation of the filter is raised to 0.25 pieces")   \
   X(kEmptyPiece, "empty_piece", "a piece without samples takes its neighbours' value")             \
   X(kZeroWeight, "zero_weight", "all weights vanished: the nearest sampled piece is taken")        \
-  X(kMetricExcluded, "metric_excluded", "a non-finite pixel is excluded from the metrics")
+  X(kMetricExcluded, "metric_excluded", "a non-finite pixel is excluded from the metrics")         \
+  X(kSmallImage, "small_image",                                                                    \
+    "SSIM takes a smaller window or MS-SSIM fewer scales because the image is small")
 
 enum class Guard : std::size_t {
 #define SPOOL_GUARD_ENUM(identifier, name, protects) identifier,

@@ -37,7 +37,16 @@ enum Term : int {
 };
 using Terms = std::array<double, kTermCount>;
 
-enum class Rule { kRatio, kRootRatio, kDecibel, kTrimmed, kDropped, kQuantile, kMaximum };
+enum class Rule {
+  kRatio,
+  kRootRatio,
+  kDecibel,
+  kTrimmed,
+  kDropped,
+  kQuantile,
+  kMaximum,
+  kPerceptual,  // by name, from perceptual_metrics
+};
 
 struct Metric {
   MetricDescription description;
@@ -73,6 +82,12 @@ std::vector<Metric> make_registry() {
       {{"psnr_tm", "peak signal-to-noise ratio of the tone-mapped images, dB", Better::kHigher},
        Rule::kDecibel,
        kToneSquared},
+      {{"ssim", "structural similarity of the tone-mapped luma, at most 1", Better::kHigher},
+       Rule::kPerceptual},
+      {{"ms_ssim", "the same over up to five scales", Better::kHigher}, Rule::kPerceptual},
+      {{"flip_ldr", "mean FLIP of the tone-mapped images, 0 .. 1"}, Rule::kPerceptual},
+      {{"flip_hdr", "mean FLIP over all exposures, 0 .. 1 (option perceptual=all)"},
+       Rule::kPerceptual},
       {{"energy_ratio", "sum of the image / sum of the reference", Better::kOne},
        Rule::kRatio,
        kEnergy,
@@ -127,8 +142,10 @@ class Evaluation {
     if (table_.pixels == 0) return std::move(table_);
     LargestFirst relative(relative_, judged_), squared(squared_, judged_);
     const bool resamples = bootstrap_.blocks() > 1;
+    add_perceptual();
     for (std::size_t m = 0; m < registry().size(); ++m) {
       const Metric& metric = registry()[m];
+      if (metric.rule == Rule::kPerceptual) continue;
       table_.values[m].value = value(metric, {}, relative, squared);
       if (!resamples || metric.rule == Rule::kMaximum) continue;
       std::vector<double>& resampled = table_.resampled[m];
@@ -140,6 +157,15 @@ class Evaluation {
   }
 
  private:
+  void add_perceptual() {
+    for (PerceptualValue& value : perceptual_metrics(
+             estimate_, reference_.mean, judged_, bootstrap_, options_.perceptual, table_.guards)) {
+      const auto m = static_cast<std::size_t>(metric_index(value.name));
+      table_.values[m] = {value.estimate.value, value.estimate.standard_error};
+      table_.resampled[m] = std::move(value.resampled);
+    }
+  }
+
   void select_pixels() {
     for (std::size_t p = 0; p < judged_.size(); ++p) {
       if (!is_finite(estimate_, p)) {
@@ -288,6 +314,8 @@ class Evaluation {
         });
         return found;
       }
+      case Rule::kPerceptual:
+        break;
     }
     return kNaN;
   }
@@ -337,6 +365,10 @@ const OptionTable<MetricOptions>& metric_option_table() {
           "relmse divides each channel by itself, or all by the luminance"),
       number_option("trim", &MetricOptions::trim, 0.0, 0.5,
                     "share of pixels that relmse_trimmed leaves out"),
+      choice_option<MetricOptions, Perceptual>(
+          "perceptual", &MetricOptions::perceptual,
+          {{"none", Perceptual::kNone}, {"fast", Perceptual::kFast}, {"all", Perceptual::kAll}},
+          "SSIM, MS-SSIM and FLIP: none of them, all but flip_hdr, or all"),
   };
   return table;
 }

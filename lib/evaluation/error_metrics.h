@@ -1,5 +1,6 @@
-// How far an image is from what it should be: squared, relative and absolute errors, energy, and
-// the tone-mapped peak signal-to-noise ratio, each with a bootstrap standard error.
+// How far an image is from what it should be: squared, relative and absolute errors, energy,
+// tone-mapped peak signal-to-noise ratio, and the perceptual ones (perceptual_metrics.h), each with
+// a bootstrap standard error.
 //
 // Inputs are images only [c][y][x]: linear RGB of equal size; a metric knows no method. With b the
 // variance of the reference's mean, `mse` and the `relmse` family are debiased: (I - R)^2 - b has
@@ -20,6 +21,7 @@
 #include "lib/core/image.h"
 #include "lib/core/option_table.h"
 #include "lib/evaluation/bootstrap.h"
+#include "lib/evaluation/perceptual_metrics.h"
 
 namespace spool {
 
@@ -33,6 +35,7 @@ struct MetricOptions {
   RelativeScale rel_scale = RelativeScale::kMean;
   RelativeDenominator rel_denominator = RelativeDenominator::kPerChannel;
   double trim = 0.001;  // share of pixels that relmse_trimmed drops, the largest first
+  Perceptual perceptual = Perceptual::kFast;
   BootstrapOptions bootstrap;
 };
 

@@ -1,3 +1,5 @@
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "lib/evaluation/error_metrics.h"
@@ -24,6 +26,7 @@ TEST(ErrorMetrics, EqualTheSlowTwin) {
   const Case cases[] = {{1, 1, false, false, false, plain},  {17, 5, true, false, false, plain},
                         {64, 64, true, true, true, literal}, {33, 70, false, true, true, wide},
                         {100, 41, true, true, false, plain}, {16, 16, false, false, true, wide}};
+  const std::set<std::string> perceptual = {"ssim", "ms_ssim", "flip_ldr", "flip_hdr"};
   std::uint64_t seed = 20;
   for (const Case& c : cases) {
     seed += 10;
@@ -37,6 +40,7 @@ TEST(ErrorMetrics, EqualTheSlowTwin) {
     }
     const MetricTable table = error_metrics(image, reference, c.options);
     for (const MetricDescription& metric : metrics()) {
+      if (perceptual.contains(metric.name)) continue;  // twins of their own
       const double slow = reference::metric(metric.name, image, reference, c.options);
       const double fast = table[metric.name].value;
       if (std::isnan(slow)) {

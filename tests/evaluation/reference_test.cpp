@@ -40,7 +40,7 @@ const std::vector<Distribution>& distributions() {
   return all;
 }
 
-constexpr int kSide = 160, kSpp = 64;
+constexpr int kSide = 120, kSpp = 64;
 
 SamplePool pool_from(const Distribution& distribution, int holdout = 0, std::uint64_t seed = 1) {
   PoolOptions options;
@@ -118,7 +118,7 @@ TEST(LeaveSelectedOut, IsUnbiasedForFixedCounts) {
     const RgbImage estimate = estimate_of(pool, counts);
     const Difference found = excess(estimate, leave_selected_out_reference(pool, counts), d.mean);
     EXPECT_LT(std::abs(found.mean), 4 * found.standard_error) << d.name;
-    EXPECT_LT(found.standard_error, 0.02 * d.variance / 16) << d.name;  // a test worth having
+    EXPECT_LT(found.standard_error, 0.03 * d.variance / 16) << d.name;  // a test worth having
   }
 }
 
@@ -158,6 +158,8 @@ TEST(LeaveSelectedOut, IsUnbiasedForFilteredEstimates) {
 
 // [algorithms 15.1]: the pool's own mean finds (s2 / n)(1 - n / N).
 TEST(PoolReference, FindsTheErrorTimesOneMinusNOverN) {
+  MetricOptions options;
+  options.perceptual = Perceptual::kNone;
   for (const Distribution& d : distributions()) {
     const SamplePool pool = pool_from(d);
     const JudgingReference reference = pool_reference(pool);
@@ -165,8 +167,9 @@ TEST(PoolReference, FindsTheErrorTimesOneMinusNOverN) {
     for (const int n : {16, 48, 64}) {
       const CountImage counts(kSide, kSide, n);
       const double measured =
-          error_metrics(estimate_of(pool, counts), reference)["mse"].value / (d.variance / n);
-      // Relative standard error of a mean of 76800 squares of near-normal numbers, and more for
+          error_metrics(estimate_of(pool, counts), reference, options)["mse"].value /
+          (d.variance / n);
+      // Relative standard error of a mean of 43200 squares of near-normal numbers, and more for
       // the heavier tails: 0.03 covers 4 of them in each pool.
       EXPECT_NEAR(measured, 1.0 - n / 64.0, 0.03) << d.name << " " << n;
     }
@@ -282,6 +285,7 @@ TEST(ErrorMetrics, DebiasingIsUnbiased) {
   const RgbImage estimate = test::add_noise(truth, 3, 0.1);
   MetricOptions options;
   options.bootstrap.resamples = 0;
+  options.perceptual = Perceptual::kNone;
   const double exact = error_metrics(estimate, {truth, {}, {}}, options)["mse"].value;
   double mean = 0, m2 = 0;
   for (int trial = 1; trial <= 400; ++trial) {

@@ -1,0 +1,169 @@
+#include "lib/evaluation/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "lib/core/random.h"
+
+namespace spool {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNormal95 = 1.959963984540054;
+
+// Values as distances that are better when lower.
+MethodSeries as_cost(MethodSeries series, Better better) {
+  const auto cost = [better](double value) {
+    if (better == Better::kHigher) return -value;
+    return better == Better::kOne ? std::abs(value - 1.0) : value;
+  };
+  for (double& value : series.values)
+    value = cost(value);
+  for (std::vector<double>& replicate : series.resampled) {
+    for (double& value : replicate)
+      value = cost(value);
+  }
+  return series;
+}
+
+double mean_of_finite(std::span<const double> values) {
+  double sum = 0.0, n = 0.0;
+  for (const double value : values) {
+    if (std::isfinite(value)) sum += value, n += 1.0;
+  }
+  return n > 0.0 ? sum / n : kNaN;
+}
+
+}  // namespace
+
+MethodSeries method_series(std::string name, std::string_view metric,
+                           std::span<const MetricTable* const> replicates) {
+  const int index = metric_index(metric);
+  SPOOL_CHECK_GE(index, 0);
+  const auto m = static_cast<std::size_t>(index);
+  MethodSeries series{std::move(name), {}, {}};
+  for (const MetricTable* table : replicates) {
+    series.values.push_back(table->values[m].value);
+    series.resampled.push_back(table->resampled[m]);
+  }
+  return series;
+}
+
+PairedComparison compare_paired(const MethodSeries& a, const MethodSeries& b, std::uint64_t seed) {
+  SPOOL_CHECK_EQ(a.values.size(), b.values.size());
+  std::vector<double> differences;
+  std::vector<std::size_t> pairs;
+  std::size_t resamples = static_cast<std::size_t>(-1);
+  for (std::size_t r = 0; r < a.values.size(); ++r) {
+    const double difference = a.values[r] - b.values[r];
+    if (!std::isfinite(difference)) continue;
+    differences.push_back(difference);
+    pairs.push_back(r);
+    resamples = std::min({resamples, a.resampled[r].size(), b.resampled[r].size()});
+  }
+  PairedComparison comparison{kNaN, kNaN, kNaN, kNaN, 1.0};
+  if (pairs.empty()) return comparison;
+  comparison.difference = mean_of_finite(differences);
+  std::vector<double> means;
+  for (std::size_t s = 0; s < resamples; ++s) {
+    double sum = 0.0;
+    for (std::size_t draw = 0; draw < pairs.size(); ++draw) {
+      const double u = unit_double(mix(seed, s, draw));
+      const std::size_t r = pairs[static_cast<std::size_t>(u * static_cast<double>(pairs.size()))];
+      sum += a.resampled[r][s] - b.resampled[r][s];
+    }
+    means.push_back(sum / static_cast<double>(pairs.size()));
+  }
+  comparison.standard_error = standard_error_of(means);
+  if (!std::isfinite(comparison.standard_error)) return comparison;
+  comparison.low = comparison.difference - kNormal95 * comparison.standard_error;
+  comparison.high = comparison.difference + kNormal95 * comparison.standard_error;
+  if (comparison.difference == 0.0) return comparison;
+  const double z = std::abs(comparison.difference) / comparison.standard_error;
+  comparison.p = std::erfc(z / std::sqrt(2.0));
+  return comparison;
+}
+
+std::vector<double> holm_adjusted(std::span<const double> p) {
+  std::vector<std::size_t> order(p.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t i, std::size_t j) { return p[i] < p[j]; });
+  std::vector<double> adjusted(p.size());
+  double largest = 0.0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    largest = std::max(largest, std::min(1.0, p[order[k]] * static_cast<double>(p.size() - k)));
+    adjusted[order[k]] = largest;
+  }
+  return adjusted;
+}
+
+std::vector<RankedMethod> rank_methods(std::span<const MethodSeries> methods, Better better,
+                                       double significance, std::uint64_t seed) {
+  std::vector<MethodSeries> costs;
+  std::vector<RankedMethod> ranked;
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    costs.push_back(as_cost(methods[i], better));
+    ranked.push_back({i, mean_of_finite(methods[i].values), 1, 1.0});
+  }
+  std::vector<double> mean_cost, p;
+  for (const MethodSeries& cost : costs)
+    mean_cost.push_back(mean_of_finite(cost.values));
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      pairs.emplace_back(i, j);
+      p.push_back(compare_paired(costs[i], costs[j], seed).p);
+    }
+  }
+  const std::vector<double> adjusted = holm_adjusted(p);
+  // A method without any finite value comes last.
+  const auto cost_of = [&](std::size_t i) {
+    return std::isnan(mean_cost[i]) ? std::numeric_limits<double>::infinity() : mean_cost[i];
+  };
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < costs.size(); ++i) {
+    if (cost_of(i) < cost_of(best)) best = i;
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto [i, j] = pairs[k];
+    if (i == best || j == best) ranked[i == best ? j : i].p_against_best = adjusted[k];
+    if (adjusted[k] < significance) ++ranked[cost_of(i) > cost_of(j) ? i : j].rank;
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedMethod& a, const RankedMethod& b) {
+    return cost_of(a.method) < cost_of(b.method);
+  });
+  return ranked;
+}
+
+BudgetFit fit_error_over_budget(std::span<const double> budget, std::span<const double> error) {
+  SPOOL_CHECK_EQ(budget.size(), error.size());
+  std::vector<double> x, y;
+  for (std::size_t i = 0; i < budget.size(); ++i) {
+    if (!(budget[i] > 0.0 && error[i] > 0.0) || !std::isfinite(error[i])) continue;
+    x.push_back(std::log(budget[i]));
+    y.push_back(std::log(error[i]));
+  }
+  BudgetFit fit{static_cast<int>(x.size()), kNaN, kNaN, kNaN};
+  const double mx = mean_of_finite(x), my = mean_of_finite(y);
+  double xx = 0.0, xy = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (x[i] - mx) * (x[i] - mx);
+    xy += (x[i] - mx) * (y[i] - my);
+  }
+  if (!(xx > 0.0)) return fit;
+  fit.slope = xy / xx;
+  fit.intercept = my - fit.slope * mx;
+  if (x.size() < 3) return fit;
+  double residual = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double r = y[i] - fit.intercept - fit.slope * x[i];
+    residual += r * r;
+  }
+  fit.slope_standard_error = std::sqrt(residual / static_cast<double>(x.size() - 2) / xx);
+  return fit;
+}
+
+}  // namespace spool

@@ -1,0 +1,30 @@
+// FLIP: the difference seen when flipping between two images, per pixel in [0, 1]
+// [AnderssonEtAl20], and its extension to high dynamic range [AnderssonEtAl21].
+//
+// Written from the papers, in double, with the authors' constants for a monitor of 3840 pixels in
+// 0.7 m at 0.7 m; its tests compare with the authors' program. Borders are clamped.
+#pragma once
+
+#include <optional>
+
+#include "lib/core/image.h"
+
+namespace spool {
+
+inline constexpr double kFlipPixelsPerDegree = 67.02064327658225;  // 3840 pi / 180
+
+// Both images linear RGB; values outside [0, 1] are clamped.
+Plane flip_ldr_map(const RgbImage& reference, const RgbImage& test);
+
+struct FlipExposures {
+  double start = 0, stop = 0;  // base-2 logarithms
+  int count = 0;
+};
+// Exposures at which HDR-FLIP looks, from the reference's brightest and median luminance; absent
+// when no pixel of the reference has a positive luminance.
+std::optional<FlipExposures> flip_exposures(const RgbImage& reference);
+
+// The largest LDR-FLIP over the exposures, tone-mapped by the ACES fit. Absent as above.
+std::optional<Plane> flip_hdr_map(const RgbImage& reference, const RgbImage& test);
+
+}  // namespace spool
