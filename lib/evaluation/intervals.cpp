@@ -8,7 +8,7 @@
 namespace spool {
 namespace {
 
-// Continued fraction of the incomplete beta function by Lentz's method [DLMF, 8.17.22].
+// Continued fraction of the incomplete beta function by Lentz's method [Dlmf, 8.17.22].
 double beta_fraction(double x, double a, double b) {
   constexpr double kTiny = 1e-300;
   double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);

@@ -1,5 +1,5 @@
 // What an estimate is judged by: independent samples, samples held out of the replay, or samples
-// the sampler did not select [algorithms 15]. Never the mean of the samples it was made of.
+// the sampler did not select. Never the mean of the samples it was made of.
 //
 // One pixel, N samples of variance s2, the mean of the first n judged by the mean of all N: the
 // expected squared error is (s2 / n)(1 - n / N), too small by the factor 1 - n/N, and differently

@@ -12,7 +12,7 @@ namespace spool {
 // is empty): brings the log-average luminance to middle grey.
 double tone_map_exposure(const RgbImage& reference, const Image<std::uint8_t>& judged);
 
-// sRGB transfer function of a linear value in [0, 1] [IEC61966-2-1].
+// sRGB transfer function of a linear value in [0, 1] [IEC61966].
 double srgb_encoded(double linear);
 
 // srgb_encoded(clamp(exposure * value, 0, 1)).

@@ -156,7 +156,7 @@ TEST(LeaveSelectedOut, IsUnbiasedForFilteredEstimates) {
   EXPECT_LT(std::abs(found.mean), 4 * found.standard_error);
 }
 
-// [algorithms 15.1]: the pool's own mean finds (s2 / n)(1 - n / N).
+// The pool's own mean finds (s2 / n)(1 - n / N).
 TEST(PoolReference, FindsTheErrorTimesOneMinusNOverN) {
   MetricOptions options;
   options.perceptual = Perceptual::kNone;
