@@ -77,7 +77,7 @@ def build_men(men, wood, brass):
         if kind in meshes:
             place_copy(kind, meshes[kind], (x, y, 0), (0, 0, turn))
         else:
-            vertices, faces = turned(rounded(FOOT + PIECES[kind], 4), 40)
+            vertices, faces = turned(rounded(FOOT + PIECES[kind], 2), 28)
             meshes[kind] = add_mesh(kind, vertices, faces, wood, True, (x, y, 0), (0, 0, turn)).data
         if kind == "king":
             add_block("cross", (0.05, 0.05, 0.30), (x, y, 2.14), brass, (0, 0, turn))

@@ -7,8 +7,15 @@ import math
 
 import bpy
 
+# Blender 3 sums the normals of larger meshes (from 1024 faces) in several threads, in any order: their
+# last bits, and with them the samples, would differ from one process to the next.
+MOST_FACES = 1000
+
 
 def add_mesh(name, vertices, faces, material, smooth=False, location=(0, 0, 0), rotation=(0, 0, 0)):
+    if len(faces) > MOST_FACES:
+        raise ValueError("%s: %d faces, more than %d are not reproducible" %
+                         (name, len(faces), MOST_FACES))
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(vertices, [], faces)
     mesh.polygons.foreach_set("use_smooth", [smooth] * len(mesh.polygons))
