@@ -87,7 +87,7 @@ def test_another_recording_is_not_mixed_in(recorded, other):
 
 
 @pytest.mark.parametrize("options, code, message", [
-    (("--scene", "nowhere"), 2, "scene 'nowhere' is unknown: use chess"),
+    (("--scene", "nowhere"), 2, "scene 'nowhere' is unknown: use balls, caustic, chess, fireflies"),
     ((), 2, "no scene"),
     (("--scene", "chess", "--channels", "radiance,heat"), 2, "channel 'heat' is unknown"),
     (("--scene", "chess", "--channels", "object"), 2, "use --mode shift"),
@@ -143,3 +143,15 @@ def test_a_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
                  "minutes", "folder 852 kB"):
         assert part in done.stdout
     assert list(tmp_path.rglob("*.f32")) == []
+
+
+@pytest.mark.parametrize("scene, needs", [("balls", {"depth_of_field", "motion_blur"}), ("caustic", set()),
+                                          ("fireflies", set()), ("mist", {"volumes"}), ("table", set())])
+def test_every_scene_can_be_recorded(scene, needs, tmp_path):
+    import numpy
+    done = record("--scene", scene, "--size", "16", "--samples", "8", "-o", tmp_path / "passes")
+    assert done.returncode == 0, done.stderr
+    folder = Folder(tmp_path / "passes")
+    assert {need for need, present in folder.recording["needs"].items() if present} == needs
+    light = numpy.stack([folder.plane(e["file"], "radiance.G") for e in folder.entries])
+    assert numpy.isfinite(light).all() and light.min() >= 0 and light.max() > 0
