@@ -37,7 +37,8 @@ struct PackReport {
   uint32_t spp = 0;
   uint64_t reference_spp = 0;  // 0: no reference
   uint32_t batches = 0;
-  double cost_per_sample = 0.0;  // seconds per pixel and sample, from the passes; 0 unknown
+  double cost_per_sample =
+      0.0;  // CPU (or wall) seconds of a sample, median of the passes; 0 unknown
   std::vector<std::string> layers;
   uint64_t bytes = 0;  // size of the dump
 };

@@ -134,6 +134,14 @@ bool take_film(const json& line, PassEntry& entry) {
   return entry.film_x >= 0.0F && entry.film_x < 1.0F && entry.film_y >= 0.0F && entry.film_y < 1.0F;
 }
 
+bool take_seconds(const json& line, const char* key, double& value) {
+  const auto found = line.find(key);
+  if (found == line.end()) return true;
+  if (!found->is_number()) return false;
+  value = found->get<double>();
+  return std::isfinite(value) && value >= 0.0;
+}
+
 bool take_entry(const json& line, const fs::path& folder, std::string& kind, PassEntry& entry) {
   std::string file;
   uint64_t crc = 0;
@@ -147,9 +155,10 @@ bool take_entry(const json& line, const fs::path& folder, std::string& kind, Pas
       !take_film(line, entry)) {
     return false;
   }
-  const auto seconds = line.find("seconds");
-  if (seconds != line.end() && seconds->is_number()) entry.seconds = seconds->get<double>();
-  if (!std::isfinite(entry.seconds) || entry.seconds < 0.0) return false;
+  if (!take_seconds(line, "seconds", entry.seconds) ||
+      !take_seconds(line, "cpu_seconds", entry.cpu_seconds)) {
+    return false;
+  }
   // a name of this folder, never a way out of it
   if (file.empty() || fs::path(file).filename().string() != file || file == "." || file == "..") {
     return false;

@@ -30,7 +30,8 @@ struct PassEntry {
   uint32_t seed = 0;
   uint64_t sample_index = 0;  // place in the sequence of its seed
   uint64_t samples = 1;       // samples averaged in the file: 1 in the pool
-  double seconds = 0.0;       // wall time of its rendering
+  double seconds = 0.0;       // wall time of its rendering; 0 not measured
+  double cpu_seconds = 0.0;   // of all threads; 0 not measured
   bool has_film = false;
   float film_x = 0.0F;  // [0,1), y down
   float film_y = 0.0F;

@@ -90,15 +90,23 @@ Result<void> check_batches(const PassManifest& manifest) {
   return {};
 }
 
-double median_seconds(const std::vector<PassEntry>& entries) {
+// Per sample of every pixel: CPU time, or wall time where that is all there is. CPU time stands
+// still while other programs have the machine.
+double median_seconds(const std::vector<PassEntry>& entries, bool cpu) {
   std::vector<double> seconds;
   for (const PassEntry& entry : entries) {
-    if (entry.seconds > 0.0) seconds.push_back(entry.seconds / static_cast<double>(entry.samples));
+    const double spent = cpu ? entry.cpu_seconds : entry.seconds;
+    if (spent > 0.0) seconds.push_back(spent / static_cast<double>(entry.samples));
   }
   if (seconds.empty()) return 0.0;
   const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
   std::nth_element(seconds.begin(), middle, seconds.end());
   return *middle;
+}
+
+bool has_cpu_seconds(const PassManifest& manifest) {
+  return std::all_of(manifest.passes.begin(), manifest.passes.end(),
+                     [](const PassEntry& entry) { return entry.cpu_seconds > 0.0; });
 }
 
 json seed_list(const std::vector<PassEntry>& entries) {
@@ -136,7 +144,8 @@ Result<PassRecording> read_pass_recording(const std::vector<std::filesystem::pat
 }
 
 double cost_per_sample(const PassRecording& recording) {
-  return median_seconds(recording.manifest.passes) / pixels(recording.manifest);
+  const PassManifest& manifest = recording.manifest;
+  return median_seconds(manifest.passes, has_cpu_seconds(manifest)) / pixels(manifest);
 }
 
 std::string recording_meta(const PassRecording& recording) {
@@ -156,7 +165,9 @@ std::string recording_meta(const PassRecording& recording) {
   meta["seeds"] = seed_list(manifest.passes);
   meta["sample_index"] = manifest.passes.front().sample_index;
   meta["cost_per_sample"] = cost_per_sample(recording);
-  meta["cost_note"] = "median wall seconds of a pass of one sample per pixel, over its pixels";
+  const bool cpu = has_cpu_seconds(manifest);
+  meta["cost_note"] = std::string(cpu ? "CPU" : "wall") +
+                      " seconds of a sample: median over passes of one sample per pixel";
   double wall = 0.0;
   for (const auto* list : {&manifest.passes, &manifest.batches}) {
     for (const PassEntry& entry : *list)
@@ -169,11 +180,13 @@ std::string recording_meta(const PassRecording& recording) {
   if (!manifest.batches.empty()) {
     const uint64_t each = manifest.batches.front().samples;
     meta["reference"] = {
-        {"spp", each * manifest.batches.size()},
+        {"samples", each * manifest.batches.size()},
         {"batches", manifest.batches.size()},
-        {"spp_per_batch", each},
+        {"samples_per_batch", each},
+        {"independent", true},
+        {"stratified", each > 1},
         {"seeds", seed_list(manifest.batches)},
-        {"cost_per_sample", median_seconds(manifest.batches) / pixels(manifest)},
+        {"cost_per_sample", median_seconds(manifest.batches, cpu) / pixels(manifest)},
         {"note",
          "mean of independent batches from other seeds than the samples; reference_variance is the "
          "variance of that mean from the batch means (Welford, double)"}};

@@ -24,7 +24,7 @@ Result<PassRecording> read_pass_recording(const std::vector<std::filesystem::pat
 // The `meta` of the dump: renderer, version, settings, seeds, mode, cost_per_sample, channels.
 std::string recording_meta(const PassRecording& recording);
 
-// Median wall seconds of a pass per pixel; 0 if nothing was measured.
+// Median CPU seconds (wall seconds where those were not measured) of a sample; 0 if unknown.
 double cost_per_sample(const PassRecording& recording);
 
 }  // namespace spool::format

@@ -24,7 +24,7 @@ class ShiftedCamera:
                                 "--mode iid" % self.data.name)
         animation = self.data.animation_data
         if animation:
-            curves = list(animation.action.fcurves) if animation.action else []
+            curves = action_curves(animation.action) if animation.action else []
             for curve in curves + list(animation.drivers):
                 if curve.data_path in ("shift_x", "shift_y"):
                     raise scene_failure("camera '%s': %s is animated and would undo the film "
@@ -47,3 +47,11 @@ def shift_unit(scene):
     horizontal = camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and wide >= high)
     side = wide if horizontal else high
     return side / render.pixel_aspect_x, side / render.pixel_aspect_y
+
+
+def action_curves(action):
+    if hasattr(action, "fcurves"):
+        return list(action.fcurves)
+    # 5.0: layers of strips, a bag of curves for each animated thing
+    return [curve for layer in action.layers for strip in layer.strips for bag in strip.channelbags
+            for curve in bag.fcurves]

@@ -11,7 +11,7 @@ NOTHING = 1e9          # Cycles writes 1e10 as the depth of rays that hit nothin
 
 
 class Channel:
-    """components: names after the dot. sources: for each wanted render pass its names by version.
+    """components: names after the dot. sources: the render passes wanted, by their names before 5.0.
     space: of vectors, `world` or `camera`. index_zero: Cycles writes the pass for sample index 0
     alone, so it exists in mode `shift` only."""
 
@@ -49,7 +49,7 @@ CHANNELS = {
                         "to the first surface that is not a mirror or glass", dtype="f32"),
     "position": Channel("XYZ", ("Position",), "first hit; 0 where nothing is hit", space="world",
                         index_zero=True, dtype="f32"),
-    "object": Channel(("ID",), (("IndexOB", "Object Index"),), "1 + index of the object among the "
+    "object": Channel(("ID",), ("IndexOB",), "1 + index of the object among the "
                       "scene's objects by name; 0 where nothing is hit", index_zero=True,
                       dtype="f32"),
     "direct": Channel("RGB", ("Emit", "Env", "VolumeDir") + tuple(
@@ -60,6 +60,11 @@ CHANNELS = {
 MIST_DEPTH = Channel("Z", ("Mist",), "distance of the first hit from the camera; 0 where nothing is "
                      "hit", dtype="f32")
 DEFAULT = ("radiance", "albedo", "normal", "depth")
+# Blender 5.0 gave passes longer names.
+RENAMED = {"IndexOB": "Object Index", "Emit": "Emission", "Env": "Environment",
+           "VolumeDir": "Volume Direct", "DiffCol": "Diffuse Color", "DiffDir": "Diffuse Direct",
+           "GlossCol": "Glossy Color", "GlossDir": "Glossy Direct",
+           "TransCol": "Transmission Color", "TransDir": "Transmission Direct"}
 # View-layer switches by render pass.
 SWITCHES = {"Combined": "use_pass_combined", "Depth": "use_pass_z", "Mist": "use_pass_mist",
             "Normal": "use_pass_normal", "Position": "use_pass_position",
@@ -109,16 +114,12 @@ def describe_layers(plan):
 
 def switch_passes(view_layer, plan):
     """Turns on what the plan needs and turns off what it does not: every pass costs time."""
-    wanted = {alias for channel in plan.values() for alias in map(_first_name, channel.sources)}
+    wanted = {source for channel in plan.values() for source in channel.sources}
     for name, switch in SWITCHES.items():
         setattr(view_layer, switch, name in wanted or name == "Combined")
     cycles = view_layer.cycles
     for switch in sorted(set(CYCLES_SWITCHES.values())):
         setattr(cycles, switch, any(n in wanted for n, s in CYCLES_SWITCHES.items() if s == switch))
-
-
-def _first_name(source):
-    return source if isinstance(source, str) else source[0]
 
 
 def planes_of(plan, rendered, width, height, mist_depth):
@@ -128,8 +129,8 @@ def planes_of(plan, rendered, width, height, mist_depth):
     for name, channel in plan.items():
         found = [_find(rendered, source) for source in channel.sources]
         for c in range(len(channel.components)):
-            values = {_first_name(s): flat[c::n] for s, (flat, n) in zip(channel.sources, found)}
-            plane = channel.mix(values) if channel.mix else values[_first_name(channel.sources[0])]
+            values = {s: flat[c::n] for s, (flat, n) in zip(channel.sources, found)}
+            plane = channel.mix(values) if channel.mix else values[channel.sources[0]]
             if channel is MIST_DEPTH:
                 plane = array("f", [0.0 if v >= 1.0 else v * mist_depth for v in plane])
             elif name == "depth":
@@ -142,7 +143,7 @@ def planes_of(plan, rendered, width, height, mist_depth):
 
 
 def _find(rendered, source):
-    for name in (source,) if isinstance(source, str) else source:
+    for name in (source, RENAMED.get(source)):
         if name in rendered:
             return rendered[name]
     raise io_failure("the renderer gave no pass '%s' (it gave %s)" %

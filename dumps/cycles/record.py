@@ -112,10 +112,11 @@ class Recorder:
     def _render(self, plan, seed, first, count, entry):
         switch_passes(self.view_layer, plan)
         select_samples(self.scene, seed, first, count)
-        start = time.perf_counter()
+        wall, cpu = time.perf_counter(), time.process_time()
         rendered = self.renderer.render()
         entry.update(seed=seed, sample_index=first, samples=count,
-                     seconds=round(time.perf_counter() - start, 6))
+                     seconds=round(time.perf_counter() - wall, 6),
+                     cpu_seconds=round(time.process_time() - cpu, 6))
         return planes_of(plan, rendered, self.width, self.height, self.mist_depth), entry
 
 

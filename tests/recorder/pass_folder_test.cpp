@@ -284,9 +284,21 @@ TEST_F(PassFolderTest, MetaSaysHowTheSamplesWereMade) {
   EXPECT_EQ(meta["settings"]["clamp"], 0);
   EXPECT_EQ(meta["seeds"], json({1000, 1001, 1002}));
   EXPECT_DOUBLE_EQ(meta["cost_per_sample"], 0.5 / (kWidth * kHeight));
-  EXPECT_EQ(meta["reference"]["spp"], 8);
+  EXPECT_EQ(meta["cost_note"].get<std::string>().substr(0, 4), "wall");
+  EXPECT_EQ(meta["reference"]["samples"], 8);
   EXPECT_EQ(meta["reference"]["batches"], 2);
+  EXPECT_EQ(meta["reference"]["stratified"], true);
   EXPECT_EQ(meta["channels"]["depth"]["note"], "distance");
+}
+
+TEST_F(PassFolderTest, CostIsTheMedianOfCpuTimeWhereAllPassesHaveIt) {
+  const fs::path a = make_folder("a", 0, 3, 2);
+  edit_log(a, [](json& line) {
+    if (line["kind"] == "pass") line["cpu_seconds"] = 2.0 + line["index"].get<double>();
+  });
+  const json meta = json::parse(packed({a}).meta().front());
+  EXPECT_DOUBLE_EQ(meta["cost_per_sample"], 3.0 / (kWidth * kHeight));
+  EXPECT_EQ(meta["cost_note"].get<std::string>().substr(0, 3), "CPU");
 }
 
 TEST_F(PassFolderTest, ASequenceKeepsTheOrderOfTheRenderer) {
