@@ -1,0 +1,44 @@
+"""dumps/record.sh: from a scene to a dump in one command."""
+import json
+import os
+import subprocess
+
+import pytest
+from conftest import ROOT
+
+SPOOL = os.environ.get("SPOOL", str(ROOT / "build" / "release" / "spool"))
+
+
+def run(*options):
+    return subprocess.run([ROOT / "dumps" / "record.sh", *map(str, options)], capture_output=True, text=True,
+                          timeout=280, env={**os.environ, "SPOOL": SPOOL})
+
+
+@pytest.mark.skipif(not os.path.exists(SPOOL), reason="NOT TESTED: the program spool is not built")
+def test_a_scene_becomes_a_checked_dump(tmp_path):
+    dump = tmp_path / "chess.spool"
+    done = run("chess", "--size", "20x12", "--samples", "4", "--mode", "shift", "--reference", "64", "--compress",
+               "-o", dump)
+    assert done.returncode == 0, done.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["chess.spool"]
+    assert subprocess.run([SPOOL, "check", dump], capture_output=True).returncode == 0
+    told = subprocess.run([SPOOL, "info", dump, "--json"], capture_output=True, text=True)
+    info = json.loads(told.stdout)
+    assert (info["samples_per_pixel"], info["reference"]) == (4, True)
+    assert info["cost_per_sample"] > 0
+    again = run("chess", "--size", "20x12", "-o", dump)
+    assert again.returncode == 2 and "exists" in again.stderr
+
+
+def test_a_failure_of_the_recorder_is_the_failure_of_the_script(tmp_path):
+    done = run("nowhere", "-o", tmp_path / "dump.spool")
+    assert done.returncode == 2 and "scene 'nowhere' is unknown" in done.stderr
+    assert not (tmp_path / "dump.spool").exists()
+
+
+@pytest.mark.parametrize("arguments, message", [
+    ((), "dumps/record.sh NAME"), (("--size", "3"), "first argument"), (("chess",), "give -o FILE.spool"),
+    (("chess", "-o"), "-o needs a file")])
+def test_wrong_use_says_how(arguments, message):
+    done = run(*arguments)
+    assert done.returncode == 2 and message in done.stderr
