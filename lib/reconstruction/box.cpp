@@ -1,7 +1,7 @@
 #include "lib/reconstruction/box.h"
 
-#include "lib/reconstruction/piece_estimates.h"
-#include "lib/reconstruction/variance_option.h"
+#include "lib/filters/piece_estimates.h"
+#include "lib/statistics/variance_option.h"
 
 namespace spool {
 

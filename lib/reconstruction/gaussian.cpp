@@ -2,7 +2,7 @@
 
 #include "lib/pyramid/convolution.h"
 #include "lib/reconstruction/box.h"
-#include "lib/reconstruction/variance_option.h"
+#include "lib/statistics/variance_option.h"
 
 namespace spool {
 

@@ -14,16 +14,11 @@
 // Slow twin: tests/reference/greedy_selection_reference.h.
 #pragma once
 
+#include "lib/filters/scale_ladder.h"
 #include "lib/reconstruction/reconstructor_entry.h"
 #include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
-
-enum class GreedyGrid {
-  kAuto,  // subpixel where film positions were recorded, else pixel
-  kPixel,
-  kSubpixel,
-};
 
 struct GreedySelectionOptions {
   GreedyGrid grid = GreedyGrid::kAuto;

@@ -6,7 +6,7 @@
 #include "lib/pyramid/convolution.h"
 #include "lib/reconstruction/box.h"
 #include "lib/reconstruction/greedy_selection.h"
-#include "lib/reconstruction/truncated_filter.h"
+#include "lib/filters/truncated_filter.h"
 
 namespace spool {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "lib/core/pairwise_sum.h"
-#include "lib/reconstruction/piece_estimates.h"
-#include "lib/reconstruction/variance_option.h"
+#include "lib/filters/piece_estimates.h"
+#include "lib/statistics/variance_option.h"
 
 namespace spool {
 namespace {

@@ -6,8 +6,8 @@
 #include "lib/reconstruction/greedy_selection.h"
 #include "lib/reconstruction/multistage.h"
 #include "lib/reconstruction/nl_means.h"
-#include "lib/reconstruction/piece_estimates.h"
-#include "lib/reconstruction/pixel_base.h"
+#include "lib/filters/piece_estimates.h"
+#include "lib/filters/pixel_base.h"
 #include "lib/reconstruction/wavelet_transform.h"
 #include "tests/reconstruction/small_pools.h"
 #include "tests/reference/greedy_selection_reference.h"
@@ -82,7 +82,7 @@ TEST(NlMeansDifferential, WeightsAgreeWithTheDefinition) {
       for (double& v : guide.variance[c].pixels())
         v = 0.5 * v * v;
     }
-    NlMeansOptions options;
+    PatchFilterOptions options;
     options.window = 3;
     options.patch = 1;
     const RgbImage out = filter_with_guide(target, guide, options);

@@ -1,16 +1,16 @@
-// Slow twin of the weights of lib/reconstruction/nl_means.h: every patch of every pair by itself.
+// Slow twin of the weights of lib/filters/patch_filter.h: every patch of every pair by itself.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
 #include "lib/core/extend.h"
-#include "lib/reconstruction/nl_means.h"
+#include "lib/filters/patch_filter.h"
 
 namespace spool::reference {
 
 inline RgbImage filter_with_guide(const RgbImage& target, const HalfImage& guide,
-                                  const NlMeansOptions& options) {
+                                  const PatchFilterOptions& options) {
   const int width = target[0].width(), height = target[0].height();
   const auto at = [&](const Plane& plane, int x, int y) {
     return plane(extend_symmetric(x, width), extend_symmetric(y, height));

@@ -1,6 +1,6 @@
 #include "lib/reconstruction/directional/options.h"
 
-#include "lib/reconstruction/variance_option.h"
+#include "lib/statistics/variance_option.h"
 
 namespace spool {
 namespace {

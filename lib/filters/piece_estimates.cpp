@@ -1,4 +1,4 @@
-#include "lib/reconstruction/piece_estimates.h"
+#include "lib/filters/piece_estimates.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "lib/reconstruction/truncated_filter.h"
+#include "lib/filters/truncated_filter.h"
 
 #include <algorithm>
 #include <cmath>

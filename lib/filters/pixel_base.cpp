@@ -1,10 +1,10 @@
-#include "lib/reconstruction/pixel_base.h"
+#include "lib/filters/pixel_base.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "lib/core/parallel.h"
-#include "lib/reconstruction/truncated_filter.h"
+#include "lib/filters/truncated_filter.h"
 
 namespace spool {
 namespace {

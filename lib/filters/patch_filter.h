@@ -1,0 +1,41 @@
+// Averages pixels whose patches look alike in another image [RousselleKnausZwicker12].
+//
+//   d2(p, q) = mean over channels of ((a_p - a_q)^2 - alpha (v_p + min(v_q, v_p)))
+//              / (1e-10 + kappa^2 (v_p + v_q))
+//   w = box(exp(-max(0, box(d2)))) with boxes over the patch of (2 f + 1)^2, 0 below 0.05, and 1 at
+//   the centre; result(p) = sum of w target_q / sum of w over |q - p| <= r in x and y
+//
+// a, v: means and variances of the guide. Borders are mirrored. Arithmetic is double; one offset
+// after the other, so bits do not depend on threads.
+// Slow twin: tests/reference/nl_means_reference.h.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lib/core/image.h"
+#include "lib/core/option_table.h"
+
+namespace spool {
+
+struct PatchFilterOptions {
+  int window = 10;  // r, pieces
+  int patch = 3;    // f
+  double kappa = 0.45;
+  double alpha = 1.0;
+};
+
+OptionTable<PatchFilterOptions> patch_filter_option_table();
+
+// One half of the samples as a guide; exposed, or in any unit with the same epsilon.
+struct HalfImage {
+  RgbImage mean, variance;
+};
+
+// Targets of one size, filtered alike.
+std::vector<Plane> filter_with_guide(std::span<const Plane> targets, const HalfImage& guide,
+                                     const PatchFilterOptions& options);
+RgbImage filter_with_guide(const RgbImage& target, const HalfImage& guide,
+                           const PatchFilterOptions& options);
+
+}  // namespace spool
