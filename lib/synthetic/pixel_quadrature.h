@@ -3,8 +3,8 @@
 // The pixel is cut at every line, circle and crossing, first in y, then along each row in x, and
 // each piece is integrated by 16-point Gauss-Legendre rules; in y after the substitution
 // y = a + (b - a) s^2 (3 - 2 s), which turns the square-root ends of circular arcs into smooth
-// ones. Error: rounding for straight creases and polynomials; 1e-9 of a pixel where a circle all but
-// touches a cut.
+// ones. Error: rounding for straight creases and polynomials; 1e-9 of a pixel where a circle all
+// but touches a cut.
 #pragma once
 
 #include <functional>
