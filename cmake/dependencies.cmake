@@ -6,6 +6,7 @@ find_package(zstd 1.5 CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(fmt 9.1 CONFIG REQUIRED)
 find_package(nlohmann_json 3.11 CONFIG REQUIRED)
+find_package(tomlplusplus 3.3 CONFIG REQUIRED)
 find_package(tl-expected 1.0 CONFIG REQUIRED)
 find_package(OpenImageIO 2.4 CONFIG REQUIRED)
 # Debian 12's target lists an OpenCV folder that only libopencv-core-dev would bring.

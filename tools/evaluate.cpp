@@ -141,7 +141,8 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
   SPOOL_ASSIGN(const Methods methods, choose_methods(split_list(options.samplers),
                                                      split_list(options.filters), options.methods));
   SPOOL_ASSIGN(const std::vector<double> budgets, parse_budgets(options.spp));
-  SPOOL_ASSIGN(const ExperimentOptions experiment, experiment_options(options));
+  SPOOL_ASSIGN(ExperimentOptions experiment, experiment_options(options));
+  experiment.metrics = methods.metrics;
   SPOOL_TRY(check_dumps(options, budgets));
   SPOOL_TRY(prepare_folder(options.output, common.force));
   SPOOL_ASSIGN(ResultsFile file, ResultsFile::create(options.output / "results.csv"));

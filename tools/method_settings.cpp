@@ -112,21 +112,24 @@ Result<void> check_preset(const std::string& preset, const std::vector<std::stri
               near.empty() ? "" : fmt::format(", did you mean '{}'?", near));
 }
 
-Result<SanitiseRules> make_rules(std::vector<Setting>& settings) {
-  SanitiseRules rules;
+// Options that are no method's: the settings of `part`.
+template <class Options>
+Result<Options> make_options(std::string_view part, const OptionTable<Options>& table,
+                             std::vector<Setting>& settings) {
+  Options options;
   for (Setting& setting : settings) {
-    if (setting.part != "pool") continue;
+    if (setting.part != part) continue;
     setting.used = true;
-    SPOOL_TRY(set_option(sanitise_option_table(), rules, setting.option, setting.value));
+    SPOOL_TRY(set_option(table, options, setting.option, setting.value));
   }
-  return rules;
+  return options;
 }
 
 // Why nothing took `setting`: its part names no method of this command, or no method has the
 // option.
 Error unused(const Setting& setting, const Choice<SamplerEntry>& samplers,
              const Choice<ReconstructorEntry>& filters) {
-  std::vector<std::string> parts = {"pool"};
+  std::vector<std::string> parts = {"pool", "metrics"};
   std::vector<std::string> options;
   const auto add = [&](const auto& choice) {
     if (!choice.entries.empty()) parts.push_back(choice.kind);
@@ -166,7 +169,8 @@ Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
   Methods methods;
   SPOOL_ASSIGN(methods.samplers, choose(sampler_choice, options.preset, settings));
   SPOOL_ASSIGN(methods.filters, choose(filter_choice, options.preset, settings));
-  SPOOL_ASSIGN(methods.rules, make_rules(settings));
+  SPOOL_ASSIGN(methods.rules, make_options("pool", sanitise_option_table(), settings));
+  SPOOL_ASSIGN(methods.metrics, make_options("metrics", metric_option_table(), settings));
   for (const Setting& setting : settings) {
     if (!setting.used) return tl::unexpected<Error>(unused(setting, sampler_choice, filter_choice));
   }

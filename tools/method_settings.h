@@ -1,6 +1,7 @@
 // --preset and --set for one method or several.
 //
-// A setting is PART.OPTION=VALUE. PART is `sampler`, `filter` or `pool`, or the name of one method
+// A setting is PART.OPTION=VALUE. PART is `sampler`, `filter`, `pool` or `metrics`, or the name of
+// one method
 // ("multiscale.alpha=0.3"). With several methods, `sampler.` and `filter.` reach those that have
 // the option, and at least one must.
 #pragma once
@@ -27,6 +28,7 @@ struct Methods {
   std::vector<MethodChoice> samplers;
   std::vector<MethodChoice> filters;
   SanitiseRules rules;
+  MetricOptions metrics;
 };
 
 Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
