@@ -252,3 +252,15 @@ def test_interrupt_says_so_in_one_line(tmp_path):
     assert process.returncode == 130 and "interrupted" in error
     rows = (tmp_path / "out" / "results.csv.partial").read_text().splitlines()
     assert len(rows) > 1 and not os.path.exists(tmp_path / "out" / "results.csv")
+
+
+def test_channels_that_nobody_knows_are_shown_and_change_nothing(good, run, dump, tmp_path):
+    radiance, _ = samples()
+    write_dump(tmp_path / "more.spool", radiance, scent=radiance[..., :1], components={"scent": "S"})
+    assert "scent" in good("info", "more.spool").out
+    assert good("check", "more.spool").code == 0
+    for source, name in ((dump, "known"), ("more.spool", "more")):
+        good("reconstruct", source, "--filter", "gaussian", "--spp", 4, "-o", f"{name}.exr")
+    for channel in "RGB":
+        known, more = (read_exr(tmp_path / f"{name}.exr", channel) for name in ("known", "more"))
+        assert np.array_equal(known, more)
