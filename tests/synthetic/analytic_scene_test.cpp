@@ -77,6 +77,7 @@ TEST(SceneS, IsExactAtAnySizeAlsoWhereStreakShadowAndCheckerMeet) {
   expect_exact_moments(scene_s(1, 9), 4000);
   expect_exact_moments(scene_s(17, 16), 2000);
   expect_exact_moments(scene_s(31, 20), 1000);
+  expect_exact_moments(scene_s(60, 12), 3000);  // the streak crosses both
 }
 
 TEST(SceneS, HasABlackCornerAndAFirefliesPatchOnlyWhenAsked) {
