@@ -24,8 +24,8 @@ Result<SamplePool> SamplePool::create(std::shared_ptr<const RecordedSamples> rec
   }
   if (q > 1 && !recording->has_film()) {
     return fail(ErrorCode::kData,
-                "{}: quarter-pixel pieces need film positions, which were not recorded: use "
-                "--set pool.q=1, or record in shift mode",
+                "{}: quarter-pixel pieces need film positions, which were not recorded: "
+                "take whole pixels (pieces_per_side = 1), or record again in shift mode",
                 recording->name());
   }
   if (options.holdout >= recording->spp()) {
