@@ -16,7 +16,8 @@ std::optional<BlockKey> key_of(const RecordHeader& header) {
 
 std::vector<BlockKey> missing_blocks(const DumpGeometry& geometry, const std::vector<bool>& found) {
   std::vector<BlockKey> missing;
-  for (uint16_t group = 0; group < geometry.groups().size(); ++group) {
+  const auto groups = static_cast<uint16_t>(geometry.groups().size());  // at most 16
+  for (uint16_t group = 0; group < groups; ++group) {
     const GroupLayout& layout = geometry.groups()[group];
     for (uint32_t tile = 0; tile < layout.tiles; ++tile) {
       for (uint32_t block = 0; block < layout.blocks; ++block) {

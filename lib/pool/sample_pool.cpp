@@ -45,7 +45,7 @@ Result<SamplePool> SamplePool::create(std::shared_ptr<const RecordedSamples> rec
       for (int s = 0; s < samples.spp(); ++s) {
         if (samples.rejected(x, y, s)) continue;
         const int piece = q == 1 ? 0 : piece_of(samples.film(x, y, s), q);
-        const std::size_t column = static_cast<std::size_t>(x * q + piece % q);
+        const std::size_t column = static_cast<std::size_t>(x) * q + piece % q;
         pieces[static_cast<std::size_t>(piece / q) * pool.width() + column].push_back(
             static_cast<std::uint16_t>(s));
       }
