@@ -2,12 +2,13 @@
 
 #include <cmath>
 
-#include "lib/core/parallel.h"
 #include "lib/sampling/adaptive_wavelet.h"
 #include "lib/sampling/filtered_halves.h"
+#include "lib/sampling/greedy_error.h"
 #include "lib/sampling/mitchell.h"
 #include "lib/sampling/multiscale/multiscale.h"
 #include "lib/sampling/neyman.h"
+#include "lib/sampling/nl_means.h"
 #include "lib/sampling/sampler_entry.h"
 #include "lib/sampling/uniform.h"
 
@@ -21,6 +22,25 @@ const std::vector<SamplerEntry>& samplers() {
       sampler_entry<MultiscaleOptions>(
           "multiscale", "regions of many sizes, by contrast, lost detail and change",
           PrimaryText::kKnown, multiscale_presets(), multiscale_option_table(), sample_multiscale),
+      sampler_entry<MitchellOptions>("mitchell", "pixels whose neighbourhood has a high contrast",
+                                     PrimaryText::kByDescription, {{"", {}}},
+                                     mitchell_option_table(), sample_mitchell),
+      sampler_entry<AdaptiveWaveletOptions>(
+          "adaptive_wavelet", "dyadic blocks by the variance and energy of their Haar coefficients",
+          PrimaryText::kByDescription, {{"", {}}}, adaptive_wavelet_option_table(),
+          sample_adaptive_wavelet),
+      sampler_entry<GreedyErrorOptions>(
+          "greedy_error", "where each pixel's best Gaussian still has the largest relative error",
+          PrimaryText::kKnown, {{"", {}}}, greedy_error_option_table(), sample_greedy_error),
+      sampler_entry<NlMeansSamplingOptions>(
+          "nl_means", "where NL-means disagrees on two halves of the samples", PrimaryText::kKnown,
+          {{"", {}}}, nl_means_sampling_option_table(), sample_nl_means),
+      sampler_entry<FilteredHalvesOptions>(
+          "filtered_halves", "where the filter in the loop disagrees on two halves of the samples",
+          PrimaryText::kKnown, {{"", {}}}, filtered_halves_option_table(), sample_filtered_halves),
+      sampler_entry<NeymanOptions>("neyman", "oracle: by the deviation of everything recorded",
+                                   PrimaryText::kKnown, {{"", {}}}, neyman_option_table(),
+                                   sample_neyman),
   };
   return list;
 }

@@ -10,6 +10,7 @@
 namespace spool {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(SamplerList, NamesAreUniqueAndDescribed) {
@@ -22,6 +23,17 @@ TEST(SamplerList, NamesAreUniqueAndDescribed) {
       EXPECT_NE(option.value, "?") << entry.name << "." << option.name;
     }
   }
+}
+
+TEST(SamplerList, HoldsEverySamplerInReadingOrder) {
+  std::vector<std::string> names, by_description;
+  for (const SamplerEntry& entry : samplers()) {
+    names.push_back(entry.name);
+    if (entry.by_description) by_description.push_back(entry.name);
+  }
+  EXPECT_THAT(names, ElementsAre("uniform", "multiscale", "mitchell", "adaptive_wavelet",
+                                 "greedy_error", "nl_means", "filtered_halves", "neyman"));
+  EXPECT_THAT(by_description, ElementsAre("mitchell", "adaptive_wavelet"));
 }
 
 TEST(SamplerList, EveryDefaultOptionCanBeSetToItsOwnValue) {

@@ -1,0 +1,56 @@
+// Greedy error minimisation [RousselleKnausZwicker11]: samples go under the kernels of the pixels
+// whose filtered value still has the largest relative error.
+//
+// Every pixel climbs the ladder of Gaussians (lib/filters/scale_ladder.h) with sigma = 1, 2, 4, 8
+// until bias outweighs variance; the error estimate follows the climb:
+//
+//   MSE_0 = mean_c Var_0,  MSE_s = MSE_{s-1} + mean_c(loss - gain)
+//   e = MSE / (1e-3 + I^2) * m / (m + Nsum),  m = samples per pixel of the whole budget
+//
+// e is taken at the pixel's scale, in exposed units, and not below 0; m / (m + Nsum) is the part of
+// the error that m more samples remove. In an iteration the pixels with the largest e get m samples
+// each, drawn from the kernel of their scale: a target outside the image is drawn again, a
+// saturated one up to 16 times, then the nearest unsaturated pixel within 3 sigma takes the sample,
+// else it goes to a pot that is apportioned over e. Slow twin:
+// tests/reference/greedy_error_reference.h.
+#pragma once
+
+#include "lib/filters/scale_ladder.h"
+#include "lib/sampling/sampler.h"
+
+namespace spool {
+
+struct GreedyErrorOptions {
+  int init_spp = 4;  // fewer need the pooled variance
+  int iterations = 8;
+  int scales = 4;  // above the base image
+  double gamma = 0.2;
+  double alpha = 1.0;
+  GreedyGrid grid = GreedyGrid::kAuto;
+  VarianceMode var_mode = VarianceMode::kAuto;
+  double nu0 = 2.0;
+  double key = 1.0;
+};
+
+const OptionTable<GreedyErrorOptions>& greedy_error_option_table();
+
+Result<SamplingResult> sample_greedy_error(const SamplePool& pool, long long budget,
+                                           const GreedyErrorOptions& options,
+                                           const SamplingContext& context);
+
+// sigma_s of the sampling phase, s >= 1, pixels.
+inline double greedy_sampling_scale(int s) {
+  return static_cast<double>(1 << (s - 1));
+}
+
+struct GreedyErrorMap {
+  Plane error;       // e [y][x] of pixels, >= 0
+  CountImage scale;  // selected scale, 0: base image
+};
+
+// `per_pixel` is m.
+Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const SamplePool& pool,
+                                        double per_pixel, const GreedyErrorOptions& options,
+                                        GuardCounts& guards);
+
+}  // namespace spool

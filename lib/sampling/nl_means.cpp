@@ -1,0 +1,141 @@
+#include "lib/sampling/nl_means.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lib/core/parallel.h"
+#include "lib/filters/piece_estimates.h"
+#include "lib/pyramid/convolution.h"
+#include "lib/sampling/apportion.h"
+#include "lib/sampling/filtered_halves.h"
+#include "lib/sampling/rounds.h"
+#include "lib/statistics/variance_option.h"
+
+namespace spool {
+namespace {
+
+constexpr double kRelativeFloor = 1e-3;  // in squared units of the exposed radiance
+constexpr double kLeastCount = 1e-3;     // a half without samples near a pixel
+
+Result<HalfImage> half_image(const PieceStatistics& half, const NlMeansSamplingOptions& options) {
+  GuardCounts guards;  // counted on the whole, not on its halves
+  const double exposure = half.signal.exposure;
+  SPOOL_ASSIGN(
+      PieceEstimates pieces,
+      estimate_pieces(half, {options.var_mode, options.nu0, options.key}, exposure, guards));
+  HalfImage image{std::move(pieces.mean), std::move(pieces.variance)};
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (double& value : image.mean[c].pixels())
+      value *= exposure;
+    for (double& value : image.variance[c].pixels())
+      value *= exposure * exposure;
+  }
+  return image;
+}
+
+// Apportions `share` over `error`, no piece beyond `most` in this iteration nor beyond its pool;
+// what that leaves over goes by room in the pool alone.
+CountImage hand_out_limited(const Plane& error, const CountImage& n, const SamplePool& pool,
+                            long long share, long long most) {
+  std::vector<long long> room(n.size());
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x)
+      room[n.index(x, y)] = std::min<long long>(most, pool.capacity(x, y) - n(x, y));
+  }
+  const std::vector<long long> given = apportion(error.pixels(), share, room);
+  CountImage extra(n.width(), n.height()), reached = n;
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    extra[i] = static_cast<std::int32_t>(given[i]);
+    reached[i] += extra[i];
+    share -= given[i];
+  }
+  const CountImage rest = hand_out(error, reached, pool, share);
+  for (std::size_t i = 0; i < n.size(); ++i)
+    extra[i] += rest[i];
+  return extra;
+}
+
+}  // namespace
+
+const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
+  using O = NlMeansSamplingOptions;
+  static const OptionTable<O> table = [] {
+    OptionTable<O> options = {
+        integer_option<O>("init_spp", &O::init_spp, 2, 65535,
+                          "samples that every piece takes first"),
+        integer_option<O>("iterations", &O::iterations, 1, 1000, "iterations that share the rest"),
+    };
+    append_options(options, patch_filter_option_table(), &O::filter);
+    options.push_back(number_option<O>("blur", &O::blur, 0.0, 64.0,
+                                       "sigma of the smoothing of the error, pieces"));
+    options.push_back(var_mode_option(&O::var_mode));
+    options.push_back(nu0_option(&O::nu0));
+    options.push_back(
+        number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance"));
+    return options;
+  }();
+  return table;
+}
+
+Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
+                             const NlMeansSamplingOptions& options) {
+  const std::array<PieceStatistics, 2> halves = {half_statistics(statistics, pool.half(0), 0),
+                                                 half_statistics(statistics, pool.half(1), 1)};
+  std::array<HalfImage, 2> images;
+  for (std::size_t h = 0; h < 2; ++h) {
+    SPOOL_ASSIGN(images[h], half_image(halves[h], options));
+  }
+  // Red, green, blue and the sample count of each half, with the other's weights.
+  std::array<std::vector<Plane>, 2> filtered;
+  for (std::size_t h = 0; h < 2; ++h) {
+    Plane count(statistics.width(), statistics.height());
+    for (std::size_t i = 0; i < count.size(); ++i)
+      count[i] = halves[h].n[i];
+    const std::array<Plane, 4> targets = {images[h].mean[0], images[h].mean[1], images[h].mean[2],
+                                          std::move(count)};
+    filtered[h] = filter_with_guide(targets, images[1 - h], options.filter);
+  }
+  Plane error(statistics.width(), statistics.height());
+  parallel_rows(0, error.height(), [&](int y) {
+    for (int x = 0; x < error.width(); ++x) {
+      for (std::size_t h = 0; h < 2; ++h) {
+        double sum = 0.0;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double difference = filtered[0][c](x, y) - filtered[1][c](x, y);
+          const double value = filtered[h][c](x, y);
+          sum += 2.0 * difference * difference / (kRelativeFloor + value * value);
+        }
+        error(x, y) += sum / 3.0 / std::max(filtered[h][3](x, y), kLeastCount);
+      }
+    }
+  });
+  return error;
+}
+
+Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
+                                       const NlMeansSamplingOptions& options,
+                                       const SamplingContext& context) {
+  SPOOL_CHECK_GE(budget, 0);
+  SamplingLog log;
+  log.budget = budget;
+  PieceStatistics statistics =
+      prefix_statistics(pool, initial_counts(pool, budget, options.init_spp, context.seed));
+  log.initial = count_samples(statistics.n);
+  expose(statistics, pool, options.key, log.guards);
+  const long long pieces = static_cast<long long>(pool.width()) * pool.height();
+  const long long most = std::max(1LL, budget / pieces);
+
+  const long long left = std::min(budget, pool.total_capacity()) - log.initial;
+  for (const long long share : equal_shares(left, options.iterations)) {
+    if (share == 0) continue;
+    SPOOL_ASSIGN(Plane error, nl_means_error(statistics, pool, options));
+    if (context.views != nullptr) context.views->add("error", error);
+    error = gaussian_blur(error, options.blur);
+    take_extra(statistics, pool, hand_out_limited(error, statistics.n, pool, share, most));
+    SPOOL_TRY(report_progress(context, "nl_means", count_samples(statistics.n), budget));
+  }
+  return finished(std::move(log), std::move(statistics), pool);
+}
+
+}  // namespace spool

@@ -1,0 +1,40 @@
+// Samples where NL-means between two halves of the samples disagrees with itself
+// [RousselleKnausZwicker12].
+//
+// Halves A and B (even and odd samples) are filtered with weights from each other
+// (lib/filters/patch_filter.h):
+//
+//   error = sum over both halves of mean_c 2 (F_A - F_B)^2 / (1e-3 + F^2) / N,  F of that half
+//
+// with N the half's sample count filtered by the same weights; blurred with a Gaussian. An
+// iteration apportions its share over the error, no pixel more than `spp` in one iteration. Slow
+// twin: tests/reference/nl_means_error_reference.h.
+#pragma once
+
+#include "lib/filters/patch_filter.h"
+#include "lib/sampling/sampler.h"
+#include "lib/statistics/variance_of_mean.h"
+
+namespace spool {
+
+struct NlMeansSamplingOptions {
+  int init_spp = 4;
+  int iterations = 8;
+  PatchFilterOptions filter{7, 3, 0.45, 0.5};
+  double blur = 0.8;
+  VarianceMode var_mode = VarianceMode::kAuto;
+  double nu0 = 2.0;
+  double key = 1.0;
+};
+
+const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table();
+
+Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
+                                       const NlMeansSamplingOptions& options,
+                                       const SamplingContext& context);
+
+// The error of every piece before the blur; halves of the samples in `statistics`.
+Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
+                             const NlMeansSamplingOptions& options);
+
+}  // namespace spool
