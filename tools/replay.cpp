@@ -50,7 +50,9 @@ Result<long long> checked_budget(const SamplePool& pool, double spp) {
 
 Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common) {
   SPOOL_TRY(refuse_existing(options.output, common.force));
-  SPOOL_ASSIGN(const Methods methods, choose_methods({options.sampler}, {}, options.method));
+  std::vector<std::string> filters;  // in the loop of the sampler
+  if (!options.filter.empty()) filters.push_back(options.filter);
+  SPOOL_ASSIGN(const Methods methods, choose_methods({options.sampler}, filters, options.method));
   SPOOL_ASSIGN(const SamplerFunction sample, make_sampler(methods.samplers[0]));
   SPOOL_ASSIGN(const auto recording, load_recording(options.dump, methods.rules));
   SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, options.pool));
@@ -59,6 +61,14 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   SamplingContext context;
   context.seed = options.pool.seed;
   context.progress = [&](double share) { progress.update(share); };
+  if (!methods.filters.empty()) {
+    SPOOL_ASSIGN(const ReconstructorFunction filter, make_filter(methods.filters[0]));
+    context.filter = [filter](const Selection& selection,
+                              const SamplePool& part) -> Result<RgbImage> {
+      SPOOL_ASSIGN(Reconstruction reconstruction, filter(selection, part, {}));
+      return std::move(reconstruction.image);
+    };
+  }
   const auto start = std::chrono::steady_clock::now();
   SPOOL_ASSIGN(const SamplingResult result, sample(pool, budget, context));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

@@ -14,6 +14,7 @@ namespace spool::tools {
 struct ReplayOptions {
   std::filesystem::path dump;
   std::string sampler;
+  std::string filter;  // in the loop of a sampler that wants one; empty: none
   double spp = 0.0;  // samples per pixel on average
   MethodOptions method;
   PoolOptions pool;

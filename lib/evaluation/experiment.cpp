@@ -64,9 +64,11 @@ class Runner {
         ++end;
       if (cancelled()) break;
       const Cell& first = cells_[order[begin]];
-      const Result<SamplingRun> sampling = sample(first);
+      Result<SamplingRun> sampling = sample(first);
       for (std::size_t i = begin; i < end && !cancelled(); ++i) {
-        results[order[i]] = filter(cells_[order[i]], sampling);
+        const Cell& cell = cells_[order[i]];
+        if (filter_in_loop_ && i > begin) sampling = sample(cell);
+        results[order[i]] = filter(cell, sampling);
         ++done_;
         report_progress(0.0);
       }
@@ -140,6 +142,13 @@ class Runner {
     context.seed = seed;
     context.progress = [&](double share) { report_progress(0.5 * share); };
     context.cancelled = callbacks_.cancelled ? &callbacks_.cancelled : nullptr;
+    filter_in_loop_ = false;
+    context.filter = [&](const Selection& selection, const SamplePool& part) -> Result<RgbImage> {
+      filter_in_loop_ = true;
+      SPOOL_ASSIGN(const ReconstructorFunction reconstructor, sources_.filter(cell.filter));
+      SPOOL_ASSIGN(Reconstruction reconstruction, reconstructor(selection, part, {}));
+      return std::move(reconstruction.image);
+    };
     const StageClock clock;
     SPOOL_ASSIGN(SamplingResult sampled,
                  sampler(pool, sample_budget(cell.spp, *recording), context));
@@ -223,7 +232,8 @@ class Runner {
   const ExperimentSources& sources_;
   const ExperimentCallbacks& callbacks_;
   std::optional<LoadedDump> dump_;
-  bool fresh_ = false;  // the recording was loaded for the cell at hand
+  bool filter_in_loop_ = false;  // the last sampling run asked for its cell's filter
+  bool fresh_ = false;           // the recording was loaded for the cell at hand
   std::size_t done_ = 0;
 };
 

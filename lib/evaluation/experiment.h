@@ -1,6 +1,7 @@
 // Runs cells - one recording, sampler, filter, budget and replicate each - and judges the images.
 //
-// Cells that differ in the filter only share one sampling run. The replay of replicate r shuffles
+// Cells that differ in the filter only share one sampling run, unless the sampler uses the cell's
+// filter in its loop. The replay of replicate r shuffles
 // every pixel's samples by seed mix(seed, r), replicate 0 too, unless `order` is kRecorded. An
 // error in one cell is kept in its result; the others go on. Nothing is written here: finished
 // cells and their images are handed to a callback. How methods and recordings are found is handed

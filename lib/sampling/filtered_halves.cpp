@@ -79,7 +79,8 @@ Result<SamplingResult> sample_filtered_halves(const SamplePool& pool, long long 
   SPOOL_CHECK_GE(budget, 0);
   if (!context.filter) {
     return fail(ErrorCode::kUsage,
-                "sampler filtered_halves: needs the filter of the final image in its loop");
+                "sampler filtered_halves: needs the filter of the final image in its loop: name "
+                "it with --filter");
   }
   SamplingLog log;
   log.budget = budget;
