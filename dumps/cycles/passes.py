@@ -44,9 +44,9 @@ CHANNELS = {
     "normal_ns": Channel("XYZ", ("Denoising Normal",), "shading normal of the first surface that is "
                          "not a mirror or glass; 0 where nothing is hit", space="camera"),
     "depth": Channel("Z", ("Depth",), "depth of the first hit along the viewing axis; 0 where nothing "
-                     "is hit", index_zero=True, dtype="f32"),
+                     "is hit", index_zero=True),
     "depth_ns": Channel("Z", ("Denoising Depth",), "length of the path, from the near clipping plane "
-                        "to the first surface that is not a mirror or glass", dtype="f32"),
+                        "to the first surface that is not a mirror or glass"),
     "position": Channel("XYZ", ("Position",), "first hit; 0 where nothing is hit", space="world",
                         index_zero=True, dtype="f32"),
     "object": Channel(("ID",), ("IndexOB",), "1 + index of the object among the "
@@ -58,7 +58,7 @@ CHANNELS = {
         dtype="f32", mix=_direct),
 }
 MIST_DEPTH = Channel("Z", ("Mist",), "distance of the first hit from the camera; 0 where nothing is "
-                     "hit", dtype="f32")
+                     "hit")
 DEFAULT = ("radiance", "albedo", "normal", "depth")
 # Blender 5.0 gave passes longer names.
 RENAMED = {"IndexOB": "Object Index", "Emit": "Emission", "Env": "Environment",

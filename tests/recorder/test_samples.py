@@ -123,3 +123,39 @@ def test_mean_of_the_samples_agrees_with_the_reference(mode, width, height, tmp_
     # Wilson and Hilferty's normal form of chi-square; 3.9 is exceeded with probability 1e-4
     z = (ratio ** (1 / 3) - (1 - 2 / (9 * freedom))) / (2 / (9 * freedom)) ** 0.5
     assert abs(z) < 3.9, (ratio, freedom)
+
+
+LIT = """
+s = bpy.context.scene
+s.render.engine = 'CYCLES'
+m = bpy.data.objects['Cube'].data.materials[0]
+b = next(n for n in m.node_tree.nodes if n.type == 'BSDF_PRINCIPLED')
+b.inputs['Roughness'].default_value, b.inputs['Metallic'].default_value = 0.25, 0.4
+bpy.data.objects['Light'].data.type = 'AREA'
+bpy.data.objects['Light'].data.size = 4
+me = bpy.data.meshes.new('floor')
+me.from_pydata([(-9, -9, -1), (9, -9, -1), (9, 9, -1), (-9, 9, -1)], [], [(0, 1, 2, 3)])
+me.materials.append(m)
+s.collection.objects.link(bpy.data.objects.new('floor', me))
+"""
+
+
+def test_direct_light_is_the_radiance_of_paths_cut_after_one_surface(tmp_path):
+    import numpy
+    for name, cut in (("whole", ""), ("cut", "s.cycles.max_bounces = 0\n")):
+        blend = tmp_path / (name + ".blend")
+        done = subprocess.run(["blender", "-b", "--factory-startup", "--python-exit-code", "3", "--python-expr",
+                               "import bpy\n%s%s\nbpy.ops.wm.save_as_mainfile(filepath=%r)" %
+                               (LIT, cut, str(blend))], capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, done.stdout + done.stderr
+        done = record("--blend", blend, "--size", "24x16", "--samples", "8", "--mode", "shift", "--channels",
+                      "radiance,direct", "-o", tmp_path / name)
+        assert done.returncode == 0, done.stderr
+    whole, cut = Folder(tmp_path / "whole"), Folder(tmp_path / "cut")
+    for entry in whole.entries:
+        for component in "RGB":
+            direct = whole.plane(entry["file"], "direct." + component)
+            radiance = whole.plane(entry["file"], "radiance." + component)
+            alone = cut.plane(entry["file"], "radiance." + component)
+            assert numpy.allclose(direct, alone, rtol=1e-4, atol=1e-5)
+            assert (radiance - direct > -1e-5).all() and (radiance - direct).max() > 0.01
