@@ -55,7 +55,7 @@ class _Window:
     """The pixel layers of a part of a dump."""
 
     def __init__(self, dump, x0, y0, width, height):
-        self.layers, self.meta, self._dump = dump.layers, dump.meta, dump
+        self.layers, self.meta, self.sample_order, self._dump = dump.layers, dump.meta, dump.sample_order, dump
         self._slice = np.s_[y0:y0 + height, x0:x0 + width]
 
     def pixel(self, layer):
