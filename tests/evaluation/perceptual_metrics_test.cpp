@@ -67,7 +67,8 @@ TEST(Flip, HighDynamicRangeEqualsTheAuthorsProgram) {
 
 TEST(Flip, IsZeroBetweenEqualImagesAndWithinOneAlways) {
   const RgbImage a = uniform_image(30, 20, 1);
-  for (const double v : flip_ldr_map(a, a).pixels())
+  const Plane same = flip_ldr_map(a, a);  // named: a range-for would outlive the temporary
+  for (const double v : same.pixels())
     EXPECT_EQ(v, 0.0);
   for (const Plane& map : {flip_ldr_map(a, uniform_image(30, 20, 2)),
                            flip_ldr_map(make_rgb(30, 20, 0.0), make_rgb(30, 20, 1.0)),
