@@ -55,6 +55,16 @@ int pyramid_dilation(const PyramidOptions& options, int k) {
   return options.iteration == LaplacianIteration::kAtrous ? 1 << k : 1;
 }
 
+void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const Rectangle& box,
+                 Plane& coarse) {
+  coarsen(fine, options, k, box, coarse);
+}
+
+void detail_box(const Plane& fine, const Plane& coarse, const PyramidOptions& options, int k,
+                const Rectangle& box, Plane& detail) {
+  subtract_prediction(fine, coarse, options, k, box, detail);
+}
+
 Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options) {
   Pyramid pyramid;
   rebuild_pyramid(pyramid, f0, options);

@@ -9,28 +9,27 @@
 namespace spool {
 namespace {
 
-// Keeps f_0 and hands f_1, f_2 .. over: the analysis after the step writes them anew.
-void remember_coarse(Pyramid& pyramid, std::vector<Plane>& before) {
-  before.resize(pyramid.coarse.size());
-  before[0] = pyramid.coarse[0];
-  for (std::size_t k = 1; k < before.size(); ++k)
-    std::swap(before[k], pyramid.coarse[k]);
-}
-
-// f, d, V and A of every scalar after the pieces of this step were loaded; before[i][k] is f_k of
-// scalar i before the step.
-void analyse_everything(Board& board, const std::vector<std::vector<Plane>>& before,
-                        const MultiscaleOptions& options, GuardCounts& guards) {
+// f, d, V and A of every scalar after the pieces of this step were loaded. old_f0[i] is f_0 of
+// scalar i before the step; it is used up. Level by level, so that only one old image is kept at a
+// time.
+void analyse_everything(Board& board, std::vector<Plane>& old_f0, const MultiscaleOptions& options,
+                        GuardCounts& guards) {
   const PyramidOptions pyramid = board_pyramid(options);
+  const Rectangle all = board.bounds();
+  const bool attenuates = options.attenuation != AttenuationUpdate::kNone;
   for (std::size_t i = 0; i < board.scalars.size(); ++i) {
     ScalarAnalysis& scalar = board.scalars[i];
-    rebuild_pyramid(scalar.pyramid, scalar.pyramid.coarse[0], pyramid);  // eqs 1-4
-    for (int k = 0; k <= options.levels(); ++k) {
+    std::vector<Plane>& f = scalar.pyramid.coarse;
+    Plane& old = old_f0[i];
+    if (attenuates) update_attenuation(board, scalar, 0, all, old, options);
+    for (int k = 0; k < pyramid.levels; ++k) {
       const auto level = static_cast<std::size_t>(k);
-      if (k > 0) update_variance_term(scalar, k, board.bounds(), options, guards);  // eq 6
-      const Rectangle box =
-          options.attenuation == AttenuationUpdate::kNone ? Rectangle{} : board.bounds();
-      update_attenuation(board, scalar, k, box, before[i][level], options);  // eqs 7, 8
+      coarsen_box(f[level], pyramid, k, all, old);  // eqs 1-3
+      std::swap(old, f[level + 1]);
+      detail_box(f[level], f[level + 1], pyramid, k, all, scalar.pyramid.detail[level]);  // eq 4
+      if (k == options.levels()) continue;  // one level more for d_index = same_k
+      update_variance_term(scalar, k + 1, all, options, guards);                    // eq 6
+      if (attenuates) update_attenuation(board, scalar, k + 1, all, old, options);  // eqs 7, 8
     }
   }
 }
@@ -45,11 +44,11 @@ LoopLog run_epochs(Board& board, Samples& samples, const SamplePool& pool, long 
   const double above = options.stop_priority.value_or(0.0);
 
   std::vector<Pick> picks;
-  std::vector<std::vector<Plane>> before(board.scalars.size());  // f_k before the step
+  std::vector<Plane> old_f0(board.scalars.size());
   for (std::uint64_t epoch = 0; log.spent < budget; ++epoch) {
     const long long spent_before = log.spent;
     const long long wanted = std::min(share, budget - log.spent);
-    GreedyOrder order(board, above, static_cast<std::size_t>(wanted));
+    GreedyOrder order(board, above, static_cast<std::size_t>(wanted) / 4);
     picks.clear();
     while (log.spent - spent_before < wanted) {
       const RegionEntry entry = order.next();
@@ -68,9 +67,9 @@ LoopLog run_epochs(Board& board, Samples& samples, const SamplePool& pool, long 
       break;
     }
     for (std::size_t i = 0; i < board.scalars.size(); ++i)
-      remember_coarse(board.scalars[i].pyramid, before[i]);
+      old_f0[i] = board.scalars[i].pyramid.coarse[0];
     take_picks(board, samples, pool, picks, options, log.guards);
-    analyse_everything(board, before, options, log.guards);
+    analyse_everything(board, old_f0, options, log.guards);
     end_step(board, samples, pool, picks);
     for (int k = 1; k <= options.levels(); ++k)
       update_priority(board, k, board.area, options, log.guards);  // eq 5

@@ -50,14 +50,14 @@ void copy_area(const Board& board, const Plane& from, Plane& to) {
   }
 }
 
-// A_k of a board; the mean over the analysed scalars where there are several.
-Plane mean_attenuation(const Board& board, std::size_t k) {
-  Plane mean = board.scalars[0].attenuation[k];
+// A_k of a board, which loses it; the mean over the analysed scalars where there are several.
+Plane mean_attenuation(Board& board, std::size_t k) {
+  Plane mean = std::move(board.scalars[0].attenuation[k]);
   if (board.scalars.size() == 1) return mean;
   for (std::size_t p = 0; p < mean.size(); ++p) {
-    double sum = 0.0;
-    for (const ScalarAnalysis& scalar : board.scalars)
-      sum += scalar.attenuation[k][p];
+    double sum = mean[p];
+    for (std::size_t i = 1; i < board.scalars.size(); ++i)
+      sum += board.scalars[i].attenuation[k][p];
     mean[p] = sum / static_cast<double>(board.scalars.size());
   }
   return mean;
@@ -133,8 +133,9 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
   LevelViews level_views(context.views, grid.width(), grid.height(), options.levels());
   std::vector<LoopLog> logs(tiles.size());
   std::vector<GuardCounts> tile_guards(tiles.size());
-  result.selection.attenuation.assign(static_cast<std::size_t>(options.levels()) + 1,
-                                      Plane(grid.width(), grid.height()));
+  std::vector<Plane>& attenuation = result.selection.attenuation;
+  const auto attenuations = static_cast<std::size_t>(options.levels()) + 1;
+  if (tiles.size() > 1) attenuation.assign(attenuations, Plane(grid.width(), grid.height()));
   const auto run = [&](std::size_t t) {
     Board board;
     if (tiles.size() == 1) {
@@ -155,8 +156,13 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
                   : run_epochs(board, samples, pool, budgets[t], options, control);
     views.paste(board);
     level_views.paste(board, logs[t].level_of_samples);
-    for (std::size_t k = 0; k < result.selection.attenuation.size(); ++k)
-      copy_area(board, mean_attenuation(board, k), result.selection.attenuation[k]);
+    for (std::size_t k = 0; k < attenuations; ++k) {
+      if (tiles.size() == 1) {
+        attenuation.push_back(mean_attenuation(board, k));
+      } else {
+        copy_area(board, mean_attenuation(board, k), attenuation[k]);
+      }
+    }
   };
   std::vector<std::size_t> order(tiles.size());  // largest budget first
   std::iota(order.begin(), order.end(), std::size_t{0});
