@@ -15,7 +15,7 @@ struct ReplayOptions {
   std::filesystem::path dump;
   std::string sampler;
   std::string filter;  // in the loop of a sampler that wants one; empty: none
-  double spp = 0.0;  // samples per pixel on average
+  double spp = 0.0;    // samples per pixel on average
   MethodOptions method;
   PoolOptions pool;
   std::filesystem::path output;

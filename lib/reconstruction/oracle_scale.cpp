@@ -3,10 +3,10 @@
 #include <limits>
 #include <utility>
 
+#include "lib/filters/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/reconstruction/box.h"
 #include "lib/reconstruction/greedy_selection.h"
-#include "lib/filters/truncated_filter.h"
 
 namespace spool {
 

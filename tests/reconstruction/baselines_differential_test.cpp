@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/filters/piece_estimates.h"
+#include "lib/filters/pixel_base.h"
 #include "lib/reconstruction/greedy_selection.h"
 #include "lib/reconstruction/multistage.h"
 #include "lib/reconstruction/nl_means.h"
-#include "lib/filters/piece_estimates.h"
-#include "lib/filters/pixel_base.h"
 #include "lib/reconstruction/wavelet_transform.h"
 #include "tests/reconstruction/small_pools.h"
 #include "tests/reference/greedy_selection_reference.h"

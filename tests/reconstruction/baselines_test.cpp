@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/filters/pixel_base.h"
+#include "lib/filters/truncated_filter.h"
 #include "lib/reconstruction/given_image.h"
 #include "lib/reconstruction/greedy_selection.h"
 #include "lib/reconstruction/multistage.h"
 #include "lib/reconstruction/nl_means.h"
 #include "lib/reconstruction/oracle_scale.h"
-#include "lib/filters/pixel_base.h"
-#include "lib/filters/truncated_filter.h"
 #include "lib/reconstruction/wavelet_shrinkage.h"
 #include "tests/reconstruction/small_pools.h"
 #include "tests/reference/test_images.h"

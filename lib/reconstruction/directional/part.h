@@ -7,8 +7,8 @@
 #include "lib/core/image.h"
 #include "lib/core/rectangle.h"
 #include "lib/core/view.h"
-#include "lib/reconstruction/directional/anisotropic_filter.h"
 #include "lib/filters/piece_estimates.h"
+#include "lib/reconstruction/directional/anisotropic_filter.h"
 #include "lib/statistics/selection.h"
 
 namespace spool {
