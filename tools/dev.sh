@@ -9,15 +9,17 @@ build_packages=(g++ cmake ninja-build pkg-config python3
 test_packages=(blender chromium libatomic1 libllvm19 python3-numpy python3-pytest python3-venv python3-zstandard)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
 tsan_packages=(dpkg-dev)
+bench_packages=(libbenchmark-dev)
 
 usage() {
   cat <<'TEXT'
 usage: tools/dev.sh VERB [ARGUMENTS]
-  setup [build|test|lint|all]   install what is missing (Debian 12; as root). Default: all
+  setup [build|test|lint|bench|all]  install what is missing (Debian 12; as root). Default: all
   build [PRESET] [TARGETS]      configure and build; PRESET is release (default), debug, asan or tsan
   test [PRESET] [CTEST ARGS]    build, then every test; e.g. test release -L unit
   demo                          evaluate a small scene; prints error and time, pictures in demo-output/
   record SCENE -o FILE [ARGS]   record a .blend file or a built-in scene with Cycles (dumps/record.sh)
+  bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   clean                         remove build/ and demo-output/
 SPOOL_JOBS sets how many compilers run at once (default: one per core).
@@ -61,7 +63,8 @@ setup() {
     build) require_packages "${build_packages[@]}" ;;
     test | all) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_python ;;
     lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
-    *) die "setup: build, test, lint or all, not '$1'" ;;
+    bench) require_packages "${build_packages[@]}" "${bench_packages[@]}" ;;
+    *) die "setup: build, test, lint, bench or all, not '$1'" ;;
   esac
 }
 
@@ -168,6 +171,29 @@ record() {
   exec dumps/record.sh "$@"
 }
 
+# --- bench -------------------------------------------------------------------------------------
+
+bench() {
+  local subjects=() subject
+  if (($# > 0)) && [[ "$1" != -* ]]; then
+    subjects=("$1")
+    shift
+    [[ -f "tools/bench/${subjects[0]}/run.py" ]] || die "bench: no tools/bench/${subjects[0]}/run.py"
+  else
+    mapfile -t subjects < <(for subject in tools/bench/*/run.py; do basename "$(dirname "$subject")"; done)
+  fi
+  setup build
+  require_packages "${bench_packages[@]}"
+  configure bench
+  ninja -C build/bench -j "$(jobs)" --quiet spool >&2
+  for subject in "${subjects[@]}"; do
+    [[ ! -f "tools/bench/$subject/CMakeLists.txt" ]] ||
+      ninja -C build/bench -j "$(jobs)" --quiet "bench_$subject" >&2
+    say "bench $subject"
+    python3 "tools/bench/$subject/run.py" build/bench "$@"
+  done
+}
+
 # --- lint --------------------------------------------------------------------------------------
 
 cpp_files() { git ls-files --cached --others --exclude-standard '*.h' '*.cpp'; }
@@ -206,6 +232,7 @@ case "${1:-help}" in
   test) shift; test_all "$@" ;;
   demo) shift; demo "$@" ;;
   record) shift; record "$@" ;;
+  bench) shift; bench "$@" ;;
   lint) shift; lint "$@" ;;
   clean) rm -rf build demo-output ;;
   help | -h | --help) usage ;;
