@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/interchange/sha256.h"
 #include "tools/dump_meta.h"
-#include "tools/sha256.h"
 
 namespace spool::tools {
 namespace {
@@ -136,7 +136,7 @@ Result<void> run_info(const InfoOptions& options, const CommonOptions& common) {
   SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(options.dump));
   std::error_code status;
   const std::uintmax_t bytes = std::filesystem::file_size(options.dump, status);
-  SPOOL_ASSIGN(const std::string sha256, sha256_of_file(options.dump));
+  SPOOL_ASSIGN(const std::string sha256, interchange::sha256_of(options.dump));
   const ordered_json info = describe(reader, bytes, sha256);
   if (common.json) {
     print(info.dump(2) + "\n");

@@ -11,7 +11,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/sha256.h"
+#include "formats/interchange/sha256.h"
 
 namespace spool::tools {
 namespace {
@@ -77,7 +77,7 @@ Result<void> write_manifest(const std::filesystem::path& folder, const RunManife
       {"seconds", taken.count()},
       {"dumps", ordered_json::array()}};
   for (const std::filesystem::path& dump : run.dumps) {
-    SPOOL_ASSIGN(const std::string digest, sha256_of_file(dump));
+    SPOOL_ASSIGN(const std::string digest, interchange::sha256_of(dump));
     manifest["dumps"].push_back(
         {{"path", dump.string()}, {"bytes", std::filesystem::file_size(dump)}, {"sha256", digest}});
   }

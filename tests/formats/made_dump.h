@@ -1,11 +1,8 @@
 // Small dumps for the tests of formats/: headers, contents that follow from a seed, files as bytes.
 #pragma once
 
-#include <unistd.h>
-
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -16,35 +13,13 @@
 
 #include "formats/dump_geometry.h"
 #include "formats/spool_writer.h"
+#include "tests/support/scratch_folder.h"
 
 namespace spool::format {
 
 using Bytes = std::vector<std::byte>;
 
-// A folder of its own that goes when the test ends.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    // In memory where that is possible: tests open files a hundred thousand times.
-    const std::filesystem::path memory = "/dev/shm";
-    const bool in_memory = std::getenv("TMPDIR") == nullptr && ::access(memory.c_str(), W_OK) == 0;
-    const auto base = in_memory ? memory : std::filesystem::temp_directory_path();
-    std::string name = (base / "spool_formats_XXXXXX").string();
-    if (::mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-
-  std::filesystem::path operator/(const char* name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using test::ScratchFolder;
 
 inline Bytes read_bytes(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);

@@ -21,27 +21,7 @@ inline GreedyError greedy_error(const RgbImage& mean, const RgbImage& variance, 
   const bool subpixel = cells != nullptr;
   const int width = n.width(), height = n.height();
   const Kernel g = greedy_pixel_filter(subpixel), g_pixel = greedy_pixel_filter(false);
-  RgbImage base = mean;
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (!subpixel) {
-      base[c] = cut_sum(mean[c], g, g, 1);
-      continue;
-    }
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        double sum = 0.0, inside = 0.0;
-        for (const auto& [dy, wy] : g) {
-          for (const auto& [dx, wx] : g) {
-            const int cx = 4 * x + 2 + dx, cy = 4 * y + 2 + dy;
-            if (!(*cells)[c].bounds().contains(cx, cy)) continue;
-            sum += wx * wy * (*cells)[c](cx, cy);
-            inside += wx * wy;
-          }
-        }
-        base[c](x, y) = sum / inside;
-      }
-    }
-  }
+  const RgbImage base = greedy_base(mean, cells);
   GreedyError out{Plane(width, height), CountImage(width, height), Plane(width, height, 1.0)};
   Plane mse(width, height);
   CountImage stopped(width, height);

@@ -90,17 +90,13 @@ struct GreedySelection {
   Plane margin;  // how close a decision came to tipping over, relative
 };
 
-// mean, variance, n: of pixels; cells [c][4 height][4 width] on the subpixel grid, else unused.
-inline GreedySelection greedy_selection(const RgbImage& mean, const RgbImage& variance,
-                                        const Plane& n, const RgbImage* cells, int scales,
-                                        double gamma, double alpha) {
-  const bool subpixel = cells != nullptr;
-  const int width = n.width(), height = n.height();
-  const Kernel g = greedy_pixel_filter(subpixel), g_pixel = greedy_pixel_filter(false);
-  GreedySelection out;
+// The pixel image under the pixel filter; cells [c][4 height][4 width], or null on the pixel grid.
+inline RgbImage greedy_base(const RgbImage& mean, const RgbImage* cells) {
+  const Kernel g = greedy_pixel_filter(cells != nullptr);
+  const int width = mean[0].width(), height = mean[0].height();
   RgbImage base = mean;
   for (std::size_t c = 0; c < 3; ++c) {
-    if (!subpixel) {
+    if (cells == nullptr) {
       base[c] = cut_sum(mean[c], g, g, 1);
       continue;
     }
@@ -119,6 +115,18 @@ inline GreedySelection greedy_selection(const RgbImage& mean, const RgbImage& va
       }
     }
   }
+  return base;
+}
+
+// mean, variance, n: of pixels; cells [c][4 height][4 width] on the subpixel grid, else unused.
+inline GreedySelection greedy_selection(const RgbImage& mean, const RgbImage& variance,
+                                        const Plane& n, const RgbImage* cells, int scales,
+                                        double gamma, double alpha) {
+  const bool subpixel = cells != nullptr;
+  const int width = n.width(), height = n.height();
+  const Kernel g = greedy_pixel_filter(subpixel), g_pixel = greedy_pixel_filter(false);
+  GreedySelection out;
+  const RgbImage base = greedy_base(mean, cells);
   RgbImage fine = base, fine_variance = variance;
   const PixelTaps base_taps = per_pixel(g, subpixel);
   for (std::size_t c = 0; c < 3; ++c)
