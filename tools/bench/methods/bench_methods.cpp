@@ -29,6 +29,7 @@ struct Subject {
   const SamplePool* pool = nullptr;
   long long budget = 0;
   std::optional<Selection> selection;  // of the multiscale sampler, made when a filter needs it
+  long long heap_before_selection = 0;
 
   double pixels() const {
     return static_cast<double>(pool->recording().width()) * pool->recording().height();
@@ -76,18 +77,19 @@ void measure_sampler(benchmark::State& state, Subject& subject, const SamplerFun
 
 void measure_filter(benchmark::State& state, Subject& subject, const ReconstructorFunction& filter,
                     int threads) {
-  subject.selection.reset();
-  const long long heap_before = heap_bytes();
-  const auto sampler = make_sampler("multiscale", "", {});
-  auto sampled = (*sampler)(*subject.pool, subject.budget, {});
-  if (!sampled) {
-    state.SkipWithError(sampled.error().message.c_str());
-    return;
+  if (!subject.selection) {
+    subject.heap_before_selection = heap_bytes();
+    const auto sampler = make_sampler("multiscale", "", {});
+    auto sampled = (*sampler)(*subject.pool, subject.budget, {});
+    if (!sampled) {
+      state.SkipWithError(sampled.error().message.c_str());
+      return;
+    }
+    subject.selection = std::move(sampled->selection);
   }
-  subject.selection = std::move(sampled->selection);
   const auto& reference = subject.pool->recording().reference();
   const ReconstructionContext context{nullptr, reference ? &*reference : nullptr, {}};
-  measure(state, subject, threads, heap_before,
+  measure(state, subject, threads, subject.heap_before_selection,
           [&] { return filter(*subject.selection, *subject.pool, context); });
 }
 
