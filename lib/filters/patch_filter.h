@@ -5,8 +5,8 @@
 //   w = box(exp(-max(0, box(d2)))) with boxes over the patch of (2 f + 1)^2, 0 below 0.05, and 1 at
 //   the centre; result(p) = sum of w target_q / sum of w over |q - p| <= r in x and y
 //
-// a, v: means and variances of the guide. Borders are mirrored. Arithmetic is double; one offset
-// after the other, so bits do not depend on threads.
+// a, v: means and variances of the guide. Borders are mirrored. Arithmetic is double; tiles run in
+// parallel, and every piece's sum takes the offsets in one order, so bits do not depend on threads.
 // Slow twin: tests/reference/nl_means_reference.h.
 #pragma once
 

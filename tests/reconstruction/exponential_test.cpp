@@ -1,4 +1,4 @@
-#include "lib/reconstruction/directional/exponential.h"
+#include "lib/core/exponential.h"
 
 #include <cmath>
 #include <limits>

@@ -7,7 +7,7 @@
 
 #include "lib/core/parallel.h"
 #include "lib/pyramid/convolution.h"
-#include "lib/reconstruction/directional/exponential.h"
+#include "lib/core/exponential.h"
 #include "lib/reconstruction/directional/filter_offsets.h"
 
 namespace spool {

@@ -5,7 +5,7 @@
 
 #include "lib/core/parallel.h"
 #include "lib/reconstruction/directional/anisotropic_filter.h"
-#include "lib/reconstruction/directional/exponential.h"
+#include "lib/core/exponential.h"
 #include "lib/reconstruction/directional/filter_offsets.h"
 
 namespace spool {
