@@ -1,7 +1,9 @@
 // `spool evaluate`: every sampler with every filter at every budget, measured over replicates.
 //
-// The folder DIR gets results.csv (one row per cell and replicate; `spool list columns`), pictures
-// of replicate 0 of every cell, and a sheet of all results per recording and budget.
+// What to do is a plan file or options; the folder DIR gets results.csv and results.jsonl (one row
+// per cell; `spool list columns`), pictures of replicate 0 of every cell, a sheet of all results
+// per recording and budget, manifest.json, plan.toml, and the finished cells from which a run that
+// was interrupted goes on.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +18,23 @@
 namespace spool::tools {
 
 struct EvaluateOptions {
-  std::vector<std::filesystem::path> dumps;
-  std::string samplers = "uniform";  // "a,b"
-  std::string filters = "box";
-  std::string spp;  // "4,8,16"
-  int replicates = 5;
+  std::vector<std::filesystem::path> files;  // recordings, or one PLAN.toml
+  std::string samplers;                      // "a,b"; empty: uniform
+  std::string filters;                       // empty: box
+  std::string spp;                           // "4,8,16"
+  std::string cell_threads;                  // "1,2": a sweep; empty: --threads
+  std::optional<int> replicates;             // 5
+  std::optional<int> repeats;                // 1
   MethodOptions methods;
   std::string reference;  // empty: the best there is
   std::optional<int> holdout;
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed;  // 1
   bool recorded_order = false;
   bool no_pictures = false;
+  bool dry_run = false;
+  std::string shard;  // "i/N"
+  bool merge = false;
+  std::vector<std::filesystem::path> merge_from;
   std::filesystem::path output;  // DIR
 };
 

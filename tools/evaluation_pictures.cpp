@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/png_writer.h"
 #include "tools/result_pictures.h"
@@ -25,80 +26,108 @@ std::string file_name_of(const std::string& label) {
   return name;
 }
 
-std::string unique_name(const std::string& dump, std::map<std::string, std::string>& names) {
-  const auto known = names.find(dump);
-  if (known != names.end()) return known->second;
-  const std::string stem = file_name_of(std::filesystem::path(dump).stem().string());
-  std::string name = stem;
-  const auto taken = [&] {
-    return std::ranges::any_of(names, [&](const auto& entry) { return entry.second == name; });
-  };
-  for (int i = 2; taken(); ++i)
-    name = fmt::format("{}-{}", stem, i);
-  names[dump] = name;
-  return name;
+constexpr std::size_t kLargestSheet = 24;  // estimates
+
+// The estimates of one recording and budget, side by side.
+struct Sheet {
+  const Cell* first = nullptr;
+  std::vector<const PicturedResult*> results;
+};
+
+std::vector<Sheet> sheets_of(const std::vector<PicturedResult>& results) {
+  std::vector<Sheet> sheets;
+  std::map<std::pair<std::string, double>, std::size_t> index;
+  for (const PicturedResult& result : results) {
+    const auto [place, fresh] =
+        index.try_emplace({result.cell.dump, result.cell.spp}, sheets.size());
+    if (fresh) sheets.push_back({&result.cell, {}});
+    sheets[place->second].results.push_back(&result);
+  }
+  return sheets;
+}
+
+Result<RgbImage> read_rgb(const std::filesystem::path& path) {
+  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
+  return rgb_from_exr(file, path.string());
 }
 
 }  // namespace
 
+EvaluationPictures::EvaluationPictures(std::filesystem::path folder,
+                                       const std::vector<std::string>& dumps)
+    : folder_(std::move(folder)) {
+  for (const std::string& dump : dumps) {
+    const std::string stem = file_name_of(std::filesystem::path(dump).stem().string());
+    std::string name = stem;
+    const auto taken = [&] {
+      return std::ranges::any_of(dump_names_,
+                                 [&](const auto& entry) { return entry.second == name; });
+    };
+    for (int i = 2; taken(); ++i)
+      name = fmt::format("{}-{}", stem, i);
+    dump_names_.try_emplace(dump, name);
+  }
+}
+
+std::string EvaluationPictures::stem_of(const Cell& cell) const {
+  return fmt::format("{}_{}_{}_{:g}spp", dump_names_.at(cell.dump),
+                     file_name_of(cell.sampler.label()), file_name_of(cell.filter.label()),
+                     cell.spp);
+}
+
 Result<void> EvaluationPictures::add(const CellResult& result, const CellImages& images) {
-  if (result.cell.replicate != 0) return {};
   const Cell& cell = result.cell;
-  const std::string dump = unique_name(cell.dump, dump_names_);
-  const std::string spp = fmt::format("{:g}spp", cell.spp);
+  if (cell.replicate != 0) return {};
   const PictureScale scale =
       picture_scale(&images.reference, images.image, kDensityRange * cell.spp);
-  const double mse = result.metrics["mse"].value;
-  const ResultImages pictures{fmt::format("{}  {} + {}  {:g} spp  MSE {:.3g}", dump,
-                                          cell.sampler.label(), cell.filter.label(), cell.spp, mse),
-                              &images.reconstruction, &images.selection.statistics.n,
-                              &images.reference};
-  const std::string stem = fmt::format("{}_{}_{}_{}", dump, file_name_of(cell.sampler.label()),
-                                       file_name_of(cell.filter.label()), spp);
+  const ResultImages pictures{
+      fmt::format("{}  {} + {}  {:g} spp  MSE {:.3g}", dump_names_.at(cell.dump),
+                  cell.sampler.label(), cell.filter.label(), cell.spp, result.metrics["mse"].value),
+      &images.reconstruction, &images.selection.statistics.n, &images.reference};
+  const std::string stem = stem_of(cell);
   std::error_code status;
   std::filesystem::create_directories(folder_ / stem, status);
-  SPOOL_TRY(write_reference(result, images, dump, stem));
+  SPOOL_TRY(write_reference(result, images, stem));
   SPOOL_TRY(write_result_pictures(folder_ / stem, pictures, scale, true));
-  SPOOL_TRY(write_contact_sheet(folder_ / (stem + ".png"), pictures, scale, true));
-
-  const std::string overview = dump + "_" + spp;
-  auto found = std::ranges::find(overviews_, overview, &std::pair<std::string, Overview>::first);
-  if (found == overviews_.end()) {
-    found = overviews_.insert(
-        found, {overview, {fmt::format("{}  {:g} samples per pixel", dump, cell.spp), {}}});
-    found->second.panels.push_back(
-        {"reference", tone_map(images.reference.mean, scale.exposure), {}});
-  }
-  found->second.panels.push_back({fmt::format("{} + {}", cell.sampler.label(), cell.filter.label()),
-                                  tone_map(images.image, scale.exposure),
-                                  Caption{fmt::format("MSE {:.3g}", mse)}});
-  return {};
+  return write_contact_sheet(folder_ / (stem + ".png"), pictures, scale, true);
 }
 
 // Every result has its own reference where that is made of the samples it did not take.
 Result<void> EvaluationPictures::write_reference(const CellResult& result, const CellImages& images,
-                                                 const std::string& dump, const std::string& stem) {
+                                                 const std::string& stem) {
   const bool own = result.reference == ReferenceKind::kLeaveSelectedOut;
-  if (!own && !referenced_.insert(dump).second) return {};
-  return write_exr(own ? folder_ / stem / "reference.exr" : folder_ / (dump + "_reference.exr"),
+  if (!own && !referenced_.insert(result.cell.dump).second) return {};
+  return write_exr(own ? folder_ / stem / "reference.exr"
+                       : folder_ / (dump_names_.at(result.cell.dump) + "_reference.exr"),
                    exr_from_rgb(images.reference.mean), {.overwrite = true});
 }
 
-Result<void> EvaluationPictures::finish() const {
-  for (const auto& [stem, overview] : overviews_) {
-    SPOOL_TRY(write_png(folder_ / (stem + ".png"), contact_sheet(overview.heading, overview.panels),
-                        true));
+Result<std::string> EvaluationPictures::write_sheets(
+    const std::vector<PicturedResult>& results) const {
+  std::string written;
+  for (const Sheet& sheet : sheets_of(results)) {
+    if (sheet.results.size() > kLargestSheet) continue;
+    const std::string& dump = dump_names_.at(sheet.first->dump);
+    std::filesystem::path reference = folder_ / stem_of(*sheet.first) / "reference.exr";
+    if (!std::filesystem::exists(reference)) reference = folder_ / (dump + "_reference.exr");
+    const Result<RgbImage> judge = read_rgb(reference);
+    if (!judge) continue;  // pictures were switched off when these cells ran
+    const double exposure = tone_exposure(*judge);
+    std::vector<Panel> panels = {{"reference", tone_map(*judge, exposure), {}}};
+    for (const PicturedResult* result : sheet.results) {
+      const Result<RgbImage> image = read_rgb(folder_ / stem_of(result->cell) / "estimate.exr");
+      if (!image) continue;
+      panels.push_back(
+          {fmt::format("{} + {}", result->cell.sampler.label(), result->cell.filter.label()),
+           tone_map(*image, exposure), Caption{fmt::format("MSE {:.3g}", result->mse)}});
+    }
+    const auto path = folder_ / fmt::format("{}_{:g}spp.png", dump, sheet.first->spp);
+    const std::string heading = fmt::format("{}  {:g} samples per pixel", dump, sheet.first->spp);
+    SPOOL_TRY(write_png(path, contact_sheet(heading, panels), true));
+    written += (written.empty() ? "" : ", ") + path.string();
   }
-  return {};
-}
-
-std::string EvaluationPictures::describe() const {
-  if (overviews_.empty()) return "none";
-  std::string text;
-  for (const auto& [stem, overview] : overviews_) {
-    text += (text.empty() ? "" : ", ") + (folder_ / (stem + ".png")).string();
-  }
-  return text + "; a contact sheet for each result beside them";
+  if (written.empty()) return std::string("one contact sheet for each result");
+  return written + "; a contact sheet for each result beside them";
 }
 
 }  // namespace spool::tools

@@ -10,35 +10,36 @@
 #include <vector>
 
 #include "lib/evaluation/experiment.h"
-#include "lib/image_io/contact_sheet.h"
 
 namespace spool::tools {
 
+// A result of replicate 0, for the sheet of all estimates.
+struct PicturedResult {
+  Cell cell;
+  double mse = 0.0;
+};
+
 class EvaluationPictures {
  public:
-  explicit EvaluationPictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  // `dumps`: all recordings, in the order that gives their short names.
+  EvaluationPictures(std::filesystem::path folder, const std::vector<std::string>& dumps);
 
   // Writes what belongs to one result; results of other replicates are passed over.
   Result<void> add(const CellResult& result, const CellImages& images);
 
-  // Writes DUMP_SPPspp.png: reference and all estimates side by side.
-  Result<void> finish() const;
-
-  std::string describe() const;  // where they are, in one line
+  // Writes DUMP_SPPspp.png for every recording and budget from the images in the folder: reference
+  // and all estimates side by side. Sheets of more than 24 estimates are left out. Returns where
+  // they are, in one line.
+  Result<std::string> write_sheets(const std::vector<PicturedResult>& results) const;
 
  private:
   Result<void> write_reference(const CellResult& result, const CellImages& images,
-                               const std::string& dump, const std::string& stem);
-
-  struct Overview {
-    std::string heading;
-    std::vector<Panel> panels;
-  };
+                               const std::string& stem);
+  std::string stem_of(const Cell& cell) const;
 
   std::filesystem::path folder_;
-  std::vector<std::pair<std::string, Overview>> overviews_;  // file stem, in order of appearance
-  std::map<std::string, std::string> dump_names_;            // path: short name, unique
-  std::set<std::string> referenced_;                         // names whose reference is written
+  std::map<std::string, std::string> dump_names_;  // path: short name, unique
+  std::set<std::string> referenced_;               // recordings whose reference is written
 };
 
 }  // namespace spool::tools

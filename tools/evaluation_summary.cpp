@@ -3,74 +3,25 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iterator>
 
 #include <nlohmann/json.hpp>
 
 #include "lib/evaluation/intervals.h"
+#include "lib/evaluation/reference.h"
 #include "tools/console.h"
 
 namespace spool::tools {
 namespace {
 
-// The replicates of one recording, budget, sampler and filter.
-struct Group {
-  const CellResult* first = nullptr;
-  std::vector<double> mse, relmse, energy, sampling, filtering, spent;
+constexpr std::size_t kLongestTable = 200;  // lines; beyond, the best of each condition
+constexpr std::size_t kBestShown = 5;
 
-  bool same_conditions(const Cell& cell) const {
-    return first->cell.dump == cell.dump && first->cell.spp == cell.spp;
-  }
-  bool holds(const Cell& cell) const {
-    return same_conditions(cell) && first->cell.sampler == cell.sampler &&
-           first->cell.filter == cell.filter;
-  }
-};
-
-// By recording and budget, each in the order in which it was run.
-std::vector<Group> group_results(const std::vector<CellResult>& results) {
-  std::vector<Group> groups;
-  for (const CellResult& result : results) {
-    if (result.error) continue;
-    Group* group = nullptr;
-    for (Group& candidate : groups) {
-      if (candidate.holds(result.cell)) group = &candidate;
-    }
-    if (!group) {
-      groups.emplace_back();
-      group = &groups.back();
-      group->first = &result;
-    }
-    group->mse.push_back(result.metrics["mse"].value);
-    group->relmse.push_back(result.metrics["relmse"].value);
-    group->energy.push_back(result.metrics["energy_ratio"].value);
-    group->sampling.push_back(result.sampling.wall);
-    group->filtering.push_back(result.filtering.wall);
-    group->spent.push_back(static_cast<double>(result.log.spent) /
-                           (static_cast<double>(result.width) * result.height));
-  }
-  std::vector<Group> sorted;
-  for (const Group& group : groups) {
-    const auto same = [&](const Group& other) { return other.same_conditions(group.first->cell); };
-    if (std::ranges::any_of(sorted, same)) continue;
-    std::ranges::copy_if(groups, std::back_inserter(sorted), same);
-  }
-  return sorted;
-}
-
-const Group* baseline_of(const std::vector<Group>& groups, const Group& group) {
-  for (const Group& candidate : groups) {
-    const Cell& cell = candidate.first->cell;
-    if (candidate.same_conditions(group.first->cell) && cell.sampler.name == "uniform" &&
-        cell.filter.name == "box") {
-      return &candidate;
-    }
-  }
-  return nullptr;
+double mean_of(const std::vector<double>& values) {
+  return mean_interval(values).mean;
 }
 
 double ratio(const std::vector<double>& values, const std::vector<double>& baseline) {
-  return mean_interval(values).mean / mean_interval(baseline).mean;
+  return mean_of(values) / mean_of(baseline);
 }
 
 std::string with_error(const std::vector<double>& values) {
@@ -92,61 +43,127 @@ nlohmann::ordered_json json_of(const std::vector<double>& values) {
           {"high", interval.high}};
 }
 
+bool is_biased_text(const std::string& reference) {
+  return reference.ends_with("(biased)");
+}
+
 }  // namespace
 
-std::string summary_text(const std::vector<CellResult>& results) {
-  const std::vector<Group> groups = group_results(results);
+std::string EvaluationSummary::condition_key(const Cell& cell) {
+  return fmt::format("{}\n{}\n{}", cell.dump, cell.spp, cell.threads);
+}
+
+void EvaluationSummary::add(const Cell& cell, const ResultRecord& record) {
+  const std::string& reference = record.text("reference");
+  if (reference.empty()) return;
+  const std::string condition = condition_key(cell);
+  const std::string key =
+      fmt::format("{}\n{}\n{}", condition, cell.sampler.label(), cell.filter.label());
+  const auto [place, fresh] = index_.try_emplace(key, groups_.size());
+  if (fresh) {
+    groups_.push_back({cell, reference, {}, {}, {}, {}, {}, {}});
+    conditions_.try_emplace(condition, conditions_.size());
+    if (cell.sampler.name == "uniform" && cell.filter.name == "box") {
+      baselines_.try_emplace(condition, place->second);
+    }
+  }
+  Group& group = groups_[place->second];
+  group.mse.push_back(record.number("mse"));
+  group.relmse.push_back(record.number("relmse"));
+  group.energy.push_back(record.number("energy_ratio"));
+  group.sampling.push_back(record.number("seconds_sampling"));
+  group.filtering.push_back(record.number("seconds_filtering"));
+  group.spent.push_back(record.number("samples_spent") /
+                        (record.number("width") * record.number("height")));
+}
+
+std::vector<const EvaluationSummary::Group*> EvaluationSummary::sorted() const {
+  std::vector<const Group*> order;
+  order.reserve(groups_.size());
+  for (const Group& group : groups_)
+    order.push_back(&group);
+  std::ranges::stable_sort(
+      order, {}, [&](const Group* group) { return conditions_.at(condition_key(group->cell)); });
+  return order;
+}
+
+const EvaluationSummary::Group* EvaluationSummary::baseline_of(const Group& group) const {
+  const auto found = baselines_.find(condition_key(group.cell));
+  return found == baselines_.end() ? nullptr : &groups_[found->second];
+}
+
+std::string EvaluationSummary::text() const {
+  if (groups_.empty()) return "no results\n";
+  const bool threads = std::ranges::any_of(groups_, [](const Group& g) { return g.cell.threads; });
+  std::vector<const Group*> shown = sorted();
+  const bool shortened = shown.size() > kLongestTable;
+  if (shortened) {
+    std::ranges::stable_sort(shown, {}, [&](const Group* group) {
+      const double error = mean_of(group->relmse);
+      return std::pair(conditions_.at(condition_key(group->cell)),
+                       std::isnan(error) ? std::numeric_limits<double>::infinity() : error);
+    });
+    std::map<std::string, std::size_t> taken;
+    std::erase_if(shown, [&](const Group* group) {
+      return ++taken[condition_key(group->cell)] > kBestShown;
+    });
+    if (shown.size() > kLongestTable) shown.resize(kLongestTable);
+  }
   std::vector<std::vector<std::string>> rows = {{"dump", "sampler", "filter", "spp", "spent", "MSE",
                                                  "x uniform+box", "relMSE", "x uniform+box",
                                                  "energy", "sampling", "filtering"}};
+  if (threads) rows.front().emplace_back("threads");
   bool biased = false;
-  for (const Group& group : groups) {
-    const Cell& cell = group.first->cell;
-    const Group* baseline = baseline_of(groups, group);
-    biased = biased || is_biased(group.first->reference);
-    rows.push_back({std::filesystem::path(cell.dump).stem().string(), cell.sampler.label(),
-                    cell.filter.label(), fmt::format("{:g}", cell.spp),
-                    fmt::format("{:.4g}", mean_interval(group.spent).mean), with_error(group.mse),
-                    baseline ? factor(ratio(group.mse, baseline->mse)) : "-",
-                    with_error(group.relmse),
-                    baseline ? factor(ratio(group.relmse, baseline->relmse)) : "-",
-                    fmt::format("{:.3f}", mean_interval(group.energy).mean),
-                    format_seconds(mean_interval(group.sampling).mean),
-                    format_seconds(mean_interval(group.filtering).mean)});
+  for (const Group* group : shown) {
+    const Cell& cell = group->cell;
+    const Group* baseline = baseline_of(*group);
+    biased = biased || is_biased_text(group->reference);
+    rows.push_back(
+        {std::filesystem::path(cell.dump).stem().string(), cell.sampler.label(),
+         cell.filter.label(), fmt::format("{:g}", cell.spp),
+         fmt::format("{:.4g}", mean_of(group->spent)), with_error(group->mse),
+         baseline ? factor(ratio(group->mse, baseline->mse)) : "-", with_error(group->relmse),
+         baseline ? factor(ratio(group->relmse, baseline->relmse)) : "-",
+         fmt::format("{:.3f}", mean_of(group->energy)), format_seconds(mean_of(group->sampling)),
+         format_seconds(mean_of(group->filtering))});
+    if (threads) rows.back().push_back(std::to_string(cell.threads));
   }
-  if (groups.empty()) return "no results\n";
   std::string text = format_columns(rows, 3);
+  if (shortened) {
+    text += fmt::format("\nThe {} best by relMSE of each recording and budget, of {} in all.\n",
+                        kBestShown, groups_.size());
+  }
   text += fmt::format("\nMean +- standard error over {} replicates; judged by: {}{}.\n",
-                      groups.front().mse.size(), reference_name(groups.front().first->reference),
+                      groups_.front().mse.size(), groups_.front().reference,
                       biased ? " (BIASED: see spool evaluate --help)" : "");
   return text;
 }
 
-std::string summary_json(const std::vector<CellResult>& results) {
-  const std::vector<Group> groups = group_results(results);
+std::string EvaluationSummary::json() const {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Group& group : groups) {
-    const Cell& cell = group.first->cell;
-    nlohmann::ordered_json entry = {
-        {"dump", cell.dump},
-        {"sampler", cell.sampler.label()},
-        {"filter", cell.filter.label()},
-        {"spp", cell.spp},
-        {"replicates", group.mse.size()},
-        {"reference", std::string(reference_name(group.first->reference))},
-        {"spent_per_pixel", mean_interval(group.spent).mean},
-        {"mse", json_of(group.mse)},
-        {"relmse", json_of(group.relmse)},
-        {"energy_ratio", json_of(group.energy)},
-        {"seconds_sampling", json_of(group.sampling)},
-        {"seconds_filtering", json_of(group.filtering)}};
-    if (const Group* baseline = baseline_of(groups, group)) {
-      entry["mse_to_uniform_box"] = ratio(group.mse, baseline->mse);
-      entry["relmse_to_uniform_box"] = ratio(group.relmse, baseline->relmse);
+  for (const Group* group : sorted()) {
+    const Cell& cell = group->cell;
+    nlohmann::ordered_json entry = {{"dump", cell.dump},
+                                    {"sampler", cell.sampler.label()},
+                                    {"filter", cell.filter.label()},
+                                    {"spp", cell.spp},
+                                    {"threads", cell.threads},
+                                    {"replicates", group->mse.size()},
+                                    {"reference", group->reference},
+                                    {"biased", is_biased_text(group->reference)},
+                                    {"spent_per_pixel", mean_of(group->spent)},
+                                    {"mse", json_of(group->mse)},
+                                    {"relmse", json_of(group->relmse)},
+                                    {"energy_ratio", json_of(group->energy)},
+                                    {"seconds_sampling", json_of(group->sampling)},
+                                    {"seconds_filtering", json_of(group->filtering)}};
+    if (const Group* baseline = baseline_of(*group)) {
+      entry["mse_to_uniform_box"] = ratio(group->mse, baseline->mse);
+      entry["relmse_to_uniform_box"] = ratio(group->relmse, baseline->relmse);
     }
     list.push_back(entry);
   }
-  return list.dump(2) + "\n";
+  return list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace spool::tools

@@ -3,13 +3,43 @@
 #include <unistd.h>
 #include <csignal>
 #include <cstdlib>
+#include <mutex>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "lib/image_io/atomic_file.h"
 
 namespace spool::tools {
+namespace {
+
+struct Note {
+  std::mutex mutex;
+  std::function<std::string()> text;
+};
+
+Note& note() {
+  static Note instance;
+  return instance;
+}
+
+std::string note_text() {
+  const std::scoped_lock lock(note().mutex);
+  return note().text ? "; " + note().text() : "";
+}
+
+}  // namespace
+
+InterruptNote::InterruptNote(std::function<std::string()> text) {
+  const std::scoped_lock lock(note().mutex);
+  note().text = std::move(text);
+}
+
+InterruptNote::~InterruptNote() {
+  const std::scoped_lock lock(note().mutex);
+  note().text = nullptr;
+}
 
 void watch_for_interrupts() {
   sigset_t signals;
@@ -21,7 +51,8 @@ void watch_for_interrupts() {
     int signal = 0;
     if (sigwait(&signals, &signal) != 0) return;
     remove_unfinished_files();
-    fmt::print(stderr, "\r\033[Kspool: interrupted; unfinished files were removed\n");
+    fmt::print(stderr, "\r\033[Kspool: interrupted; unfinished files were removed{}\n",
+               note_text());
     ::_exit(128 + signal);
   }).detach();
 }

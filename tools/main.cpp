@@ -12,6 +12,7 @@
 
 #include "lib/core/option_table.h"
 #include "lib/core/parallel.h"
+#include "lib/evaluation/reference.h"
 #include "tools/check.h"
 #include "tools/console.h"
 #include "tools/evaluate.h"
@@ -242,21 +243,34 @@ void add_reconstruct(Program& program) {
   });
 }
 
+std::string reference_names() {
+  std::string names;
+  for (const ReferenceDescription& kind : reference_kinds())
+    names += (names.empty() ? "" : ", ") + kind.name + (kind.biased ? " (biased)" : "");
+  return names;
+}
+
 void add_evaluate(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
       "evaluate", "every sampler with every filter at every budget: error, time, pictures");
   EvaluateOptions& options = program.evaluate;
-  verb.add_option("FILES", options.dumps, "recorded dumps")->required();
+  verb.add_option("FILES", options.files, "recorded dumps; or one PLAN.toml that says everything")
+      ->required();
   verb.add_option("--samplers", options.samplers, "a,b,c (uniform)");
   verb.add_option("--filters", options.filters, "a,b,c (box)");
-  verb.add_option("--spp", options.spp, "budgets in samples per pixel: 4,8,16")->required();
+  verb.add_option("--spp", options.spp, "budgets in samples per pixel: 4,8,16");
   verb.add_option("--replicates", options.replicates,
                   "repetitions, each with the samples of every pixel in another order (5)")
       ->check(CLI::Range(1, 100000));
+  verb.add_option("--repeats", options.repeats,
+                  "times each stage is run for the median of its time (1)")
+      ->check(CLI::Range(1, 1000));
+  verb.add_option("--sweep-threads", options.cell_threads,
+                  "run everything with each of these numbers of threads: 1,2,4");
   add_method(verb, options.methods);
   verb.add_option("--reference", options.reference,
-                  "what images are judged by: independent, holdout, leave_selected_out or pool "
-                  "(default: the first of these that the dump can give)");
+                  "what images are judged by: " + reference_names() +
+                      " (default: the first of these that the dump can give)");
   verb.add_option("--holdout", options.holdout,
                   "samples per pixel kept for judging (a quarter, where they are needed)")
       ->check(CLI::Range(0, 65535));
@@ -264,18 +278,33 @@ void add_evaluate(Program& program) {
   verb.add_flag("--recorded-order", options.recorded_order,
                 "take samples in recorded order; all replicates are then alike");
   verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
-  add_output(verb, options.output, "folder for results.csv and the pictures");
+  verb.add_flag("--dry-run", options.dry_run, "list the cells and about how long they will take");
+  verb.add_option("--shard", options.shard,
+                  "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
+  verb.add_flag("--merge", options.merge,
+                "run nothing: make the results of the cells that are done");
+  verb.add_option("--from", options.merge_from,
+                  "with --merge: folders whose cells are taken over first; may be given several "
+                  "times")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_option("-o,--output", options.output, "folder for the results and the pictures");
   add_common(verb, program.common, true, true);
   verb.footer(
-      "results.csv has one row per sampler, filter, budget and replicate: spool list columns.\n"
-      "MSE is debiased by the variance of the reference and may be slightly negative. `pool` "
-      "judges\n"
-      "an image by the samples it was made of: biased, and differently for each method.\n"
+      "results.csv and results.jsonl have one row per recording, sampler, filter, budget and\n"
+      "replicate: spool list columns. A run that was interrupted goes on when started again;\n"
+      "--force starts it anew. MSE is debiased by the variance of the reference and may be "
+      "slightly\n"
+      "negative. `pool` judges an image by the samples it was made of: biased, and differently "
+      "for\n"
+      "each method.\n"
       "Examples:\n"
       "  spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \\\n"
       "    --filters box,directional --spp 4,8,16 -o results\n"
-      "  spool evaluate *.spool --samplers multiscale --filters directional --spp 8 \\\n"
-      "    --preset paper --set multiscale.alpha=0.3 --replicates 20 --json -o paper > paper.json");
+      "  spool evaluate tools/plans/quick.toml -o results\n"
+      "  spool evaluate plan.toml --dry-run\n"
+      "  spool evaluate plan.toml --shard 3/16 -o shared/results       (on machine 3 of 16)\n"
+      "  spool evaluate plan.toml --merge -o shared/results            (when all are done)");
   verb.callback(
       [&] { program.chosen = [&] { return run_evaluate(program.evaluate, program.common); }; });
 }

@@ -1,5 +1,6 @@
 #include "tools/progress.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
 #include <cstdio>
@@ -16,6 +17,11 @@ constexpr std::chrono::milliseconds kBetweenLines{100};
 // Before this the speed is not known well enough to promise a time.
 constexpr std::chrono::milliseconds kBeforeEstimate{500};
 
+int terminal_width() {
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 100;
+}
+
 }  // namespace
 
 Progress::Progress(std::string task, bool quiet)
@@ -25,7 +31,7 @@ Progress::~Progress() {
   if (visible_) fmt::print(stderr, "\r\033[K");
 }
 
-void Progress::update(double share, const std::string& detail) {
+void Progress::update(double share, const std::string& detail, std::optional<double> seconds_left) {
   if (!visible_) return;
   const std::scoped_lock lock(mutex_);
   const Clock::time_point now = Clock::now();
@@ -33,12 +39,13 @@ void Progress::update(double share, const std::string& detail) {
   printed_ = now;
   const double done = std::clamp(share, 0.0, 1.0);
   std::string line = fmt::format("{} {:3.0f} %", task_, 100.0 * done);
-  if (now - start_ > kBeforeEstimate && done > 0.01) {
+  if (!seconds_left && now - start_ > kBeforeEstimate && done > 0.01) {
     const double elapsed = std::chrono::duration<double>(now - start_).count();
-    line += ", " + format_seconds(elapsed * (1.0 - done) / done) + " left";
+    seconds_left = elapsed * (1.0 - done) / done;
   }
+  if (seconds_left) line += ", " + format_seconds(*seconds_left) + " left";
   if (!detail.empty()) line += "  " + detail;
-  fmt::print(stderr, "\r\033[K{:.100}", line);
+  fmt::print(stderr, "\r\033[K{:.{}}", line, terminal_width() - 1);
   std::fflush(stderr);
 }
 

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace spool::tools {
@@ -17,7 +18,9 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void update(double share, const std::string& detail = {});  // share of the work done, 0 .. 1
+  // Share of the work done, 0 .. 1. Without `seconds_left` the time left follows from the share.
+  void update(double share, const std::string& detail = {},
+              std::optional<double> seconds_left = std::nullopt);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -3,6 +3,7 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -11,7 +12,8 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/interchange/sha256.h"
+#include "lib/evaluation/experiment.h"
+#include "lib/image_io/atomic_file.h"
 
 namespace spool::tools {
 namespace {
@@ -63,6 +65,82 @@ ordered_json machine() {
           {"compiler", __VERSION__}};
 }
 
+// Every option as it was, those that nobody set too.
+template <class Entry>
+ordered_json methods_json(const std::vector<MethodChoice>& methods,
+                          const std::vector<Entry>& entries) {
+  ordered_json list = ordered_json::array();
+  for (const MethodChoice& method : methods) {
+    ordered_json json = {{"name", method.name}, {"label", method.label()}};
+    for (const Entry& entry : entries) {
+      if (entry.name != method.name) continue;
+      const std::string first = entry.presets.empty() ? "" : entry.presets.front();
+      const std::string preset = method.preset.empty() ? first : method.preset;
+      if (!preset.empty()) json["preset"] = preset;
+      for (const OptionDescription& option : entry.describe(preset))
+        json["options"][option.name] = option.value;
+    }
+    for (const auto& [name, value] : method.set)
+      json["options"][name] = value;
+    list.push_back(json);
+  }
+  return list;
+}
+
+template <class Options>
+ordered_json options_json(const OptionTable<Options>& table, const Options& options) {
+  ordered_json json = ordered_json::object();
+  for (const auto& [name, value] : option_values(table, options))
+    json[name] = value;
+  return json;
+}
+
+ordered_json plan_json(const Plan& plan) {
+  const ExperimentOptions& e = plan.experiment;
+  return {{"title", plan.title},
+          {"samplers", methods_json(plan.samplers, samplers())},
+          {"filters", methods_json(plan.filters, reconstructors())},
+          {"spp", plan.spp},
+          {"replicates", plan.replicates},
+          {"threads", plan.threads},
+          {"repeats", e.repeats},
+          {"seed", e.seed},
+          {"order", e.order == PoolOrder::kShuffled ? "shuffled" : "recorded"},
+          {"reference", e.reference ? std::string(reference_name(*e.reference)) : "best available"},
+          {"pieces_per_side", e.pieces_per_side},
+          {"pool", options_json(sanitise_option_table(), plan.rules)},
+          {"metrics", options_json(metric_option_table(), e.metrics)}};
+}
+
+ordered_json read_shards(const std::filesystem::path& folder) {
+  std::set<std::filesystem::path> paths;
+  std::error_code status;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, status)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("manifest-shard-") && name.ends_with(".json")) paths.insert(entry.path());
+  }
+  ordered_json shards = ordered_json::array();
+  for (const std::filesystem::path& path : paths) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    ordered_json shard = ordered_json::parse(text, nullptr, false);
+    if (!shard.is_object()) continue;
+    shard.erase("plan");
+    shard.erase("dumps");
+    shards.push_back(shard);
+  }
+  return shards;
+}
+
+// Of a folder that was filled by several runs, one after the other.
+ordered_json earlier_runs(const std::filesystem::path& folder) {
+  std::ifstream file(folder / "manifest.json", std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const ordered_json manifest = ordered_json::parse(text, nullptr, false);
+  const bool known = manifest.is_object() && manifest.contains("runs");
+  return known && manifest["runs"].is_array() ? manifest["runs"] : ordered_json::array();
+}
+
 }  // namespace
 
 Result<void> write_manifest(const std::filesystem::path& folder, const RunManifest& run) {
@@ -76,22 +154,27 @@ Result<void> write_manifest(const std::filesystem::path& folder, const RunManife
        fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(system_clock::to_time_t(run.started)))},
       {"seconds", taken.count()},
       {"dumps", ordered_json::array()}};
-  for (const std::filesystem::path& dump : run.dumps) {
-    SPOOL_ASSIGN(const std::string digest, interchange::sha256_of(dump));
+  for (const DumpIdentity& dump : run.dumps) {
     manifest["dumps"].push_back(
-        {{"path", dump.string()}, {"bytes", std::filesystem::file_size(dump)}, {"sha256", digest}});
+        {{"path", dump.name}, {"bytes", dump.bytes}, {"sha256", dump.sha256}});
   }
-  const std::filesystem::path target = folder / "manifest.json";
-  const std::filesystem::path partial = folder / "manifest.json.partial";
-  {
-    std::ofstream file(partial, std::ios::binary);
-    file << manifest.dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
-    if (!file.flush()) return fail(ErrorCode::kIo, "{}: cannot be written", partial.string());
+  manifest["runs"] = earlier_runs(folder);
+  manifest["runs"].push_back({{"started", manifest["started"]},
+                              {"seconds", manifest["seconds"]},
+                              {"command", manifest["command"]}});
+  if (run.plan) manifest["plan"] = plan_json(*run.plan);
+  std::string name = "manifest.json";
+  if (run.shard.empty()) {
+    if (ordered_json shards = read_shards(folder); !shards.empty()) manifest["shards"] = shards;
+  } else {
+    manifest["shard"] = run.shard;
+    const std::size_t slash = run.shard.find('/');
+    name = fmt::format("manifest-shard-{}-of-{}.json", run.shard.substr(0, slash),
+                       run.shard.substr(slash + 1));
   }
-  std::error_code status;
-  std::filesystem::rename(partial, target, status);
-  if (status) return fail(ErrorCode::kIo, "{}: {}", target.string(), status.message());
-  return {};
+  return write_text_file(
+      folder / name, manifest.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n",
+      true);
 }
 
 }  // namespace spool::tools

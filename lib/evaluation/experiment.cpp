@@ -1,36 +1,54 @@
 #include "lib/evaluation/experiment.h"
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
+#include <exception>
 #include <numeric>
 #include <tuple>
+#include <unordered_map>
 
 #include <oneapi/tbb/global_control.h>
+
+#include "lib/core/parallel.h"
+#include "lib/evaluation/peak_memory.h"
 
 namespace spool {
 namespace {
 
-class StageClock {
- public:
-  StageTime elapsed() const {
-    return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(),
-            cpu_seconds() - cpu_};
-  }
-
- private:
-  static double cpu_seconds() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-  }
-
-  std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
-  double cpu_ = cpu_seconds();
-};
-
 bool same_sampling(const Cell& a, const Cell& b) {
-  return a.dump == b.dump && a.sampler == b.sampler && a.spp == b.spp && a.replicate == b.replicate;
+  return a.dump == b.dump && a.sampler == b.sampler && a.spp == b.spp &&
+         a.replicate == b.replicate && a.threads == b.threads;
+}
+
+// Equal for cells of one sampling run.
+std::string sampling_key(const Cell& cell) {
+  return fmt::format("{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.label(), cell.spp,
+                     cell.replicate, cell.threads);
+}
+
+StageTime median_time(std::vector<StageTime> times) {
+  const auto middle = [&](auto member) {
+    std::ranges::sort(times, {}, member);
+    const std::size_t n = times.size();
+    return 0.5 * (times[(n - 1) / 2].*member + times[n / 2].*member);
+  };
+  const double cpu = middle(&StageTime::cpu);
+  const double wall = middle(&StageTime::wall);  // leaves them sorted by wall time
+  return {wall, cpu, times.back().wall - times.front().wall};
+}
+
+// `work` once more for each repeat; the last outcome and the times of all.
+template <class Work>
+auto timed(int repeats, StageTime& time, Work&& work) {
+  std::vector<StageTime> times;
+  while (true) {
+    const StageClock clock;
+    auto outcome = work();
+    times.push_back(clock.elapsed());
+    if (!outcome || static_cast<int>(times.size()) >= repeats) {
+      time = median_time(std::move(times));
+      return outcome;
+    }
+  }
 }
 
 // A recording in use, loaded once for all neighbouring cells that want it.
@@ -55,8 +73,9 @@ class Runner {
          const ExperimentSources& sources, const ExperimentCallbacks& callbacks)
       : cells_(cells), options_(options), sources_(sources), callbacks_(callbacks) {}
 
-  std::vector<CellResult> run() {
-    std::vector<std::optional<CellResult>> results(cells_.size());
+  using Keep = std::function<void(std::size_t cell, CellResult&&)>;
+
+  void run(const Keep& keep) {
     const std::vector<std::size_t> order = work_order();
     for (std::size_t begin = 0; begin < order.size();) {
       std::size_t end = begin + 1;
@@ -64,21 +83,18 @@ class Runner {
         ++end;
       if (cancelled()) break;
       const Cell& first = cells_[order[begin]];
-      Result<SamplingRun> sampling = sample(first);
+      const ThreadLimit limit(first.threads);
+      Result<SamplingRun> sampling = guarded([&] { return sample(first); });
       for (std::size_t i = begin; i < end && !cancelled(); ++i) {
         const Cell& cell = cells_[order[i]];
-        if (filter_in_loop_ && i > begin) sampling = sample(cell);
-        results[order[i]] = filter(cell, sampling);
+        if (filter_in_loop_ && i > begin) sampling = guarded([&] { return sample(cell); });
+        CellResult result = filter(cell, sampling);
         ++done_;
         report_progress(0.0);
+        if (keep) keep(order[i], std::move(result));
       }
       begin = end;
     }
-    std::vector<CellResult> finished;
-    for (std::optional<CellResult>& result : results) {
-      if (result) finished.push_back(std::move(*result));
-    }
-    return finished;
   }
 
  private:
@@ -86,15 +102,10 @@ class Runner {
   // otherwise as they came.
   std::vector<std::size_t> work_order() const {
     std::vector<std::size_t> order, group(cells_.size()), dump(cells_.size());
+    std::unordered_map<std::string, std::size_t> groups, dumps;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
-      const auto matches = [&](auto&& same) {
-        std::size_t j = 0;
-        while (j < i && !same(cells_[j], cells_[i]))
-          ++j;
-        return j;
-      };
-      group[i] = matches(same_sampling);
-      dump[i] = matches([](const Cell& a, const Cell& b) { return a.dump == b.dump; });
+      group[i] = groups.try_emplace(sampling_key(cells_[i]), i).first->second;
+      dump[i] = dumps.try_emplace(cells_[i].dump, i).first->second;
     }
     order.resize(cells_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -102,6 +113,18 @@ class Runner {
       return std::tie(dump[a], group[a]) < std::tie(dump[b], group[b]);
     });
     return order;
+  }
+
+  // An exception in one cell, memory that ran out above all, is that cell's error.
+  template <class Work>
+  static std::invoke_result_t<Work> guarded(Work&& work) {
+    try {
+      return work();
+    } catch (const std::bad_alloc&) {
+      return fail(ErrorCode::kIo, "out of memory: use a smaller recording or fewer threads");
+    } catch (const std::exception& error) {
+      return fail(ErrorCode::kData, "{}", error.what());
+    }
   }
 
   bool cancelled() const { return callbacks_.cancelled && callbacks_.cancelled(); }
@@ -149,10 +172,11 @@ class Runner {
       SPOOL_ASSIGN(Reconstruction reconstruction, reconstructor(selection, part, {}));
       return std::move(reconstruction.image);
     };
-    const StageClock clock;
-    SPOOL_ASSIGN(SamplingResult sampled,
-                 sampler(pool, sample_budget(cell.spp, *recording), context));
-    const StageTime time = clock.elapsed();
+    reset_peak_memory();
+    StageTime time;
+    SPOOL_ASSIGN(SamplingResult sampled, timed(options_.repeats, time, [&] {
+                   return sampler(pool, sample_budget(cell.spp, *recording), context);
+                 }));
     SPOOL_ASSIGN(JudgingReference reference,
                  judging_reference(kind, pool, sampled.selection.statistics.n));
     return SamplingRun{std::move(pool), std::move(sampled), time, kind, std::move(reference)};
@@ -180,8 +204,8 @@ class Runner {
         oneapi::tbb::global_control::max_allowed_parallelism));
     if (fresh_) result.reading = dump_->reading;
     fresh_ = false;
-    const Result<void> outcome =
-        sampling ? judge(*sampling, result) : tl::unexpected<Error>(sampling.error());
+    const Result<void> outcome = sampling ? guarded([&] { return judge(*sampling, result); })
+                                          : tl::unexpected<Error>(sampling.error());
     if (!outcome) {
       result.error = outcome.error();
       if (callbacks_.finished) callbacks_.finished(result, nullptr);
@@ -195,10 +219,10 @@ class Runner {
     ReconstructionContext context;
     context.reference = recording.reference() ? &*recording.reference() : nullptr;
     context.progress = [&](double share) { report_progress(0.5 + 0.5 * share); };
-    const StageClock clock;
     SPOOL_ASSIGN(const Reconstruction reconstruction,
-                 reconstructor(run.sampled.selection, run.pool, context));
-    result.filtering = clock.elapsed();
+                 timed(options_.repeats, result.filtering,
+                       [&] { return reconstructor(run.sampled.selection, run.pool, context); }));
+    result.peak_memory = peak_memory();
     if (reconstruction.image[0].width() != recording.width() ||
         reconstruction.image[0].height() != recording.height()) {
       return fail(ErrorCode::kData,
@@ -206,7 +230,9 @@ class Runner {
                   result.cell.filter.label(), reconstruction.image[0].width(),
                   reconstruction.image[0].height(), recording.width(), recording.height());
     }
+    const StageClock clock;
     result.metrics = error_metrics(reconstruction.image, run.reference, options_.metrics);
+    result.judging = clock.elapsed();
     result.reference = run.kind;
     result.holdout = run.pool.options().holdout;
     result.width = recording.width();
@@ -254,14 +280,17 @@ std::string MethodChoice::label() const {
 std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
                             const std::vector<MethodChoice>& samplers,
                             const std::vector<MethodChoice>& filters,
-                            const std::vector<double>& spp, int replicates) {
+                            const std::vector<double>& spp, int replicates,
+                            const std::vector<int>& threads) {
   std::vector<Cell> cells;
   for (const std::string& dump : dumps) {
     for (const MethodChoice& sampler : samplers) {
       for (const double budget : spp) {
         for (int replicate = 0; replicate < replicates; ++replicate) {
-          for (const MethodChoice& filter : filters)
-            cells.push_back({dump, sampler, filter, budget, replicate});
+          for (const int n : threads) {
+            for (const MethodChoice& filter : filters)
+              cells.push_back({dump, sampler, filter, budget, replicate, n});
+          }
         }
       }
     }
@@ -273,7 +302,20 @@ std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
                                        const ExperimentOptions& options,
                                        const ExperimentSources& sources,
                                        const ExperimentCallbacks& callbacks) {
-  return Runner(cells, options, sources, callbacks).run();
+  std::vector<std::optional<CellResult>> results(cells.size());
+  Runner(cells, options, sources, callbacks).run([&](std::size_t cell, CellResult&& result) {
+    results[cell] = std::move(result);
+  });
+  std::vector<CellResult> finished;
+  for (std::optional<CellResult>& result : results) {
+    if (result) finished.push_back(std::move(*result));
+  }
+  return finished;
+}
+
+void run_cells(const std::vector<Cell>& cells, const ExperimentOptions& options,
+               const ExperimentSources& sources, const ExperimentCallbacks& callbacks) {
+  Runner(cells, options, sources, callbacks).run({});
 }
 
 }  // namespace spool

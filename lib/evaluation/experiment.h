@@ -19,6 +19,7 @@
 #include "lib/core/guards.h"
 #include "lib/evaluation/error_metrics.h"
 #include "lib/evaluation/reference.h"
+#include "lib/evaluation/stage_clock.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/reconstruction/reconstructor.h"
 #include "lib/sampling/sampler.h"
@@ -40,14 +41,16 @@ struct Cell {
   MethodChoice sampler, filter;
   double spp = 0;  // budget, samples per pixel
   int replicate = 0;
+  int threads = 0;  // 0: as many as the process may use
   friend bool operator==(const Cell&, const Cell&) = default;
 };
 
-// Every combination, recordings outermost, then samplers, spp, replicates, filters.
+// Every combination, recordings outermost, then samplers, spp, replicates, threads, filters.
 std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
                             const std::vector<MethodChoice>& samplers,
                             const std::vector<MethodChoice>& filters,
-                            const std::vector<double>& spp, int replicates);
+                            const std::vector<double>& spp, int replicates,
+                            const std::vector<int>& threads = {0});
 
 struct ExperimentOptions {
   std::uint64_t seed = 1;  // of replicate r: mix(seed, r), for the pool's order and the method
@@ -55,6 +58,7 @@ struct ExperimentOptions {
   int pieces_per_side = 1;
   std::optional<ReferenceKind> reference;  // absent: default_reference_kind of each recording
   std::optional<int> holdout;              // samples per pixel; absent: as the reference kind wants
+  int repeats = 1;                         // of sampling and filtering, for their times only
   MetricOptions metrics;
 };
 
@@ -63,11 +67,6 @@ struct ExperimentSources {
   std::function<Result<std::shared_ptr<const RecordedSamples>>(const std::string&)> load;
   std::function<Result<SamplerFunction>(const MethodChoice&)> sampler;
   std::function<Result<ReconstructorFunction>(const MethodChoice&)> filter;
-};
-
-struct StageTime {
-  double wall = 0.0;  // seconds
-  double cpu = 0.0;   // seconds of all threads of the process
 };
 
 struct CellResult {
@@ -81,7 +80,10 @@ struct CellResult {
   StageTime reading;   // loading the recording; 0 where an earlier cell loaded it
   StageTime sampling;  // shared by all filters of one sampling run
   StageTime filtering;
-  std::optional<double> cost_per_sample;  // seconds, as recorded
+  StageTime judging;                         // metrics
+  StageTime writing;                         // images; for the callback to fill in
+  std::optional<std::uint64_t> peak_memory;  // bytes of the process while it sampled and filtered
+  std::optional<double> cost_per_sample;     // seconds, as recorded
   int threads = 0;
   SamplingLog log;
   GuardCounts guards;  // of all stages
@@ -96,8 +98,8 @@ struct CellImages {
 };
 
 struct ExperimentCallbacks {
-  // After each cell; `images` is null when the cell failed.
-  std::function<void(const CellResult&, const CellImages* images)> finished;
+  // After each cell; `images` is null when the cell failed. May change the result that is kept.
+  std::function<void(CellResult&, const CellImages* images)> finished;
   // Cells done (the current one in part) of all: 0 .. 1.
   std::function<void(double)> progress;
   std::function<bool()> cancelled;  // asked between cells
@@ -108,5 +110,8 @@ std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
                                        const ExperimentOptions& options,
                                        const ExperimentSources& sources,
                                        const ExperimentCallbacks& callbacks = {});
+// The same without keeping results: memory does not grow with the number of cells.
+void run_cells(const std::vector<Cell>& cells, const ExperimentOptions& options,
+               const ExperimentSources& sources, const ExperimentCallbacks& callbacks);
 
 }  // namespace spool

@@ -1,8 +1,10 @@
 #include "lib/evaluation/plan.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -13,12 +15,15 @@
 namespace spool {
 namespace {
 
-template <class Entry>
+template <class Entry, class Function>
 struct MethodKind {
   std::string list_key;   // "samplers"
   std::string table_key;  // "sampler"
   const std::vector<Entry>& entries;
+  const std::function<Result<Function>(const MethodChoice&)>& make;  // of names with a colon
 };
+using SamplerKind = MethodKind<SamplerEntry, SamplerFunction>;
+using FilterKind = MethodKind<ReconstructorEntry, ReconstructorFunction>;
 
 class PlanReader {
  public:
@@ -35,10 +40,11 @@ class PlanReader {
     SPOOL_TRY(read_experiment(plan));
     SPOOL_TRY(read_options("pool", sanitise_option_table(), plan.rules));
     SPOOL_TRY(read_options("metrics", metric_option_table(), plan.experiment.metrics));
-    SPOOL_ASSIGN(plan.samplers,
-                 read_methods<SamplerEntry>({"samplers", "sampler", vocabulary.samplers}));
-    SPOOL_ASSIGN(plan.filters,
-                 read_methods<ReconstructorEntry>({"filters", "filter", vocabulary.filters}));
+    SPOOL_ASSIGN(plan.samplers, read_methods(SamplerKind{"samplers", "sampler", vocabulary.samplers,
+                                                         vocabulary.make_sampler}));
+    SPOOL_ASSIGN(plan.filters, read_methods(FilterKind{"filters", "filter", vocabulary.filters,
+                                                       vocabulary.make_filter}));
+    SPOOL_TRY(check_recording_names(plan));
     return plan;
   }
 
@@ -59,7 +65,7 @@ class PlanReader {
     const std::vector<std::string> known = {
         "title",   "recordings",      "spp",      "replicates", "seed",    "order",  "reference",
         "holdout", "pieces_per_side", "samplers", "filters",    "sampler", "filter", "pool",
-        "metrics"};
+        "metrics", "threads",         "repeats",  "pictures"};
     for (const auto& [key, node] : root_) {
       bool found = false;
       for (const std::string& k : known)
@@ -122,6 +128,9 @@ class PlanReader {
       SPOOL_ASSIGN(const std::string text, text_of(*value));
       const auto budget = parse_number("spp", text, 1e-3, 65536.0);
       if (!budget) return refuse(*value, "{}", budget.error().message);
+      if (std::ranges::find(plan.spp, *budget) != plan.spp.end()) {
+        return refuse(*value, "spp {} is there twice", *budget);
+      }
       plan.spp.push_back(*budget);
     }
     return {};
@@ -137,6 +146,12 @@ class PlanReader {
     SPOOL_TRY(read_value("holdout", plan.experiment.holdout, integer("holdout", 0, 65536)));
     SPOOL_TRY(read_value("pieces_per_side", plan.experiment.pieces_per_side,
                          integer("pieces_per_side", 1, 2)));
+    SPOOL_TRY(read_value("repeats", plan.experiment.repeats, integer("repeats", 1, 1000)));
+    SPOOL_TRY(read_threads(plan));
+    SPOOL_TRY(read_value("pictures", plan.pictures, [](const std::string& text) -> Result<bool> {
+      if (text == "on" || text == "off") return text == "on";
+      return fail(ErrorCode::kUsage, "pictures is true or false, not '{}'", text);
+    }));
     SPOOL_TRY(read_value("reference", plan.experiment.reference, parse_reference_kind));
     return read_value(
         "order", plan.experiment.order, [](const std::string& text) -> Result<PoolOrder> {
@@ -144,6 +159,23 @@ class PlanReader {
           if (text == "recorded") return PoolOrder::kRecorded;
           return fail(ErrorCode::kUsage, "order is shuffled or recorded, not '{}'", text);
         });
+  }
+
+  Result<void> read_threads(Plan& plan) const {
+    const toml::node* node = root_.get("threads");
+    if (!node) return {};
+    plan.threads.clear();
+    for (const toml::node* value : values_of(*node)) {
+      SPOOL_ASSIGN(const std::string text, text_of(*value));
+      const auto threads = parse_integer("threads", text, 0, 1024);
+      if (!threads) return refuse(*value, "{}", threads.error().message);
+      if (std::ranges::find(plan.threads, *threads) != plan.threads.end()) {
+        return refuse(*value, "threads {} is there twice", *threads);
+      }
+      plan.threads.push_back(*threads);
+    }
+    if (plan.threads.empty()) return refuse(*node, "'threads' has no value to sweep over");
+    return {};
   }
 
   template <class Options>
@@ -161,8 +193,8 @@ class PlanReader {
     return {};
   }
 
-  template <class Entry>
-  Result<std::vector<MethodChoice>> read_methods(const MethodKind<Entry>& kind) const {
+  template <class Kind>
+  Result<std::vector<MethodChoice>> read_methods(const Kind& kind) const {
     std::vector<MethodChoice> choices;
     if (const toml::node* list = root_.get(kind.list_key)) {
       for (const toml::node* value : values_of(*list)) {
@@ -185,8 +217,8 @@ class PlanReader {
   }
 
   // Every combination of the values of a table's keys, the last key (by alphabet) fastest.
-  template <class Entry>
-  Result<void> add_swept(const MethodKind<Entry>& kind, const toml::table& table,
+  template <class Kind>
+  Result<void> add_swept(const Kind& kind, const toml::table& table,
                          std::vector<MethodChoice>& choices) const {
     const toml::node* name = table.get("name");
     if (!name) return refuse(table, "this {} has no name", kind.table_key);
@@ -214,26 +246,28 @@ class PlanReader {
     return {};
   }
 
-  template <class Entry>
-  Result<void> add_checked(const MethodKind<Entry>& kind, MethodChoice choice,
-                           const toml::node& where, std::vector<MethodChoice>& choices) const {
+  template <class Kind>
+  Result<void> add_checked(const Kind& kind, MethodChoice choice, const toml::node& where,
+                           std::vector<MethodChoice>& choices) const {
     std::vector<std::string> names;
-    for (const Entry& entry : kind.entries) {
+    for (const auto& entry : kind.entries)
       names.push_back(entry.name);
-      if (entry.name != choice.name) continue;
-      const auto made = entry.make(choice.preset, choice.set);
-      if (!made)
-        return refuse(where, "{} {}: {}", kind.table_key, choice.name, made.error().message);
-      for (const MethodChoice& other : choices) {
-        if (other == choice) {
-          return refuse(where, "{} {} is there twice", kind.table_key, choice.label());
-        }
-      }
-      choices.push_back(std::move(choice));
-      return {};
+    const auto named = std::ranges::find(names, choice.name);
+    const bool described = choice.name.find(':') != std::string::npos && kind.make;
+    if (named == names.end() && !described) {
+      return refuse(where, "unknown {} '{}'{}", kind.table_key, choice.name,
+                    hint(choice.name, names));
     }
-    return refuse(where, "unknown {} '{}'{}", kind.table_key, choice.name,
-                  hint(choice.name, names));
+    const auto made = named == names.end()
+                          ? kind.make(choice)
+                          : kind.entries[static_cast<std::size_t>(named - names.begin())].make(
+                                choice.preset, choice.set);
+    if (!made) return refuse(where, "{} {}: {}", kind.table_key, choice.name, made.error().message);
+    if (std::ranges::find(choices, choice) != choices.end()) {
+      return refuse(where, "{} {} is there twice", kind.table_key, choice.label());
+    }
+    choices.push_back(std::move(choice));
+    return {};
   }
 
   const toml::table& root_;
@@ -261,7 +295,8 @@ std::uint64_t hash_sampling(const Cell& cell, const Plan& plan) {
   state = hash_text(state, cell.sampler.label());
   state = hash_text(state, format_number(cell.spp));
   state = mix(state, cell.replicate, e.seed, static_cast<int>(e.order), e.pieces_per_side,
-              e.reference ? static_cast<int>(*e.reference) : -1, e.holdout.value_or(-1));
+              e.reference ? static_cast<int>(*e.reference) : -1, e.holdout.value_or(-1),
+              cell.threads, e.repeats);
   return hash_options(state, option_values(sanitise_option_table(), plan.rules));
 }
 
@@ -284,6 +319,22 @@ Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& 
   const std::string text((std::istreambuf_iterator<char>(file)), {});
   if (!file) return fail(ErrorCode::kIo, "{}: cannot be read", path.string());
   return parse_plan(text, path.string(), path.parent_path(), vocabulary);
+}
+
+Result<void> check_recording_names(const Plan& plan) {
+  std::map<std::string, std::string> paths;
+  for (const std::string& recording : plan.recordings) {
+    const std::string name = std::filesystem::path(recording).filename().string();
+    const auto [place, fresh] = paths.try_emplace(name, recording);
+    if (fresh) continue;
+    if (place->second == recording) {
+      return fail(ErrorCode::kUsage, "{}: is there twice: name it once", recording);
+    }
+    return fail(ErrorCode::kUsage,
+                "{} and {}: have the same file name, which names their results: rename one",
+                place->second, recording);
+  }
+  return {};
 }
 
 std::string cell_id(const Cell& cell, const Plan& plan) {

@@ -9,6 +9,9 @@
 //   reference = "independent"     # absent: the best there is
 //   holdout = 16                  # samples per pixel, absent: what the reference wants
 //   pieces_per_side = 1
+//   threads = [1, 2]              # a sweep too; absent: as many as the process may use
+//   repeats = 3                   # of sampling and filtering, for the median of their times
+//   pictures = true               # images of replicate 0
 //   samplers = ["uniform"]        # by name only, and in full:
 //   [[sampler]]
 //   name = "multiscale"
@@ -25,6 +28,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,18 +45,23 @@ struct Plan {
   std::vector<MethodChoice> samplers, filters;  // sweeps written out
   std::vector<double> spp;
   int replicates = 5;
+  std::vector<int> threads = {0};
+  bool pictures = true;
   ExperimentOptions experiment;
   SanitiseRules rules;
 
   std::vector<Cell> cells() const {
-    return all_cells(recordings, samplers, filters, spp, replicates);
+    return all_cells(recordings, samplers, filters, spp, replicates, threads);
   }
 };
 
-// The methods that a plan may name.
+// The methods that a plan may name: those in the lists, and what the functions can make of a name
+// with a colon in it ("exec:COMMAND"), where there are such.
 struct PlanVocabulary {
   const std::vector<SamplerEntry>& samplers;
   const std::vector<ReconstructorEntry>& filters;
+  std::function<Result<SamplerFunction>(const MethodChoice&)> make_sampler = nullptr;
+  std::function<Result<ReconstructorFunction>(const MethodChoice&)> make_filter = nullptr;
 };
 
 // Errors: kIo when the file cannot be read, kUsage for everything that is wrong in it.
@@ -61,8 +70,15 @@ Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& 
 Result<Plan> parse_plan(std::string_view text, const std::string& name,
                         const std::filesystem::path& folder, const PlanVocabulary& vocabulary);
 
+// The plan as TOML, in full: parse_plan reads it back to the same cells. Recordings by their
+// absolute paths.
+std::string plan_text(const Plan& plan);
+
+// kUsage when two of the recordings are the same or have the same file name: cells are named by it.
+Result<void> check_recording_names(const Plan& plan);
+
 // Names a cell among all cells of a plan and of what the plan says about all: 16 hexadecimal
-// digits, the same on every machine. Recordings count by the name given, not by their folder.
+// digits, the same on every machine. Recordings count by their file name, not by their folder.
 std::string cell_id(const Cell& cell, const Plan& plan);
 
 // Which of `shards` machines does the cell: cells that share a sampling run go together.

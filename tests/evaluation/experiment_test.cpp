@@ -1,11 +1,14 @@
 #include "lib/evaluation/experiment.h"
 
 #include <cmath>
+#include <limits>
 #include <map>
+#include <new>
 
 #include <gtest/gtest.h>
 
 #include "lib/core/parallel.h"
+#include "lib/evaluation/result_record.h"
 #include "lib/evaluation/result_table.h"
 #include "lib/synthetic/scene_s.h"
 
@@ -148,6 +151,60 @@ TEST(Experiment, AFailedCellIsKeptAndTheOthersGoOn) {
   EXPECT_EQ(value_of(results[0], "error"), "broken on purpose");
 }
 
+TEST(Experiment, RunningWithoutKeepingHandsOverTheSameResults) {
+  Laboratory laboratory;
+  const auto cells =
+      all_cells({"one"}, {method("uniform")}, {method("mean"), method("zero")}, {4}, 2, {1, 2});
+  ASSERT_EQ(cells.size(), 8u);
+  const auto kept = run_experiment(cells, {}, laboratory.sources());
+  std::vector<double> handed;
+  run_cells(cells, {}, laboratory.sources(),
+            {.finished = [&](CellResult& result,
+                             const CellImages*) { handed.push_back(result.metrics["mse"].value); },
+             .progress = {},
+             .cancelled = {}});
+  ASSERT_EQ(handed.size(), kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    EXPECT_EQ(handed[i], kept[i].metrics["mse"].value);
+    EXPECT_EQ(kept[i].threads, kept[i].cell.threads);
+    EXPECT_EQ(value_of(kept[i], "threads"), std::to_string(cells[i].threads));
+  }
+  EXPECT_EQ(kept[0].metrics["mse"].value, kept[2].metrics["mse"].value);
+}
+
+TEST(Experiment, RepeatsChangeTimesOnly) {
+  Laboratory once, thrice;
+  const auto cells = all_cells({"one"}, {method("uniform")}, {method("mean")}, {4}, 1);
+  ExperimentOptions options;
+  const auto a = run_experiment(cells, options, once.sources());
+  options.repeats = 3;
+  const auto b = run_experiment(cells, options, thrice.sources());
+  EXPECT_EQ(once.sampled["uniform"], 1);
+  EXPECT_EQ(thrice.sampled["uniform"], 3);
+  EXPECT_EQ(a[0].metrics["mse"].value, b[0].metrics["mse"].value);
+  EXPECT_EQ(a[0].sampling.spread, 0.0);
+  EXPECT_GT(b[0].sampling.spread, 0.0);
+  EXPECT_GT(a[0].peak_memory.value_or(0), 1u << 20);
+}
+
+TEST(Experiment, AnExceptionIsTheErrorOfItsCell) {
+  Laboratory laboratory;
+  ExperimentSources sources = laboratory.sources();
+  sources.filter = [](const MethodChoice& choice) -> Result<ReconstructorFunction> {
+    if (choice.name == "mean") return Laboratory::filter(choice);
+    return ReconstructorFunction(
+        [](const Selection&, const SamplePool&,
+           const ReconstructionContext&) -> Result<Reconstruction> { throw std::bad_alloc(); });
+  };
+  const auto results = run_experiment(
+      all_cells({"one"}, {method("uniform")}, {method("huge"), method("mean")}, {4}, 1), {},
+      sources);
+  ASSERT_TRUE(results[0].error.has_value());
+  EXPECT_EQ(results[0].error->code, ErrorCode::kIo);
+  EXPECT_NE(results[0].error->message.find("out of memory"), std::string::npos);
+  EXPECT_FALSE(results[1].error.has_value());
+}
+
 TEST(Experiment, AnImageThatIsNotFiniteIsMarkedAsFailed) {
   Laboratory laboratory;
   const auto results =
@@ -218,7 +275,7 @@ TEST(ResultTable, RowsHaveAFieldForEveryColumnAndQuoteWhatNeedsIt) {
   result.cell = {"a \"b\", c", {"s", "p", {{"x", "1"}, {"y", "2"}}}, method("f"), 2.5, 3};
   result.error = Error{ErrorCode::kData, "no"};
   const std::string row = to_csv_row(result);
-  EXPECT_EQ(row.substr(0, 43), "\"a \"\"b\"\", c\",\"s:p{x=1,y=2}\",f,2.5,3,,,,,,,,");
+  EXPECT_EQ(row.substr(0, 45), "\"a \"\"b\"\", c\",\"s:p{x=1,y=2}\",f,2.5,3,0,,,,,,,,");
   std::size_t commas = 0;
   bool quoted = false;
   for (const char c : row) {
@@ -226,6 +283,45 @@ TEST(ResultTable, RowsHaveAFieldForEveryColumnAndQuoteWhatNeedsIt) {
     commas += c == ',' && !quoted;
   }
   EXPECT_EQ(commas + 1, result_columns().size());
+}
+
+TEST(ResultTable, JsonLinesHaveNumbersNullsAndEscapedText) {
+  CellResult result;
+  result.cell = {"a \"b\"\n", method("s"), method("f"), 2.5, 3};
+  result.metrics.values.resize(metrics().size());
+  result.metrics.values[0] = {0.1, std::nan("")};
+  result.metrics.values[static_cast<std::size_t>(metric_index("psnr_tm"))].value =
+      std::numeric_limits<double>::infinity();
+  const std::string line = to_json_line(result_fields(result));
+  EXPECT_EQ(line.substr(0, 56), R"({"dump":"a \"b\"\u000a","sampler":"s","filter":"f","spp")");
+  EXPECT_NE(line.find(R"("mse":0.1,"mse_se":null,)"), std::string::npos);
+  EXPECT_NE(line.find(R"("psnr_tm":"inf")"), std::string::npos);
+  EXPECT_EQ(line.back(), '}');
+}
+
+TEST(ResultRecord, KeepsValuesExactlyAndResamplesAlmost) {
+  Laboratory laboratory;
+  const auto results = run_experiment(
+      all_cells({"one"}, {method("uniform")}, {method("mean")}, {4}, 3), {}, laboratory.sources());
+  std::vector<ResultRecord> records;
+  std::vector<const MetricTable*> tables;
+  for (const CellResult& result : results) {
+    records.push_back(record_of(result));
+    tables.push_back(&result.metrics);
+  }
+  const std::vector<const ResultRecord*> pointers = {&records[0], &records[1], &records[2]};
+  for (const std::string& metric : compared_metrics()) {
+    const MethodSeries exact = method_series("m", metric, tables);
+    const MethodSeries kept = record_series("m", metric, pointers);
+    EXPECT_EQ(kept.values, exact.values);
+    for (std::size_t r = 0; r < 3; ++r) {
+      ASSERT_EQ(kept.resampled[r].size(), exact.resampled[r].size()) << metric;
+      for (std::size_t b = 0; b < kept.resampled[r].size(); ++b) {
+        EXPECT_NEAR(kept.resampled[r][b], exact.resampled[r][b],
+                    1e-7 * std::abs(exact.resampled[r][b] - exact.values[r]) + 1e-15);
+      }
+    }
+  }
 }
 
 TEST(ResultTable, ColumnsHaveUniqueNamesAndMeanings) {

@@ -115,6 +115,10 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
       {"[[sampler]]\nname = 'multiscale'\nalpha = []", "'alpha' has no value"},
       {"[[sampler]]\nalpha = 1", "this sampler has no name"},
       {"[[sampler]]\nname = 'uniform'", "sampler uniform is there twice"},
+      {"threads = [1, 1]", "plan.toml:5: threads 1 is there twice"},
+      {"threads = []", "plan.toml:5: 'threads' has no value"},
+      {"repeats = 0", "plan.toml:5: option repeats: 0 is outside"},
+      {"pictures = 3", "plan.toml:5: pictures is true or false"},
       {"[pool]\nnegativ = 1", "plan.toml:6: unknown option 'negativ'"},
       {"[metrics]\ntrim = 'x'", "plan.toml:6: option trim: 'x' is not a number"},
       {"seed = {}", "a number, a text or true/false"},
@@ -131,6 +135,52 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
   EXPECT_FALSE(
       parse("recordings = 'a'\nspp = []\nsamplers = 'uniform'\nfilters = 'box'").has_value());
   EXPECT_FALSE(parse("recordings = 'a'\nspp = 4\nfilters = 'box'").has_value());
+}
+
+TEST(Plan, RecordingsWithOneNameAreRefused) {
+  const std::string rest = "\nspp = 4\nsamplers = 'uniform'\nfilters = 'box'\n";
+  for (const char* recordings :
+       {"recordings = ['a/x.spool', 'b/x.spool']", "recordings = ['a.spool', 'a.spool']"}) {
+    EXPECT_FALSE(parse(recordings + rest).has_value()) << recordings;
+  }
+  EXPECT_FALSE(
+      parse("recordings = 'a'\nspp = [4, 4]\nsamplers = 'uniform'\nfilters = 'box'").has_value());
+}
+
+TEST(Plan, MethodsWithAColonAreMadeByWhoeverCan) {
+  const std::string text =
+      "recordings = 'a.spool'\nspp = 4\nsamplers = 'exec:python3 mine.py'\nfilters = 'box'\n";
+  EXPECT_FALSE(parse(text).has_value());
+  std::string asked;
+  const PlanVocabulary vocabulary{kSamplers, kFilters,
+                                  [&](const MethodChoice& choice) -> Result<SamplerFunction> {
+                                    asked = choice.name;
+                                    return SamplerFunction{};
+                                  },
+                                  nullptr};
+  const auto plan = parse_plan(text, "plan.toml", "lab", vocabulary);
+  ASSERT_TRUE(plan.has_value()) << plan.error().message;
+  EXPECT_EQ(asked, "exec:python3 mine.py");
+  EXPECT_EQ(plan->samplers[0].label(), "exec:python3 mine.py");
+}
+
+TEST(Plan, ItsTextReadsBackToTheSameCells) {
+  Plan plan = *parse(kFull);
+  plan.threads = {1, 4};
+  plan.experiment.repeats = 3;
+  plan.pictures = false;
+  const auto again = parse(plan_text(plan));
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(again->threads, plan.threads);
+  EXPECT_FALSE(again->pictures);
+  const std::vector<Cell> cells = plan.cells(), others = again->cells();
+  ASSERT_EQ(others.size(), cells.size());
+  std::set<std::string> ids, other_ids;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    ids.insert(cell_id(cells[i], plan));
+    other_ids.insert(cell_id(others[i], *again));
+  }
+  EXPECT_EQ(other_ids, ids);
 }
 
 TEST(Plan, MissingFileIsAnIoError) {

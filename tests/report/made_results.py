@@ -12,9 +12,9 @@ METRICS = ["mse", "mse_r", "rmse", "relmse", "relmse_trimmed", "relmse_dropped",
            "energy_ratio_d1"]
 REST = ["efficiency", "samples_spent", "samples_initial", "saturated", "saturated_share", "seconds_sampling",
         "cpu_sampling", "seconds_filtering", "cpu_filtering", "seconds_reading", "seconds_per_sample", "seconds_total",
-        "threads", "reference", "holdout", "width", "height", "relative_scale", "pixels_judged", "excluded_image",
+        "threads_used", "reference", "holdout", "width", "height", "relative_scale", "pixels_judged", "excluded_image",
         "excluded_reference", "guards", "error"]
-HEADER = (["dump", "sampler", "filter", "spp", "replicate"] + [c for m in METRICS for c in (m, m + "_se")] + REST)
+HEADER = (["dump", "sampler", "filter", "spp", "replicate", "threads"] + [c for m in METRICS for c in (m, m + "_se")] + REST)
 
 FACTOR = {"uniform": 1.0, "mitchell": 1.0, "multiscale": 0.7, "box": 1.0, "gaussian": 0.5, "directional": 0.25}
 
@@ -49,7 +49,7 @@ def make_row(dump, sampler, filter_, spp, replicate, error, size=(48, 40), **cha
                saturated_share=repr(3 / pixels), seconds_sampling="0.01", cpu_sampling="0.02",
                seconds_filtering=repr(0.02 + 0.001 * replicate), cpu_filtering="0.03", seconds_reading="0.1",
                seconds_per_sample="1e-6", seconds_total=repr(0.03 + 0.001 * replicate + pixels * spp * 1e-5),
-               efficiency=repr(1.0 / error) if error else "", threads="2", reference="independent", holdout="0",
+               efficiency=repr(1.0 / error) if error else "", threads="0", threads_used="2", reference="independent", holdout="0",
                width=str(size[0]), height=str(size[1]), relative_scale="1", pixels_judged=str(pixels),
                excluded_image="0", excluded_reference="0", guards="variance_floor=4 saturated_pieces=3")
     row.update(changes)

@@ -15,6 +15,7 @@ import numpy as np
 
 from exr_image import read_exr, rgb, single
 from image_packing import Packed, pack_counts, pack_half
+from results_table import without_threads
 
 PICTURES = ("estimate", "reference", "squared_error", "density", "filter_size", "direction")
 COLOUR = {"estimate", "reference"}
@@ -74,7 +75,7 @@ def find_images(folder, combinations):
     names = dump_names(dict.fromkeys(c.dump for c in combinations))
     found = []
     for index, c in enumerate(combinations):
-        stem = "_".join([names[c.dump], file_name_of(c.sampler), file_name_of(c.filter),
+        stem = "_".join([names[c.dump], file_name_of(without_threads(c.sampler)), file_name_of(c.filter),
                          f"{c.spp:g}spp"])
         paths = {name: folder / stem / f"{name}.exr" for name in PICTURES}
         if not paths["reference"].exists():

@@ -5,11 +5,12 @@ report without a change here.
 """
 
 import csv
+import re
 from typing import NamedTuple
 
 from failure import Failure
 
-KEY = ("dump", "sampler", "filter", "spp", "replicate")
+KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")
 TEXT = {"dump", "sampler", "filter", "reference", "guards", "error"}
 csv.field_size_limit(1 << 24)
 
@@ -53,7 +54,19 @@ def _read(path, reader):
         rows.append(row)
     if not rows:
         raise Failure(f"{path}: no results in it: run spool evaluate again")
+    _name_threads(rows)
     return ResultsTable(rows, [name for name in header if name + "_se" in header])
+
+
+def _name_threads(rows):
+    """Where numbers of threads are swept over, they are part of the sampler's name."""
+    if len({row["threads"] for row in rows}) > 1:
+        for row in rows:
+            row["sampler"] += f" [{row['threads']:g} threads]"
+
+
+def without_threads(sampler):
+    return re.sub(r" \[\d+ threads\]$", "", sampler)
 
 
 def _number(path, line, name, field):

@@ -114,7 +114,7 @@ def run_html(manifest, combinations, labels, version):
     first = next((row for c in combinations for row in c.rows.values()), {})
     rows.append(("judged by", ", ".join(sorted({
         row.get("reference", "") for c in combinations for row in c.rows.values()} - {""}))))
-    threads = first.get("threads", math.nan)
+    threads = first.get("threads_used", math.nan)
     rows.append(("threads", "" if math.isnan(threads) else f"{threads:g}"))
     html = "".join(f"<dt>{escape(name)}</dt><dd>{_value_html(name, value)}</dd>"
                    for name, value in rows)

@@ -1,0 +1,229 @@
+"""`spool evaluate PLAN.toml`: dry run, resuming, shards, failures, and what a folder refuses."""
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import time
+
+import pytest
+
+from conftest import PROGRAM, samples, write_dump
+from results_comparison import assert_same_results, rows_of
+
+KILLS = int(os.environ.get("SPOOL_KILLS", "5"))
+
+PLAN = """
+title = "small"
+recordings = ["scene.spool", "other.spool"]
+spp = [2, 4]
+replicates = 2
+samplers = ["uniform"]
+filters = ["box"]
+[[sampler]]
+name = "multiscale"
+alpha = [0.3, 0.5]
+[[filter]]
+name = "gaussian"
+sigma = [1, 2]
+"""
+CELLS = 2 * 2 * 2 * 3 * 3
+
+
+@pytest.fixture
+def plan(tmp_path, dump):
+    write_dump(tmp_path / "other.spool", samples(seed=2)[0])
+    path = tmp_path / "plan.toml"
+    path.write_text(PLAN)
+    return path
+
+
+def test_sweeps_become_rows_and_both_tables_say_the_same(good, plan, tmp_path):
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    rows = rows_of(tmp_path / "out")
+    assert len(rows) == CELLS
+    assert {r["sampler"] for r in rows} == {"uniform", "multiscale{alpha=0.3}", "multiscale{alpha=0.5}"}
+    assert {r["filter"] for r in rows} == {"box", "gaussian{sigma=1}", "gaussian{sigma=2}"}
+    for row, line in zip(rows, (tmp_path / "out" / "results.jsonl").read_text().splitlines(), strict=True):
+        entry = json.loads(line)
+        assert list(entry) == list(row)
+        for name, value in entry.items():
+            text = row[name]
+            assert text == (value or "") if isinstance(value, str) else (
+                text == "" if value is None else float(text) == value)
+
+
+def test_the_manifest_says_how_it_was_made(good, plan, tmp_path):
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    sums = subprocess.run(["sha256sum", "scene.spool", "other.spool"], cwd=tmp_path, text=True,
+                          capture_output=True, check=True).stdout.split()[::2]
+    assert [d["sha256"] for d in manifest["dumps"]] == sums
+    assert manifest["version"].startswith("spool ") and "evaluate" in manifest["command"]
+    assert manifest["machine"]["threads"] >= 1
+    methods = {m["label"]: m["options"] for m in manifest["plan"]["samplers"]}
+    assert methods["multiscale{alpha=0.3}"]["alpha"] == "0.3" and len(methods["multiscale{alpha=0.3}"]) > 10
+    good("evaluate", "out/plan.toml", "-o", "again", "--no-pictures")
+    assert_same_results(tmp_path / "out", tmp_path / "again", apart=("dump",))
+
+
+def test_a_dry_run_lists_the_cells_and_writes_nothing(good, plan, tmp_path):
+    before = sorted(p.name for p in tmp_path.iterdir())
+    out = good("evaluate", plan, "--dry-run").out
+    assert sum(" + " in line for line in out.splitlines()) == CELLS
+    assert f"{CELLS} cells: 2 recordings x 3 samplers" in out and "about " in out
+    assert sorted(p.name for p in tmp_path.iterdir()) == before
+    seconds = good("evaluate", plan, "--dry-run", "--json").json
+    assert seconds["cells"] == CELLS and 0 < seconds["seconds"] < 600
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    done = good("evaluate", plan, "--dry-run", "-o", "out")
+    assert f"{CELLS} done, 0 left" in done.out and "nothing is left" in done.out
+
+
+def test_a_misspelt_key_is_named_with_its_line_and_the_nearest(run, plan):
+    plan.write_text(PLAN.replace("replicates", "replicats"))
+    run("evaluate", plan, "-o", "out").failed_with(2, "plan.toml:5", "did you mean 'replicates'")
+    plan.write_text(PLAN.replace("alpha", "alhpa"))
+    run("evaluate", plan, "-o", "out").failed_with(2, "did you mean 'alpha'")
+    plan.write_text(PLAN)
+    run("evaluate", plan, "--spp", 4, "-o", "out").failed_with(2, "--spp", "the plan")
+    run("evaluate", plan, plan, "-o", "out").failed_with(2, "one plan")
+    run("evaluate", plan).failed_with(2, "-o")
+    run("evaluate", plan, "--shard", "4/4", "-o", "out").failed_with(2, "--shard 4/4")
+
+
+def test_nothing_finished_is_done_again(good, plan, tmp_path):
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    cells = {p: p.stat().st_mtime_ns for p in (tmp_path / "out" / "cells").iterdir()}
+    assert len(cells) == CELLS
+    first = (tmp_path / "out" / "results.csv").read_bytes()
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    assert {p: p.stat().st_mtime_ns for p in cells} == cells
+    assert (tmp_path / "out" / "results.csv").read_bytes() == first
+    plan.write_text(PLAN.replace("[2, 4]", "[2, 4, 8]"))
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    assert {p: p.stat().st_mtime_ns for p in cells} == cells
+    assert len(rows_of(tmp_path / "out")) == CELLS * 3 // 2
+    good("evaluate", plan, "-o", "out", "--no-pictures", "--force")
+    assert all(p.stat().st_mtime_ns != t for p, t in cells.items())
+
+
+def test_a_killed_run_goes_on_to_the_same_results(good, plan, tmp_path):
+    good("evaluate", plan, "-o", "whole")
+    started = time.monotonic()
+    good("evaluate", plan, "-o", "timed", "--no-pictures")
+    whole = time.monotonic() - started
+    chance = random.Random(7)
+    killed_within = 0
+    for kill in range(KILLS):
+        folder = tmp_path / "killed"
+        shutil.rmtree(folder, ignore_errors=True)
+        pictures = [] if kill == 0 else ["--no-pictures"]
+        threads = chance.choice(["1", "2"])
+        victim = subprocess.Popen([PROGRAM, "evaluate", plan, "-o", folder, "--threads", threads,
+                                   *pictures], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(chance.uniform(0.0, 1.0) * whole)
+        victim.kill()
+        victim.wait()
+        kept = {p: p.stat().st_mtime_ns for p in folder.glob("cells/*.json")}
+        killed_within += 0 < len(kept) < CELLS
+        good("evaluate", plan, "-o", folder, *pictures)
+        assert {p: p.stat().st_mtime_ns for p in kept} == kept, kill
+        assert_same_results(tmp_path / "whole", folder, images=not pictures)
+    assert killed_within > 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_keeps_what_is_done_and_says_so(plan, good, tmp_path, number):
+    plan.write_text(PLAN.replace("replicates = 2", "replicates = 500"))
+    victim = subprocess.Popen([PROGRAM, "evaluate", plan, "-o", tmp_path / "out", "--no-pictures"],
+                              stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    deadline = time.monotonic() + 60
+    while len(list(tmp_path.glob("out/cells/*.json"))) < 3 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    victim.send_signal(number)
+    message = victim.communicate(timeout=30)[1]
+    assert victim.returncode == 128 + number
+    kept = list(tmp_path.glob("out/cells/*"))
+    assert len(kept) >= 3 and all(p.suffix == ".json" for p in kept)
+    assert f"{len(kept)} of {CELLS * 250} results are kept" in message, message
+    assert "the same command goes on" in message
+
+
+def test_shards_in_one_folder_or_in_several_merge_to_the_same_bits(good, run, plan, tmp_path):
+    plan.write_text(PLAN.replace("sigma = [1, 2]", ""))
+    good("evaluate", plan, "-o", "whole")
+    for i in (2, 0, 1):
+        good("evaluate", plan, "--shard", f"{i}/3", "-o", "shared", "--no-pictures")
+        good("evaluate", plan, "--shard", f"{i}/3", "-o", f"own{i}")
+    assert not (tmp_path / "shared" / "results.csv").exists()
+    run("evaluate", plan, "--merge", "-o", "merged", "--from", "own0", "--from", "own1").failed_with(
+        1, "results are missing")
+    for _ in range(2):  # merging again changes nothing
+        good("evaluate", plan, "--merge", "-o", "shared", "--no-pictures")
+        good("evaluate", plan, "--merge", "-o", "merged", "--from", "own0", "--from", "own1",
+             "--from", "own2")
+        assert_same_results(tmp_path / "whole", tmp_path / "shared")
+        assert_same_results(tmp_path / "whole", tmp_path / "merged", images=True)
+    assert len(json.loads((tmp_path / "shared" / "manifest.json").read_text())["shards"]) == 3
+    good("evaluate", plan, "--shard", "1/3", "-o", "shared", "--no-pictures")  # idempotent
+    good("evaluate", plan, "--merge", "-o", "shared", "--no-pictures")
+    assert_same_results(tmp_path / "whole", tmp_path / "shared")
+
+
+def test_one_failed_cell_is_recorded_and_tried_again(good, run, plan, tmp_path):
+    counts = tmp_path / "counts.exr"
+    plan.write_text(PLAN.replace('samplers = ["uniform"]', f'samplers = ["uniform", "counts:{counts}"]'))
+    finished = run("evaluate", plan, "-o", "out", "--no-pictures")
+    if "unknown sampler" in finished.err:
+        pytest.skip("this program has no counts:FILE")
+    finished.failed_with(1, "24 of 96 results failed")
+    rows = rows_of(tmp_path / "out")
+    failed = [r for r in rows if r["sampler"].startswith("counts:")]
+    assert len(rows) == 96 and len(failed) == 24
+    assert all(r["error"] and r["mse"] == "" for r in failed)
+    assert all(r["mse"] and not r["error"] for r in rows if r not in failed)
+    good("replay", "scene.spool", "--sampler", "uniform", "--spp", 2, "-o", counts)
+    run("evaluate", plan, "-o", "out", "--no-pictures")
+    assert any(r["mse"] for r in rows_of(tmp_path / "out") if r["sampler"].startswith("counts:"))
+
+
+def test_a_damaged_cell_counts_as_missing(good, plan, tmp_path):
+    good("evaluate", plan, "-o", "whole", "--no-pictures")
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    cells = sorted((tmp_path / "out" / "cells").iterdir())
+    cells[0].write_text("")
+    cells[1].write_text(cells[1].read_text()[:100])
+    cells[2].unlink()
+    (tmp_path / "out" / "cells" / "0123.json.77.partial").write_text("rest of a killed run")
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    assert_same_results(tmp_path / "whole", tmp_path / "out")
+
+
+def test_a_folder_refuses_what_would_be_mixed_up(good, run, plan, tmp_path):
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    plan.write_text(PLAN.replace("[2, 4]", "[2]"))
+    run("evaluate", plan, "-o", "out").failed_with(2, "36 results that this plan does not have")
+    plan.write_text(PLAN)
+    (tmp_path / "other.spool").unlink()
+    write_dump(tmp_path / "other.spool", samples(seed=3)[0])
+    run("evaluate", plan, "-o", "out").failed_with(2, "other.spool", "not the recording", "--force")
+    run("evaluate", plan, "--merge", "-o", "new", "--from", "out").failed_with(2, "other.spool")
+    good("evaluate", plan, "-o", "out", "--no-pictures", "--force")
+    (tmp_path / "strange").mkdir()
+    (tmp_path / "strange" / "thesis.tex").write_text("mine")
+    run("evaluate", plan, "-o", "strange").failed_with(2, "holds no results")
+    assert (tmp_path / "strange" / "thesis.tex").read_text() == "mine"
+
+
+def test_threads_may_be_swept_over_and_repeats_give_spreads(good, dump, tmp_path):
+    good("evaluate", dump, "--spp", 4, "--filters", "gaussian", "--replicates", 2, "--repeats", 3,
+         "--sweep-threads", "1,2", "-o", "out")
+    rows = rows_of(tmp_path / "out")
+    assert [(r["replicate"], r["threads"], r["threads_used"]) for r in rows] == [
+        ("0", "1", "1"), ("0", "2", "2"), ("1", "1", "1"), ("1", "2", "2")]
+    assert rows[0]["mse"] == rows[1]["mse"] != rows[2]["mse"]
+    assert all(float(r["seconds_filtering_spread"]) > 0 for r in rows)
+    assert float(rows[0]["seconds_writing"]) > 0 and rows[2]["seconds_writing"] == "0"
+    assert all(1 < float(r["peak_memory_mb"]) < 4000 for r in rows)

@@ -1,0 +1,149 @@
+#include "tools/cell_store.h"
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/evaluation/result_table.h"
+#include "lib/image_io/atomic_file.h"
+#include "tools/base64.h"
+
+namespace spool::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+std::string encode(const std::vector<float>& values) {
+  std::string bytes(values.size() * sizeof(float), '\0');
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  return to_base64(bytes);
+}
+
+std::vector<float> decode(const std::string& text) {
+  const std::string bytes = from_base64(text);
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+  return values;
+}
+
+ordered_json to_json(const ResultRecord& record) {
+  ordered_json json = {{"version", SPOOL_VERSION}, {"fields", ordered_json::object()}};
+  for (std::size_t i = 0; i < record.fields.size(); ++i) {
+    const ResultColumn& column = result_columns()[i];
+    if (column.kind != ColumnKind::kCell && !record.fields[i].empty()) {
+      json["fields"][column.name] = record.fields[i];
+    }
+  }
+  for (std::size_t m = 0; m < record.deviations.size(); ++m) {
+    if (record.deviations[m].empty()) continue;
+    json["deviations"][compared_metrics()[m]] = encode(record.deviations[m]);
+  }
+  return json;
+}
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+bool is_failed(const fs::path& path) {
+  const auto json = ordered_json::parse(contents(path), nullptr, false);
+  return json.is_discarded() || !json.contains("fields") || json["fields"].contains("error");
+}
+
+}  // namespace
+
+Result<void> CellStore::create() const {
+  std::error_code status;
+  fs::create_directories(cells(), status);
+  if (status) return fail(ErrorCode::kIo, "{}: {}", cells().string(), status.message());
+  return {};
+}
+
+bool CellStore::has_any() const {
+  std::error_code status;
+  return fs::is_directory(cells(), status);
+}
+
+Result<void> CellStore::remove_all() const {
+  std::error_code status;
+  fs::remove_all(cells(), status);
+  if (status) return fail(ErrorCode::kIo, "{}: {}", cells().string(), status.message());
+  return {};
+}
+
+Result<void> CellStore::write(const std::string& id, const ResultRecord& record) const {
+  return write_text_file(
+      path_of(id), to_json(record).dump(-1, ' ', false, ordered_json::error_handler_t::replace),
+      true);
+}
+
+Result<ResultRecord> CellStore::read(const std::string& id, const Cell& cell) const {
+  const fs::path path = path_of(id);
+  std::error_code status;
+  if (!fs::is_regular_file(path, status)) {
+    return fail(ErrorCode::kIo, "{}: not finished yet", path.string());
+  }
+  const auto json = ordered_json::parse(contents(path), nullptr, false);
+  const auto understood = [&] {
+    return !json.is_discarded() && json.contains("fields") && json["fields"].is_object();
+  };
+  if (!understood()) return fail(ErrorCode::kData, "{}: is no result of a cell", path.string());
+  CellResult empty;
+  empty.cell = cell;
+  ResultRecord record;
+  for (const ResultColumn& column : result_columns()) {
+    std::string field;
+    if (column.kind == ColumnKind::kCell) {
+      field = column.text(empty);
+    } else if (const auto found = json["fields"].find(column.name);
+               found != json["fields"].end() && found->is_string()) {
+      field = found->get<std::string>();
+    }
+    record.fields.push_back(std::move(field));
+  }
+  record.deviations.resize(compared_metrics().size());
+  if (const auto kept = json.find("deviations"); kept != json.end() && kept->is_object()) {
+    for (std::size_t m = 0; m < compared_metrics().size(); ++m) {
+      const auto found = kept->find(compared_metrics()[m]);
+      if (found != kept->end() && found->is_string()) {
+        record.deviations[m] = decode(found->get<std::string>());
+      }
+    }
+  }
+  return record;
+}
+
+std::size_t CellStore::count_others(const std::function<bool(const std::string&)>& known) const {
+  std::error_code status;
+  std::size_t others = 0;
+  for (const auto& entry : fs::directory_iterator(cells(), status)) {
+    const fs::path& path = entry.path();
+    if (path.extension() == ".json" && !known(path.stem().string())) ++others;
+  }
+  return others;
+}
+
+Result<std::size_t> CellStore::take_from(const CellStore& other) const {
+  std::error_code status;
+  std::size_t taken = 0;
+  for (const auto& entry : fs::directory_iterator(other.cells(), status)) {
+    const fs::path& path = entry.path();
+    if (path.extension() != ".json") continue;
+    const fs::path own = path_of(path.stem().string());
+    std::error_code unreadable;
+    if (fs::exists(own, unreadable) && !is_failed(own)) continue;
+    SPOOL_TRY(write_text_file(own, contents(path), true));
+    ++taken;
+  }
+  if (status) {
+    return fail(ErrorCode::kIo, "{}: {}: is it a folder of spool evaluate?", other.folder_.string(),
+                status.message());
+  }
+  return taken;
+}
+
+}  // namespace spool::tools

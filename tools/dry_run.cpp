@@ -1,0 +1,122 @@
+// `spool evaluate --dry-run`: the cells of a plan and about how long they will take.
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "formats/spool_reader.h"
+#include "lib/core/option_table.h"
+#include "lib/evaluation/result_table.h"
+#include "lib/synthetic/scene_s.h"
+#include "tools/cell_store.h"
+#include "tools/evaluation_run.h"
+#include "tools/method_settings.h"
+#include "tools/time_estimate.h"
+
+namespace spool::tools {
+namespace {
+
+constexpr int kTrialSide = 64;        // pixels of the scene on which methods are tried
+constexpr int kTrialSamples = 64;     // recorded samples per pixel
+constexpr double kTrialSpp = 8;       // spent
+constexpr double kTrialSeconds = 10;  // at most, for all of them
+
+// Every sampler and every filter of the plan once, on a small analytic scene.
+void try_methods(const Plan& plan, TimeEstimate& estimate) {
+  std::vector<Cell> trials;
+  const std::size_t n = std::max(plan.samplers.size(), plan.filters.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    trials.push_back({"trial", plan.samplers[i % plan.samplers.size()],
+                      plan.filters[i % plan.filters.size()], kTrialSpp, 0});
+  }
+  const auto recording = std::make_shared<const RecordedSamples>(
+      make_scene_s(kTrialSide, kTrialSide, kTrialSamples, 1));
+  const ExperimentSources sources{
+      [&](const std::string&) { return Result<std::shared_ptr<const RecordedSamples>>(recording); },
+      [](const MethodChoice& choice) { return make_sampler(choice); },
+      [](const MethodChoice& choice) { return make_filter(choice); }};
+  const auto start = std::chrono::steady_clock::now();
+  ExperimentOptions options = plan.experiment;
+  options.pieces_per_side = 1;
+  options.reference.reset();
+  const ExperimentCallbacks callbacks{.finished =
+                                          [&](CellResult& result, const CellImages*) {
+                                            if (!result.error)
+                                              estimate.learn(result.cell, record_of(result));
+                                          },
+                                      .progress = {},
+                                      .cancelled =
+                                          [&] {
+                                            const std::chrono::duration<double> taken =
+                                                std::chrono::steady_clock::now() - start;
+                                            return taken.count() > kTrialSeconds;
+                                          }};
+  run_cells(trials, options, sources, callbacks);
+}
+
+}  // namespace
+
+Result<void> print_dry_run(const RunRequest& request, const CommonOptions& common) {
+  const Plan& plan = request.plan;
+  std::map<std::string, double> pixels;
+  for (const std::string& dump : plan.recordings) {
+    SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
+    pixels[dump] = static_cast<double>(reader.header().width) * reader.header().height;
+  }
+  const CellStore store(request.folder);
+  std::vector<Cell> left;
+  std::vector<std::pair<Cell, ResultRecord>> done;
+  std::size_t all = 0;
+  std::string listing;
+  for (const Cell& cell : plan.cells()) {
+    if (request.shard && shard_of(cell, plan, request.shard->count) != request.shard->index) {
+      continue;
+    }
+    ++all;
+    const std::string id = cell_id(cell, plan);
+    auto record = request.folder.empty() ? fail(ErrorCode::kIo, "no folder") : store.read(id, cell);
+    const bool is_done = record && !record->text("reference").empty();
+    if (is_done) {
+      done.emplace_back(cell, std::move(*record));
+    } else {
+      left.push_back(cell);
+    }
+    listing += fmt::format("{}  {}  {} + {}  {:g} spp  replicate {}{}{}\n", id, cell.dump,
+                           cell.sampler.label(), cell.filter.label(), cell.spp, cell.replicate,
+                           cell.threads > 0 ? fmt::format("  {} threads", cell.threads) : "",
+                           is_done ? "  done" : "");
+  }
+  TimeEstimate estimate(left, [&](const std::string& dump) { return pixels.at(dump); });
+  for (const auto& [cell, record] : done)
+    estimate.learn(cell, record);
+  const bool measured = estimate.known();
+  if (!measured && !left.empty()) try_methods(plan, estimate);
+  // The trial cannot see what the machine's caches will make of a large image, nor the writing of
+  // pictures; half and twice the estimate are ordinary.
+  const double seconds = estimate.seconds_left() * plan.experiment.repeats;
+  if (common.json) {
+    print(fmt::format("{{\"cells\": {}, \"done\": {}, \"left\": {}, \"seconds\": {}}}\n", all,
+                      done.size(), left.size(), format_number(seconds)));
+    return {};
+  }
+  print(listing);
+  print(fmt::format(
+      "\n{} cells: {} recordings x {} samplers x {} budgets x {} replicates x {} "
+      "numbers of threads x {} filters{}; {} done, {} left\n",
+      all, plan.recordings.size(), plan.samplers.size(), plan.spp.size(), plan.replicates,
+      plan.threads.size(), plan.filters.size(),
+      request.shard ? fmt::format(", shard {}/{}", request.shard->index, request.shard->count) : "",
+      done.size(), left.size()));
+  if (left.empty()) {
+    print("nothing is left to do\n");
+  } else if (!estimate.known()) {
+    print("the time cannot be estimated: no method ran on the trial scene\n");
+  } else {
+    print(fmt::format("about {} ({}); half or twice that is ordinary\n", format_seconds(seconds),
+                      measured ? "from the results that are done"
+                               : "from a trial of each method on a small scene, pictures not "
+                                 "counted"));
+  }
+  return {};
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,92 @@
+#include "tools/dump_identity.h"
+
+#include <fstream>
+#include <iterator>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/interchange/sha256.h"
+#include "lib/image_io/atomic_file.h"
+
+namespace spool::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+Result<void> check_against(const DumpIdentity& dump, const std::vector<DumpIdentity>& known,
+                           const fs::path& folder) {
+  for (const DumpIdentity& other : known) {
+    if (other.path.filename() != dump.path.filename() || other.sha256 == dump.sha256) continue;
+    return fail(ErrorCode::kUsage,
+                "{}: is not the recording that the results in {} were made from: choose another "
+                "folder or give --force",
+                dump.path.string(), folder.string());
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<DumpIdentity> known_dumps(const fs::path& folder) {
+  std::ifstream file(folder / "dumps.json", std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto json = ordered_json::parse(text, nullptr, false);
+  std::vector<DumpIdentity> dumps;
+  if (!json.is_array()) return dumps;
+  for (const auto& entry : json) {
+    if (!entry.is_object()) continue;
+    dumps.push_back({entry.value("path", ""), entry.value("bytes", std::uint64_t{0}),
+                     entry.value("modified", std::int64_t{0}), entry.value("sha256", ""), ""});
+  }
+  return dumps;
+}
+
+Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>& dumps,
+                                                 const fs::path& folder) {
+  const std::vector<DumpIdentity> known = known_dumps(folder);
+  std::vector<DumpIdentity> identified;
+  for (const std::string& dump : dumps) {
+    std::error_code status;
+    DumpIdentity identity;
+    identity.name = dump;
+    identity.path = fs::absolute(dump).lexically_normal();
+    identity.bytes = fs::file_size(dump, status);
+    if (status) return fail(ErrorCode::kIo, "{}: {}", dump, status.message());
+    identity.modified = fs::last_write_time(dump, status).time_since_epoch().count();
+    for (const DumpIdentity& other : known) {
+      if (other.path == identity.path && other.bytes == identity.bytes &&
+          other.modified == identity.modified) {
+        identity.sha256 = other.sha256;
+      }
+    }
+    if (identity.sha256.empty()) {
+      SPOOL_ASSIGN(identity.sha256, interchange::sha256_of(dump));
+    }
+    SPOOL_TRY(check_against(identity, known, folder));
+    identified.push_back(std::move(identity));
+  }
+  return identified;
+}
+
+Result<void> write_identities(const std::vector<DumpIdentity>& dumps, const fs::path& folder) {
+  ordered_json json = ordered_json::array();
+  for (const DumpIdentity& dump : dumps) {
+    json.push_back({{"path", dump.path.string()},
+                    {"bytes", dump.bytes},
+                    {"modified", dump.modified},
+                    {"sha256", dump.sha256}});
+  }
+  return write_text_file(folder / "dumps.json",
+                         json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n",
+                         true);
+}
+
+Result<void> check_same_dumps(const std::vector<DumpIdentity>& dumps, const fs::path& other) {
+  const std::vector<DumpIdentity> known = known_dumps(other);
+  for (const DumpIdentity& dump : dumps)
+    SPOOL_TRY(check_against(dump, known, other));
+  return {};
+}
+
+}  // namespace spool::tools

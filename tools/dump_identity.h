@@ -1,0 +1,35 @@
+// Which recordings the results in a folder were made from: DIR/dumps.json, by sha256.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lib/core/error.h"
+
+namespace spool::tools {
+
+struct DumpIdentity {
+  std::filesystem::path path;  // absolute
+  std::uint64_t bytes = 0;
+  std::int64_t modified = 0;  // of the file, in ticks of its clock
+  std::string sha256;
+  std::string name;  // as the plan or the command gave it; not stored
+};
+
+// Of each recording; a file that dumps.json knows by path, size and time is not read again. kUsage
+// when dumps.json names a recording of the same file name and other contents: results of the two
+// must not be mixed.
+Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>& dumps,
+                                                 const std::filesystem::path& folder);
+// Those of `folder`; empty where there is no dumps.json.
+std::vector<DumpIdentity> known_dumps(const std::filesystem::path& folder);
+Result<void> write_identities(const std::vector<DumpIdentity>& dumps,
+                              const std::filesystem::path& folder);
+
+// kUsage when `other`, a folder of results, was made from other recordings than `dumps`.
+Result<void> check_same_dumps(const std::vector<DumpIdentity>& dumps,
+                              const std::filesystem::path& other);
+
+}  // namespace spool::tools

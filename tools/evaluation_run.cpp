@@ -1,0 +1,353 @@
+#include "tools/evaluation_run.h"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include "formats/spool_reader.h"
+#include "lib/evaluation/result_record.h"
+#include "lib/evaluation/result_table.h"
+#include "lib/image_io/atomic_file.h"
+#include "lib/pool/load_recording.h"
+#include "tools/best_so_far.h"
+#include "tools/cell_store.h"
+#include "tools/dump_identity.h"
+#include "tools/evaluation_pictures.h"
+#include "tools/evaluation_summary.h"
+#include "tools/interrupt.h"
+#include "tools/method_settings.h"
+#include "tools/progress.h"
+#include "tools/results_writer.h"
+#include "tools/run_manifest.h"
+#include "tools/time_estimate.h"
+
+namespace spool::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The cells of a plan with their names.
+struct NamedCells {
+  std::vector<Cell> cells;
+  std::vector<std::string> ids;
+};
+
+Result<NamedCells> name_cells(const Plan& plan) {
+  NamedCells named{plan.cells(), {}};
+  std::unordered_map<std::string, std::size_t> seen;
+  for (std::size_t i = 0; i < named.cells.size(); ++i) {
+    named.ids.push_back(cell_id(named.cells[i], plan));
+    const auto [place, fresh] = seen.try_emplace(named.ids.back(), i);
+    if (fresh) continue;
+    const Cell& cell = named.cells[i];
+    return fail(ErrorCode::kUsage, "{} with {} at {} spp is asked for twice: name it once",
+                cell.sampler.label(), cell.filter.label(), cell.spp);
+  }
+  return named;
+}
+
+bool has_result(const ResultRecord& record) {
+  return !record.text("reference").empty();
+}
+
+// What can be known to be wrong before hours of work.
+Result<void> check_dumps(const Plan& plan) {
+  for (const std::string& dump : plan.recordings) {
+    SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
+    for (const double spp : plan.spp) {
+      if (spp > reader.header().spp) {
+        return fail(ErrorCode::kData,
+                    "{}: {} samples per pixel asked for, the pool has {}: use a smaller --spp or "
+                    "record more",
+                    dump, spp, reader.header().spp);
+      }
+    }
+  }
+  return {};
+}
+
+double pixels_of(const std::string& dump) {
+  const auto reader = format::SpoolReader::open(dump);
+  return reader ? static_cast<double>(reader->header().width) * reader->header().height : 0.0;
+}
+
+// A folder of ours is continued; a strange one is not touched.
+Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, bool force) {
+  const fs::path& folder = request.folder;
+  const CellStore store(folder);
+  std::error_code status;
+  const bool empty = !fs::exists(folder, status) || fs::is_empty(folder, status);
+  if (force && !request.shard && !request.merge) {
+    SPOOL_TRY(store.remove_all());
+    for (const char* name : {"dumps.json", "manifest.json", "results.csv", "results.jsonl"})
+      fs::remove(folder / name, status);
+  } else if (!empty && !store.has_any()) {
+    return fail(ErrorCode::kUsage,
+                "{}: exists and holds no results that could be continued: choose another name or "
+                "give --force",
+                folder.string());
+  }
+  const std::unordered_set<std::string> known(named.ids.begin(), named.ids.end());
+  const std::size_t others =
+      store.count_others([&](const std::string& id) { return known.contains(id); });
+  if (others > 0 && !force) {
+    return fail(ErrorCode::kUsage,
+                "{}: holds {} results that this plan does not have: choose another folder, or give "
+                "--force to start it anew",
+                folder.string(), others);
+  }
+  return store.create();
+}
+
+Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps) {
+  const CellStore store(request.folder);
+  for (const fs::path& from : request.merge_from) {
+    SPOOL_TRY(check_same_dumps(dumps, from));
+    SPOOL_ASSIGN(const std::size_t taken, store.take_from(CellStore(from)));
+    static_cast<void>(taken);
+    std::error_code status;
+    for (const auto& entry : fs::directory_iterator(from, status)) {
+      const std::string name = entry.path().filename().string();
+      if (name == "cells" || name == "dumps.json" || name == "plan.toml" ||
+          name.starts_with("results.") || name == "manifest.json") {
+        continue;
+      }
+      fs::copy(entry.path(), request.folder / name,
+               fs::copy_options::recursive | fs::copy_options::overwrite_existing, status);
+      if (status) {
+        return fail(ErrorCode::kIo, "{}: {}", entry.path().string(), status.message());
+      }
+    }
+  }
+  return {};
+}
+
+class PlanRun {
+ public:
+  PlanRun(const RunRequest& request, const CommonOptions& common, NamedCells named)
+      : request_(request),
+        common_(common),
+        named_(std::move(named)),
+        store_(request.folder),
+        pictures_(request.folder, request.plan.recordings),
+        estimate_(std::vector<Cell>(), pixels_of) {}
+
+  // Runs what is missing.
+  Result<void> run() {
+    find_missing();
+    if (missing_.empty()) return {};
+    estimate_ = TimeEstimate(missing_, pixels_of);
+    for (const auto& [cell, record] : learnt_)
+      estimate_.learn(cell, record);
+    learnt_.clear();
+    Progress progress("evaluate", common_.quiet);
+    const InterruptNote note([this] {
+      return fmt::format("{} of {} results are kept in {}: the same command goes on from there",
+                         done_.load(), wanted_, request_.folder.string());
+    });
+    const ExperimentSources sources{
+        [&](const std::string& dump) { return load_recording(dump, request_.plan.rules); },
+        [](const MethodChoice& choice) { return make_sampler(choice); },
+        [](const MethodChoice& choice) { return make_filter(choice); }};
+    Result<void> written;  // the first failure to write ends the run
+    const ExperimentCallbacks callbacks{
+        .finished =
+            [&](CellResult& result, const CellImages* images) {
+              if (written) written = keep(result, images);
+            },
+        .progress =
+            [&](double share) {
+              progress.update(
+                  estimate_.known() ? estimate_.share_done() : share,
+                  fmt::format("{} of {} results{}", done_.load(), wanted_, best_.describe()),
+                  estimate_.known() ? std::optional(estimate_.seconds_left()) : std::nullopt);
+            },
+        .cancelled = [&] { return !written.has_value(); }};
+    run_cells(missing_, request_.plan.experiment, sources, callbacks);
+    return written;
+  }
+
+  // What is there becomes results.csv, results.jsonl, sheets and the printed summary.
+  Result<void> collect() {
+    SPOOL_ASSIGN(ResultsWriter writer, ResultsWriter::create(request_.folder));
+    EvaluationSummary summary;
+    std::vector<PicturedResult> pictured;
+    std::size_t missing = 0;
+    for (std::size_t i = 0; i < named_.cells.size(); ++i) {
+      const Cell& cell = named_.cells[i];
+      const Result<ResultRecord> record = store_.read(named_.ids[i], cell);
+      if (!record) {
+        ++missing;
+        continue;
+      }
+      writer.add(record->fields);
+      summary.add(cell, *record);
+      judge(cell, *record);
+      if (is_pictured(cell)) {
+        pictured.push_back({cell, record->number("mse")});
+      }
+    }
+    SPOOL_TRY(writer.finish());
+    std::string sheets = "none";
+    if (request_.plan.pictures) {
+      SPOOL_ASSIGN(sheets, pictures_.write_sheets(pictured));
+    }
+    print(common_.json ? summary.json() : summary.text());
+    if (!common_.json && !common_.quiet) {
+      print(fmt::format("\nnumbers: {}\n", (request_.folder / "results.csv").string()));
+      if (request_.plan.pictures) print(fmt::format("pictures: {}\n", sheets));
+    }
+    return verdict(missing);
+  }
+
+  // The results of a shard are made later; its failures are told now.
+  Result<void> report_shard() {
+    for (std::size_t i = 0; i < named_.cells.size(); ++i) {
+      if (!in_shard(named_.cells[i])) continue;
+      if (const auto record = store_.read(named_.ids[i], named_.cells[i])) {
+        judge(named_.cells[i], *record);
+      }
+    }
+    if (!common_.quiet) {
+      print(fmt::format("shard {}/{}: {} of {} results in {}\n", request_.shard->index,
+                        request_.shard->count, done_.load(), wanted_, request_.folder.string()));
+    }
+    return verdict(0);
+  }
+
+ private:
+  bool in_shard(const Cell& cell) const {
+    return !request_.shard ||
+           shard_of(cell, request_.plan, request_.shard->count) == request_.shard->index;
+  }
+
+  bool is_pictured(const Cell& cell) const {
+    return request_.plan.pictures && cell.replicate == 0 &&
+           cell.threads == request_.plan.threads.front();
+  }
+
+  void find_missing() {
+    for (std::size_t i = 0; i < named_.cells.size(); ++i) {
+      const Cell& cell = named_.cells[i];
+      if (!in_shard(cell)) continue;
+      ++wanted_;
+      Result<ResultRecord> record = store_.read(named_.ids[i], cell);
+      if (record && has_result(*record)) {
+        ++done_;
+        best_.add(cell, record->number("relmse"));
+        if (learnt_.size() < kLearntFrom) learnt_.emplace_back(cell, std::move(*record));
+        continue;
+      }
+      missing_.push_back(cell);
+      id_of_.emplace(key_of(cell), named_.ids[i]);
+    }
+  }
+
+  static std::string key_of(const Cell& cell) {
+    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.label(),
+                       cell.filter.label(), cell.spp, cell.replicate, cell.threads);
+  }
+
+  Result<void> keep(CellResult& result, const CellImages* images) {
+    const Cell& cell = result.cell;
+    if (images && is_pictured(cell)) {
+      const StageClock clock;
+      SPOOL_TRY(pictures_.add(result, *images));
+      result.writing = clock.elapsed();
+    }
+    const ResultRecord record = record_of(result);
+    SPOOL_TRY(store_.write(id_of_.at(key_of(cell)), record));
+    ++done_;
+    best_.add(cell, record.number("relmse"));
+    estimate_.learn(cell, record);
+    estimate_.finished(cell);
+    return {};
+  }
+
+  void judge(const Cell& cell, const ResultRecord& record) {
+    ++results_;
+    if (record.failed()) {
+      ++failed_;
+      if (first_failure_.empty()) {
+        first_failure_ = fmt::format("{} with {} at {} spp: {}", cell.sampler.label(),
+                                     cell.filter.label(), cell.spp, record.text("error"));
+      }
+      return;
+    }
+    const double budget = std::round(cell.spp * record.number("width") * record.number("height"));
+    if (record.number("samples_spent") < budget) ++short_of_samples_;
+  }
+
+  // kData when cells are missing, failed or gave pixels that are no numbers; a warning for pools
+  // that ran out.
+  Result<void> verdict(std::size_t missing) const {
+    if (short_of_samples_ > 0) {
+      print_warning(
+          fmt::format("{} of {} results spent less than their budget because the pool ran "
+                      "out: column samples_spent",
+                      short_of_samples_, results_));
+    }
+    if (missing > 0) {
+      return fail(
+          ErrorCode::kData,
+          "{}: {} of {} results are missing: run the plan or its shards again, then --merge",
+          request_.folder.string(), missing, named_.cells.size());
+    }
+    if (failed_ == 0) return {};
+    return fail(ErrorCode::kData, "{} of {} results failed; the first, {}", failed_, results_,
+                first_failure_);
+  }
+
+  static constexpr std::size_t kLearntFrom = 200;  // finished cells whose times are looked at
+
+  const RunRequest& request_;
+  const CommonOptions& common_;
+  NamedCells named_;
+  CellStore store_;
+  EvaluationPictures pictures_;
+  TimeEstimate estimate_;
+  BestSoFar best_;
+  std::vector<Cell> missing_;
+  std::unordered_map<std::string, std::string> id_of_;  // of what is missing
+  std::vector<std::pair<Cell, ResultRecord>> learnt_;
+  std::atomic<std::size_t> done_ = 0;
+  std::size_t wanted_ = 0;
+  std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0;
+  std::string first_failure_;
+};
+
+}  // namespace
+
+Result<Shard> parse_shard(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  if (slash != std::string::npos) {
+    const auto count = parse_integer("--shard", text.substr(slash + 1), 1, 1 << 20);
+    const auto index = parse_integer("--shard", text.substr(0, slash), 0, 1 << 20);
+    if (count && index && *index < *count) return Shard{*index, *count};
+  }
+  return fail(ErrorCode::kUsage, "--shard {}: write i/N, for example 0/4 .. 3/4", text);
+}
+
+Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
+  const auto started = std::chrono::system_clock::now();
+  SPOOL_ASSIGN(NamedCells named, name_cells(request.plan));
+  SPOOL_TRY(check_dumps(request.plan));
+  SPOOL_TRY(prepare_folder(request, named, common.force));
+  SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps,
+               identify_dumps(request.plan.recordings, request.folder));
+  SPOOL_TRY(write_identities(dumps, request.folder));
+  SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true));
+  SPOOL_TRY(merge_folders(request, dumps));
+  PlanRun run(request, common, std::move(named));
+  if (!request.merge) SPOOL_TRY(run.run());
+  const std::string shard =
+      request.shard ? fmt::format("{}/{}", request.shard->index, request.shard->count) : "";
+  SPOOL_TRY(write_manifest(request.folder, {dumps, started, &request.plan, shard}));
+  return request.shard ? run.report_shard() : run.collect();
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,40 @@
+// Runs the cells of a plan into a folder, and makes the results of what is there.
+//
+// Resumable: cells that are finished in the folder are not done again; cells that failed are tried
+// again. The results of a plan are the same bits however often it was interrupted, however many
+// machines shared it and with any number of threads; columns of times apart.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/evaluation/plan.h"
+#include "tools/console.h"
+
+namespace spool::tools {
+
+struct Shard {
+  int index = 0, count = 1;
+};
+// "i/N", 0 <= i < N.
+Result<Shard> parse_shard(const std::string& text);
+
+struct RunRequest {
+  Plan plan;
+  std::filesystem::path folder;
+  std::optional<Shard> shard;  // only the cells of this one; results are then made by merging
+  bool merge = false;          // no cell is run; results of what is there
+  std::vector<std::filesystem::path> merge_from;  // folders whose cells and images are copied first
+};
+
+// kData when cells are missing (merge), failed, or gave pixels that are no numbers.
+Result<void> run_plan(const RunRequest& request, const CommonOptions& common);
+
+// Prints the cells and about how long they will take, from the cells done in `request.folder`, else
+// from a small analytic scene on which every method is tried. Writes nothing.
+Result<void> print_dry_run(const RunRequest& request, const CommonOptions& common);
+
+}  // namespace spool::tools
