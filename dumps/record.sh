@@ -3,9 +3,10 @@
 #   dumps/record.sh NAME|FILE.blend [--size WxH] [--samples N] [--reference N] [--OPTION VALUE]... -o FILE.spool
 # NAME is a script of dumps/scenes. Further options go to dumps/cycles/record.py (--mode, --seed, --channels ...).
 # --compress and --force go to `spool pack`. The passes stay in FILE.spool.passes until the dump is whole, so an
-# interrupted run continues; --keep leaves them there.
+# interrupted run continues; --keep leaves them there. Then dumps/verify tests the samples and keeps what it found in
+# the dump (`spool info` shows it); --no-verify leaves that out.
 # BLENDER names the Blender to use, or a Python with the module bpy; SPOOL the program.
-# Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or the system refused, 4 damage.
+# Exit codes: 0 done, 1 the scene cannot be recorded or its samples fail verification, 2 wrong use, 3 Blender or the system refused, 4 damage.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
@@ -15,7 +16,7 @@ usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p;}' "$0"; }
 [ $# -ge 1 ] || { usage >&2; exit 2; }
 case $1 in -h|--help) usage; exit 0 ;; -*) fail 2 "the first argument is a scene or a .blend file, not $1" ;; esac
 scene=$1; shift
-out=; keep=; pack=; dry=
+out=; keep=; pack=; dry=; verify=yes
 count=$#
 while [ "$count" -gt 0 ]; do
   argument=$1; shift; count=$((count - 1))
@@ -23,6 +24,7 @@ while [ "$count" -gt 0 ]; do
     -o|--out) [ "$count" -gt 0 ] || fail 2 "$argument needs a file"
               out=$1; shift; count=$((count - 1)) ;;
     --keep) keep=yes ;;
+    --no-verify) verify= ;;
     --compress|--force) pack="$pack $argument" ;;
     --dry-run) dry=yes; set -- "$@" "$argument" ;;
     *) set -- "$@" "$argument" ;;
@@ -55,3 +57,12 @@ esac
 # shellcheck disable=SC2086
 "$spool" pack "$passes" -o "$out" $pack
 [ -n "$keep" ] || rm -rf "$passes"
+[ -n "$verify" ] || exit 0
+for python in python3 /usr/bin/python3; do
+  "$python" -c 'import numpy, zstandard' 2>/dev/null || continue
+  "$python" "$here/verify/verify.py" "$out" --write --quiet && exit 0 || code=$?
+  [ "$code" = 1 ] || exit "$code"
+  echo "record.sh: $out is whole, but its samples are not what they should be: see above" >&2
+  exit 1
+done
+echo "record.sh: $out is not verified: apt-get install python3-numpy python3-zstandard, then dumps/verify/verify.py $out --write" >&2

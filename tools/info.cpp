@@ -69,6 +69,12 @@ ordered_json describe(const format::SpoolReader& reader, std::uintmax_t bytes,
       {"layers", layers},
       {"reference", reader.find_layer("reference").has_value()},
       {"reference_variance", reader.find_layer("reference_variance").has_value()}};
+  out["verified"] = nullptr;  // or what dumps/verify said of all claims together
+  const auto verification = meta.find("verification");
+  if (verification != meta.end() && verification->is_object()) {
+    const ordered_json holds = verification->value("holds", ordered_json(nullptr));
+    if (holds.is_boolean()) out["verified"] = holds;
+  }
   const std::optional<double> cost = cost_per_sample(meta);
   out["cost_per_sample"] = cost ? ordered_json(*cost) : ordered_json(nullptr);
   out["meta"] = meta;
@@ -92,6 +98,43 @@ std::string remark(const ordered_json& info, const char* key) {
     text = plain(*found);
   }
   return text.size() > 100 ? text.substr(0, 97) + "..." : text;
+}
+
+std::string text_of(const ordered_json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end()) return {};
+  return found->is_string() ? found->get<std::string>() : found->dump();
+}
+
+// What dumps/verify found, one row per claim; a foreign `verification` shows what it has.
+void add_verification(const ordered_json& meta, std::vector<std::vector<std::string>>& rows) {
+  const auto found = meta.find("verification");
+  if (found == meta.end() || !found->is_object()) {
+    rows.push_back({"verified", "no: dumps/verify/verify.py FILE --write tests the samples"});
+    return;
+  }
+  int holding = 0, failing = 0, unknown = 0;
+  std::vector<std::vector<std::string>> claims;
+  const ordered_json findings = found->value("findings", ordered_json::array());
+  for (const ordered_json& claim : findings) {
+    if (!claim.is_object()) continue;
+    const ordered_json holds = claim.value("holds", ordered_json(nullptr));
+    ++(!holds.is_boolean() ? unknown : holds.get<bool>() ? holding : failing);
+    const std::string verdict = !holds.is_boolean() ? "not known"
+                                : holds.get<bool>() ? "holds"
+                                                    : "FAILS";
+    const auto p = claim.find("p_value");
+    claims.push_back(
+        {"claim", fmt::format("{} {}: {}, expected {}{}", text_of(claim, "name"), verdict,
+                              text_of(claim, "measured"), text_of(claim, "expected"),
+                              p != claim.end() && p->is_number()
+                                  ? fmt::format(", p = {:.2g}", p->get<double>())
+                                  : std::string())});
+  }
+  rows.push_back(
+      {"verified", fmt::format("{}: {} claims hold, {} fail, {} not known",
+                               failing > 0 ? "FAILS" : "yes", holding, failing, unknown)});
+  rows.insert(rows.end(), claims.begin(), claims.end());
 }
 
 void print_text(const ordered_json& info) {
@@ -127,6 +170,7 @@ void print_text(const ordered_json& info) {
     const std::string text = remark(info, key);
     if (!text.empty()) rows.push_back({key, text});
   }
+  add_verification(info["meta"], rows);
   print(format_columns(rows, 2));
 }
 

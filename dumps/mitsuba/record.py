@@ -11,7 +11,7 @@ import sys
 import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "..", "..", "formats", "python")):
+for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "..", "verify"), os.path.join(HERE, "..", "..", "formats", "python")):
     sys.path.insert(0, folder)
 
 from channels import DEFAULT, LAYERS, chosen_layers  # noqa: E402
@@ -44,6 +44,7 @@ def parse(arguments):
     parser.add_argument("--block", type=int, default=16, help="samples in a block of the file (16)")
     parser.add_argument("--variant", help="Mitsuba variant (default: llvm_ad_rgb, scalar_rgb without LLVM)")
     parser.add_argument("--no-compress", action="store_true")
+    parser.add_argument("--no-verify", action="store_true", help="do not test the samples and keep what was found")
     parser.add_argument("--force", action="store_true", help="replace an existing file")
     parser.add_argument("--dry-run", action="store_true", help="say what the scene needs and what it will cost")
     options = parser.parse_args(arguments)
@@ -214,8 +215,20 @@ def run(arguments):
     reference = record_reference(options, tracer, chunks, reference_step) if options.reference else None
     write_file(options, mi, recordable, tracer, layers, chunks, step, reference)
     chunks.remove()
+    failing = [] if options.no_verify else keep_verification(options.out)
     print("%s: %dx%d, %d samples a pixel, %s" % (options.out, tracer.width, tracer.height, options.samples,
                                                  size_text(os.path.getsize(options.out))))
+    if failing:
+        raise scene_failure("%s: whole, but its samples are not what they should be: %s" % (options.out, failing[0]))
+
+
+def keep_verification(path):
+    """Tests the samples, keeps the findings in the file; the claims that fail, as lines."""
+    from finding import line
+    from verify import verify, write_verification
+    found = verify(path)
+    write_verification(path, found)
+    return [line(entry) for entry in found["findings"] if entry["holds"] is False]
 
 
 def main():

@@ -1,20 +1,26 @@
-"""Every layer that was recorded holds something: finite, not the same everywhere."""
+"""Every layer that was recorded holds something: finite, not the same everywhere, and along edges not the
+same in every sample of a pixel (all samples at one place would show no edge)."""
 import numpy as np
 
 from finding import finding
 
 
 def feature_findings(dump):
-    found = []
+    found, features = [], []
     for name, layer in dump.layers.items():
         if name in ("radiance", "film", "reference", "reference_variance") or layer.scope != "sample":
             continue
         values = dump.read(name, first=0, count=min(4, dump.spp)).astype(np.float64)
         finite = np.isfinite(values).mean()
+        if name in ("albedo", "normal", "depth", "position", "shape", "object"):
+            features.append(float((values != values[:, :, :1]).any(axis=(2, 3)).mean()))
         spread = float(np.nanmax(values) - np.nanmin(values)) if finite else 0.0
         found.append(finding("layer %s" % name, bool(finite == 1.0 and spread > 0),
                              "%.4g %% finite, range %.4g" % (100 * finite, spread), "finite and not constant",
                              note="" if spread else "empty: the renderer wrote nothing into this pass"))
+    if features and dump.spp > 1:
+        found.append(finding("features vary", max(features) > 0, "in %.3g of the pixels" % max(features),
+                             "in some", note="" if max(features) > 0 else "every sample hits the same place"))
     return found
 
 

@@ -4,11 +4,11 @@ import numpy as np
 from finding import finding
 
 
-def film_findings(dump, level):
+def film_findings(dump, window, level):
     layer = dump.layers.get("film")
     if layer is None:
-        return [finding("film positions", None, "not recorded", "uniform in the pixel")]
-    xy = dump.passes("film") if layer.scope == "pass" else dump.read("film").reshape(-1, 2)
+        return [finding("film positions", None, "not recorded", "uniform in the pixel")] + index_findings(dump)
+    xy = dump.passes("film") if layer.scope == "pass" else dump.read("film", *window).reshape(-1, 2)
     found = [finding("film inside the pixel", bool(xy.min() >= 0 and xy.max() < 1),
                      "%.4f .. %.4f" % (xy.min(), xy.max()), "0 .. 1")]
     spread = float(xy.std(axis=0).min())
@@ -17,6 +17,15 @@ def film_findings(dump, level):
         p = kolmogorov(np.sort(xy[:, axis].astype(np.float64)))
         found.append(finding("film %s uniform" % name, bool(p > level), "spread %.4f" % xy[:, axis].std(), "0.2887", p))
     return found
+
+
+def index_findings(dump):
+    """Without film positions, what the renderer was asked for: Cycles shoots index 0 through the centre."""
+    first = dump.meta.get("sample_index")
+    if dump.meta.get("renderer") != "Cycles" or first is None:
+        return []
+    return [finding("no pixel-centre trap", bool(np.min(first) > 0), "first sample index %d" % np.min(first),
+                    "above 0, which is the pixel's centre")]
 
 
 def kolmogorov(ordered):

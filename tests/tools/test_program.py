@@ -66,6 +66,24 @@ def test_info_tells_what_is_in_the_file(good, dump):
     assert [layer["name"] for layer in info["layers"]] == ["radiance", "reference", "reference_variance"]
     text = good("info", dump).out
     assert "24 x 20" in text and "numpy" in text and info["sha256"] in text
+    assert info["verified"] is None and "verify.py FILE --write" in text
+
+
+def test_info_shows_what_the_verification_found(good, tmp_path):
+    claims = [{"name": "film x uniform", "holds": True, "measured": "spread 0.2880", "expected": "0.2887",
+               "p_value": 0.4321},
+              {"name": "layer depth", "holds": False, "measured": "range 0", "expected": "not constant"},
+              {"name": "reference", "holds": None, "measured": "not recorded", "expected": "one"}]
+    write_dump(tmp_path / "kept.spool", samples()[0], meta={"verification": {"holds": False, "findings": claims}})
+    info = good("info", "kept.spool", "--json").json
+    assert info["verified"] is False and info["meta"]["verification"]["findings"] == claims
+    text = good("info", "kept.spool").out
+    assert "FAILS: 1 claims hold, 1 fail, 1 not known" in text
+    assert "film x uniform holds: spread 0.2880, expected 0.2887, p = 0.43" in text
+    assert "layer depth FAILS: range 0" in text
+    odd = {"holds": "perhaps", "findings": [3, {"name": []}]}
+    write_dump(tmp_path / "odd.spool", samples()[0], meta={"verification": odd})
+    assert "1 not known" in good("info", "odd.spool").out
 
 
 def test_check_finds_cut_and_flipped_bytes(good, run, dump, tmp_path):

@@ -110,13 +110,29 @@ def test_empty_layers_and_repeated_passes_are_found(tmp_path):
     assert "samples differ" in failed(dump(tmp_path / "seed.spool", np.repeat(pool()[:, :, :1], SPP, axis=2)))
 
 
+def test_passes_all_shot_through_one_place_are_found(tmp_path):
+    one = np.random.default_rng(1).random((SIZE, SIZE, 1, 3)).astype("f4")
+    path = dump(tmp_path / "centre.spool", pool(), albedo=np.repeat(one, SPP, axis=2))
+    assert "features vary" in failed(path)
+
+
+@pytest.mark.parametrize("index, names", [(0, {"no pixel-centre trap"}), (1, set())])
+def test_the_sample_index_betrays_the_pixel_centre(tmp_path, index, names):
+    path = tmp_path / "index.spool"
+    with spool.Writer(path, SIZE, SIZE, SPP, {"radiance": ("f4", "RGB")}, sample_order="exchangeable",
+                      meta={"renderer": "Cycles", "sample_index": index}) as writer:
+        writer.write_passes(0, {"radiance": pool()})
+    assert failed(path) == names
+
+
 def test_findings_travel_in_the_metadata_and_change_no_sample(tmp_path):
     path = dump(tmp_path / "kept.spool", pool(), uniform_film(), reference=independent_reference())
     with spool.open(path) as before:
         radiance, uuid = before.read("radiance"), before.uuid
-    write_verification(str(path), verify(str(path)))
+    write_verification(str(path), {"holds": False, "findings": []})
+    write_verification(str(path), verify(str(path)))  # in place of the first
     assert spool.check(path).ok
     with spool.open(path) as after:
-        assert after.meta["verification"]["holds"] is True
+        assert after.meta["verification"]["holds"] is True and len(after.meta_records) == 2
         assert after.meta["reference"]["samples"] == REFERENCE
         assert np.array_equal(radiance, after.read("radiance")) and uuid == after.uuid
