@@ -2,6 +2,7 @@
 import argparse
 import sys
 
+from batches import batch_plan
 from failure import usage_failure
 from passes import CHANNELS, DEFAULT
 
@@ -85,14 +86,3 @@ def parse_size(text):
     except ValueError:
         raise usage_failure("--size '%s' is no size: use WxH or N, 4 to %d" % (text, LARGEST))
     return width, height
-
-
-def batch_plan(reference):
-    """(samples per batch, batches): a power of two of samples, at most 128, and at least 64 batches
-    where there are that many samples. The variance of the mean comes from the batch means."""
-    if not reference:
-        return 1, 0
-    batch = 1
-    while batch < 128 and reference // (2 * batch) >= 64:
-        batch *= 2
-    return batch, reference // batch

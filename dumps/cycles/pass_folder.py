@@ -15,6 +15,8 @@ except ImportError:                        # not on this system: two recorders a
 
 from failure import Failure, io_failure, usage_failure
 
+# a full disk, a full quota, a limit on the size of files
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 FORMAT, VERSION = "spool-passes", 1
 FILES = {"pass": "pass_%05d.f32", "reference": "reference_%05d.f32"}
 
@@ -31,7 +33,7 @@ class PassFolder:
             self._open_manifest(recording)
             self._open_log()
         except OSError as error:
-            raise io_failure("%s: %s" % (path, error.strerror))
+            raise io_failure("%s: %s%s" % (path, error.strerror, hint_of(error)))
 
     def has(self, kind, index):
         return index in self.entries[kind]
@@ -48,9 +50,7 @@ class PassFolder:
         except OSError as error:
             if os.path.exists(temporary):
                 os.remove(temporary)
-            hint = ": free some space and run the same command again" \
-                if error.errno == errno.ENOSPC else ""
-            raise io_failure("%s: %s%s" % (self._name(name), error.strerror, hint))
+            raise io_failure("%s: %s%s" % (self._name(name), error.strerror, hint_of(error)))
         self.entries[kind][index] = line
 
     def _name(self, name):
@@ -115,6 +115,11 @@ class PassFolder:
                 return zlib.crc32(stream.read()) == line["crc32"]
         except FileNotFoundError:
             return False
+
+
+def hint_of(error):
+    return ": free some space and run the same command again, it goes on where it stopped" \
+        if error.errno in FULL else ""
 
 
 def first_difference(old, new, path=""):

@@ -7,6 +7,7 @@ Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or th
 Run again after an interruption: finished passes are kept, the result is the same bit for bit.
 """
 import os
+import signal
 import statistics
 import sys
 import time
@@ -17,10 +18,11 @@ sys.dont_write_bytecode = True
 
 import bpy  # noqa: E402
 
+from batches import batch_plan  # noqa: E402
 from camera import ShiftedCamera  # noqa: E402
 from engine import Renderer  # noqa: E402
-from failure import Failure, usage_failure  # noqa: E402
-from options import batch_plan, parse_options, script_arguments  # noqa: E402
+from failure import Failure, io_failure, usage_failure  # noqa: E402
+from options import parse_options, script_arguments  # noqa: E402
 from pass_folder import PassFolder  # noqa: E402
 from passes import (CHANNELS, MIST_DEPTH, channel_names, describe_channels, describe_layers,  # noqa: E402
                     plan_channels, planes_of, switch_passes)
@@ -120,7 +122,21 @@ class Recorder:
         return planes_of(plan, rendered, self.width, self.height, self.mist_depth), entry
 
 
-def record(recorder, options):
+class Stop:
+    """A first Ctrl-C or SIGTERM ends the recording after the pass at work, a second one at once."""
+
+    def __init__(self):
+        self.wanted = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._handle)
+
+    def _handle(self, number, frame):
+        if self.wanted:
+            os._exit(3)                    # what is on disk is whole at any moment
+        self.wanted = True
+
+
+def record(recorder, options, stop):
     folder = PassFolder(options.out, recorder.recording())
     start = time.monotonic()
     jobs = (("pass", recorder.render_pass, range(options.first, options.first + options.samples)),
@@ -132,6 +148,10 @@ def record(recorder, options):
         kept[kind] = len(wanted) - len(missing)
         progress = Progress("passes" if kind == "pass" else "reference", len(missing))
         for i in missing:
+            if stop.wanted:
+                progress.close()
+                raise io_failure("%s: stopped with %d of %d %s: run the same command again to go on" % (
+                    options.out, kept[kind] + progress.done, len(wanted), progress.label))
             data, entry = render(i)
             folder.add(kind, i, data, entry)
             progress.step()
@@ -187,15 +207,13 @@ def main():
     try:
         options = parse_options(script_arguments())
         out = silence_blender()
+        stop = Stop()
         recorder = Recorder(options)
-        print((dry_run if options.dry_run else record)(recorder, options), file=out)
+        print(dry_run(recorder, options) if options.dry_run else record(recorder, options, stop), file=out)
         code = 0
     except Failure as failure:
         print("record: %s" % failure, file=sys.stderr)
         code = failure.code
-    except KeyboardInterrupt:
-        print("record: stopped; run the same command again to go on", file=sys.stderr)
-        code = 3
     except OSError as error:
         print("record: %s: %s" % (error.filename, error.strerror), file=sys.stderr)
         code = 3

@@ -12,6 +12,9 @@ SCENES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))
 
 
 def scene_names():
+    """Empty where the recorder stands alone, as in the add-on."""
+    if not os.path.isdir(SCENES):
+        return []
     return sorted(f[:-3] for f in os.listdir(SCENES) if f.endswith(".py") and f[0] != "_")
 
 
@@ -24,8 +27,8 @@ def load_scene(name, blend):
     if blend:
         _open(blend)
     if not bpy.data.filepath:
-        raise usage_failure("no scene: give --scene NAME (%s) or --blend FILE" %
-                            ", ".join(scene_names()))
+        raise usage_failure("no scene: give --blend FILE or --scene NAME (%s)" %
+                            (", ".join(scene_names()) or "none here"))
     with open(bpy.data.filepath, "rb") as stream:
         digest = hashlib.sha256(stream.read()).hexdigest()
     return bpy.context.scene, {"name": os.path.basename(bpy.data.filepath), "sha256": digest}
