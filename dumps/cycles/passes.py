@@ -60,6 +60,12 @@ CHANNELS = {
 MIST_DEPTH = Channel("Z", ("Mist",), "distance of the first hit from the camera; 0 where nothing is "
                      "hit")
 DEFAULT = ("radiance", "albedo", "normal", "depth")
+# What one may ask for and Cycles does not tell: neither a pass nor a shader node holds these numbers.
+NOT_TOLD = {
+    "lens": "Cycles does not tell where on the lens a sample starts: record with dumps/mitsuba",
+    "time": "Cycles does not tell at which moment of the shutter a sample is taken: record with dumps/mitsuba",
+    "indirect": "record `direct`: indirect = radiance - direct",
+}
 # Blender 5.0 gave passes longer names.
 RENAMED = {"IndexOB": "Object Index", "Emit": "Emission", "Env": "Environment",
            "VolumeDir": "Volume Direct", "DiffCol": "Diffuse Color", "DiffDir": "Diffuse Direct",
@@ -81,7 +87,12 @@ CYCLES_SWITCHES = {"Denoising Albedo": "denoising_store_passes",
 
 def plan_channels(names, mode):
     """{name: Channel}, radiance first; names that this mode cannot fill are refused."""
+    names = [n for n in names if not (n == "film" and mode == "shift")]    # always recorded there
     unknown = [n for n in names if n not in CHANNELS]
+    if unknown and unknown[0] in NOT_TOLD:
+        raise usage_failure("channel '%s': %s" % (unknown[0], NOT_TOLD[unknown[0]]))
+    if unknown and unknown[0] == "film":
+        raise usage_failure("channel 'film': Cycles tells no film position in mode %s: use --mode shift" % mode)
     if unknown:
         raise usage_failure("channel '%s' is unknown: use %s" % (unknown[0], ", ".join(CHANNELS)))
     plan = {"radiance": CHANNELS["radiance"]}

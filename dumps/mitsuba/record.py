@@ -7,6 +7,7 @@ A run that was stopped goes on where it was when the same command is given again
 """
 import argparse
 import os
+import signal
 import sys
 import time
 
@@ -108,32 +109,39 @@ def plan_of(options, mi, recordable, tracer, layers, step):
 
 
 def describe(options, recordable, tracer, layers):
-    samples = tracer.width * tracer.height * options.samples
+    """Needs of the scene and the price of the recording, from a short trace."""
+    pixels = tracer.width * tracer.height
     per_sample = sum(int(LAYERS[name][0][1]) * len(LAYERS[name][1]) for name in layers)
+    count = max(1, min(4, options.samples, options.chunk_lanes // pixels))
+    unused_seed = (options.seed << 21) + REFERENCE_SEEDS - 1
+    tracer.trace(count, unused_seed, layers)       # compiles the kernels
     started = time.monotonic()
-    tracer.trace(1, (options.seed << 21) + REFERENCE_SEEDS - 1, layers)
-    started = time.monotonic()
-    count = max(1, min(4, options.samples))
-    tracer.trace(count, (options.seed << 21) + REFERENCE_SEEDS - 1, layers)
-    rate = tracer.width * tracer.height * count / max(time.monotonic() - started, 1e-9)
-    total = tracer.width * tracer.height * (options.samples + options.reference)
-    print("scene        %s, %d shapes" % (recordable.name, len(recordable.shapes)))
-    print("lens         %s" % ("yes: depth of field is sampled" if recordable.has_lens else "no depth of field"))
-    print("time         %s" % ("shutter %g" % recordable.shutter_time if recordable.shutter_time > 0 else "no motion blur"))
-    print("channels     %s: %d bytes a sample" % (", ".join(layers), per_sample))
-    print("file         at most %s" % size_text(per_sample * samples))
-    print("time to record about %s (%.2f million samples a second)" % (duration(total / rate), rate / 1e6))
+    tracer.trace(count, unused_seed, layers)
+    rate = pixels * count / max(time.monotonic() - started, 1e-9)
+    seconds = pixels * (options.samples + options.reference) / rate
+    needs = (("depth of field", recordable.has_lens), ("motion blur", recordable.shutter_time > 0),
+             ("volumes", recordable.has_volumes))
+    print("scene %s, %d shapes, %dx%d, Mitsuba variant %s" % (recordable.name, len(recordable.shapes), tracer.width,
+                                                              tracer.height, tracer.mi.variant()))
+    print("needs %s" % ", ".join("%s: %s" % (name, "yes" if needed else "no") for name, needed in needs))
+    print("channels %s, %d bytes a sample" % (" ".join(layers), per_sample))
+    print("rate %.3g million samples a second" % (rate / 1e6))
+    reference_bytes = 24 * pixels if options.reference else 0
+    print("estimate %s (%.2f minutes), dump at most %s" % (
+        duration(seconds), seconds / 60, size_text(per_sample * pixels * options.samples + reference_bytes)))
 
 
 def record_pool(options, tracer, layers, chunks, step):
-    """Chunks that are not there yet; returns the seconds spent in all of them."""
+    """Traces the chunks that are not there yet; each keeps the CPU time of all threads that it took."""
     bounds = list(range(0, options.samples, step))
-    progress = Progress("pool", len(bounds))
-    for index, first in enumerate(bounds):
-        if not chunks.has(index):
-            started = time.monotonic()
-            arrays = tracer.trace(min(step, options.samples - first), (options.seed << 21) + index, layers)
-            chunks.save(index, arrays, time.monotonic() - started)
+    missing = [index for index in range(len(bounds)) if not chunks.has(index)]
+    if missing:  # compiles the kernels, which is no cost of a sample
+        tracer.trace(1, (options.seed << 21) + REFERENCE_SEEDS - 1, layers)
+    progress = Progress("pool", len(missing))
+    for index in missing:
+        started = time.process_time()
+        arrays = tracer.trace(min(step, options.samples - bounds[index]), (options.seed << 21) + index, layers)
+        chunks.save(index, arrays, time.process_time() - started)
         progress.step()
     progress.close()
 
@@ -147,9 +155,9 @@ def record_reference(options, tracer, chunks, step):
     while int(state["chunks"]) < total:
         index = int(state["chunks"])
         count = min(step, options.reference - index * step)
-        started = time.monotonic()
+        started = time.process_time()
         arrays = tracer.trace(count, (options.seed << 21) + REFERENCE_SEEDS + index, ["radiance"])
-        state = add_chunk(state, arrays["radiance"], time.monotonic() - started)
+        state = add_chunk(state, arrays["radiance"], time.process_time() - started)
         if index % 8 == 7 or index + 1 == total:
             chunks.save_reference(state)
         progress.step()
@@ -175,6 +183,7 @@ def write_file(options, mi, recordable, tracer, layers, chunks, step, reference)
                          "filter": "box"},
             "seeds": {"user": options.seed, "pool_first": options.seed << 21, "chunk_samples": step,
                       "reference_first": (options.seed << 21) + REFERENCE_SEEDS},
+            "cost_note": "CPU seconds of all threads",
             "cost_per_sample": seconds / (tracer.width * tracer.height * options.samples),
             "channels": {"normal": {"space": "world"}, "depth": {"meaning": "camera z, 0 = miss"},
                          "shape": {"meaning": "1 + index in scene.shapes, 0 = miss"}}}
@@ -232,14 +241,15 @@ def keep_verification(path):
 
 
 def main():
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         run(sys.argv[1:])
     except Failure as failure:
         print(failure, file=sys.stderr)
         return failure.code
     except KeyboardInterrupt:
-        print("stopped: the same command goes on where this one was", file=sys.stderr)
-        return 130
+        print("stopped: run the same command again to go on", file=sys.stderr)
+        return 3
     except Exception as error:
         code = getattr(error, "code", None)  # SpoolError carries the exit code of the program
         if not isinstance(code, int):

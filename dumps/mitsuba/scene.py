@@ -6,7 +6,9 @@ changing the film later leaves the field of view wrong when the aspect changes.
 import hashlib
 import importlib.util
 import os
+import tempfile
 
+import model
 from failure import Failure, scene_failure, usage_failure
 
 
@@ -20,20 +22,23 @@ class Recordable:
         self.shutter_open = float(sensor.shutter_open())
         self.shutter_time = float(sensor.shutter_open_time())
         self.shapes = [shape.id() for shape in scene.shapes()]
+        self.has_volumes = sensor.get_medium() is not None or any(
+            shape.interior_medium() is not None or shape.exterior_medium() is not None for shape in scene.shapes())
 
 
 def load_scene(mi, source, size=None, integrator=None, defines=None):
-    """source: an .xml file, a .py file with scene(mi) -> dict, or `cornell-box`."""
+    """source: an .xml file, a .py file with scene(mi) -> dict, `cornell-box`, or a name of dumps/scenes."""
     config = mi.parser.ParserConfig(mi.variant())
     config.merge_meshes = False  # merged meshes lose their shape index
     config.unused_properties = config.unused_parameters = mi.LogLevel.Debug
     try:
-        state, name, digest = _parse(mi, config, source, defines or {})
-        mi.parser.transform_all(config, state)
-        if size is None:
-            size = _film_size(mi, state)
-        direct = _force(mi, state, size, integrator)
-        scene = mi.parser.instantiate(config, state)
+        with tempfile.TemporaryDirectory() as meshes:
+            state, name, digest = _parse(mi, config, source, defines or {}, meshes)
+            mi.parser.transform_all(config, state)
+            if size is None:
+                size = _film_size(mi, state)
+            direct = _force(mi, state, size, integrator)
+            scene = mi.parser.instantiate(config, state)
     except Failure:
         raise
     except Exception as error:  # Mitsuba raises RuntimeError and others for whatever is wrong in a scene
@@ -49,11 +54,18 @@ def load_scene(mi, source, size=None, integrator=None, defines=None):
                       mi.load_dict(direct) if direct else None, name, digest)
 
 
-def _parse(mi, config, source, defines):
+def _parse(mi, config, source, defines, meshes):
     if source == "cornell-box":
         return mi.parser.parse_dict(config, mi.cornell_box()), source, hashlib.sha256(b"cornell-box").hexdigest()
+    if source in model.scene_names():
+        digest = hashlib.sha256()
+        for path in model.scene_sources(source):
+            with open(path, "rb") as stream:
+                digest.update(stream.read())
+        return mi.parser.parse_dict(config, model.build(source, meshes)), source, digest.hexdigest()
     if not os.path.isfile(source):
-        raise Failure(3, "%s: no such file: give an .xml scene, a .py scene or cornell-box" % source)
+        raise Failure(3, "%s: no such file: give an .xml scene, a .py scene, cornell-box or a scene of dumps/scenes"
+                      % source)
     with open(source, "rb") as stream:
         digest = hashlib.sha256(stream.read()).hexdigest()
     mi.file_resolver().append(os.path.dirname(os.path.abspath(source)))

@@ -20,8 +20,8 @@ def command(*options):
             *map(str, options)]
 
 
-def record(*options):
-    return subprocess.run(command(*options), capture_output=True, text=True, timeout=280)
+def record(*options, **more):
+    return subprocess.run(command(*options), capture_output=True, text=True, timeout=280, **more)
 
 
 class Folder:

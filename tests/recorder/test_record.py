@@ -1,5 +1,7 @@
 """The recorder with Blender: what it records, what it refuses, and that a kill costs nothing."""
+import json
 import os
+import resource
 import signal
 import subprocess
 import time
@@ -70,6 +72,88 @@ def test_a_killed_recording_continues_bit_for_bit(mode, tmp_path):
     assert Folder(torn).files() == Folder(tmp_path / "whole").files()
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_cancelled_recording_says_how_to_go_on(number, tmp_path):
+    options = ("--scene", "chess", "--size", "16", "--samples", "2000", "--mode", "iid")
+    torn = tmp_path / "torn"
+    process = subprocess.Popen(command(*options, "-o", torn), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                               text=True)
+    deadline = time.monotonic() + 120
+    while not list(torn.glob("pass_00003.f32")) and time.monotonic() < deadline:
+        time.sleep(0.001)
+    process.send_signal(number)
+    told = process.communicate(timeout=120)[1]
+    assert process.returncode == 3 and "of 2000 passes: run the same command again to go on" in one_line(told)
+    left = len(list(torn.glob("pass_?????.f32")))
+    assert 3 < left < 2000 and len(Folder(torn).entries) == left and not list(torn.glob("*.partial"))
+    done = record(*options[:-4], "--samples", left, *options[-2:], "-o", torn)
+    assert done.returncode == 0 and "%d passes (%d kept)" % (left, left) in done.stdout
+
+
+def test_processes_that_share_a_recording_make_the_same_dump(recorded, tmp_path):
+    """Two at the same time, each with its own passes and batches; packed together they are the whole."""
+    shares = [("--samples", "1", "--first", "0", "--reference", "4", "--first-batch", "0"),
+              ("--samples", "3", "--first", "1", "--reference", "12", "--first-batch", "4")]
+    folders = [tmp_path / "a", tmp_path / "b"]
+    running = [subprocess.Popen(command(*SMALL[:4], "--mode", "shift", *share, "-o", folder), stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, text=True) for share, folder in zip(shares, folders)]
+    for process in running:
+        told = process.communicate(timeout=280)[1]
+        assert process.returncode == 0, told
+    together = {**Folder(folders[0]).files(), **Folder(folders[1]).files()}
+    assert together == recorded.files()
+    spool = os.environ.get("SPOOL", "")
+    if not os.path.exists(spool):
+        pytest.skip("NOT TESTED: the program spool is not built")
+    for name, sources in (("whole", [recorded.path]), ("joined", folders)):
+        packed = subprocess.run([spool, "pack", *sources, "-o", tmp_path / name], capture_output=True, text=True)
+        assert packed.returncode == 0, packed.stderr
+    told = [subprocess.run([spool, "info", tmp_path / name, "--json"], capture_output=True, text=True).stdout
+            for name in ("whole", "joined")]
+    whole, joined = (json.loads(text) for text in told)
+    assert joined["samples_per_pixel"] == 4 and joined["meta"]["seeds"] == whole["meta"]["seeds"]
+    assert joined["meta"]["reference"]["samples"] == 16
+    overlap = subprocess.run([spool, "pack", recorded.path, folders[1], "-o", tmp_path / "twice"],
+                             capture_output=True, text=True)
+    assert overlap.returncode != 0 and not (tmp_path / "twice").exists()
+    assert len(overlap.stderr.strip().splitlines()) == 1 and "seed" in overlap.stderr, overlap.stderr
+
+
+def disk(path, size):
+    """A real, small file system where we may mount one; else a limit on the size of a file."""
+    path.mkdir()
+    return subprocess.run(["mount", "-t", "tmpfs", "-o", "size=%d" % size, "tmpfs", path],
+                          capture_output=True).returncode == 0
+
+
+def test_a_full_disk_is_one_line_and_the_recording_goes_on_after_it(tmp_path):
+    small = tmp_path / "small"
+    options = ("--scene", "chess", "--size", "32", "--samples", "12", "--mode", "iid")
+    mounted = disk(small, 256 * 1024)      # a pass has 40 KB
+    try:
+        if mounted:
+            done = record(*options, "-o", small / "passes")
+            words = "No space left on device"
+        else:
+            done = record(*options, "-o", small / "passes",
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000)))
+            words = "File too large"
+        assert done.returncode == 3, done.stderr
+        assert words in one_line(done.stderr) and "free some space and run the same command again" in done.stderr
+        assert not list(small.glob("passes/*.partial"))
+        if mounted:
+            kept = len(Folder(small / "passes").entries)
+            assert 2 < kept < 12
+            subprocess.run(["mount", "-o", "remount,size=4m", small], check=True)
+        done = record(*options, "-o", small / "passes")
+        assert done.returncode == 0, done.stderr
+        if mounted:
+            assert "12 passes (%d kept)" % kept in done.stdout
+    finally:
+        if mounted:
+            subprocess.run(["umount", small], check=True)
+
+
 def test_quiet_when_piped_and_one_line_at_the_end(recorded):
     done = record(*SMALL, "--mode", "shift", "-o", recorded.path)
     lines = [line for line in done.stdout.splitlines() if not line.startswith("Blender")]
@@ -91,6 +175,9 @@ def test_another_recording_is_not_mixed_in(recorded, other):
     ((), 2, "no scene"),
     (("--scene", "chess", "--channels", "radiance,heat"), 2, "channel 'heat' is unknown"),
     (("--scene", "chess", "--channels", "object"), 2, "use --mode shift"),
+    (("--scene", "chess", "--channels", "lens"), 2, "Cycles does not tell where on the lens"),
+    (("--scene", "balls", "--channels", "time"), 2, "Cycles does not tell at which moment"),
+    (("--scene", "chess", "--channels", "film"), 2, "use --mode shift"),
     (("--scene", "chess", "--camera", "lamp"), 2, "camera 'lamp' is not in the scene (camera)"),
     (("--blend", "missing.blend"), 3, "missing.blend: No such file"),
     (("--scene", "chess", "--samples", "many"), 2, "samples"),

@@ -26,8 +26,16 @@ def test_a_scene_becomes_a_checked_dump(tmp_path):
     info = json.loads(told.stdout)
     assert (info["samples_per_pixel"], info["reference"]) == (4, True)
     assert info["cost_per_sample"] > 0
+    assert info["verified"] is True and info["meta"]["verification"]["findings"]
     again = run("chess", "--size", "20x12", "-o", dump)
     assert again.returncode == 2 and "exists" in again.stderr
+
+
+def test_a_missing_blender_is_one_line(tmp_path):
+    done = subprocess.run([ROOT / "dumps" / "record.sh", "chess", "-o", tmp_path / "dump.spool"], capture_output=True,
+                          text=True, env={**os.environ, "SPOOL": SPOOL, "BLENDER": "no-such-blender"})
+    assert done.returncode == 3 and done.stderr.count("\n") == 1
+    assert "no-such-blender is not installed: apt-get install blender" in done.stderr
 
 
 def test_a_failure_of_the_recorder_is_the_failure_of_the_script(tmp_path):

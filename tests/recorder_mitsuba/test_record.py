@@ -1,5 +1,6 @@
 """Real recordings with Mitsuba at small size. Run with the Python that has mitsuba (tools/dev.sh test does)."""
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -48,6 +49,7 @@ def test_every_layer_is_there_and_the_file_is_sound(box):
         assert "lens" not in dump.layers and "time" not in dump.layers  # the box needs neither
         assert dump.sample_order == "exchangeable"
         assert dump.meta["cost_per_sample"] > 0
+        assert dump.meta["verification"]["holds"] is True
         film = dump.read("film")
         assert film.min() >= 0 and film.max() < 1
         assert 0.27 < film.std() < 0.31  # uniform: 0.2887; the pixel-centre trap: 0
@@ -140,6 +142,61 @@ def test_killed_recording_goes_on_and_gives_the_same_bits(tmp_path):
             assert np.array_equal(a.read(layer), b.read(layer)), layer
         assert np.array_equal(a.pixel("reference"), b.pixel("reference"))
     assert not os.path.exists(folder)
+
+
+def start_and_wait(arguments, out, chunks):
+    """A running recorder that has finished this many chunks."""
+    process = subprocess.Popen([sys.executable, RECORD, *map(str, arguments), "-o", str(out)], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)
+    folder = str(out) + ".recording"
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline:
+        if os.path.isdir(folder) and sum(name.startswith("chunk_") for name in os.listdir(folder)) >= chunks:
+            break
+        time.sleep(0.01)
+    return process
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_cancelled_recording_says_how_to_go_on(tmp_path, number):
+    options = ["cornell-box", "--size", 32, "--samples", 512, "--chunk-lanes", 1 << 10]
+    process = start_and_wait(options, tmp_path / "cut.spool", 2)
+    process.send_signal(number)
+    told = process.communicate(timeout=120)[1]
+    assert process.returncode == 3 and told == "stopped: run the same command again to go on\n"
+    assert not (tmp_path / "cut.spool").exists()
+    assert 2 <= len(os.listdir(str(tmp_path / "cut.spool.recording"))) < 513
+
+
+def test_full_disk_is_one_line_and_the_recording_goes_on_after_it(tmp_path):
+    """On a real, small file system where we may mount one; else with a limit on the size of a file."""
+    small = tmp_path / "small"
+    small.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", small], capture_output=True).returncode == 0
+    options = ["cornell-box", "-o", small / "box.spool", "--size", 32, "--samples", 12, "--chunk-lanes", 1 << 11]
+    limit = None if mounted else lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (60000, 60000))
+    try:
+        result = subprocess.run([sys.executable, RECORD, *map(str, options)], capture_output=True, text=True,
+                                preexec_fn=limit)
+        assert result.returncode == 3 and len(result.stderr.strip().splitlines()) == 1, result.stderr
+        assert ("No space left" if mounted else "File too large") in result.stderr
+        assert "make room and run the same command again" in result.stderr
+        if mounted:
+            subprocess.run(["mount", "-o", "remount,size=8m", small], check=True)
+        check_ok(record(*options))
+        assert spool.check(small / "box.spool").ok
+    finally:
+        if mounted:
+            subprocess.run(["umount", small], check=True)
+
+
+def test_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
+    (tmp_path / "lens.xml").write_text(LENS)
+    result = check_ok(record(tmp_path / "lens.xml", "--dry-run", "--samples", 100, "--channels", "radiance"))
+    for words in ("needs depth of field: yes, motion blur: yes, volumes: no", "24x16", "minutes", "dump at most 922 kB",
+                  "channels radiance lens time, 24 bytes"):
+        assert words in result.stdout, result.stdout
+    assert os.listdir(tmp_path) == ["lens.xml"]
 
 
 @pytest.mark.parametrize("arguments, code, words", [

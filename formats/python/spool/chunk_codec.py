@@ -29,9 +29,9 @@ def unshuffle(raw, itemsize):
     return np.frombuffer(raw, np.uint8).reshape(itemsize, -1).T.tobytes()
 
 
-def compress(raw, itemsize):
+def compress(raw, itemsize, level=_LEVEL):
     """-> (codec, filter, stored); stays uncompressed unless more than 5 % is saved."""
-    compressor = _zstandard().ZstdCompressor(level=_LEVEL, write_checksum=True, write_content_size=True)
+    compressor = _zstandard().ZstdCompressor(level=level, write_checksum=True, write_content_size=True)
     stored = compressor.compress(shuffle(raw, itemsize))
     if len(stored) * 100 > len(raw) * 95:
         return layout.CODEC_NONE, layout.FILTER_NONE, raw

@@ -19,6 +19,7 @@ from .partial_file import PartialFile
 class Writer:
     """`layers` is {name: (dtype, components[, scope])}, each a group of its own, radiance first; a list of Channel in
     `channels` says more (several layers in a group, semantics). `sample_order`: "renderer" or "exchangeable".
+    `compress`: False, True, or the level of zstd that True stands for.
 
     Used with `with`: leaving the block normally finishes the file, an exception leaves NAME.partial behind.
     """
@@ -94,7 +95,8 @@ class Writer:
         raw = np.ascontiguousarray(block).tobytes()
         codec, filter, stored = layout.CODEC_NONE, layout.FILTER_NONE, raw
         if self._compress:
-            codec, filter, stored = chunk_codec.compress(raw, dtype.itemsize)
+            level = [] if self._compress is True else [self._compress]
+            codec, filter, stored = chunk_codec.compress(raw, dtype.itemsize, *level)
         self._append(b"DATA", stored, raw_bytes=len(raw), codec=codec, filter=filter, group=group, tile=tile,
                      sample_begin=begin, sample_count=shape[3])
         self._seen.add((group, tile, begin))
