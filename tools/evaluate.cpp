@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tools/evaluation_run.h"
+#include "tools/external_methods.h"
 
 namespace spool::tools {
 namespace {
@@ -20,7 +21,7 @@ auto parse_list(const std::string& text, const Parse& parse)
 
 Result<Plan> plan_of_options(const EvaluateOptions& options) {
   const auto or_default = [](const std::string& text, const char* name) {
-    return split_list(text.empty() ? name : text);
+    return split_methods(text.empty() ? name : text);
   };
   SPOOL_ASSIGN(Methods methods,
                choose_methods(or_default(options.samplers, "uniform"),
@@ -84,8 +85,8 @@ Result<Plan> plan_of_file(const EvaluateOptions& options) {
     return fail(ErrorCode::kUsage, "{}: give one plan, or recordings", options.files[1].string());
   }
   SPOOL_TRY(refuse_options_beside_plan(options));
-  SPOOL_ASSIGN(Plan plan, read_plan(options.files.front(),
-                                    {samplers(), reconstructors(), &make_sampler, &make_filter}));
+  SPOOL_ASSIGN(Plan plan, read_plan(options.files.front(), {known_samplers(), known_filters(),
+                                                            &make_sampler, &make_filter}));
   if (options.no_pictures) plan.pictures = false;
   return plan;
 }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "lib/image_io/atomic_file.h"
+#include "tools/external_process.h"
 
 namespace spool::tools {
 namespace {
@@ -50,6 +51,7 @@ void watch_for_interrupts() {
   std::thread([signals] {
     int signal = 0;
     if (sigwait(&signals, &signal) != 0) return;
+    end_external_work();
     remove_unfinished_files();
     fmt::print(stderr, "\r\033[Kspool: interrupted; unfinished files were removed{}\n",
                note_text());

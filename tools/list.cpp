@@ -7,6 +7,7 @@
 #include "lib/reconstruction/reconstructor.h"
 #include "lib/sampling/sampler.h"
 #include "lib/synthetic/synthetic_scenes.h"
+#include "tools/external_methods.h"
 
 namespace spool::tools {
 namespace {
@@ -40,6 +41,7 @@ ordered_json describe(const std::vector<Entry>& entries) {
   for (const Entry& entry : entries) {
     list.push_back({{"name", entry.name},
                     {"summary", entry.summary},
+                    {"argument", entry.argument},
                     {"by_description", entry.by_description},
                     {"presets", entry.presets},
                     {"options", options_of(entry)}});
@@ -49,7 +51,9 @@ ordered_json describe(const std::vector<Entry>& entries) {
 
 void print_methods(const ordered_json& list, const std::string& part) {
   for (const auto& method : list) {
-    print(fmt::format("{}: {}\n", method["name"].get<std::string>(),
+    const auto argument = method["argument"].get<std::string>();
+    print(fmt::format("{}{}: {}\n", method["name"].get<std::string>(),
+                      argument.empty() ? "" : ":" + argument,
                       method["summary"].get<std::string>()));
     if (method["by_description"].get<bool>()) print(fmt::format("  ({})\n", kByDescription));
     std::vector<std::vector<std::string>> rows;
@@ -181,7 +185,7 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
     return {};
   }
   const bool filters = options.what == "filters";
-  const ordered_json list = filters ? describe(reconstructors()) : describe(samplers());
+  const ordered_json list = filters ? describe(known_filters()) : describe(known_samplers());
   common.json ? print(list.dump(2) + "\n") : print_methods(list, filters ? "filter" : "sampler");
   return {};
 }

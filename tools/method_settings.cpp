@@ -4,6 +4,9 @@
 #include <set>
 #include <utility>
 
+#include "tools/console.h"
+#include "tools/external_methods.h"
+
 namespace spool::tools {
 namespace {
 
@@ -40,18 +43,57 @@ Result<const Entry*> find_entry(const std::vector<Entry>& entries, std::string_v
               near.empty() ? "" : fmt::format(", did you mean '{}'?", near), kind);
 }
 
+// "NAME", "NAME:PRESET", "NAME{a=1,b=2}", "NAME:PRESET{a=1}", or "NAME:ARGUMENT" for methods that
+// take one, whatever the argument holds.
+struct MethodText {
+  std::string name, preset;
+  OptionValues set;
+};
+
+template <class Entry>
+Result<MethodText> parse_method(const std::vector<Entry>& entries, const std::string& text) {
+  MethodText method;
+  method.name = text.substr(0, text.find_first_of(":{"));
+  std::string rest = text.substr(method.name.size());
+  for (const Entry& entry : entries) {
+    if (entry.name != method.name || entry.argument.empty()) continue;
+    if (rest.starts_with(':')) method.preset = rest.substr(1);
+    if (!method.preset.empty()) return method;
+    return fail(ErrorCode::kUsage, "{}: write {}:{}", text, entry.name, entry.argument);
+  }
+  if (const std::size_t brace = rest.find('{'); brace != std::string::npos) {
+    if (!rest.ends_with('}')) {
+      return fail(ErrorCode::kUsage, "{}: the brace is not closed: write {}{{OPTION=VALUE}}", text,
+                  method.name);
+    }
+    for (const std::string& part : split_list(rest.substr(brace + 1, rest.size() - brace - 2))) {
+      const std::size_t equals = part.find('=');
+      if (equals == std::string::npos || equals == 0) {
+        return fail(ErrorCode::kUsage, "{}: '{}' is no OPTION=VALUE", text, part);
+      }
+      method.set.emplace_back(part.substr(0, equals), part.substr(equals + 1));
+    }
+    rest = rest.substr(0, brace);
+  }
+  if (!rest.empty()) method.preset = rest.substr(1);
+  return method;
+}
+
 // One kind of method (samplers or filters) being put together for a command.
 template <class Entry>
 struct Choice {
   std::string kind;  // "sampler", "filter"
   std::vector<const Entry*> entries;
+  std::vector<MethodText> texts;  // one per entry
 
   static Result<Choice> of(std::string kind, const std::vector<Entry>& all,
                            const std::vector<std::string>& names) {
-    Choice choice{std::move(kind), {}};
+    Choice choice{std::move(kind), {}, {}};
     for (const std::string& name : names) {
-      SPOOL_ASSIGN(const Entry* entry, find_entry(all, choice.kind, name));
+      SPOOL_ASSIGN(MethodText text, parse_method(all, name));
+      SPOOL_ASSIGN(const Entry* entry, find_entry(all, choice.kind, text.name));
       choice.entries.push_back(entry);
+      choice.texts.push_back(std::move(text));
     }
     return choice;
   }
@@ -82,14 +124,18 @@ bool has_preset(const Entry& entry, const std::string& preset) {
   return std::ranges::find(entry.presets, preset) != entry.presets.end();
 }
 
+// A method's own preset goes before the command's; its own options stand last and win.
 template <class Entry>
 Result<std::vector<MethodChoice>> choose(const Choice<Entry>& choice, const std::string& preset,
                                          std::vector<Setting>& settings) {
   std::vector<MethodChoice> chosen;
-  for (const Entry* entry : choice.entries) {
-    MethodChoice method{entry->name, has_preset(*entry, preset) ? preset : "",
-                        choice.values_for(*entry, settings)};
-    SPOOL_TRY(entry->make(method.preset, method.set));  // wrong values are found before any work
+  for (std::size_t i = 0; i < choice.entries.size(); ++i) {
+    const Entry& entry = *choice.entries[i];
+    const MethodText& text = choice.texts[i];
+    MethodChoice method{entry.name, text.preset, choice.values_for(entry, settings)};
+    if (method.preset.empty() && has_preset(entry, preset)) method.preset = preset;
+    method.set.insert(method.set.end(), text.set.begin(), text.set.end());
+    SPOOL_TRY(entry.make(method.preset, method.set));  // wrong values are found before any work
     chosen.push_back(std::move(method));
   }
   return chosen;
@@ -152,6 +198,19 @@ Error unused(const Setting& setting, const Choice<SamplerEntry>& samplers,
                       near.empty() ? "" : fmt::format(", did you mean '{}'?", near))};
 }
 
+// A method by its choice; the name may be written in full, "multiscale:paper" or "exec:COMMAND".
+template <class Entry>
+auto make_method(const std::vector<Entry>& entries, std::string_view kind,
+                 const MethodChoice& choice) -> decltype(entries[0].make("", {})) {
+  MethodText text{choice.name, choice.preset, {}};
+  if (choice.preset.empty()) {
+    SPOOL_ASSIGN(text, parse_method(entries, choice.name));
+  }
+  text.set.insert(text.set.end(), choice.set.begin(), choice.set.end());
+  SPOOL_ASSIGN(const Entry* entry, find_entry(entries, kind, text.name));
+  return entry->make(text.preset, text.set);
+}
+
 }  // namespace
 
 Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
@@ -159,9 +218,9 @@ Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
                                const MethodOptions& options) {
   SPOOL_ASSIGN(std::vector<Setting> settings, parse_settings(options.settings));
   SPOOL_ASSIGN(const auto sampler_choice,
-               Choice<SamplerEntry>::of("sampler", samplers(), sampler_names));
+               Choice<SamplerEntry>::of("sampler", known_samplers(), sampler_names));
   SPOOL_ASSIGN(const auto filter_choice,
-               Choice<ReconstructorEntry>::of("filter", reconstructors(), filter_names));
+               Choice<ReconstructorEntry>::of("filter", known_filters(), filter_names));
   std::vector<std::string> presets;
   collect_presets(sampler_choice, presets);
   collect_presets(filter_choice, presets);
@@ -178,11 +237,34 @@ Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
 }
 
 Result<SamplerFunction> make_sampler(const MethodChoice& choice) {
-  return spool::make_sampler(choice.name, choice.preset, choice.set);
+  return make_method(known_samplers(), "sampler", choice);
 }
 
 Result<ReconstructorFunction> make_filter(const MethodChoice& choice) {
-  return make_reconstructor(choice.name, choice.preset, choice.set);
+  return make_method(known_filters(), "filter", choice);
+}
+
+std::vector<std::string> split_methods(std::string_view text) {
+  std::vector<std::string> methods(1);
+  int depth = 0;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote != 0) {
+      if (c == quote) quote = 0;
+    } else if (c == '\'' || c == '"') {
+      quote = c;
+    } else if (c == '{') {
+      ++depth;
+    } else if (c == '}') {
+      --depth;
+    } else if (c == ',' && depth <= 0) {
+      methods.emplace_back();
+      continue;
+    }
+    methods.back() += c;
+  }
+  std::erase_if(methods, [](const std::string& method) { return method.empty(); });
+  return methods;
 }
 
 }  // namespace spool::tools

@@ -1,4 +1,7 @@
-// --preset and --set for one method or several.
+// Names of methods with their presets and options; --preset and --set for one method or several.
+//
+// A method is written NAME, NAME:PRESET, NAME{a=1,b=2} or NAME:PRESET{a=1,b=2}, the label that it
+// has in every table; a method made elsewhere is written NAME:ARGUMENT (external_methods.h).
 //
 // A setting is PART.OPTION=VALUE. PART is `sampler`, `filter`, `pool` or `metrics`, or the name of
 // one method
@@ -30,6 +33,9 @@ struct Methods {
   SanitiseRules rules;
   MetricOptions metrics;
 };
+
+// The parts of "a,b:paper,c{x=1,y=2}": commas in braces and in quotes do not part.
+std::vector<std::string> split_methods(std::string_view text);
 
 Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
                                const std::vector<std::string>& filter_names,

@@ -1,4 +1,5 @@
 #include "tools/run_manifest.h"
+#include "tools/external_methods.h"
 
 #include <ctime>
 #include <fstream>
@@ -98,8 +99,8 @@ ordered_json options_json(const OptionTable<Options>& table, const Options& opti
 ordered_json plan_json(const Plan& plan) {
   const ExperimentOptions& e = plan.experiment;
   return {{"title", plan.title},
-          {"samplers", methods_json(plan.samplers, samplers())},
-          {"filters", methods_json(plan.filters, reconstructors())},
+          {"samplers", methods_json(plan.samplers, known_samplers())},
+          {"filters", methods_json(plan.filters, known_filters())},
           {"spp", plan.spp},
           {"replicates", plan.replicates},
           {"threads", plan.threads},

@@ -1,11 +1,12 @@
 #include "tools/selection_file.h"
 
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "lib/core/guards.h"
-#include "lib/image_io/exr_image.h"
 
 namespace spool::tools {
 namespace {
@@ -56,11 +57,68 @@ std::optional<PoolOptions> pool_options_of(const ExrFile& file) {
   return options;
 }
 
+std::optional<AnalysisSignal> signal_of(const ExrFile& file) {
+  const auto exposure = file.number_attributes.find("spool.exposure");
+  if (exposure == file.number_attributes.end() || !std::isfinite(exposure->second) ||
+      !(exposure->second > 0.0)) {
+    return std::nullopt;
+  }
+  AnalysisSignal signal;
+  signal.exposure = exposure->second;
+  const auto clamp = file.number_attributes.find("spool.decision_clamp");
+  if (clamp != file.number_attributes.end() && clamp->second > 0.0) signal.clamp = clamp->second;
+  const auto says = [&](const char* name, const char* word) {
+    const auto attribute = file.text_attributes.find(name);
+    return attribute != file.text_attributes.end() && attribute->second == word;
+  };
+  if (says("spool.analysis_channel", "max_rgb")) signal.channel = AnalysisChannel::kMaxRgb;
+  if (says("spool.decision_map", "log1p")) signal.map = DecisionMap::kLog1p;
+  return signal;
+}
+
+// A_k for people, and its bits: a float alone would change the last bits of an image.
+void add_attenuation(ExrFile& file, std::size_t level, const Plane& attenuation) {
+  Plane high(file.width, file.height), low(file.width, file.height);
+  for (std::size_t i = 0; i < attenuation.size(); ++i) {
+    const auto bits = std::bit_cast<std::uint64_t>(attenuation[i]);
+    high[i] = static_cast<double>(bits >> 32);
+    low[i] = static_cast<double>(bits & 0xFFFFFFFFu);
+  }
+  file.channels.push_back({fmt::format("A.{}", level), PixelType::kFloat, attenuation});
+  file.channels.push_back(
+      {fmt::format("A_bits.{}.high", level), PixelType::kUint, std::move(high)});
+  file.channels.push_back({fmt::format("A_bits.{}.low", level), PixelType::kUint, std::move(low)});
+}
+
+// The bits, where they are there and round to the value that people see.
+Plane exact_attenuation(const ExrFile& file, std::size_t level, const Plane& shown) {
+  const Plane* high = file.find(fmt::format("A_bits.{}.high", level));
+  const Plane* low = file.find(fmt::format("A_bits.{}.low", level));
+  if (high == nullptr || low == nullptr) return shown;
+  Plane exact = shown;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    constexpr double kLargest = 4294967295.0;
+    if (!((*high)[i] >= 0.0 && (*high)[i] <= kLargest && (*low)[i] >= 0.0 &&
+          (*low)[i] <= kLargest)) {
+      continue;  // channels of another type than uint
+    }
+    const auto value = std::bit_cast<double>((static_cast<std::uint64_t>((*high)[i]) << 32) |
+                                             static_cast<std::uint64_t>((*low)[i]));
+    if (static_cast<float>(value) == static_cast<float>(shown[i])) exact[i] = value;
+  }
+  return exact;
+}
+
 }  // namespace
+
+Result<CountImage> counts_from_exr(const ExrFile& file, const std::string& name) {
+  return counts_of(count_channel(file), name);
+}
 
 Result<void> write_selection(const std::filesystem::path& path, const Selection& selection,
                              const SelectionInfo& info, bool overwrite) {
   const CountImage& n = selection.statistics.n;
+  const AnalysisSignal& signal = selection.statistics.signal;
   ExrFile file;
   file.width = n.width();
   file.height = n.height();
@@ -69,32 +127,32 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
     counts[i] = n[i];
   file.channels.push_back({"n", PixelType::kUint, std::move(counts)});
   for (std::size_t l = 0; l < selection.attenuation.size(); ++l) {
-    file.channels.push_back({fmt::format("A.{}", l), PixelType::kFloat, selection.attenuation[l]});
+    add_attenuation(file, l, selection.attenuation[l]);
   }
   file.text_attributes = {
       {"spool.sampler", info.sampler},
       {"spool.dump", info.dump},
       {"spool.pool_order", info.pool.order == PoolOrder::kShuffled ? "shuffled" : "recorded"},
-      {"spool.pool_seed", std::to_string(info.pool.seed)}};
+      {"spool.pool_seed", std::to_string(info.pool.seed)},
+      {"spool.analysis_channel",
+       signal.channel == AnalysisChannel::kMaxRgb ? "max_rgb" : "luminance"},
+      {"spool.decision_map", signal.map == DecisionMap::kLog1p ? "log1p" : "linear"}};
   file.number_attributes = {{"spool.holdout", info.pool.holdout},
                             {"spool.pieces_per_side", info.pool.pieces_per_side},
-                            {"spool.exposure", selection.statistics.signal.exposure}};
+                            {"spool.exposure", signal.exposure},
+                            {"spool.decision_clamp", signal.clamp}};
   return write_exr(path, file, {.overwrite = overwrite});
 }
 
 Result<SelectionFile> read_selection(const std::filesystem::path& path) {
   SPOOL_ASSIGN(const ExrFile file, read_exr(path));
   SelectionFile selection;
-  SPOOL_ASSIGN(selection.n, counts_of(count_channel(file), path.string()));
+  SPOOL_ASSIGN(selection.n, counts_from_exr(file, path.string()));
   for (std::size_t l = 0; const Plane* layer = file.find(fmt::format("A.{}", l)); ++l) {
-    selection.attenuation.push_back(*layer);
+    selection.attenuation.push_back(exact_attenuation(file, l, *layer));
   }
   selection.pool = pool_options_of(file);
-  const auto exposure = file.number_attributes.find("spool.exposure");
-  if (exposure != file.number_attributes.end() && std::isfinite(exposure->second) &&
-      exposure->second > 0.0) {
-    selection.exposure = exposure->second;
-  }
+  selection.signal = signal_of(file);
   return selection;
 }
 
@@ -120,7 +178,8 @@ Result<Selection> apply_selection(const SelectionFile& file, const std::filesyst
   selection.attenuation = file.attenuation;
   AnalysisSignal signal;
   GuardCounts guards;
-  signal.exposure = file.exposure ? *file.exposure : exposure_of(selection.statistics, 1.0, guards);
+  signal.exposure = exposure_of(selection.statistics, 1.0, guards);
+  if (file.signal) signal = *file.signal;
   set_signal(selection.statistics, pool, signal);
   return selection;
 }

@@ -1,9 +1,11 @@
 // A selection as an EXR: how many samples of each piece were taken, and what a sampler hands on.
 //
 // Channel `n` (uint): samples of each piece. Layers `A.0` .. `A.K` (float): attenuation of each
-// level, where the sampler keeps one. Attributes of files written here say which sampler made it,
-// the order of the samples and the exposure, so that `reconstruct` sees the same prefix. Any image
-// of counts will do: without `n`, channel Y or R or the first one is taken.
+// level, where the sampler keeps one, for people; `A_bits.k.high` and `A_bits.k.low` (uint) are the
+// same in all 64 bits, and count as long as `A.k` has not been changed since. Attributes of files
+// written here say which sampler made it, the order of the samples and the analysis signal, so that
+// `reconstruct` gives the very bits that `evaluate` gives. Any image of counts will do: without
+// `n`, channel Y or R or the first one is taken.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +14,7 @@
 #include <string>
 
 #include "lib/core/error.h"
+#include "lib/image_io/exr_image.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/statistics/selection.h"
 
@@ -29,9 +32,12 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
 struct SelectionFile {
   CountImage n;
   std::vector<Plane> attenuation;
-  std::optional<double> exposure;
+  std::optional<AnalysisSignal> signal;
   std::optional<PoolOptions> pool;  // absent in images made elsewhere
 };
+
+// The counts in an image: channel n, or Y, or R, or the first; kData where one is no count.
+Result<CountImage> counts_from_exr(const ExrFile& file, const std::string& name);
 
 // Counts must be whole and not negative; kData with the pixel otherwise.
 Result<SelectionFile> read_selection(const std::filesystem::path& path);

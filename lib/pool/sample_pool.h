@@ -56,6 +56,7 @@ class SamplePool {
   // halves, for methods that filter both and compare. Its sample i is sample 2 i + parity of this
   // pool.
   SamplePool half(int parity) const;
+  bool is_half() const { return stride_ > 1; }
 
   // Index in the recording of the i-th sample of the piece.
   int recorded_index(int x, int y, int i) const;

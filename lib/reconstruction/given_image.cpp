@@ -4,19 +4,29 @@
 
 namespace spool {
 
+Result<Reconstruction> own_image(RgbImage image, const SamplePool& pool, const std::string& name) {
+  const RecordedSamples& recording = pool.recording();
+  if (image[0].width() != recording.width() || image[0].height() != recording.height()) {
+    return fail(ErrorCode::kData,
+                "{}: {} x {} pixels, the recording has {} x {}: give an image of the same size",
+                name, image[0].width(), image[0].height(), recording.width(), recording.height());
+  }
+  Reconstruction result;
+  result.image = std::move(image);
+  return result;
+}
+
 ReconstructorFunction given_image(RgbImage image, std::string name) {
   return [image = std::move(image), name = std::move(name)](
              const Selection&, const SamplePool& pool,
              const ReconstructionContext&) -> Result<Reconstruction> {
-    const RecordedSamples& recording = pool.recording();
-    if (image[0].width() != recording.width() || image[0].height() != recording.height()) {
-      return fail(ErrorCode::kData,
-                  "{}: {} x {} pixels, the recording has {} x {}: give an image of the same size",
-                  name, image[0].width(), image[0].height(), recording.width(), recording.height());
+    if (pool.is_half()) {
+      return fail(ErrorCode::kUsage,
+                  "{}: is the same for any samples, a sampler with it in its loop learns nothing: "
+                  "put a filter there",
+                  name);
     }
-    Reconstruction result;
-    result.image = image;
-    return result;
+    return own_image(image, pool, name);
   };
 }
 

@@ -44,6 +44,7 @@ struct ReconstructorEntry {
   std::string summary;
   bool by_description = false;       // re-implemented from descriptions, not from the primary text
   std::vector<std::string> presets;  // the first is the default; empty: no presets
+  std::string argument;              // "FILE.exr": what NAME:... takes where others have a preset
   std::function<std::vector<OptionDescription>(std::string_view preset)> describe;
   std::function<Result<ReconstructorFunction>(std::string_view preset, const OptionValues& set)>
       make;

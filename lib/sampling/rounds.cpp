@@ -69,6 +69,9 @@ void expose(PieceStatistics& statistics, const SamplePool& pool, double key, Gua
 SamplingResult finished(SamplingLog log, PieceStatistics statistics, const SamplePool& pool) {
   log.spent = count_samples(statistics.n);
   finish_log(log, pool, statistics.n);
+  // What a sampler kept for itself; a selection is what its counts say.
+  statistics.channel_minimum.reset();
+  statistics.channel_maximum.reset();
   SamplingResult result;
   result.log = std::move(log);
   result.selection.statistics = std::move(statistics);

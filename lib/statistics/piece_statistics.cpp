@@ -123,20 +123,9 @@ PieceStatistics prefix_statistics(const SamplePool& pool, const CountImage& coun
 }
 
 void set_signal(PieceStatistics& statistics, const SamplePool& pool, const AnalysisSignal& signal) {
-  const AnalysisSignal old = statistics.signal;
+  if (statistics.signal == signal) return;
   statistics.signal = signal;
-  if (old == signal) return;
   ScalarStatistics& analysis = statistics.analysis;
-  if (old.is_linear() && signal.is_linear() && old.channel == signal.channel) {
-    const double factor = signal.exposure / old.exposure;
-    for (std::size_t i = 0; i < analysis.mean.size(); ++i) {
-      analysis.mean[i] *= factor;
-      analysis.m2[i] *= factor * factor;
-      analysis.minimum[i] *= factor;
-      analysis.maximum[i] *= factor;
-    }
-    return;
-  }
   analysis = ScalarStatistics(statistics.width(), statistics.height());
   parallel_rows(0, statistics.height(), [&](int y) {
     for (int x = 0; x < statistics.width(); ++x) {

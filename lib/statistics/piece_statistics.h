@@ -56,8 +56,8 @@ long long take_everywhere(PieceStatistics& statistics, const SamplePool& pool, i
 PieceStatistics prefix_statistics(const SamplePool& pool, const CountImage& counts,
                                   const AnalysisSignal& signal = {}, bool channel_extremes = false);
 
-// Replaces the analysis signal: by scaling where both are linear (exposure only), else by reading
-// the consumed prefixes again.
+// Replaces the analysis signal by reading the consumed prefixes again: the statistics of a
+// selection depend on its counts and its signal alone, to the last bit, not on how they came to be.
 void set_signal(PieceStatistics& statistics, const SamplePool& pool, const AnalysisSignal& signal);
 
 // Exposure that brings the mean of the (unexposed, linear) analysis signal to `key`.

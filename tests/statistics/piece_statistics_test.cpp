@@ -90,14 +90,14 @@ TEST(PieceStatistics, BitsDoNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(run(5), once);
 }
 
-TEST(SetSignal, RescalingEqualsAccumulatingAnew) {
+TEST(SetSignal, ExposureEqualsAccumulatingAnew) {
   const SamplePool pool = memory_pool(9, 7, 8, wild_radiance);
   const CountImage counts = uneven_counts(9, 7, 8);
   AnalysisSignal bright;
-  bright.exposure = 8.0;  // a power of two: to the bit
-  PieceStatistics scaled = prefix_statistics(pool, counts);
-  set_signal(scaled, pool, bright);
-  EXPECT_EQ(scaled, prefix_statistics(pool, counts, bright));
+  bright.exposure = 1.0 / 3.0;
+  PieceStatistics exposed = prefix_statistics(pool, counts);
+  set_signal(exposed, pool, bright);
+  EXPECT_EQ(exposed, prefix_statistics(pool, counts, bright));
 }
 
 TEST(SetSignal, EveryOtherChangeReadsThePrefixesAgain) {

@@ -1,0 +1,69 @@
+// What replay writes and reconstruct reads: the same image to the last bit.
+#include "tools/selection_file.h"
+
+#include <gtest/gtest.h>
+
+#include "lib/reconstruction/reconstructor.h"
+#include "lib/sampling/sampler.h"
+#include "tests/sampling/multiscale_cases.h"
+#include "tests/support/scratch_folder.h"
+
+namespace spool::tools {
+namespace {
+
+TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
+  const test::ScratchFolder folder;
+  PoolOptions options;
+  options.order = PoolOrder::kShuffled;
+  options.seed = 0x9E3779B97F4A7C15u;
+  const auto noisy = test::noisy_pool(19, 14, 16);
+  const auto recording = std::make_shared<const RecordedSamples>(noisy.recording());
+  const SamplePool pool = test::pool_of(recording, options);
+  SamplingContext context;
+  context.filter = [](const Selection& selection, const SamplePool&) -> Result<RgbImage> {
+    GuardCounts guards;
+    return pixel_means(selection.statistics, guards);
+  };
+  std::vector<std::pair<std::string, OptionValues>> methods;
+  for (const SamplerEntry& entry : samplers())
+    methods.emplace_back(entry.name, OptionValues{});
+  methods.push_back({"multiscale", {{"analysis_channel", "max_rgb"}}});
+  methods.push_back({"multiscale", {{"decision_map", "log1p"}, {"decision_clamp", "3.7"}}});
+  for (const auto& [name, set] : methods) {
+    const auto sampled = (*make_sampler(name, "", set))(pool, 19 * 14 * 6, context);
+    ASSERT_TRUE(sampled.has_value()) << name << ": " << sampled.error().message;
+    const auto path = folder / "selection.exr";
+    ASSERT_TRUE(write_selection(path, sampled->selection, {name, "noisy", options}, true));
+    const auto file = read_selection(path);
+    ASSERT_TRUE(file.has_value()) << file.error().message;
+    const SamplePool again = test::pool_of(recording, *file->pool);
+    const auto selection = apply_selection(*file, path, again);
+    ASSERT_TRUE(selection.has_value()) << selection.error().message;
+    EXPECT_EQ(selection->statistics, sampled->selection.statistics) << name;
+    EXPECT_EQ(selection->attenuation, sampled->selection.attenuation) << name;
+    const auto filter = *make_reconstructor("directional", "", {{"size_factor", "literal"}});
+    EXPECT_EQ(filter(*selection, again, {})->image, filter(sampled->selection, pool, {})->image);
+  }
+}
+
+TEST(SelectionFile, AnAttenuationThatSomebodyChangedIsTaken) {
+  const test::ScratchFolder folder;
+  const SamplePool pool = test::noisy_pool(8, 8, 16);
+  const auto sampled = (*make_sampler("multiscale", "", {}))(pool, 8 * 8 * 6, {});
+  const auto path = folder / "selection.exr";
+  ASSERT_TRUE(write_selection(path, sampled->selection, {"multiscale", "noisy", {}}, false));
+  auto file = read_exr(path);
+  for (NamedPlane& channel : file->channels) {
+    if (channel.name == "A.2") channel.data(3, 4) = 0.25;
+  }
+  file->number_attributes.clear();
+  const auto written = write_exr(path, *file, {.overwrite = true});
+  ASSERT_TRUE(written.has_value()) << written.error().message;
+  const auto changed = read_selection(path);
+  Plane expected = sampled->selection.attenuation[2];
+  expected(3, 4) = 0.25;
+  EXPECT_EQ(changed->attenuation[2], expected);
+}
+
+}  // namespace
+}  // namespace spool::tools

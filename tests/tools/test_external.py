@@ -1,0 +1,231 @@
+"""Samplers and filters outside the program: counts:, image:, exec:. The examples of the docs run."""
+import csv
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from conftest import PROGRAM, write_dump
+from spool import exr
+
+DOCS = Path(__file__).resolve().parents[2] / "docs" / "own_methods.md"
+
+
+@pytest.fixture
+def script(tmp_path):
+    """Writes a script; the command that runs it."""
+    def write(name, text):
+        (tmp_path / name).write_text(text)
+        return f"exec:{sys.executable} {tmp_path / name}"
+    return write
+
+
+@pytest.fixture
+def example(script):
+    def of_docs(name):
+        block = re.search(rf"```python\n(# {re.escape(name)}:.*?)```", DOCS.read_text(), re.S).group(1)
+        return script(name, block)
+    return of_docs
+
+
+def answer(expression):
+    """A sampler or filter in two lines: `image` is what it was given."""
+    return ("import os, sys, numpy as np\nfrom spool import exr\nimage = exr.read(sys.argv[1])\n"
+            f"exr.write(sys.argv[2], {expression})\n")
+
+
+def replay(run, dump, sampler, *options, spp=6):
+    return run("replay", dump, "--sampler", sampler, "--spp", spp, "-o", "s.exr", "--json", "--force", *options)
+
+
+def counts(tmp_path, name="s.exr"):
+    return exr.read(tmp_path / name)["n"].astype(int)
+
+
+def test_the_sampler_of_the_docs_has_20_lines_and_beats_uniform_sampling(good, example, dump, tmp_path):
+    lines = [line for line in DOCS.read_text().split("```python\n")[1].split("```")[0].splitlines()
+             if line.strip() and not line.startswith("#")]
+    assert len(lines) <= 20
+    command = example("most_uncertain.py")
+    random = np.random.default_rng(5)
+    noise = random.normal(0, np.where(np.arange(24) < 16, 0.02, 1.0)[None, :, None, None], (20, 24, 32, 3))
+    noisy = write_dump(tmp_path / "noisy.spool", (1 + noise).astype("<f4"), reference=np.ones((20, 24, 3), "f4"))
+    replay(good, noisy, command)
+    n = counts(tmp_path)
+    assert n.sum() == 6 * n.size and n.min() >= 2 and n[:, 18:].mean() > 3 * n[:, :14].mean()
+    good("evaluate", noisy, "--samplers", f"uniform,{command}", "--filters", "box", "--spp", 6,
+         "--replicates", 2, "--no-pictures", "-o", "results")
+    with open(tmp_path / "results" / "results.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    error = {name: [float(row["mse"]) for row in rows if row["sampler"] == name] for name in ("uniform", command)}
+    assert len(error[command]) == 2 and sum(error[command]) < 0.7 * sum(error["uniform"])
+
+
+def test_the_filter_of_the_docs(good, example, dump, tmp_path):
+    good("reconstruct", dump, "--filter", example("median.py"), "--spp", 4, "-o", "m.exr")
+    good("reconstruct", dump, "--filter", "box", "--spp", 4, "-o", "b.exr")
+    box, median = exr.read(tmp_path / "b.exr"), exr.read(tmp_path / "m.exr")
+    assert median["R"].shape == (20, 24)
+    window = [box["R"][y:y + 3, x:x + 3] for y, x in ((4, 5), (10, 11))]
+    assert np.allclose([median["R"][5, 6], median["R"][11, 12]], [np.median(w) for w in window])
+
+
+def test_statistics_say_what_was_taken(good, script, dump, tmp_path):
+    seen = tmp_path / "seen.exr"
+    command = script("s.py", answer("{'n': np.full(image['n'].shape, 2, 'u4')}")
+                     + f"import shutil; shutil.copy(sys.argv[1], {str(seen)!r})\n")
+    replay(good, dump, command, "--set", "sampler.init_spp=3", "--set", "sampler.rounds=1", spp=5)
+    image = exr.read(seen)
+    assert set(image) == {"R", "G", "B", "variance.R", "variance.G", "variance.B", "n", "left"}
+    assert (image["n"] == 3).all() and (image["left"] == 13).all()
+    good("reconstruct", dump, "--filter", "box", "--spp", 3, "--layers", "-o", "b.exr")
+    box = exr.read(tmp_path / "b.exr")
+    for name in ("R", "G", "B", "variance.R"):
+        assert np.array_equal(image[name], box[name]), name
+    assert (counts(tmp_path) == 5).all()
+
+
+def test_rounds_are_told_apart_and_the_budget_is_kept(good, script, dump, tmp_path):
+    log = tmp_path / "log"
+    command = script("s.py", answer("{'n': np.full(image['n'].shape, 3, 'u4')}")
+                     + f"print(*(os.environ['SPOOL_' + k] for k in ('ROUND', 'ROUNDS', 'LEFT', 'SHARE', 'SEED')),"
+                       f" file=open({str(log)!r}, 'a'))\n")
+    said = replay(good, dump, command, "--set", "sampler.rounds=3", "--seed", 7).json
+    pixels = 24 * 20
+    assert log.read_text().split("\n")[:-1] == [f"0 3 {4 * pixels} {(4 * pixels + 2) // 3} 7",
+                                                f"1 3 {1 * pixels} {(pixels + 1) // 2} 7"]
+    assert said["spent"] == 6 * pixels and (counts(tmp_path) == 6).all()
+
+
+def test_wants_beyond_the_pool_go_to_the_others_and_are_counted(good, script, dump, tmp_path):
+    wants = "{'n': np.where(np.arange(24) < 4, 30, np.where(np.arange(24) < 12, 1, 0)).astype('u4')"
+    command = script("s.py", answer(wants + " * np.ones((20, 1), 'u4')}"))
+    said = replay(good, dump, command, "--set", "sampler.rounds=1").json
+    n = counts(tmp_path)
+    assert (n[:, :4] == 16).all() and (n[:, 12:] == 2).all()
+    assert said["guards"]["want_beyond_pool"] == 80 * 16 and said["saturated_pieces"] == 80
+    assert said["spent"] == n.sum() == 6 * n.size  # wanted 2560 of 1920: all of it went to those named
+    enough = script("s.py", answer("{'n': np.zeros(image['n'].shape, 'u4')}"))
+    said = replay(good, dump, enough).json
+    assert said["spent"] == 2 * 480 and said["budget"] == 6 * 480
+
+
+@pytest.mark.parametrize("text, words", [
+    ("import sys; print('no numpy here', file=sys.stderr); sys.exit(3)", ("exit code 3", "no numpy here")),
+    ("pass", ("wrote no answer", "last argument")),
+    ("import sys; open(sys.argv[2], 'w').write('garbage ' * 50)", ("not an OpenEXR",)),
+    ("import sys; open(sys.argv[2], 'wb')", ("answer",)),
+    (answer("{'n': np.full((3, 4), 1, 'u4')}"), ("4 x 3 counts", "24 x 20 pieces")),
+    (answer("{'n': np.full((20, 24), -1.0)}"), ("-1", "pixel 0, 0")),
+    (answer("{'n': np.where(np.eye(20, 24, 5) > 0, .5, 1)}"), ("0.5", "pixel 5, 0")),
+    (answer("{'n': np.full((20, 24), np.nan)}"), ("nan", "pixel 0, 0")),
+    ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", ("signal 11",)),
+])
+def test_a_sampler_that_goes_wrong_is_one_line(run, script, dump, tmp_path, text, words):
+    finished = replay(run, dump, script("bad.py", text))
+    finished.failed_with(1, "exec:", "bad.py", *words)
+    assert not (tmp_path / "s.exr").exists()
+
+
+@pytest.mark.parametrize("text, words", [
+    ("import sys; sys.exit('what a pity')", ("exit code 1", "what a pity")),
+    (answer("{c: image[c][1:] for c in 'RGB'}"), ("24 x 19", "24 x 20")),
+    (answer("{'R': image['R'], 'G': image['G']}"), ("R, G, B",)),
+    (answer("{c: np.where(image[c] == image[c].max(), np.inf, 1) for c in 'RGB'}"), ("inf", "finite")),
+])
+def test_a_filter_that_goes_wrong_is_one_line(run, script, dump, text, words):
+    run("reconstruct", dump, "--filter", script("bad.py", text), "-o", "i.exr").failed_with(1, "bad.py", *words)
+
+
+def processes_with(word):
+    listing = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
+    return [line for line in listing.splitlines() if line.startswith(word)]
+
+
+def test_a_command_that_hangs_is_ended_with_all_that_it_started(run, dump, tmp_path):
+    begin = time.monotonic()
+    word = f"73{os.getpid()}"
+    finished = replay(run, dump, f"exec:sleep {word} & sleep {word}; true", "--set", "sampler.timeout=0.3")
+    finished.failed_with(1, "no answer within 0.3 s", "timeout")
+    assert time.monotonic() - begin < 20 and not processes_with(f"sleep {word}")
+
+
+def test_an_interrupt_ends_the_command_and_leaves_nothing(dump, tmp_path):
+    word = f"74{os.getpid()}"
+    (tmp_path / "tmp").mkdir()
+    process = subprocess.Popen([PROGRAM, "replay", dump, "--sampler", f"exec:sleep {word}; true", "--spp", "6", "-o",
+                                tmp_path / "s.exr"], env={**os.environ, "TMPDIR": str(tmp_path / "tmp")},
+                               stderr=subprocess.PIPE, text=True)
+    for _ in range(400):
+        if processes_with(f"sleep {word}"):
+            break
+        time.sleep(0.05)
+    assert list((tmp_path / "tmp").iterdir())
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == 128 + signal.SIGINT
+    for _ in range(100):
+        if not processes_with(f"sleep {word}"):
+            break
+        time.sleep(0.05)
+    assert not processes_with(f"sleep {word}") and not list((tmp_path / "tmp").iterdir())
+
+
+def test_counts_are_a_sampler(good, run, dump, tmp_path):
+    n = np.fromfunction(lambda y, x: 2 + (x + 3 * y) % 7, (20, 24)).astype("u4")
+    exr.write(tmp_path / "mine.exr", {"Y": n.astype("f4")})
+    replay(good, dump, "counts:mine.exr", spp=n.sum() / n.size)
+    assert np.array_equal(counts(tmp_path), n)
+    replay(run, dump, "counts:mine.exr", spp=3).failed_with(1, "counts:mine.exr", "--spp")
+    exr.write(tmp_path / "mine.exr", {"n": np.where(np.eye(20, 24) > 0, np.uint32(17), np.uint32(1))})
+    replay(run, dump, "counts:mine.exr", spp=16).failed_with(1, "counts:mine.exr", "outside 0 .. 16")
+    replay(run, dump, "counts:none.exr").failed_with(3, "none.exr")
+    replay(run, dump, "counts").failed_with(2, "counts:FILE.exr")
+    replay(run, dump, "counts:mine.exr", "--set", "counts.x=1").failed_with(2, "x")
+
+
+def test_a_replayed_selection_is_a_sampler(good, dump, tmp_path):
+    good("replay", dump, "--sampler", "multiscale", "--spp", 6, "-o", "a.exr")
+    good("replay", dump, "--sampler", "counts:a.exr", "--spp", 6, "-o", "b.exr")
+    a, b = exr.read(tmp_path / "a.exr"), exr.read(tmp_path / "b.exr")
+    assert set(a) == set(b)
+    for name, plane in a.items():
+        assert np.array_equal(plane, b[name]), name
+
+
+def test_an_image_is_a_filter(good, run, dump, tmp_path):
+    image = np.random.default_rng(1).random((3, 20, 24)).astype("f4")
+    exr.write(tmp_path / "mine.exr", dict(zip("RGB", image)))
+    good("reconstruct", dump, "--filter", "image:mine.exr", "-o", "i.exr")
+    assert np.array_equal(exr.read(tmp_path / "i.exr")["G"], image[1])
+    run("replay", dump, "--sampler", "filtered_halves", "--filter", "image:mine.exr", "--spp", 6, "-o",
+        "s.exr").failed_with(2, "image:mine.exr", "learns nothing")
+    exr.write(tmp_path / "small.exr", {"Y": image[0, 1:]})
+    run("reconstruct", dump, "--filter", "image:small.exr", "-o", "j.exr").failed_with(1, "24 x 19", "24 x 20")
+
+
+def test_an_external_filter_guides_filtered_halves(good, example, dump, tmp_path):
+    median = example("median.py")
+    good("replay", dump, "--sampler", "filtered_halves", "--filter", median, "--spp", 8, "-o", "s.exr",
+         "--set", "sampler.rounds=2")
+    n = counts(tmp_path)
+    assert n.sum() == 8 * n.size and n.std() > 0.5
+    result = good("evaluate", dump, "--samplers", "filtered_halves{rounds=1}", "--filters", f"box,{median}", "--spp",
+                  6, "--replicates", 1, "--no-pictures", "-o", "results").out
+    assert "median.py" in result
+
+
+def test_methods_carry_their_presets_and_options_in_their_names(good, run, dump):
+    names = "multiscale:paper,multiscale,multiscale:paper{alpha=0.3,epochs=40},uniform"
+    table = good("evaluate", dump, "--samplers", names, "--filters", "directional:paper,box", "--spp", 4,
+                 "--replicates", 1, "--no-pictures", "-o", "results").out
+    for label in ("multiscale:paper ", "multiscale ", "multiscale:paper{alpha=0.3,epochs=40}", "directional:paper"):
+        assert label in table
+    run("evaluate", dump, "--samplers", "multiscale:papr", "--spp", 4, "-o", "r2").failed_with(2, "paper")
+    run("evaluate", dump, "--samplers", "multiscale{alpha=0.3", "--spp", 4, "-o", "r2").failed_with(2, "brace")
+    run("evaluate", dump, "--samplers", "multiscale{alhpa=0.3}", "--spp", 4, "-o", "r2").failed_with(2, "alpha")

@@ -1,0 +1,206 @@
+#include "tools/external_methods.h"
+
+#include <cmath>
+#include <utility>
+
+#include "lib/image_io/exr_image.h"
+#include "lib/reconstruction/given_image.h"
+#include "lib/sampling/asked_counts.h"
+#include "lib/sampling/given_counts.h"
+#include "lib/sampling/rounds.h"
+#include "tools/external_process.h"
+#include "tools/selection_file.h"
+#include "tools/statistics_file.h"
+
+namespace spool::tools {
+namespace {
+
+struct NoOptions {};
+
+struct ExecOptions {
+  double timeout = 600.0;
+};
+
+struct ExecSamplerOptions {
+  ExecOptions exec;
+  AskedCountsOptions asked;
+};
+
+Option<ExecOptions> timeout_option() {
+  return number_option<ExecOptions>("timeout", &ExecOptions::timeout, 0.001, 1e6,
+                                    "seconds that one call of the command may take");
+}
+
+const OptionTable<ExecSamplerOptions>& exec_sampler_option_table() {
+  using O = AskedCountsOptions;
+  static const OptionTable<ExecSamplerOptions> table = [] {
+    OptionTable<ExecSamplerOptions> options;
+    append_options(
+        options,
+        OptionTable<O>{
+            init_spp_option<O>(&O::init_spp),
+            integer_option<O>("rounds", &O::rounds, 1, 1000, "times that the command is asked"),
+            number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance")},
+        &ExecSamplerOptions::asked);
+    append_options(options, OptionTable<ExecOptions>{timeout_option()}, &ExecSamplerOptions::exec);
+    return options;
+  }();
+  return table;
+}
+
+// One call: the statistics go out, the answer comes back as the EXR that the command wrote.
+Result<ExrFile> call(const std::string& command, const PieceStatistics& statistics,
+                     const SamplePool& pool, const ExecOptions& options,
+                     std::vector<std::pair<std::string, std::string>> environment,
+                     const std::function<bool()>* cancelled) {
+  SPOOL_ASSIGN(const ExchangeFolder folder, ExchangeFolder::create());
+  const std::filesystem::path input = folder / "statistics.exr", output = folder / "answer.exr";
+  SPOOL_TRY(write_statistics(input, statistics, pool));
+  SPOOL_TRY(run_external({command,
+                          {input.string(), output.string()},
+                          std::move(environment),
+                          options.timeout,
+                          folder / "log",
+                          cancelled != nullptr ? *cancelled : std::function<bool()>()}));
+  std::error_code status;
+  if (!std::filesystem::exists(output, status)) {
+    return fail(ErrorCode::kData,
+                "exec:{}: wrote no answer: it must write an EXR to the path that is its last "
+                "argument",
+                command);
+  }
+  Result<ExrFile> answer = read_exr(output);
+  if (answer) return answer;
+  std::string message = answer.error().message;
+  if (message.starts_with(output.string()))
+    message = "answer" + message.substr(output.string().size());
+  return fail(ErrorCode::kData, "exec:{}: {}", command, message);
+}
+
+Result<SamplerFunction> make_exec_sampler(const std::string& command, const OptionValues& set) {
+  SPOOL_ASSIGN(const ExecSamplerOptions options,
+               with_options(exec_sampler_option_table(), ExecSamplerOptions{}, set));
+  return SamplerFunction([command, options](const SamplePool& pool, long long budget,
+                                            const SamplingContext& context) {
+    const AskForCounts ask = [&](const CountQuestion& question) -> Result<CountImage> {
+      SPOOL_ASSIGN(const ExrFile answer,
+                   call(command, question.statistics, question.pool, options.exec,
+                        {{"SPOOL_ROUND", std::to_string(question.round)},
+                         {"SPOOL_ROUNDS", std::to_string(question.rounds)},
+                         {"SPOOL_LEFT", std::to_string(question.left)},
+                         {"SPOOL_SHARE", std::to_string(question.share)},
+                         {"SPOOL_SEED", std::to_string(question.seed)}},
+                        context.cancelled));
+      return counts_from_exr(answer, fmt::format("exec:{}: answer", command));
+    };
+    Result<SamplingResult> result = sample_asked_counts(pool, budget, options.asked, ask, context);
+    if (!result && !result.error().message.starts_with("exec:")) {
+      return Result<SamplingResult>(
+          fail(result.error().code, "exec:{}: {}", command, result.error().message));
+    }
+    return result;
+  });
+}
+
+Result<ReconstructorFunction> make_exec_filter(const std::string& command,
+                                               const OptionValues& set) {
+  SPOOL_ASSIGN(const ExecOptions options,
+               with_options(OptionTable<ExecOptions>{timeout_option()}, ExecOptions{}, set));
+  return ReconstructorFunction(
+      [command, options](const Selection& selection, const SamplePool& pool,
+                         const ReconstructionContext&) -> Result<Reconstruction> {
+        const std::string name = fmt::format("exec:{}: answer", command);
+        SPOOL_ASSIGN(const ExrFile answer,
+                     call(command, selection.statistics, pool, options, {}, nullptr));
+        SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(answer, name));
+        for (std::size_t c = 0; c < 3; ++c) {
+          for (int y = 0; y < image[c].height(); ++y) {
+            for (int x = 0; x < image[c].width(); ++x) {
+              if (std::isfinite(image[c](x, y))) continue;
+              return fail(ErrorCode::kData,
+                          "{}: holds {} in channel {} (pixel {}, {}): every value must be finite",
+                          name, image[c](x, y), "RGB"[c], x, y);
+            }
+          }
+        }
+        return own_image(image, pool, name);
+      });
+}
+
+Result<SamplerFunction> make_counts_sampler(const std::string& path, const OptionValues& set) {
+  SPOOL_TRY(with_options(OptionTable<NoOptions>{}, NoOptions{}, set));
+  SPOOL_ASSIGN(SelectionFile file, read_selection(path));
+  return SamplerFunction([file = std::move(file), path](
+                             const SamplePool& pool, long long budget,
+                             const SamplingContext& context) -> Result<SamplingResult> {
+    if (const long long counts = count_samples(file.n); counts > budget) {
+      return fail(ErrorCode::kData,
+                  "counts:{}: {} samples, the budget has {}: give --spp {} or take fewer", path,
+                  counts, budget,
+                  static_cast<double>(counts) /
+                      (static_cast<double>(pool.recording().width()) * pool.recording().height()));
+    }
+    SPOOL_ASSIGN(SamplingResult result,
+                 sample_given_counts(pool, budget, file.n, "counts:" + path, context));
+    result.selection.attenuation = file.attenuation;
+    if (file.signal) set_signal(result.selection.statistics, pool, *file.signal);
+    return result;
+  });
+}
+
+Result<ReconstructorFunction> make_image_filter(const std::string& path, const OptionValues& set) {
+  SPOOL_TRY(with_options(OptionTable<NoOptions>{}, NoOptions{}, set));
+  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
+  SPOOL_ASSIGN(RgbImage image, rgb_from_exr(file, path));
+  return given_image(std::move(image), "image:" + path);
+}
+
+// An entry whose argument stands where others have a preset.
+template <class Entry, class Table, class Make>
+Entry entry_with_argument(std::string name, std::string argument, std::string summary,
+                          const Table& table, Make make) {
+  Entry entry;
+  entry.name = name;
+  entry.argument = argument;
+  entry.summary = std::move(summary);
+  entry.describe = [table](std::string_view) { return describe_options(table, {}); };
+  entry.make = [=](std::string_view given, const OptionValues& set) -> decltype(make("", set)) {
+    if (given.empty()) {
+      return fail(ErrorCode::kUsage, "{}: write {}:{}", name, name, argument);
+    }
+    return make(std::string(given), set);
+  };
+  return entry;
+}
+
+}  // namespace
+
+const std::vector<SamplerEntry>& known_samplers() {
+  static const std::vector<SamplerEntry> all = [] {
+    std::vector<SamplerEntry> list = samplers();
+    list.push_back(entry_with_argument<SamplerEntry>(
+        "counts", "FILE.exr", "your own: an image that says how many samples each piece gets",
+        OptionTable<NoOptions>{}, make_counts_sampler));
+    list.push_back(entry_with_argument<SamplerEntry>(
+        "exec", "COMMAND", "your own: a command that is asked for counts, round after round",
+        exec_sampler_option_table(), make_exec_sampler));
+    return list;
+  }();
+  return all;
+}
+
+const std::vector<ReconstructorEntry>& known_filters() {
+  static const std::vector<ReconstructorEntry> all = [] {
+    std::vector<ReconstructorEntry> list = reconstructors();
+    list.push_back(entry_with_argument<ReconstructorEntry>(
+        "image", "FILE.exr", "your own: an image that was made elsewhere", OptionTable<NoOptions>{},
+        make_image_filter));
+    list.push_back(entry_with_argument<ReconstructorEntry>(
+        "exec", "COMMAND", "your own: a command that makes the image from the statistics",
+        OptionTable<ExecOptions>{timeout_option()}, make_exec_filter));
+    return list;
+  }();
+  return all;
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,32 @@
+#include "tools/statistics_file.h"
+
+#include <utility>
+
+#include "lib/filters/piece_estimates.h"
+#include "lib/image_io/exr_image.h"
+
+namespace spool::tools {
+
+Result<void> write_statistics(const std::filesystem::path& path, const PieceStatistics& statistics,
+                              const SamplePool& pool) {
+  GuardCounts guards;  // of a copy for others; the method that asks counts its own
+  SPOOL_ASSIGN(PieceEstimates pieces,
+               estimate_pieces(statistics, {}, statistics.signal.exposure, guards));
+  ExrFile file = exr_from_rgb(pieces.mean);
+  for (std::size_t c = 0; c < 3; ++c) {
+    file.channels.push_back(
+        {std::string("variance.") + "RGB"[c], PixelType::kFloat, std::move(pieces.variance[c])});
+  }
+  Plane n(file.width, file.height), left(file.width, file.height);
+  for (int y = 0; y < file.height; ++y) {
+    for (int x = 0; x < file.width; ++x) {
+      n(x, y) = statistics.n(x, y);
+      left(x, y) = pool.capacity(x, y) - statistics.n(x, y);
+    }
+  }
+  file.channels.push_back({"n", PixelType::kUint, std::move(n)});
+  file.channels.push_back({"left", PixelType::kUint, std::move(left)});
+  return write_exr(path, file);
+}
+
+}  // namespace spool::tools
