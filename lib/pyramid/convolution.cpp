@@ -1,48 +1,28 @@
 #include "lib/pyramid/convolution.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "lib/pyramid/row_loop.h"
+#include "lib/pyramid/row_sums.h"
 
 namespace spool {
 namespace {
 
-// out[x] = sum_i weights[i] * sources[i][x], added in the order of i. Four terms a sweep keep the
-// partial sums in registers; the order of the additions, hence the bits, is that of one term a
-// sweep.
+// Where the terms of a sum begin; few of them, as usual, need no memory.
 template <class T>
-void weighted_sum_of_rows(const T* const* sources, const T* weights, std::size_t terms, int width,
-                          T* __restrict out) {
-  std::size_t i = 0;
-  if (terms >= 4) {
-    const T *a = sources[0], *b = sources[1], *c = sources[2], *d = sources[3];
-    const T wa = weights[0], wb = weights[1], wc = weights[2], wd = weights[3];
-    for (int x = 0; x < width; ++x)
-      out[x] = wa * a[x] + wb * b[x] + wc * c[x] + wd * d[x];
-    i = 4;
-  } else {
-    const T* a = sources[0];
-    const T wa = weights[0];
-    for (int x = 0; x < width; ++x)
-      out[x] = wa * a[x];
-    i = 1;
-  }
-  for (; i + 4 <= terms; i += 4) {
-    const T *a = sources[i], *b = sources[i + 1], *c = sources[i + 2], *d = sources[i + 3];
-    const T wa = weights[i], wb = weights[i + 1], wc = weights[i + 2], wd = weights[i + 3];
-    for (int x = 0; x < width; ++x) {
-      out[x] = out[x] + wa * a[x] + wb * b[x] + wc * c[x] + wd * d[x];
-    }
-  }
-  for (; i < terms; ++i) {
-    const T* a = sources[i];
-    const T wa = weights[i];
-    for (int x = 0; x < width; ++x)
-      out[x] = out[x] + wa * a[x];
-  }
-}
+class SourceRows {
+ public:
+  explicit SourceRows(std::size_t count) : many_(count > few_.size() ? count : 0) {}
+  const T*& operator[](std::size_t i) { return data()[i]; }
+  const T** data() { return many_.empty() ? few_.data() : many_.data(); }
+
+ private:
+  std::array<const T*, 16> few_;
+  std::vector<const T*> many_;
+};
 
 // One row of the horizontal pass: out[x - x0] for x = x0 .. x1-1.
 template <class T>
@@ -64,7 +44,7 @@ void convolve_row(const T* in, int width, int first, const std::vector<T>& weigh
   };
   border(x0, inside_begin);
   if (inside_begin < inside_end) {
-    std::vector<const T*> sources(weights.size());
+    SourceRows<T> sources(weights.size());
     for (int i = 0; i < count; ++i) {
       sources[static_cast<std::size_t>(i)] = in + (inside_begin - (first + i) * dilation);
     }
@@ -129,7 +109,7 @@ void convolve_and_finish(const Image<T>& in, const Taps& taps, int dilation, Ext
                  box.x1, store_row(s));
   });
   rows_by_area(box.y0, box.y1, box.area(), [&](int y) {
-    std::vector<const T*> sources(weights.size());
+    SourceRows<T> sources(weights.size());
     for (int i = 0; i < count; ++i) {
       const int from = extend(y - (taps.first + i) * dilation, height, extension);
       sources[static_cast<std::size_t>(i)] = store_row(slot[static_cast<std::size_t>(from)]);

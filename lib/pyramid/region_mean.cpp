@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "lib/pyramid/row_loop.h"
+#include "lib/pyramid/row_sums.h"
 
 namespace spool {
 namespace {
@@ -37,22 +38,8 @@ void sum_row(const double* in, int width, Window window, int x0, int x1, double*
   border(x0, inside_begin);
   const int n = inside_end - inside_begin;
   if (n > 0) {
-    const double* from = in + inside_begin - window.before;
-    double* to = out + (inside_begin - x0);
-    std::copy(from, from + n, to);
-    // The window of a level >= 1 has an even number of terms: one, then pairs, then one.
-    int term = 1;
-    const int terms = window.before + window.after + 1;
-    for (; term + 2 <= terms; term += 2) {
-      const double *a = from + term, *b = a + 1;
-      for (int x = 0; x < n; ++x)
-        to[x] = to[x] + a[x] + b[x];
-    }
-    for (; term < terms; ++term) {
-      const double* a = from + term;
-      for (int x = 0; x < n; ++x)
-        to[x] += a[x];
-    }
+    sum_of_shifted_rows(in + inside_begin - window.before, 1, window.before + window.after + 1, n,
+                        out + (inside_begin - x0));
   }
   border(inside_end, x1);
 }
@@ -78,19 +65,9 @@ void sum_and_finish(const Plane& image, int level, const Rectangle& box, Plane& 
   });
   rows_by_area(box.y0, box.y1, box.area(), [&](int y) {
     double* __restrict row = &out(box.x0, y);
-    int from = std::max(y - window.before, 0);
+    const int first = std::max(y - window.before, 0);
     const int last = std::min(y + window.after, image.height() - 1);
-    std::copy(store_row(from), store_row(from) + width, row);
-    for (++from; from + 1 <= last; from += 2) {
-      const double *a = store_row(from), *b = store_row(from + 1);
-      for (int x = 0; x < width; ++x)
-        row[x] = row[x] + a[x] + b[x];
-    }
-    for (; from <= last; ++from) {
-      const double* a = store_row(from);
-      for (int x = 0; x < width; ++x)
-        row[x] += a[x];
-    }
+    sum_of_shifted_rows(store_row(first), width, last - first + 1, width, row);
     finish(y, row);
   });
 }
@@ -124,11 +101,25 @@ void region_sum_box(const Plane& image, int level, const Rectangle& box, Plane& 
 }
 
 void region_mean_box(const Plane& image, int level, const Rectangle& box, Plane& out) {
-  const Rectangle bounds = image.bounds();
+  const Window window = window_of(level);
+  const auto terms = [&](int at, int n) {
+    return std::min(at + window.after, n - 1) - std::max(at - window.before, 0) + 1;
+  };
+  const int whole = window.before + window.after + 1;
+  const double inverse = 1.0 / (static_cast<double>(whole) * whole);  // a power of two
+  const int inside_begin = std::clamp(window.before, box.x0, box.x1);
+  const int inside_end = std::clamp(image.width() - window.after, inside_begin, box.x1);
   sum_and_finish(image, level, box, out, [&](int y, double* row) {
-    for (int x = box.x0; x < box.x1; ++x) {
-      row[x - box.x0] /= static_cast<double>(region_count(x, y, level, bounds));
-    }
+    const int rows = terms(y, image.height());
+    const auto divide = [&](int begin, int end) {
+      for (int x = begin; x < end; ++x)
+        row[x - box.x0] /= static_cast<double>(terms(x, image.width()) * rows);
+    };
+    if (rows < whole) return divide(box.x0, box.x1);
+    divide(box.x0, inside_begin);
+    for (int x = inside_begin; x < inside_end; ++x)
+      row[x - box.x0] *= inverse;
+    divide(inside_end, box.x1);
   });
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "lib/core/vector_clones.h"
 #include "lib/pyramid/region_mean.h"
 #include "lib/pyramid/row_loop.h"
 #include "lib/sampling/multiscale/region_counts.h"
@@ -70,6 +72,31 @@ Rectangle attenuation_box(const Board& board, int k, const Rectangle& changed,
   return intersect(region_influence(changed, k, board.bounds()), board.area);
 }
 
+namespace {
+
+// Eq 7 for a row of entries whose regions are whole and open, with `fractional` and `per_pass`:
+// kept[m] and passes[m] for m fresh samples. Where none is fresh A stays.
+SPOOL_VECTOR_CLONES
+void step_row(const std::int32_t* fresh, const double* kept, const double* passes, const double* f,
+              const double* before, int width, double* __restrict attenuation) {
+  for (int x = 0; x < width; ++x) {
+    const double change = std::abs(f[x] - before[x]);  // eq 8
+    const double weight = kept[fresh[x]];
+    const double next = weight * attenuation[x] + (1.0 - weight) * (change / passes[fresh[x]]);
+    attenuation[x] = fresh[x] == 0 ? attenuation[x] : next;
+  }
+}
+
+// Columns x0 .. x1-1 of `box` whose regions no border of the area cuts; empty when row y's are cut.
+std::pair<int, int> whole_regions(const Board& board, int k, const Rectangle& box, int y) {
+  const int before = k == 0 ? 0 : 1 << (k - 1), after = k == 0 ? 0 : before - 1;
+  if (y - before < board.area.y0 || y + after >= board.area.y1) return {box.x0, box.x0};
+  const int x0 = std::clamp(board.area.x0 + before, box.x0, box.x1);
+  return {x0, std::clamp(board.area.x1 - after, x0, box.x1)};
+}
+
+}  // namespace
+
 void update_attenuation(Board& board, ScalarAnalysis& scalar, int k, const Rectangle& box,
                         const Plane& before, const MultiscaleOptions& options) {
   if (box.empty()) return;
@@ -77,20 +104,42 @@ void update_attenuation(Board& board, ScalarAnalysis& scalar, int k, const Recta
   Plane& attenuation = scalar.attenuation[static_cast<std::size_t>(k)];
   const bool any_touch = options.attenuation == AttenuationUpdate::kAnyTouch;
   const RegionCounts counts(board, k, box);
+  const int most = counts.largest_fresh();
+  if (most == 0 && !any_touch) return;
+  // In rows, where that is the usual rule and nothing ran out of samples.
+  const int whole = 1 << (2 * k);
+  const bool in_rows = options.attenuation == AttenuationUpdate::kFractional &&
+                       options.change_scale == ChangeScale::kPerPass && board.closed_pieces == 0;
+  std::vector<double> kept, passes;
+  AttenuationStep table(k, options);
+  for (int m = 0; in_rows && m <= most; ++m) {
+    kept.push_back(table.kept(m, whole));
+    passes.push_back(m == 0 ? 1.0 : static_cast<double>(m) / whole);
+  }
   constexpr int kBand = 16;  // rows that share one table of powers
   const int bands = (box.height() + kBand - 1) / kBand;
   rows_by_area(0, bands, box.area(), [&](int band) {
     AttenuationStep step(k, options);
     const int first = box.y0 + band * kBand;
     for (int y = first; y < std::min(first + kBand, box.y1); ++y) {
-      for (int x = box.x0; x < box.x1; ++x) {
-        const int fresh = counts.fresh(x, y);
-        if (fresh == 0 && !any_touch) continue;
-        const double change = std::abs(f(x, y) - before(x - box.x0, y - box.y0));  // eq 8
-        if (change > 0.0 || !any_touch) {
-          attenuation(x, y) = step(attenuation(x, y), change, fresh, counts.open(x, y));  // eq 7
+      const auto each = [&](int begin, int end) {
+        for (int x = begin; x < end; ++x) {
+          const int fresh = counts.fresh(x, y);
+          if (fresh == 0 && !any_touch) continue;
+          const double change = std::abs(f(x, y) - before(x - box.x0, y - box.y0));  // eq 8
+          if (change > 0.0 || !any_touch) {
+            attenuation(x, y) = step(attenuation(x, y), change, fresh, counts.open(x, y));  // eq 7
+          }
         }
+      };
+      const auto [begin, end] =
+          in_rows ? whole_regions(board, k, box, y) : std::pair{box.x0, box.x0};
+      each(box.x0, begin);
+      if (begin < end) {
+        step_row(counts.fresh_row(begin, y), kept.data(), passes.data(), &f(begin, y),
+                 &before(begin - box.x0, y - box.y0), end - begin, &attenuation(begin, y));
       }
+      each(end, box.x1);
     }
   });
 }

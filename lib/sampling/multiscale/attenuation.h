@@ -27,9 +27,9 @@ class AttenuationStep {
   AttenuationStep(int level, const MultiscaleOptions& options);
   double operator()(double attenuation, double change, int fresh, int open);
 
- private:
   double kept(int fresh, int open);  // (1 - alpha)^(fresh / open)
 
+ private:
   AttenuationUpdate update_;
   ChangeScale scale_;
   double alpha_;

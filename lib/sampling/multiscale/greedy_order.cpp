@@ -8,8 +8,31 @@
 
 namespace spool {
 
-GreedyOrder::GreedyOrder(const Board& board, double above, std::size_t expected)
+PriorityMaxima::PriorityMaxima(const BlockGrid& grid, const Board& board)
+    : grid_(grid), maxima_(board.priority.size() * grid.size()) {
+  for (std::size_t l = 0; l < board.priority.size(); ++l) {
+    for (std::size_t b = 0; b < grid_.size(); ++b)
+      refresh(board, static_cast<int>(l) + 1, b);
+  }
+}
+
+void PriorityMaxima::refresh(const Board& board, int level, std::size_t b) {
+  const auto l = static_cast<std::size_t>(level) - 1;
+  const Plane& plane = board.priority[l];
+  const Rectangle block = grid_[b];
+  double largest = -std::numeric_limits<double>::infinity();
+  for (int y = block.y0; y < block.y1; ++y) {
+    const double* row = plane.row(y).data();
+    for (int x = block.x0; x < block.x1; ++x)
+      largest = row[x] > largest ? row[x] : largest;
+  }
+  maxima_[l * grid_.size() + b] = largest;
+}
+
+GreedyOrder::GreedyOrder(const Board& board, const PriorityMaxima& maxima, double above,
+                         std::size_t expected)
     : board_(board),
+      maxima_(maxima),
       above_(above),
       expected_(std::max<std::size_t>(expected, 16)),
       upper_(std::numeric_limits<double>::infinity()),
@@ -54,12 +77,16 @@ bool GreedyOrder::gather() {
     if (lower >= upper_) continue;  // many equal priorities
     for (std::size_t l = 0; l < board_.priority.size(); ++l) {
       const Plane& plane = board_.priority[l];
-      for (int y = board_.area.y0; y < board_.area.y1; ++y) {
-        for (int x = board_.area.x0; x < board_.area.x1; ++x) {
-          const double priority = plane(x, y);
-          if (!(priority > lower && priority <= upper_)) continue;
-          const RegionEntry entry{static_cast<int>(l) + 1, x, y, priority};
-          if (is_free(entry)) batch_.push_back(entry);
+      for (std::size_t b = 0; b < maxima_.grid().size(); ++b) {
+        if (!(maxima_(l, b) > lower)) continue;
+        const Rectangle block = intersect(maxima_.grid()[b], board_.area);
+        for (int y = block.y0; y < block.y1; ++y) {
+          for (int x = block.x0; x < block.x1; ++x) {
+            const double priority = plane(x, y);
+            if (!(priority > lower && priority <= upper_)) continue;
+            const RegionEntry entry{static_cast<int>(l) + 1, x, y, priority};
+            if (is_free(entry)) batch_.push_back(entry);
+          }
         }
       }
     }

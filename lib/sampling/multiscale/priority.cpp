@@ -76,7 +76,7 @@ void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box,
 }
 
 void close_regions(Board& board, int k, const Rectangle& box) {
-  if (board.closed_pieces == 0) return;
+  if (board.closed_pieces == 0 || box.empty()) return;
   const RegionCounts counts(board, k, box);
   Plane& priority = board.priority[static_cast<std::size_t>(k - 1)];
   for (int y = box.y0; y < box.y1; ++y) {
@@ -86,8 +86,8 @@ void close_regions(Board& board, int k, const Rectangle& box) {
   }
 }
 
-void update_priority(Board& board, int k, const Rectangle& wanted, const MultiscaleOptions& options,
-                     GuardCounts& guards) {
+void compute_priority(Board& board, int k, const Rectangle& wanted,
+                      const MultiscaleOptions& options, GuardCounts& guards) {
   const Rectangle box = intersect(wanted, board.area);
   if (box.empty()) return;
   const auto level = static_cast<std::size_t>(k);
@@ -110,7 +110,12 @@ void update_priority(Board& board, int k, const Rectangle& wanted, const Multisc
   });
   for (const GuardCounts& row : rows)
     guards += row;
-  close_regions(board, k, box);
+}
+
+void update_priority(Board& board, int k, const Rectangle& wanted, const MultiscaleOptions& options,
+                     GuardCounts& guards) {
+  compute_priority(board, k, wanted, options, guards);
+  close_regions(board, k, intersect(wanted, board.area));
 }
 
 }  // namespace spool

@@ -17,7 +17,10 @@ namespace spool {
 void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box,
                           const MultiscaleOptions& options, GuardCounts& guards);
 
-// Recomputes P_k on the part of `box` that lies in the board's area.
+// Recomputes P_k on the part of `box` that lies in the board's area, as if nothing were saturated.
+void compute_priority(Board& board, int k, const Rectangle& box, const MultiscaleOptions& options,
+                      GuardCounts& guards);
+// The same, then closes regions.
 void update_priority(Board& board, int k, const Rectangle& box, const MultiscaleOptions& options,
                      GuardCounts& guards);
 

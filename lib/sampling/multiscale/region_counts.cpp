@@ -61,6 +61,13 @@ CountImage region_sums(const Image<T>& image, const Rectangle& area, int level,
 
 }  // namespace
 
+int RegionCounts::largest_fresh() const {
+  std::int32_t largest = 0;
+  for (const std::int32_t fresh : fresh_.pixels())
+    largest = std::max(largest, fresh);
+  return largest;
+}
+
 RegionCounts::RegionCounts(const Board& board, int level, const Rectangle& box)
     : box_(box), area_(board.area) {
   if (level > 0) {

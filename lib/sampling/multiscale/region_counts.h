@@ -17,6 +17,8 @@ class RegionCounts {
 
   // Samples taken in this step.
   int fresh(int x, int y) const { return fresh_(x - box_.x0, y - box_.y0); }
+  const std::int32_t* fresh_row(int x, int y) const { return &fresh_(x - box_.x0, y - box_.y0); }
+  int largest_fresh() const;
   // Pieces that were not saturated before this step.
   int open(int x, int y) const {
     const int closed = closed_.empty() ? 0 : closed_(x - box_.x0, y - box_.y0);

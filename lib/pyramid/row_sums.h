@@ -1,0 +1,21 @@
+// Sums of rows, element by element: what every convolution and every window sum spends its time on.
+//
+// Terms are added in their order, whatever the vector width. Rows may overlap each other but not
+// the output.
+#pragma once
+
+#include <cstddef>
+
+namespace spool {
+
+// out[x] = sum_i weights[i] * sources[i][x], for x < width; terms >= 1.
+void weighted_sum_of_rows(const double* const* sources, const double* weights, std::size_t terms,
+                          int width, double* __restrict out);
+void weighted_sum_of_rows(const float* const* sources, const float* weights, std::size_t terms,
+                          int width, float* __restrict out);
+
+// out[x] = sum over i < terms of from[x + i * stride]; terms >= 1.
+void sum_of_shifted_rows(const double* from, std::ptrdiff_t stride, int terms, int width,
+                         double* __restrict out);
+
+}  // namespace spool
