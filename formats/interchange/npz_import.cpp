@@ -4,6 +4,7 @@
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/npz.h"
 #include "formats/interchange/npz_members.h"
+#include "formats/interchange/scratch_file.h"
 
 namespace spool::interchange {
 namespace {
@@ -145,11 +146,7 @@ Result<FileHandle> locate(const FileHandle& file, const std::vector<NpzMember>& 
   for (const NpzMember& member : members) {
     if (member.layer == "meta") continue;
     if (member.zip.deflated && inflated_at.empty()) {
-      std::filesystem::path name = out;
-      name += ".inflated";
-      SPOOL_ASSIGN(inflated, FileHandle::open(name, format::OpenMode::kCreate));
-      std::error_code ignored;
-      std::filesystem::remove(name, ignored);  // lives as long as it is open
+      SPOOL_ASSIGN(inflated, open_scratch_file(out));
     }
     if (member.zip.deflated) inflated_at[member.layer] = end;
     const auto keep = [&](std::span<const std::byte> piece) -> Result<void> {
@@ -200,9 +197,7 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
                                 const NpzImportOptions& options) {
   const std::string name = in.string();
   SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
-  std::error_code ignored;
-  if (!options.force && std::filesystem::exists(out, ignored))  // before hours of inflating
-    return fail(ErrorCode::kUsage, "{}: exists: choose another name or use --force", out.string());
+  SPOOL_TRY(refuse_existing_target(out, options.force));
   SPOOL_ASSIGN(std::vector<NpzMember> members, read_npz_members(file));
   const auto named = [&](std::string_view layer) {
     return std::find_if(members.begin(), members.end(),

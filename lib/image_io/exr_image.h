@@ -39,14 +39,15 @@ struct ExrFile {
 struct ExrReadLimits {
   std::uint64_t max_pixels = std::uint64_t{1} << 28;
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  // of all channels, as doubles
+  int max_parts = 1;                                 // later ones are not looked at
 };
 
 struct ExrWriteOptions {
   bool overwrite = false;
 };
 
-// Reads part 0. kIo when the file cannot be opened, kData when it is no flat EXR or too large,
-// kDamage when pixels are missing or do not decode.
+// Reads part 0. kIo when the file cannot be opened, kData when it is no flat EXR
+// or too large, kDamage when pixels are missing or do not decode.
 Result<ExrFile> read_exr(const std::filesystem::path& path, const ExrReadLimits& limits = {});
 
 // Writes ZIP-compressed scanlines under a temporary name, then renames. A value that the channel's

@@ -10,13 +10,13 @@ using namespace spool::format;
 MadeDump decide(Decisions& decisions) {
   MadeDump dump;
   dump.header =
-      small_header(1 + decisions.up_to(39), 1 + decisions.up_to(39), 1 + decisions.up_to(11),
-                   1 + decisions.up_to(11), 8u << decisions.up_to(5),
+      small_header(1 + decisions.up_to(19), 1 + decisions.up_to(19), 1 + decisions.up_to(5),
+                   1 + decisions.up_to(5), 8u << decisions.up_to(5),
                    static_cast<DataType>(1 + decisions.up_to(1)));
-  const uint32_t groups = decisions.up_to(6);
+  const uint32_t groups = decisions.up_to(4);
   for (uint32_t g = 0; g < groups; ++g) {
     std::vector<std::string> names;
-    const uint32_t channels = 1 + decisions.up_to(4);
+    const uint32_t channels = 1 + decisions.up_to(3);
     for (uint32_t c = 0; c < channels; ++c) {
       names.push_back("layer_" + std::to_string(g) + ".C" + std::to_string(c));
     }

@@ -1,0 +1,32 @@
+// A sample set of Noisebase [Noisebase] (SampleSet v1, a Zarr v2 store in a zip): import.
+//
+// Radiance is stored there as 8-bit RGBE with a random rounding: it is decoded, and what the
+// rounding added stays in it. position, motion, normal, albedo (called diffuse there) and the
+// reference come over unchanged; camera arrays go to `meta`. A training file holds a sequence: one
+// frame is taken.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "formats/interchange/dump_import.h"
+#include "lib/core/error.h"
+
+namespace spool::interchange {
+
+struct NoisebaseImportOptions : ImportOptions {
+  std::optional<uint64_t> frame;  // of a sequence
+};
+
+// Errors: kDamage for chunks that are missing or damaged, kData for arrays that are not a
+// SampleSet, kUsage for a sequence without `frame`.
+Result<ImportReport> import_noisebase(const std::filesystem::path& in,
+                                      const std::filesystem::path& out,
+                                      const NoisebaseImportOptions& options = {});
+
+// Linear R, G, B of one stored sample; `exposure`: lowest and highest natural logarithm.
+std::array<float, 3> decode_rgbe(std::array<uint8_t, 4> rgbe, std::array<float, 2> exposure);
+
+}  // namespace spool::interchange
