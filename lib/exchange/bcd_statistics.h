@@ -1,0 +1,38 @@
+// The statistics images that the denoiser of BCD [Bcd] reads: export.
+//
+// P.exr (mean), P_cov.exr (covariance of the samples, unbiased) and P_hist.exr (histograms of the
+// three components, then the count of samples). Its result comes back as `--filter image:FILE`.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "formats/interchange/export_file.h"
+#include "lib/core/error.h"
+
+namespace spool::exchange {
+
+struct BcdStatisticsOptions {
+  uint32_t spp = 0;                                // the first so many of each pixel; 0: all
+  std::optional<std::filesystem::path> selection;  // or an image of counts, channel n
+  bool force = false;
+};
+
+// `out`: P or P.exr. Errors: kData for samples that are not finite (with pixel and sample), fewer
+// than two samples in a pixel, selections of another size or beyond what was recorded.
+Result<interchange::ExportReport> export_bcd_statistics(const std::filesystem::path& in,
+                                                        const std::filesystem::path& out,
+                                                        const BcdStatisticsOptions& options = {});
+
+inline constexpr int kBcdBins = 20;
+
+// Adds one sample of one component to its histogram: two neighbouring bins share a weight of 1.
+// The component is taken to the power 1/2.2 and divided by 2.5; what lies beyond 1 goes to the last
+// two bins.
+void add_to_histogram(double value, std::span<double, kBcdBins> bins);
+
+}  // namespace spool::exchange

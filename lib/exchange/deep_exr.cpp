@@ -1,0 +1,332 @@
+#include "lib/exchange/deep_exr.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "formats/byte_io.h"
+#include "formats/interchange/layer_names.h"
+#include "formats/interchange/scratch_file.h"
+#include "lib/core/random.h"
+#include "lib/exchange/dump_layers.h"
+#include "lib/image_io/exr_planes.h"
+
+namespace spool::exchange {
+
+using format::FileHandle;
+using format::LayerInfo;
+using format::load;
+using format::Scope;
+using format::store;
+using interchange::DumpPlan;
+using interchange::ExportReport;
+using interchange::ForeignLayer;
+using interchange::ImportReport;
+
+namespace {
+
+constexpr const char* kIndexChannel = "spool.index";
+constexpr const char* kDepthChannel = "Z";
+constexpr uint64_t kMaxChunkBytes = (uint64_t{1} << 31) - 1;
+constexpr uint64_t kShuffleSeed = 20;
+
+// values [x][s][c] of a layer's row -> [x][s] of each component.
+void split_row(std::span<const std::byte> row, uint64_t channels, uint64_t bytes,
+               std::vector<std::vector<std::byte>>& out) {
+  const uint64_t count = row.size() / (channels * bytes);
+  for (uint64_t c = 0; c < channels; ++c) {
+    std::vector<std::byte>& values = out.emplace_back(count * bytes);
+    for (uint64_t i = 0; i < count; ++i)
+      std::memcpy(&values[i * bytes], &row[(i * channels + c) * bytes], bytes);
+  }
+}
+
+Result<std::vector<std::byte>> row_of(const ScratchLayers& scratch, const ScratchLayer& stored,
+                                      const format::DumpHeader& header, uint64_t y) {
+  const uint64_t value =
+      uint64_t{stored.layer.channel_count} * format::bytes_per_value(stored.layer.type);
+  const uint64_t pixel = value * header.spp;
+  std::vector<std::byte> row(pixel * header.width);
+  if (stored.layer.scope == Scope::kSample) {
+    SPOOL_TRY(scratch.file.read_at(stored.offset + y * row.size(), row));
+    return row;
+  }
+  SPOOL_TRY(scratch.file.read_at(stored.offset, std::span(row).first(pixel)));
+  for (uint64_t x = 1; x < header.width; ++x)
+    std::memcpy(&row[x * pixel], row.data(), pixel);
+  return row;
+}
+
+}  // namespace
+
+std::filesystem::path pixel_file_of(const std::filesystem::path& deep) {
+  std::filesystem::path name = deep;
+  return name.replace_extension(".pixel.exr");
+}
+
+Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
+                                     const std::filesystem::path& out, bool force) {
+  SPOOL_TRY(interchange::refuse_existing_target(out, force));
+  SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
+  SPOOL_TRY(require_complete(dump));
+  const format::DumpHeader& header = dump.header();
+  DeepHeader deep{
+      static_cast<int>(header.width), static_cast<int>(header.height), {}, describe_dump(dump)};
+  uint64_t sample_bytes = 8;
+  bool pixel_layers = false;
+  for (const LayerInfo& layer : dump.layers()) {
+    pixel_layers = pixel_layers || layer.scope == Scope::kPixel;
+    if (layer.scope == Scope::kPixel) continue;
+    for (const std::string& component : layer.components)
+      deep.channels.push_back({layer.name + "." + component, pixel_type(layer.type)});
+    sample_bytes += uint64_t{layer.channel_count} * format::bytes_per_value(layer.type);
+  }
+  deep.channels.push_back({kDepthChannel, PixelType::kFloat});
+  deep.channels.push_back({kIndexChannel, PixelType::kUint});
+  if (sample_bytes * header.spp * header.width > kMaxChunkBytes)
+    return fail(ErrorCode::kData,
+                "{}: a row of {} samples takes more than OpenEXR's 2 GiB: export fewer samples",
+                in.string(), header.spp);
+  SPOOL_ASSIGN(ScratchLayers scratch, unpack_layers(dump, out));
+  SPOOL_ASSIGN(DeepExrWriter writer, DeepExrWriter::create(out, deep, header.spp, force));
+  std::vector<std::byte> depth(size_t{4} * header.width * header.spp), index = depth;
+  for (size_t i = 0; i < size_t{header.width} * header.spp; ++i) {
+    const auto s = static_cast<uint32_t>(i % header.spp);
+    store(std::span(depth), 4 * i, static_cast<float>(s));
+    store(std::span(index), 4 * i, s);
+  }
+  for (uint64_t y = 0; y < header.height; ++y) {
+    std::vector<std::vector<std::byte>> values;
+    for (const ScratchLayer& stored : scratch.layers) {
+      if (stored.layer.scope == Scope::kPixel) continue;
+      SPOOL_ASSIGN(const auto row, row_of(scratch, stored, header, y));
+      split_row(row, stored.layer.channel_count, format::bytes_per_value(stored.layer.type),
+                values);
+    }
+    values.push_back(depth);
+    values.push_back(index);
+    SPOOL_TRY(writer.write_row(values));
+  }
+  SPOOL_TRY(write_pixel_layers(dump, scratch, pixel_file_of(out), force));
+  SPOOL_TRY(writer.finish());
+  ExportReport report;
+  if (pixel_layers)
+    report.notes.push_back("layers with one value per pixel are in " +
+                           pixel_file_of(out).filename().string());
+  return report;
+}
+
+namespace {
+
+// A layer of the dump to be, and where its components are among the deep channels.
+struct Wanted {
+  ForeignLayer layer;
+  std::vector<size_t> channels;
+};
+
+struct DeepInput {
+  std::string name;
+  DeepExrReader reader;
+  std::optional<ToldDump> told;
+  std::vector<Wanted> wanted;
+  uint32_t spp = 0;
+
+  std::optional<size_t> channel(std::string_view wanted_name) const {
+    const auto& channels = reader.header().channels;
+    for (size_t c = 0; c < channels.size(); ++c)
+      if (channels[c].name == wanted_name) return c;
+    return std::nullopt;
+  }
+};
+
+Result<void> want(DeepInput& input, const std::string& layer, const std::string& component,
+                  const std::string& theirs, Scope scope) {
+  const auto at = input.channel(theirs);
+  if (!at)
+    return fail(ErrorCode::kData, "{}: no channel {}: was it dropped by a tool?", input.name,
+                theirs);
+  const PixelType type = input.reader.header().channels[*at].type;
+  if (input.wanted.empty() || input.wanted.back().layer.name != layer)
+    input.wanted.push_back({{layer, {}, scope, {}}, {}});
+  Wanted& wanted = input.wanted.back();
+  if (!wanted.channels.empty() && input.reader.header().channels[wanted.channels[0]].type != type)
+    return fail(ErrorCode::kData, "{}: the components of {} have different types: save them alike",
+                input.name, layer);
+  wanted.layer.components.push_back(component);
+  wanted.layer.array.type = element_type(type);
+  wanted.channels.push_back(*at);
+  return {};
+}
+
+Result<void> plan_channels(DeepInput& input) {
+  if (input.told) {
+    for (const ToldChannel& channel : input.told->channels)
+      if (channel.scope != Scope::kPixel)
+        SPOOL_TRY(want(input, channel.layer, channel.component, channel.name(), channel.scope));
+    const auto index = input.channel(kIndexChannel);
+    if (!index || input.reader.header().channels[*index].type != PixelType::kUint)
+      return fail(ErrorCode::kData, "{}: no channel spool.index: a tool dropped it; unusable",
+                  input.name);
+    return {};
+  }
+  for (const char* component : {"R", "G", "B"})
+    SPOOL_TRY(want(input, "radiance", component, component, Scope::kSample));
+  if (input.channel(kDepthChannel))
+    SPOOL_TRY(want(input, "depth", "Z", kDepthChannel, Scope::kSample));
+  return {};
+}
+
+float value_at(const DeepRow& row, const DeepHeader& header, size_t channel, size_t i) {
+  if (header.channels[channel].type == PixelType::kFloat)
+    return load<float>(row.values[channel], 4 * i);
+  return std::nanf("");
+}
+
+Result<void> check_row(const DeepInput& input, const DeepRow& row, int y) {
+  for (size_t x = 0; x < row.counts.size(); ++x)
+    if (row.counts[x] != input.spp)
+      return fail(ErrorCode::kData,
+                  "{}: pixel {},{} has {} samples and pixel 0,0 has {}: a pool needs the same in "
+                  "every pixel",
+                  input.name, x, y, row.counts[x], input.spp);
+  const size_t values = row.counts.size() * input.spp;
+  const auto place = [&](size_t i) {
+    return fmt::format("sample {} of pixel {},{}", i % input.spp, i / input.spp, y);
+  };
+  if (input.told) {
+    const auto index = *input.channel(kIndexChannel);
+    for (size_t i = 0; i < values; ++i) {
+      const auto number = load<uint32_t>(row.values[index], 4 * i);
+      if (number != i % input.spp)
+        return fail(ErrorCode::kData, "{}: {} has index {}: a tool reordered the samples",
+                    input.name, place(i), number);
+    }
+    return {};
+  }
+  const DeepHeader& header = input.reader.header();
+  const auto alpha = input.channel("A"), front = input.channel("Z"), back = input.channel("ZBack");
+  for (size_t i = 0; i < values; ++i) {
+    const bool composite =
+        (alpha && value_at(row, header, *alpha, i) != 1.0f) ||
+        (front && back && value_at(row, header, *back, i) > value_at(row, header, *front, i));
+    if (composite)
+      return fail(ErrorCode::kData,
+                  "{}: {} is transparent or has thickness: looks like a compositing image",
+                  input.name, place(i));
+  }
+  return {};
+}
+
+// One row of a layer into the scratch file.
+Result<void> put_row(const DeepInput& input, const Wanted& wanted, const DeepRow& row, uint64_t y,
+                     FileHandle& scratch) {
+  const uint64_t bytes = interchange::element_bytes(wanted.layer.array.type);
+  const uint64_t channels = wanted.channels.size(), width = row.counts.size();
+  const uint64_t pixel = input.spp * channels * bytes;
+  std::vector<std::byte> out(width * pixel);
+  for (uint64_t x = 0; x < width; ++x) {
+    const uint64_t key = mix(kShuffleSeed, y * width + x);
+    for (uint32_t s = 0; s < input.spp; ++s) {
+      // A foreign tool may have sorted the samples, and a sorted prefix is biased.
+      const uint64_t from = input.told ? s : permute_index(s, input.spp, key);
+      for (uint64_t c = 0; c < channels; ++c)
+        std::memcpy(&out[x * pixel + (s * channels + c) * bytes],
+                    &row.values[wanted.channels[c]][(x * input.spp + from) * bytes], bytes);
+    }
+  }
+  if (wanted.layer.scope == Scope::kSample)
+    return scratch.write_at(wanted.layer.array.offset + y * out.size(), out);
+  std::vector<std::byte> first(out.begin(), out.begin() + static_cast<ptrdiff_t>(pixel));
+  if (y == 0) SPOOL_TRY(scratch.write_at(wanted.layer.array.offset, first));
+  SPOOL_TRY(scratch.read_at(wanted.layer.array.offset, first));
+  for (uint64_t x = 0; x < width; ++x)
+    if (std::memcmp(first.data(), &out[x * pixel], pixel) != 0)
+      return fail(ErrorCode::kData,
+                  "{}: {} differs between pixel 0,0 and {},{}: it is one per pass", input.name,
+                  wanted.layer.name, x, y);
+  return {};
+}
+
+uint64_t lay_out(DeepInput& input, const FileHandle& scratch) {
+  uint64_t end = 0;
+  for (Wanted& wanted : input.wanted) {
+    auto& array = wanted.layer.array;
+    const bool pass = wanted.layer.scope == Scope::kPass;
+    array.file = &scratch;
+    array.offset = end;
+    array.width = pass ? 1 : static_cast<uint32_t>(input.reader.header().width);
+    array.height = pass ? 1 : static_cast<uint32_t>(input.reader.header().height);
+    array.samples = input.spp;
+    array.components = static_cast<uint32_t>(wanted.channels.size());
+    end += interchange::element_bytes(array.type) * array.width * array.height * array.samples *
+           array.components;
+  }
+  return end;
+}
+
+}  // namespace
+
+Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
+                                     const std::filesystem::path& out,
+                                     const DeepImportOptions& options) {
+  SPOOL_TRY(interchange::refuse_existing_target(out, options.force));
+  SPOOL_ASSIGN(DeepExrReader reader, DeepExrReader::open(in));
+  const std::string name = in.string();
+  SPOOL_ASSIGN(auto told, told_dump(reader.header().attributes, name));
+  if (!told && !options.foreign_samples)
+    return fail(ErrorCode::kUsage,
+                "{}: not written by spool: give --deep-samples if its samples are Monte Carlo "
+                "samples",
+                name);
+  DeepInput input{name, std::move(reader), std::move(told), {}, 0};
+  const DeepHeader& header = input.reader.header();
+  SPOOL_TRY(plan_channels(input));
+  SPOOL_ASSIGN(FileHandle scratch, interchange::open_scratch_file(out));
+  uint64_t end = 0;
+  for (int y = 0; y < header.height; ++y) {
+    SPOOL_ASSIGN(const DeepRow row, input.reader.read_row(y));
+    if (y == 0) {
+      input.spp = row.counts[0];
+      if (input.spp == 0 || input.spp > format::kMaxSpp)
+        return fail(ErrorCode::kData, "{}: pixel 0,0 has {} samples: 1 to {} are possible", name,
+                    input.spp, format::kMaxSpp);
+      end = lay_out(input, scratch);
+    }
+    SPOOL_TRY(check_row(input, row, y));
+    for (const Wanted& wanted : input.wanted)
+      SPOOL_TRY(put_row(input, wanted, row, static_cast<uint64_t>(y), scratch));
+  }
+  DumpPlan plan;
+  plan.width = static_cast<uint32_t>(header.width);
+  plan.height = static_cast<uint32_t>(header.height);
+  plan.spp = input.spp;
+  plan.sample_order = input.told ? input.told->sample_order : format::SampleOrder::kExchangeable;
+  for (Wanted& wanted : input.wanted)
+    plan.layers.push_back(std::move(wanted.layer));
+  if (input.told) plan.meta = input.told->meta;
+  plan.record.format = "deep-exr";
+  SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
+  SPOOL_ASSIGN(interchange::ForeignFile identity, interchange::identify(file));
+  plan.record.files.push_back(std::move(identity));
+  const bool has_pixel_layers =
+      input.told && std::any_of(input.told->channels.begin(), input.told->channels.end(),
+                                [](const auto& c) { return c.scope == Scope::kPixel; });
+  if (has_pixel_layers) SPOOL_TRY(read_pixel_layers(pixel_file_of(in), end, scratch, plan));
+  for (ForeignLayer& layer : plan.layers)
+    layer.array.file = &scratch;
+  if (!input.told) {
+    plan.record.converted = {"the samples of each pixel were shuffled"};
+    for (const DeepChannel& channel : header.channels)
+      if (std::string_view("RGBZ").find(channel.name) == std::string::npos)
+        plan.record.dropped.push_back(channel.name);
+  }
+  std::vector<std::string> notes = plan.record.converted;
+  for (const std::string& dropped : plan.record.dropped)
+    notes.push_back("channel " + dropped + " was not taken over");
+  SPOOL_ASSIGN(ImportReport report, write_dump(out, std::move(plan), options));
+  report.notes.insert(report.notes.begin(), notes.begin(), notes.end());
+  return report;
+}
+
+}  // namespace spool::exchange

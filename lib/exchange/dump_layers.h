@@ -1,0 +1,65 @@
+// What the EXR doors share: layers of a dump as arrays on disk, and the text that describes them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/file_handle.h"
+#include "formats/interchange/dump_import.h"
+#include "formats/spool_reader.h"
+#include "lib/core/error.h"
+#include "lib/image_io/exr_planes.h"
+
+namespace spool::exchange {
+
+PixelType pixel_type(format::DataType type);
+interchange::ElementType element_type(PixelType type);
+
+// kData when blocks are missing: an image has no place for holes.
+Result<void> require_complete(const format::SpoolReader& dump);
+
+// A layer at an offset of a scratch file: [y][x][s][c], pixel scope [y][x][c], pass scope [s][c].
+struct ScratchLayer {
+  format::LayerInfo layer;
+  uint64_t offset = 0;
+};
+struct ScratchLayers {
+  format::FileHandle file;
+  std::vector<ScratchLayer> layers;
+};
+// Lays out all layers of `dump` beside `out`.
+Result<ScratchLayers> unpack_layers(const format::SpoolReader& dump,
+                                    const std::filesystem::path& out);
+
+// Attributes that let an EXR come back as the dump it was: spoolVersion, spoolChannels, spoolMeta,
+// spoolSampleOrder, spoolSource.
+ExrAttributes describe_dump(const format::SpoolReader& dump);
+
+struct ToldChannel {
+  std::string layer, component;
+  format::Scope scope = format::Scope::kSample;
+  std::string name() const { return layer + "." + component; }
+};
+// What describe_dump() wrote.
+struct ToldDump {
+  std::vector<ToldChannel> channels;
+  nlohmann::json meta = nlohmann::json::object();
+  format::SampleOrder sample_order = format::SampleOrder::kRenderer;
+};
+// kData when the attributes are there and make no sense; nullopt when there are none.
+Result<std::optional<ToldDump>> told_dump(const ExrAttributes& attributes, const std::string& name);
+
+// Planes of pixel scope as a flat EXR; nothing is written when there are none.
+Result<void> write_pixel_layers(const format::SpoolReader& dump, ScratchLayers& scratch,
+                                const std::filesystem::path& path, bool force);
+// Adds the pixel layers of such a file to `plan`, its numbers at the end of `scratch`.
+Result<void> read_pixel_layers(const std::filesystem::path& path, uint64_t& end,
+                               format::FileHandle& scratch, interchange::DumpPlan& plan);
+
+// The last component and the layer before it: ("radiance", "R").
+std::pair<std::string, std::string> split_channel(const std::string& name);
+
+}  // namespace spool::exchange

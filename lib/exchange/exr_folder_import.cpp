@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+
+#include "formats/interchange/layer_names.h"
+#include "formats/interchange/scratch_file.h"
+#include "formats/interchange/sha256.h"
+#include "lib/exchange/exr_folder.h"
+
+namespace spool::exchange {
+
+using format::FileHandle;
+using format::Scope;
+using interchange::DumpPlan;
+using interchange::ForeignLayer;
+using interchange::ImportReport;
+
+namespace {
+
+constexpr const char* kPixelFile = "pixel_layers.exr";
+
+// The last run of digits in a name.
+std::optional<uint64_t> number_in(const std::string& stem) {
+  const size_t end = stem.find_last_of("0123456789");
+  if (end == std::string::npos) return std::nullopt;
+  size_t begin = end;
+  while (begin > 0 && stem[begin - 1] >= '0' && stem[begin - 1] <= '9')
+    --begin;
+  uint64_t number = 0;
+  const auto parsed = std::from_chars(&stem[begin], &stem[begin] + (end + 1 - begin), number);
+  return parsed.ec == std::errc() ? std::optional(number) : std::nullopt;
+}
+
+Result<std::vector<std::filesystem::path>> sample_files(const std::filesystem::path& in) {
+  std::vector<std::pair<uint64_t, std::filesystem::path>> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(in, error)) {
+    if (entry.path().extension() != ".exr" || entry.path().filename() == kPixelFile) continue;
+    const auto number = number_in(entry.path().stem().string());
+    if (!number)
+      return fail(ErrorCode::kData, "{}: no number in the name: number the samples",
+                  entry.path().string());
+    files.emplace_back(*number, entry.path());
+  }
+  if (error)
+    return fail(ErrorCode::kIo, "{}: cannot be listed ({}): give a folder of EXR images",
+                in.string(), error.message());
+  if (files.empty())
+    return fail(ErrorCode::kData, "{}: no *.exr in it: give a folder of EXR images", in.string());
+  if (files.size() > format::kMaxSpp)
+    return fail(ErrorCode::kData, "{}: {} images: at most {} samples are possible", in.string(),
+                files.size(), format::kMaxSpp);
+  std::sort(files.begin(), files.end());
+  std::vector<std::filesystem::path> sorted;
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (files[i].first != files[0].first + i)
+      return fail(ErrorCode::kData, "{}: sample {} is missing or there twice: render it again",
+                  files[i].second.string(), files[0].first + i);
+    sorted.push_back(files[i].second);
+  }
+  return sorted;
+}
+
+Result<void> check_image(const ExrPlanes& image, const ExrPlanes& first, const std::string& file) {
+  if (!image.rec709)
+    return fail(ErrorCode::kData,
+                "{}: chromaticities are not Rec. 709: convert first, e.g. oiiotool --colorconvert",
+                file);
+  double samples = 1;
+  for (const auto& [key, text] : image.attributes.texts)
+    if (key.starts_with("cycles.") && key.ends_with(".samples"))
+      samples = std::max(samples, std::strtod(text.c_str(), nullptr));
+  const bool ours = image.attributes.numbers.contains("spoolVersion");
+  if (const auto found = image.attributes.numbers.find("samplesPerPixel");
+      !ours && found != image.attributes.numbers.end())
+    samples = std::max(samples, found->second);
+  if (samples > 1)
+    return fail(ErrorCode::kData, "{}: holds {} samples per pixel: not a sample record", file,
+                samples);
+  const auto alike = [](const ExrPlane& a, const ExrPlane& b) {
+    return a.name == b.name && a.type == b.type;
+  };
+  if (image.width != first.width || image.height != first.height || image.x0 != first.x0 ||
+      image.y0 != first.y0)
+    return fail(ErrorCode::kData, "{}: another data window than the first image: save them alike",
+                file);
+  if (!std::equal(image.planes.begin(), image.planes.end(), first.planes.begin(),
+                  first.planes.end(), alike))
+    return fail(ErrorCode::kData, "{}: other channels than the first image: save them alike", file);
+  return {};
+}
+
+// The planes of a layer as [y][x][c].
+std::vector<std::byte> interleave(const ExrPlanes& image, const MappedLayer& layer) {
+  const size_t bytes = bytes_per_value(image.planes[layer.planes[0]].type);
+  const size_t channels = layer.planes.size();
+  const size_t pixels = image.planes[layer.planes[0]].values.size() / bytes;
+  std::vector<std::byte> values(pixels * channels * bytes);
+  for (size_t c = 0; c < channels; ++c)
+    for (size_t p = 0; p < pixels; ++p)
+      std::memcpy(&values[(p * channels + c) * bytes],
+                  &image.planes[layer.planes[c]].values[p * bytes], bytes);
+  return values;
+}
+
+// Layers of the plan with their places in the scratch file; returns its end.
+uint64_t plan_layers(const ExrPlanes& first, const ExrMapping& mapping, DumpPlan& plan) {
+  uint64_t end = 0;
+  for (const MappedLayer& mapped : mapping.layers) {
+    ForeignLayer layer{mapped.name, mapped.components, Scope::kSample, {}};
+    layer.array.offset = end;
+    layer.array.type = element_type(first.planes[mapped.planes[0]].type);
+    layer.array.sample_major = true;
+    layer.array.width = plan.width;
+    layer.array.height = plan.height;
+    layer.array.samples = plan.spp;
+    layer.array.components = static_cast<uint32_t>(mapped.planes.size());
+    end += interchange::element_bytes(layer.array.type) * plan.width * plan.height * plan.spp *
+           mapped.planes.size();
+    plan.layers.push_back(std::move(layer));
+  }
+  return end;
+}
+
+// Pass-scope layers of our own export: one number per image and component.
+Result<void> plan_pass_layers(const ToldDump& told, const std::vector<ExrAttributes>& attributes,
+                              const std::string& in, uint64_t& end, FileHandle& scratch,
+                              DumpPlan& plan) {
+  for (size_t first = 0; first < told.channels.size(); ++first) {
+    if (told.channels[first].scope != Scope::kPass) continue;
+    ForeignLayer layer{told.channels[first].layer, {}, Scope::kPass, {}};
+    size_t last = first;
+    while (last < told.channels.size() && told.channels[last].layer == layer.name)
+      layer.components.push_back(told.channels[last++].component);
+    std::vector<std::byte> values;
+    for (size_t s = 0; s < attributes.size(); ++s) {
+      for (const std::string& component : layer.components) {
+        const auto key = "spoolPass." + layer.name + "." + component;
+        const auto found = attributes[s].texts.find(key);
+        uint32_t bits = 0;
+        const bool parsed =
+            found != attributes[s].texts.end() && found->second.size() == 12 &&
+            std::from_chars(&found->second[4], &found->second[4] + 8, bits, 16).ptr ==
+                &found->second[4] + 8;
+        if (!parsed)
+          return fail(ErrorCode::kData, "{}: image {} has no attribute {}: a tool dropped it", in,
+                      s, key);
+        const bool half = found->second.starts_with("f16:");
+        layer.array.type = half                                ? interchange::ElementType::kFloat16
+                           : found->second.starts_with("u32:") ? interchange::ElementType::kUint32
+                                                               : interchange::ElementType::kFloat32;
+        const auto* raw = reinterpret_cast<const std::byte*>(&bits);
+        values.insert(values.end(), raw, raw + (half ? 2 : 4));
+      }
+    }
+    layer.array.offset = end;
+    layer.array.samples = plan.spp;
+    layer.array.components = static_cast<uint32_t>(layer.components.size());
+    if (values.size() !=
+        interchange::element_bytes(layer.array.type) * plan.spp * layer.array.components)
+      return fail(ErrorCode::kData, "{}: {} changes its type: was an attribute edited?", in,
+                  layer.name);
+    SPOOL_TRY(scratch.write_at(end, values));
+    end += values.size();
+    plan.layers.push_back(std::move(layer));
+    first = last - 1;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
+                                       const std::filesystem::path& out,
+                                       const ExrFolderImportOptions& options) {
+  SPOOL_TRY(interchange::refuse_existing_target(out, options.force));
+  SPOOL_ASSIGN(const auto files, sample_files(in));
+  SPOOL_ASSIGN(ExrPlanes first, read_exr_planes(files[0], {.max_parts = INT32_MAX}));
+  SPOOL_ASSIGN(const ExrMapping mapping, map_exr_layers(first, options.map, files[0].string()));
+  SPOOL_ASSIGN(auto told, told_dump(first.attributes, files[0].string()));
+  DumpPlan plan;
+  plan.width = static_cast<uint32_t>(first.width);
+  plan.height = static_cast<uint32_t>(first.height);
+  plan.spp = static_cast<uint32_t>(files.size());
+  uint64_t end = plan_layers(first, mapping, plan);
+  for (ExrPlane& plane : first.planes)
+    plane.values = {};
+  SPOOL_ASSIGN(FileHandle scratch, interchange::open_scratch_file(out));
+  std::vector<ExrAttributes> attributes;
+  std::string first_hash;
+  bool all_alike = files.size() > 1;
+  for (size_t s = 0; s < files.size(); ++s) {
+    SPOOL_ASSIGN(ExrPlanes image, read_exr_planes(files[s], {.max_parts = INT32_MAX}));
+    SPOOL_TRY(check_image(image, first, files[s].string()));
+    for (size_t l = 0; l < mapping.layers.size(); ++l) {
+      const auto values = interleave(image, mapping.layers[l]);
+      SPOOL_TRY(scratch.write_at(plan.layers[l].array.offset + s * values.size(), values));
+      if (l > 0) continue;
+      interchange::Sha256 hash;
+      hash.add(values);
+      const std::string digest = hash.hex();
+      if (s == 0) first_hash = digest;
+      all_alike = all_alike && digest == first_hash;
+    }
+    attributes.push_back(std::move(image.attributes));
+    SPOOL_ASSIGN(const FileHandle file, FileHandle::open(files[s], format::OpenMode::kRead));
+    SPOOL_ASSIGN(interchange::ForeignFile identity, interchange::identify(file));
+    plan.record.files.push_back(std::move(identity));
+  }
+  if (all_alike)
+    return fail(ErrorCode::kData, "{}: all {} images are alike: the seed did not change",
+                in.string(), files.size());
+  if (told) SPOOL_TRY(plan_pass_layers(*told, attributes, in.string(), end, scratch, plan));
+  std::error_code ignored;
+  if (std::filesystem::exists(in / kPixelFile, ignored))
+    SPOOL_TRY(read_pixel_layers(in / kPixelFile, end, scratch, plan));
+  for (ForeignLayer& layer : plan.layers)
+    layer.array.file = &scratch;
+  plan.sample_order =
+      told ? told->sample_order : options.sample_order.value_or(format::SampleOrder::kRenderer);
+  if (told) plan.meta = told->meta;
+  plan.record.format = "exr-folder";
+  plan.record.options["map"] = options.map;
+  plan.record.dropped = mapping.dropped;
+  if (first.x0 != 0 || first.y0 != 0)
+    plan.record.converted.push_back(
+        fmt::format("the data window began at {},{} and was moved to 0,0", first.x0, first.y0));
+  std::vector<std::string> notes = plan.record.converted;
+  if (!mapping.dropped.empty())
+    notes.push_back(fmt::format("not taken over: {} (--map OURS=LAYER takes a layer)",
+                                fmt::join(mapping.dropped, ", ")));
+  SPOOL_ASSIGN(ImportReport report, write_dump(out, std::move(plan), options));
+  report.notes.insert(report.notes.begin(), notes.begin(), notes.end());
+  return report;
+}
+
+}  // namespace spool::exchange

@@ -1,0 +1,144 @@
+#include "lib/exchange/oidn_set.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/spool_reader.h"
+#include "lib/core/image.h"
+#include "lib/image_io/exr_image.h"
+
+namespace spool::exchange {
+
+using format::LayerInfo;
+using format::Scope;
+using interchange::ExportReport;
+
+namespace {
+
+struct Feature {
+  const char* layer;
+  const char* suffix;
+  double lowest, highest;  // what OIDN's loader cuts off
+};
+constexpr Feature kFeatures[] = {
+    {"radiance", "hdr", 0.0, HUGE_VAL}, {"albedo", "alb", 0.0, 1.0}, {"normal", "nrm", -1.0, 1.0}};
+
+// Means of the first n samples, for every n of `counts` (ascending).
+Result<std::vector<RgbImage>> prefix_means(const format::SpoolReader& dump, const char* layer,
+                                           const std::vector<uint32_t>& counts) {
+  const int width = static_cast<int>(dump.header().width);
+  const int height = static_cast<int>(dump.header().height);
+  std::vector<RgbImage> means(counts.size(), make_rgb(width, height));
+  const size_t most = counts.back();
+  for (uint32_t tile = 0; tile < dump.tiles(); ++tile) {
+    const format::PixelRect rect = dump.tile_rect(tile);
+    SPOOL_ASSIGN(const auto samples, dump.read_region(layer, rect, 0, counts.back()));
+    size_t at = 0;
+    for (size_t c = 0; c < 3; ++c)
+      for (uint32_t y = rect.y0; y < rect.y1; ++y)
+        for (uint32_t x = rect.x0; x < rect.x1; ++x, at += most) {
+          double sum = 0;
+          size_t s = 0;
+          for (size_t k = 0; k < counts.size(); ++k) {
+            for (; s < counts[k]; ++s) {
+              if (!std::isfinite(samples[at + s]))
+                return fail(
+                    ErrorCode::kData,
+                    "{}: {} is not finite (pixel {},{} sample {}): OIDN would take it for 0",
+                    dump.path().string(), layer, x, y, s);
+              sum += static_cast<double>(samples[at + s]);
+            }
+            means[k][c](static_cast<int>(x), static_cast<int>(y)) = sum / counts[k];
+          }
+        }
+  }
+  return means;
+}
+
+uint64_t outside(const RgbImage& image, const Feature& feature) {
+  uint64_t count = 0;
+  for (const Plane& plane : image)
+    for (const double value : plane.pixels())
+      count += value < feature.lowest || value > feature.highest;
+  return count;
+}
+
+Result<RgbImage> reference_image(const format::SpoolReader& dump) {
+  const auto layer = dump.find_layer("reference");
+  if (!layer || layer->scope != Scope::kPixel || layer->channel_count != 3)
+    return fail(ErrorCode::kData,
+                "{}: no reference from other seeds: the largest input would become the target; "
+                "record one",
+                dump.path().string());
+  SPOOL_ASSIGN(const auto values, dump.read_pixel_layer("reference"));
+  RgbImage image =
+      make_rgb(static_cast<int>(dump.header().width), static_cast<int>(dump.header().height));
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i]))
+      return fail(ErrorCode::kData, "{}: the reference is not finite: OIDN would take it for 0",
+                  dump.path().string());
+    image[i / image[0].size()][i % image[0].size()] = static_cast<double>(values[i]);
+  }
+  return image;
+}
+
+}  // namespace
+
+Result<ExportReport> export_oidn_set(const std::filesystem::path& in,
+                                     const std::filesystem::path& out,
+                                     const OidnSetOptions& options) {
+  SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
+  SPOOL_ASSIGN(const RgbImage reference, reference_image(dump));
+  const uint32_t recorded = dump.header().spp;
+  std::vector<uint32_t> counts = options.spp;
+  if (counts.empty())
+    for (uint32_t n = 1; n <= recorded; n *= 2)
+      counts.push_back(n);
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  if (counts.front() < 1 || counts.back() > recorded)
+    return fail(ErrorCode::kUsage, "{}: {} samples asked for, 1 to {} are possible", in.string(),
+                counts.front() < 1 ? counts.front() : counts.back(), recorded);
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error)
+    return fail(ErrorCode::kIo, "{}: cannot be made ({}): check the path", out.string(),
+                error.message());
+  const std::string name = options.name.empty() ? in.stem().string() : options.name;
+  // The last name in sorted order is the target: counts of one width, then "ref".
+  const size_t digits = std::max<size_t>(4, std::to_string(counts.back()).size());
+  const auto write = [&](const std::string& stem, const Feature& feature, const RgbImage& image) {
+    return write_exr(out / fmt::format("{}_{}.{}.exr", name, stem, feature.suffix),
+                     exr_from_rgb(image), {.overwrite = options.force});
+  };
+  ExportReport report;
+  for (const Feature& feature : kFeatures) {
+    const bool light = feature.layer == kFeatures[0].layer;
+    const auto layer = dump.find_layer(feature.layer);
+    if (!layer || layer->scope != Scope::kSample || layer->channel_count != 3) {
+      report.notes.push_back(std::string("no ") + feature.layer + ": not recorded");
+      continue;
+    }
+    std::vector<uint32_t> wanted = counts;
+    if (!light && wanted.back() != recorded) wanted.push_back(recorded);  // for the target
+    SPOOL_ASSIGN(const auto means, prefix_means(dump, feature.layer, wanted));
+    uint64_t cut = 0;
+    for (size_t k = 0; k < counts.size(); ++k) {
+      cut += outside(means[k], feature);
+      SPOOL_TRY(write(fmt::format("{:0{}}spp", counts[k], digits), feature, means[k]));
+    }
+    SPOOL_TRY(write("ref", feature, light ? reference : means.back()));
+    if (cut > 0)
+      report.notes.push_back(fmt::format("{}: {} values lie outside [{}, {}]: OIDN will cut them",
+                                         feature.layer, cut, feature.lowest, feature.highest));
+  }
+  for (const LayerInfo& layer : dump.layers()) {
+    const bool taken = layer.name == "reference" ||
+                       std::any_of(std::begin(kFeatures), std::end(kFeatures),
+                                   [&](const Feature& f) { return layer.name == f.layer; });
+    if (!taken) report.notes.push_back(layer.name + " is not written: OIDN has no name for it");
+  }
+  return report;
+}
+
+}  // namespace spool::exchange
