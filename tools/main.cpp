@@ -15,6 +15,7 @@
 #include "lib/evaluation/reference.h"
 #include "tools/check.h"
 #include "tools/console.h"
+#include "tools/convert.h"
 #include "tools/evaluate.h"
 #include "tools/info.h"
 #include "tools/interrupt.h"
@@ -45,6 +46,7 @@ struct Program {
   CheckOptions check;
   RecoverOptions recover;
   PackVerbOptions pack;
+  ConvertOptions convert;
   SynthOptions synth;
   ReplayOptions replay;
   ReconstructOptions reconstruct;
@@ -117,23 +119,71 @@ void add_pack(Program& program) {
   verb.add_option("SOURCES", program.pack.sources,
                   "folders that a recorder wrote, joined in this order; or a foreign file")
       ->required();
-  verb.add_option("--from", program.pack.from, "what SOURCES are: passes (default) or npz")
-      ->check(CLI::IsMember({"passes", "npz"}));
-  verb.add_option("--layout", program.pack.layout,
-                  "axes of npz arrays without `meta`: HWSC or SHWC (S: sample, C: channel)")
-      ->check(CLI::IsMember({"HWSC", "SHWC"}));
-  verb.add_flag("--narrow", program.pack.narrow, "round 64-bit floats of npz to 32 bits");
+  std::vector<std::string> kinds = foreign_formats();
+  kinds.insert(kinds.begin(), "passes");
+  verb.add_option("--from", program.pack.from,
+                  fmt::format("what SOURCES are: {} (default passes)", fmt::join(kinds, ", ")))
+      ->check(CLI::IsMember(kinds).description(""))
+      ->option_text("FORMAT");
   add_output(verb, program.pack.output, "the dump to write, NAME.spool");
   verb.add_flag("--compress", pack.compress, "zstd, where it saves 5 % or more");
   verb.add_flag("--half-radiance", pack.radiance_f16, "radiance as 16-bit floats (32)");
   verb.add_flag("--full-features", pack.features_f32, "features as 32-bit floats (16)");
+  verb.add_flag("--exchangeable", program.pack.exchangeable,
+                "of bcd, exr-folder and npz: the samples of a pixel come in no meaningful order");
+  verb.add_option("--layout", program.pack.layout,
+                  "axes of npz arrays without `meta`: HWSC or SHWC (S: sample, C: channel)")
+      ->check(CLI::IsMember({"HWSC", "SHWC"}));
+  verb.add_flag("--narrow", program.pack.narrow, "round 64-bit floats of npz to 32 bits");
+  verb.add_option("--sbmc-scale", program.pack.sbmc_scale,
+                  "whether distances of sbmc were divided by the scene's size: normalised or raw")
+      ->check(CLI::IsMember({"normalised", "raw"}));
+  verb.add_option("--frame", program.pack.frame, "of a noisebase sequence");
+  verb.add_option("--map", program.pack.layer_map,
+                  "OURS=LAYER: which layer of an exr-folder is, say, the albedo; several times")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_flag("--deep-samples", program.pack.deep_samples,
+                "of deep-exr: the deep samples of another tool are Monte Carlo samples");
   add_common(verb, program.common, true, true);
   verb.footer(
+      "docs/formats.md says what each foreign format holds and what is converted or dropped.\n"
       "Examples:\n"
       "  spool pack chess.passes -o chess.spool\n"
       "  spool pack machine1.passes machine2.passes --compress -o chess.spool\n"
-      "  spool pack --from npz samples.npz --layout HWSC -o mine.spool");
+      "  spool pack --from npz samples.npz --layout HWSC -o mine.spool\n"
+      "  spool pack --from exr-folder renders --map albedo=DiffCol -o mine.spool");
   verb.callback([&] { program.chosen = [&] { return run_pack(program.pack, program.common); }; });
+}
+
+void add_convert(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("convert", "a dump becomes a neighbour's file or folder");
+  ConvertOptions& options = program.convert;
+  verb.add_option("IN", options.input, "a recorded dump, NAME.spool")->required();
+  verb.add_option("--to", options.to, fmt::format("{}", fmt::join(target_formats(), ", ")))
+      ->required()
+      ->check(CLI::IsMember(target_formats()).description(""))
+      ->option_text("FORMAT REQUIRED");
+  verb.add_option("--names", options.names, "of exr-folder: plain (default), blender or rgb")
+      ->check(CLI::IsMember({"plain", "blender", "rgb"}));
+  verb.add_option("--spp", options.spp,
+                  "the first so many samples of each pixel: one for bcd-stats, 8,16 for oidn");
+  verb.add_option("--selection", options.selection,
+                  "of bcd-stats: an image of counts, as spool replay writes it");
+  verb.add_option("--name", options.name, "of oidn: the images' common name (that of the dump)");
+  add_output(verb, options.output,
+             "npz, bcd, deep-exr: the file; bcd-stats: P.exr, P_cov.exr, P_hist.exr; exr-folder, "
+             "oidn: the folder");
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "What a format has no place for is refused or named. docs/formats.md tells more.\n"
+      "Examples:\n"
+      "  spool convert dumps/tiny/chess.spool --to npz -o chess.npz\n"
+      "  spool convert dumps/tiny/chess.spool --to oidn --spp 1,2,4,8 -o oidn_set\n"
+      "  spool convert dumps/tiny/chess.spool --to bcd-stats --spp 16 -o chess_bcd");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_convert(program.convert, program.common); }; });
 }
 
 void add_synth(Program& program) {
@@ -394,6 +444,7 @@ int run(int count, char** arguments) {
   add_check(program);
   add_recover(program);
   add_pack(program);
+  add_convert(program);
   add_synth(program);
   add_replay(program);
   add_reconstruct(program);

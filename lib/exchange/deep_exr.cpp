@@ -319,7 +319,7 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
     plan.record.converted = {"the samples of each pixel were shuffled"};
     for (const DeepChannel& channel : header.channels)
       if (std::string_view("RGBZ").find(channel.name) == std::string::npos)
-        plan.record.dropped.push_back(channel.name);
+        plan.record.dropped.push_back(shown(channel.name));
   }
   std::vector<std::string> notes = plan.record.converted;
   for (const std::string& dropped : plan.record.dropped)

@@ -36,6 +36,12 @@ interchange::ElementType element_type(PixelType type) {
                                      : interchange::ElementType::kUint32;
 }
 
+std::string shown(std::string_view name) {
+  std::string text(name);
+  std::replace_if(text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
 std::pair<std::string, std::string> split_channel(const std::string& name) {
   const size_t dot = name.rfind('.');
   if (dot == std::string::npos) return {"", name};
@@ -112,7 +118,8 @@ Result<std::optional<ToldDump>> told_dump(const ExrAttributes& attributes,
                                  scope.is_string() ? scope.get<std::string>() : "");
     if (!given.is_string() || known == kScopes.end()) return refuse("spoolChannels");
     auto [layer, component] = split_channel(given.get<std::string>());
-    if (layer.empty() || component.empty()) return refuse("spoolChannels");
+    if (layer.empty() || component.empty() || shown(layer + component) != layer + component)
+      return refuse("spoolChannels");
     told.channels.push_back(
         {std::move(layer), std::move(component), static_cast<Scope>(known - kScopes.begin())});
   }
@@ -177,7 +184,7 @@ Result<void> read_pixel_layers(const std::filesystem::path& path, uint64_t& end,
       layer.components.push_back(split_channel(image.planes[last++].name).second);
     if (layer_name.empty())
       return fail(ErrorCode::kData, "{}: channel {} has no layer: name it LAYER.COMPONENT",
-                  path.string(), image.planes[first].name);
+                  path.string(), shown(image.planes[first].name));
     const size_t bytes = bytes_per_value(image.planes[first].type);
     const size_t channels = last - first;
     std::vector<std::byte> values(pixels * channels * bytes);

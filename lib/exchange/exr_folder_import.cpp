@@ -4,7 +4,6 @@
 
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/scratch_file.h"
-#include "formats/interchange/sha256.h"
 #include "lib/exchange/exr_folder.h"
 
 namespace spool::exchange {
@@ -187,7 +186,7 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
     plane.values = {};
   SPOOL_ASSIGN(FileHandle scratch, interchange::open_scratch_file(out));
   std::vector<ExrAttributes> attributes;
-  std::string first_hash;
+  std::vector<std::byte> first_radiance;
   bool all_alike = files.size() > 1;
   for (size_t s = 0; s < files.size(); ++s) {
     SPOOL_ASSIGN(ExrPlanes image, read_exr_planes(files[s], {.max_parts = INT32_MAX}));
@@ -196,11 +195,8 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
       const auto values = interleave(image, mapping.layers[l]);
       SPOOL_TRY(scratch.write_at(plan.layers[l].array.offset + s * values.size(), values));
       if (l > 0) continue;
-      interchange::Sha256 hash;
-      hash.add(values);
-      const std::string digest = hash.hex();
-      if (s == 0) first_hash = digest;
-      all_alike = all_alike && digest == first_hash;
+      if (s == 0) first_radiance = values;
+      all_alike = all_alike && values == first_radiance;
     }
     attributes.push_back(std::move(image.attributes));
     SPOOL_ASSIGN(const FileHandle file, FileHandle::open(files[s], format::OpenMode::kRead));

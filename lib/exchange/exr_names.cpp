@@ -198,7 +198,7 @@ Result<ExrMapping> map_exr_layers(const ExrPlanes& image, const LayerMap& map,
                 file);
   std::rotate(mapper.mapping.layers.begin(), radiance, radiance + 1);
   for (size_t i = 0; i < image.planes.size(); ++i)
-    if (!mapper.used[i]) mapper.mapping.dropped.push_back(image.planes[i].name);
+    if (!mapper.used[i]) mapper.mapping.dropped.push_back(shown(image.planes[i].name));
   return std::move(mapper.mapping);
 }
 

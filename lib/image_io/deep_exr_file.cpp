@@ -94,7 +94,7 @@ Result<DeepExrReader> DeepExrReader::open(const std::filesystem::path& path,
     const Imf::Header& header = state->input.header(0);
     if (!header.hasType() || header.type() != Imf::DEEPSCANLINE)
       return fail(ErrorCode::kData, "{}: part 0 is '{}': deep scanlines are needed", name,
-                  header.hasType() ? header.type() : "flat");
+                  header.hasType() ? exr::one_line(header.type()) : "flat");
     SPOOL_ASSIGN(const exr::Window window, exr::checked_window(name, header, limits.max_pixels));
     // The table of samples alone takes four bytes a pixel, before any of them is read.
     const auto pixels =

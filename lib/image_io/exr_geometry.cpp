@@ -51,6 +51,12 @@ Result<std::vector<DeepChannel>> checked_channels(const std::string& name,
       return fail(ErrorCode::kData, "{}: channel {} is subsampled: write it at full size", name,
                   i.name());
     }
+    const std::string_view text = i.name();
+    if (std::any_of(text.begin(), text.end(), [](char c) { return c < ' ' && c >= 0; }) ||
+        text.empty()) {
+      return fail(ErrorCode::kDamage, "{}: the name of channel {} is no text: the file is damaged",
+                  name, channels.size());
+    }
     const Imf::PixelType type = i.channel().type;
     channels.push_back(
         {i.name(), type == Imf::HALF ? PixelType::kHalf
@@ -100,9 +106,9 @@ Imf::PixelType imf_type(PixelType type) {
   return type == PixelType::kHalf ? Imf::HALF : (type == PixelType::kUint ? Imf::UINT : Imf::FLOAT);
 }
 
-std::string one_line(const char* text) {
-  std::string line = text;
-  std::replace_if(line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+std::string one_line(std::string_view text) {
+  std::string line(text);
+  std::replace_if(line.begin(), line.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return line;
 }
 

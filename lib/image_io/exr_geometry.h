@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfPixelType.h>
@@ -42,6 +43,7 @@ void write_attributes(const ExrAttributes& attributes, Imf::Header& header);
 
 Imf::PixelType imf_type(PixelType type);
 
-std::string one_line(const char* text);
+// Printable ASCII: what a file or a library says may be anything.
+std::string one_line(std::string_view text);
 
 }  // namespace spool::exr

@@ -71,7 +71,7 @@ Result<ExrPlanes> read_parts(const std::string& name, Imf::MultiPartInputFile& i
     const Imf::Header& header = input.header(p);
     if (!is_flat(header)) {
       return fail(ErrorCode::kData, "{}: a deep EXR (part {} is '{}'): a flat image is needed",
-                  name, p, header.type());
+                  name, p, exr::one_line(header.type()));
     }
     SPOOL_ASSIGN(const exr::Window window, exr::checked_window(name, header, limits.max_pixels));
     const Imath::V2i origin = header.dataWindow().min;

@@ -6,9 +6,15 @@
 #include <sstream>
 
 #include "formats/interchange/bcd_raw.h"
+#include "formats/interchange/noisebase.h"
 #include "formats/interchange/npz.h"
+#include "formats/interchange/sbmc.h"
 #include "formats/interchange/zip_directory.h"
 #include "formats/interchange/zip_writer.h"
+#include "lib/exchange/bcd_statistics.h"
+#include "lib/exchange/deep_exr.h"
+#include "lib/exchange/exr_folder.h"
+#include "lib/exchange/oidn_set.h"
 
 namespace {
 
@@ -58,7 +64,55 @@ Result<std::string> notes_of(const Result<Report>& report) {
   return text;
 }
 
+Result<std::string> run_exchange(const Job& job) {
+  const bool force = job.has("force");
+  if (job.verb == "import_deep_exr") {
+    auto options = common<exchange::DeepImportOptions>(job);
+    options.foreign_samples = job.has("deep_samples");
+    return notes_of(exchange::import_deep_exr(job.in, job.out, options));
+  }
+  if (job.verb == "export_deep_exr")
+    return notes_of(exchange::export_deep_exr(job.in, job.out, force));
+  if (job.verb == "import_exr_folder") {
+    auto options = common<exchange::ExrFolderImportOptions>(job);
+    for (const auto& [key, value] : job.options)
+      if (key.starts_with("map.")) options.map[key.substr(4)] = value;
+    return notes_of(exchange::import_exr_folder(job.in, job.out, options));
+  }
+  if (job.verb == "export_exr_folder") {
+    const auto names = job.has("blender") ? exchange::ExrNames::kBlender
+                       : job.has("rgb")   ? exchange::ExrNames::kRgb
+                                          : exchange::ExrNames::kPlain;
+    return notes_of(exchange::export_exr_folder(job.in, job.out, names, force));
+  }
+  if (job.verb == "export_bcd_statistics") {
+    exchange::BcdStatisticsOptions options;
+    options.force = force;
+    if (job.has("spp")) options.spp = static_cast<uint32_t>(std::stoul(job.options.at("spp")));
+    if (job.has("selection")) options.selection = job.options.at("selection");
+    return notes_of(exchange::export_bcd_statistics(job.in, job.out, options));
+  }
+  if (job.verb == "export_oidn_set") {
+    exchange::OidnSetOptions options;
+    options.force = force;
+    if (job.has("spp")) options.spp = {static_cast<uint32_t>(std::stoul(job.options.at("spp")))};
+    return notes_of(exchange::export_oidn_set(job.in, job.out, options));
+  }
+  return fail(ErrorCode::kUsage, "no verb {}", job.verb);
+}
+
 Result<std::string> run(const Job& job) {
+  if (job.verb == "import_sbmc") {
+    auto options = common<SbmcImportOptions>(job);
+    if (job.has("scale"))
+      options.scale = job.options.at("scale") == "raw" ? SbmcScale::kRaw : SbmcScale::kNormalised;
+    return notes_of(import_sbmc(job.in, job.out, options));
+  }
+  if (job.verb == "import_noisebase") {
+    auto options = common<NoisebaseImportOptions>(job);
+    if (job.has("frame")) options.frame = std::stoull(job.options.at("frame"));
+    return notes_of(import_noisebase(job.in, job.out, options));
+  }
   if (job.verb == "import_npz") {
     auto options = common<NpzImportOptions>(job);
     options.narrow = job.has("narrow");
@@ -86,7 +140,7 @@ Result<std::string> run(const Job& job) {
       text += fmt::format("{} {} {}; ", member.name, member.bytes, member.data_offset);
     return text;
   }
-  return fail(ErrorCode::kUsage, "no verb {}", job.verb);
+  return run_exchange(job);
 }
 
 }  // namespace

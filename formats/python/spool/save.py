@@ -8,7 +8,7 @@ from .writer import Writer
 _DTYPES = {"f2": "<f2", "f4": "<f4", "f8": "<f4", "u1": "<u4", "u2": "<u4", "u4": "<u4", "b1": "<u4"}
 
 
-def write(path, radiance, *, meta=None, components=None, scope=None, dtypes=None, tile_size=64, block_spp=16,
+def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=None, tile_size=64, block_spp=16,
           sample_order="renderer", uuid=None, compress=False, force=False, **layers):
     """Writes radiance [y][x][s][3] and any further layers.
 

@@ -1,0 +1,127 @@
+"""Folders of one-sample EXR images: our own, and what OpenImageIO writes under others' names."""
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+import spool
+
+import sample_dumps
+from conftest import run_jobs
+
+RNG = np.random.default_rng(8)
+SAMPLES = RNG.random((4, 6, 5, 3), np.float32)  # [s][y][x][c]
+
+
+def write_image(path, channels, pixels, attributes=(), dtype=oiio.FLOAT, origin=(0, 0)):
+    """pixels [y][x][channel]."""
+    height, width, count = pixels.shape
+    spec = oiio.ImageSpec(width, height, count, dtype)
+    spec.channelnames = tuple(channels)
+    spec.x, spec.y = origin
+    for name, value in attributes:
+        spec.attribute(name, value)
+    out = oiio.ImageOutput.create(str(path))
+    assert out.open(str(path), spec) and out.write_image(pixels) and out.close()
+
+
+def folder(tmp_path, channels, arrays, **options):
+    target = tmp_path / "renders"
+    target.mkdir()
+    for s, pixels in enumerate(arrays):
+        write_image(target / f"frame_{s + 3:03}.exr", channels, pixels, **options)
+    return target
+
+
+def imported(tmp_path, source, *options):
+    code, message = run_jobs(("import_exr_folder", source, tmp_path / "a.spool", *options))[0]
+    return code, message, tmp_path / "a.spool"
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_our_own_folder_comes_back_bit_for_bit(tmp_path, seed):
+    arrays = sample_dumps.rich(tmp_path / "a.spool", seed, size=(3 + seed, 10), spp=2 + 3 * seed)
+    results = run_jobs(("export_exr_folder", tmp_path / "a.spool", tmp_path / "out"),
+                       ("import_exr_folder", tmp_path / "out", tmp_path / "b.spool", "tile=8", "block=5"))
+    assert [code for code, _ in results] == [0, 0], results
+    assert sample_dumps.assert_same(tmp_path / "b.spool", arrays) == set(arrays)
+    with spool.open(tmp_path / "b.spool") as dump:
+        assert dump.sample_order == "exchangeable" and dump.meta["renderer"] == {"name": "test"}
+
+
+def test_plain_images(tmp_path):
+    code, message, path = imported(tmp_path, folder(tmp_path, "RGB", list(SAMPLES)))
+    assert code == 0, message
+    sample_dumps.assert_same(path, {"radiance": np.ascontiguousarray(SAMPLES.transpose(1, 2, 0, 3))})
+
+
+def test_names_of_blender(tmp_path):
+    names = [f"View.Layer.{name}" for name in
+             ("Combined.R", "Combined.G", "Combined.B", "Combined.A", "Depth.Z", "Normal.X", "Normal.Y", "Normal.Z",
+              "DiffCol.R", "DiffCol.G", "DiffCol.B", "Mist.Z")]
+    pixels = RNG.random((3, 4, 5, len(names)), np.float32)
+    source = folder(tmp_path, names, list(pixels), attributes=[("BlenderMultiChannel", "Blender V2.55.1"), ("cycles.View.Layer.samples", "1")])
+    code, message, path = imported(tmp_path, source)
+    assert code == 0 and "Mist" in message and "Combined.A" in message
+    at = pixels.transpose(1, 2, 0, 3)
+    names = sample_dumps.assert_same(path, {"radiance": at[..., :3].copy(), "depth": at[..., 4].copy(),
+                                            "normal": at[..., 5:8].copy(), "albedo": at[..., 8:11].copy()})
+    assert names == {"radiance", "depth", "normal", "albedo"}
+
+
+def test_names_with_layers_half_floats_and_a_moved_window(tmp_path):
+    channels = ["R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Ns.X", "Ns.Y", "Ns.Z", "Z", "odd.R"]
+    pixels = RNG.random((2, 3, 4, len(channels)), np.float32).astype(np.float16)
+    code, message, path = imported(tmp_path, folder(tmp_path, channels, list(pixels), dtype=oiio.HALF, origin=(7, -2)))
+    assert code == 0 and "odd.R" in message and "7,-2" in message
+    at = pixels.transpose(1, 2, 0, 3)
+    sample_dumps.assert_same(path, {"radiance": at[..., :3].copy(), "albedo": at[..., 3:6].copy(), "normal_geo": at[..., 6:9].copy(),
+                                    "normal": at[..., 9:12].copy(), "depth": at[..., 12].copy()})
+
+
+def test_a_layer_can_be_named(tmp_path):
+    channels = ["beauty.red", "beauty.green", "beauty.blue", "my stuff.R", "my stuff.G", "my stuff.B"]
+    pixels = RNG.random((2, 3, 4, 6), np.float32)
+    code, message, path = imported(tmp_path, folder(tmp_path, channels, list(pixels)), "map.albedo=my stuff")
+    assert code == 0, message
+    at = pixels.transpose(1, 2, 0, 3)
+    sample_dumps.assert_same(path, {"radiance": at[..., :3].copy(), "albedo": at[..., 3:].copy()})
+
+
+@pytest.mark.parametrize("names, layers", [("blender", ["radiance", "albedo", "depth"]), ("rgb", ["radiance"])])
+def test_export_under_other_names(tmp_path, names, layers):
+    arrays = sample_dumps.rich(tmp_path / "a.spool", 2)
+    results = run_jobs(("export_exr_folder", tmp_path / "a.spool", tmp_path / "out", names),
+                       ("import_exr_folder", tmp_path / "out", tmp_path / "b.spool"))
+    assert [code for code, _ in results] == [0, 0], results
+    assert "path is not written" in results[0][1] and "film is not written" in results[0][1]
+    assert sample_dumps.assert_same(tmp_path / "b.spool", arrays, layers) >= set(layers)
+    first = oiio.ImageInput.open(str(tmp_path / "out" / "sample_0000.exr")).spec().channelnames
+    assert ("ViewLayer.Combined.R" if names == "blender" else "R") in first
+
+
+def damaged_folders(tmp_path):
+    yield "no *.exr", (tmp_path / "empty", [])
+    yield "no number in the name", (tmp_path / "name", [("one.exr", SAMPLES[0], {})])
+    yield "sample 2 is missing", (tmp_path / "gap", [("a1.exr", SAMPLES[0], {}), ("a3.exr", SAMPLES[1], {})])
+    yield "the seed did not change", (tmp_path / "same", [("a1.exr", SAMPLES[0], {}), ("a2.exr", SAMPLES[0], {})])
+    yield "another data window", (tmp_path / "size", [("a1.exr", SAMPLES[0], {}), ("a2.exr", SAMPLES[1][1:], {})])
+    yield "holds 16 samples", (tmp_path / "spp", [("a1.exr", SAMPLES[0], {"attributes": [("cycles.ViewLayer.samples", "16")]})])
+    yield "chromaticities", (tmp_path / "colour", [("a1.exr", SAMPLES[0], {"attributes": [("chromaticities", None)]})])
+
+
+def test_folders_that_are_no_record_are_refused(tmp_path):
+    for words, (path, files) in damaged_folders(tmp_path):
+        path.mkdir()
+        for name, pixels, options in files:
+            if options.get("attributes") == [("chromaticities", None)]:
+                spec = oiio.ImageSpec(5, 6, 3, oiio.FLOAT)
+                spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), (0.7, 0.3, 0.1, 0.8, 0.1, 0.0, 0.32, 0.33))
+                out = oiio.ImageOutput.create(str(path / name))
+                assert out.open(str(path / name), spec) and out.write_image(pixels) and out.close()
+            else:
+                write_image(path / name, "RGB", pixels, **options)
+        code, message = run_jobs(("import_exr_folder", path, tmp_path / "a.spool"))[0]
+        assert code == 1 and words in message, (words, message)
+        assert not (tmp_path / "a.spool").exists()
+    write_image(tmp_path / "gap" / "a2.exr", ["R", "G", "X"], SAMPLES[2])
+    code, message = run_jobs(("import_exr_folder", tmp_path / "gap", tmp_path / "a.spool"))[0]
+    assert code == 1 and "other channels" in message
