@@ -34,7 +34,8 @@ format::DumpHeader header_of(const AnalyticScene& scene, int spp,
   add("film.Y", kFilm, Semantic::kSampleCoordinate, Scope::kSample);
   for (const char* name : {"reference.R", "reference.G", "reference.B"})
     add(name, kReference, Semantic::kLight, Scope::kPixel);
-  for (const char* name : {"reference_variance.R", "reference_variance.G", "reference_variance.B"})
+  for (const char* name : {"reference_variance.R", "reference_variance.G", "reference_variance.B",
+                           "sample_variance.R", "sample_variance.G", "sample_variance.B"})
     add(name, kReference, Semantic::kLightVariance, Scope::kPixel);
   return header;
 }
@@ -71,13 +72,18 @@ Result<void> write_samples(format::SpoolWriter& writer, const AnalyticScene& sce
 Result<void> write_reference(format::SpoolWriter& writer, const AnalyticScene& scene, int tile,
                              const Rectangle& rect) {
   const auto plane = static_cast<std::size_t>(rect.area());
-  std::vector<float> values(6 * plane, 0.0f);  // the variance of an exact reference is 0
+  std::vector<float> values(9 * plane, 0.0f);  // the variance of an exact reference is 0
   parallel_rows(rect.y0, rect.y1, [&](int y) {
     for (int x = rect.x0; x < rect.x1; ++x) {
-      const double mean = scene.moments(x, y).first;
+      const Moments moments = scene.moments(x, y);
       const std::size_t i = static_cast<std::size_t>(y - rect.y0) * rect.width() + (x - rect.x0);
-      for (std::size_t c = 0; c < 3; ++c)
-        values[c * plane + i] = static_cast<float>(scene.tint[c] * mean);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double tint = scene.tint[c];
+        values[c * plane + i] = static_cast<float>(tint * moments.first);
+        // Rounding may leave a tiny negative number where the samples do not vary.
+        values[(6 + c) * plane + i] =
+            static_cast<float>(tint * tint * std::max(moments.variance(), 0.0));
+      }
     }
   });
   return write_floats(writer, kReference, tile, 0, 1, values);

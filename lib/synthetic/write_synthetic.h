@@ -1,5 +1,5 @@
-// Writes an analytic scene as a .spool file, tile by tile: radiance, film positions, and the exact
-// reference with zero variance.
+// Writes an analytic scene as a .spool file, tile by tile: radiance, film positions, the exact
+// reference with zero variance, and the exact variance of one sample (infinite where it has none).
 #pragma once
 
 #include <cstdint>

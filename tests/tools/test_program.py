@@ -127,6 +127,38 @@ def test_synth_writes_a_scene_with_its_exact_reference(good, run, tmp_path):
     run("synth", names[0], "--size", "wide", "-o", "t.spool").failed_with(2, "WxH")
 
 
+def test_synth_dumps_hold_the_exact_variance_of_a_sample(good, tmp_path):
+    good("synth", "heavy_tail", "--size", "8", "--samples", 4, "-o", "tail.spool")
+    good("synth", "fireflies", "--size", "16", "--samples", 512, "--set", "odds=0.1", "--set", "firefly=5",
+         "-o", "fireflies.spool")
+    with spool.open(tmp_path / "tail.spool") as dump:
+        assert np.isinf(dump.pixel("sample_variance")).all()
+        assert np.allclose(dump.pixel("reference")[..., 0] / dump.pixel("reference")[0, 0, 0], 1)
+    with spool.open(tmp_path / "fireflies.spool") as dump:
+        exact = dump.pixel("sample_variance").astype(float)
+        assert exact[0, 0, 1] == pytest.approx(0.1 * 0.9 * 25)
+        found = dump.read("radiance").astype(float).var(axis=2, ddof=1)
+        # 256 pixels, each with a relative standard error of 0.12
+        assert found.mean() == pytest.approx(exact.mean(), rel=4 * 0.12 / 16)
+        assert (dump.pixel("reference_variance") == 0).all()
+
+
+def test_synth_does_not_hold_the_pool_in_memory(run, tmp_path):
+    """Forty times as many samples, not much more memory."""
+    peaks = []
+    for size, samples_of_a_pixel in (("64", 64), ("400x420", 64)):
+        path = tmp_path / "big.spool"
+        process = subprocess.Popen([PROGRAM, "synth", "soft_shadow", "--size", size, "--samples",
+                                    str(samples_of_a_pixel), "--force", "--quiet", "-o", str(path)])
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        assert process.returncode == 0
+        peaks.append(usage.ru_maxrss * 1024)
+    assert path.stat().st_size > 200e6
+    assert peaks[1] < peaks[0] + 16e6, peaks
+    path.unlink()
+
+
 def test_pack_refuses_what_is_no_folder_of_passes(run, tmp_path):
     (tmp_path / "empty").mkdir()
     assert run("pack", "empty", "-o", "p.spool").code in (1, 3)
