@@ -15,15 +15,17 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "..", "verify"), os.path.join(HERE, "..", "..", "formats", "python")):
     sys.path.insert(0, folder)
 
+import numpy as np  # noqa: E402
+
 from channels import DEFAULT, LAYERS, chosen_layers  # noqa: E402
 from chunks import Chunks  # noqa: E402
 from failure import Failure, scene_failure, usage_failure  # noqa: E402
-from progress import Progress, duration, size as size_text  # noqa: E402
+from plan import REFERENCE_SEEDS, Cut, describe  # noqa: E402
+from progress import Progress, size as size_text  # noqa: E402
 from reference import add_chunk, empty_reference, variance_of_mean  # noqa: E402
 from scene import load_scene  # noqa: E402
 from variant import choose_variant  # noqa: E402
 
-REFERENCE_SEEDS = 1 << 20  # pool: (seed << 21) + chunk, reference: the same + 2^20
 BYTES_PER_LANE = 119       # measured at the peak of the copy to numpy, all layers
 
 
@@ -101,104 +103,82 @@ def open_tracer(options):
     return mi, recordable, tracer(), note
 
 
-def plan_of(options, mi, recordable, tracer, layers, step):
+def plan_of(options, mi, recordable, tracer, layers, cut):
     return {"scene": recordable.name, "scene_sha256": recordable.digest, "width": tracer.width, "height": tracer.height,
-            "samples": options.samples, "seed": options.seed, "layers": layers, "chunk_samples": step,
+            "samples": options.samples, "seed": options.seed, "layers": layers, "chunk_samples": cut.step, "chunk_rows": cut.bands[0][1],
             "integrator": type(recordable.integrator).__name__, "integrator_option": options.integrator,
             "max_depth": options.max_depth, "defines": options.defines, "variant": mi.variant(), "mitsuba": mi.__version__}
 
 
-def describe(options, recordable, tracer, layers):
-    """Needs of the scene and the price of the recording, from a short trace."""
-    pixels = tracer.width * tracer.height
-    per_sample = sum(int(LAYERS[name][0][1]) * len(LAYERS[name][1]) for name in layers)
-    count = max(1, min(4, options.samples, options.chunk_lanes // pixels))
-    unused_seed = (options.seed << 21) + REFERENCE_SEEDS - 1
-    tracer.trace(count, unused_seed, layers)       # compiles the kernels
-    started = time.monotonic()
-    tracer.trace(count, unused_seed, layers)
-    rate = pixels * count / max(time.monotonic() - started, 1e-9)
-    seconds = pixels * (options.samples + options.reference) / rate
-    needs = (("depth of field", recordable.has_lens), ("motion blur", recordable.shutter_time > 0),
-             ("volumes", recordable.has_volumes))
-    print("scene %s, %d shapes, %dx%d, Mitsuba variant %s" % (recordable.name, len(recordable.shapes), tracer.width,
-                                                              tracer.height, tracer.mi.variant()))
-    print("needs %s" % ", ".join("%s: %s" % (name, "yes" if needed else "no") for name, needed in needs))
-    print("channels %s, %d bytes a sample" % (" ".join(layers), per_sample))
-    print("rate %.3g million samples a second" % (rate / 1e6))
-    reference_bytes = 24 * pixels if options.reference else 0
-    print("estimate %s (%.2f minutes), dump at most %s" % (
-        duration(seconds), seconds / 60, size_text(per_sample * pixels * options.samples + reference_bytes)))
-
-
-def record_pool(options, tracer, layers, chunks, step):
+def record_pool(options, tracer, layers, chunks, cut):
     """Traces the chunks that are not there yet; each keeps the CPU time of all threads that it took."""
-    bounds = list(range(0, options.samples, step))
-    missing = [index for index in range(len(bounds)) if not chunks.has(index)]
+    missing = [index for index in range(len(cut.parts)) if not chunks.has(index)]
     if missing:  # compiles the kernels, which is no cost of a sample
-        tracer.trace(1, (options.seed << 21) + REFERENCE_SEEDS - 1, layers)
+        tracer.trace(1, (options.seed << 21) + REFERENCE_SEEDS - 1, layers, cut.bands[0])
     progress = Progress("pool", len(missing))
     for index in missing:
+        _, count, rows = cut.parts[index]
         started = time.process_time()
-        arrays = tracer.trace(min(step, options.samples - bounds[index]), (options.seed << 21) + index, layers)
+        arrays = tracer.trace(count, (options.seed << 21) + index, layers, rows)
         chunks.save(index, arrays, time.process_time() - started)
         progress.step()
     progress.close()
 
 
-def record_reference(options, tracer, chunks, step):
+def record_reference(options, tracer, chunks, cut):
     state = chunks.load_reference() or empty_reference(tracer.height, tracer.width)
-    total = (options.reference + step - 1) // step
-    progress = Progress("reference", total)
-    for _ in range(int(state["chunks"])):
-        progress.step()
-    while int(state["chunks"]) < total:
+    progress = Progress("reference", len(cut.parts) - int(state["chunks"]))
+    while int(state["chunks"]) < len(cut.parts):
         index = int(state["chunks"])
-        count = min(step, options.reference - index * step)
+        _, count, rows = cut.parts[index]
         started = time.process_time()
-        arrays = tracer.trace(count, (options.seed << 21) + REFERENCE_SEEDS + index, ["radiance"])
-        state = add_chunk(state, arrays["radiance"], time.process_time() - started)
-        if index % 8 == 7 or index + 1 == total:
+        arrays = tracer.trace(count, (options.seed << 21) + REFERENCE_SEEDS + index, ["radiance"], rows)
+        state = add_chunk(state, arrays["radiance"], time.process_time() - started, rows)
+        if index % 8 == 7 or index + 1 == len(cut.parts):
             chunks.save_reference(state)
         progress.step()
     progress.close()
     return state
 
 
-def write_file(options, mi, recordable, tracer, layers, chunks, step, reference):
+def write_file(options, mi, recordable, tracer, layers, chunks, cut, reference):
     import spool
     file_layers = {name: LAYERS[name] for name in layers}
     if reference is not None:
         file_layers["reference"] = ("f4", "RGB", "pixel")
         file_layers["reference_variance"] = ("f4", "RGB", "pixel")
-    bounds = list(range(0, options.samples, step))
-    seconds = 0.0
-    for index in range(len(bounds)):
-        seconds += chunks.load(index)[1]
+    seconds = sum(chunks.load(index)[1] for index in range(len(cut.parts)))
     meta = {"renderer": {"name": "Mitsuba", "version": mi.__version__, "variant": mi.variant()},
             "scene": {"name": recordable.name, "sha256": recordable.digest, "shapes": recordable.shapes[:4096]},
             "mode": "iid", "independent": True,
             "settings": {"integrator": type(recordable.integrator).__name__, "integrator_option": options.integrator,
                          "max_depth": options.max_depth, "defines": options.defines, "sampler": "independent",
                          "filter": "box"},
-            "seeds": {"user": options.seed, "pool_first": options.seed << 21, "chunk_samples": step,
-                      "reference_first": (options.seed << 21) + REFERENCE_SEEDS},
+            "seeds": {"user": options.seed, "pool_first": options.seed << 21, "chunk_samples": cut.step,
+                      "chunk_rows": cut.bands[0][1], "reference_first": (options.seed << 21) + REFERENCE_SEEDS},
             "cost_note": "CPU seconds of all threads",
             "cost_per_sample": seconds / (tracer.width * tracer.height * options.samples),
             "channels": {"normal": {"space": "world"}, "depth": {"meaning": "camera z, 0 = miss"},
-                         "shape": {"meaning": "1 + index in scene.shapes, 0 = miss"}}}
+                         "shape": {"meaning": "1 + index in scene.shapes, 0 = miss"},
+                         "lens": {"meaning": "place on the unit disk; times the radius: on the lens"},
+                         "time": {"meaning": "[0, 1) of the open shutter"}},
+            "shutter": [recordable.shutter_open, recordable.shutter_open + recordable.shutter_time]}
     if reference is not None:
         meta["reference"] = {"samples": options.reference, "independent": True,
                              "nonfinite": int(reference["nonfinite"]),
                              "seconds": float(reference["seconds"])}
+    # the writer holds a block of every pixel
+    block = max(1, min(options.block, options.samples, 16 * options.chunk_lanes // (tracer.width * tracer.height)))
     with spool.Writer(options.out, tracer.width, tracer.height, options.samples, file_layers, tile_size=64,
-                      block_spp=min(options.block, options.samples), sample_order="exchangeable", meta=meta,
+                      block_spp=block, sample_order="exchangeable", meta=meta,
                       compress=not options.no_compress, force=options.force) as writer:
-        for index, first in enumerate(bounds):
-            arrays = chunks.load(index)[0]
+        bands = len(cut.bands)
+        for index in range(0, len(cut.parts), bands):
+            loaded = [chunks.load(index + band)[0] for band in range(bands)]
+            arrays = {name: np.concatenate([part[name] for part in loaded]) for name in layers}
             if "shape" in arrays:
                 arrays["shape"] = arrays["shape"].astype("<u4")
-            writer.write_passes(first, arrays)
+            writer.write_passes(cut.parts[index][0], arrays)
         if reference is not None:
             writer.write_pixel("reference", reference["mean"].astype("<f4"))
             writer.write_pixel("reference_variance", variance_of_mean(reference).astype("<f4"))
@@ -213,16 +193,15 @@ def run(arguments):
     if options.dry_run:
         describe(options, recordable, tracer, layers)
         return
-    pixels = tracer.width * tracer.height
-    if pixels > options.chunk_lanes * 64:
-        raise scene_failure("%s: %d pixels are more than --chunk-lanes %d allows: raise it (about %d bytes a lane)"
-                            % (recordable.name, pixels, options.chunk_lanes, BYTES_PER_LANE))
-    step = max(1, min(options.chunk_lanes // pixels, options.samples))
-    chunks = Chunks(options.out + ".recording", plan_of(options, mi, recordable, tracer, layers, step))
-    record_pool(options, tracer, layers, chunks, step)
-    reference_step = max(1, min(options.chunk_lanes // pixels, max(1, options.reference)))
-    reference = record_reference(options, tracer, chunks, reference_step) if options.reference else None
-    write_file(options, mi, recordable, tracer, layers, chunks, step, reference)
+    cut = Cut(tracer, options.samples, options.chunk_lanes)
+    if tracer.width > options.chunk_lanes or len(cut.parts) >= REFERENCE_SEEDS - 1:
+        raise usage_failure("--chunk-lanes %d is too small for %dx%d pixels: raise it (about %d bytes each)" %
+                            (options.chunk_lanes, tracer.width, tracer.height, BYTES_PER_LANE))
+    chunks = Chunks(options.out + ".recording", plan_of(options, mi, recordable, tracer, layers, cut))
+    record_pool(options, tracer, layers, chunks, cut)
+    reference = record_reference(options, tracer, chunks, Cut(tracer, options.reference, options.chunk_lanes)) \
+        if options.reference else None
+    write_file(options, mi, recordable, tracer, layers, chunks, cut, reference)
     chunks.remove()
     failing = [] if options.no_verify else keep_verification(options.out)
     print("%s: %dx%d, %d samples a pixel, %s" % (options.out, tracer.width, tracer.height, options.samples,

@@ -12,8 +12,14 @@ def empty_reference(height, width):
             "seconds": np.float64(0)}
 
 
-def add_chunk(state, radiance, seconds):
-    """radiance: [y][x][s][3] float32."""
+def add_chunk(state, radiance, seconds, rows=None):
+    """radiance: [y][x][s][3] float32, of the rows [first, end) or of all."""
+    if rows is not None:
+        whole = {name: state[name].copy() for name in ("count", "mean", "m2")}
+        band = add_chunk({**state, **{name: value[slice(*rows)] for name, value in whole.items()}}, radiance, seconds)
+        for name, value in whole.items():
+            value[slice(*rows)] = band[name]
+        return {**band, **whole}
     finite = np.isfinite(radiance).all(axis=3, keepdims=True)
     values = np.where(finite, radiance, 0).astype(np.float64)
     count = finite.sum(axis=2).astype(np.float64)

@@ -16,14 +16,15 @@ class ScalarLoop:
             self.shape_index[shape.id()] = index + 1
         self.to_camera = recordable.sensor.world_transform().inverse()
 
-    def trace(self, count, seed, layers):
+    def trace(self, count, seed, layers, rows=None):
         mi, of = self.mi, self.of
+        first_row, end_row = rows or (0, self.height)
         widths = dict(radiance=3, direct=3, albedo=3, normal=3, depth=1, position=3, film=2, lens=2, time=1, shape=1)
-        arrays = {name: np.zeros((self.height, self.width, count, widths[name]), np.float32) for name in layers}
+        arrays = {name: np.zeros((end_row - first_row, self.width, count, widths[name]), np.float32) for name in layers}
         sampler = mi.load_dict({"type": "independent", "sample_count": count})
         medium = of.sensor.get_medium()
         need_features = any(name in layers for name in ("albedo", "normal", "depth", "position", "shape"))
-        for y in range(self.height):
+        for y in range(end_row - first_row):
             for x in range(self.width):
                 # One stream for each pixel of each chunk: seeds far apart, because neighbouring scalar
                 # seeds may share streams.
@@ -33,14 +34,15 @@ class ScalarLoop:
                     lens = sampler.next_2d() if of.has_lens else mi.Point2f(.5, .5)
                     time = of.shutter_open + sampler.next_1d() * of.shutter_time if of.shutter_time > 0 \
                         else of.shutter_open
-                    position = mi.Point2f((x + film[0]) / self.width, (y + film[1]) / self.height)
+                    position = mi.Point2f((x + film[0]) / self.width, (first_row + y + film[1]) / self.height)
                     ray, weight = of.sensor.sample_ray_differential(time, 0.0, position, lens)
                     ray.scale_differential(self.differential_scale)
                     again = sampler.clone() if "direct" in arrays else None
                     arrays["radiance"][y, x, s] = weight * of.integrator.sample(of.scene, sampler, ray, medium)[0]
                     if again:
                         arrays["direct"][y, x, s] = weight * of.direct.sample(of.scene, again, ray, medium)[0]
-                    for name, value in (("film", film), ("lens", lens), ("time", time)):
+                    for name, value in (("film", film), ("lens", mi.warp.square_to_uniform_disk_concentric(lens)),
+                                        ("time", (time - of.shutter_open) / (of.shutter_time or 1.0))):
                         if name in arrays:
                             arrays[name][y, x, s] = value
                     if need_features:

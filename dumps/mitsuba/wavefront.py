@@ -18,27 +18,28 @@ class Wavefront:
         table[registered] = 1 + np.arange(len(registered))  # pointer ids differ from run to run
         self.shape_table = mi.UInt32(table)
 
-    def trace(self, count, seed, layers):
-        """{layer: [y][x][s][c] float32 (shape: uint32)} of `count` samples of every pixel."""
-        out = self._lanes(count, seed, layers)
+    def trace(self, count, seed, layers, rows=None):
+        """{layer: [y][x][s][c] float32 (shape: uint32)} of `count` samples of every pixel; rows: (first, end)."""
+        first_row, end_row = rows or (0, self.height)
+        out = self._lanes(count, seed, layers, first_row, end_row)
         arrays = {}
         for name, value in out.items():
             array = np.array(value)
             array = array.T if array.ndim == 2 else array[:, None]  # Dr.Jit gives [component][lane]
-            arrays[name] = array.reshape(self.height, self.width, count, -1)
+            arrays[name] = array.reshape(end_row - first_row, self.width, count, -1)
         if "albedo" in arrays:
             # BSDFs without an albedo of their own answer with an estimate that exceeds 1.
             np.clip(arrays["albedo"], 0, 1, out=arrays["albedo"])
         return arrays
 
-    def _lanes(self, count, seed, layers):
+    def _lanes(self, count, seed, layers, first_row, end_row):
         mi, dr, of = self.mi, self.dr, self.of
-        lanes = self.width * self.height * count
+        lanes = self.width * (end_row - first_row) * count
         sampler = mi.load_dict({"type": "independent", "sample_count": count})
         sampler.seed(seed, lanes)
         pixel = dr.arange(mi.UInt32, lanes) // dr.opaque(mi.UInt32, count)
         row = pixel // self.width
-        corner = mi.Vector2f(mi.Float(pixel - row * self.width), mi.Float(row))
+        corner = mi.Vector2f(mi.Float(pixel - row * self.width), mi.Float(row + dr.opaque(mi.UInt32, first_row)))
         film = sampler.next_2d()
         lens = sampler.next_2d() if of.has_lens else mi.Point2f(.5)
         time = of.shutter_open + sampler.next_1d() * of.shutter_time if of.shutter_time > 0 \
@@ -58,7 +59,8 @@ class Wavefront:
         out = {"radiance": rgb(of.integrator.sample(of.scene, sampler, ray, medium)[0])}
         if again:
             out["direct"] = rgb(of.direct.sample(of.scene, again, ray, medium)[0])
-        drawn = {"film": film, "lens": lens, "time": time}
+        drawn = {"film": film, "lens": mi.warp.square_to_uniform_disk_concentric(lens),
+                 "time": (time - of.shutter_open) / (of.shutter_time or 1.0)}
         out.update((name, drawn[name]) for name in drawn if name in layers)
         if any(name in layers for name in ("albedo", "normal", "depth", "position", "shape")):
             values = self.features.sample(of.scene, sampler, ray, medium)[2]

@@ -98,9 +98,26 @@ def test_lens_and_time_are_recorded_where_the_scene_has_them(tmp_path):
     check_ok(record(scene, "-o", out, "--samples", 8, "--reference", 64))
     with spool.open(out) as dump:
         assert (dump.width, dump.height) == (24, 16)
-        assert dump.read("lens").std() > 0.25
+        lens = dump.read("lens").astype(float)
+        radius2 = (lens ** 2).sum(axis=-1)
+        assert radius2.max() <= 1 + 1e-6 and abs(radius2.mean() - 0.5) < 4 * 0.289 / np.sqrt(radius2.size)  # uniform
+        assert abs(lens.mean(axis=(0, 1, 2))).max() < 4 * 0.5 / np.sqrt(radius2.size)
         shutter = dump.read("time")
-        assert 0 <= shutter.min() < 0.1 and 0.4 < shutter.max() <= 0.5
+        assert 0 <= shutter.min() < 0.1 and 0.9 < shutter.max() <= 1
+        assert dump.meta["shutter"] == [0, 0.5] and dump.meta["scene"]["name"] == "lens.xml"
+
+
+def test_scenes_of_the_tree_that_mitsuba_is_taught_are_built_from_their_scripts(tmp_path):
+    """Camera, meshes, normals and the ruled paper are Blender's: the features agree with a recording of Cycles."""
+    out = tmp_path / "caustic.spool"
+    check_ok(record("caustic", "-o", out, "--size", 64, "--samples", 16, "--channels", "albedo,normal,film"))
+    with spool.open(out) as found, spool.open(os.path.join(ROOT, "dumps", "tiny", "caustic.spool")) as cycles:
+        for layer, largest in (("albedo", 0.04), ("normal", 0.01)):
+            one, two = found.read(layer).astype(float).mean(axis=2), cycles.read(layer).astype(float).mean(axis=2)
+            assert np.abs(one - two).mean() < largest, layer  # of noise: 16 positions in a pixel
+            assert np.abs((one - two).mean(axis=(0, 1))).max() < 0.003, layer
+    result = record("chess", "-o", tmp_path / "chess.spool")
+    assert result.returncode == 2 and "needs more than Mitsuba is taught" in result.stderr
 
 
 def test_scalar_fallback_agrees_with_the_wavefront(tmp_path):
@@ -188,6 +205,26 @@ def test_full_disk_is_one_line_and_the_recording_goes_on_after_it(tmp_path):
     finally:
         if mounted:
             subprocess.run(["umount", small], check=True)
+
+
+def test_frames_larger_than_a_chunk_are_cut_into_bands(tmp_path):
+    """A chunk never has more lanes than was asked for, and the picture is the same."""
+    out = tmp_path / "bands.spool"
+    check_ok(record("cornell-box", "-o", out, "--size", "40x36", "--samples", 20, "--reference", 300, "--chunk-lanes", 500,
+                    "--channels", "albedo,film"))
+    whole = tmp_path / "whole.spool"
+    check_ok(record("cornell-box", "-o", whole, "--size", "40x36", "--samples", 20, "--reference", 300,
+                    "--channels", "albedo"))
+    with spool.open(out) as bands, spool.open(whole) as one:
+        assert bands.meta["seeds"]["chunk_samples"] == 1 and bands.meta["seeds"]["chunk_rows"] == 12
+        assert bands.meta["verification"]["holds"] is True
+        rows = [d.read("albedo").astype(float).mean(axis=(1, 2)) for d in (bands, one)]
+        assert np.abs(rows[0] - rows[1]).max() < 0.02
+        difference = (bands.pixel("reference") - one.pixel("reference")).astype(float)
+        variance = bands.pixel("reference_variance").astype(float) + one.pixel("reference_variance")
+        assert abs(difference.sum()) < 4 * np.sqrt(variance.sum())
+        lit = variance > 1e-12
+        assert 0.85 < (difference[lit] ** 2 / variance[lit]).mean() < 1.15
 
 
 def test_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
