@@ -19,7 +19,10 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   build [PRESET] [TARGETS]      configure and build; PRESET is release (default), debug, asan or tsan
   test [PRESET] [CTEST ARGS]    build, then every test; e.g. test release -L unit
   demo                          evaluate a small scene; prints error and time, pictures in demo-output/
-  record SCENE -o FILE [ARGS]   record a .blend file or a built-in scene with Cycles (dumps/record.sh)
+  record NAME [ARGS]            record a scene of dumps/CATALOG.toml, 512x512 with 256 samples unless told otherwise
+                                (--size N --samples N --reference N -o FILE); or a .blend file, or an .xml of Mitsuba;
+                                run again after an interruption to go on
+  addon [FILE]                  make the Blender add-on as one file to install
   bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   clean                         remove build/ and demo-output/
@@ -169,30 +172,20 @@ demo() {
 record() {
   setup test
   build release spool
-  exec dumps/record.sh "$@"
-}
-
-# --- bench -------------------------------------------------------------------------------------
-
-bench() {
-  local subjects=() subject
-  if (($# > 0)) && [[ "$1" != -* ]]; then
-    subjects=("$1")
-    shift
-    [[ -f "tools/bench/${subjects[0]}/run.py" ]] || die "bench: no tools/bench/${subjects[0]}/run.py"
-  else
-    mapfile -t subjects < <(for subject in tools/bench/*/run.py; do basename "$(dirname "$subject")"; done)
-  fi
-  setup build
-  require_packages "${bench_packages[@]}"
-  configure bench
-  ninja -C build/bench -j "$(jobs)" --quiet spool >&2
-  for subject in "${subjects[@]}"; do
-    [[ ! -f "tools/bench/$subject/CMakeLists.txt" ]] ||
-      ninja -C build/bench -j "$(jobs)" --quiet "bench_$subject" >&2
-    say "bench $subject"
-    python3 "tools/bench/$subject/run.py" build/bench "$@"
-  done
+  local arguments=("$@") python="${SPOOL_MITSUBA_PYTHON:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/mitsuba-venv/bin/python}"
+  case "${1:-}" in
+    "" | -*) die "record: give a scene: $(python3 dumps/catalogue.py --names), a .blend or an .xml file" ;;
+    *.blend) arguments=(dumps/record.sh "$@") ;;
+    *.xml | *.py) arguments=(dumps/mitsuba/record.py "$@") ;;
+    *)
+      local found
+      found="$(python3 dumps/catalogue.py --full "$@")" || exit $?
+      mapfile -t arguments <<<"$found"
+      ;;
+  esac
+  say "${arguments[*]}"
+  if [[ "${arguments[0]}" == *.py ]]; then exec "$python" "${arguments[@]}"; fi
+  exec "${arguments[@]}"
 }
 
 # --- lint --------------------------------------------------------------------------------------
@@ -233,6 +226,7 @@ case "${1:-help}" in
   test) shift; test_all "$@" ;;
   demo) shift; demo "$@" ;;
   record) shift; record "$@" ;;
+  addon) exec python3 dumps/cycles/addon_zip.py ${2:+-o "$2"} ;;
   bench) shift; bench "$@" ;;
   lint) shift; lint "$@" ;;
   clean) rm -rf build demo-output ;;
