@@ -5,10 +5,41 @@
 #include <numbers>
 
 #include "lib/core/parallel.h"
+#include "lib/core/vector_clones.h"
 #include "lib/pyramid/convolution.h"
 
 namespace spool {
 namespace {
+
+template <class T>
+SPOOL_VECTOR_CLONES void add_measure(const T* from, bool absolute, int width, T* __restrict to) {
+  if (absolute) {
+    for (int x = 0; x < width; ++x)
+      to[x] += std::abs(from[x]);
+  } else {
+    for (int x = 0; x < width; ++x)
+      to[x] += from[x] * from[x];
+  }
+}
+
+// row = max(row - gain noise, 0), row squared first where it is a mean of absolute values;
+// largest: the largest such value of each piece so far. Returns how many were negative.
+template <class T>
+SPOOL_VECTOR_CLONES std::int64_t take_noise_off(const T* noise, double gain, bool square_first,
+                                                int width, T* __restrict row,
+                                                double* __restrict largest) {
+  std::int64_t negative = 0;
+  for (int x = 0; x < width; ++x) {
+    const auto value = static_cast<double>(row[x]);
+    const double measured = square_first ? value * value : value;
+    const double left = measured - gain * static_cast<double>(noise[x]);
+    negative += left < 0.0 ? 1 : 0;
+    const double square = left < 0.0 ? 0.0 : left;
+    largest[x] = square > largest[x] ? square : largest[x];
+    row[x] = static_cast<T>(square);
+  }
+  return negative;
+}
 
 // G_s * (sum over sources of D^2, or |D|) for one band.
 template <class T>
@@ -19,36 +50,13 @@ Image<T> smoothed_measure(std::span<const NoisyBands<T>> sources, std::size_t ba
     T* __restrict to = scratch.row(y).data();
     std::fill_n(to, scratch.width(), T{});
     for (const NoisyBands<T>& source : sources) {
-      const T* from = source.bands[band].row(y).data();
-      if (measure == DirectionMeasure::kAbs) {
-        for (int x = 0; x < scratch.width(); ++x)
-          to[x] += std::abs(from[x]);
-      } else {
-        for (int x = 0; x < scratch.width(); ++x)
-          to[x] += from[x] * from[x];
-      }
+      add_measure(source.bands[band].row(y).data(), measure == DirectionMeasure::kAbs,
+                  scratch.width(), to);
     }
   });
   Image<T> out(scratch.width(), scratch.height());
   convolve_box(scratch, gaussian, 1, extension, scratch.bounds(), out);
   return out;
-}
-
-// Sum of squares of the bands of d_{level-1} for a delta at (x, y) of an n x n image.
-void add_response_energy(const PyramidOptions& pyramid, const BankOptions& bank, int level,
-                         const Taps& prefilter, int n, int x, int y, double weight,
-                         std::vector<double>& gains) {
-  Plane delta(n, n);
-  delta(x, y) = 1.0;
-  delta = convolve(delta, prefilter, 1, Extension::kPeriodic);
-  const Plane detail = build_pyramid(delta, pyramid).detail[static_cast<std::size_t>(level - 1)];
-  const std::vector<Plane> bands = directional_bands(detail, bank);
-  for (std::size_t i = 0; i < bands.size(); ++i) {
-    double sum = 0.0;
-    for (const double value : bands[i].pixels())
-      sum += value * value;
-    gains[i] += weight * sum;
-  }
 }
 
 }  // namespace
@@ -99,16 +107,8 @@ DirectionalEnergy<T> directional_energy(std::span<const NoisyBands<T>> sources,
       T* __restrict row = result.energy[i].row(y).data();
       const T* smooth_noise = noise.row(y).data();
       const double gain = options.noise_correct ? noise_share * gains[i] : 0.0;
-      std::uint64_t negative = 0;
-      for (int x = 0; x < width; ++x) {
-        const double measured = is_abs ? double{row[x]} * row[x] : double{row[x]};
-        const double left = measured - gain * double{smooth_noise[x]};
-        negative += left < 0.0 ? 1u : 0u;
-        const double square = left < 0.0 ? 0.0 : left;
-        auto& most = largest[static_cast<std::size_t>(x)];
-        most = square > most ? square : most;
-        row[x] = static_cast<T>(square);
-      }
+      const auto negative = static_cast<std::uint64_t>(
+          take_noise_off(smooth_noise, gain, is_abs, width, row, largest.data()));
       if (options.measure != DirectionMeasure::kEnergy) {
         for (int x = 0; x < width; ++x)
           row[x] = std::sqrt(row[x]);
@@ -135,44 +135,6 @@ template DirectionalEnergy<double> directional_energy(std::span<const NoisyBands
 template DirectionalEnergy<float> directional_energy(std::span<const NoisyBands<float>>,
                                                      const Plane&, int, const EnergyOptions&,
                                                      GuardCounts&);
-
-std::vector<double> band_noise_gains(const PyramidOptions& pyramid_options,
-                                     const BankOptions& bank_options, int level,
-                                     const Taps& prefilter) {
-  SPOOL_CHECK_GE(level, 1);
-  PyramidOptions pyramid = pyramid_options;
-  BankOptions bank = bank_options;
-  pyramid.levels = level;
-  pyramid.extension = Extension::kPeriodic;
-  bank.extension = Extension::kPeriodic;
-
-  // A period that holds the whole response, so that nothing wraps onto itself.
-  PyramidOptions open = pyramid;
-  open.extension = Extension::kClamp;
-  const int far = 1 << 20;
-  std::vector<Rectangle> coarse, detail;
-  pyramid_influence({far, far, far + 1, far + 1}, {0, 0, 2 * far, 2 * far}, open, coarse, detail);
-  const Rectangle reach = detail.back();
-  const int pairs = static_cast<int>(sign_coefficients(bank.taps).size());
-  const int stages = bank.levels * (bank.pair == ChannelPair::kLadder ? 2 : 1);
-  const int bank_reach = stages * (2 * pairs - 1) * bank.dilation;
-  const int prefilter_reach = static_cast<int>(prefilter.values.size());
-  const int cell = 2 * pyramid_dilation(pyramid, level - 1);  // period of the phases
-  const int n = (reach.width() + prefilter_reach + 2 * bank_reach + 3 * cell) / cell * cell;
-
-  std::vector<double> gains(static_cast<std::size_t>(band_count(bank)), 0.0);
-  if (pyramid.detail != LaplacianDetail::kPhase00) {
-    add_response_energy(pyramid, bank, level, prefilter, n, n / 2, n / 2, 1.0, gains);
-    return gains;
-  }
-  for (int j = 0; j < 2; ++j) {
-    for (int i = 0; i < 2; ++i) {
-      add_response_energy(pyramid, bank, level, prefilter, n, i * cell / 2, j * cell / 2, 0.25,
-                          gains);
-    }
-  }
-  return gains;
-}
 
 OptionTable<EnergyOptions> energy_option_table() {
   using O = EnergyOptions;

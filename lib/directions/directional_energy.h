@@ -59,7 +59,8 @@ DirectionalEnergy<T> directional_energy(std::span<const NoisyBands<T>> sources,
 // g_i: sum of squares of the impulse response of "band i of d_{level-1}", by pushing a delta
 // through the pyramid and the bank (with the dilation of `bank`). phase00 is not shift-invariant:
 // the mean over deltas on its four phases. `prefilter` is what the image passed, rows and columns,
-// before it became f_0. Costs a bank on a few hundred pixels square: call it once.
+// before it became f_0. A few milliseconds for the largest level; with the rarer kinds of pyramid
+// and bank, those of a bank on a few hundred pixels square.
 std::vector<double> band_noise_gains(const PyramidOptions& pyramid, const BankOptions& bank,
                                      int level, const Taps& prefilter = {0, {1.0}});
 

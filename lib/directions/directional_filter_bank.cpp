@@ -6,32 +6,13 @@
 #include <memory>
 #include <numbers>
 
+#include "lib/core/vector_clones.h"
+#include "lib/directions/bank_stages.h"
 #include "lib/directions/fourier_wedges.h"
 #include "lib/pyramid/row_loop.h"
 
 namespace spool {
 namespace {
-
-struct Vector {
-  int x = 0, y = 0;
-};
-Vector operator*(int factor, Vector v) {
-  return {factor * v.x, factor * v.y};
-}
-
-// The vectors p and q of a stage.
-struct Stage {
-  Vector p, q;
-};
-constexpr Stage kHorizontalOrVertical = {{1, 1}, {1, -1}};  // "+": |wx| > |wy|
-constexpr Stage kDiagonal = {{2, 0}, {0, 2}};               // "+": wx wy > 0
-// "+": the half of a wedge that lies towards the diagonal; s is the sign of wx wy.
-constexpr Stage split_of_horizontal(int s) {
-  return {{-s, 2}, {s, 0}};
-}
-constexpr Stage split_of_vertical(int s) {
-  return {{2, -s}, {0, s}};
-}
 
 // Rows of an image with `pad` readable pixels on the left and right of each.
 template <class T>
@@ -59,13 +40,24 @@ Rows<T> rows_of(Image<T>& image) {
 
 // out[x] = sum_j s_j (plus[j][x] - minus[j][x])
 template <class T, int kPairs>
-void odd_sum(const T* const* plus, const T* const* minus, const T* s, int width,
-             T* __restrict out) {
+SPOOL_VECTOR_CLONES void odd_sum(const T* const* plus, const T* const* minus, const T* s, int width,
+                                 T* __restrict out) {
   for (int x = 0; x < width; ++x) {
     T sum = s[0] * (plus[0][x] - minus[0][x]);
     for (int j = 1; j < kPairs; ++j)
       sum += s[j] * (plus[j][x] - minus[j][x]);
     out[x] = sum;
+  }
+}
+
+// y+ and y- from x and z = -Bx.
+template <class T>
+SPOOL_VECTOR_CLONES void half_sums(const T* from, const T* z, int width, T* __restrict plus,
+                                   T* __restrict minus) {
+  const T half = T(0.5);
+  for (int i = 0; i < width; ++i) {
+    plus[i] = half * (from[i] - z[i]);
+    minus[i] = half * (from[i] + z[i]);
   }
 }
 
@@ -129,17 +121,11 @@ class Bank {
   Rows<T> band(std::size_t i) const { return rows_of(bands_[i]); }
 
   // y+ and y- of x; their pads are filled where they have any.
-  void split(const Rows<T>& x, Stage stage, const Rows<T>& plus, const Rows<T>& minus) {
+  void split(const Rows<T>& x, BankStage stage, const Rows<T>& plus, const Rows<T>& minus) {
     const T half = T(0.5);
     if (options_.pair == ChannelPair::kComplementary) {
       for_each_product_row(x, stage, [&](int y, const T* z) {
-        const T* from = x.row(y);
-        T* __restrict to_plus = plus.row(y);
-        T* __restrict to_minus = minus.row(y);
-        for (int i = 0; i < width_; ++i) {
-          to_plus[i] = half * (from[i] - z[i]);
-          to_minus[i] = half * (from[i] + z[i]);
-        }
+        half_sums(x.row(y), z, width_, plus.row(y), minus.row(y));
         extend_row(plus, y, options_.extension);
         extend_row(minus, y, options_.extension);
       });
@@ -165,9 +151,9 @@ class Bank {
 
   // finish(y, z) for every row y, where z = -Bx on that row.
   template <class Finish>
-  void for_each_product_row(const Rows<T>& x, Stage stage, Finish&& finish) {
-    const Vector p = options_.dilation * stage.p, q = options_.dilation * stage.q;
-    const Vector centre = {(p.x + q.x) / 2, (p.y + q.y) / 2};
+  void for_each_product_row(const Rows<T>& x, BankStage stage, Finish&& finish) {
+    const BankVector p = options_.dilation * stage.p, q = options_.dilation * stage.q;
+    const BankVector centre = {(p.x + q.x) / 2, (p.y + q.y) / 2};
     // t(m) = sum_a tap(a) x(m - a p) wherever z(n) = sum_b tap(b) t(n - centre - b q) reads it.
     const auto span = [&](int step, int offset) {
       const int a = -offset + pairs() * step, b = -offset - (pairs() - 1) * step;
@@ -195,7 +181,7 @@ class Bank {
 
   // out = sum_j s_j (row shifted by -j v, less row shifted by +(j + 1) v)
   template <class Source>
-  void odd_sum_along(Vector v, int width, T* out, Source&& source) {
+  void odd_sum_along(BankVector v, int width, T* out, Source&& source) {
     const T* plus[6];
     const T* minus[6];
     for (int j = 0; j < pairs(); ++j) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "lib/core/vector_clones.h"
 #include "lib/pyramid/row_loop.h"
 #include "lib/pyramid/row_sums.h"
 
@@ -52,6 +53,12 @@ void convolve_row(const T* in, int width, int first, const std::vector<T>& weigh
                          out + (inside_begin - x0));
   }
   border(inside_end, x1);
+}
+
+template <class T>
+SPOOL_VECTOR_CLONES void subtract_from(const T* minuend, int width, T* __restrict row) {
+  for (int x = 0; x < width; ++x)
+    row[x] = minuend[x] - row[x];
 }
 
 enum class Masking { kNone, kPhase00 };
@@ -124,11 +131,8 @@ template <class T>
 void subtract_with(const Image<T>& minuend, const Image<T>& in, const Taps& taps, int dilation,
                    Extension extension, const Rectangle& box, Masking masking, Image<T>& out) {
   SPOOL_CHECK(minuend.same_size(in));
-  convolve_and_finish(in, taps, dilation, extension, box, masking, out, [&](int y, T* row) {
-    const T* from = &minuend(box.x0, y);
-    for (int x = 0; x < box.width(); ++x)
-      row[x] = from[x] - row[x];
-  });
+  convolve_and_finish(in, taps, dilation, extension, box, masking, out,
+                      [&](int y, T* row) { subtract_from(&minuend(box.x0, y), box.width(), row); });
 }
 
 struct Interval {

@@ -4,50 +4,59 @@
 
 #include "lib/core/vector_clones.h"
 
-// A macro, because an attribute that makes clones cannot stand on a template. Partial sums stay in
-// registers for three to five terms, the filters of the pyramid; longer sums go four terms a sweep.
-#define SPOOL_WEIGHTED_SUM(T)                                                             \
-  SPOOL_VECTOR_CLONES                                                                     \
-  void weighted_sum_of_rows(const T* const* sources, const T* weights, std::size_t terms, \
-                            int width, T* __restrict out) {                               \
-    const T *a = sources[0], *b = a, *c = a, *d = a, *e = a;                              \
-    T wa = weights[0], wb = wa, wc = wa, wd = wa, we = wa;                                \
-    if (terms > 1) b = sources[1], wb = weights[1];                                       \
-    if (terms > 2) c = sources[2], wc = weights[2];                                       \
-    if (terms > 3) d = sources[3], wd = weights[3];                                       \
-    if (terms > 4) e = sources[4], we = weights[4];                                       \
-    std::size_t i = 5;                                                                    \
-    if (terms == 3) {                                                                     \
-      for (int x = 0; x < width; ++x)                                                     \
-        out[x] = wa * a[x] + wb * b[x] + wc * c[x];                                       \
-      return;                                                                             \
-    }                                                                                     \
-    if (terms >= 5) {                                                                     \
-      for (int x = 0; x < width; ++x)                                                     \
-        out[x] = wa * a[x] + wb * b[x] + wc * c[x] + wd * d[x] + we * e[x];               \
-    } else {                                                                              \
-      for (int x = 0; x < width; ++x)                                                     \
-        out[x] = wa * a[x];                                                               \
-      i = 1;                                                                              \
-    }                                                                                     \
-    for (; i + 4 <= terms; i += 4) {                                                      \
-      a = sources[i], b = sources[i + 1], c = sources[i + 2], d = sources[i + 3];         \
-      wa = weights[i], wb = weights[i + 1], wc = weights[i + 2], wd = weights[i + 3];     \
-      for (int x = 0; x < width; ++x)                                                     \
-        out[x] = out[x] + wa * a[x] + wb * b[x] + wc * c[x] + wd * d[x];                  \
-    }                                                                                     \
-    for (; i < terms; ++i) {                                                              \
-      a = sources[i];                                                                     \
-      wa = weights[i];                                                                    \
-      for (int x = 0; x < width; ++x)                                                     \
-        out[x] = out[x] + wa * a[x];                                                      \
-    }                                                                                     \
-  }
-
 namespace spool {
 
-SPOOL_WEIGHTED_SUM(double)
-SPOOL_WEIGHTED_SUM(float)
+namespace {
+
+// Partial sums stay in registers for three and five terms, the filters of the pyramid; longer sums
+// go four terms a sweep.
+template <class T>
+SPOOL_VECTOR_CLONES void weighted_sum(const T* const* sources, const T* weights, std::size_t terms,
+                                      int width, T* __restrict out) {
+  const T *a = sources[0], *b = a, *c = a, *d = a, *e = a;
+  T wa = weights[0], wb = wa, wc = wa, wd = wa, we = wa;
+  if (terms > 1) b = sources[1], wb = weights[1];
+  if (terms > 2) c = sources[2], wc = weights[2];
+  if (terms > 3) d = sources[3], wd = weights[3];
+  if (terms > 4) e = sources[4], we = weights[4];
+  std::size_t i = 5;
+  if (terms == 3) {
+    for (int x = 0; x < width; ++x)
+      out[x] = wa * a[x] + wb * b[x] + wc * c[x];
+    return;
+  }
+  if (terms >= 5) {
+    for (int x = 0; x < width; ++x)
+      out[x] = wa * a[x] + wb * b[x] + wc * c[x] + wd * d[x] + we * e[x];
+  } else {
+    for (int x = 0; x < width; ++x)
+      out[x] = wa * a[x];
+    i = 1;
+  }
+  for (; i + 4 <= terms; i += 4) {
+    a = sources[i], b = sources[i + 1], c = sources[i + 2], d = sources[i + 3];
+    wa = weights[i], wb = weights[i + 1], wc = weights[i + 2], wd = weights[i + 3];
+    for (int x = 0; x < width; ++x)
+      out[x] = out[x] + wa * a[x] + wb * b[x] + wc * c[x] + wd * d[x];
+  }
+  for (; i < terms; ++i) {
+    a = sources[i];
+    wa = weights[i];
+    for (int x = 0; x < width; ++x)
+      out[x] = out[x] + wa * a[x];
+  }
+}
+
+}  // namespace
+
+void weighted_sum_of_rows(const double* const* sources, const double* weights, std::size_t terms,
+                          int width, double* __restrict out) {
+  weighted_sum(sources, weights, terms, width, out);
+}
+void weighted_sum_of_rows(const float* const* sources, const float* weights, std::size_t terms,
+                          int width, float* __restrict out) {
+  weighted_sum(sources, weights, terms, width, out);
+}
 
 SPOOL_VECTOR_CLONES
 void sum_of_shifted_rows(const double* from, std::ptrdiff_t stride, int terms, int width,
@@ -79,4 +88,3 @@ void sum_of_shifted_rows(const double* from, std::ptrdiff_t stride, int terms, i
 }
 
 }  // namespace spool
-#undef SPOOL_WEIGHTED_SUM

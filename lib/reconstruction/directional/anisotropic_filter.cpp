@@ -5,9 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "lib/core/parallel.h"
-#include "lib/pyramid/convolution.h"
 #include "lib/core/exponential.h"
+#include "lib/core/parallel.h"
+#include "lib/core/vector_clones.h"
+#include "lib/pyramid/convolution.h"
 #include "lib/reconstruction/directional/filter_offsets.h"
 
 namespace spool {
@@ -62,13 +63,12 @@ struct RunSums {
 // Weights of the two neighbours at one offset and its opposite, for `count` pieces whose widths
 // along the two nearest directions are given.
 template <class T>
-void compute_weights(const T* __restrict lower, const T* __restrict upper, T lower_share,
-                     T half_squared_distance, const T* __restrict before, const T* __restrict after,
-                     int count, RunSums& sums) {
+SPOOL_VECTOR_CLONES void compute_weights(const T* __restrict lower, const T* __restrict upper,
+                                         T lower_share, T half_squared_distance,
+                                         const T* __restrict before, const T* __restrict after,
+                                         int count, double* __restrict w_before,
+                                         double* __restrict w_after, double* __restrict total) {
   const T upper_share = T{1} - lower_share;
-  double* __restrict w_before = sums.before.data();
-  double* __restrict w_after = sums.after.data();
-  double* __restrict total = sums.weight.data();
   for (int i = 0; i < count; ++i) {
     const T delta = lower_share * lower[i] + upper_share * upper[i];        // (12)
     const T omega = exp_negative(half_squared_distance / (delta * delta));  // (11)
@@ -79,20 +79,19 @@ void compute_weights(const T* __restrict lower, const T* __restrict upper, T low
 }
 
 // Adds both neighbours to the sums of a channel.
-void add_neighbours(const RunSums& sums, const double* __restrict before,
-                    const double* __restrict after, const double* __restrict centre, int count,
-                    double* __restrict value) {
-  const double* __restrict w_before = sums.before.data();
-  const double* __restrict w_after = sums.after.data();
+SPOOL_VECTOR_CLONES
+void add_neighbours(const double* __restrict w_before, const double* __restrict w_after,
+                    const double* __restrict before, const double* __restrict after,
+                    const double* __restrict centre, int count, double* __restrict value) {
   for (int i = 0; i < count; ++i) {
     value[i] += w_before[i] * (before[i] - centre[i]) + w_after[i] * (after[i] - centre[i]);
   }
 }
 
-void add_variances(const RunSums& sums, const double* __restrict before,
-                   const double* __restrict after, int count, double* __restrict variance) {
-  const double* __restrict w_before = sums.before.data();
-  const double* __restrict w_after = sums.after.data();
+SPOOL_VECTOR_CLONES
+void add_variances(const double* __restrict w_before, const double* __restrict w_after,
+                   const double* __restrict before, const double* __restrict after, int count,
+                   double* __restrict variance) {
   for (int i = 0; i < count; ++i) {
     variance[i] += w_before[i] * w_before[i] * before[i] + w_after[i] * w_after[i] * after[i];
   }
@@ -124,13 +123,15 @@ void filter_run(const PaddedInput<T>& input, const FilterWidths<T>& widths,
     compute_weights(&widths.delta[lower](x0, y), &widths.delta[upper](x0, y),
                     static_cast<T>(lower_weight(offset.sector, eq12)),
                     static_cast<T>(0.5 * offset.squared_distance), &input.weight[before],
-                    &input.weight[after], count, sums);
+                    &input.weight[after], count, sums.before.data(), sums.after.data(),
+                    sums.weight.data());
     for (std::size_t c = 0; c < 3; ++c) {
       const Plane& mean = input.mean[c];
-      add_neighbours(sums, &mean[before], &mean[after], &mean[centre], count, sums.value[c].data());
+      add_neighbours(sums.before.data(), sums.after.data(), &mean[before], &mean[after],
+                     &mean[centre], count, sums.value[c].data());
       if (input.variance[c].empty()) continue;
-      add_variances(sums, &input.variance[c][before], &input.variance[c][after], count,
-                    sums.variance[c].data());
+      add_variances(sums.before.data(), sums.after.data(), &input.variance[c][before],
+                    &input.variance[c][after], count, sums.variance[c].data());
     }
   }
   for (int i = 0; i < count; ++i) {

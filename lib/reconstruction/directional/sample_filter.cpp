@@ -3,9 +3,9 @@
 #include <numbers>
 #include <vector>
 
+#include "lib/core/exponential.h"
 #include "lib/core/parallel.h"
 #include "lib/reconstruction/directional/anisotropic_filter.h"
-#include "lib/core/exponential.h"
 #include "lib/reconstruction/directional/filter_offsets.h"
 
 namespace spool {

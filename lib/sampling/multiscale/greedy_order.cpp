@@ -4,9 +4,29 @@
 #include <functional>
 #include <limits>
 
+#include "lib/core/vector_clones.h"
 #include "lib/sampling/multiscale/region_sampling.h"
 
 namespace spool {
+
+namespace {
+
+// Independent maxima, joined at the end: the largest value is the same in any order.
+SPOOL_VECTOR_CLONES
+double largest_of(const double* row, int width, double largest) {
+  double lanes[8];
+  std::fill_n(lanes, 8, largest);
+  int x = 0;
+  for (; x + 8 <= width; x += 8) {
+    for (int i = 0; i < 8; ++i)
+      lanes[i] = row[x + i] > lanes[i] ? row[x + i] : lanes[i];
+  }
+  for (; x < width; ++x)
+    lanes[0] = row[x] > lanes[0] ? row[x] : lanes[0];
+  return *std::max_element(lanes, lanes + 8);
+}
+
+}  // namespace
 
 PriorityMaxima::PriorityMaxima(const BlockGrid& grid, const Board& board)
     : grid_(grid), maxima_(board.priority.size() * grid.size()) {
@@ -22,9 +42,7 @@ void PriorityMaxima::refresh(const Board& board, int level, std::size_t b) {
   const Rectangle block = grid_[b];
   double largest = -std::numeric_limits<double>::infinity();
   for (int y = block.y0; y < block.y1; ++y) {
-    const double* row = plane.row(y).data();
-    for (int x = block.x0; x < block.x1; ++x)
-      largest = row[x] > largest ? row[x] : largest;
+    largest = largest_of(&plane(block.x0, y), block.width(), largest);
   }
   maxima_[l * grid_.size() + b] = largest;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "lib/core/vector_clones.h"
 #include "lib/pyramid/region_mean.h"
 #include "lib/pyramid/row_loop.h"
 #include "lib/sampling/multiscale/region_counts.h"
@@ -39,28 +40,48 @@ void region_extremes_contrast(ScalarAnalysis& scalar, int k, const Rectangle& bo
     guards += row;
 }
 
+constexpr double kLargestPriority = std::numeric_limits<double>::max();
+
 // P of one row: (V + D) max(A, A_min). A priority that is not finite becomes the largest finite
-// one.
-void priority_row(const double* variance, const double* detail, const double* coarse,
-                  const double* attenuation, int width, const MultiscaleOptions& options,
-                  double* __restrict priority, GuardCounts& guards) {
-  const double floor = options.attenuation_floor;
-  if (options.detail_norm == DetailNorm::kRelative) {
-    for (int x = 0; x < width; ++x) {
-      const double difference = detail[x] * detail[x] / (coarse[x] * coarse[x] + kRelativeFloor);
-      priority[x] = (variance[x] + difference) * std::max(attenuation[x], floor);
-    }
-  } else {
-    for (int x = 0; x < width; ++x)
-      priority[x] = (variance[x] + detail[x] * detail[x]) * std::max(attenuation[x], floor);
-  }
-  constexpr double kLargest = std::numeric_limits<double>::max();
+// one; returns how many were not.
+SPOOL_VECTOR_CLONES
+std::int64_t absolute_row(const double* variance, const double* detail, const double* attenuation,
+                          double floor, int width, double* __restrict priority) {
   std::int64_t caught = 0;
   for (int x = 0; x < width; ++x) {
-    const bool finite = priority[x] <= kLargest;  // false for NaN too; none is negative
+    const double a = attenuation[x] < floor ? floor : attenuation[x];
+    const double p = (variance[x] + detail[x] * detail[x]) * a;
+    const bool finite = p <= kLargestPriority;  // false for NaN too; none is negative
     caught += finite ? 0 : 1;
-    priority[x] = finite ? priority[x] : kLargest;
+    priority[x] = finite ? p : kLargestPriority;
   }
+  return caught;
+}
+
+SPOOL_VECTOR_CLONES
+std::int64_t relative_row(const double* variance, const double* detail, const double* coarse,
+                          const double* attenuation, double floor, int width,
+                          double* __restrict priority) {
+  std::int64_t caught = 0;
+  for (int x = 0; x < width; ++x) {
+    const double a = attenuation[x] < floor ? floor : attenuation[x];
+    const double difference = detail[x] * detail[x] / (coarse[x] * coarse[x] + kRelativeFloor);
+    const double p = (variance[x] + difference) * a;
+    const bool finite = p <= kLargestPriority;
+    caught += finite ? 0 : 1;
+    priority[x] = finite ? p : kLargestPriority;
+  }
+  return caught;
+}
+
+void priority_row(const double* variance, const double* detail, const double* coarse,
+                  const double* attenuation, int width, const MultiscaleOptions& options,
+                  double* priority, GuardCounts& guards) {
+  const double floor = options.attenuation_floor;
+  const std::int64_t caught =
+      options.detail_norm == DetailNorm::kRelative
+          ? relative_row(variance, detail, coarse, attenuation, floor, width, priority)
+          : absolute_row(variance, detail, attenuation, floor, width, priority);
   guards.add(Guard::kPriorityNotFinite, static_cast<std::uint64_t>(caught));
 }
 

@@ -30,13 +30,14 @@ void BlockGrid::add(const Rectangle& r, std::vector<Rectangle>& boxes) const {
 }
 
 StepReach step_reach(const MultiscaleOptions& options) {
-  // Far from every border; mirrored extension only folds what is beyond one back inside.
+  // Far from every border. A change near one is mirrored, and then acts to the other side: so the
+  // larger of both sides counts for both.
   constexpr int kFar = 1 << 14;
   std::vector<Rectangle> coarse, detail;
   pyramid_influence({kFar, kFar, kFar + 1, kFar + 1}, {0, 0, 2 * kFar, 2 * kFar},
                     board_pyramid(options), coarse, detail);
   const auto reach_of = [](const Rectangle& box) {
-    return Reach{kFar - box.x0, box.x1 - 1 - kFar};
+    return std::max(kFar - box.x0, box.x1 - 1 - kFar);
   };
   StepReach reach;
   for (const Rectangle& box : coarse)
@@ -59,9 +60,7 @@ StepBlocks::StepBlocks(const Board& board, const BlockGrid& grid, const StepReac
     box = unite(box, {pick.x, pick.y, pick.x + 1, pick.y + 1});
   }
   const Rectangle bounds = board.bounds();
-  const auto grown = [&](const Rectangle& r, Reach by) {
-    return grow(r, by.before, by.after, by.before, by.after, bounds);
-  };
+  const auto grown = [&](const Rectangle& r, int by) { return grow(r, by, by, by, by, bounds); };
   for (const Rectangle& source : changed) {
     if (source.empty()) continue;
     for (std::size_t k = 0; k < coarse.size(); ++k)

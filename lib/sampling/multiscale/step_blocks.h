@@ -34,14 +34,10 @@ class BlockGrid {
   int across_ = 0, down_ = 0;
 };
 
-// How far from a changed piece images of one level change, in x and y alike.
-struct Reach {
-  int before = 0, after = 0;
-};
-
+// How far from a changed piece the images of each level change, in x and y alike.
 struct StepReach {
-  std::vector<Reach> coarse;  // of f_0, f_1, ...
-  std::vector<Reach> detail;  // of d_0, d_1, ...
+  std::vector<int> coarse;  // of f_0, f_1, ...
+  std::vector<int> detail;  // of d_0, d_1, ...
 };
 
 StepReach step_reach(const MultiscaleOptions& options);
