@@ -177,6 +177,7 @@ class Multiscale {
           double d = analyses[i].pyramid.detail[j](x, y);
           d *= d;
           if (o_.detail_norm == DetailNorm::kRelative) d /= f * f + 0.01;
+          if (o_.detail_norm == DetailNorm::kOff) d = 0.0;
           const double a = std::max(attenuation_[i][l](x, y), o_.attenuation_floor);
           p(x, y) = std::max(p(x, y), (analyses[i].variance[l](x, y) + d) * a);
         }

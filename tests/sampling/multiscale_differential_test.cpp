@@ -38,6 +38,7 @@ std::vector<Case> cases() {
       {"literal_sign_phase00", {{"lp_sign", "literal"}, {"lp_detail", "phase00"}, {"K", "2"}}},
       {"atrous_diff_same_k", {{"lp_detail", "atrous_diff"}, {"d_index", "same_k"}, {"K", "3"}}},
       {"relative", {{"d_norm", "relative"}}},
+      {"no_difference", {{"d_norm", "off"}}},
       {"region", {{"A_update", "region"}, {"alpha", "0.3"}}},
       {"any_touch", {{"A_update", "any_touch"}}},
       {"accumulate_split", {{"A_update", "accumulate"}, {"A_init", "split"}}},

@@ -24,7 +24,7 @@ enum class VarianceTerm {
   kPiece,         // V_k = mean of C^2 over the region (eq 6)
   kRegionMinmax,  // C^2 of the extremes of all samples in the region
 };
-enum class DetailNorm { kAbsolute, kRelative };  // d^2, or d^2 / (f^2 + 0.01)
+enum class DetailNorm { kAbsolute, kRelative, kOff };  // d^2, d^2 / (f^2 + 0.01), or 0
 enum class DetailIndex {
   kProducedWithLevel,  // level k looks at d_{k-1}, what is lost by going to that level
   kSameK,              // level k looks at d_k

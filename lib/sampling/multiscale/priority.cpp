@@ -78,6 +78,13 @@ void priority_row(const double* variance, const double* detail, const double* co
                   const double* attenuation, int width, const MultiscaleOptions& options,
                   double* priority, GuardCounts& guards) {
   const double floor = options.attenuation_floor;
+  if (options.detail_norm == DetailNorm::kOff) {
+    const std::vector<double> nothing(static_cast<std::size_t>(width));
+    guards.add(Guard::kPriorityNotFinite,
+               static_cast<std::uint64_t>(
+                   absolute_row(variance, nothing.data(), attenuation, floor, width, priority)));
+    return;
+  }
   const std::int64_t caught =
       options.detail_norm == DetailNorm::kRelative
           ? relative_row(variance, detail, coarse, attenuation, floor, width, priority)

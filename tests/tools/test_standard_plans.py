@@ -1,0 +1,63 @@
+"""The plans of tools/plans: each is understood, and together they miss no method and no experiment."""
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from conftest import PROGRAM
+
+ROOT = Path(__file__).resolve().parents[2]
+MADE_ELSEWHERE = {"counts", "exec", "image"}  # need a file or a command
+PLANS = sorted((ROOT / "tools/plans").glob("*.toml"))
+sys.path.insert(0, str(ROOT / "tools/experiments"))
+from pools import make_pools  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def plans(tmp_path_factory):
+    """The plans beside the recordings that they name, in a folder of their own."""
+    tree = tmp_path_factory.mktemp("tree")
+    (tree / "tools/plans").mkdir(parents=True)
+    (tree / "dumps").symlink_to(ROOT / "dumps")
+    for plan in PLANS:
+        (tree / "tools/plans" / plan.name).write_text(plan.read_text())
+    make_pools(PROGRAM, tree / "tools/plans/pools")
+    return tree / "tools/plans"
+
+
+def cells_of(plan):
+    finished = subprocess.run([PROGRAM, "evaluate", plan, "--dry-run", "--json"], text=True,
+                              capture_output=True, timeout=120)
+    assert finished.returncode == 0, finished.stderr
+    return json.loads(finished.stdout)
+
+
+@pytest.mark.parametrize("name", [p.name for p in PLANS])
+def test_a_plan_names_methods_options_and_recordings_that_exist(plans, name):
+    assert cells_of(plans / name)["cells"] > 0
+
+
+def test_each_experiment_and_ablation_has_a_plan():
+    ids = {p.stem.split("_")[0] for p in PLANS}
+    assert ids >= {f"e{i}" for i in range(1, 11)} | {f"a{i}" for i in range(1, 13)}
+    assert ids >= {"standard", "methods", "prototypes"}
+
+
+@pytest.mark.parametrize("kind, flag", [("samplers", "sampler"), ("filters", "filter")])
+def test_the_plan_of_all_methods_names_every_method(plans, kind, flag):
+    listed = json.loads(subprocess.run([PROGRAM, "list", kind, "--json"], text=True,
+                                       capture_output=True, check=True).stdout)
+    names = {m["name"] for m in listed} - MADE_ELSEWHERE
+    text = (plans / "methods.toml").read_text()
+    assert {n for n in names if f'"{n}"' not in text} == set(), f"tools/plans/methods.toml: add this {flag}"
+
+
+def test_a_misspelt_option_in_a_plan_is_found(plans):
+    broken = plans / "broken.toml"
+    broken.write_text((plans / "a3_alpha.toml").read_text().replace("alpha = [", "alhpa = ["))
+    finished = subprocess.run([PROGRAM, "evaluate", broken, "--dry-run"], text=True, capture_output=True,
+                              timeout=120)
+    broken.unlink()
+    assert finished.returncode == 2 and "did you mean 'alpha'" in finished.stderr
