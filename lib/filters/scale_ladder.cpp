@@ -96,7 +96,7 @@ Plane neighbour_votes(const Plane& stop, double sigma) {
   const Taps taps = convolved_taps(floor_gaussian_taps(sigma), pixel_filter_taps());
   Plane votes = truncated_mean(stop, taps);
   // Weight of the pixel itself: the centre tap over the taps inside, in x and in y.
-  const Plane inside = truncated_sum(Plane(stop.width(), stop.height(), 1.0), taps);
+  const Plane inside = truncated_sum_of_ones(stop.width(), stop.height(), taps);
   const double middle = taps.values[static_cast<std::size_t>(-taps.first)];
   parallel_rows(0, stop.height(), [&](int y) {
     for (int x = 0; x < stop.width(); ++x) {

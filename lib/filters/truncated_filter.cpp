@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "lib/core/parallel.h"
+#include "lib/core/vector_clones.h"
+#include "lib/pyramid/row_sums.h"
 
 namespace spool {
 namespace {
@@ -22,17 +24,68 @@ std::vector<double> sums_inside(const Taps& taps, int n) {
   return sums;
 }
 
+SPOOL_VECTOR_CLONES
+void divide_by_product(const double* of_x, double of_y, bool squared, int width,
+                       double* __restrict row) {
+  if (squared) {
+    for (int x = 0; x < width; ++x)
+      row[x] /= (of_x[x] * of_y) * (of_x[x] * of_y);
+  } else {
+    for (int x = 0; x < width; ++x)
+      row[x] /= of_x[x] * of_y;
+  }
+}
+
 // Divides by (sum_x sum_y)^power.
 void normalise(Plane& image, const Taps& taps, int power) {
   const std::vector<double> of_x = sums_inside(taps, image.width());
   const std::vector<double> of_y = sums_inside(taps, image.height());
   parallel_rows(0, image.height(), [&](int y) {
-    for (int x = 0; x < image.width(); ++x) {
-      const double sum = of_x[static_cast<std::size_t>(x)] * of_y[static_cast<std::size_t>(y)];
-      image(x, y) /= power == 1 ? sum : sum * sum;
-    }
+    divide_by_product(of_x.data(), of_y[static_cast<std::size_t>(y)], power == 2, image.width(),
+                      image.row(y).data());
   });
 }
+
+// to[x] = sum over the taps m of tap(m) in[x - m], those inside the row.
+void sum_along_row(const double* in, const Taps& taps, int width, double* to,
+                   std::vector<const double*>& sources) {
+  const int inside_begin = std::clamp(taps.last(), 0, width);
+  const int inside_end = std::clamp(width + std::min(taps.first, 0), inside_begin, width);
+  const auto border = [&](int begin, int end) {
+    for (int x = begin; x < end; ++x) {
+      double sum = 0.0;
+      for (int m = taps.first; m <= taps.last(); ++m) {
+        if (x - m < 0 || x - m >= width) continue;
+        sum += taps.values[static_cast<std::size_t>(m - taps.first)] * in[x - m];
+      }
+      to[x] = sum;
+    }
+  };
+  border(0, inside_begin);
+  if (inside_begin < inside_end) {
+    sources.clear();
+    for (int m = taps.first; m <= taps.last(); ++m)
+      sources.push_back(in + inside_begin - m);
+    weighted_sum_of_rows(sources.data(), taps.values.data(), sources.size(),
+                         inside_end - inside_begin, to + inside_begin);
+  }
+  border(inside_end, width);
+}
+
+// to[x] = sum over the taps m of tap(m) rows(x, y - m), those inside the image, x0 <= x < x1.
+void sum_of_rows(const Plane& rows, const Taps& taps, int y, int x0, int x1, double* to,
+                 std::vector<const double*>& sources) {
+  sources.clear();
+  const int first = std::max(taps.first, y - rows.height() + 1);
+  for (int m = first; m <= std::min(taps.last(), y); ++m)
+    sources.push_back(&rows(x0, y - m));
+  if (sources.empty()) return;
+  weighted_sum_of_rows(sources.data(), &taps.values[static_cast<std::size_t>(first - taps.first)],
+                       sources.size(), x1 - x0, to);
+}
+
+// Rows and columns that are summed together: they and their neighbours stay in a core's cache.
+constexpr int kRows = 32, kColumns = 256;
 
 }  // namespace
 
@@ -40,25 +93,44 @@ Plane truncated_sum(const Plane& image, const Taps& taps) {
   const int width = image.width(), height = image.height();
   Plane rows(width, height), out(width, height);
   parallel_rows(0, height, [&](int y) {
-    const double* in = image.row(y).data();
-    double* __restrict to = rows.row(y).data();
-    for (int m = taps.first; m <= taps.last(); ++m) {
-      const double tap = taps.values[static_cast<std::size_t>(m - taps.first)];
-      const int end = std::min(width, width + m);
-      for (int x = std::max(0, m); x < end; ++x)
-        to[x] += tap * in[x - m];
+    std::vector<const double*> sources;
+    sum_along_row(image.row(y).data(), taps, width, rows.row(y).data(), sources);
+  });
+  parallel_for(static_cast<std::size_t>((height + kRows - 1) / kRows), [&](std::size_t band) {
+    std::vector<const double*> sources;
+    const int y0 = static_cast<int>(band) * kRows, y1 = std::min(y0 + kRows, height);
+    for (int x0 = 0; x0 < width; x0 += kColumns) {
+      const int x1 = std::min(x0 + kColumns, width);
+      for (int y = y0; y < y1; ++y)
+        sum_of_rows(rows, taps, y, x0, x1, &out(x0, y), sources);
     }
   });
-  parallel_rows(0, height, [&](int y) {
-    double* __restrict to = out.row(y).data();
-    for (int m = taps.first; m <= taps.last(); ++m) {
-      if (y - m < 0 || y - m >= height) continue;
-      const double tap = taps.values[static_cast<std::size_t>(m - taps.first)];
-      const double* in = rows.row(y - m).data();
-      for (int x = 0; x < width; ++x)
-        to[x] += tap * in[x];
+  return out;
+}
+
+Plane truncated_sum_of_ones(int width, int height, const Taps& taps) {
+  // Rows whose window no border cuts are alike.
+  const std::vector<double> row = sums_inside(taps, width);
+  Plane out(width, height);
+  const auto fill = [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      double sum = 0.0;
+      for (int m = std::max(taps.first, y - height + 1); m <= std::min(taps.last(), y); ++m)
+        sum += taps.values[static_cast<std::size_t>(m - taps.first)] *
+               row[static_cast<std::size_t>(x)];
+      out(x, y) = sum;
     }
-  });
+  };
+  int whole = -1;
+  for (int y = 0; y < height; ++y) {
+    const bool cut = y < taps.last() || y - taps.first >= height;
+    if (cut || whole < 0) {
+      fill(y);
+      if (!cut) whole = y;
+    } else {
+      std::copy(out.row(whole).begin(), out.row(whole).end(), out.row(y).begin());
+    }
+  }
   return out;
 }
 

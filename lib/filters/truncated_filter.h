@@ -12,6 +12,8 @@ namespace spool {
 
 // sum over (m, n) inside the image of taps(m) taps(n) image(x - m, y - n).
 Plane truncated_sum(const Plane& image, const Taps& taps);
+// The same of an image of ones: the taps inside the image.
+Plane truncated_sum_of_ones(int width, int height, const Taps& taps);
 
 // truncated_sum / sum of the taps that lie inside.
 Plane truncated_mean(const Plane& image, const Taps& taps);

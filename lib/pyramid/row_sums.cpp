@@ -9,7 +9,7 @@ namespace spool {
 namespace {
 
 // Partial sums stay in registers for three and five terms, the filters of the pyramid; longer sums
-// go four terms a sweep.
+// go eight terms a sweep.
 template <class T>
 SPOOL_VECTOR_CLONES void weighted_sum(const T* const* sources, const T* weights, std::size_t terms,
                                       int width, T* __restrict out) {
@@ -32,6 +32,17 @@ SPOOL_VECTOR_CLONES void weighted_sum(const T* const* sources, const T* weights,
     for (int x = 0; x < width; ++x)
       out[x] = wa * a[x];
     i = 1;
+  }
+  for (; i + 8 <= terms; i += 8) {
+    const T* const* f = sources + i;
+    const T* w = weights + i;
+    const T *f0 = f[0], *f1 = f[1], *f2 = f[2], *f3 = f[3], *f4 = f[4], *f5 = f[5], *f6 = f[6],
+            *f7 = f[7];
+    const T w0 = w[0], w1 = w[1], w2 = w[2], w3 = w[3], w4 = w[4], w5 = w[5], w6 = w[6], w7 = w[7];
+    for (int x = 0; x < width; ++x) {
+      out[x] = out[x] + w0 * f0[x] + w1 * f1[x] + w2 * f2[x] + w3 * f3[x] + w4 * f4[x] +
+               w5 * f5[x] + w6 * f6[x] + w7 * f7[x];
+    }
   }
   for (; i + 4 <= terms; i += 4) {
     a = sources[i], b = sources[i + 1], c = sources[i + 2], d = sources[i + 3];

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "lib/core/parallel.h"
 #include "lib/filters/piece_estimates.h"
 #include "lib/filters/scale_ladder.h"
 #include "lib/statistics/variance_option.h"
@@ -66,15 +67,17 @@ Result<Reconstruction> reconstruct_greedy_selection(const Selection& selection,
     Scale coarse = scale_at(base, lowest, s, sigma);
     Plane stop = transition_stops(fine, coarse, beta, caution);
     open_stops(stop, options.alpha * sigma);
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      if (stop[i] > 0.0) stopped[i] = 1;
-      if (stopped[i] != 0) continue;
-      level[i] = s;
-      for (std::size_t c = 0; c < 3; ++c) {
-        result.image[c][i] = coarse.image[c][i];
-        (*result.variance)[c][i] = coarse.variance[c][i];
+    parallel_rows(0, height, [&](int y) {
+      for (std::size_t i = level.index(0, y); i < level.index(0, y + 1); ++i) {
+        if (stop[i] > 0.0) stopped[i] = 1;
+        if (stopped[i] != 0) continue;
+        level[i] = s;
+        for (std::size_t c = 0; c < 3; ++c) {
+          result.image[c][i] = coarse.image[c][i];
+          (*result.variance)[c][i] = coarse.variance[c][i];
+        }
       }
-    }
+    });
     if (context.views) context.views->add(fmt::format("stop.{}", s), stop);
     fine = std::move(coarse);
     if (context.progress) context.progress(static_cast<double>(s) / options.scales);

@@ -210,18 +210,20 @@ Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const
     // Nsum of this scale: samples under its peak-normalised kernel.
     const Taps taps = compose_with_base(floor_gaussian_taps(sigma), base.subpixel).taps;
     const Plane samples = truncated_sum(base.count, peak_normalised(taps));
-    for (std::size_t i = 0; i < mse.size(); ++i) {
-      double change = 0.0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double step = coarse.image[c][i] - fine.image[c][i];
-        change += beta * step * step - (fine.variance[c][i] - coarse.variance[c][i]);
+    parallel_rows(0, height, [&](int y) {
+      for (std::size_t i = mse.index(0, y); i < mse.index(0, y + 1); ++i) {
+        double change = 0.0;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double step = coarse.image[c][i] - fine.image[c][i];
+          change += beta * step * step - (fine.variance[c][i] - coarse.variance[c][i]);
+        }
+        mse[i] += change / 3.0;
+        if (votes_to_stop(votes[i])) stopped[i] = 1;
+        if (stopped[i] != 0) continue;
+        map.scale[i] = s;
+        map.error[i] = relative(coarse, mse[i], samples[i], i);
       }
-      mse[i] += change / 3.0;
-      if (votes_to_stop(votes[i])) stopped[i] = 1;
-      if (stopped[i] != 0) continue;
-      map.scale[i] = s;
-      map.error[i] = relative(coarse, mse[i], samples[i], i);
-    }
+    });
     fine = std::move(coarse);
   }
   return map;
