@@ -251,6 +251,14 @@ def test_bad_input_is_one_line_and_a_code(tmp_path, arguments, code, words):
     assert len(result.stderr.strip().splitlines()) == 1
 
 
+def test_missing_mitsuba_is_one_line(tmp_path):
+    (tmp_path / "mitsuba.py").write_text("raise ImportError('no such thing')")
+    result = subprocess.run([sys.executable, RECORD, "cornell-box", "-o", "x.spool"], cwd=tmp_path, capture_output=True,
+                            text=True, env={**os.environ, "PYTHONPATH": str(tmp_path)})
+    assert result.returncode == 3 and len(result.stderr.strip().splitlines()) == 1, result.stderr
+    assert "pip install -r dumps/mitsuba/requirements.txt" in result.stderr
+
+
 def test_scene_without_a_camera_and_broken_xml(tmp_path):
     for text, words in (("<scene version='3.0.0'><integrator type='path'/></scene>", "no sensor"), ("<scene", "cannot load")):
         scene = tmp_path / "bad.xml"
