@@ -21,7 +21,7 @@ namespace spool {
   X(kClampedNegative, "clamped_negative", "a negative sample is replaced by zero (option)")        \
   X(kClampedFirefly, "clamped_firefly", "a sample is clamped to the firefly limit (option)")       \
   X(kExposureFallback, "exposure_fallback",                                                        \
-    "the exposure scale is 1 because the mean luminance is not finite or below 1e-20")             \
+    "the exposure scale is 1 because the mean luminance is not finite or below 2^-126")            \
   X(kVarianceFloor, "variance_floor",                                                              \
     "a variance of the mean is raised to (1e-6 (|mean| + 1e-3 key))^2 so that selectors can move") \
   X(kContrastUndefined, "contrast_undefined",                                                      \

@@ -14,7 +14,8 @@ namespace spool {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kAbsoluteFloor = 1e-2;  // of relmae and smape, after the relative scale
+constexpr double kSmallestScale = 0x1p-126;  // mean luminance; as in the analysis
+constexpr double kAbsoluteFloor = 1e-2;      // of relmae and smape, after the relative scale
 constexpr int kDeciles = 10;
 
 // Per-pixel terms whose block sums the linear metrics are ratios of.
@@ -190,7 +191,7 @@ class Evaluation {
       return judged_[p] ? luminance_at(reference_.mean, p) : 0.0;
     });
     const double mean = sum / static_cast<double>(table_.pixels);
-    if (std::isfinite(mean) && mean >= 1e-20) {
+    if (std::isfinite(mean) && mean >= kSmallestScale) {
       table_.relative_scale = 1.0 / mean;
     } else {
       table_.guards.add(Guard::kExposureFallback);

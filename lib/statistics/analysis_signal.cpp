@@ -20,7 +20,6 @@ double AnalysisSignal::value(const Rgb& radiance) const {
 
 double exposure_scale(const Plane& values, const CountImage& n, double key, GuardCounts& guards) {
   SPOOL_CHECK(values.same_size(n));
-  constexpr double kSmallestMean = 1e-20;
   std::vector<std::size_t> order;
   order.reserve(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -38,7 +37,7 @@ double exposure_scale(const Plane& values, const CountImage& n, double key, Guar
   }
   const double sum = pairwise_sum(kept, [&](std::size_t i) { return values[order[i]]; });
   const double mean = kept > 0 ? sum / static_cast<double>(kept) : 0.0;
-  if (!std::isfinite(mean) || mean < kSmallestMean) {
+  if (!std::isfinite(mean) || mean < kSmallestExposedMean) {
     guards.add(Guard::kExposureFallback);
     return 1.0;
   }

@@ -30,9 +30,12 @@ struct AnalysisSignal {
   friend bool operator==(const AnalysisSignal&, const AnalysisSignal&) = default;
 };
 
+// The smallest normal float: a recording with a smaller mean has lost the digits of its samples.
+inline constexpr double kSmallestExposedMean = 0x1p-126;
+
 // key / (mean of the values after the largest 1 % are dropped: by value, ties by index); 1,
-// counted, when that mean is not finite or below 1e-20. `values` are unexposed; only those with n >
-// 0 count.
+// counted, when that mean is not finite or below kSmallestExposedMean. `values` are unexposed; only
+// those with n > 0 count.
 double exposure_scale(const Plane& values, const CountImage& n, double key, GuardCounts& guards);
 
 }  // namespace spool

@@ -95,7 +95,7 @@ inline double exposure(const Plane& values, const CountImage& n, double key) {
   for (std::size_t i = 0; i < kept; ++i)
     sum += taken[i];
   const double mean = kept > 0 ? static_cast<double>(sum / static_cast<long double>(kept)) : 0.0;
-  return std::isfinite(mean) && mean >= 1e-20 ? key / mean : 1.0;
+  return std::isfinite(mean) && mean >= 0x1p-126 ? key / mean : 1.0;
 }
 
 // Value of the nearest piece with n > 0: smallest ring, then smallest distance, then lowest index.
