@@ -7,6 +7,7 @@
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/pool/load_recording.h"
+#include "tools/guard_listing.h"
 #include "tools/progress.h"
 #include "tools/result_pictures.h"
 #include "tools/selection_file.h"
@@ -120,7 +121,16 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   if (!options.pictures.empty()) {
     SPOOL_TRY(write_pictures(options, input, result, common.force));
   }
-  if (!common.quiet) {
+  if (common.json) {
+    GuardCounts guards = input.pool.recording().guards();
+    guards += result.guards;
+    const nlohmann::ordered_json description = {
+        {"filter", options.filter},  {"output", options.output.string()},
+        {"width", file.width},       {"height", file.height},
+        {"notes", result.notes},     {"guards", guard_listing(guards)},
+        {"seconds", seconds.count()}};
+    print(description.dump(2) + "\n");
+  } else if (!common.quiet) {
     print(fmt::format("{}: {} x {} pixels, {}\n", options.output.string(), file.width, file.height,
                       format_seconds(seconds.count())));
   }

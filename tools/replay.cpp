@@ -6,6 +6,7 @@
 
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"
+#include "tools/guard_listing.h"
 #include "tools/progress.h"
 #include "tools/selection_file.h"
 
@@ -14,12 +15,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json describe(const ReplayOptions& options, const SamplingLog& log, double seconds) {
-  ordered_json guards = ordered_json::object();
-  for (std::size_t g = 0; g < kGuardCount; ++g) {
-    const auto guard = static_cast<Guard>(g);
-    if (log.guards[guard] > 0) guards[std::string(guard_name(guard))] = log.guards[guard];
-  }
+ordered_json describe(const ReplayOptions& options, const SamplingLog& log,
+                      const GuardCounts& guards, double seconds) {
   return {{"sampler", options.sampler},
           {"output", options.output.string()},
           {"budget", log.budget},
@@ -28,7 +25,7 @@ ordered_json describe(const ReplayOptions& options, const SamplingLog& log, doub
           {"uniform_remainder", log.uniform_remainder},
           {"saturated_pieces", log.saturated_pieces},
           {"samples_of_level", log.samples_of_level},
-          {"guards", guards},
+          {"guards", guard_listing(guards)},
           {"seconds", seconds}};
 }
 
@@ -75,7 +72,9 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   SPOOL_TRY(write_selection(options.output, result.selection,
                             {options.sampler, options.dump.string(), options.pool}, common.force));
   if (common.json) {
-    print(describe(options, result.log, seconds.count()).dump(2) + "\n");
+    GuardCounts guards = recording->guards();
+    guards += result.log.guards;
+    print(describe(options, result.log, guards, seconds.count()).dump(2) + "\n");
   } else if (!common.quiet) {
     print(fmt::format("{}: {} samples taken of {} asked for, {} pieces ran out, {}\n",
                       options.output.string(), result.log.spent, result.log.budget,

@@ -45,7 +45,11 @@ namespace spool {
   X(kZeroWeight, "zero_weight", "all weights vanished: the nearest sampled piece is taken")        \
   X(kMetricExcluded, "metric_excluded", "a non-finite pixel is excluded from the metrics")         \
   X(kSmallImage, "small_image",                                                                    \
-    "SSIM takes a smaller window or MS-SSIM fewer scales because the image is small")
+    "SSIM takes a smaller window or MS-SSIM fewer scales because the image is small")              \
+  X(kNegativeError, "negative_error",                                                              \
+    "an estimate of a squared error that decides came out negative and is taken as zero")          \
+  X(kSparseHalf, "sparse_half",                                                                    \
+    "a half has no sample near a pixel: its weight is that of a thousandth of a sample")
 
 enum class Guard : std::size_t {
 #define SPOOL_GUARD_ENUM(identifier, name, protects) identifier,

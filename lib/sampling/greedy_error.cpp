@@ -192,8 +192,12 @@ Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const
   const auto relative = [&](const Scale& scale, double squared_error, double samples,
                             std::size_t i) {
     const double value = exposure * (scale.image[0][i] + scale.image[1][i] + scale.image[2][i]) / 3;
-    return std::max(squared_error, 0.0) * exposure * exposure / (kRelativeFloor + value * value) *
-           per_pixel / (per_pixel + samples);
+    if (squared_error < 0.0) {
+      guards.add(Guard::kNegativeError);
+      return 0.0;
+    }
+    return squared_error * exposure * exposure / (kRelativeFloor + value * value) * per_pixel /
+           (per_pixel + samples);
   };
   for (std::size_t i = 0; i < mse.size(); ++i) {
     mse[i] = (lowest.variance[0][i] + lowest.variance[1][i] + lowest.variance[2][i]) / 3.0;

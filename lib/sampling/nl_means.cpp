@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "lib/core/parallel.h"
 #include "lib/filters/piece_estimates.h"
@@ -79,7 +80,7 @@ const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
 }
 
 Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
-                             const NlMeansSamplingOptions& options) {
+                             const NlMeansSamplingOptions& options, GuardCounts& guards) {
   const std::array<PieceStatistics, 2> halves = {half_statistics(statistics, pool.half(0), 0),
                                                  half_statistics(statistics, pool.half(1), 1)};
   std::array<HalfImage, 2> images;
@@ -97,6 +98,7 @@ Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool
     filtered[h] = filter_with_guide(targets, images[1 - h], options.filter);
   }
   Plane error(statistics.width(), statistics.height());
+  std::vector<GuardCounts> caught(static_cast<std::size_t>(error.height()));
   parallel_rows(0, error.height(), [&](int y) {
     for (int x = 0; x < error.width(); ++x) {
       for (std::size_t h = 0; h < 2; ++h) {
@@ -106,10 +108,17 @@ Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool
           const double value = filtered[h][c](x, y);
           sum += 2.0 * difference * difference / (kRelativeFloor + value * value);
         }
-        error(x, y) += sum / 3.0 / std::max(filtered[h][3](x, y), kLeastCount);
+        double samples = filtered[h][3](x, y);
+        if (samples < kLeastCount) {
+          caught[static_cast<std::size_t>(y)].add(Guard::kSparseHalf);
+          samples = kLeastCount;
+        }
+        error(x, y) += sum / 3.0 / samples;
       }
     }
   });
+  for (const GuardCounts& row : caught)
+    guards += row;
   return error;
 }
 
@@ -129,7 +138,7 @@ Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
   const long long left = std::min(budget, pool.total_capacity()) - log.initial;
   for (const long long share : equal_shares(left, options.iterations)) {
     if (share == 0) continue;
-    SPOOL_ASSIGN(Plane error, nl_means_error(statistics, pool, options));
+    SPOOL_ASSIGN(Plane error, nl_means_error(statistics, pool, options, log.guards));
     if (context.views != nullptr) context.views->add("error", error);
     error = gaussian_blur(error, options.blur);
     take_extra(statistics, pool, hand_out_limited(error, statistics.n, pool, share, most));

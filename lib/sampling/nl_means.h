@@ -35,6 +35,6 @@ Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
 
 // The error of every piece before the blur; halves of the samples in `statistics`.
 Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
-                             const NlMeansSamplingOptions& options);
+                             const NlMeansSamplingOptions& options, GuardCounts& guards);
 
 }  // namespace spool

@@ -113,7 +113,8 @@ TEST(NlMeansSampling, ErrorAgreesWithTheSlowTwin) {
   NlMeansSamplingOptions options;
   options.filter.window = 2;
   options.filter.patch = 1;
-  const auto error = nl_means_error(statistics, pool, options);
+  GuardCounts guards;
+  const auto error = nl_means_error(statistics, pool, options, guards);
   ASSERT_TRUE(error.has_value());
 
   const double e = statistics.signal.exposure;
