@@ -24,6 +24,10 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 run again after an interruption to go on
   addon [FILE]                  make the Blender add-on as one file to install
   bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
+  hard [CTEST ARGS]             the hard cases whole: every pair of methods, full sizes, many replicates
+  trap [CTEST ARGS]             the numeric tests with invalid operations and divisions by zero trapped
+  bits                          hashes of fixed results: g++ and clang++, release and debug, with and without wide vectors
+  mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   clean                         remove build/ and demo-output/
 SPOOL_JOBS sets how many compilers run at once (default: one per core).
@@ -188,6 +192,49 @@ record() {
   exec "${arguments[@]}"
 }
 
+# --- distrust ----------------------------------------------------------------------------------
+
+hard() {
+  build release
+  SPOOL_HARD_CASES=whole ctest --preset release -R '^hard_cases\.' -j "$(jobs)" --timeout 7200 "$@"
+}
+
+trap_floating_point() {
+  build release
+  SPOOL_TRAP_FLOATING_POINT=1 ctest --preset release -L 'unit|property|differential|hard_cases|statistics' \
+    -E '^(tools|hard_cases\.guards|formats)' -j "$(jobs)" "$@"
+}
+
+# Prints what differs from the release build of g++, and fails if anything does.
+bits() {
+  setup build
+  local folder="build/bits" variant differing=0
+  mkdir -p "$folder"
+  declare -A arguments=(
+    [gcc-release]="-DCMAKE_BUILD_TYPE=Release"
+    [gcc-narrow]="-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=-DSPOOL_NO_VECTOR_CLONES"
+    [gcc-debug]="-DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS"
+    [clang-release]="-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=clang++-19")
+  local launcher=()
+  command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  for variant in gcc-release gcc-narrow gcc-debug clang-release; do
+    say "$variant"
+    # shellcheck disable=SC2086  # the arguments of a variant are words
+    cmake -G Ninja -S . -B "$folder/$variant" "${launcher[@]}" ${arguments[$variant]} >/dev/null
+    ninja -C "$folder/$variant" -j "$(jobs)" --quiet spool_bits >&2
+    "$folder/$variant/tests/determinism/spool_bits" >"$folder/$variant.txt"
+    diff "$folder/gcc-release.txt" "$folder/$variant.txt" >"$folder/$variant.diff" || differing=$((differing + 1))
+    printf '%-14s %4d of %d hashes differ from gcc-release\n' "$variant" \
+      "$(grep -c '^>' "$folder/$variant.diff" || true)" "$(wc -l <"$folder/$variant.txt")"
+  done
+  ((differing == 0)) || die "bits: see $folder/*.diff"
+}
+
+mutate() {
+  setup test
+  exec python3 tests/mutation/mutate.py "$@"
+}
+
 # --- lint --------------------------------------------------------------------------------------
 
 cpp_files() { git ls-files --cached --others --exclude-standard '*.h' '*.cpp'; }
@@ -228,6 +275,10 @@ case "${1:-help}" in
   record) shift; record "$@" ;;
   addon) exec python3 dumps/cycles/addon_zip.py ${2:+-o "$2"} ;;
   bench) shift; bench "$@" ;;
+  hard) shift; hard "$@" ;;
+  trap) shift; trap_floating_point "$@" ;;
+  bits) shift; bits "$@" ;;
+  mutate) shift; mutate "$@" ;;
   lint) shift; lint "$@" ;;
   clean) rm -rf build demo-output ;;
   help | -h | --help) usage ;;

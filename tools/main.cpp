@@ -280,7 +280,7 @@ void add_reconstruct(Program& program) {
   verb.add_option("--views", options.views,
                   "also write intermediate images, as view.NAME: names of docs/method.md, or all");
   verb.add_option("--pictures", options.pictures, "a folder for PNG pictures of the result");
-  add_common(verb, program.common, false, true);
+  add_common(verb, program.common, true, true);
   verb.footer(
       "A selection written by spool replay says in which order it took the samples; for others,\n"
       "--order and --seed do.\n"

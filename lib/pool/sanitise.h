@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -42,9 +43,11 @@ struct SanitiseRules {
 const OptionTable<SanitiseRules>& sanitise_option_table();
 
 inline bool is_ordinary(const Rgb& value) {
-  // Written so that NaN fails every comparison.
+  // NaN fails these comparisons, and raises no exception in them.
   for (const float v : value) {
-    if (!(v <= kLargestRadiance && v >= -kLargestRadiance)) return false;
+    if (!std::islessequal(v, kLargestRadiance) || !std::isgreaterequal(v, -kLargestRadiance)) {
+      return false;
+    }
   }
   return true;
 }

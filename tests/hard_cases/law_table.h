@@ -75,7 +75,6 @@ inline constexpr std::array kSamplerExceptions = {
     LawException{Law::kChannels, "adaptive_wavelet", "decides by luminance"},
     LawException{Law::kChannels, "nl_means", "means over channels round in another order"},
     LawException{Law::kChannels, "filtered_halves", "decides by luminance"},
-    LawException{Law::kChannels, "neyman", "decides by luminance"},
 };
 
 template <class Table>

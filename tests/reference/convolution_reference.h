@@ -7,13 +7,14 @@
 
 namespace spool::reference {
 
-inline double convolve_at(const Plane& in, const Taps& taps, int dilation, Extension extension,
-                          int x, int y) {
-  double sum = 0.0;
+template <class T>
+T convolve_at(const Image<T>& in, const Taps& taps, int dilation, Extension extension, int x,
+              int y) {
+  T sum = 0;
   for (int n = taps.first; n <= taps.last(); ++n) {
     for (int m = taps.first; m <= taps.last(); ++m) {
-      sum += taps.values[static_cast<std::size_t>(n - taps.first)] *
-             taps.values[static_cast<std::size_t>(m - taps.first)] *
+      sum += static_cast<T>(taps.values[static_cast<std::size_t>(n - taps.first)]) *
+             static_cast<T>(taps.values[static_cast<std::size_t>(m - taps.first)]) *
              in(extend(x - m * dilation, in.width(), extension),
                 extend(y - n * dilation, in.height(), extension));
     }
@@ -21,8 +22,9 @@ inline double convolve_at(const Plane& in, const Taps& taps, int dilation, Exten
   return sum;
 }
 
-inline Plane convolve(const Plane& in, const Taps& taps, int dilation, Extension extension) {
-  Plane out(in.width(), in.height());
+template <class T>
+Image<T> convolve(const Image<T>& in, const Taps& taps, int dilation, Extension extension) {
+  Image<T> out(in.width(), in.height());
   for (int y = 0; y < in.height(); ++y) {
     for (int x = 0; x < in.width(); ++x) {
       out(x, y) = convolve_at(in, taps, dilation, extension, x, y);

@@ -14,17 +14,19 @@ struct Vector2 {
 };
 
 // (Bx)(n) = - sum_a sum_b tap(a) tap(b) x(ext(n - (a + 1/2) p - (b + 1/2) q))
-inline Plane sign_product(const Plane& image, Vector2 p, Vector2 q, const BankOptions& options) {
+template <class T>
+Image<T> sign_product(const Image<T>& image, Vector2 p, Vector2 q, const BankOptions& options) {
   const auto s = sign_coefficients(options.taps);
   const int pairs = static_cast<int>(s.size());
   const auto tap = [&](int a) {
-    return a >= 0 ? s[static_cast<std::size_t>(a)] : -s[static_cast<std::size_t>(-a - 1)];
+    return static_cast<T>(a >= 0 ? s[static_cast<std::size_t>(a)]
+                                 : -s[static_cast<std::size_t>(-a - 1)]);
   };
   const int d = options.dilation;
-  Plane out(image.width(), image.height());
+  Image<T> out(image.width(), image.height());
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
-      double sum = 0.0;
+      T sum = 0;
       for (int a = -pairs; a < pairs; ++a) {
         for (int b = -pairs; b < pairs; ++b) {
           // Twice the offset is an even integer because p + q is even.
@@ -41,26 +43,30 @@ inline Plane sign_product(const Plane& image, Vector2 p, Vector2 q, const BankOp
   return out;
 }
 
+template <class T>
 struct Channels {
-  Plane plus, minus;
+  Image<T> plus, minus;
 };
 
-inline Channels split(const Plane& image, Vector2 p, Vector2 q, const BankOptions& options) {
-  const Plane product = sign_product(image, p, q, options);
-  Channels channels{image, image};
+template <class T>
+Channels<T> split(const Image<T>& image, Vector2 p, Vector2 q, const BankOptions& options) {
+  const Image<T> product = sign_product(image, p, q, options);
+  Channels<T> channels{image, image};
   for (std::size_t i = 0; i < image.size(); ++i) {
-    channels.plus[i] = 0.5 * (image[i] + product[i]);
-    channels.minus[i] = 0.5 * (image[i] - product[i]);
+    channels.plus[i] = T{0.5} * (image[i] + product[i]);
+    channels.minus[i] = T{0.5} * (image[i] - product[i]);
   }
   if (options.pair == ChannelPair::kLadder) {
-    const Plane second = sign_product(channels.plus, p, q, options);
+    const Image<T> second = sign_product(channels.plus, p, q, options);
     for (std::size_t i = 0; i < image.size(); ++i)
       channels.minus[i] = image[i] - second[i];
   }
   return channels;
 }
 
-inline std::vector<Plane> directional_bands(const Plane& image, const BankOptions& options) {
+// In T: double is the twin, long double measures the double's rounding.
+template <class T>
+std::vector<Image<T>> directional_bands(const Image<T>& image, const BankOptions& options) {
   if (options.levels == 0) return {image};
   const auto [h, v] = split(image, {1, 1}, {1, -1}, options);
   if (options.levels == 1) return {h, v};

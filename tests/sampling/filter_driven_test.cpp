@@ -113,7 +113,6 @@ TEST(NlMeansSampling, ErrorAgreesWithTheSlowTwin) {
   NlMeansSamplingOptions options;
   options.filter.window = 2;
   options.filter.patch = 1;
-  GuardCounts guards;
   const auto error = nl_means_error(statistics, pool, options, guards);
   ASSERT_TRUE(error.has_value());
 
