@@ -1,13 +1,16 @@
 #include "lib/pool/load_recording.h"
 
 #include <bit>
+#include <cstdint>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "formats/half_float.h"
 #include "formats/spool_reader.h"
+#include "lib/core/free_memory.h"
 #include "lib/core/parallel.h"
 
 namespace spool {
@@ -80,6 +83,40 @@ Result<std::vector<const float*>> place_blocks(FileStorage& storage) {
     pointers.push_back(pointer);
   }
   return pointers;
+}
+
+// What loading keeps in memory: blocks that cannot be used where they lie, film positions, the
+// reference, and about a kilobyte a pixel that replaying and filtering take.
+std::uint64_t bytes_to_load(const SpoolReader& reader) {
+  const format::DumpHeader& header = reader.header();
+  const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
+  constexpr std::uint64_t kBytesPerPixel = 1024;
+  std::uint64_t bytes = kBytesPerPixel * pixels;
+  const bool is_float = header.channels[0].type == DataType::kFloat32;
+  for (std::uint32_t tile = 0; tile < reader.tiles(); ++tile) {
+    const format::PixelRect rect = reader.tile_rect(tile);
+    const std::uint64_t area = std::uint64_t{rect.x1 - rect.x0} * (rect.y1 - rect.y0);
+    for (std::uint32_t block = 0; block < reader.blocks(); ++block) {
+      if (is_float && reader.has_block(0, tile, block) && reader.is_raw(0, tile, block)) continue;
+      bytes += area * reader.block_count(block) * 3 * sizeof(float);
+    }
+  }
+  const auto film = reader.find_layer("film");
+  if (film && film->scope == format::Scope::kSample) {
+    bytes += pixels * header.spp * sizeof(FilmPosition);
+  }
+  return bytes;
+}
+
+Result<void> check_memory(const SpoolReader& reader) {
+  const std::uint64_t needed = bytes_to_load(reader);
+  const std::optional<std::uint64_t> available = free_memory();
+  if (!available || needed <= *available) return {};
+  return fail(ErrorCode::kData,
+              "{}: needs about {:.3g} GB of memory, {:.3g} GB are free: record it as f32 without "
+              "--compress, which stays in the file, or crop it, or use a larger machine",
+              reader.path().string(), static_cast<double>(needed) / 1e9,
+              static_cast<double>(*available) / 1e9);
 }
 
 Result<void> load_film(const SpoolReader& reader, RecordedSamples& samples) {
@@ -172,6 +209,7 @@ Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesys
   layout.spp = static_cast<int>(header.spp);
   layout.tile_size = static_cast<int>(header.tile_size);
   layout.block_spp = static_cast<int>(header.block_spp);
+  SPOOL_TRY(check_memory(reader));
   SPOOL_ASSIGN(layout.blocks, place_blocks(*storage));
   SPOOL_ASSIGN(RecordedSamples samples,
                RecordedSamples::create(path.string(), std::move(layout), storage, rules));

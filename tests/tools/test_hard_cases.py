@@ -136,3 +136,13 @@ def test_a_power_of_two_in_the_radiance_scales_every_pixel(good, tmp_path):
         images.append(read_exr(tmp_path / f"{name}.exr", "G"))
     # oiiotool prints six digits.
     np.testing.assert_allclose(images[1] / 2.0**-40, images[0], rtol=2e-6)
+
+
+def test_what_does_not_fit_into_memory_is_refused_before_work(good, tmp_path, run, monkeypatch):
+    radiance, _ = samples(40, 40, 16)
+    packed = write_dump(tmp_path / "packed.spool", np.repeat(radiance[:, :, :1], 16, axis=2), compress=True)
+    plain = write_dump(tmp_path / "plain.spool", radiance)
+    monkeypatch.setenv("SPOOL_MEMORY", str(40 * 40 * 1100))
+    run("reconstruct", packed, "--filter", "box", "-o", "i.exr").failed_with(1, "packed.spool", "GB of memory")
+    assert not (tmp_path / "i.exr").exists()
+    good("reconstruct", plain, "--filter", "box", "-o", "i.exr")  # stays in the file
