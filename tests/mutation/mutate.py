@@ -96,7 +96,9 @@ def main():
     parser.add_argument("ids", nargs="*", help="mutations to try (default: all)")
     parser.add_argument("--jobs", type=int, default=1, help="compilers at once")
     parser.add_argument("--whole", action="store_true", help="meet a survivor with every test program")
+    parser.add_argument("--nice", type=int, default=10, help="how far to stand back behind other work")
     options = parser.parse_args()
+    os.nice(options.nice)
     mutations = load_mutations(options.ids)
     folder = ROOT / "build" / "mutation"
     tree = folder / "tree"
@@ -128,5 +130,4 @@ def main():
 
 
 if __name__ == "__main__":
-    os.nice(10)
     sys.exit(main())
