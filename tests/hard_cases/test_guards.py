@@ -14,8 +14,8 @@ KINDS = tomllib.loads((Path(__file__).parent / "clamps.toml").read_text(encoding
 CLAMP = re.compile(r"std::(max|min|clamp)\s*(<\w+>)?\s*\([^;]*(\d\.\d|k[A-Z]\w+)|[^\w.]\d(\.\d+)?e-\d+\b|"
                    r"std::is(finite|nan)\(|0x1p-\d+|<=? *0\.0f? *\?|\bk(Least|Smallest|Epsilon)\w*")
 NOT_ONE = re.compile(r"(number|integer)_option|kSumChunk|kChunk|kBand|kFar|kTile\b|result_table|tv_nsec|format_number")
-# Pictures for people, and synthetic scenes, whose formulas have clamps in them.
-SKIPPED = ("lib/image_io/", "lib/synthetic/", "lib/core/guards", "lib/core/option_table")
+# Pictures for people, foreign files, whose doors say what they refuse, and scenes, whose formulas have clamps in them.
+SKIPPED = ("lib/image_io/", "lib/exchange/", "lib/synthetic/", "lib/core/guards", "lib/core/option_table")
 
 
 def sources():
