@@ -9,6 +9,7 @@
 #include "lib/evaluation/intervals.h"
 #include "lib/evaluation/reference.h"
 #include "tools/console.h"
+#include "tools/external_methods.h"
 
 namespace spool::tools {
 namespace {
@@ -113,17 +114,21 @@ std::string EvaluationSummary::text() const {
                                                  "x uniform+box", "relMSE", "x uniform+box",
                                                  "energy", "sampling", "filtering"}};
   if (threads) rows.front().emplace_back("threads");
-  bool biased = false;
+  bool biased = false, described = false;
   for (const Group* group : shown) {
     const Cell& cell = group->cell;
     const Group* baseline = baseline_of(*group);
     biased = biased || is_biased_text(group->reference);
+    const bool described_sampler = sampler_by_description(cell.sampler.name);
+    const bool described_filter = filter_by_description(cell.filter.name);
+    described = described || described_sampler || described_filter;
     rows.push_back(
-        {std::filesystem::path(cell.dump).stem().string(), cell.sampler.label(),
-         cell.filter.label(), fmt::format("{:g}", cell.spp),
-         fmt::format("{:.4g}", mean_of(group->spent)), with_error(group->mse),
-         baseline ? factor(ratio(group->mse, baseline->mse)) : "-", with_error(group->relmse),
-         baseline ? factor(ratio(group->relmse, baseline->relmse)) : "-",
+        {std::filesystem::path(cell.dump).stem().string(),
+         cell.sampler.label() + (described_sampler ? kByDescriptionMark : ""),
+         cell.filter.label() + (described_filter ? kByDescriptionMark : ""),
+         fmt::format("{:g}", cell.spp), fmt::format("{:.4g}", mean_of(group->spent)),
+         with_error(group->mse), baseline ? factor(ratio(group->mse, baseline->mse)) : "-",
+         with_error(group->relmse), baseline ? factor(ratio(group->relmse, baseline->relmse)) : "-",
          fmt::format("{:.3f}", mean_of(group->energy)), format_seconds(mean_of(group->sampling)),
          format_seconds(mean_of(group->filtering))});
     if (threads) rows.back().push_back(std::to_string(cell.threads));
@@ -133,6 +138,7 @@ std::string EvaluationSummary::text() const {
     text += fmt::format("\nThe {} best by relMSE of each recording and budget, of {} in all.\n",
                         kBestShown, groups_.size());
   }
+  if (described) text += fmt::format("\n{}.\n", kByDescription);
   text += fmt::format("\nMean +- standard error over {} replicates; judged by: {}{}.\n",
                       groups_.front().mse.size(), groups_.front().reference,
                       biased ? " (BIASED: see spool evaluate --help)" : "");
@@ -143,20 +149,23 @@ std::string EvaluationSummary::json() const {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Group* group : sorted()) {
     const Cell& cell = group->cell;
-    nlohmann::ordered_json entry = {{"dump", cell.dump},
-                                    {"sampler", cell.sampler.label()},
-                                    {"filter", cell.filter.label()},
-                                    {"spp", cell.spp},
-                                    {"threads", cell.threads},
-                                    {"replicates", group->mse.size()},
-                                    {"reference", group->reference},
-                                    {"biased", is_biased_text(group->reference)},
-                                    {"spent_per_pixel", mean_of(group->spent)},
-                                    {"mse", json_of(group->mse)},
-                                    {"relmse", json_of(group->relmse)},
-                                    {"energy_ratio", json_of(group->energy)},
-                                    {"seconds_sampling", json_of(group->sampling)},
-                                    {"seconds_filtering", json_of(group->filtering)}};
+    nlohmann::ordered_json entry = {
+        {"dump", cell.dump},
+        {"sampler", cell.sampler.label()},
+        {"filter", cell.filter.label()},
+        {"sampler_by_description", sampler_by_description(cell.sampler.name)},
+        {"filter_by_description", filter_by_description(cell.filter.name)},
+        {"spp", cell.spp},
+        {"threads", cell.threads},
+        {"replicates", group->mse.size()},
+        {"reference", group->reference},
+        {"biased", is_biased_text(group->reference)},
+        {"spent_per_pixel", mean_of(group->spent)},
+        {"mse", json_of(group->mse)},
+        {"relmse", json_of(group->relmse)},
+        {"energy_ratio", json_of(group->energy)},
+        {"seconds_sampling", json_of(group->sampling)},
+        {"seconds_filtering", json_of(group->filtering)}};
     if (const Group* baseline = baseline_of(*group)) {
       entry["mse_to_uniform_box"] = ratio(group->mse, baseline->mse);
       entry["relmse_to_uniform_box"] = ratio(group->relmse, baseline->relmse);

@@ -1,5 +1,6 @@
 #include "tools/external_methods.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -19,6 +20,7 @@ struct NoOptions {};
 
 struct ExecOptions {
   double timeout = 600.0;
+  bool features = false;
 };
 
 struct ExecSamplerOptions {
@@ -26,9 +28,15 @@ struct ExecSamplerOptions {
   AskedCountsOptions asked;
 };
 
-Option<ExecOptions> timeout_option() {
-  return number_option<ExecOptions>("timeout", &ExecOptions::timeout, 0.001, 1e6,
-                                    "seconds that one call of the command may take");
+const OptionTable<ExecOptions>& exec_option_table() {
+  using O = ExecOptions;
+  static const OptionTable<O> table = {
+      number_option<O>("timeout", &O::timeout, 0.001, 1e6,
+                       "seconds that one call of the command may take"),
+      switch_option<O>("features", &O::features,
+                       "also hand over the means of albedo, normal and depth"),
+  };
+  return table;
 }
 
 const OptionTable<ExecSamplerOptions>& exec_sampler_option_table() {
@@ -42,7 +50,7 @@ const OptionTable<ExecSamplerOptions>& exec_sampler_option_table() {
             integer_option<O>("rounds", &O::rounds, 1, 1000, "times that the command is asked"),
             number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance")},
         &ExecSamplerOptions::asked);
-    append_options(options, OptionTable<ExecOptions>{timeout_option()}, &ExecSamplerOptions::exec);
+    append_options(options, exec_option_table(), &ExecSamplerOptions::exec);
     return options;
   }();
   return table;
@@ -55,7 +63,7 @@ Result<ExrFile> call(const std::string& command, const PieceStatistics& statisti
                      const std::function<bool()>* cancelled) {
   SPOOL_ASSIGN(const ExchangeFolder folder, ExchangeFolder::create());
   const std::filesystem::path input = folder / "statistics.exr", output = folder / "answer.exr";
-  SPOOL_TRY(write_statistics(input, statistics, pool));
+  SPOOL_TRY(write_statistics(input, statistics, pool, options.features));
   SPOOL_TRY(run_external({command,
                           {input.string(), output.string()},
                           std::move(environment),
@@ -104,8 +112,7 @@ Result<SamplerFunction> make_exec_sampler(const std::string& command, const Opti
 
 Result<ReconstructorFunction> make_exec_filter(const std::string& command,
                                                const OptionValues& set) {
-  SPOOL_ASSIGN(const ExecOptions options,
-               with_options(OptionTable<ExecOptions>{timeout_option()}, ExecOptions{}, set));
+  SPOOL_ASSIGN(const ExecOptions options, with_options(exec_option_table(), ExecOptions{}, set));
   return ReconstructorFunction(
       [command, options](const Selection& selection, const SamplePool& pool,
                          const ReconstructionContext&) -> Result<Reconstruction> {
@@ -197,10 +204,22 @@ const std::vector<ReconstructorEntry>& known_filters() {
         make_image_filter));
     list.push_back(entry_with_argument<ReconstructorEntry>(
         "exec", "COMMAND", "your own: a command that makes the image from the statistics",
-        OptionTable<ExecOptions>{timeout_option()}, make_exec_filter));
+        exec_option_table(), make_exec_filter));
     return list;
   }();
   return all;
+}
+
+bool sampler_by_description(std::string_view name) {
+  return std::ranges::any_of(samplers(), [&](const SamplerEntry& entry) {
+    return entry.name == name && entry.by_description;
+  });
+}
+
+bool filter_by_description(std::string_view name) {
+  return std::ranges::any_of(reconstructors(), [&](const ReconstructorEntry& entry) {
+    return entry.name == name && entry.by_description;
+  });
 }
 
 }  // namespace spool::tools

@@ -11,6 +11,7 @@
 // image: R, G, B of the recording's size.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "lib/reconstruction/reconstructor.h"
@@ -20,5 +21,12 @@ namespace spool::tools {
 
 const std::vector<SamplerEntry>& known_samplers();
 const std::vector<ReconstructorEntry>& known_filters();
+
+// What stands beside the name of a method that is re-implemented by description, and what it means.
+inline constexpr const char* kByDescriptionMark = " [R]";
+inline constexpr const char* kByDescription =
+    "[R]: re-implementation by description, not from the primary text";
+bool sampler_by_description(std::string_view name);
+bool filter_by_description(std::string_view name);
 
 }  // namespace spool::tools

@@ -8,14 +8,12 @@
 #include "lib/sampling/sampler.h"
 #include "lib/synthetic/synthetic_scenes.h"
 #include "tools/external_methods.h"
+#include "tools/view_files.h"
 
 namespace spool::tools {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr const char* kByDescription =
-    "re-implemented from published descriptions, not from the primary text";
 
 // Options of a method with one default per preset.
 template <class Entry>
@@ -52,10 +50,11 @@ ordered_json describe(const std::vector<Entry>& entries) {
 void print_methods(const ordered_json& list, const std::string& part) {
   for (const auto& method : list) {
     const auto argument = method["argument"].get<std::string>();
-    print(fmt::format("{}{}: {}\n", method["name"].get<std::string>(),
-                      argument.empty() ? "" : ":" + argument,
-                      method["summary"].get<std::string>()));
-    if (method["by_description"].get<bool>()) print(fmt::format("  ({})\n", kByDescription));
+    const bool by_description = method["by_description"].get<bool>();
+    print(fmt::format(
+        "{}{}{}: {}\n", method["name"].get<std::string>(), argument.empty() ? "" : ":" + argument,
+        by_description ? kByDescriptionMark : "", method["summary"].get<std::string>()));
+    if (by_description) print(fmt::format("  {}\n", kByDescription));
     std::vector<std::vector<std::string>> rows;
     std::vector<std::string> header = {"  --set " + part + ".", "allowed"};
     for (const auto& option : method["options"]) {
@@ -126,6 +125,21 @@ ordered_json describe_columns() {
   return list;
 }
 
+ordered_json describe_views() {
+  ordered_json list = ordered_json::array();
+  const auto add = [&](const std::string& method, const std::vector<ViewDescription>& views) {
+    for (const ViewDescription& view : views)
+      list.push_back({{"of", method}, {"name", view.name}, {"meaning", view.meaning}});
+  };
+  add("every sampler", selection_views());
+  for (const SamplerEntry& entry : samplers())
+    add("sampler " + entry.name, sampler_views(entry.name));
+  add("every filter", image_views());
+  for (const ReconstructorEntry& entry : reconstructors())
+    add("filter " + entry.name, reconstructor_views(entry.name));
+  return list;
+}
+
 ordered_json describe_scenes() {
   ordered_json list = ordered_json::array();
   for (const SyntheticEntry& scene : synthetic_scenes()) {
@@ -167,6 +181,11 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   if (options.what == "presets") {
     const ordered_json presets = describe_presets();
     common.json ? print(presets.dump(2) + "\n") : print_presets(presets);
+    return {};
+  }
+  if (options.what == "views") {
+    const ordered_json list = describe_views();
+    common.json ? print(list.dump(2) + "\n") : print_table(list);
     return {};
   }
   if (options.what == "metrics" || options.what == "columns") {

@@ -8,7 +8,7 @@
 namespace spool::tools {
 
 struct ListOptions {
-  std::string what;  // samplers, filters, presets, metrics, columns or scenes
+  std::string what;  // samplers, filters, presets, views, metrics, columns or scenes
 };
 
 Result<void> run_list(const ListOptions& options, const CommonOptions& common);

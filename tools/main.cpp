@@ -245,6 +245,9 @@ void add_replay(Program& program) {
       ->check(CLI::Range(1e-3, 65536.0));
   add_method(verb, options.method);
   add_pool(verb, options.pool);
+  verb.add_option("--views", options.views,
+                  "also write intermediate images, as layers view.NAME: see spool list views");
+  verb.add_option("--pictures", options.pictures, "a folder for PNG pictures of the views");
   add_output(verb, options.output, "the selection to write: channel n, and A.0 .. A.K");
   add_common(verb, program.common, true, true);
   verb.footer(
@@ -277,9 +280,11 @@ void add_reconstruct(Program& program) {
   verb.add_flag(
       "--layers", options.layers,
       "also write variance.R/G/B, filter.level and filter.angle where the filter has them");
-  verb.add_option("--views", options.views,
-                  "also write intermediate images, as view.NAME: names of docs/method.md, or all");
-  verb.add_option("--pictures", options.pictures, "a folder for PNG pictures of the result");
+  verb.add_option(
+      "--views", options.views,
+      "also write intermediate images, as layers view.NAME: see spool list views; or all");
+  verb.add_option("--pictures", options.pictures,
+                  "a folder for PNG pictures of the result and of the views");
   add_common(verb, program.common, true, true);
   verb.footer(
       "A selection written by spool replay says in which order it took the samples; for others,\n"
@@ -385,9 +390,10 @@ void add_list(Program& program) {
   CLI::App& verb =
       *program.app.add_subcommand("list", "what there is, with every option explained");
   verb.add_option("WHAT", program.list.what,
-                  "samplers, filters, presets, metrics, columns or scenes")
+                  "samplers, filters, presets, views, metrics, columns or scenes")
       ->required()
-      ->check(CLI::IsMember({"samplers", "filters", "presets", "metrics", "columns", "scenes"}));
+      ->check(CLI::IsMember(
+          {"samplers", "filters", "presets", "views", "metrics", "columns", "scenes"}));
   add_common(verb, program.common, true, false);
   verb.footer(
       "Examples:\n"

@@ -11,6 +11,7 @@
 #include "tools/progress.h"
 #include "tools/result_pictures.h"
 #include "tools/selection_file.h"
+#include "tools/view_files.h"
 
 namespace spool::tools {
 namespace {
@@ -77,14 +78,6 @@ ExrFile image_file(const Reconstruction& result, bool layers) {
   return file;
 }
 
-void add_views(const Views& views, ExrFile& file) {
-  for (const View& view : views.collected()) {
-    if (view.image.width() == file.width && view.image.height() == file.height) {
-      file.channels.push_back({"view." + view.name, PixelType::kFloat, view.image});
-    }
-  }
-}
-
 Result<void> write_pictures(const ReconstructOptions& options, const Input& input,
                             const Reconstruction& result, bool overwrite) {
   std::error_code status;
@@ -105,9 +98,14 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   SPOOL_TRY(refuse_existing(options.output, common.force));
   SPOOL_ASSIGN(const Methods methods, choose_methods({}, {options.filter}, options.method));
   SPOOL_ASSIGN(const ReconstructorFunction filter, make_filter(methods.filters[0]));
+  const std::vector<std::string> wanted = split_list(options.views);
+  std::vector<ViewDescription> known = reconstructor_views(methods.filters[0].name);
+  known.insert(known.end(), selection_views().begin(), selection_views().end());
+  known.insert(known.end(), image_views().begin(), image_views().end());
+  SPOOL_TRY(check_views(wanted, known));
   SPOOL_ASSIGN(const Input input, load_input(options, methods.rules));
   Progress progress("reconstruct " + options.filter, common.quiet);
-  Views views(split_list(options.views));
+  Views views(wanted);
   const auto& reference = input.pool.recording().reference();
   const ReconstructionContext context{&views, reference ? &*reference : nullptr,
                                       [&](double share) { progress.update(share); }};
@@ -115,11 +113,20 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   SPOOL_ASSIGN(const Reconstruction result, filter(input.selection, input.pool, context));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   ExrFile file = image_file(result, options.layers);
-  add_views(views, file);
+  add_selection_views(input.selection, views);
+  add_image_views(result, views);
+  const std::vector<std::string> left_out = add_view_layers(views, file);
+  if (!left_out.empty()) {
+    print_warning(fmt::format("{} views have a value per piece, the image one per pixel; {}",
+                              left_out.size(),
+                              options.pictures.empty() ? "ask for --pictures to see them"
+                                                       : "they are among the pictures only"));
+  }
   file.text_attributes = {{"spool.filter", options.filter}, {"spool.dump", options.dump.string()}};
   SPOOL_TRY(write_exr(options.output, file, {.overwrite = common.force}));
   if (!options.pictures.empty()) {
     SPOOL_TRY(write_pictures(options, input, result, common.force));
+    SPOOL_TRY(write_view_pictures(views, options.pictures / "views", common.force));
   }
   if (common.json) {
     GuardCounts guards = input.pool.recording().guards();

@@ -9,6 +9,7 @@
 #include "tools/guard_listing.h"
 #include "tools/progress.h"
 #include "tools/selection_file.h"
+#include "tools/view_files.h"
 
 namespace spool::tools {
 namespace {
@@ -51,12 +52,18 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   if (!options.filter.empty()) filters.push_back(options.filter);
   SPOOL_ASSIGN(const Methods methods, choose_methods({options.sampler}, filters, options.method));
   SPOOL_ASSIGN(const SamplerFunction sample, make_sampler(methods.samplers[0]));
+  const std::vector<std::string> wanted = split_list(options.views);
+  std::vector<ViewDescription> known = sampler_views(methods.samplers[0].name);
+  known.insert(known.end(), selection_views().begin(), selection_views().end());
+  SPOOL_TRY(check_views(wanted, known));
+  Views views(wanted);
   SPOOL_ASSIGN(const auto recording, load_recording(options.dump, methods.rules));
   SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, options.pool));
   SPOOL_ASSIGN(const long long budget, checked_budget(pool, options.spp));
   Progress progress("replay " + options.sampler, common.quiet);
   SamplingContext context;
   context.seed = options.pool.seed;
+  context.views = &views;
   context.progress = [&](double share) { progress.update(share); };
   if (!methods.filters.empty()) {
     SPOOL_ASSIGN(const ReconstructorFunction filter, make_filter(methods.filters[0]));
@@ -69,8 +76,13 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   const auto start = std::chrono::steady_clock::now();
   SPOOL_ASSIGN(const SamplingResult result, sample(pool, budget, context));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  add_selection_views(result.selection, views);
   SPOOL_TRY(write_selection(options.output, result.selection,
-                            {options.sampler, options.dump.string(), options.pool}, common.force));
+                            {options.sampler, options.dump.string(), options.pool}, common.force,
+                            &views));
+  if (!options.pictures.empty()) {
+    SPOOL_TRY(write_view_pictures(views, options.pictures, common.force));
+  }
   if (common.json) {
     GuardCounts guards = recording->guards();
     guards += result.log.guards;

@@ -75,6 +75,7 @@ ordered_json methods_json(const std::vector<MethodChoice>& methods,
     ordered_json json = {{"name", method.name}, {"label", method.label()}};
     for (const Entry& entry : entries) {
       if (entry.name != method.name) continue;
+      json["by_description"] = entry.by_description;
       const std::string first = entry.presets.empty() ? "" : entry.presets.front();
       const std::string preset = method.preset.empty() ? first : method.preset;
       if (!preset.empty()) json["preset"] = preset;

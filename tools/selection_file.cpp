@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lib/core/guards.h"
+#include "tools/view_files.h"
 
 namespace spool::tools {
 namespace {
@@ -116,7 +117,7 @@ Result<CountImage> counts_from_exr(const ExrFile& file, const std::string& name)
 }
 
 Result<void> write_selection(const std::filesystem::path& path, const Selection& selection,
-                             const SelectionInfo& info, bool overwrite) {
+                             const SelectionInfo& info, bool overwrite, const Views* views) {
   const CountImage& n = selection.statistics.n;
   const AnalysisSignal& signal = selection.statistics.signal;
   ExrFile file;
@@ -141,6 +142,7 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
                             {"spool.pieces_per_side", info.pool.pieces_per_side},
                             {"spool.exposure", signal.exposure},
                             {"spool.decision_clamp", signal.clamp}};
+  if (views != nullptr) add_view_layers(*views, file);
   return write_exr(path, file, {.overwrite = overwrite});
 }
 

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "lib/core/error.h"
+#include "lib/core/view.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/statistics/selection.h"
@@ -27,7 +28,8 @@ struct SelectionInfo {
 };
 
 Result<void> write_selection(const std::filesystem::path& path, const Selection& selection,
-                             const SelectionInfo& info, bool overwrite);
+                             const SelectionInfo& info, bool overwrite,
+                             const Views* views = nullptr);
 
 struct SelectionFile {
   CountImage n;

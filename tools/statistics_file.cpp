@@ -4,11 +4,12 @@
 
 #include "lib/filters/piece_estimates.h"
 #include "lib/image_io/exr_image.h"
+#include "lib/statistics/feature_statistics.h"
 
 namespace spool::tools {
 
 Result<void> write_statistics(const std::filesystem::path& path, const PieceStatistics& statistics,
-                              const SamplePool& pool) {
+                              const SamplePool& pool, bool features) {
   GuardCounts guards;  // of a copy for others; the method that asks counts its own
   SPOOL_ASSIGN(PieceEstimates pieces,
                estimate_pieces(statistics, {}, statistics.signal.exposure, guards));
@@ -26,6 +27,16 @@ Result<void> write_statistics(const std::filesystem::path& path, const PieceStat
   }
   file.channels.push_back({"n", PixelType::kUint, std::move(n)});
   file.channels.push_back({"left", PixelType::kUint, std::move(left)});
+  if (features) {
+    SPOOL_ASSIGN(const auto layers, feature_statistics(pool, statistics.n, guards));
+    for (const FeatureStatistics& feature : layers) {
+      for (std::size_t c = 0; c < feature.mean.size(); ++c) {
+        file.channels.push_back(
+            {fmt::format("{}.{}", feature.layer.name, feature.layer.components[c]),
+             PixelType::kFloat, feature.mean[c]});
+      }
+    }
+  }
   return write_exr(path, file);
 }
 

@@ -3,6 +3,8 @@
 //   n, left             uint   samples taken of a piece, and how many more it has
 //   R, G, B             float  their mean, radiance units; where n is 0, the neighbours'
 //   variance.R/G/B      float  estimated variance of that mean
+//   albedo.R, normal.X, depth.Z and so on, where asked for and recorded: means over the same
+//   samples (lib/statistics/feature_statistics.h)
 //
 // All have the size of the grid of pieces (pixels, but for --pieces 2).
 #pragma once
@@ -17,6 +19,6 @@ namespace spool::tools {
 
 // kData when no piece has a sample.
 Result<void> write_statistics(const std::filesystem::path& path, const PieceStatistics& statistics,
-                              const SamplePool& pool);
+                              const SamplePool& pool, bool features);
 
 }  // namespace spool::tools

@@ -30,6 +30,8 @@ namespace spool {
   X(kSaturatedPieces, "saturated_pieces", "a piece ran out of recorded samples")                   \
   X(kUniformRemainder, "uniform_remainder",                                                        \
     "samples spent uniformly because every priority was zero")                                     \
+  X(kFeatureNotFinite, "feature_not_finite",                                                       \
+    "a feature that is not finite, or beyond 1e15, counts as 0")                                   \
   X(kWantBeyondPool, "want_beyond_pool",                                                           \
     "samples that a command wants beyond what is recorded go to the other pieces it names")        \
   X(kSizeNotFinite, "size_not_finite", "a non-finite size criterion stops at its level")           \

@@ -15,6 +15,12 @@ struct View {
   Plane image;       // of pieces
 };
 
+// A family of views as people see it in a list: "f.k", "the coarse images".
+struct ViewDescription {
+  std::string name;  // of a family, its indices as letters
+  std::string meaning;
+};
+
 // Collects the views whose name, or the part of it before the first dot, was asked for; "all" asks
 // for every one. An empty request collects nothing and costs nothing.
 class Views {
@@ -31,6 +37,14 @@ class Views {
   }
   void add(std::string name, const Plane& image) {
     if (wants(name)) views_.push_back({std::move(name), image});
+  }
+  // The next of a family that has one view a round: "error.0", "error.1".
+  void add_next(const std::string& family, const Plane& image) {
+    if (wanted_.empty()) return;
+    std::size_t count = 0;
+    for (const View& view : views_)
+      count += view.name.starts_with(family + ".") ? 1 : 0;
+    add(family + "." + std::to_string(count), image);
   }
   const std::vector<std::string>& wanted() const { return wanted_; }
   const std::vector<View>& collected() const { return views_; }

@@ -183,6 +183,27 @@ Result<void> load_reference(const SpoolReader& reader, RecordedSamples& samples)
   return {};
 }
 
+// Layers of known names with a value per sample; read later, if at all.
+void offer_features(const std::shared_ptr<FileStorage>& storage, RecordedSamples& samples) {
+  std::vector<FeatureLayer> features;
+  for (const auto& [name, components] :
+       {std::pair{"albedo", "RGB"}, {"normal", "XYZ"}, {"depth", "Z"}}) {
+    const auto layer = storage->reader.find_layer(name);
+    if (!layer || layer->scope != format::Scope::kSample) continue;
+    std::string letters;
+    for (const std::string& component : layer->components)
+      letters += component;
+    if (letters == components) features.push_back({name, components});
+  }
+  samples.set_features(
+      std::move(features), [storage](const FeatureLayer& layer, const Rectangle& pixels) {
+        const format::PixelRect rect{
+            static_cast<std::uint32_t>(pixels.x0), static_cast<std::uint32_t>(pixels.y0),
+            static_cast<std::uint32_t>(pixels.x1), static_cast<std::uint32_t>(pixels.y1)};
+        return storage->reader.read_region(layer.name, rect, 0, storage->reader.header().spp);
+      });
+}
+
 // The last `cost_per_sample` holds, as the format wants; one that is no positive number is none.
 void load_cost(const SpoolReader& reader, RecordedSamples& samples) {
   double seconds = 0.0;
@@ -217,6 +238,7 @@ Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesys
   SPOOL_TRY(load_film(reader, samples));
   SPOOL_TRY(load_reference(reader, samples));
   load_cost(reader, samples);
+  offer_features(storage, samples);
   return std::make_shared<const RecordedSamples>(std::move(samples));
 }
 

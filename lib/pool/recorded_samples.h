@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,16 @@ struct RadianceLayout {
   std::vector<const float*> blocks;  // [tile][block]
 };
 
+// A layer of features with a value per sample: "albedo", "normal", "depth".
+struct FeatureLayer {
+  std::string name;
+  std::string components;  // "RGB", "XYZ", "Z": one letter per channel
+};
+
+// The values [c][y][x][s] of a layer in a rectangle of pixels, all samples; from any thread.
+using FeatureReader =
+    std::function<Result<std::vector<float>>(const FeatureLayer&, const Rectangle& pixels)>;
+
 class RecordedSamples {
  public:
   // `storage` keeps alive whatever the block pointers point into. Scans every sample once (in
@@ -56,6 +67,11 @@ class RecordedSamples {
   // Film positions [s] shared by all pixels, or [y][x][s] of each sample.
   void set_pass_film(std::vector<FilmPosition> positions);
   void set_sample_film(std::vector<FilmPosition> positions);
+  // Features are read when a method asks for them, and only then.
+  void set_features(std::vector<FeatureLayer> layers, FeatureReader reader) {
+    features_ = std::move(layers);
+    read_feature_ = std::move(reader);
+  }
   void set_reference(Reference reference) { reference_ = std::move(reference); }
   // True when s^2/n is the variance of the mean: independent samples, any prefix exchangeable.
   void set_exchangeable(bool exchangeable) { exchangeable_ = exchangeable; }
@@ -68,6 +84,11 @@ class RecordedSamples {
   bool exchangeable() const { return exchangeable_; }
   std::optional<double> cost_per_sample() const { return cost_per_sample_; }  // seconds
   const std::optional<Reference>& reference() const { return reference_; }
+  const std::vector<FeatureLayer>& features() const { return features_; }
+  Result<std::vector<float>> read_feature(const FeatureLayer& layer,
+                                          const Rectangle& pixels) const {
+    return read_feature_(layer, pixels);
+  }
   const SanitiseReport& report() const { return report_; }
   GuardCounts guards() const;
 
@@ -99,6 +120,8 @@ class RecordedSamples {
   bool exchangeable_ = true;
   std::optional<double> cost_per_sample_;
   std::optional<Reference> reference_;
+  std::vector<FeatureLayer> features_;
+  FeatureReader read_feature_;
   std::vector<FilmPosition> pass_film_;
   std::vector<FilmPosition> sample_film_;
 };

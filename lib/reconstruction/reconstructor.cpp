@@ -1,6 +1,7 @@
 #include "lib/reconstruction/reconstructor.h"
 
 #include "lib/reconstruction/box.h"
+#include "lib/reconstruction/cross_bilateral.h"
 #include "lib/reconstruction/directional/directional.h"
 #include "lib/reconstruction/gaussian.h"
 #include "lib/reconstruction/greedy_selection.h"
@@ -13,13 +14,10 @@ namespace spool {
 
 const std::vector<ReconstructorEntry>& reconstructors() {
   static const std::vector<ReconstructorEntry> list = {
-      reconstructor_entry(box_method()),
-      reconstructor_entry(gaussian_method()),
-      reconstructor_entry(directional_method()),
-      reconstructor_entry(greedy_selection_method()),
-      reconstructor_entry(nl_means_method()),
-      reconstructor_entry(multistage_method()),
-      reconstructor_entry(wavelet_shrinkage_method()),
+      reconstructor_entry(box_method()),          reconstructor_entry(gaussian_method()),
+      reconstructor_entry(directional_method()),  reconstructor_entry(greedy_selection_method()),
+      reconstructor_entry(nl_means_method()),     reconstructor_entry(cross_bilateral_method()),
+      reconstructor_entry(multistage_method()),   reconstructor_entry(wavelet_shrinkage_method()),
       reconstructor_entry(oracle_scale_method()),
   };
   return list;

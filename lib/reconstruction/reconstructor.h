@@ -55,4 +55,7 @@ const std::vector<ReconstructorEntry>& reconstructors();
 Result<ReconstructorFunction> make_reconstructor(std::string_view name, std::string_view preset,
                                                  const OptionValues& set);
 
+// The views that a reconstructor of the list can hand over; empty for unknown names.
+std::vector<ViewDescription> reconstructor_views(std::string_view name);
+
 }  // namespace spool

@@ -104,7 +104,7 @@ Result<SamplingResult> sample_filtered_halves(const SamplePool& pool, long long 
       SPOOL_ASSIGN(filtered[i], context.filter(half, halves[i]));
     }
     Plane weight = filtered_difference(filtered[0], filtered[1], statistics.signal.exposure);
-    if (context.views != nullptr) context.views->add("error", weight);
+    if (context.views != nullptr) context.views->add_next("error", weight);
     weight = gaussian_blur(weight, options.blur);
     for (double& value : weight.pixels())
       value = std::sqrt(std::max(value, 0.0));

@@ -256,7 +256,7 @@ Result<SamplingResult> sample_greedy_error(const SamplePool& pool, long long bud
     if (share == 0) continue;
     SPOOL_ASSIGN(const GreedyErrorMap map,
                  greedy_error_map(statistics, pool, average, options, log.guards));
-    if (context.views != nullptr) context.views->add("error", map.error);
+    if (context.views != nullptr) context.views->add_next("error", map.error);
     take_extra(statistics, pool,
                hand_out_greedily(map, statistics, pool, kernels, share, per_pixel,
                                  mix(context.seed, iteration++), options));

@@ -139,7 +139,7 @@ Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
   for (const long long share : equal_shares(left, options.iterations)) {
     if (share == 0) continue;
     SPOOL_ASSIGN(Plane error, nl_means_error(statistics, pool, options, log.guards));
-    if (context.views != nullptr) context.views->add("error", error);
+    if (context.views != nullptr) context.views->add_next("error", error);
     error = gaussian_blur(error, options.blur);
     take_extra(statistics, pool, hand_out_limited(error, statistics.n, pool, share, most));
     SPOOL_TRY(report_progress(context, "nl_means", count_samples(statistics.n), budget));

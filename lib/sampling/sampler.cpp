@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lib/sampling/adaptive_wavelet.h"
+#include "lib/sampling/cross_bilateral.h"
 #include "lib/sampling/filtered_halves.h"
 #include "lib/sampling/greedy_error.h"
 #include "lib/sampling/mitchell.h"
@@ -35,6 +36,10 @@ const std::vector<SamplerEntry>& samplers() {
       sampler_entry<NlMeansSamplingOptions>(
           "nl_means", "where NL-means disagrees on two halves of the samples", PrimaryText::kKnown,
           {{"", {}}}, nl_means_sampling_option_table(), sample_nl_means),
+      sampler_entry<CrossBilateralSamplingOptions>(
+          "cross_bilateral", "where a filter guided by recorded features expects the largest risk",
+          PrimaryText::kKnown, {{"", {}}}, cross_bilateral_sampling_option_table(),
+          sample_cross_bilateral),
       sampler_entry<FilteredHalvesOptions>(
           "filtered_halves", "where the filter in the loop disagrees on two halves of the samples",
           PrimaryText::kKnown, {{"", {}}}, filtered_halves_option_table(), sample_filtered_halves),

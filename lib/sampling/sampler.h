@@ -66,6 +66,9 @@ const std::vector<SamplerEntry>& samplers();
 Result<SamplerFunction> make_sampler(std::string_view name, std::string_view preset,
                                      const OptionValues& set);
 
+// The views that a sampler of the list can hand over; empty for unknown names.
+std::vector<ViewDescription> sampler_views(std::string_view name);
+
 // Budget in samples for a number of samples per pixel, which need not be whole.
 long long sample_budget(double samples_per_pixel, const RecordedSamples& recording);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/reconstruction/directional_cases.h"
+#include "tests/reference/filter_size_reference.h"
 
 namespace spool {
 namespace {
@@ -124,6 +125,35 @@ TEST(FilterSize, ANonFiniteCriterionStopsAndIsCounted) {
   const CountImage level = filter_size(c.input(), options, nullptr, guards);
   EXPECT_EQ(level(8, 8), 0);
   EXPECT_GT(guards[Guard::kSizeNotFinite], 0u);
+}
+
+TEST(FilterSize, StepsToTheNeighboursAreLimitedAsTheTwinSays) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {17, 16}, {40, 33}}) {
+    const SizeCase c = testing::random_size_case(width, height, 8);
+    for (const int step : {1, 2}) {
+      FilterSizeOptions limited;
+      limited.step = step;
+      EXPECT_EQ(size_of(c, limited), reference::limited_steps(size_of(c, {}), step));
+    }
+  }
+}
+
+TEST(FilterSize, ALoneLargeFilterOnADiagonalEdgeIsClosed) {
+  SizeCase c = flat_case(48, 48, 0.0, 1e-8);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 48; ++x)
+      c.mean(x, y) = x == y ? 0.5 : (x > y ? 0.8 : 0.2);
+  }
+  const auto largest_on_edge = [](const CountImage& level) {
+    int largest = 0;
+    for (int i = 16; i < 32; ++i)
+      largest = std::max(largest, level(i, i));
+    return largest;
+  };
+  FilterSizeOptions closed;
+  closed.step = 1;
+  EXPECT_GE(largest_on_edge(size_of(c, {})), 2);  // the mean is 0.5 at every size
+  EXPECT_LE(largest_on_edge(size_of(c, closed)), 1);
 }
 
 TEST(FilterSize, GreedyCautionHasItsKnownValues) {

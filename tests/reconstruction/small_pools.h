@@ -11,6 +11,7 @@
 #include "lib/core/random.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/statistics/selection.h"
+#include "tests/support/made_features.h"
 
 namespace spool::testing {
 
@@ -33,6 +34,7 @@ inline SamplePool make_pool(int width, int height, int spp, const RadianceFuncti
   }
   auto recording = RecordedSamples::from_memory("memory", width, height, spp, std::move(values));
   SPOOL_CHECK(recording.has_value());
+  test::add_features(*recording);
   if (!pass_film.empty()) recording->set_pass_film(std::move(pass_film));
   auto pool =
       SamplePool::create(std::make_shared<const RecordedSamples>(std::move(*recording)), options);

@@ -128,4 +128,19 @@ inline FilterSizes filter_size(const FilterSizeInput& input, const FilterSizeOpt
   return result;
 }
 
+// Sizes that lie at most `step` above their neighbours' least.
+inline CountImage limited_steps(const CountImage& level, int step) {
+  CountImage limited = level;
+  for (int y = 0; y < level.height(); ++y) {
+    for (int x = 0; x < level.width(); ++x) {
+      for (int d = 0; d < 9; ++d) {
+        const int qx = x + d % 3 - 1, qy = y + d / 3 - 1;
+        if (qx < 0 || qy < 0 || qx >= level.width() || qy >= level.height()) continue;
+        if (level(qx, qy) + step < limited(x, y)) limited(x, y) = level(qx, qy) + step;
+      }
+    }
+  }
+  return limited;
+}
+
 }  // namespace spool::reference

@@ -88,6 +88,7 @@ TEST(EverySampler, ButTheOracleLooksOnlyBehindTheCursor) {
     auto recording = RecordedSamples::create(
         "poison", {width, height, spp, width, spp, {values->data()}}, values);
     ASSERT_TRUE(recording.has_value());
+    test::add_features(*recording);
     const SamplePool pool =
         test::pool_of(std::make_shared<const RecordedSamples>(std::move(*recording)));
     const auto clean = sampler_of(entry.name)(pool, width * height * 6, context);

@@ -7,6 +7,7 @@
 #include "lib/sampling/greedy_error.h"
 #include "lib/sampling/nl_means.h"
 #include "lib/sampling/rounds.h"
+#include "tests/reference/cross_bilateral_reference.h"
 #include "tests/reference/greedy_error_reference.h"
 #include "tests/reference/nl_means_reference.h"
 #include "tests/sampling/multiscale_cases.h"
@@ -163,6 +164,64 @@ TEST(NlMeansSampling, SpendsTheBudgetWhereTheHalvesDisagree) {
     return Rgb{value, value, value};
   });
   const auto result = sample_nl_means(pool, 24 * 24 * 12 + 5, {}, {});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->log.spent, 24 * 24 * 12 + 5);
+  long long quiet = 0, noisy = 0;
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 0; x < 24; ++x)
+      (x < 12 ? quiet : noisy) += result->selection.statistics.n(x, y);
+  }
+  EXPECT_GT(noisy, 2 * quiet);
+}
+
+TEST(CrossBilateralSampling, DensityAgreesWithTheSlowTwin) {
+  const int width = 11, height = 8;
+  const SamplePool pool = test::noisy_pool(width, height, 9);
+  CountImage counts(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x)
+      counts(x, y) = 4 + (x + 2 * y) % 5;
+  }
+  PieceStatistics statistics = prefix_statistics(pool, counts);
+  GuardCounts guards;
+  expose(statistics, pool, 1.0, guards);
+  CrossBilateralSamplingOptions options;
+  options.filter.scales = {0, 1, 2};
+  const auto density = cross_bilateral_density(statistics, pool, options.filter, guards);
+  ASSERT_TRUE(density.has_value());
+  const double e = statistics.signal.exposure;
+  auto pieces = *estimate_pieces(statistics, {}, e, guards);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      pieces.mean[c][i] *= e;
+      pieces.variance[c][i] *= e * e;
+    }
+  }
+  const auto twin = reference::cross_bilateral(pieces.mean, pieces.variance,
+                                               reference::features(pool, counts), options.filter);
+  const Taps taps = pixel_filter_taps();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    std::size_t best = 0;
+    for (std::size_t s = 1; s < twin.risk.size(); ++s)
+      best = twin.risk[s][i] < twin.risk[best][i] ? s : best;
+    double square = 0.0, v = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      square += twin.filtered[best][c][i] * twin.filtered[best][c][i] / 3.0;
+      v += truncated_variance(pieces.variance[c], taps, squared_taps(taps))[i] / 3.0;
+    }
+    const double expected =
+        std::max(0.0, twin.risk[best][i] + v) / (square + 0.01) / (1.0 + counts[i]);
+    EXPECT_NEAR((*density)[i], expected, 1e-4 * expected + 1e-6);
+  }
+}
+
+TEST(CrossBilateralSampling, SpendsMoreWhereTheNoiseIs) {
+  const SamplePool pool = test::memory_pool(24, 24, 64, [](int x, int y, int s) {
+    const auto u = static_cast<float>(unit_double(mix(3, x, y, s)));
+    const float value = x < 12 ? 0.8f + 0.01f * u : (u < 0.2f ? 4.0f : 0.1f);
+    return Rgb{value, value, value};
+  });
+  const auto result = sample_cross_bilateral(pool, 24 * 24 * 12 + 5, {}, {});
   ASSERT_TRUE(result.has_value());
   EXPECT_EQ(result->log.spent, 24 * 24 * 12 + 5);
   long long quiet = 0, noisy = 0;

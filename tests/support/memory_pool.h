@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lib/pool/sample_pool.h"
+#include "tests/support/made_features.h"
 
 namespace spool::test {
 
@@ -32,6 +33,7 @@ std::shared_ptr<const RecordedSamples> memory_recording(int width, int height, i
     fmt::print(stderr, "memory_recording: {}\n", recording.error().message);
     std::abort();
   }
+  add_features(*recording);
   return std::make_shared<const RecordedSamples>(std::move(*recording));
 }
 

@@ -51,7 +51,7 @@ def make_report(options):
     from report_data import OWN_MEANINGS, quantity_names, report_data
     from result_images import dump_names, find_images, pack_images
     from results_table import read_results
-    from sections import guards_html, quantities_html, run_html, summary_html
+    from sections import described_html, guards_html, quantities_html, run_html, summary_html
     from summary import summarise
     from vocabulary import read_manifest, read_vocabulary
 
@@ -70,10 +70,11 @@ def make_report(options):
     title = options.title or f"Spool report: {', '.join(list(labels.values())[:4])}"
     sections = [
         ("summary", "Summary",
-         summary_html(summarise(combinations, metric, labels), combinations, metric, len(labels))),
+         summary_html(summarise(combinations, metric, labels), combinations, metric, len(labels))
+         + described_html(manifest)),
         ("charts", "Error, time and budget", '<div id="chart-area"></div>'),
         ("table", "All results",
-         '<div id="table-area"></div>' + quantities_html(names, vocabulary, OWN_MEANINGS)),
+         described_html(manifest) + '<div id="table-area"></div>' + quantities_html(names, vocabulary, OWN_MEANINGS)),
         ("images", "Images", images_html(images)),
         ("guards", "Saturated, rejected, clamped", guards_html(combinations, labels, vocabulary)),
         ("run", "The run", run_html(manifest, combinations, labels, vocabulary.version)),

@@ -149,6 +149,22 @@ void smooth_stops(Plane& stop, int k, SizeSmooth rule) {
   });
 }
 
+// Where a region is symmetric about a clean edge its mean does not change with its size, and no
+// size stops: a lone large filter on the edge. Its neighbours see the edge.
+CountImage limited_steps(const CountImage& level, int step) {
+  CountImage limited = level;
+  parallel_rows(0, level.height(), [&](int y) {
+    for (int x = 0; x < level.width(); ++x) {
+      const Rectangle near = grow({x, y, x + 1, y + 1}, 1, 1, 1, 1, level.bounds());
+      for (int qy = near.y0; qy < near.y1; ++qy) {
+        for (int qx = near.x0; qx < near.x1; ++qx)
+          limited(x, y) = std::min(limited(x, y), level(qx, qy) + step);
+      }
+    }
+  });
+  return limited;
+}
+
 void add_view(Views* views, const char* family, int k, const Plane& image) {
   if (views) views->add(fmt::format("{}.{}", family, k), image);
 }
@@ -198,7 +214,7 @@ CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& op
     add_view(views, "q", k + 1, coarse);
     fine = std::move(coarse);
   }
-  return level;
+  return options.step > 0 ? limited_steps(level, options.step) : level;
 }
 
 }  // namespace spool

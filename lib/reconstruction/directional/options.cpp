@@ -73,6 +73,8 @@ OptionTable<FilterSizeOptions> filter_size_option_table() {
                                     {"on", SizeSmooth::kOn},
                                     {"off", SizeSmooth::kOff}},
                                    "vote of the neighbours on where the size stops"),
+      integer_option<O>("size_step", &O::step, 0, 16,
+                        "levels that a size may lie above its neighbours' least; 0: any"),
   };
 }
 

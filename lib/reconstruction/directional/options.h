@@ -58,6 +58,7 @@ struct FilterSizeOptions {
   bool track_a0 = false;          // A_0 as the sampler kept it; else A_0 := A_1
   double gamma = 0.2;             // of `gem`
   SizeSmooth smooth = SizeSmooth::kOpensOnly;
+  int step = 0;  // a piece is at most so many levels above its 8 neighbours' least; 0: any
 };
 
 enum class AnisotropySource {

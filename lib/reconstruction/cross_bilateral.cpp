@@ -1,0 +1,37 @@
+#include "lib/reconstruction/cross_bilateral.h"
+
+#include <utility>
+
+#include "lib/filters/piece_estimates.h"
+
+namespace spool {
+
+Result<Reconstruction> reconstruct_cross_bilateral(const Selection& selection,
+                                                   const SamplePool& pool,
+                                                   const ReconstructionContext& context,
+                                                   const CrossBilateralOptions& options) {
+  const PieceStatistics& statistics = selection.statistics;
+  Reconstruction result;
+  const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
+  SPOOL_ASSIGN(CrossBilateralImage filtered,
+               cross_bilateral(statistics, pool, exposure, options, result.guards));
+  if (context.views != nullptr) {
+    for (std::size_t s = 0; s < filtered.all.size(); ++s)
+      context.views->add(fmt::format("risk.{}", s), filtered.all[s]);
+  }
+  result.image = average_pieces(std::move(filtered.image), statistics.pieces_per_side);
+  result.level = std::move(filtered.scale);
+  if (context.progress) context.progress(1.0);
+  return result;
+}
+
+ReconstructorMethod<CrossBilateralOptions> cross_bilateral_method() {
+  return {"cross_bilateral",
+          "pixels of like normal, albedo and depth are averaged, over the scale of least risk",
+          false,
+          cross_bilateral_option_table(),
+          {{"", {}}},
+          reconstruct_cross_bilateral};
+}
+
+}  // namespace spool
