@@ -38,6 +38,7 @@ void try_methods(const Plan& plan, TimeEstimate& estimate) {
   ExperimentOptions options = plan.experiment;
   options.pieces_per_side = 1;
   options.reference.reset();
+  options.masks.clear();
   const ExperimentCallbacks callbacks{.finished =
                                           [&](CellResult& result, const CellImages*) {
                                             if (!result.error)

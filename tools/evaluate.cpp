@@ -4,6 +4,7 @@
 
 #include "tools/evaluation_run.h"
 #include "tools/external_methods.h"
+#include "tools/mask_files.h"
 
 namespace spool::tools {
 namespace {
@@ -88,6 +89,9 @@ Result<Plan> plan_of_file(const EvaluateOptions& options) {
   SPOOL_ASSIGN(Plan plan, read_plan(options.files.front(), {known_samplers(), known_filters(),
                                                             &make_sampler, &make_filter}));
   if (options.no_pictures) plan.pictures = false;
+  for (EnergyMask& mask : plan.experiment.masks) {
+    SPOOL_ASSIGN(mask.plane, read_mask(mask.path));
+  }
   return plan;
 }
 

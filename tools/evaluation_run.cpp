@@ -23,6 +23,7 @@
 #include "tools/progress.h"
 #include "tools/results_writer.h"
 #include "tools/run_manifest.h"
+#include "tools/statistics.h"
 #include "tools/time_estimate.h"
 
 namespace spool::tools {
@@ -83,7 +84,8 @@ Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, 
   const bool empty = !fs::exists(folder, status) || fs::is_empty(folder, status);
   if (force && !request.shard && !request.merge) {
     SPOOL_TRY(store.remove_all());
-    for (const char* name : {"dumps.json", "manifest.json", "results.csv", "results.jsonl"})
+    for (const char* name :
+         {"dumps.json", "manifest.json", "results.csv", "results.jsonl", "statistics.json"})
       fs::remove(folder / name, status);
   } else if (!empty && !store.has_any()) {
     return fail(ErrorCode::kUsage,
@@ -192,6 +194,13 @@ class PlanRun {
       }
     }
     SPOOL_TRY(writer.finish());
+    SPOOL_TRY(write_text_file(request_.folder / "statistics.json",
+                              statistics_json(request_.plan,
+                                              [&](const Cell& cell) {
+                                                return store_.read(cell_id(cell, request_.plan),
+                                                                   cell);
+                                              }),
+                              true));
     std::string sheets = "none";
     if (request_.plan.pictures) {
       SPOOL_ASSIGN(sheets, pictures_.write_sheets(pictured));

@@ -13,13 +13,16 @@
 #include "lib/core/option_table.h"
 #include "lib/core/parallel.h"
 #include "lib/evaluation/reference.h"
+#include "lib/evaluation/result_record.h"
 #include "tools/check.h"
+#include "tools/compare.h"
 #include "tools/console.h"
 #include "tools/convert.h"
 #include "tools/evaluate.h"
 #include "tools/info.h"
 #include "tools/interrupt.h"
 #include "tools/list.h"
+#include "tools/metrics_verb.h"
 #include "tools/pack.h"
 #include "tools/reconstruct.h"
 #include "tools/recover.h"
@@ -51,6 +54,8 @@ struct Program {
   ReplayOptions replay;
   ReconstructOptions reconstruct;
   EvaluateOptions evaluate;
+  MetricsOptions metrics;
+  CompareOptions compare;
   ReportOptions report;
   ListOptions list;
   Verb chosen;
@@ -364,6 +369,60 @@ void add_evaluate(Program& program) {
       [&] { program.chosen = [&] { return run_evaluate(program.evaluate, program.common); }; });
 }
 
+void add_metrics(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("metrics", "every metric of one image against another");
+  MetricsOptions& options = program.metrics;
+  verb.add_option("IMAGE", options.image, "an EXR: R, G, B or one channel, scene-linear")
+      ->required();
+  verb.add_option("REFERENCE", options.reference, "an EXR of the same size")->required();
+  verb.add_option("--variance", options.variance,
+                  "EXR with the variance of the reference's mean: errors are debiased by it");
+  verb.add_option("--mask", options.masks,
+                  "NAME=FILE.exr: energy ratio where the mask is above 0.5; several times")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_option("--set", options.settings,
+                  "OPTION=VALUE of the metrics (spool list metrics): rel_scale=none")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_option("--error-map", options.error_map, "also write the squared error of each pixel");
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "Examples:\n"
+      "  spool metrics mine.exr reference.exr\n"
+      "  spool metrics mine.exr reference.exr --json --set rel_scale=none --set rel_eps=0.001");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_metrics(program.metrics, program.common); }; });
+}
+
+void add_compare(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "compare", "what became better or worse between two evaluations, beyond the noise");
+  CompareOptions& options = program.compare;
+  verb.add_option("BEFORE", options.before, "a folder of spool evaluate")->required();
+  verb.add_option("AFTER", options.after, "another one")->required();
+  verb.add_option("--metric", options.metrics,
+                  "one or several: " + fmt::format("{}", fmt::join(compared_metrics(), ", ")) +
+                      ", cpu (relmse)");
+  verb.add_option("--significance", options.significance,
+                  "chance of a claim where nothing changed, of all comparisons together (0.05)")
+      ->check(CLI::Range(0.0, 1.0));
+  verb.add_option("--tolerance", options.tolerance,
+                  "relative changes up to this are let pass: 0.01 (0)")
+      ->check(CLI::Range(0.0, 1e6));
+  verb.add_flag("--all", options.all, "also list what did not change");
+  add_common(verb, program.common, true, false);
+  verb.footer(
+      "Exit code 1 when something became worse, failed, or is missing in AFTER: for a build\n"
+      "machine. Differences are paired where both drew the same samples.\n"
+      "Examples:\n"
+      "  spool evaluate plan.toml -o new && spool compare accepted new\n"
+      "  spool compare accepted new --metric relmse,cpu --tolerance 0.02");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_compare(program.compare, program.common); }; });
+}
+
 void add_report(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
       "report", "one HTML file of an evaluation: sentences, charts, table, images");
@@ -455,6 +514,8 @@ int run(int count, char** arguments) {
   add_replay(program);
   add_reconstruct(program);
   add_evaluate(program);
+  add_metrics(program);
+  add_compare(program);
   add_report(program);
   add_list(program);
   try {

@@ -138,6 +138,31 @@ std::vector<RankedMethod> rank_methods(std::span<const MethodSeries> methods, Be
   return ranked;
 }
 
+std::vector<RankedMethod> rank_against_best(std::span<const MethodSeries> methods, Better better,
+                                            double significance, std::uint64_t seed) {
+  std::vector<MethodSeries> costs;
+  std::vector<double> cost;
+  std::vector<RankedMethod> ranked;
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    costs.push_back(as_cost(methods[i], better));
+    const double mean = mean_of_finite(costs[i].values);
+    cost.push_back(std::isnan(mean) ? std::numeric_limits<double>::infinity() : mean);
+    ranked.push_back({i, mean_of_finite(methods[i].values), 1, 1.0});
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedMethod& a, const RankedMethod& b) {
+    return cost[a.method] < cost[b.method];
+  });
+  std::vector<double> p;
+  for (std::size_t k = 1; k < ranked.size(); ++k)
+    p.push_back(compare_paired(costs[ranked[k].method], costs[ranked[0].method], seed).p);
+  const std::vector<double> adjusted = holm_adjusted(p);
+  for (std::size_t k = 1; k < ranked.size(); ++k) {
+    ranked[k].p_against_best = adjusted[k - 1];
+    if (adjusted[k - 1] < significance) ranked[k].rank = 2;
+  }
+  return ranked;
+}
+
 BudgetFit fit_error_over_budget(std::span<const double> budget, std::span<const double> error) {
   SPOOL_CHECK_EQ(budget.size(), error.size());
   std::vector<double> x, y;

@@ -51,6 +51,11 @@ struct RankedMethod {
 std::vector<RankedMethod> rank_methods(std::span<const MethodSeries> methods, Better better,
                                        double significance = 0.05, std::uint64_t seed = 1);
 
+// The same from the comparisons with the best mean alone: rank 1 for all that are not told apart
+// from it, 2 for the rest. For many methods, where all pairs are too many.
+std::vector<RankedMethod> rank_against_best(std::span<const MethodSeries> methods, Better better,
+                                            double significance = 0.05, std::uint64_t seed = 1);
+
 // log error = intercept + slope log budget by least squares; unfiltered estimates have slope -1
 // until adaptive bias or the noise of the reference shows. Points that are not positive are left
 // out; NaN with fewer than two left, and no standard error with fewer than three.

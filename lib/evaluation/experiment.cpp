@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <numeric>
 #include <tuple>
 #include <unordered_map>
@@ -59,13 +60,47 @@ struct LoadedDump {
 };
 
 // One sampling run with what its cells are judged by.
-struct SamplingRun {
+struct SampledPart {
   SamplePool pool;
   SamplingResult sampled;
-  StageTime time;
-  ReferenceKind kind;
   JudgingReference reference;
 };
+
+// One part, or with crossfit the two halves of the recording, each judged by the other.
+struct SamplingRun {
+  std::vector<SampledPart> parts;
+  StageTime time;  // of one part
+  ReferenceKind kind;
+};
+
+StageTime mean_time(const std::vector<StageTime>& times) {
+  StageTime mean;
+  for (const StageTime& time : times) {
+    mean.wall += time.wall / static_cast<double>(times.size());
+    mean.cpu += time.cpu / static_cast<double>(times.size());
+    mean.spread += time.spread / static_cast<double>(times.size());
+  }
+  return mean;
+}
+
+// The mean of two tables of one size, for the two halves of crossfit; guards and pixels are sums.
+MetricTable mean_table(MetricTable a, const MetricTable& b) {
+  for (std::size_t m = 0; m < a.values.size(); ++m) {
+    a.values[m].value = 0.5 * (a.values[m].value + b.values[m].value);
+    std::vector<double>& resampled = a.resampled[m];
+    resampled.resize(std::min(resampled.size(), b.resampled[m].size()));
+    for (std::size_t s = 0; s < resampled.size(); ++s)
+      resampled[s] = 0.5 * (resampled[s] + b.resampled[m][s]);
+    a.values[m].standard_error = standard_error_of(resampled);
+  }
+  a.relative_scale = 0.5 * (a.relative_scale + b.relative_scale);
+  a.pixels += b.pixels;
+  a.excluded_estimate += b.excluded_estimate;
+  a.excluded_reference += b.excluded_reference;
+  a.failed = a.failed || b.failed;
+  a.guards += b.guards;
+  return a;
+}
 
 class Runner {
  public:
@@ -173,16 +208,26 @@ class Runner {
       return std::move(reconstruction.image);
     };
     reset_peak_memory();
-    StageTime time;
-    SPOOL_ASSIGN(SamplingResult sampled, timed(options_.repeats, time, [&] {
-                   return sampler(pool, sample_budget(cell.spp, *recording), context);
-                 }));
-    SPOOL_ASSIGN(JudgingReference reference,
-                 judging_reference(kind, pool, sampled.selection.statistics.n));
-    return SamplingRun{std::move(pool), std::move(sampled), time, kind, std::move(reference)};
+    SamplingRun run{{}, {}, kind};
+    std::vector<SamplePool> pools = {pool};
+    if (kind == ReferenceKind::kCrossfit) pools = {pool.half(0), pool.half(1)};
+    std::vector<StageTime> times;
+    for (std::size_t i = 0; i < pools.size(); ++i) {
+      SPOOL_ASSIGN(SamplingResult sampled, timed(options_.repeats, times.emplace_back(), [&] {
+                     return sampler(pools[i], sample_budget(cell.spp, *recording), context);
+                   }));
+      SPOOL_ASSIGN(JudgingReference reference,
+                   judging_reference(kind, pools[i], pools[pools.size() - 1 - i],
+                                     sampled.selection.statistics.n));
+      run.parts.push_back({pools[i], std::move(sampled), std::move(reference)});
+    }
+    run.time = mean_time(times);
+    return run;
   }
 
+  // `other`: the half that `pool` is not, with crossfit.
   static Result<JudgingReference> judging_reference(ReferenceKind kind, const SamplePool& pool,
+                                                    const SamplePool& other,
                                                     const CountImage& counts) {
     switch (kind) {
       case ReferenceKind::kIndependent:
@@ -191,6 +236,8 @@ class Runner {
         return holdout_reference(pool);
       case ReferenceKind::kLeaveSelectedOut:
         return leave_selected_out_reference(pool, counts);
+      case ReferenceKind::kCrossfit:
+        return other_half_reference(other);
       case ReferenceKind::kPool:
         return pool_reference(pool);
     }
@@ -214,41 +261,79 @@ class Runner {
   }
 
   Result<void> judge(const SamplingRun& run, CellResult& result) const {
-    const RecordedSamples& recording = run.pool.recording();
+    const RecordedSamples& recording = run.parts.front().pool.recording();
     SPOOL_ASSIGN(const ReconstructorFunction reconstructor, sources_.filter(result.cell.filter));
     ReconstructionContext context;
     context.reference = recording.reference() ? &*recording.reference() : nullptr;
     context.progress = [&](double share) { report_progress(0.5 + 0.5 * share); };
-    SPOOL_ASSIGN(const Reconstruction reconstruction,
-                 timed(options_.repeats, result.filtering,
-                       [&] { return reconstructor(run.sampled.selection, run.pool, context); }));
-    result.peak_memory = peak_memory();
-    if (reconstruction.image[0].width() != recording.width() ||
-        reconstruction.image[0].height() != recording.height()) {
-      return fail(ErrorCode::kData,
-                  "{}: the filter returned {} x {} pixels for a recording of {} x {}",
-                  result.cell.filter.label(), reconstruction.image[0].width(),
-                  reconstruction.image[0].height(), recording.width(), recording.height());
+    std::vector<Reconstruction> images;
+    std::vector<StageTime> times;
+    for (const SampledPart& part : run.parts) {
+      SPOOL_ASSIGN(Reconstruction image, timed(options_.repeats, times.emplace_back(), [&] {
+                     return reconstructor(part.sampled.selection, part.pool, context);
+                   }));
+      SPOOL_TRY(check_size(image.image, recording, result.cell));
+      images.push_back(std::move(image));
     }
+    result.filtering = mean_time(times);
+    result.peak_memory = peak_memory();
     const StageClock clock;
-    result.metrics = error_metrics(reconstruction.image, run.reference, options_.metrics);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      MetricTable table = error_metrics(images[i].image, run.parts[i].reference, options_.metrics);
+      result.metrics = i == 0 ? std::move(table) : mean_table(std::move(result.metrics), table);
+    }
+    SPOOL_TRY(add_masks(images, run, result));
     result.judging = clock.elapsed();
     result.reference = run.kind;
-    result.holdout = run.pool.options().holdout;
+    result.holdout = run.parts.front().pool.options().holdout;
     result.width = recording.width();
     result.height = recording.height();
-    result.pieces_per_side = run.pool.pieces_per_side();
+    result.pieces_per_side = run.parts.front().pool.pieces_per_side();
     result.sampling = run.time;
     result.cost_per_sample = recording.cost_per_sample();
-    result.log = run.sampled.log;
+    result.log = run.parts.front().sampled.log;
     result.guards = recording.guards();
-    result.guards += run.sampled.log.guards;
-    result.guards += reconstruction.guards;
     result.guards += result.metrics.guards;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      const SamplingLog& log = run.parts[i].sampled.log;
+      result.guards += log.guards;
+      result.guards += images[i].guards;
+      // Of two halves the worse one counts: it says where the recording was too short.
+      result.log.spent = std::min(result.log.spent, log.spent);
+      result.log.saturated_pieces = std::max(result.log.saturated_pieces, log.saturated_pieces);
+    }
     if (callbacks_.finished) {
-      const CellImages images{reconstruction.image, run.sampled.selection, reconstruction,
-                              run.reference};
-      callbacks_.finished(result, &images);
+      const SampledPart& part = run.parts.front();
+      const CellImages shown{images.front().image, part.sampled.selection, images.front(),
+                             part.reference};
+      callbacks_.finished(result, &shown);
+    }
+    return {};
+  }
+
+  static Result<void> check_size(const RgbImage& image, const RecordedSamples& recording,
+                                 const Cell& cell) {
+    if (image[0].width() == recording.width() && image[0].height() == recording.height()) return {};
+    return fail(ErrorCode::kData,
+                "{}: the filter returned {} x {} pixels for a recording of {} x {}",
+                cell.filter.label(), image[0].width(), image[0].height(), recording.width(),
+                recording.height());
+  }
+
+  Result<void> add_masks(const std::vector<Reconstruction>& images, const SamplingRun& run,
+                         CellResult& result) const {
+    const std::string recording = std::filesystem::path(result.cell.dump).filename().string();
+    for (const EnergyMask& mask : options_.masks) {
+      if (!mask.recording.empty() && mask.recording != recording) continue;
+      MetricValue mean{0.0, 0.0};
+      for (std::size_t i = 0; i < images.size(); ++i) {
+        SPOOL_ASSIGN(const MetricValue ratio,
+                     energy_in_mask(images[i].image, run.parts[i].reference.mean, mask,
+                                    options_.metrics.bootstrap));
+        mean.value += ratio.value / static_cast<double>(images.size());
+        mean.standard_error += ratio.standard_error / static_cast<double>(images.size());
+      }
+      result.masks.emplace_back(mask.name, mean);
     }
     return {};
   }

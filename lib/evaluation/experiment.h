@@ -13,10 +13,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lib/core/error.h"
 #include "lib/core/guards.h"
+#include "lib/evaluation/energy_masks.h"
 #include "lib/evaluation/error_metrics.h"
 #include "lib/evaluation/reference.h"
 #include "lib/evaluation/stage_clock.h"
@@ -60,6 +62,7 @@ struct ExperimentOptions {
   std::optional<int> holdout;              // samples per pixel; absent: as the reference kind wants
   int repeats = 1;                         // of sampling and filtering, for their times only
   MetricOptions metrics;
+  std::vector<EnergyMask> masks;  // of recordings by file name
 };
 
 // Where recordings and methods come from.
@@ -86,7 +89,8 @@ struct CellResult {
   std::optional<double> cost_per_sample;     // seconds, as recorded
   int threads = 0;
   SamplingLog log;
-  GuardCounts guards;  // of all stages
+  GuardCounts guards;                                      // of all stages
+  std::vector<std::pair<std::string, MetricValue>> masks;  // energy ratio in each, by name
 };
 
 // What a finished cell was made of; valid during the callback only.

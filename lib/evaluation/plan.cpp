@@ -44,6 +44,7 @@ class PlanReader {
                                                          vocabulary.make_sampler}));
     SPOOL_ASSIGN(plan.filters, read_methods(FilterKind{"filters", "filter", vocabulary.filters,
                                                        vocabulary.make_filter}));
+    SPOOL_TRY(read_masks(plan));
     SPOOL_TRY(check_recording_names(plan));
     return plan;
   }
@@ -65,7 +66,7 @@ class PlanReader {
     const std::vector<std::string> known = {
         "title",   "recordings",      "spp",      "replicates", "seed",    "order",  "reference",
         "holdout", "pieces_per_side", "samplers", "filters",    "sampler", "filter", "pool",
-        "metrics", "threads",         "repeats",  "pictures"};
+        "metrics", "threads",         "repeats",  "pictures",   "mask"};
     for (const auto& [key, node] : root_) {
       bool found = false;
       for (const std::string& k : known)
@@ -175,6 +176,35 @@ class PlanReader {
       plan.threads.push_back(*threads);
     }
     if (plan.threads.empty()) return refuse(*node, "'threads' has no value to sweep over");
+    return {};
+  }
+
+  Result<void> read_masks(Plan& plan) const {
+    const toml::node* tables = root_.get("mask");
+    if (!tables) return {};
+    const std::vector<std::string> known = {"name", "file", "recording"};
+    for (const toml::node* node : values_of(*tables)) {
+      const toml::table* table = node->as_table();
+      if (!table) return refuse(*node, "write [[mask]] and below it name = ... and file = ...");
+      EnergyMask mask;
+      for (const auto& [key, value] : *table) {
+        SPOOL_ASSIGN(const std::string text, text_of(value));
+        if (key.str() == "name") {
+          mask.name = text;
+        } else if (key.str() == "file") {
+          mask.path = (folder_ / text).lexically_normal().string();
+        } else if (key.str() == "recording") {
+          mask.recording = std::filesystem::path(text).filename().string();
+        } else {
+          return refuse(value, "unknown key '{}' of a mask{}", key.str(), hint(key.str(), known));
+        }
+      }
+      if (mask.name.find_first_of(" =") != std::string::npos || mask.name.empty() ||
+          mask.path.empty()) {
+        return refuse(*table, "a mask wants a name without spaces and a file");
+      }
+      plan.experiment.masks.push_back(std::move(mask));
+    }
     return {};
   }
 
@@ -340,6 +370,11 @@ Result<void> check_recording_names(const Plan& plan) {
 std::string cell_id(const Cell& cell, const Plan& plan) {
   std::uint64_t state = hash_text(hash_sampling(cell, plan), cell.filter.label());
   state = hash_options(state, option_values(metric_option_table(), plan.experiment.metrics));
+  for (const EnergyMask& mask : plan.experiment.masks) {
+    for (const std::string& text :
+         {mask.name, mask.recording, std::filesystem::path(mask.path).filename().string()})
+      state = hash_text(state, text);
+  }
   return fmt::format("{:016x}", state);
 }
 

@@ -19,6 +19,10 @@
 //   alpha = [0.3, 0.4, 0.5]       # a list of values is a sweep: every combination
 //   [[filter]]
 //   name = "box"
+//   [[mask]]                      # a part of the image whose energy is looked at
+//   name = "bulbs"
+//   file = "bulbs.exr"            # pixels above 0.5; relative to the plan
+//   recording = "chess.spool"     # absent: all
 //   [pool]                        # rules for samples that are no ordinary numbers
 //   [metrics]                     # options of the metrics
 //
@@ -47,7 +51,7 @@ struct Plan {
   int replicates = 5;
   std::vector<int> threads = {0};
   bool pictures = true;
-  ExperimentOptions experiment;
+  ExperimentOptions experiment;  // masks: names and paths only, until somebody reads the files
   SanitiseRules rules;
 
   std::vector<Cell> cells() const {

@@ -57,6 +57,14 @@ std::string plan_text(const Plan& plan) {
                    {"filter", method_tables(plan.filters)},
                    {"pool", options_table(sanitise_option_table(), plan.rules)},
                    {"metrics", options_table(metric_option_table(), e.metrics)}};
+  toml::array masks;
+  for (const EnergyMask& mask : e.masks) {
+    toml::table table{{"name", mask.name},
+                      {"file", std::filesystem::absolute(mask.path).lexically_normal().string()}};
+    if (!mask.recording.empty()) table.insert("recording", mask.recording);
+    masks.push_back(table);
+  }
+  if (!masks.empty()) root.insert("mask", masks);
   if (e.reference) root.insert("reference", std::string(reference_name(*e.reference)));
   if (e.holdout) root.insert("holdout", *e.holdout);
   std::ostringstream text;

@@ -91,6 +91,10 @@ const std::vector<ReferenceDescription>& reference_kinds() {
        "the last samples of every pixel, which no sampler is offered"},
       {ReferenceKind::kLeaveSelectedOut, "leave_selected_out",
        "the samples that the sampler did not select"},
+      {ReferenceKind::kCrossfit, "crossfit",
+       "each half of every pixel's samples by the other half; the mean of both errors. Budgets up "
+       "to "
+       "half of the recording"},
       {ReferenceKind::kPool, "pool",
        "the mean of all samples, the selected ones among them: BIASED, for comparison only", true},
   };
@@ -156,6 +160,10 @@ JudgingReference leave_selected_out_reference(const SamplePool& pool, const Coun
     const PieceSplit split = split_third({capacity < size ? capacity : counts(x, y), size});
     return PieceSplit{{counts(x, y), split.reference.end}, split.denominator};
   });
+}
+
+JudgingReference other_half_reference(const SamplePool& other) {
+  return split_reference(other, [&](int x, int y) { return split_third({0, other.size(x, y)}); });
 }
 
 JudgingReference pool_reference(const SamplePool& pool) {

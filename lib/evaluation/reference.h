@@ -15,7 +15,7 @@
 
 namespace spool {
 
-enum class ReferenceKind { kIndependent, kHoldout, kLeaveSelectedOut, kPool };
+enum class ReferenceKind { kIndependent, kHoldout, kLeaveSelectedOut, kCrossfit, kPool };
 
 struct ReferenceDescription {
   ReferenceKind kind;
@@ -53,6 +53,10 @@ Result<JudgingReference> holdout_reference(const SamplePool& pool);
 // box mean of the last third of the unselected samples. A pixel with fewer than two samples left in
 // some piece has no reference (NaN): combine with a holdout where pools run out.
 JudgingReference leave_selected_out_reference(const SamplePool& pool, const CountImage& counts);
+
+// Means of all samples of the other half of the recording (SamplePool::half), which had no part in
+// an image made of this half; the denominator is as in holdout_reference.
+JudgingReference other_half_reference(const SamplePool& other);
 
 // Mean of every recorded sample, as if exact: biased.
 JudgingReference pool_reference(const SamplePool& pool);

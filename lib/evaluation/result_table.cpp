@@ -42,6 +42,13 @@ std::string guards_text(const GuardCounts& guards) {
   return text;
 }
 
+std::string masks_text(const CellResult& result) {
+  std::string text;
+  for (const auto& [name, ratio] : result.masks)
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, number(ratio.value));
+  return text;
+}
+
 double saturated_share(const CellResult& result) {
   const double pieces = static_cast<double>(result.width) * result.height * result.pieces_per_side *
                         result.pieces_per_side;
@@ -160,6 +167,8 @@ std::vector<ResultColumn> make_columns() {
                     [](const R& r) { return r.metrics.excluded_estimate; }),
       number_column("excluded_reference", "pixels left out because there is no finite reference",
                     [](const R& r) { return r.metrics.excluded_reference; }),
+      text_column("energy_masks", "energy ratio in the masks of the plan, name=ratio",
+                  [](const R& r) { return masks_text(r); }),
       text_column("guards", "guards that caught something, name=count",
                   [](const R& r) { return r.error ? std::string() : guards_text(r.guards); }),
       text_column("error", "why there is no result; 'image not finite' where pixels are missing",

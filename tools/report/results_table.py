@@ -11,7 +11,7 @@ from typing import NamedTuple
 from failure import Failure
 
 KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")
-TEXT = {"dump", "sampler", "filter", "reference", "guards", "error"}
+TEXT = {"dump", "sampler", "filter", "reference", "energy_masks", "guards", "error"}
 csv.field_size_limit(1 << 24)
 
 

@@ -1,0 +1,30 @@
+#include "tools/mask_files.h"
+
+#include "lib/image_io/exr_image.h"
+
+namespace spool::tools {
+
+Result<Plane> read_mask(const std::string& path) {
+  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
+  SPOOL_ASSIGN(const RgbImage rgb, rgb_from_exr(file, path));
+  Plane mask(file.width, file.height);
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    mask[i] = (rgb[0][i] + rgb[1][i] + rgb[2][i]) / 3.0;
+  return mask;
+}
+
+Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts) {
+  std::vector<EnergyMask> masks;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      return fail(ErrorCode::kUsage, "--mask {}: write NAME=FILE.exr", text);
+    }
+    EnergyMask mask{text.substr(0, equals), "", text.substr(equals + 1), {}};
+    SPOOL_ASSIGN(mask.plane, read_mask(mask.path));
+    masks.push_back(std::move(mask));
+  }
+  return masks;
+}
+
+}  // namespace spool::tools

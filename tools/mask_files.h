@@ -1,0 +1,17 @@
+// Masks for the energy ratio, from image files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/evaluation/energy_masks.h"
+
+namespace spool::tools {
+
+// A single channel, or the mean of R, G and B.
+Result<Plane> read_mask(const std::string& path);
+// "NAME=FILE"; kUsage for other texts.
+Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts);
+
+}  // namespace spool::tools

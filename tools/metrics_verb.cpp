@@ -1,0 +1,112 @@
+#include "tools/metrics_verb.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/evaluation/energy_masks.h"
+#include "lib/evaluation/error_metrics.h"
+#include "lib/image_io/exr_image.h"
+#include "tools/mask_files.h"
+
+namespace spool::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+Result<RgbImage> read_rgb(const std::filesystem::path& path) {
+  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
+  return rgb_from_exr(file, path.string());
+}
+
+Result<MetricOptions> metric_options(const std::vector<std::string>& settings) {
+  MetricOptions metric;
+  metric.perceptual = Perceptual::kAll;
+  for (const std::string& text : settings) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) {
+      return fail(ErrorCode::kUsage, "--set {}: write OPTION=VALUE, for example trim=0.01", text);
+    }
+    SPOOL_TRY(
+        set_option(metric_option_table(), metric, text.substr(0, equals), text.substr(equals + 1)));
+  }
+  return metric;
+}
+
+Result<void> check_size(const RgbImage& image, const RgbImage& reference,
+                        const std::filesystem::path& path) {
+  if (image[0].width() == reference[0].width() && image[0].height() == reference[0].height()) {
+    return {};
+  }
+  return fail(ErrorCode::kData, "{}: is {} x {} pixels, the reference {} x {}: crop one of them",
+              path.string(), image[0].width(), image[0].height(), reference[0].width(),
+              reference[0].height());
+}
+
+std::string value_text(double value) {
+  return std::isnan(value) ? "n/a" : fmt::format("{:.6g}", value);
+}
+
+ordered_json number(double value) {
+  if (std::isnan(value)) return nullptr;
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+}  // namespace
+
+Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
+  SPOOL_ASSIGN(const MetricOptions metric, metric_options(options.settings));
+  SPOOL_ASSIGN(const RgbImage image, read_rgb(options.image));
+  JudgingReference reference;
+  SPOOL_ASSIGN(reference.mean, read_rgb(options.reference));
+  SPOOL_TRY(check_size(image, reference.mean, options.image));
+  if (!options.variance.empty()) {
+    SPOOL_ASSIGN(reference.variance, read_rgb(options.variance));
+    SPOOL_TRY(check_size(*reference.variance, reference.mean, options.variance));
+  }
+  SPOOL_ASSIGN(const std::vector<EnergyMask> masks, read_energy_masks(options.masks));
+  const MetricTable table = error_metrics(image, reference, metric);
+  std::vector<std::vector<std::string>> rows = {{"metric", "meaning", "value", "+-"}};
+  ordered_json json = {{"image", options.image.string()},
+                       {"reference", options.reference.string()},
+                       {"metrics", ordered_json::object()}};
+  const auto add = [&](const std::string& name, const std::string& meaning,
+                       const MetricValue& value) {
+    rows.push_back({name, meaning, value_text(value.value), value_text(value.standard_error)});
+    json["metrics"][name] = {{"value", number(value.value)},
+                             {"standard_error", number(value.standard_error)}};
+  };
+  for (std::size_t m = 0; m < metrics().size(); ++m)
+    add(metrics()[m].name, metrics()[m].meaning, table.values[m]);
+  for (const EnergyMask& mask : masks) {
+    SPOOL_ASSIGN(const MetricValue ratio,
+                 energy_in_mask(image, reference.mean, mask, metric.bootstrap));
+    add("energy_ratio_in_" + mask.name, "energy ratio where the mask is above 0.5", ratio);
+  }
+  json["relative_scale"] = table.relative_scale;
+  json["pixels_judged"] = table.pixels;
+  json["excluded_image"] = table.excluded_estimate;
+  json["excluded_reference"] = table.excluded_reference;
+  if (!options.error_map.empty()) {
+    ExrFile map{image[0].width(), image[0].height(), {}};
+    map.channels.push_back({"Y", PixelType::kFloat, squared_error_map(image, reference)});
+    SPOOL_TRY(write_exr(options.error_map, map, {.overwrite = common.force}));
+  }
+  if (common.json) {
+    print(json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+  } else {
+    print(format_columns(rows, 2));
+    print(
+        fmt::format("\n{} pixels judged; relative metrics after a factor {:.4g} on both images "
+                    "(--set rel_scale=none: as they are); +- one standard error\n",
+                    table.pixels, table.relative_scale));
+  }
+  if (table.failed) {
+    return fail(ErrorCode::kData, "{}: {} pixels are not finite and were left out",
+                options.image.string(), table.excluded_estimate);
+  }
+  return {};
+}
+
+}  // namespace spool::tools
