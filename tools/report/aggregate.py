@@ -11,7 +11,8 @@ from intervals import NAN, Interval, mean_interval, paired_ratio
 
 BASELINE = ("uniform", "box")
 RATIO_METRICS = ("mse", "relmse")
-TIMES = ("seconds_total", "seconds_sampling", "seconds_filtering", "cpu_sampling", "cpu_filtering")
+TIMES = ("seconds_total", "seconds_sampling", "seconds_filtering", "cpu_sampling", "cpu_filtering",
+         "seconds_reading", "seconds_judging", "seconds_writing", "peak_memory_mb")
 PIXEL_BOOTSTRAP_REACH = 1.959964  # standard errors either side: 95 % of a normal distribution
 
 
@@ -106,6 +107,41 @@ def _metric_interval(combination, rows, name):
 def baseline_of(combinations):
     """{(dump, spp): combination of uniform with box}, where that was run."""
     return {(c.dump, c.spp): c for c in combinations if (c.sampler, c.filter) == BASELINE}
+
+
+def over_recordings(combinations, names):
+    """One combination per method and budget that every recording has: geometric means.
+
+    Intervals are those of the logarithms, the recordings taken as given: what another scene would
+    give they do not say. A quantity that is not positive everywhere has no geometric mean.
+    """
+    dumps = {c.dump for c in combinations}
+    groups = defaultdict(list)
+    for c in combinations:
+        groups[(c.spp, c.sampler, c.filter)].append(c)
+    result = []
+    for (spp, sampler, filter_), members in groups.items():
+        if len(dumps) < 2 or len(members) < len(dumps):
+            continue
+        mean = Combination(("", spp, sampler, filter_))
+        mean.replicates = sum(c.replicates for c in members)
+        for name in names:
+            interval = _geometric_mean([c.quantities.get(name) for c in members])
+            if interval is not None:
+                mean.quantities[name] = interval
+        result.append(mean)
+    return result
+
+
+def _geometric_mean(intervals):
+    if any(i is None or not 0.0 < i.mean < math.inf for i in intervals):
+        return None
+    n = len(intervals)
+    mean = math.exp(sum(math.log(i.mean) for i in intervals) / n)
+    if not all(0.0 < i.low <= i.high < math.inf for i in intervals):
+        return Interval(n, mean)
+    reach = math.sqrt(sum((math.log(i.high / i.low) / 2.0) ** 2 for i in intervals)) / n
+    return Interval(n, mean, mean * math.exp(-reach), mean * math.exp(reach))
 
 
 def _add_ratios(combinations):

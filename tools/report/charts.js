@@ -116,12 +116,14 @@ function startCharts(area) {
       element('figure', {}, heading('Error against samples per pixel'), budget)));
 
   const draw = () => {
-    const known = report.combinations.filter((c) => c.dump === shown.dump && isShown(c));
+    const known = [...report.combinations, ...report.overall].filter(
+      (c) => c.dump === shown.dump && isShown(c));
     const drawable = known.filter((c) => isPositive(interval(c, shown.metric).mean));
     const timed = drawable.filter((c) => isPositive(interval(c, 'seconds_total').mean));
     const hidden = known.length - drawable.length;
     note.textContent = 'Bars are 95 % intervals; colour is the sampler, symbol and dash the filter. ' +
-      'Points of a line are budgets.' + (hidden === 0 ? '' :
+      'Points of a line are budgets.' + (shown.dump < report.dumps.length ? '' :
+        ' Geometric means over the recordings, which are taken as given.') + (hidden === 0 ? '' :
         ` Not drawn, for they have no value above zero: ${hidden} of ${known.length}.`);
     const budgets = [...new Set(drawable.map((c) => c.spp))].sort((a, b) => a - b);
     const ticks = budgets.length > 0 && budgets.length < 12 ?
@@ -164,7 +166,8 @@ function filterControls(withDump) {
   };
   const symbolText = ['●', '■', '◆', '✚', '✖', '▲', '▼', '★', '⬟', '⬢', '⧗', '⋈'];
   return element('div', {class: 'controls'},
-    withDump ? select('Recording', report.dumps, shown.dump, (i) => { shown.dump = i; changed(); }) : null,
+    withDump ? select('Recording', report.overall.length > 0 ?
+      [...report.dumps, 'all: geometric mean'] : report.dumps, shown.dump, (i) => { shown.dump = i; changed(); }) : null,
     select('Error', report.metrics, report.metrics.indexOf(shown.metric),
       (i) => { shown.metric = report.metrics[i]; changed(); }),
     chips('Samplers', report.samplers, shown.samplers, swatch),

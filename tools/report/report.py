@@ -52,7 +52,8 @@ def make_report(options):
     from result_images import dump_names, find_images, pack_images
     from results_table import read_results
     from sections import described_html, guards_html, quantities_html, run_html, summary_html
-    from summary import summarise
+    from statistics_section import read_statistics, statistics_html
+    from summary import is_biased, summarise
     from vocabulary import read_manifest, read_vocabulary
 
     if options.output.exists() and not options.force:
@@ -68,14 +69,18 @@ def make_report(options):
                          options.output.resolve().parent, options.max_image_mb)
     names = quantity_names(combinations, table.metrics)
     title = options.title or f"Spool report: {', '.join(list(labels.values())[:4])}"
+    biased = BIASED if is_biased(combinations) else ""
+    statistics = statistics_html(read_statistics(options.folder), labels, metric)
     sections = [
         ("summary", "Summary",
          summary_html(summarise(combinations, metric, labels), combinations, metric, len(labels))
          + described_html(manifest)),
-        ("charts", "Error, time and budget", '<div id="chart-area"></div>'),
+        ("charts", "Error, time and budget", biased + '<div id="chart-area"></div>'),
+        *([("statistics", "Ranks and differences", biased + statistics)] if statistics else []),
         ("table", "All results",
-         described_html(manifest) + '<div id="table-area"></div>' + quantities_html(names, vocabulary, OWN_MEANINGS)),
-        ("images", "Images", images_html(images)),
+         biased + described_html(manifest) + '<div id="table-area"></div>'
+         + quantities_html(names, vocabulary, OWN_MEANINGS)),
+        ("images", "Images", biased + images_html(images)),
         ("guards", "Saturated, rejected, clamped", guards_html(combinations, labels, vocabulary)),
         ("run", "The run", run_html(manifest, combinations, labels, vocabulary.version)),
     ]
@@ -85,6 +90,10 @@ def make_report(options):
     size = options.output.stat().st_size / 1e6
     return (f"{options.output}: {size:.1f} MB, {len(table.rows)} results, {len(images.packed)} images "
             f"({images.bytes / 1e6:.1f} MB)")
+
+
+BIASED = ('<p class="warning biased">Biased: judged by the samples that the images were made of. Do not '
+          "compare methods by these errors.</p>")
 
 
 def images_html(images):

@@ -5,7 +5,7 @@ Only sums over replicates go in: a page stays usable with ten thousand results.
 
 import math
 
-from aggregate import RATIO_METRICS, TIMES
+from aggregate import RATIO_METRICS, TIMES, over_recordings
 from result_images import exposure_of
 
 QUANTITIES_LAST = TIMES + ("samples_per_pixel", "saturated_share", "efficiency")
@@ -39,14 +39,20 @@ def report_data(combinations, metrics, metric, labels, vocabulary, images):
         "quantities": [{"name": name,
                         "meaning": OWN_MEANINGS.get(name) or vocabulary.meaning(name),
                         "better": _better(name, metrics, vocabulary)} for name in names],
-        "combinations": [{
-            "dump": dumps.index(c.dump), "sampler": samplers.index(c.sampler),
-            "filter": filters.index(c.filter), "spp": c.spp,
-            "replicates": c.independent_replicates, "failed": len(c.failures),
-            "values": [_interval(c.quantities.get(name)) for name in names],
-        } for c in combinations],
+        "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names)
+                         for c in combinations],
+        # For the charts only: the recording after the last one.
+        "overall": [_combination(c, len(dumps), samplers, filters, names)
+                    for c in over_recordings(combinations, names)],
         "pictures": _pictures(images, combinations, dumps),
     }
+
+
+def _combination(c, dump, samplers, filters, names):
+    return {"dump": dump, "sampler": samplers.index(c.sampler), "filter": filters.index(c.filter),
+            "spp": c.spp, "replicates": c.independent_replicates or c.replicates,
+            "failed": len(c.failures),
+            "values": [_interval(c.quantities.get(name)) for name in names]}
 
 
 def _better(name, metrics, vocabulary):

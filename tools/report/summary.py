@@ -172,10 +172,13 @@ def energy(combinations, labels):
                      "warning")]
 
 
+def is_biased(combinations):
+    return any("biased" in row.get("reference", "") for c in combinations for row in c.rows.values())
+
+
 def cautions(combinations, metric, labels):
     sentences = []
-    kinds = {row.get("reference", "") for c in combinations for row in c.rows.values()} - {""}
-    if any("biased" in kind for kind in kinds):
+    if is_biased(combinations):
         sentences.append(Sentence(
             "Judged by the pool that the images were made of: every error here is too small, and by "
             "a different factor for each method. Do not compare methods by it.", "warning"))
