@@ -1,6 +1,9 @@
 #include "formats/open_dump.h"
 
 #include <algorithm>
+#include <future>
+#include <system_error>
+#include <thread>
 
 #include "formats/byte_io.h"
 #include "formats/checked_math.h"
@@ -14,6 +17,10 @@ namespace spool::format {
 namespace {
 
 using enum FailureClass;
+
+// Reading a header costs a miss of every cache on its way: a large file is worth several threads.
+constexpr size_t kRecordsPerThread = 8192;
+constexpr size_t kMaxThreads = 8;
 
 tl::unexpected<Error> refuse(const OpenDump& dump, const Violation& violation) {
   return tl::unexpected(file_error(dump.file.path(), violation));
@@ -70,37 +77,78 @@ Result<std::vector<std::byte>> read_index(OpenDump& dump) {
   return read_payload(dump.file, entry, true);
 }
 
-// Step 7. Each header is read from the file: the index is a cache and must not be believed alone.
+// Step 7 for one record. Its header is read from the file: the index is a cache and must not be
+// believed alone.
+Result<void> check_record(const OpenDump& dump, size_t i) {
+  const IndexEntry& entry = dump.entries[i];
+  UnitBytes bytes{};
+  SPOOL_TRY(dump.file.read_at(entry.offset, bytes));
+  const auto header = check_record_bytes(bytes);
+  if (!header) return refuse_record(dump, entry, header.error());
+  if (*header != entry.header) {
+    return refuse_record(dump, entry, {kDamaged, "record header differs from the index"});
+  }
+  if (header->sequence != i) {
+    return refuse_record(dump, entry, {kDamaged, fmt::format("sequence number should be {}", i)});
+  }
+  if (const auto alone = check_record_alone(*header, dump.file_header.dump_id()); !alone) {
+    return refuse_record(dump, entry, alone.error());
+  }
+  return {};
+}
+
+// The first failure in the order of the file, whatever the number of threads.
+Result<void> check_records(const OpenDump& dump) {
+  const size_t count = dump.entries.size();
+  const auto check_part = [&](size_t begin, size_t end) -> Result<void> {
+    for (size_t i = begin; i < end; ++i)
+      SPOOL_TRY(check_record(dump, i));
+    return {};
+  };
+  const size_t parts = std::clamp<size_t>(
+      std::min<size_t>(count / kRecordsPerThread, std::thread::hardware_concurrency()), 1,
+      kMaxThreads);
+  std::vector<std::future<Result<void>>> others;
+  for (size_t part = 1; part < parts; ++part) {
+    const size_t begin = count * part / parts, end = count * (part + 1) / parts;
+    try {
+      others.push_back(std::async(std::launch::async, check_part, begin, end));
+    } catch (const std::system_error&) {  // no thread to be had: when it is asked for
+      others.push_back(std::async(std::launch::deferred, check_part, begin, end));
+    }
+  }
+  Result<void> first = check_part(0, count / parts);
+  for (auto& other : others) {
+    Result<void> checked = other.get();
+    if (first && !checked) first = std::move(checked);
+  }
+  return first;
+}
+
+// Where the index says the records lie: one after the other, from the file header to the index.
 Result<void> walk_records(OpenDump& dump, std::span<const std::byte> index) {
   const size_t count = index.size() / kUnit;
   dump.entries.reserve(count);
+  Result<void> sound = {};
   uint64_t expected_offset = kUnit;
-  for (size_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < count && sound; ++i) {
     const IndexEntry entry = decode_index_entry(index.subspan(i * kUnit, kUnit));
+    const auto payload = checked_pad64(entry.header.stored_bytes);
     if (entry.offset != expected_offset || !fits(entry.offset, kUnit, dump.footer.index_offset)) {
-      return refuse(dump, {kDamaged, fmt::format("index entry {} points to offset {}, expected {}",
-                                                 i, entry.offset, expected_offset)});
+      sound = refuse(dump, {kDamaged, fmt::format("index entry {} points to offset {}, expected {}",
+                                                  i, entry.offset, expected_offset)});
+      break;
     }
-    UnitBytes bytes{};
-    SPOOL_TRY(dump.file.read_at(entry.offset, bytes));
-    const auto header = check_record_bytes(bytes);
-    if (!header) return refuse_record(dump, entry, header.error());
-    if (*header != entry.header) {
-      return refuse_record(dump, entry, {kDamaged, "record header differs from the index"});
-    }
-    if (header->sequence != i) {
-      return refuse_record(dump, entry, {kDamaged, fmt::format("sequence number should be {}", i)});
-    }
-    if (const auto alone = check_record_alone(*header, dump.file_header.dump_id()); !alone) {
-      return refuse_record(dump, entry, alone.error());
-    }
-    const uint64_t payload = *checked_pad64(header->stored_bytes);
-    if (!fits(entry.offset + kUnit, payload, dump.footer.index_offset)) {
-      return refuse_record(dump, entry, {kDamaged, "payload runs into the index"});
-    }
-    expected_offset = entry.offset + kUnit + payload;
     dump.entries.push_back(entry);
+    if (!payload || !fits(entry.offset + kUnit, *payload, dump.footer.index_offset)) {
+      sound = refuse_record(dump, entry, {kDamaged, "payload runs into the index"});
+    } else {
+      expected_offset = entry.offset + kUnit + *payload;
+    }
   }
+  // A record that does not match its entry says more than an index that does not add up.
+  SPOOL_TRY(check_records(dump));
+  SPOOL_TRY(sound);
   if (expected_offset != dump.footer.index_offset) {
     return refuse(dump, {kDamaged, fmt::format("records end at offset {}, the index begins at {}",
                                                expected_offset, dump.footer.index_offset)});

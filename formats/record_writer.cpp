@@ -9,8 +9,7 @@ namespace spool::format {
 
 namespace {
 
-// How much a power failure may cost.
-constexpr uint64_t kSyncEveryBytes = uint64_t{256} << 20;
+// How much a power failure may cost, besides RecordWriter::sync_every.
 constexpr std::chrono::seconds kSyncInterval{30};
 
 bool is_there(const std::filesystem::path& path) {
@@ -121,7 +120,7 @@ Result<void> RecordWriter::append(RecordHeader record, std::span<const std::byte
   if (auto put = file_.write_at(end_, buffer_); !put) return stop_after(std::move(put).error());
   entries_.push_back({end_, record});
   end_ += buffer_.size();
-  const bool due = end_ - synced_until_ >= kSyncEveryBytes ||
+  const bool due = end_ - synced_until_ >= sync_every_ ||
                    std::chrono::steady_clock::now() - synced_at_ >= kSyncInterval;
   if (due) return sync();
   return {};

@@ -42,6 +42,9 @@ class RecordWriter {
   Result<void> seal(uint64_t data_records, uint32_t flags);
   Result<void> publish();
 
+  // How much a power failure may cost (256 MiB); besides, every 30 s are synced.
+  void sync_every(uint64_t bytes) { sync_every_ = bytes; }
+
   const FileHeader& file_header() const { return header_; }
   const std::filesystem::path& path() const { return path_; }
 
@@ -58,6 +61,7 @@ class RecordWriter {
   std::vector<std::byte> buffer_;
   uint64_t end_ = 0;  // of the last whole record
   uint64_t synced_until_ = 0;
+  uint64_t sync_every_ = uint64_t{256} << 20;
   std::chrono::steady_clock::time_point synced_at_ = std::chrono::steady_clock::now();
   bool force_ = false;
   bool stopped_ = false;

@@ -105,6 +105,7 @@ Result<SpoolWriter> SpoolWriter::create(const std::filesystem::path& path, const
   FileHeader file_header;
   file_header.dump_uuid = state->header.uuid;
   SPOOL_ASSIGN(state->records, RecordWriter::create(path, file_header, options.force));
+  state->records.sync_every(options.sync_every_bytes);
   SPOOL_TRY(state->write_preamble());
   return SpoolWriter(std::move(state));
 }
@@ -138,6 +139,7 @@ Result<SpoolWriter> SpoolWriter::resume(const std::filesystem::path& path,
   SPOOL_ASSIGN(state->records,
                RecordWriter::resume(path, std::move(file), scan.file_header, std::move(scan.intact),
                                     scan.whole_until, options.force));
+  state->records.sync_every(options.sync_every_bytes);
   return SpoolWriter(std::move(state));
 }
 

@@ -25,6 +25,7 @@ struct WriterOptions {
   bool compress = false;  // byte shuffle + zstd, kept per block only where it saves 5 % or more
   bool force = false;     // replace an existing NAME and a stale NAME.partial
   std::optional<std::array<uint8_t, 16>> uuid = {};  // for reproducible files; random when absent
+  uint64_t sync_every_bytes = uint64_t{256} << 20;   // at most this a power failure costs, or 30 s
 };
 
 class SpoolWriter {

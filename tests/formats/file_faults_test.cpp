@@ -13,6 +13,7 @@
 #include "tests/formats/crc_repair.h"
 #include "tests/formats/faulty_calls.h"
 #include "tests/formats/made_dump.h"
+#include "tests/support/trust.h"
 
 namespace spool::format {
 namespace {
@@ -161,7 +162,7 @@ TEST(FileFaults, ShortTransfersAndInterruptionsChangeNothing) {
   const auto path = folder / "a.spool";
   MadeDump dump = small_dump();
   dump.options.force = true;
-  for (uint64_t seed = 0; seed < 2000; ++seed) {
+  for (uint64_t seed = 0; seed < test::trust_count(2000, 10000); ++seed) {
     const FaultyCalls faults({.random = true, .seed = seed});
     const auto made = make_dump(path, dump);
     ASSERT_TRUE(made) << made.error().message;
@@ -226,7 +227,7 @@ TEST(FileFaults, DiskFullAtEveryByteIsResumable) {
 
 TEST(FileFaults, RealFileSizeLimitIsResumable) {
   const Bytes expected = true_bytes();
-  for (uint64_t limit = 1; limit < expected.size(); limit += 97) {
+  for (uint64_t limit = 1; limit < expected.size(); limit += test::whole_trust_run() ? 1 : 97) {
     const ScratchFolder folder;
     const auto path = folder / "a.spool";
     const pid_t child = ::fork();
@@ -253,7 +254,7 @@ TEST(FileFaults, KilledWriterLosesAtMostTheUnfinishedRecord) {
   }();
   const DumpGeometry geometry(dump.header);
   size_t torn = 0;
-  for (uint64_t round = 0; round < 100; ++round) {
+  for (uint64_t round = 0; round < test::trust_count(100, 1000); ++round) {
     const ScratchFolder folder;
     const auto path = folder / "a.spool";
     std::array<int, 2> pipe_ends{};

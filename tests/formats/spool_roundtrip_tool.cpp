@@ -1,5 +1,6 @@
 // Shows another implementation what the C++ reader and writer do:
 //   rewrite IN OUT ...   reads each dump and writes it again: meta first, then group, tile, block
+//   recover IN OUT ...   0 all, 4 something lost, or the exit code and the message
 //   open FILE ...        one line per file: 0, or the exit code and the message of the refusal
 //   check FILE ...       one line per file: 0 intact, 4 damaged, or the exit code and the message
 #include <cstdio>
@@ -7,6 +8,7 @@
 
 #include "formats/dump_check.h"
 #include "formats/spool_reader.h"
+#include "formats/spool_recovery.h"
 #include "formats/spool_writer.h"
 
 namespace {
@@ -53,6 +55,12 @@ Result<void> check(const char* path) {
   return fail(ErrorCode::kDamage, "{}", report.damaged.empty() ? "" : report.damaged[0].reason);
 }
 
+Result<void> recover(const char* in, const char* out) {
+  SPOOL_ASSIGN(const RecoveryReport report, recover_dump(in, out));
+  if (!report.anything_lost()) return {};
+  return fail(ErrorCode::kDamage, "{} blocks kept", report.kept_blocks);
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -60,6 +68,9 @@ int main(int count, char** arguments) {
   for (int i = 2; i < count; ++i) {
     if (verb == "rewrite" && i + 1 < count) {
       print(rewrite(arguments[i], arguments[i + 1]));
+      ++i;
+    } else if (verb == "recover" && i + 1 < count) {
+      print(recover(arguments[i], arguments[i + 1]));
       ++i;
     } else if (verb == "open") {
       print(SpoolReader::open(arguments[i]).map([](const SpoolReader&) {}));
