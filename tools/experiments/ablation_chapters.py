@@ -1,0 +1,158 @@
+"""A1 to A12: one part of the method at a time."""
+from chapter import Chapter
+from results import mean, ratio
+from tables import curves, finding, mean_text, pool_title, ratio_text, table, with_error
+
+M = "multiscale"
+
+
+def o(name, text):
+    return f"{name}{{{text}}}"
+
+
+def sampling(variants, statements, column="mse"):
+    """Tables of sampler variants, raw and filtered, and whether the statements came out."""
+    def body(m):
+        r = m.results
+        blocks = [curves(r, pool, column, methods=[(v, f) for f in r.filters for v in variants]) for pool in r.pools]
+        said = [finding(f"{text}, {f}", r, (a, f), (b, f)) for text, a, b in statements for f in r.filters]
+        return [*blocks, "\n".join(said)]
+    return body
+
+
+def filtering(statements):
+    """Tables of filter variants over uniform and multiscale samples."""
+    def body(m):
+        r = m.results
+        said = [finding(f"{text}, {s} samples", r, (s, a), (s, b)) for text, a, b in statements for s in r.samplers]
+        return [*(curves(r, pool, column) for pool in r.pools for column in ("relmse",)), "\n".join(said)]
+    return body
+
+
+def size_rule(m):
+    r = m.results
+    rule = lambda v, f, s: o("directional", f"size_variance={v},size_factor={f},size_smooth={s}")  # noqa: E731
+    ours = rule("coarse_var", "const(0.5)", "opens_only")
+    said = [finding(f"{text}, {s} samples, {c}", r, (s, ours), (s, b), c)
+            for text, b in (("the default is below contrast in eq 9", rule("contrast", "const(0.5)", "opens_only")),
+                            ("... below the literal factor", rule("coarse_var", "literal", "opens_only")),
+                            ("... below the clamped factor", rule("coarse_var", "literal_clamped", "opens_only")),
+                            ("... below votes that also close", rule("coarse_var", "const(0.5)", "on")),
+                            ("... below no vote", rule("coarse_var", "const(0.5)", "off")))
+            for s in r.samplers for c in ("relmse",)]
+    return [*(curves(r, pool, "relmse", methods=[(M, f) for f in r.filters]) for pool in r.pools), "\n".join(said)]
+
+
+def pool_size(m):
+    r = m.results
+    rows, shares = [], []
+    for sampler in r.samplers:
+        row, share = [sampler], [sampler]
+        for pool in r.pools:
+            cell = (pool, sampler, "box", 16)
+            row.append(ratio_text(r.values("mse", *cell), r.values("mse", pool, "uniform", "box", 16)))
+            share.append(f"{100 * mean(r.values('saturated_share', *cell)):.1f} %" if r.rows(*cell) else "–")
+        rows.append(row)
+        shares.append(share)
+    header = ["samples per pixel recorded", *(p.rsplit("_n")[-1] for p in r.pools)]
+    return ["Scene S at 16 samples per pixel, MSE relative to uniform:\n\n" + table(header, rows),
+            "Share of the pixels that ran out of samples:\n\n" + table(header, shares)]
+
+
+def references(m):
+    kinds = {plan.removeprefix("a11_reference_"): r for plan, r in m.by_plan.items()}
+    truth = kinds["independent"]
+    blocks = []
+    for pool in truth.pools:
+        rows = []
+        for sampler in truth.samplers:
+            for f in truth.filters:
+                true = truth.values("mse", pool, sampler, f, 16)
+                rows.append([f"{sampler} + {f}", mean_text(true),
+                             *(ratio_text(r.values("mse", pool, sampler, f, 16), true)
+                               for kind, r in kinds.items() if kind != "independent")])
+        blocks.append(f"{pool_title(pool)}, MSE at 16 of 48 samples per pixel, and what each reference makes of it:\n\n"
+                      + table(["method", "independent", *(f"{k} / independent" for k in kinds if k != "independent")], rows))
+    found = {}
+    for kind, r in kinds.items():
+        values = [ratio(r.values("mse", p, s, f, 16), truth.values("mse", p, s, f, 16))
+                  for p in truth.pools for s in truth.samplers for f in truth.filters]
+        values = [v[0] for v in values if v]
+        found[kind] = f"{min(values):.2f} to {max(values):.2f}"
+    uniform = ratio(kinds["pool"].values("mse", "scene_s", "uniform", "box", 16),
+                    truth.values("mse", "scene_s", "uniform", "box", 16))
+    blocks.append(f"- Expected for fixed counts and no filter when judged by the pool: 1 - 16/48 = 0.667 or 1 - 16/64 = 0.75, "
+                  f"as the judged pool holds what is held out or not. Scene S, uniform, box: {with_error(*uniform)}.\n"
+                  f"- Over all methods and pools the ratio to the true error goes from {found['pool']} when judged by the pool, "
+                  f"{found['holdout']} by samples held out, {found['leave_selected_out']} by samples not selected: the first "
+                  "is a bias that differs from method to method, the other two are noise.")
+    return blocks
+
+
+def reconstruction_alone(m):
+    r = m.results
+    said = [finding(f"directional is below {f} in relMSE", r, ("uniform", "directional"), ("uniform", f), "relmse")
+            for f in ("gaussian", "greedy_selection", "nl_means")]
+    return [*(curves(r, pool, column) for pool in r.pools for column in ("mse", "relmse")), "\n".join(said)]
+
+
+def alpha(a):
+    return o(M, f"alpha={a}")
+
+
+CHAPTERS = [
+    Chapter("A1", "Attenuation: off, and the readings of eq 7", ["a1_attenuation"],
+            "Eqs 7 and 8 are missing from the printed text; without attenuation a prototype lost to uniform sampling.",
+            sampling([o(M, f"A_update={u}") for u in ("fractional", "region", "any_touch", "accumulate", "none")],
+                     [(f"the default reading is below '{u}'", o(M, "A_update=fractional"), o(M, f"A_update={u}"))
+                      for u in ("region", "any_touch", "accumulate", "none")])),
+    Chapter("A2", "The difference term of eq 5", ["a2_detail_term"], "Eq 5 adds |d|² to the contrast.",
+            sampling([o(M, f"d_norm={d}") for d in ("absolute", "off", "relative")] + [o(M, "d_index=same_k")],
+                     [("with |d|² is below without", o(M, "d_norm=absolute"), o(M, "d_norm=off")),
+                      ("absolute is below relative", o(M, "d_norm=absolute"), o(M, "d_norm=relative"))])),
+    Chapter("A3", "alpha of eq 7", ["a3_alpha"], "0.3 to 0.5.",
+            sampling([alpha(a) for a in (0.3, 0.4, 0.5)],
+                     [("0.3 is below 0.4", alpha(0.3), alpha(0.4)), ("0.5 is below 0.4", alpha(0.5), alpha(0.4))])),
+    Chapter("A4", "Initial samples", ["a4_initial_samples"], "At least one.",
+            sampling([o(M, f"init_spp={n}") for n in (1, 2, 4)],
+                     [("2 is below 1", o(M, "init_spp=2"), o(M, "init_spp=1")),
+                      ("4 is below 2", o(M, "init_spp=4"), o(M, "init_spp=2"))])),
+    Chapter("A5", "Epochs: many regions a step, or one", ["a5_epochs"], "One region at a time.",
+            sampling([o(M, "update=exact")] + [o(M, f"epochs={n}") for n in (4, 16, 64, 256)],
+                     [(f"one region a step is below {n} epochs", o(M, "update=exact"), o(M, f"epochs={n}"))
+                      for n in (4, 16, 64, 256)])),
+    Chapter("A6", "Size of the filter (eq 9)", ["a6_size_rule"],
+            "The contrast of eq 6 stands for the variance, with the factor as printed.", size_rule),
+    Chapter("A7", "Angle of a band and eq 12", ["a7_angle"], "Eq 12 has its weights exchanged in print.",
+            filtering([("the tangent is below the normal, MSE", o("directional", "angle=tangent,eq12=corrected"),
+                        o("directional", "angle=normal,eq12=corrected")),
+                       ("eq 12 corrected is below eq 12 as printed, MSE", o("directional", "angle=tangent,eq12=corrected"),
+                        o("directional", "angle=tangent,eq12=literal"))])),
+    Chapter("A8", "Filter bank: stages and sign filter", ["a8_filter_bank"], "Two or three stages.",
+            filtering([("three stages are below one, MSE", o("directional", "dfb_levels=3,dfb_taps=pkva12"),
+                        o("directional", "dfb_levels=1,dfb_taps=pkva12")),
+                       ("three stages are below two, MSE", o("directional", "dfb_levels=3,dfb_taps=pkva12"),
+                        o("directional", "dfb_levels=2,dfb_taps=pkva12")),
+                       ("12 taps are below 6, MSE", o("directional", "dfb_levels=3,dfb_taps=pkva12"),
+                        o("directional", "dfb_levels=3,dfb_taps=pkva6")),
+                       ("the bank is below the structure tensor, MSE", o("directional", "dfb_levels=3,dfb_taps=pkva12"),
+                        o("directional", "aniso=structure_tensor")),
+                       ("the bank is below the isotropic filter, MSE", o("directional", "dfb_levels=3,dfb_taps=pkva12"),
+                        o("directional", "aniso=iso"))])),
+    Chapter("A9", "Weight of a sample", ["a9_weighting"], "Eq 10 weighs each sample by its distance.",
+            filtering([("each piece alike is below each sample alike, MSE",
+                        o("directional", "weighting=per_piece,recon_granularity=piece"),
+                        o("directional", "weighting=per_sample,recon_granularity=piece")),
+                       ("positions of samples are below centres of pieces, MSE",
+                        o("directional", "weighting=per_sample,recon_granularity=sample"),
+                        o("directional", "weighting=per_sample,recon_granularity=piece"))]),
+            apart="Film positions are recorded per pass (chess) or not at all: `recon_granularity=sample` then differs "
+                  "little or not."),
+    Chapter("A10", "Size of the pool", ["a10_pool_size"],
+            "What a replay loses when a pixel runs out of recorded samples.", pool_size),
+    Chapter("A11", "What an image is judged by", [f"a11_reference_{k}" for k in
+                                                  ("independent", "holdout", "leave_selected_out", "pool")],
+            "Judging by the pool that the samples came from is common and biased.", references),
+    Chapter("A12", "Filters alone: uniform samples", ["a12_reconstruction_alone"],
+            "How much of the gain is the filter's.", reconstruction_alone),
+]

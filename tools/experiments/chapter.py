@@ -1,0 +1,23 @@
+"""One experiment of docs/experiments.md: its plans, what the paper says, and how its figures are shown."""
+from dataclasses import dataclass
+from typing import Callable
+
+
+@dataclass
+class Chapter:
+    id: str
+    title: str
+    plans: list            # names in tools/plans, without .toml
+    paper: str             # what the paper reports, or why the question is asked
+    body: Callable         # Material -> list of Markdown blocks
+    density: bool = False  # also measure the density of the plan's samplers
+    apart: str = ""        # what cannot be replayed on our pools, and why
+    optional: tuple = ()   # further plans, shown when they were run
+
+
+@dataclass
+class Material:
+    """What a chapter is written from."""
+    results: object        # Results of its plans
+    density: dict          # {(pool, sampler, spp): {measure: [one per replicate]}}
+    by_plan: dict          # {plan: Results}

@@ -1,0 +1,128 @@
+"""Where a sampler puts its samples: replays the samplers of a plan and measures the density.
+
+Measures of a replay, one number per replicate:
+  level_K          share of the samples of pops that a pop of level K took
+  near_edges       share of the adaptive samples within 2 pixels of the tenth of the pixels with the largest
+                   gradient of the reference's log luminance (their share of the image: edge_area)
+  correlation      Pearson correlation of the count with the deviation of all recorded samples, over pixels
+  block_index      mean |difference of counts| across multiples of 16 / elsewhere
+  tile_jump        the same across the borders of the sampler's tiles
+"""
+import itertools
+import json
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+import numpy as np
+
+from results import canonical
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "formats" / "python"))
+import spool  # noqa: E402
+import spool.exr  # noqa: E402
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+def samplers_of(plan):
+    """(label as in the results, name with preset, [(option, value)])"""
+    for name in plan.get("samplers", []):
+        yield name, name, []
+    for entry in plan.get("sampler", []):
+        entry = dict(entry)
+        name = entry.pop("name")
+        preset = entry.pop("preset", None)
+        full = f"{name}:{preset}" if preset else name
+        lists = [v if isinstance(v, list) else [v] for v in entry.values()]
+        for values in itertools.product(*lists):
+            options = list(zip(entry, values))
+            text = ",".join(f"{o}={v}" for o, v in options)
+            yield canonical(full + (f"{{{text}}}" if text else "")), full, options
+
+
+def jump(counts, step):
+    """Mean jump across the borders of blocks of `step` pixels, relative to jumps elsewhere."""
+    across, elsewhere = [], []
+    for image in (counts, counts.T):
+        steps = np.abs(np.diff(image, axis=1))
+        border = (np.arange(1, image.shape[1]) % step) == 0
+        across.append(steps[:, border].ravel())
+        elsewhere.append(steps[:, ~border].ravel())
+    across, elsewhere = np.concatenate(across), np.concatenate(elsewhere)
+    if across.size == 0 or elsewhere.mean() == 0:
+        return None
+    return float(across.mean() / elsewhere.mean())
+
+
+def widened(mask, reach):
+    wide = np.zeros_like(mask)
+    padded = np.pad(mask, reach)
+    height, width = mask.shape
+    for dy in range(2 * reach + 1):
+        for dx in range(2 * reach + 1):
+            wide |= padded[dy:dy + height, dx:dx + width]
+    return wide
+
+
+class Recording:
+    """What the measures need of a pool: deviation of its pixels, and where its edges are."""
+
+    def __init__(self, path):
+        with spool.open(path) as dump:
+            radiance = np.asarray(dump.read("radiance"), dtype=np.float64) @ LUMINANCE
+            reference = np.asarray(dump.pixel("reference"), dtype=np.float64) @ LUMINANCE
+        self.deviation = radiance.std(axis=2)
+        log = np.log(np.maximum(reference.reshape(self.deviation.shape), 1e-3))
+        gradient = np.hypot(*np.gradient(log))
+        self.edges = widened(gradient >= np.quantile(gradient, 0.9), 2)
+
+
+def measure(counts, log, recording, tile):
+    found = {"block_index": jump(counts, 16), "edge_area": float(recording.edges.mean())}
+    adaptive = counts - counts.min()
+    if adaptive.sum() > 0:
+        found["near_edges"] = float(adaptive[recording.edges].sum() / adaptive.sum())
+        found["correlation"] = float(np.corrcoef(counts.ravel(), recording.deviation.ravel())[0, 1])
+    popped = sum(log["samples_of_level"])
+    for level, samples in enumerate(log["samples_of_level"]):
+        if level and popped:
+            found[f"level_{level}"] = samples / popped
+    if tile:
+        found["tile_jump"] = jump(counts, tile)
+    return found
+
+
+def replay(program, pool, name, options, spp, seed):
+    with tempfile.TemporaryDirectory() as folder:
+        selection = Path(folder) / "n.exr"
+        settings = [part for option, value in options for part in ("--set", f"sampler.{option}={value}")]
+        finished = subprocess.run(
+            [program, "replay", pool, "--sampler", name, *settings, "--spp", str(spp), "--order", "shuffled",
+             "--seed", str(seed), "--json", "-q", "-o", selection], check=True, capture_output=True, text=True)
+        return spool.exr.read(selection)["n"].astype(np.float64), json.loads(finished.stdout)
+
+
+def densities(program, plan_path, folder):
+    """{(pool, sampler, spp): {measure: [one per replicate]}}; what is done is kept beside the folder."""
+    plan = tomllib.loads(plan_path.read_text())
+    store = folder.with_name(folder.name + "_density.json")
+    done = json.loads(store.read_text()) if store.exists() else {}
+    found = {}
+    for path in plan["recordings"]:
+        path = plan_path.parent / path
+        recording = None
+        for label, name, options in samplers_of(plan):
+            for spp, seed in itertools.product(plan["spp"], range(1, plan["replicates"] + 1)):
+                key = f"{path.stem}|{label}|{spp}|{seed}"
+                if key not in done:
+                    recording = recording or Recording(path)
+                    counts, log = replay(program, path, name, options, spp, seed)
+                    done[key] = measure(counts, log, recording, dict(options).get("tile"))
+                    store.write_text(json.dumps(done))
+                for column, value in done[key].items():
+                    if value is not None:
+                        found.setdefault((path.stem, label, spp), {}).setdefault(column, []).append(value)
+    return found
