@@ -11,13 +11,14 @@
 #include "formats/spool_reader.h"
 #include "formats/spool_recovery.h"
 #include "tests/formats/made_dump.h"
+#include "tests/support/source_directory.h"
 
 namespace spool::format {
 namespace {
 
 using Json = nlohmann::json;
 
-const std::filesystem::path kGolden = std::filesystem::path(SPOOL_SOURCE_DIR) / "tests/golden";
+const std::filesystem::path kGolden = test::source_directory() / "tests/golden";
 
 Json read_json(const std::filesystem::path& path) {
   std::ifstream in(path);

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/record_layout.h"
+#include "tests/support/source_directory.h"
 
 namespace spool::format {
 namespace {
@@ -25,7 +26,7 @@ void PrintTo(const Row& row, std::ostream* out) {
 using Tables = std::map<std::string, std::vector<Row>>;
 
 std::vector<std::string> lines_of(const char* file) {
-  std::ifstream in(std::string(SPOOL_SOURCE_DIR) + "/" + file);
+  std::ifstream in(test::source_directory() / file);
   EXPECT_TRUE(in) << file;
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);)

@@ -8,6 +8,7 @@
 #include "lib/pool/load_recording.h"
 #include "lib/synthetic/write_synthetic.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/source_directory.h"
 #include "tools/external_methods.h"
 
 namespace spool::tools {
@@ -105,13 +106,13 @@ TEST(EveryPair, RunsOnASyntheticDump) {
 }
 
 TEST(EveryPair, RunsOnARecordedDump) {
-  const auto recording = load(std::filesystem::path(SPOOL_SOURCE_DIR) / "dumps/tiny/chess.spool");
+  const auto recording = load(test::source_directory() / "dumps/tiny/chess.spool");
   ASSERT_NE(recording, nullptr);
   run_every_pair(pool_of(recording, 1), 8);
 }
 
 TEST(EveryPair, RunsOnQuarterPixels) {
-  const auto recording = load(std::filesystem::path(SPOOL_SOURCE_DIR) / "dumps/tiny/chess.spool");
+  const auto recording = load(test::source_directory() / "dumps/tiny/chess.spool");
   ASSERT_NE(recording, nullptr);
   run_every_pair(pool_of(recording, 2), 16, {"uniform", "multiscale"});
 }

@@ -17,13 +17,13 @@ inline DirectionalEnergy<double> directional_energy(const NoisyBands<double>& so
   const std::size_t bands = source.bands.size();
   const bool is_abs = options.measure == DirectionMeasure::kAbs;
   const Taps gaussian = gaussian_taps(options.smoothing * std::pow(2.0, level));
-  const Plane noise = convolve(variance, gaussian, 1, options.extension);
+  const Plane noise = reference::convolve(variance, gaussian, 1, options.extension);
   DirectionalEnergy<double> result;
   for (const Plane& band : source.bands) {
     Plane measure = band;
     for (double& value : measure.pixels())
       value = is_abs ? std::abs(value) : value * value;
-    result.energy.push_back(convolve(measure, gaussian, 1, options.extension));
+    result.energy.push_back(reference::convolve(measure, gaussian, 1, options.extension));
   }
   result.isotropic = Image<std::uint8_t>(variance.width(), variance.height());
   for (std::size_t p = 0; p < variance.size(); ++p) {

@@ -31,7 +31,7 @@ inline Plane prediction_of(const Plane& coarse, const PyramidOptions& options, i
   const int dilation = pyramid_dilation(options, k);
   if (options.detail == LaplacianDetail::kAtrousDiff) return coarse;
   if (options.detail == LaplacianDetail::kCycleSpun) {
-    return convolve(coarse, scaled(g, 0.5), dilation, options.extension);
+    return reference::convolve(coarse, scaled(g, 0.5), dilation, options.extension);
   }
   Plane masked = coarse;
   for (int y = 0; y < coarse.height(); ++y) {
@@ -39,7 +39,7 @@ inline Plane prediction_of(const Plane& coarse, const PyramidOptions& options, i
       if (x / dilation % 2 != 0 || y / dilation % 2 != 0) masked(x, y) = 0.0;
     }
   }
-  return convolve(masked, g, dilation, options.extension);
+  return reference::convolve(masked, g, dilation, options.extension);
 }
 
 inline Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options) {

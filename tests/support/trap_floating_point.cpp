@@ -15,6 +15,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/source_directory.h"
+
 namespace {
 
 constexpr int kTrapped = FE_INVALID | FE_DIVBYZERO;
@@ -28,7 +30,8 @@ extern "C" void report_trap(int) {
 }
 
 std::set<std::string> allowed_tests() {
-  std::ifstream list(SPOOL_SOURCE_DIR "/tests/support/floating_point_exceptions.txt");
+  std::ifstream list(spool::test::source_directory() /
+                     "tests/support/floating_point_exceptions.txt");
   std::set<std::string> names;
   for (std::string line; std::getline(list, line);) {
     if (!line.empty() && line[0] != '#') names.insert(line.substr(0, line.find(' ')));
