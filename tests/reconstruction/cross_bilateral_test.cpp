@@ -72,22 +72,22 @@ TEST(CrossBilateral, WithTheInputAloneReturnsIt) {
 }
 
 TEST(CrossBilateral, KeepsAnEdgeThatTheAlbedoShowsAndSmoothsBesideIt) {
-  // made_features.h: the albedo steps at half the width, by far more than sigma_albedo.
+  // made_features.h: the albedo steps at half the width, by far more than its noise and the
+  // tolerance for it. A tolerance below the noise of the features' means would smooth nothing.
   const int width = 24, height = 16;
   const SamplePool pool = make_pool(width, height, 8, [=](int x, int y, int s) {
     const auto noise = static_cast<float>(unit_double(mix(6, x, y, s)) - 0.5);
     const float value = (2 * x < width ? 1.0f : 4.0f) + noise;
     return Rgb{value, value, value};
   });
-  CrossBilateralOptions options;
-  options.sigma_albedo = 0.02;
-  const auto result = reconstruct_cross_bilateral(select_uniform(pool, 8), pool, {}, options);
+  const Selection selection = select_uniform(pool, 8);
+  const auto result = reconstruct_cross_bilateral(selection, pool, {}, {});
   double raw = 0.0, smooth = 0.0;
   for (int y = 0; y < height; ++y) {
     EXPECT_NEAR(result->image[0](11, y), 1.0, 0.1);
     EXPECT_NEAR(result->image[0](12, y), 4.0, 0.1);
     for (int x = 0; x < 12; ++x) {
-      raw += std::pow(select_uniform(pool, 8).statistics.mean[0](x, y) - 1.0, 2);
+      raw += std::pow(selection.statistics.mean[0](x, y) - 1.0, 2);
       smooth += std::pow(result->image[0](x, y) - 1.0, 2);
     }
   }

@@ -138,22 +138,22 @@ TEST(FilterSize, StepsToTheNeighboursAreLimitedAsTheTwinSays) {
   }
 }
 
-TEST(FilterSize, ALoneLargeFilterOnADiagonalEdgeIsClosed) {
+TEST(FilterSize, ALoneLargeFilterOnADiagonalEdgeIsClosedToOneStepAboveItsNeighbours) {
   SizeCase c = flat_case(48, 48, 0.0, 1e-8);
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 48; ++x)
       c.mean(x, y) = x == y ? 0.5 : (x > y ? 0.8 : 0.2);
   }
-  const auto largest_on_edge = [](const CountImage& level) {
-    int largest = 0;
-    for (int i = 16; i < 32; ++i)
-      largest = std::max(largest, level(i, i));
-    return largest;
-  };
   FilterSizeOptions closed;
   closed.step = 1;
-  EXPECT_GE(largest_on_edge(size_of(c, {})), 2);  // the mean is 0.5 at every size
-  EXPECT_LE(largest_on_edge(size_of(c, closed)), 1);
+  const CountImage open_level = size_of(c, {}), closed_level = size_of(c, closed);
+  for (int i = 16; i < 32; ++i) {
+    EXPECT_EQ(open_level(i, i), 4);  // its mean is 0.5 at every size
+    const int beside = std::max(open_level(i + 1, i), open_level(i, i + 1));
+    EXPECT_LE(beside, 1);  // these see the edge at once; their votes alone are too few at size 1
+    EXPECT_EQ(closed_level(i, i), beside + 1);
+    EXPECT_EQ(closed_level(i + 1, i), open_level(i + 1, i));
+  }
 }
 
 TEST(FilterSize, GreedyCautionHasItsKnownValues) {
