@@ -2,6 +2,7 @@
 import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -46,12 +47,20 @@ def test_each_experiment_and_ablation_has_a_plan():
 
 
 @pytest.mark.parametrize("kind, flag", [("samplers", "sampler"), ("filters", "filter")])
-def test_the_plan_of_all_methods_names_every_method(plans, kind, flag):
+def test_the_plans_of_all_methods_name_every_method(plans, kind, flag):
     listed = json.loads(subprocess.run([PROGRAM, "list", kind, "--json"], text=True,
                                        capture_output=True, check=True).stdout)
     names = {m["name"] for m in listed} - MADE_ELSEWHERE
-    text = (plans / "methods.toml").read_text()
+    text = "".join((plans / name).read_text() for name in ("methods.toml", "features.toml"))
     assert {n for n in names if f'"{n}"' not in text} == set(), f"tools/plans/methods.toml: add this {flag}"
+
+
+def test_the_recordings_of_the_plan_of_features_have_them(plans):
+    for name in tomllib.loads((plans / "features.toml").read_text())["recordings"]:
+        info = json.loads(subprocess.run([PROGRAM, "info", plans / name, "--json"], text=True,
+                                         capture_output=True, check=True).stdout)
+        channels = {layer["name"] for layer in info["layers"]}
+        assert channels >= {"normal", "albedo", "depth"}, name
 
 
 def test_a_misspelt_option_in_a_plan_is_found(plans):

@@ -44,6 +44,7 @@ def parse():
     parser.add_argument("--results", default=ROOT / "build/experiments", type=Path, help="one folder per plan in it")
     parser.add_argument("--output", default=ROOT / "docs", type=Path, help="folder of the pages")
     parser.add_argument("--threads", default="0")
+    parser.add_argument("--more", action="store_true", help="also plans that only add recordings")
     parser.add_argument("--write-only", action="store_true")
     arguments = parser.parse_args()
     known = {c.id.lower() for c in CHAPTERS}
@@ -85,7 +86,7 @@ def section(chapter, arguments):
         density = densities(arguments.program, PLANS / f"{plans[0]}.toml", arguments.results / plans[0])
     results = Results([arguments.results / p for p in plans])
     left = [p for p in chapter.optional if p not in plans]
-    more = [f"Not run yet: {', '.join(left)} (the same command with their names)."] if left else []
+    more = [f"Not run: {', '.join(left)} (`tools/dev.sh experiments {chapter.id} --more`)."] if left else []
     return [*blocks, *chapter.body(Material(results, density, by_plan)), *more]
 
 
@@ -103,7 +104,7 @@ def main():
     if not arguments.write_only:
         for chapter in CHAPTERS:
             if not wanted or chapter.id.lower() in wanted:
-                for plan in (*chapter.plans, *chapter.optional):
+                for plan in (*chapter.plans, *(chapter.optional if arguments.more else ())):
                     run(plan, arguments)
     blocks = [HEAD + "\n    ".join(command(name) for name in POOLS)]
     for chapter in CHAPTERS:
