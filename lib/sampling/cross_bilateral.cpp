@@ -36,8 +36,9 @@ Result<Plane> cross_bilateral_density(const PieceStatistics& statistics, const S
       const double f = exposure * filtered.image[c][i];
       square += f * f / 3.0;
     }
-    density[i] = std::max(0.0, filtered.risk[i] + filtered.variance[i]) /
-                 (square + kRelativeFloor) / (1.0 + statistics.n[i]);
+    const double worth = filtered.risk[i] + filtered.variance[i];
+    if (worth < 0.0) guards.add(Guard::kNegativeError);
+    density[i] = std::max(0.0, worth) / (square + kRelativeFloor) / (1.0 + statistics.n[i]);
   }
   return density;
 }
@@ -56,9 +57,11 @@ Result<SamplingResult> sample_cross_bilateral(const SamplePool& pool, long long 
   const long long left = std::min(budget, pool.total_capacity()) - log.initial;
   for (const long long share : equal_shares(left, options.iterations)) {
     if (share == 0) continue;
-    GuardCounts guards;  // of copies; the final image counts what it meets
+    GuardCounts guards;  // of copies; what decides here and nowhere else is counted, each round
     SPOOL_ASSIGN(const Plane density,
                  cross_bilateral_density(statistics, pool, options.filter, guards));
+    for (const Guard decides : {Guard::kNegativeError, Guard::kFeatureNotFinite})
+      log.guards.add(decides, guards[decides]);
     if (context.views != nullptr) context.views->add_next("density", density);
     take_extra(statistics, pool, hand_out(density, statistics.n, pool, share));
     SPOOL_TRY(report_progress(context, "cross_bilateral", count_samples(statistics.n), budget));

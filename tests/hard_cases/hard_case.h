@@ -20,7 +20,8 @@ struct HardCase {
   std::function<SamplePool()> pool;       // made anew by each caller
   std::vector<double> spp = {1, 2.5, 4};  // budgets, samples a pixel
   std::optional<double> value = {};       // every sample has this value: so must every image
-  bool heavy = false;  // only one budget, and reduced unless everything is asked for
+  bool heavy = false;        // only one budget, and reduced unless everything is asked for
+  bool featureless = false;  // methods that want features must refuse it and say so
 };
 
 const std::vector<HardCase>& hard_cases();

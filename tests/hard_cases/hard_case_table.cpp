@@ -104,9 +104,30 @@ std::function<SamplePool()> quarter_pixels() {
     }
     auto recording = RecordedSamples::from_memory("film", kWidth, kHeight, kMany, radiance);
     recording->set_sample_film(std::move(film));
+    add_features(*recording);
     PoolOptions options;
     options.pieces_per_side = 2;
     return pool_of(std::make_shared<const RecordedSamples>(std::move(*recording)), options);
+  };
+}
+
+// Radiance as ever; `value(layer, component, x, y, s)` for features, none if it is empty.
+using Feature = std::function<double(std::string_view, std::size_t, int, int, int)>;
+
+std::function<SamplePool()> featured(const Feature& value) {
+  return [=] {
+    std::vector<float> radiance;
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          for (int s = 0; s < kSpp; ++s)
+            radiance.push_back(ordinary(x, y, s)[c]);
+        }
+      }
+    }
+    auto recording = RecordedSamples::from_memory("featured", kWidth, kHeight, kSpp, radiance);
+    if (value) add_features(*recording, value);
+    return pool_of(std::make_shared<const RecordedSamples>(std::move(*recording)));
   };
 }
 
@@ -183,6 +204,18 @@ std::vector<HardCase> make_cases() {
   add("less_than_one_sample", sized(kWidth, kHeight)).spp = {0.01, 0.5};
   add("held_out", held_out());
   add("quarter_pixels", quarter_pixels()).spp = {1, 4, 9};
+  add("features_constant", featured([](auto...) { return 0.5; }));
+  add("features_zero", featured([](auto...) { return 0.0; }));
+  add("features_nan", featured([](std::string_view layer, std::size_t c, int x, int y, int s) {
+        return uniform(x, y, s, 6) < 0.3 ? kNan : made_feature(layer, c, x, y, s, kWidth);
+      }));
+  add("features_infinite", featured([](auto...) { return kInfinity; }));
+  add("features_huge", featured([](std::string_view layer, std::size_t c, int x, int y, int s) {
+        return 1e14 * made_feature(layer, c, x, y, s, kWidth);
+      }));
+  HardCase& none = add("features_absent", featured({}));
+  none.featureless = true;
+  none.spp = {4};
   for (const auto& [width, height] :
        {std::pair{1, 1}, {1, 9}, {9, 1}, {2, 3}, {17, 16}, {2, 40}, {40, 2}}) {
     add("size_" + std::to_string(width) + "x" + std::to_string(height), sized(width, height));

@@ -69,12 +69,14 @@ inline constexpr std::array kSamplerExceptions = {
     LawException{Law::kConstant, "greedy_error", "its error is relative to the mean"},
     LawException{Law::kConstant, "nl_means", "its error is relative to the mean"},
     LawException{Law::kConstant, "filtered_halves", "its error is relative to the mean"},
+    LawException{Law::kConstant, "cross_bilateral", "its risk is relative to the mean"},
     LawException{Law::kChannels, "multiscale robust", "decides by luminance, of unequal weights"},
     LawException{Law::kChannels, "multiscale paper", "decides by luminance"},
     LawException{Law::kChannels, "mitchell", "a threshold for each channel"},
     LawException{Law::kChannels, "adaptive_wavelet", "decides by luminance"},
     LawException{Law::kChannels, "nl_means", "means over channels round in another order"},
     LawException{Law::kChannels, "filtered_halves", "decides by luminance"},
+    LawException{Law::kChannels, "cross_bilateral", "means over channels round in another order"},
 };
 
 template <class Table>

@@ -108,10 +108,10 @@ double distance(const Reconstruction& was, const Moved& moved, const Reconstruct
   return largest;
 }
 
-// Directions are computed in float, the rest in double.
+// Directions are computed and features compared in float, the rest in double.
 double tolerance_of(const Filter& filter, const Moved& moved) {
-  return filter.name == "directional" && moved.tolerance > 0.0 ? 1e3 * moved.tolerance
-                                                               : moved.tolerance;
+  const bool in_float = filter.name == "directional" || filter.name == "cross_bilateral";
+  return in_float && moved.tolerance > 0.0 ? 1e3 * moved.tolerance : moved.tolerance;
 }
 
 Filter drawn_filter(Law law, Law other) {
@@ -244,6 +244,11 @@ TEST(LawsOfReconstructors, OnlySamplesBehindTheCursorAreRead) {
         values);
     ASSERT_TRUE(recording.has_value());
     recording->set_pass_film(world.film);
+    auto poison_features = std::make_shared<bool>(false);
+    test::add_features(*recording, [=](std::string_view layer, std::size_t c, int x, int y, int s) {
+      return *poison_features && s >= n(x, y) ? std::numeric_limits<double>::quiet_NaN()
+                                              : world.feature(layer, c, x, y, s);
+    });
     const SamplePool pool =
         test::pool_of(std::make_shared<const RecordedSamples>(std::move(*recording)));
     const Reference reference = test::mean_of_everything(pool);
@@ -253,10 +258,12 @@ TEST(LawsOfReconstructors, OnlySamplesBehindTheCursorAreRead) {
     const auto clean = filter.run(selection, pool, context);
     // The recording was checked at load; writing to its storage now bypasses every rule.
     write(1, std::numeric_limits<float>::quiet_NaN());
+    *poison_features = true;
     const auto poisoned = filter.run(selection, pool, context);
     ASSERT_TRUE(clean.has_value() && poisoned.has_value());
     EXPECT_EQ(poisoned->image, clean->image) << filter.label();
     EXPECT_EQ(poisoned->variance, clean->variance) << filter.label();
+    EXPECT_EQ(poisoned->guards, clean->guards) << filter.label();
   }
 }
 

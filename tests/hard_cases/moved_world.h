@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,7 @@ namespace spool::test {
 struct World {
   int width = 0, height = 0, spp = 0;
   std::function<Rgb(int, int, int)> radiance;
+  std::function<double(std::string_view layer, std::size_t c, int, int, int)> feature;
   std::function<int(int, int)> count;
   std::vector<FilmPosition> film;
 };
@@ -25,7 +27,7 @@ struct World {
 // Coloured noise over a gradient, an edge and a disc; multiples of 2^-10 below 8, so that a factor
 // or a summand of few digits is exact in float.
 inline World any_world(int width, int height, int spp, std::uint64_t seed) {
-  World world{width, height, spp, {}, {}, {}};
+  World world{width, height, spp, {}, {}, {}, {}};
   world.radiance = [=](int x, int y, int s) {
     double mean = 0.4 + 0.3 * x / width;
     if (2 * x + y > width + height / 2) mean += 0.6;
@@ -39,6 +41,9 @@ inline World any_world(int width, int height, int spp, std::uint64_t seed) {
     }
     return value;
   };
+  world.feature = [=](std::string_view layer, std::size_t c, int x, int y, int s) {
+    return made_feature(layer, c, x, y, s, width);
+  };
   world.count = [=](int x, int y) { return 2 + static_cast<int>(mix(seed, x, y, 99) % (spp - 1)); };
   for (int s = 0; s < spp; ++s)
     world.film.push_back(
@@ -46,20 +51,35 @@ inline World any_world(int width, int height, int spp, std::uint64_t seed) {
   return world;
 }
 
-inline World mirrored(const World& w) {
+// Everything that lies at pixels, with what `from(x, y)` says lies at (x, y) now.
+template <class From>
+World with_pixels(const World& w, From from) {
   World m = w;
-  m.radiance = [w](int x, int y, int s) { return w.radiance(w.width - 1 - x, y, s); };
-  m.count = [w](int x, int y) { return w.count(w.width - 1 - x, y); };
+  m.radiance = [=](int x, int y, int s) {
+    const auto [px, py] = from(x, y);
+    return w.radiance(px, py, s);
+  };
+  m.feature = [=](std::string_view layer, std::size_t c, int x, int y, int s) {
+    const auto [px, py] = from(x, y);
+    return w.feature(layer, c, px, py, s);
+  };
+  m.count = [=](int x, int y) {
+    const auto [px, py] = from(x, y);
+    return w.count(px, py);
+  };
+  return m;
+}
+
+inline World mirrored(const World& w) {
+  World m = with_pixels(w, [=](int x, int y) { return std::pair{w.width - 1 - x, y}; });
   for (FilmPosition& f : m.film)
     f.x = std::nextafter(1.0f - f.x, 0.0f);
   return m;
 }
 
 inline World transposed(const World& w) {
-  World m = w;
+  World m = with_pixels(w, [](int x, int y) { return std::pair{y, x}; });
   std::swap(m.width, m.height);
-  m.radiance = [w](int x, int y, int s) { return w.radiance(y, x, s); };
-  m.count = [w](int x, int y) { return w.count(y, x); };
   for (FilmPosition& f : m.film)
     std::swap(f.x, f.y);
   return m;
@@ -67,13 +87,9 @@ inline World transposed(const World& w) {
 
 // By `dx`, `dy` pixels on a torus.
 inline World shifted(const World& w, int dx, int dy) {
-  World m = w;
-  const auto from = [=](int at, int by, int n) { return ((at - by) % n + n) % n; };
-  m.radiance = [=](int x, int y, int s) {
-    return w.radiance(from(x, dx, w.width), from(y, dy, w.height), s);
-  };
-  m.count = [=](int x, int y) { return w.count(from(x, dx, w.width), from(y, dy, w.height)); };
-  return m;
+  const auto from = [](int at, int by, int n) { return ((at - by) % n + n) % n; };
+  return with_pixels(
+      w, [=](int x, int y) { return std::pair{from(x, dx, w.width), from(y, dy, w.height)}; });
 }
 
 inline World scaled(const World& w, float factor) {
@@ -115,6 +131,10 @@ inline World with_prefix_turned(const World& w, int by) {
     const int n = w.count(x, y);
     return w.radiance(x, y, s < n ? (s + by) % n : s);
   };
+  m.feature = [=](std::string_view layer, std::size_t c, int x, int y, int s) {
+    const int n = w.count(x, y);
+    return w.feature(layer, c, x, y, s < n ? (s + by) % n : s);
+  };
   return m;
 }
 
@@ -134,6 +154,7 @@ inline SamplePool record(const World& w) {
   }());
   SPOOL_CHECK(recording.has_value());
   if (!w.film.empty()) recording->set_pass_film(w.film);
+  add_features(*recording, w.feature);
   return pool_of(std::make_shared<const RecordedSamples>(std::move(*recording)));
 }
 
