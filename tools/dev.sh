@@ -192,6 +192,29 @@ record() {
   exec "${arguments[@]}"
 }
 
+# --- bench -------------------------------------------------------------------------------------
+
+bench() {
+  local subjects=() subject
+  if (($# > 0)) && [[ "$1" != -* ]]; then
+    subjects=("$1")
+    shift
+    [[ -f "tools/bench/${subjects[0]}/run.py" ]] || die "bench: no tools/bench/${subjects[0]}/run.py"
+  else
+    mapfile -t subjects < <(for subject in tools/bench/*/run.py; do basename "$(dirname "$subject")"; done)
+  fi
+  setup build
+  require_packages "${bench_packages[@]}"
+  configure bench
+  ninja -C build/bench -j "$(jobs)" --quiet spool >&2
+  for subject in "${subjects[@]}"; do
+    [[ ! -f "tools/bench/$subject/CMakeLists.txt" ]] ||
+      ninja -C build/bench -j "$(jobs)" --quiet "bench_$subject" >&2
+    say "bench $subject"
+    python3 "tools/bench/$subject/run.py" build/bench "$@"
+  done
+}
+
 # --- distrust ----------------------------------------------------------------------------------
 
 hard() {

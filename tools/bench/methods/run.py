@@ -1,0 +1,133 @@
+"""Time and memory of every sampler and filter: tools/dev.sh bench methods [--sizes 512,1024,2048] [--print].
+
+Scene S with 64 samples a pixel at each size, budget 8 spp; the recordings are made once, in the build folder
+(1.4 GB at 1024x1024). Sizes and numbers of threads take turns, and of the turns the least CPU time and the least wall
+time count: what else a machine does only ever adds. Writes its tables into docs/speed.md, unless it shall only print.
+"""
+import argparse
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from speed_page import replace_section  # noqa: E402
+
+SAMPLES, BUDGET = 64, 8
+JUDGED = 1024                                  # pixels along a side of the picture that the targets speak of
+SECONDS = {"sampler/multiscale": 1.5, "filter/directional": 0.5}
+PAIRS = {("sampler/greedy_error", "filter/greedy_selection"): 5.0}
+OTHERS, BYTES, TWO_THREADS, LARGE = 10.0, 300, 1.8, 1.1
+
+
+def recording(build, size):
+    path = build / "pools" / f"scene_s-{size}.spool"
+    if not path.exists():
+        path.parent.mkdir(exist_ok=True)
+        subprocess.run([build / "spool", "synth", "scene_s", "--size", str(size), "--samples", str(SAMPLES), "--quiet",
+                        "-o", path], check=True)
+    with open(path, "rb") as stream:           # into memory, if it fits: the disk is not what is measured
+        while stream.read(1 << 24):
+            pass
+    return path
+
+
+def turn(build, path, threads, which):
+    """{method: {cpu, wall, heap}} of one process; seconds and bytes a pixel."""
+    done = subprocess.run([build / "tools" / "bench" / "methods" / "bench_methods", path, f"--spp={BUDGET}",
+                           f"--threads={threads}", "--benchmark_min_time=0.2", f"--benchmark_filter={which}",
+                           "--benchmark_format=json"], check=True, stdout=subprocess.PIPE, text=True)
+    found = {}
+    for run in json.loads(done.stdout)["benchmarks"]:
+        method = "/".join(run["name"].split("/")[:2])
+        if run.get("error_occurred"):
+            found[method] = {"refused": run["error_message"]}
+        else:
+            found[method] = {"cpu": run["cpu_time"] / 1e3, "wall": run["real_time"] / 1e3, "heap": run["heap_per_pixel"]}
+    return found
+
+
+def measure(build, sizes, turns, which):
+    """{(size, threads): {method: least of each figure}}"""
+    kinds = [(size, threads) for size in sizes for threads in ((1, 2) if size == JUDGED else (1,))]
+    paths = {size: recording(build, size) for size in sizes}
+    best = {kind: {} for kind in kinds}
+    for _ in range(turns):
+        for kind in kinds:
+            print(f"{kind[0]}x{kind[0]}, threads {kind[1]}", file=sys.stderr, flush=True)
+            for method, now in turn(build, paths[kind[0]], kind[1], which).items():
+                least = best[kind].setdefault(method, now)
+                best[kind][method] = {key: now[key] if key == "refused" else min(least[key], now[key]) for key in now}
+    return best
+
+
+def told(value, digits, holds):
+    return f"{value:.{digits}f}" if holds else f"**{value:.{digits}f}**"
+
+
+def row(method, best, sizes):
+    one, two = (best.get((JUDGED, threads), {}).get(method) for threads in (1, 2))
+    if one is None or "refused" in one:
+        return None
+    limit = SECONDS.get(method, OTHERS)
+    cells = [f"`{method.split('/')[1]}`", told(one["cpu"], 3, one["cpu"] <= limit), f"{limit:g}",
+             told(one["heap"], 0, one["heap"] <= BYTES)]
+    speedup = one["wall"] / two["wall"]
+    cells.append(told(speedup, 2, speedup >= TWO_THREADS))
+    pixels = {size: best[size, 1][method]["cpu"] / size ** 2 for size in sizes}
+    cells += [f"{pixels[size] * 1e6:.3f}" for size in sizes]
+    growth = pixels[sizes[-1]] / pixels[sizes[0]]
+    cells.append(told(growth, 2, growth <= LARGE))
+    return "| " + " | ".join(cells) + " |"
+
+
+def table(kind, best, sizes):
+    names = [method for method in best[JUDGED, 1] if method.startswith(kind + "/")]
+    head = [kind, "CPU-s", "target", "bytes/pixel", "2 threads, times faster", *(f"us/pixel at {s}" for s in sizes),
+            f"{sizes[-1]} / {sizes[0]}"]
+    rows = [line for line in (row(name, best, sizes) for name in names) if line]
+    return "\n".join(["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *rows])
+
+
+def machine():
+    with open("/proc/cpuinfo", encoding="utf-8") as stream:
+        model = next((line.split(":")[1].strip() for line in stream if line.startswith("model name")), "unknown")
+    return f"{model}, {os.cpu_count()} cores"
+
+
+def page(best, sizes, turns):
+    text = [f"CPU seconds of one thread at {JUDGED}x{JUDGED} pixels, {BUDGET} spp of {SAMPLES}, scene S; filters get the",
+            f"selection of `multiscale`. {machine()}; least of {turns} turns. A bold figure misses its target: the seconds",
+            f"named, {BYTES} bytes a pixel beside the mapped recording (for a filter with all that it reads), {TWO_THREADS} times faster",
+            f"on two threads, {LARGE} times the cost of a pixel at the largest size.", ""]
+    for kind in ("sampler", "filter"):
+        text += [table(kind, best, sizes), ""]
+    for pair, limit in PAIRS.items():
+        if all(method in best[JUDGED, 1] for method in pair):
+            both = sum(best[JUDGED, 1][method]["cpu"] for method in pair)
+            text.append(f"`{pair[0].split('/')[1]}` with `{pair[1].split('/')[1]}`: {both:.2f} CPU-s together, target {limit:g}.")
+    refused = [(m, found["refused"]) for m, found in best[JUDGED, 1].items() if "refused" in found]
+    text += [f"Not measured: `{method}` ({why})." for method, why in refused]
+    return "\n".join(text)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=Path)
+    parser.add_argument("--sizes", default="512,1024,2048", help=f"pixels along a side; {JUDGED} must be among them")
+    parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--methods", default=".*", help="a regular expression, e.g. filter/")
+    parser.add_argument("--print", action="store_true", help="leave docs/speed.md alone")
+    options = parser.parse_args()
+    sizes = sorted(int(size) for size in options.sizes.split(","))
+    if JUDGED not in sizes:
+        parser.error(f"{JUDGED} must be among the sizes: the targets speak of it")
+    text = page(measure(options.build, sizes, options.turns, options.methods), sizes, options.turns)
+    print(text)
+    if not options.print:
+        replace_section("methods", text)
+
+
+if __name__ == "__main__":
+    main()
