@@ -20,6 +20,13 @@ OptionValues fast(const std::string& name) {
   return {};
 }
 
+// Synthetic scenes have no features; what needs them must say so.
+bool refused_without_features(const RecordedSamples& recording, const std::string& method,
+                              const Error& error) {
+  return method == "cross_bilateral" && recording.features().empty() &&
+         error.message.find("needs albedo, normal or depth") != std::string::npos;
+}
+
 void run_every_pair(const SamplePool& pool, double spp, const std::set<std::string>& only = {}) {
   const RecordedSamples& recording = pool.recording();
   const long long budget = sample_budget(spp, recording);
@@ -41,6 +48,10 @@ void run_every_pair(const SamplePool& pool, double spp, const std::set<std::stri
         };
         auto sampled = (*sampler.make("", fast(sampler.name)))(pool, budget, context);
         if (!sampled) {  // refused, with the reason
+          if (refused_without_features(recording, sampler.name, sampled.error())) break;
+          if (sampler.name == "filtered_halves" &&
+              refused_without_features(recording, reconstructor.name, sampled.error()))
+            continue;
           EXPECT_EQ(pair, "filtered_halves + oracle_scale") << sampled.error().message;
           EXPECT_NE(sampled.error().message.find("reference"), std::string::npos);
           continue;
@@ -57,6 +68,8 @@ void run_every_pair(const SamplePool& pool, double spp, const std::set<std::stri
       ReconstructionContext context;
       context.reference = &*recording.reference();
       const auto result = (*filter)(*shared, pool, context);
+      if (!result && refused_without_features(recording, reconstructor.name, result.error()))
+        continue;
       ASSERT_TRUE(result.has_value()) << pair << ": " << result.error().message;
       double sum = 0.0;
       for (std::size_t c = 0; c < 3; ++c) {

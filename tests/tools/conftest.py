@@ -4,6 +4,7 @@ import os
 import subprocess
 
 import numpy as np
+import OpenImageIO
 import pytest
 
 import spool
@@ -72,16 +73,11 @@ def dump(tmp_path):
 
 
 def read_exr(path, channel):
-    """One channel as float64 [y][x], through oiiotool's text output (no Python binding needed)."""
-    text = subprocess.run(["oiiotool", "--info", "-v", "--dumpdata", str(path)], check=True,
-                          capture_output=True, text=True).stdout
-    pixels = {}
-    for line in text.splitlines():
-        name, _, value = line.strip().partition(": ")
-        if name == "channel list":
-            place = [c.split(" ")[0] for c in value.split(", ")].index(channel)
-        elif name.startswith("Pixel ("):
-            x, y = (int(v) for v in name[7:-1].split(","))
-            pixels[y, x] = float(value.split()[place])
-    height, width = 1 + max(y for y, _ in pixels), 1 + max(x for _, x in pixels)
-    return np.array([[pixels[y, x] for x in range(width)] for y in range(height)])
+    """One channel as float64 [y][x]."""
+    image = OpenImageIO.ImageInput.open(str(path))
+    pixels = image.read_image("double")
+    place = image.spec().channelnames.index(channel)
+    # OpenImageIO maps integers to 0..1.
+    scale = 2**32 - 1 if image.spec().channelformat(place) == OpenImageIO.TypeDesc("uint") else 1
+    image.close()
+    return np.rint(pixels[:, :, place] * scale) if scale > 1 else pixels[:, :, place]
