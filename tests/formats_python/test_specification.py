@@ -3,7 +3,7 @@ import re
 
 import numpy as np
 import pytest
-from spool import channel, record_layout as layout
+from spool import channel, record_layout as layout, save
 
 from conftest import ROOT
 
@@ -31,11 +31,12 @@ def test_byte_tables(name, dtype):
 
 def test_names_of_layers():
     for row in TEXT.split("## 10. Names of layers")[1].split("\n\n")[1].splitlines()[2:]:
-        layers, components, semantic = (cell.strip() for cell in row.split("|")[1:4])
+        layers, components, semantic, meaning = (cell.strip() for cell in row.split("|")[1:5])
         layers = re.findall(r"`(\w+)`", layers)
         components = components.split(" / ") if "/" in components else [components] * len(layers)
         for layer, letters in zip(layers, components):
             assert (tuple(letters.split()), int(semantic)) == (tuple(channel.VOCABULARY[layer][0]), channel.VOCABULARY[layer][1])
+            assert (layer in save.PIXEL_LAYERS) == meaning.startswith("pixel scope")
 
 
 def test_example_code_reads_a_file(tmp_path):

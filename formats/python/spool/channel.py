@@ -20,7 +20,7 @@ VOCABULARY = {
     "time": ("T", 6), "normal": ("XYZ", 3), "normal_ns": ("XYZ", 3), "normal_geo": ("XYZ", 3), "albedo": ("RGB", 2),
     "albedo_ns": ("RGB", 2), "depth": ("Z", 5), "depth_ns": ("Z", 5), "position": ("XYZ", 4),
     "position_ns": ("XYZ", 4), "motion": ("XYZ", 4), "visibility": ("V", 8), "hit": ("H", 8), "path": (("flags",), 9),
-    "seed": ("S", 9), "reference": ("RGB", 1), "reference_variance": ("RGB", 7)}
+    "seed": ("S", 9), "reference": ("RGB", 1), "reference_variance": ("RGB", 7), "sample_variance": ("RGB", 7)}
 
 
 def encode(channels):

@@ -6,6 +6,7 @@ from .error import SpoolError
 from .writer import Writer
 
 _DTYPES = {"f2": "<f2", "f4": "<f4", "f8": "<f4", "u1": "<u4", "u2": "<u4", "u4": "<u4", "b1": "<u4"}
+PIXEL_LAYERS = {"reference", "reference_variance", "sample_variance"}
 
 
 def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=None, tile_size=64, block_spp=16,
@@ -13,9 +14,10 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     """Writes radiance [y][x][s][3] and any further layers.
 
     Layers of scope sample are [y][x][s][c], of scope pixel [y][x][c] and of scope pass [s][c]; a single component may
-    leave out its axis. `reference` and `reference_variance` have scope pixel, every other layer has scope sample unless
-    `scope` says otherwise: scope={"film": "pass"}. Components come from the specification's list of layers, or from
-    `components`: {"half_vector": "XYZ"}. float64 is rounded to float32; `dtypes` asks for another: {"albedo": "f2"}.
+    leave out its axis. `reference`, `reference_variance` and `sample_variance` have scope pixel, every other layer has
+    scope sample unless `scope` says otherwise: scope={"film": "pass"}. Components come from the specification's list of
+    layers, or from `components`: {"half_vector": "XYZ"}. float64 is rounded to float32; `dtypes` asks for another:
+    {"albedo": "f2"}.
     """
     components, scope, dtypes = dict(components or {}), dict(scope or {}), dict(dtypes or {})
     arrays = {"radiance": np.asarray(radiance), **{name: np.asarray(array) for name, array in layers.items()}}
@@ -33,7 +35,7 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
         if code is None:
             raise SpoolError("usage", f"{path}: layer {name} is {array.dtype}: convert it with astype")
         declared[name] = (code, tuple(components.get(name, VOCABULARY.get(name, ("",))[0])),
-                          scope.get(name, "pixel" if name.startswith("reference") else "sample"))
+                          scope.get(name, "pixel" if name in PIXEL_LAYERS else "sample"))
     with Writer(path, width, height, spp, declared, tile_size=tile_size, block_spp=block_spp,
                 sample_order=sample_order, meta=meta, uuid=uuid, compress=compress, force=force) as writer:
         samples = {name: array for name, array in arrays.items() if declared[name][2] == "sample"}
