@@ -11,6 +11,7 @@ test_packages=(blender chromium libatomic1 libllvm19 python3-lz4 python3-numpy p
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
 tsan_packages=(dpkg-dev)
 bench_packages=(libbenchmark-dev)
+endure_packages=(parallel slurm-client slurmctld slurmd)
 
 usage() {
   cat <<'TEXT'
@@ -24,7 +25,10 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 run again after an interruption to go on
   addon [FILE]                  make the Blender add-on as one file to install
   bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
+  experiments [ID...] [--more]  run the standard plans (tools/plans) and write docs/experiments.md from their results;
+                                what is done is not done again (half an hour of two cores in all)
   hard [CTEST ARGS]             the hard cases whole: every pair of methods, full sizes, many replicates
+  endure [CTEST ARGS]           evaluations killed at 20 moments, a Slurm that loses a node, a plan of 10,000 cells
   trap [CTEST ARGS]             the numeric tests with invalid operations and divisions by zero trapped
   bits                          hashes of fixed results: g++ and clang++, release and debug, with and without wide vectors
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
@@ -215,11 +219,28 @@ bench() {
   done
 }
 
+experiments() {
+  setup test
+  build release spool spool_png
+  exec python3 tools/experiments/run.py "$@"
+}
+
 # --- distrust ----------------------------------------------------------------------------------
 
 hard() {
   build release
   SPOOL_HARD_CASES=whole ctest --preset release -R '^hard_cases\.' -j "$(jobs)" --timeout 7200 "$@"
+}
+
+endure() {
+  setup test
+  require_packages "${endure_packages[@]}"
+  setup_venv snakemake-venv "" 'import snakemake' 'snakemake==9.*'
+  build release spool spool_png
+  local snakemake="${XDG_CACHE_HOME:-$HOME/.cache}/spool/snakemake-venv/bin/snakemake"
+  [[ ! -x "$snakemake" ]] || export SPOOL_SNAKEMAKE="$snakemake"
+  SPOOL_KILLS=20 SPOOL_SLURM=1 SPOOL_LARGE_PLAN=1 ctest --preset release -R '^tools\.(plans|recipes|large_plan)$' \
+    --timeout 7200 --verbose "$@"
 }
 
 trap_floating_point() {
@@ -298,7 +319,9 @@ case "${1:-help}" in
   record) shift; record "$@" ;;
   addon) exec python3 dumps/cycles/addon_zip.py ${2:+-o "$2"} ;;
   bench) shift; bench "$@" ;;
+  experiments) shift; experiments "$@" ;;
   hard) shift; hard "$@" ;;
+  endure) shift; endure "$@" ;;
   trap) shift; trap_floating_point "$@" ;;
   bits) shift; bits "$@" ;;
   mutate) shift; mutate "$@" ;;

@@ -3,7 +3,7 @@ import math
 
 from chapter import Chapter
 from results import mean, order, ratio
-from tables import finding, mean_text, number, pool_title, ratio_text, table, with_error
+from tables import curves, finding, mean_text, number, pool_title, ratio_text, table, with_error
 
 BASE = ("uniform", "box")
 
@@ -91,6 +91,8 @@ FIGURES = [
     (QUIET, "multiscale, raw", MULTI, "box", (0.80, 0.75, 0.69)),
     (QUIET, "multiscale + directional, older rule", MULTI, OLD, (0.095, 0.115, 0.151)),
     (FLIES, "multiscale + directional, older rule", MULTI, OLD, (0.08, 0.08, 0.13)),
+    (QUIET, "literal preset, raw", "multiscale:paper", "box", (1.23, 1.65, 1.47)),
+    (QUIET, "literal preset + its directional", "multiscale:paper", "directional:paper", (1.11, 1.57, 1.51)),
     (QUIET, "mitchell, raw", "mitchell{init_spp=2}", "box", (0.93, 1.08, 1.59)),
     (QUIET, "AWR, raw", "adaptive_wavelet{init_spp=2}", "box", (1.75, 2.25, 1.66)),
     (QUIET, "AWR + shrinkage", "adaptive_wavelet{init_spp=2}", "wavelet_shrinkage", (0.52, 0.72, 0.57)),
@@ -113,19 +115,30 @@ def prototypes(m):
             row.append("–" if not found else f"{with_error(*found)}" + (f" ({figure:g})" if figure else ""))
         rows.append(row)
     return ["MSE relative to uniform with box; the prototype's figure in brackets:\n\n"
-            + table(["pool", "method", "4 spp", "8 spp", "16 spp"], rows), *explanations(r)]
+            + table(["pool", "method", "4 spp", "8 spp", "16 spp"], rows)]
 
 
-def explanations(r):
-    def text(pool, sampler, filter_name, spp):
-        return ratio_text(r.values("mse", pool, sampler, filter_name, spp), r.values("mse", pool, *BASE, spp))
-    return []
+def features(m):
+    r = m.results
+    blocks = [curves(r, pool, "relmse") for pool in r.pools]
+    said = []
+    for filter_name in ("gaussian", "nl_means", "directional"):
+        for sampler in ("uniform", "multiscale"):
+            said.append(finding(f"cross_bilateral is below {filter_name} in relMSE, {sampler} samples", r,
+                                (sampler, "cross_bilateral"), (sampler, filter_name), "relmse"))
+    for sampler in ("uniform", "multiscale", "nl_means"):
+        said.append(finding(f"sampling by the risk of cross_bilateral is below {sampler} in relMSE, both filtered by it", r,
+                            ("cross_bilateral", "cross_bilateral"), (sampler, "cross_bilateral"), "relmse"))
+    return [*blocks, "\n".join(said)]
 
 
 CHAPTERS = [
     Chapter("methods", "Every sampler with every filter", ["methods"],
             "Sampling and reconstruction are separate stages here: any sampler runs with any filter.", overview,
             optional=("methods_more",)),
+    Chapter("features", "Methods with recorded features", ["features"],
+            "Normal, albedo and depth are nearly free of noise: what do they add to a filter, and to where samples go? "
+            "[LiWuChuang12]", features),
     Chapter("prototypes", "The figures of independent prototypes", ["prototypes"],
             "Prototypes in numpy, written before this program, gave figures on scene S (64 x 64, their own noise, mean of "
             "three seeds). Here the same settings are run: two initial samples, the older size rule, raw variances.",

@@ -102,10 +102,10 @@ def main():
     wanted = {i.lower() for i in arguments.ids}
     make_pools(arguments.program, PLANS / "pools")
     if not arguments.write_only:
-        for chapter in CHAPTERS:
-            if not wanted or chapter.id.lower() in wanted:
-                for plan in (*chapter.plans, *(chapter.optional if arguments.more else ())):
-                    run(plan, arguments)
+        chosen = [c for c in CHAPTERS if not wanted or c.id.lower() in wanted]
+        plans = [p for c in chosen for p in (*c.plans, *(c.optional if arguments.more else ()))]
+        for plan in dict.fromkeys(plans):  # two chapters may share a plan
+            run(plan, arguments)
     blocks = [HEAD + "\n    ".join(command(name) for name in POOLS)]
     for chapter in CHAPTERS:
         blocks += section(chapter, arguments)
