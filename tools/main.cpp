@@ -10,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "lib/core/freed_memory.h"
 #include "lib/core/option_table.h"
 #include "lib/core/parallel.h"
 #include "lib/evaluation/reference.h"
@@ -538,6 +539,7 @@ int run(int count, char** arguments) {
 }  // namespace spool::tools
 
 int main(int count, char** arguments) {
+  spool::keep_freed_memory();
   try {
     return spool::tools::run(count, arguments);
   } catch (const std::bad_alloc&) {

@@ -7,27 +7,61 @@
 
 #include "lib/core/pairwise_sum.h"
 #include "lib/core/parallel.h"
+#include "lib/statistics/window_sums.h"
 
 namespace spool {
 namespace {
 
-// Pooled sample variance around (x, y); negative when no piece of the image has two samples.
+constexpr int kSmallestRadius = 2;
+
+// Pooled sample variance of the 5x5 window around (x, y); negative when no piece in it has two
+// samples.
 double window_variance(const CountImage& n, const Plane& m2, int x, int y) {
-  const int reach = std::max(n.width(), n.height());
-  for (int radius = 2;; radius *= 2) {
-    const Rectangle window =
-        intersect({x - radius, y - radius, x + radius + 1, y + radius + 1}, n.bounds());
-    double squares = 0.0, freedom = 0.0;
-    for (int py = window.y0; py < window.y1; ++py) {
-      for (int px = window.x0; px < window.x1; ++px) {
-        if (n(px, py) < 2) continue;
-        squares += m2(px, py);
-        freedom += n(px, py) - 1;
-      }
+  const int radius = kSmallestRadius;
+  const Rectangle window =
+      intersect({x - radius, y - radius, x + radius + 1, y + radius + 1}, n.bounds());
+  double squares = 0.0, freedom = 0.0;
+  for (int py = window.y0; py < window.y1; ++py) {
+    for (int px = window.x0; px < window.x1; ++px) {
+      if (n(px, py) < 2) continue;
+      squares += m2(px, py);
+      freedom += n(px, py) - 1;
     }
-    if (freedom > 0.0) return squares / freedom;
-    if (radius >= reach) return -1.0;
   }
+  return freedom > 0.0 ? squares / freedom : -1.0;
+}
+
+// Whether the variance of a piece with n samples is pooled with that of its neighbours.
+bool is_pooled(int n, VarianceMode mode) {
+  return n > 0 && (mode == VarianceMode::kPooled || (mode == VarianceMode::kAuto && n < 4));
+}
+
+// Pooled sample variance around every piece that needs it, 0 elsewhere; some piece has two samples.
+// Windows larger than 5x5 are summed for the whole image at once: where most pieces have one sample
+// they may have to grow over all of it.
+Plane pooled_variances(const CountImage& n, const Plane& m2, VarianceMode mode) {
+  Plane pooled(n.width(), n.height());
+  parallel_rows(0, n.height(), [&](int y) {
+    for (int x = 0; x < n.width(); ++x)
+      pooled(x, y) = is_pooled(n(x, y), mode) ? window_variance(n, m2, x, y) : 0.0;
+  });
+  const auto missing = [&] {
+    return std::any_of(pooled.pixels().begin(), pooled.pixels().end(),
+                       [](double value) { return value < 0.0; });
+  };
+  for (int radius = 2 * kSmallestRadius; missing(); radius *= 2) {
+    Plane squares(n.width(), n.height()), freedom(n.width(), n.height());
+    for (std::size_t i = 0; i < n.size(); ++i) {
+      squares[i] = n[i] < 2 ? 0.0 : m2[i];
+      freedom[i] = n[i] < 2 ? 0.0 : n[i] - 1;
+    }
+    squares = window_sums(squares, radius);
+    freedom = window_sums(freedom, radius);
+    for (std::size_t i = 0; i < n.size(); ++i) {
+      if (pooled[i] < 0.0 && freedom[i] > 0.0) pooled[i] = squares[i] / freedom[i];
+    }
+  }
+  return pooled;
 }
 
 // Half the mean squared difference of neighbouring means: the variance of a piece's mean when the
@@ -70,7 +104,10 @@ Plane variance_of_mean(const CountImage& n, const Plane& mean, const Plane& m2,
       std::any_of(n.pixels().begin(), n.pixels().end(), [](std::int32_t k) { return k >= 2; });
   const double flat_variance =
       any_pair || options.mode == VarianceMode::kRaw ? 0.0 : neighbour_variance(n, mean);
-  Plane v(n.width(), n.height());
+  // First the variance around a piece, then its own.
+  Plane v = any_pair && options.mode != VarianceMode::kRaw
+                ? pooled_variances(n, m2, options.mode)
+                : Plane(n.width(), n.height(), flat_variance);
   std::vector<GuardCounts> rows(static_cast<std::size_t>(n.height()));
   parallel_rows(0, n.height(), [&](int y) {
     for (int x = 0; x < n.width(); ++x) {
@@ -79,13 +116,10 @@ Plane variance_of_mean(const CountImage& n, const Plane& mean, const Plane& m2,
         v(x, y) = std::numeric_limits<double>::infinity();
         continue;
       }
-      const bool pooled = options.mode == VarianceMode::kPooled ||
-                          (options.mode == VarianceMode::kAuto && count < 4);
       double value = 0.0;
-      if (pooled) {
-        const double shared = any_pair ? window_variance(n, m2, x, y) : flat_variance;
+      if (is_pooled(count, options.mode)) {
         const double own = count >= 2 ? m2(x, y) : 0.0;
-        value = (own + options.nu0 * shared) / (std::max(count - 1, 0) + options.nu0) / count;
+        value = (own + options.nu0 * v(x, y)) / (std::max(count - 1, 0) + options.nu0) / count;
       } else if (count >= 2) {
         value = m2(x, y) / (count - 1) / count;
       }

@@ -16,6 +16,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "lib/core/freed_memory.h"
 #include "lib/core/parallel.h"
 #include "lib/pool/load_recording.h"
 #include "lib/reconstruction/reconstructor.h"
@@ -179,5 +180,6 @@ int run(int argc, char** argv) {
 }  // namespace spool::bench
 
 int main(int argc, char** argv) {
+  spool::keep_freed_memory();
   return spool::bench::run(argc, argv);
 }

@@ -1,0 +1,19 @@
+#include "lib/core/freed_memory.h"
+
+#include <cstdlib>  // defines __GLIBC__, where it is so
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+namespace spool {
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int kLargestThreshold = 32 << 20;  // glibc takes no more
+  constexpr int kKept = 1 << 30;               // at the end of the heap
+  mallopt(M_MMAP_THRESHOLD, kLargestThreshold);
+  mallopt(M_TRIM_THRESHOLD, kKept);
+#endif
+}
+
+}  // namespace spool

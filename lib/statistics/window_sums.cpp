@@ -1,0 +1,63 @@
+#include "lib/statistics/window_sums.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "lib/core/parallel.h"
+
+namespace spool {
+namespace {
+
+constexpr int kLanes = 8;  // columns that are summed at once: doubles of a cache line
+using Lanes = std::array<double, kLanes>;
+
+Lanes operator+(const Lanes& a, const Lanes& b) {
+  Lanes sum;
+  for (std::size_t l = 0; l < kLanes; ++l)
+    sum[l] = a[l] + b[l];
+  return sum;
+}
+
+// line[x] becomes the sum of line[x - radius .. x + radius].
+template <class Value>
+void sum_line(std::span<Value> line, int radius) {
+  const auto r = static_cast<std::size_t>(radius), length = 2 * r + 1;
+  const std::size_t padded = line.size() + 2 * r;
+  // from_begin[k]: padded values from the beginning of k's block to k; to_end[k]: from k to its
+  // end.
+  std::vector<Value> from_begin(padded, Value{}), to_end;
+  std::copy(line.begin(), line.end(), from_begin.begin() + radius);
+  to_end = from_begin;
+  for (std::size_t k = 1; k < padded; ++k) {
+    if (k % length != 0) from_begin[k] = from_begin[k - 1] + from_begin[k];
+  }
+  for (std::size_t k = padded - 1; k-- > 0;) {
+    if ((k + 1) % length != 0) to_end[k] = to_end[k] + to_end[k + 1];
+  }
+  for (std::size_t x = 0; x < line.size(); ++x)
+    line[x] = x % length == 0 ? to_end[x] : to_end[x] + from_begin[x + 2 * r];
+}
+
+}  // namespace
+
+Plane window_sums(const Plane& in, int radius) {
+  SPOOL_CHECK_GE(radius, 0);
+  Plane out = in;
+  // Beyond the image there is nothing to add.
+  const int across = std::min(radius, in.width()), down = std::min(radius, in.height());
+  parallel_rows(0, out.height(), [&](int y) { sum_line(out.row(y), across); });
+  parallel_rows(0, (out.width() + kLanes - 1) / kLanes, [&](int strip) {
+    const int x0 = strip * kLanes, x1 = std::min(x0 + kLanes, out.width());
+    std::vector<Lanes> columns(static_cast<std::size_t>(out.height()), Lanes{});
+    for (int y = 0; y < out.height(); ++y)
+      std::copy_n(&out(x0, y), x1 - x0, columns[static_cast<std::size_t>(y)].begin());
+    sum_line(std::span(columns), down);
+    for (int y = 0; y < out.height(); ++y)
+      std::copy_n(columns[static_cast<std::size_t>(y)].begin(), x1 - x0, &out(x0, y));
+  });
+  return out;
+}
+
+}  // namespace spool
