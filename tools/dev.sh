@@ -29,6 +29,8 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 what is done is not done again (half an hour of two cores in all)
   hard [CTEST ARGS]             the hard cases whole: every pair of methods, full sizes, many replicates
   endure [CTEST ARGS]           evaluations killed at 20 moments, a Slurm that loses a node, a plan of 10,000 cells
+  trust [CTEST ARGS]            the format's tests at their whole numbers (bit flips, killed writers, power loss, 6 GB file);
+                                trust fuzz [SECONDS]: each fuzz target that long (default 600), findings in build/fuzz/found
   trap [CTEST ARGS]             the numeric tests with invalid operations and divisions by zero trapped
   bits                          hashes of fixed results: g++ and clang++, release and debug, with and without wide vectors
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
@@ -243,6 +245,35 @@ endure() {
     --timeout 7200 --verbose "$@"
 }
 
+# Fuzzing keeps what it learns in build/fuzz/corpus; tests/fuzz/README.md says what to do with a finding.
+trust() {
+  if [[ "${1:-}" == fuzz ]]; then shift; fuzz "$@"; return; fi
+  setup test
+  build release
+  SPOOL_TRUST=whole RC_PARAMS="max_success=10000" ctest --preset release -j "$(jobs)" --timeout 14400 \
+    -R '^(formats|formats_allocation|formats_python|fuzz_regression|interchange)\.' "$@"
+}
+
+fuzz() {
+  local seconds="${1:-600}" target failed=0
+  require_packages "${lint_packages[@]}"
+  configure fuzz
+  ninja -C build/fuzz -j "$(jobs)" --quiet fuzz_targets >&2
+  mkdir -p build/fuzz/found
+  for target in build/fuzz/tests/fuzz/fuzz_*; do
+    [[ -x "$target" && -f "$target" ]] || continue
+    local name="${target##*/fuzz_}" seeds=(tests/golden/v1.0 tests/golden/must_fail)
+    [[ ! -d "tests/fuzz/seeds/$name" ]] || seeds=("tests/fuzz/seeds/$name")
+    mkdir -p "build/fuzz/corpus/$name"
+    say "fuzz $name, $seconds s"
+    "$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=768 -max_len=4096 -print_final_stats=1 \
+      -artifact_prefix="build/fuzz/found/${name}_" "build/fuzz/corpus/$name" "${seeds[@]}" tests/fuzz/regressions \
+      >"build/fuzz/found/$name.log" 2>&1 || failed=1
+    grep -aE '^(Done|stat::number_of_executed_units|SUMMARY)' "build/fuzz/found/$name.log" || true
+  done
+  ((failed == 0)) || die "fuzz: see build/fuzz/found"
+}
+
 trap_floating_point() {
   build release
   SPOOL_TRAP_FLOATING_POINT=1 ctest --preset release -L 'unit|property|differential|hard_cases|statistics' \
@@ -322,6 +353,7 @@ case "${1:-help}" in
   experiments) shift; experiments "$@" ;;
   hard) shift; hard "$@" ;;
   endure) shift; endure "$@" ;;
+  trust) shift; trust "$@" ;;
   trap) shift; trap_floating_point "$@" ;;
   bits) shift; bits "$@" ;;
   mutate) shift; mutate "$@" ;;
