@@ -2,7 +2,8 @@
 
 Scene S with 64 samples a pixel at each size, budget 8 spp; the recordings are made once, in the build folder
 (1.4 GB at 1024x1024). Sizes and numbers of threads take turns, and of the turns the least CPU time and the least wall
-time count: what else a machine does only ever adds. Writes its tables into docs/speed.md, unless it shall only print.
+time count: what else a machine does only ever adds. What was measured is kept
+in methods.json of the build folder; tables are written into docs/speed.md, unless they shall only be printed.
 """
 import argparse
 import json
@@ -18,6 +19,7 @@ SAMPLES, BUDGET = 64, 8
 JUDGED = 1024                                  # pixels along a side of the picture that the targets speak of
 SECONDS = {"sampler/multiscale": 1.5, "filter/directional": 0.5}
 PAIRS = {("sampler/greedy_error", "filter/greedy_selection"): 5.0}
+FEATURES = Path("dumps/tiny/chess.spool")       # for methods that want features, which scene S has not
 OTHERS, BYTES, TWO_THREADS, LARGE = 10.0, 300, 1.8, 1.1
 
 
@@ -49,9 +51,10 @@ def turn(build, path, threads, which):
 
 
 def measure(build, sizes, turns, which):
-    """{(size, threads): {method: least of each figure}}"""
-    kinds = [(size, threads) for size in sizes for threads in ((1, 2) if size == JUDGED else (1,))]
+    """{(size, threads): {method: least of each figure}}; size 64 is FEATURES."""
     paths = {size: recording(build, size) for size in sizes}
+    paths[64] = FEATURES
+    kinds = [(size, threads) for size in paths for threads in ((1, 2) if size == JUDGED else (1,))]
     best = {kind: {} for kind in kinds}
     for _ in range(turns):
         for kind in kinds:
@@ -60,6 +63,12 @@ def measure(build, sizes, turns, which):
                 least = best[kind].setdefault(method, now)
                 best[kind][method] = {key: now[key] if key == "refused" else min(least[key], now[key]) for key in now}
     return best
+
+
+def kept(path, best=None):
+    if best is not None:
+        path.write_text(json.dumps([[*kind, methods] for kind, methods in best.items()], indent=1), encoding="utf-8")
+    return {(size, threads): methods for size, threads, methods in json.loads(path.read_text(encoding="utf-8"))}
 
 
 def told(value, digits, holds):
@@ -107,8 +116,13 @@ def page(best, sizes, turns):
         if all(method in best[JUDGED, 1] for method in pair):
             both = sum(best[JUDGED, 1][method]["cpu"] for method in pair)
             text.append(f"`{pair[0].split('/')[1]}` with `{pair[1].split('/')[1]}`: {both:.2f} CPU-s together, target {limit:g}.")
-    refused = [(m, found["refused"]) for m, found in best[JUDGED, 1].items() if "refused" in found]
-    text += [f"Not measured: `{method}` ({why})." for method, why in refused]
+    text.append("")
+    for method, found in best[JUDGED, 1].items():
+        other = best.get((64, 1), {}).get(method)
+        if "refused" in found and other and "refused" not in other:
+            text.append(f"`{method}` needs features, which scene S has not. On `{FEATURES}` (64x64): "
+                        f"{other['cpu'] / 64 ** 2 * 1e6:.2f} us/pixel, so {other['cpu'] * (JUDGED / 64) ** 2:.1f} CPU-s "
+                        f"at {JUDGED}x{JUDGED} (target {SECONDS.get(method, OTHERS):g}); {other['heap']:.0f} bytes/pixel.")
     return "\n".join(text)
 
 
@@ -119,11 +133,14 @@ def main():
     parser.add_argument("--turns", type=int, default=3)
     parser.add_argument("--methods", default=".*", help="a regular expression, e.g. filter/")
     parser.add_argument("--print", action="store_true", help="leave docs/speed.md alone")
+    parser.add_argument("--kept", action="store_true", help="measure nothing: tables of what was measured last")
     options = parser.parse_args()
     sizes = sorted(int(size) for size in options.sizes.split(","))
     if JUDGED not in sizes:
         parser.error(f"{JUDGED} must be among the sizes: the targets speak of it")
-    text = page(measure(options.build, sizes, options.turns, options.methods), sizes, options.turns)
+    results = options.build / "methods.json"
+    best = kept(results, None if options.kept else measure(options.build, sizes, options.turns, options.methods))
+    text = page(best, sorted({size for size, _ in best} - {64}), options.turns)
     print(text)
     if not options.print:
         replace_section("methods", text)

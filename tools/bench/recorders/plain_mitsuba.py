@@ -1,4 +1,4 @@
-"""Mitsuba's own render of a scene: `mi.render`, nothing kept. Started by overhead.py."""
+"""Mitsuba's own render of a scene: `mi.render`, nothing kept; with features by its `aov` integrator. Started by overhead.py."""
 import os
 import sys
 
@@ -9,9 +9,12 @@ from variant import choose_variant  # noqa: E402
 
 import mitsuba as mi  # noqa: E402
 
-name, size, samples, _ = sys.argv[-4:]
+name, size, samples, channels = sys.argv[-4:]
 mi.set_variant(choose_variant()[0])
 from scene import load_scene  # noqa: E402
 
 found = load_scene(mi, name, (int(size), int(size)))
-mi.render(found.scene, spp=int(samples)).numpy()
+integrator = found.scene.integrator()
+if channels != "radiance":
+    integrator = mi.load_dict({"type": "aov", "aovs": "a:albedo,n:sh_normal,d:depth", "image": integrator})
+mi.render(found.scene, integrator=integrator, spp=int(samples)).numpy()
