@@ -23,7 +23,6 @@ namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 constexpr const char* kCpuTime = "cpu";
-constexpr double kNormal95 = 1.959963984540054;
 
 // One combination of recording, budget, threads, sampler and filter in one folder.
 struct Combination {
@@ -106,15 +105,16 @@ double mean_of(const MethodSeries& series) {
 }
 
 PairedComparison compare_independent(const MethodSeries& a, const MethodSeries& b) {
-  const double se_a = standard_error_of(resampled_means(a, 1));
-  const double se_b = standard_error_of(resampled_means(b, 2));
+  const ResampledMean first = resampled_mean(a, 1), second = resampled_mean(b, 2);
   PairedComparison c;
-  c.difference = mean_of(a) - mean_of(b);
-  c.standard_error = std::hypot(se_a, se_b);
-  c.low = c.difference - kNormal95 * c.standard_error;
-  c.high = c.difference + kNormal95 * c.standard_error;
+  c.difference = first.mean - second.mean;
+  c.standard_error = std::hypot(first.standard_error, second.standard_error);
+  const double freedom = std::min({first.freedom, second.freedom, 1e6});
+  const double reach = student_quantile(0.975, freedom) * c.standard_error;
+  c.low = c.difference - reach;
+  c.high = c.difference + reach;
   if (std::isfinite(c.difference) && c.difference != 0.0 && !std::isnan(c.standard_error)) {
-    c.p = std::erfc(std::abs(c.difference) / c.standard_error / std::sqrt(2.0));
+    c.p = 2.0 * student_cdf(-std::abs(c.difference) / c.standard_error, freedom);
   }
   return c;
 }

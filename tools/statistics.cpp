@@ -31,6 +31,7 @@ struct Method {
 
 // What is kept of a record while methods are compared.
 struct Slim {
+  int blocks = 0;
   std::vector<double> values;                  // [compared metric]
   std::vector<std::vector<float>> deviations;  // [compared metric][resample]
 };
@@ -94,7 +95,7 @@ class RecordingStudy {
                    plan_.spp[budget], r, threads_});
       std::optional<Slim>& slim = replicates.emplace_back();
       if (!found || found->failed()) continue;
-      slim.emplace();
+      slim.emplace().blocks = found->blocks();
       for (const std::string& metric : compared_metrics())
         slim->values.push_back(found->number(metric));
       slim->deviations = std::move(found->deviations);
@@ -132,6 +133,7 @@ class RecordingStudy {
       const double value = one ? one->values[index] : std::nan("");
       result.values.push_back(value);
       std::vector<double>& resampled = result.resampled.emplace_back();
+      if (one) result.blocks = one->blocks;
       if (!one || index >= one->deviations.size()) continue;
       for (const float deviation : one->deviations[index])
         resampled.push_back(value + static_cast<double>(deviation));

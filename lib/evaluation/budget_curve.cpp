@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "lib/core/check.h"
-#include "lib/core/random.h"
 
 namespace spool {
 namespace {
@@ -60,7 +59,7 @@ struct ResampledCurve {
 
   explicit ResampledCurve(const BudgetCurve& curve, std::uint64_t seed) {
     for (const MethodSeries& series : curve.series) {
-      means.push_back(resampled_means(series, seed));
+      means.push_back(stretched_means(resampled_mean(series, seed)));
       resamples =
           means.size() == 1 ? means.back().size() : std::min(resamples, means.back().size());
     }
@@ -81,29 +80,6 @@ std::vector<double> means_of(const BudgetCurve& curve) {
 }
 
 }  // namespace
-
-std::vector<double> resampled_means(const MethodSeries& series, std::uint64_t seed) {
-  std::vector<std::size_t> known;
-  std::size_t resamples = static_cast<std::size_t>(-1);
-  for (std::size_t r = 0; r < series.values.size(); ++r) {
-    if (!std::isfinite(series.values[r])) continue;
-    known.push_back(r);
-    resamples = std::min(resamples, series.resampled[r].size());
-  }
-  std::vector<double> means;
-  if (known.empty()) return means;
-  for (std::size_t s = 0; s < resamples; ++s) {
-    double sum = 0.0;
-    for (std::size_t draw = 0; draw < known.size(); ++draw) {
-      const double u = unit_double(mix(seed, s, draw));
-      sum +=
-          series
-              .resampled[known[static_cast<std::size_t>(u * static_cast<double>(known.size()))]][s];
-    }
-    means.push_back(sum / static_cast<double>(known.size()));
-  }
-  return means;
-}
 
 ErrorSlope error_slope(const BudgetCurve& curve, std::uint64_t seed) {
   SPOOL_CHECK_EQ(curve.spp.size(), curve.series.size());
@@ -127,7 +103,7 @@ SamplesNeeded samples_needed(const BudgetCurve& curve, const MethodSeries& targe
   };
   needed.spp = in_range(found);
   const ResampledCurve resampled(curve, seed);
-  const std::vector<double> targets = resampled_means(target, seed);
+  const std::vector<double> targets = stretched_means(resampled_mean(target, seed));
   std::vector<double> crossings;
   for (std::size_t s = 0; s < std::min(resampled.resamples, targets.size()); ++s)
     crossings.push_back(crossing(curve.spp, resampled.at(s), targets[s]));

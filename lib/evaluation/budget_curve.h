@@ -33,8 +33,4 @@ struct SamplesNeeded {
 SamplesNeeded samples_needed(const BudgetCurve& curve, const MethodSeries& target,
                              std::uint64_t seed = 1);
 
-// Means of the resamples of compare_paired: draws of replicates depend on `seed`, resample and
-// number of replicates only.
-std::vector<double> resampled_means(const MethodSeries& series, std::uint64_t seed = 1);
-
 }  // namespace spool

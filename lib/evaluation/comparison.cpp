@@ -5,13 +5,13 @@
 #include <numeric>
 #include <utility>
 
-#include "lib/core/random.h"
+#include "lib/core/check.h"
+#include "lib/evaluation/intervals.h"
 
 namespace spool {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kNormal95 = 1.959963984540054;
 
 // Values as distances that are better when lower.
 MethodSeries as_cost(MethodSeries series, Better better) {
@@ -36,53 +36,24 @@ double mean_of_finite(std::span<const double> values) {
   return n > 0.0 ? sum / n : kNaN;
 }
 
-}  // namespace
-
-MethodSeries method_series(std::string name, std::string_view metric,
-                           std::span<const MetricTable* const> replicates) {
-  const int index = metric_index(metric);
-  SPOOL_CHECK_GE(index, 0);
-  const auto m = static_cast<std::size_t>(index);
-  MethodSeries series{std::move(name), {}, {}};
-  for (const MetricTable* table : replicates) {
-    series.values.push_back(table->values[m].value);
-    series.resampled.push_back(table->resampled[m]);
-  }
-  return series;
+// Two-sided. A difference without any spread is certain.
+double p_of_no_difference(const ResampledMean& found) {
+  const double z = std::abs(found.mean) / found.standard_error;
+  if (std::isinf(z)) return 0.0;
+  if (found.freedom > 1e6) return std::erfc(z / std::sqrt(2.0));
+  return 2.0 * student_cdf(-z, found.freedom);
 }
 
+}  // namespace
+
 PairedComparison compare_paired(const MethodSeries& a, const MethodSeries& b, std::uint64_t seed) {
-  SPOOL_CHECK_EQ(a.values.size(), b.values.size());
-  std::vector<double> differences;
-  std::vector<std::size_t> pairs;
-  std::size_t resamples = static_cast<std::size_t>(-1);
-  for (std::size_t r = 0; r < a.values.size(); ++r) {
-    const double difference = a.values[r] - b.values[r];
-    if (!std::isfinite(difference)) continue;
-    differences.push_back(difference);
-    pairs.push_back(r);
-    resamples = std::min({resamples, a.resampled[r].size(), b.resampled[r].size()});
-  }
-  PairedComparison comparison{kNaN, kNaN, kNaN, kNaN, 1.0};
-  if (pairs.empty()) return comparison;
-  comparison.difference = mean_of_finite(differences);
-  std::vector<double> means;
-  for (std::size_t s = 0; s < resamples; ++s) {
-    double sum = 0.0;
-    for (std::size_t draw = 0; draw < pairs.size(); ++draw) {
-      const double u = unit_double(mix(seed, s, draw));
-      const std::size_t r = pairs[static_cast<std::size_t>(u * static_cast<double>(pairs.size()))];
-      sum += a.resampled[r][s] - b.resampled[r][s];
-    }
-    means.push_back(sum / static_cast<double>(pairs.size()));
-  }
-  comparison.standard_error = standard_error_of(means);
-  if (!std::isfinite(comparison.standard_error)) return comparison;
-  comparison.low = comparison.difference - kNormal95 * comparison.standard_error;
-  comparison.high = comparison.difference + kNormal95 * comparison.standard_error;
-  if (comparison.difference == 0.0) return comparison;
-  const double z = std::abs(comparison.difference) / comparison.standard_error;
-  comparison.p = std::erfc(z / std::sqrt(2.0));
+  const ResampledMean found = resampled_mean(difference_of(a, b), seed);
+  PairedComparison comparison{found.mean, found.standard_error, kNaN, kNaN, 1.0};
+  if (!std::isfinite(found.standard_error)) return comparison;
+  const double reach = found.reach() * found.standard_error;
+  comparison.low = found.mean - reach;
+  comparison.high = found.mean + reach;
+  if (found.mean != 0.0) comparison.p = p_of_no_difference(found);
   return comparison;
 }
 

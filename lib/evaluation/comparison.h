@@ -2,9 +2,8 @@
 // and replicates, ranks with ties, and how fast errors fall with the budget.
 //
 // Methods are compared on the same recording, budget and replicates, so what they share cancels.
-// The standard error of a difference resamples replicates and 16x16 pixel blocks at once: resample
-// b draws replicates with replacement and takes each one's b-th block resample, which is the same
-// draw of blocks for every method (bootstrap.h).
+// The standard error of a difference comes from a bootstrap over replicates and 16x16 pixel blocks
+// at once (method_series.h), with the same draws for every method.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +12,15 @@
 #include <vector>
 
 #include "lib/evaluation/error_metrics.h"
+#include "lib/evaluation/method_series.h"
 
 namespace spool {
-
-// One metric of one method over replicates.
-struct MethodSeries {
-  std::string name;
-  std::vector<double> values;                  // [replicate]
-  std::vector<std::vector<double>> resampled;  // [replicate][resample], all of one length
-};
-
-// The values of `metric` in the tables of one method's replicates.
-MethodSeries method_series(std::string name, std::string_view metric,
-                           std::span<const MetricTable* const> replicates);
 
 struct PairedComparison {
   double difference = 0;      // mean of a - b
   double standard_error = 0;  // NaN when it is not known
-  double low = 0, high = 0;   // 95 %, difference -+ 1.96 standard errors
-  double p = 1;               // two-sided, of no difference (normal)
+  double low = 0, high = 0;   // 95 %, by Student's distribution
+  double p = 1;               // two-sided, of no difference
 };
 // Both series must have the same replicates. Pairs with a value that is not finite are left out.
 PairedComparison compare_paired(const MethodSeries& a, const MethodSeries& b,

@@ -140,6 +140,7 @@ class Evaluation {
   MetricTable table() {
     table_.values.resize(registry().size());
     table_.resampled.resize(registry().size());
+    table_.blocks = bootstrap_.blocks();
     if (table_.pixels == 0) return std::move(table_);
     LargestFirst relative(relative_, judged_), squared(squared_, judged_);
     const bool resamples = bootstrap_.blocks() > 1;

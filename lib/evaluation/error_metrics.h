@@ -69,6 +69,7 @@ struct MetricValue {
 struct MetricTable {
   std::vector<MetricValue> values;             // [metric], as metrics()
   std::vector<std::vector<double>> resampled;  // [metric][resample], for paired differences
+  int blocks = 0;                              // that each resample draws
   double relative_scale = 1.0;                 // factor on both images in the relative metrics
   std::uint64_t pixels = 0;                    // judged
   std::uint64_t excluded_estimate = 0;         // pixels of I that are not finite

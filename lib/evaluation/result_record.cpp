@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "lib/core/check.h"
+#include "lib/evaluation/bootstrap.h"
 #include "lib/evaluation/result_table.h"
 
 namespace spool {
@@ -22,6 +23,13 @@ const std::string& ResultRecord::text(std::string_view column) const {
 double ResultRecord::number(std::string_view column) const {
   const std::string& field = text(column);
   return field.empty() ? std::nan("") : std::strtod(field.c_str(), nullptr);
+}
+
+int ResultRecord::blocks() const {
+  const double width = number("width"), height = number("height");
+  if (!(width > 0.0 && height > 0.0)) return 0;
+  return BlockBootstrap(static_cast<int>(width), static_cast<int>(height), {.resamples = 0})
+      .blocks();
 }
 
 ResultRecord record_of(const CellResult& result) {
@@ -46,6 +54,7 @@ MethodSeries record_series(std::string name, std::string_view metric,
   for (const ResultRecord* record : replicates) {
     const double value = record->number(metric);
     series.values.push_back(value);
+    series.blocks = record->blocks();
     std::vector<double>& resampled = series.resampled.emplace_back();
     if (m >= record->deviations.size()) continue;
     for (const float deviation : record->deviations[m])

@@ -24,6 +24,7 @@ struct ResultRecord {
 
   const std::string& text(std::string_view column) const;
   double number(std::string_view column) const;  // NaN where the field is empty
+  int blocks() const;                            // of the bootstrap; 0 where there is no image
   // There is no result, or pixels are missing in it.
   bool failed() const { return !text("error").empty(); }
 };
