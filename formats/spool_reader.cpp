@@ -98,6 +98,10 @@ SpoolReader::~SpoolReader() = default;
 
 Result<SpoolReader> SpoolReader::open(const std::filesystem::path& path) {
   SPOOL_ASSIGN(OpenDump dump, open_dump(path));
+  if (path.extension() == ".partial") {
+    return tl::unexpected(file_error(
+        path, {FailureClass::kIncomplete, "its writer never gave it its name (.partial)"}));
+  }
   return SpoolReader(std::make_unique<State>(std::move(dump)));
 }
 

@@ -113,7 +113,7 @@ void add_recover(Program& program) {
       "Exit code 4 and a list of what is lost when anything is; the new file is whole in itself.\n"
       "Examples:\n"
       "  spool recover damaged.spool saved.spool\n"
-      "  spool recover night.spool.partial night.spool    (a recording that was interrupted)");
+      "  spool recover night.spool.partial saved.spool    (a recording that was interrupted)");
   verb.callback(
       [&] { program.chosen = [&] { return run_recover(program.recover, program.common); }; });
 }

@@ -378,7 +378,14 @@ TEST(FileFaults, RefusalsOfTheSystemAreNamed) {
   const auto made = make_dump(folder / "a.spool", small_dump());
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, ErrorCode::kIo);
+  // All of it is there, but the name says that nobody vouched for it.
   EXPECT_TRUE(check_dump(folder / "a.spool.partial")->complete);
+  const auto opened = SpoolReader::open(folder / "a.spool.partial");
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kDamage);
+  EXPECT_NE(opened.error().message.find("spool recover"), std::string::npos);
+  ASSERT_TRUE(recover_dump(folder / "a.spool.partial", folder / "b.spool"));
+  EXPECT_TRUE(SpoolReader::open(folder / "b.spool"));
 }
 
 }  // namespace

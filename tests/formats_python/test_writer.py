@@ -45,6 +45,17 @@ def test_exception_leaves_the_partial_file(tmp_path):
     assert spool.check(path).ok and os.listdir(tmp_path) == ["a.spool"]
 
 
+def test_partial_name_is_never_opened_as_complete(tmp_path):
+    path = tmp_path / "a.spool"
+    with writer(path) as output:
+        output.write_block(0, 0, 0, BLOCK)
+    partial = path.rename(tmp_path / "a.spool.partial")
+    with pytest.raises(spool.SpoolError) as caught:
+        spool.open(partial)
+    assert caught.value.kind == "incomplete" and "run spool recover" in str(caught.value)
+    assert spool.check(partial).ok
+
+
 def test_existing_target_needs_force(tmp_path):
     path = tmp_path / "a.spool"
     path.write_bytes(b"precious")

@@ -14,8 +14,12 @@ from .record_file import RecordFile
 
 
 def open(path):
-    """Opens a complete file; SpoolError when anything about it is not as the specification says."""
-    return Dump(path)
+    """Opens a complete file; SpoolError when it is NAME.partial, or anything is not as the specification says."""
+    dump = Dump(path)
+    if dump.path.endswith(".partial"):
+        with dump:
+            raise dump._records.error("incomplete", "its writer never gave it its name (.partial)")
+    return dump
 
 
 class Dump:
