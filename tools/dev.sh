@@ -30,7 +30,8 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   hard [CTEST ARGS]             the hard cases whole: every pair of methods, full sizes, many replicates
   endure [CTEST ARGS]           evaluations killed at 20 moments, a Slurm that loses a node, a plan of 10,000 cells
   trust [CTEST ARGS]            the format's tests at their whole numbers (bit flips, killed writers, power loss, 6 GB file);
-                                trust fuzz [SECONDS]: each fuzz target that long (default 600), findings in build/fuzz/found
+                                trust fuzz [SECONDS]: each fuzz target that long (default 600), findings in build/fuzz/found;
+                                trust coverage: lines of the format that the fuzz targets' inputs reach
   trap [CTEST ARGS]             the numeric tests with invalid operations and divisions by zero trapped
   bits                          hashes of fixed results: g++ and clang++, release and debug, with and without wide vectors
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
@@ -247,7 +248,10 @@ endure() {
 
 # Fuzzing keeps what it learns in build/fuzz/corpus; tests/fuzz/README.md says what to do with a finding.
 trust() {
-  if [[ "${1:-}" == fuzz ]]; then shift; fuzz "$@"; return; fi
+  case "${1:-}" in
+    fuzz) shift; fuzz "$@"; return ;;
+    coverage) coverage; return ;;
+  esac
   setup test
   build release
   SPOOL_TRUST=whole RC_PARAMS="max_success=10000" ctest --preset release -j "$(jobs)" --timeout 14400 \
@@ -262,16 +266,35 @@ fuzz() {
   mkdir -p build/fuzz/found
   for target in build/fuzz/tests/fuzz/fuzz_*; do
     [[ -x "$target" && -f "$target" ]] || continue
-    local name="${target##*/fuzz_}" seeds=(tests/golden/v1.0 tests/golden/must_fail)
-    [[ ! -d "tests/fuzz/seeds/$name" ]] || seeds=("tests/fuzz/seeds/$name")
+    local name="${target##*/fuzz_}" seeds=(tests/golden/v1.0 tests/golden/must_fail tests/fuzz/regressions)
+    [[ ! -d "tests/fuzz/seeds/$name" ]] || seeds+=("tests/fuzz/seeds/$name")
     mkdir -p "build/fuzz/corpus/$name"
     say "fuzz $name, $seconds s"
     "$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=768 -max_len=4096 -print_final_stats=1 \
-      -artifact_prefix="build/fuzz/found/${name}_" "build/fuzz/corpus/$name" "${seeds[@]}" tests/fuzz/regressions \
+      -artifact_prefix="build/fuzz/found/${name}_" "build/fuzz/corpus/$name" "${seeds[@]}" \
       >"build/fuzz/found/$name.log" 2>&1 || failed=1
     grep -aE '^(Done|stat::number_of_executed_units|SUMMARY)' "build/fuzz/found/$name.log" || true
   done
   ((failed == 0)) || die "fuzz: see build/fuzz/found"
+}
+
+coverage() {
+  local folder=build/coverage target learned objects=()
+  local targets=(open_check open_check_fixed_crc recover round_trip call_order)
+  require_packages "${lint_packages[@]}" llvm-19
+  cmake -G Ninja -S . -B "$folder" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++-19 \
+    -DCMAKE_CXX_FLAGS="-fprofile-instr-generate -fcoverage-mapping" >/dev/null
+  ninja -C "$folder" -j "$(jobs)" --quiet "${targets[@]/#/fuzz_replay_}" >&2
+  for target in "${targets[@]}"; do
+    local inputs=(tests/golden/v1.0 tests/golden/must_fail tests/fuzz/regressions)
+    for learned in "tests/fuzz/seeds/$target" "build/fuzz/corpus/$target"; do
+      [[ ! -d "$learned" ]] || inputs+=("$learned")
+    done
+    LLVM_PROFILE_FILE="$folder/$target.profraw" "$folder/tests/fuzz/fuzz_replay_$target" "${inputs[@]}" >&2
+    objects+=(-object "$folder/tests/fuzz/fuzz_replay_$target")
+  done
+  llvm-profdata-19 merge -o "$folder/all.profdata" "$folder"/*.profraw
+  llvm-cov-19 report "${objects[@]:1}" -instr-profile="$folder/all.profdata" formats/*.cpp
 }
 
 trap_floating_point() {
