@@ -225,7 +225,7 @@ bench() {
 experiments() {
   setup test
   build release spool spool_png
-  exec python3 tools/experiments/run.py "$@"
+  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/experiments/run.py "$@"
 }
 
 # --- distrust ----------------------------------------------------------------------------------

@@ -154,5 +154,5 @@ CHAPTERS = [
                                                   ("independent", "holdout", "leave_selected_out", "pool")],
             "Judging by the pool that the samples came from is common and biased.", references),
     Chapter("A12", "Filters alone: uniform samples", ["a12_reconstruction_alone"],
-            "How much of the gain is the filter's.", reconstruction_alone),
+            "How much of the gain is the filter's.", reconstruction_alone, stand_in="methods"),
 ]

@@ -13,6 +13,7 @@ class Chapter:
     density: bool = False  # also measure the density of the plan's samplers
     apart: str = ""        # what cannot be replayed on our pools, and why
     optional: tuple = ()   # further plans, shown when they were run
+    stand_in: str = ""     # a plan with the same methods, whose results are shown while its own were not made
 
 
 @dataclass

@@ -18,29 +18,13 @@ from pathlib import Path
 
 import numpy as np
 
-from results import canonical
+from methods import methods_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "formats" / "python"))
 import spool  # noqa: E402
 import spool.exr  # noqa: E402
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-
-
-def samplers_of(plan):
-    """(label as in the results, name with preset, [(option, value)])"""
-    for name in plan.get("samplers", []):
-        yield name, name, []
-    for entry in plan.get("sampler", []):
-        entry = dict(entry)
-        name = entry.pop("name")
-        preset = entry.pop("preset", None)
-        full = f"{name}:{preset}" if preset else name
-        lists = [v if isinstance(v, list) else [v] for v in entry.values()]
-        for values in itertools.product(*lists):
-            options = list(zip(entry, values))
-            text = ",".join(f"{o}={v}" for o, v in options)
-            yield canonical(full + (f"{{{text}}}" if text else "")), full, options
 
 
 def jump(counts, step):
@@ -114,7 +98,7 @@ def densities(program, plan_path, folder):
     for path in plan["recordings"]:
         path = plan_path.parent / path
         recording = None
-        for label, name, options in samplers_of(plan):
+        for label, name, options in methods_of(plan, "sampler"):
             for spp, seed in itertools.product(plan["spp"], range(1, plan["replicates"] + 1)):
                 key = f"{path.stem}|{label}|{spp}|{seed}"
                 if key not in done:

@@ -173,7 +173,7 @@ CHAPTERS = [
     Chapter("E3", "Figure 8b: error over budget by sampler", ["e3_samplers_over_budget"],
             "The multi-scale sampler has the lowest error of the unfiltered estimate. (Greedy error minimisation samples "
             "for a filtered result: alone it is judged unfairly, see E9.)", samplers_over_budget, apart=RAW
-            + " `mitchell` and `adaptive_wavelet` are re-implemented from published descriptions."),
+            + " `mitchell` and `adaptive_wavelet` are re-implemented from published descriptions.", stand_in="methods"),
     Chapter("E4", "Figures 8c and 10: the directional filter", ["e4_directions"],
             "Filtering with directions lowers the error further than sampling alone.", directions, apart=RAW),
     Chapter("E5", "Figure 9: density of every sampler", ["e5_density"],

@@ -59,6 +59,14 @@ class Results:
     def threads(self):
         return sorted(set(self._names(4)))
 
+    def only(self, samplers, filters):
+        """The part with these methods."""
+        part = Results([])
+        part.folders = self.folders
+        for kept, all_of_them in ((part._rows, self._rows), (part.failed, self.failed)):
+            kept.update((k, v) for k, v in all_of_them.items() if k[1] in samplers and k[2] in filters)
+        return part
+
     def rows(self, pool, sampler, filter_name, spp, threads=None):
         sampler, filter_name = canonical(sampler), canonical(filter_name)
         if threads is None:

@@ -10,6 +10,7 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -18,6 +19,7 @@ import first_chapters  # noqa: E402
 import method_chapters  # noqa: E402
 import paper_chapters  # noqa: E402
 from chapter import Material  # noqa: E402
+from methods import methods_of  # noqa: E402
 from pools import PLANS, POOLS, command, make_pools  # noqa: E402
 from results import Results  # noqa: E402
 
@@ -77,6 +79,13 @@ def section(chapter, arguments):
     blocks = [f"## {chapter.id if chapter.id[0] in 'EA' else ''}{': ' if chapter.id[0] in 'EA' else ''}{chapter.title}",
               f"*Asked:* {chapter.paper}", chapter.apart, commands]
     missing = [p for p in chapter.plans if not done(p, arguments)]
+    if missing and chapter.stand_in and done(chapter.stand_in, arguments):
+        plan = tomllib.loads((PLANS / f"{missing[0]}.toml").read_text())
+        part = Results([arguments.results / chapter.stand_in]).only({m[0] for m in methods_of(plan, "sampler")},
+                                                                    {m[0] for m in methods_of(plan, "filter")})
+        note = (f"Not run yet; the figures are those of the same methods in the plan `{chapter.stand_in}`, with its "
+                "recordings and budgets.")
+        return [*blocks, note, *chapter.body(Material(part, {}, {chapter.stand_in: part}))]
     if missing:
         return [*blocks, f"**Not run yet** ({', '.join(missing)})."]
     by_plan = {p: Results([arguments.results / p]) for p in plans}

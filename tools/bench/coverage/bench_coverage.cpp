@@ -1,7 +1,8 @@
 // How often the 95 % intervals of the statistics hold the truth, over many trials on analytic
 // scenes.
 //
-//   bench_coverage TRIALS        rows as JSON; tools/bench/coverage/run.py makes the page of them
+//   bench_coverage [TRIALS [DRAWN]]    rows as JSON; tools/bench/coverage/run.py makes the page of
+//   them
 //
 // Every trial samples, filters and judges five replicates. The truth is known in closed form for
 // unfiltered fixed counts and is else the mean over all trials, which knows it thirty times better
@@ -279,13 +280,14 @@ int main(int argc, char** argv) {
   const int trials = argc > 1 ? std::atoi(argv[1]) : 1000;
   const auto uniform01 = [](std::uint64_t a, std::uint64_t b) { return unit_double(mix(a, b)); };
 
-  const auto scene_s_once = shared(make_scene_s(kSide / 2, kSide / 2, 64, 5, {.fireflies = true}));
+  const auto quiet = shared(make_scene_s(kSide / 2, kSide / 2, 64, 5));
+  const auto fireflies = shared(make_scene_s(kSide / 2, kSide / 2, 64, 5, {.fireflies = true}));
   const auto contrast = [&](std::uint64_t trial, int block) {
     return 0.5 + uniform01(mix(77, trial), static_cast<std::uint64_t>(block));
   };
-  const World orders{"order of the samples", {kBox, kGaussian, kOurs}, {4}, [&](std::uint64_t) {
-                       return scene_s_once;
-                     }};
+  const std::vector<Method> three = {kBox, kGaussian, kOurs};
+  const World quiet_orders{"order", three, {4}, [&](std::uint64_t) { return quiet; }};
+  const World orders{"order, with fireflies", three, {4}, [&](std::uint64_t) { return fireflies; }};
   const World samples{
       "samples, order", {kBox, kGaussian}, {2, 4, 8}, [](std::uint64_t trial) {
         return shared(make_recording(noise_scene([](int) { return 1.0; }), 32, trial));
@@ -297,6 +299,7 @@ int main(int argc, char** argv) {
       }};
   nlohmann::ordered_json all = {{"rows", nlohmann::ordered_json::array()}};
   const auto run = [&](const World& world, const auto& fill) {
+    if (argc > 2 && world.drawn != argv[2]) return;
     std::vector<Trial> done(static_cast<std::size_t>(trials));
     parallel_for(done.size(), [&](std::size_t t) { done[t] = run_trial(world, t); });
     Table table(world, done);
@@ -304,12 +307,15 @@ int main(int argc, char** argv) {
     for (auto& row : table.rows)
       all["rows"].push_back(std::move(row));
   };
-  run(orders, [&](Table& table, const std::vector<Trial>& done) {
-    add_replicate_intervals(table, 4);
-    for (const Trial& trial : done) {
-      all["pairs"].push_back({trial.at({kOurs, 4.0}).values, trial.at({kGaussian, 4.0}).values});
-    }
-  });
+  for (const World* world : {&quiet_orders, &orders}) {
+    run(*world, [&](Table& table, const std::vector<Trial>& done) {
+      add_replicate_intervals(table, 4);
+      for (const Trial& trial : done) {
+        all["pairs"][world->drawn].push_back(
+            {trial.at({kOurs, 4.0}).values, trial.at({kGaussian, 4.0}).values});
+      }
+    });
+  }
   run(samples, [&](Table& table, const auto&) { add_block_intervals(table, samples, 1.0); });
   // E a^2 of a uniform in 0.5 .. 1.5.
   run(pictures,

@@ -19,7 +19,7 @@ fixed counts and is else the mean over all trials. Of {trials} trials, an interv
 
 {table}
 
-Three things vary in what the laboratory measures, and each interval speaks of its own:
+Several things vary in what the laboratory measures, and each interval speaks of its own:
 
 - **Student's intervals over replicates** (the table of `spool evaluate`, the report's figures, ratios and claims) speak of one
   recording: how much does the error vary with the order of its samples? Of another recording of the same scene they
@@ -29,6 +29,9 @@ Three things vary in what the laboratory measures, and each interval speaks of i
   kind. Where blocks of the picture are alike or drawn anew, they are right. On one fixed picture with parts
   unlike each other they are wider than that picture alone asks for; paired differences much less so, as what a part does
   to both methods cancels.
+- **Fireflies** skew the errors of a few replicates, and Student's interval of five skewed values covers too little: the
+  rows with fireflies, but for the method whose filter takes them away. The bars of a report on such a recording are
+  a little too short: use more replicates.
 - Both speak of a metric's expectation, debiased by the variance of the reference where the metric is.
 
 Noise of one block in one replicate is in the spread of the blocks and in the spread of the replicates; it is counted once
@@ -36,7 +39,7 @@ Noise of one block in one replicate is in the spread of the blocks and in the sp
 """
 
 
-def rows_of_report(pairs):
+def rows_of_report(drawn, pairs):
     """The report's own intervals, in Python, on the same trials."""
     a = sum(sum(p[0]) for p in pairs) / sum(len(p[0]) for p in pairs)
     b = sum(sum(p[1]) for p in pairs) / sum(len(p[1]) for p in pairs)
@@ -46,8 +49,9 @@ def rows_of_report(pairs):
             ("report: mean", f"MSE of {names}", a, lambda p: mean_interval(p[0])),
             ("report: paired difference", f"{names} less {other}", a - b, lambda p: paired_difference(list(zip(*p)))),
             ("report: ratio (Fieller)", f"{names} / {other}", a / b, lambda p: paired_ratio(list(zip(*p))))):
-        found = [make(p) for p in pairs]
-        yield {"drawn": "order of the samples", "interval": interval, "of": of, "truth": truth, "trials": len(found),
+        # A ratio to what cannot be told from 0 has no interval, and claims nothing.
+        found = [i for i in map(make, pairs) if math.isfinite(i.high - i.low)]
+        yield {"drawn": drawn, "interval": interval, "of": of, "truth": truth, "trials": len(found),
                "covered": sum(i.low <= truth <= i.high for i in found),
                "width": sum(i.high - i.low for i in found) / len(found)}
 
@@ -55,8 +59,9 @@ def rows_of_report(pairs):
 def main():
     program = Path(sys.argv[1]) / "tools" / "bench" / "coverage" / "bench_coverage"
     found = json.loads(subprocess.run([program, *sys.argv[2:]], check=True, capture_output=True, text=True).stdout)
-    rows = [*found["rows"], *rows_of_report(found["pairs"])]
-    rows.sort(key=lambda r: r["drawn"].count(","))
+    rows = [*found["rows"], *(row for drawn, pairs in found["pairs"].items() for row in rows_of_report(drawn, pairs))]
+    order = list(dict.fromkeys(r["drawn"] for r in rows))
+    rows.sort(key=lambda r: order.index(r["drawn"]))
     lines = ["| drawn anew | interval | of | truth | mean width | covers |", "|---|---|---|---|---|---|"]
     for r in rows:
         share = 100 * r["covered"] / r["trials"]
