@@ -14,7 +14,8 @@ namespace {
 
 using enum FailureClass;
 
-constexpr int kLevel = 3;
+// Level 3 makes feature layers 2 to 5 % smaller and radiance no smaller, at half the rate.
+constexpr int kLevel = 1;
 
 struct ContextDeleter {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }

@@ -254,7 +254,7 @@ trust() {
   esac
   setup test
   build release
-  SPOOL_TRUST=whole RC_PARAMS="max_success=10000" ctest --preset release -j "$(jobs)" --timeout 14400 \
+  SPOOL_TRUST=whole RC_PARAMS="max_success=10000" ctest --preset release -j "$(jobs)" \
     -R '^(formats|formats_allocation|formats_python|fuzz_regression|interchange)\.' "$@"
 }
 

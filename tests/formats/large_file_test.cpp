@@ -58,7 +58,7 @@ TEST(LargeFile, FirstDamagedHeaderIsNamedForAnyNumberOfThreads) {
   ASSERT_TRUE(make_dump(path, dump));
   Bytes bytes = read_bytes(path);
   const uint64_t record = kUnit + 3 * 64 * 4;  // header and payload of a block
-  const uint64_t first = 7 * kUnit;  // after file header, IMAG and CHAN
+  const uint64_t first = 7 * kUnit;            // after file header, IMAG and CHAN
   const auto place = [&](uint64_t n) { return first + n * record; };
   for (const uint64_t n : {30000u, 20001u, 8500u}) {
     bytes[place(n) + 50] ^= std::byte{1};

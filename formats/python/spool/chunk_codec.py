@@ -8,7 +8,7 @@ import numpy as np
 from . import record_layout as layout
 from .error import SpoolError
 
-_LEVEL = 3
+_LEVEL = 1
 
 
 def _zstandard():
