@@ -157,7 +157,7 @@ def every_method(m):
     best = (options(MULTISCALE, "update=epoch"), "directional")
     said = [finding(f"multiscale + directional is below {s} + {f} in {c}", r, best, (s, f), c.lower())
             for s, f in OWN[:5] for c in ("MSE", "relMSE")]
-    said.append(finding("one region a step (sequential) is level with epochs in MSE: below", r,
+    said.append(finding("one region a step is below many in MSE", r,
                         (options(MULTISCALE, "update=exact"), "directional"), best))
     return [f"{pool_title(pool)} at 8 samples per pixel:\n\n"
             + table(["method", "MSE", "relMSE", "FLIP", "SSIM", "energy ratio", "CPU time"], rows), "\n".join(said)]
