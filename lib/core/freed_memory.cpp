@@ -9,9 +9,8 @@ namespace spool {
 
 void keep_freed_memory() {
 #ifdef __GLIBC__
-  constexpr int kLargestThreshold = 32 << 20;  // glibc takes no more
-  constexpr int kKept = 1 << 30;               // at the end of the heap
-  mallopt(M_MMAP_THRESHOLD, kLargestThreshold);
+  constexpr int kKept = 1 << 30;  // at the end of the heap
+  mallopt(M_MMAP_MAX, 0);         // no block of its own for a large image
   mallopt(M_TRIM_THRESHOLD, kKept);
 #endif
 }

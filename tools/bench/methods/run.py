@@ -50,25 +50,28 @@ def turn(build, path, threads, which):
     return found
 
 
-def measure(build, sizes, turns, which):
-    """{(size, threads): {method: least of each figure}}; size 64 is FEATURES."""
+def measure(build, sizes, turns, which, best, results):
+    """Adds to {(size, threads): {method: least of each figure}}, and keeps it; size 64 is FEATURES."""
     paths = {size: recording(build, size) for size in sizes}
     paths[64] = FEATURES
     kinds = [(size, threads) for size in paths for threads in ((1, 2) if size == JUDGED else (1,))]
-    best = {kind: {} for kind in kinds}
+    for kind in kinds:
+        best.setdefault(kind, {})
     for _ in range(turns):
         for kind in kinds:
             print(f"{kind[0]}x{kind[0]}, threads {kind[1]}", file=sys.stderr, flush=True)
             for method, now in turn(build, paths[kind[0]], kind[1], which).items():
                 least = best[kind].setdefault(method, now)
                 best[kind][method] = {key: now[key] if key == "refused" else min(least[key], now[key]) for key in now}
-    return best
+            keep(results, best)
 
 
-def kept(path, best=None):
-    if best is not None:
-        path.write_text(json.dumps([[*kind, methods] for kind, methods in best.items()], indent=1), encoding="utf-8")
+def read_kept(path):
     return {(size, threads): methods for size, threads, methods in json.loads(path.read_text(encoding="utf-8"))}
+
+
+def keep(path, best):
+    path.write_text(json.dumps([[*kind, methods] for kind, methods in best.items()], indent=1), encoding="utf-8")
 
 
 def told(value, digits, holds):
@@ -82,18 +85,19 @@ def row(method, best, sizes):
     limit = SECONDS.get(method, OTHERS)
     cells = [f"`{method.split('/')[1]}`", told(one["cpu"], 3, one["cpu"] <= limit), f"{limit:g}",
              told(one["heap"], 0, one["heap"] <= BYTES)]
-    speedup = one["wall"] / two["wall"]
-    cells.append(told(speedup, 2, speedup >= TWO_THREADS))
-    pixels = {size: best[size, 1][method]["cpu"] / size ** 2 for size in sizes}
-    cells += [f"{pixels[size] * 1e6:.3f}" for size in sizes]
-    growth = pixels[sizes[-1]] / pixels[sizes[0]]
-    cells.append(told(growth, 2, growth <= LARGE))
+    if two:
+        speedup = one["wall"] / two["wall"]
+        cells.append(told(speedup, 2, speedup >= TWO_THREADS))
+    pixels = {size: best[size, 1][method]["cpu"] / size ** 2 for size in sizes if method in best[size, 1]}
+    cells += [f"{pixels[size] * 1e6:.3f}" if size in pixels else "" for size in sizes]
+    growth = pixels[sizes[-1]] / pixels[sizes[0]] if {sizes[0], sizes[-1]} <= set(pixels) else None
+    cells.append("" if growth is None else told(growth, 2, growth <= LARGE))
     return "| " + " | ".join(cells) + " |"
 
 
 def table(kind, best, sizes):
     names = [method for method in best[JUDGED, 1] if method.startswith(kind + "/")]
-    head = [kind, "CPU-s", "target", "bytes/pixel", "2 threads, times faster", *(f"us/pixel at {s}" for s in sizes),
+    head = [kind, "CPU-s", "target", "bytes/pixel", *(["2 threads, times faster"] if best.get((JUDGED, 2)) else []), *(f"us/pixel at {s}" for s in sizes),
             f"{sizes[-1]} / {sizes[0]}"]
     rows = [line for line in (row(name, best, sizes) for name in names) if line]
     return "\n".join(["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *rows])
@@ -105,9 +109,9 @@ def machine():
     return f"{model}, {os.cpu_count()} cores"
 
 
-def page(best, sizes, turns):
+def page(best, sizes):
     text = [f"CPU seconds of one thread at {JUDGED}x{JUDGED} pixels, {BUDGET} spp of {SAMPLES}, scene S; filters get the",
-            f"selection of `multiscale`. {machine()}; least of {turns} turns. A bold figure misses its target: the seconds",
+            f"selection of `multiscale`. {machine()}; least of some turns. A bold figure misses its target: the seconds",
             f"named, {BYTES} bytes a pixel beside the mapped recording (for a filter with all that it reads), {TWO_THREADS} times faster",
             f"on two threads, {LARGE} times the cost of a pixel at the largest size.", ""]
     for kind in ("sampler", "filter"):
@@ -129,18 +133,21 @@ def page(best, sizes, turns):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=Path)
-    parser.add_argument("--sizes", default="512,1024,2048", help=f"pixels along a side; {JUDGED} must be among them")
+    parser.add_argument("--sizes", default="512,1024,2048", help="pixels along a side")
     parser.add_argument("--turns", type=int, default=3)
     parser.add_argument("--methods", default=".*", help="a regular expression, e.g. filter/")
     parser.add_argument("--print", action="store_true", help="leave docs/speed.md alone")
+    parser.add_argument("--add", action="store_true", help="keep what was measured last, of which the least counts too")
     parser.add_argument("--kept", action="store_true", help="measure nothing: tables of what was measured last")
     options = parser.parse_args()
-    sizes = sorted(int(size) for size in options.sizes.split(","))
-    if JUDGED not in sizes:
-        parser.error(f"{JUDGED} must be among the sizes: the targets speak of it")
     results = options.build / "methods.json"
-    best = kept(results, None if options.kept else measure(options.build, sizes, options.turns, options.methods))
-    text = page(best, sorted({size for size, _ in best} - {64}), options.turns)
+    best = read_kept(results) if options.kept or options.add else {}
+    if not options.kept:
+        measure(options.build, [int(size) for size in options.sizes.split(",")], options.turns, options.methods, best,
+                results)
+    if (JUDGED, 1) not in best:
+        parser.error(f"{JUDGED} must be among the sizes: the targets speak of it")
+    text = page(best, sorted({size for size, _ in best} - {64}))
     print(text)
     if not options.print:
         replace_section("methods", text)
