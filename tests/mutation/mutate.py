@@ -48,8 +48,11 @@ class Bench:
     """The copy, its build folder, and its test programs."""
 
     def __init__(self, tree, jobs):
-        self.tree, self.build, self.jobs = tree, tree / "build" / "release", jobs
-        subprocess.run(["cmake", "--preset", "release"], cwd=tree, check=True, stdout=subprocess.DEVNULL)
+        self.tree, self.build, self.jobs = tree, tree / "build" / "mutation", jobs
+        # The same results, built in a third of the time: one bug is one compilation and some links.
+        launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+        subprocess.run(["cmake", "-G", "Ninja", "-S", tree, "-B", self.build, *launcher, "-DCMAKE_BUILD_TYPE=",
+                        "-DCMAKE_CXX_FLAGS=-O1 -w -DSPOOL_NO_VECTOR_CLONES"], check=True, stdout=subprocess.DEVNULL)
         targets = subprocess.run(["ninja", "-C", self.build, "-t", "targets", "all"], check=True, capture_output=True,
                                  text=True).stdout
         self.programs = sorted({line.split(":")[0] for line in targets.splitlines()
@@ -96,6 +99,7 @@ def main():
     parser.add_argument("ids", nargs="*", help="mutations to try (default: all)")
     parser.add_argument("--jobs", type=int, default=1, help="compilers at once")
     parser.add_argument("--whole", action="store_true", help="meet a survivor with every test program")
+    parser.add_argument("--trust", action="store_true", help="do not run the tests without a bug first")
     parser.add_argument("--nice", type=int, default=10, help="how far to stand back behind other work")
     options = parser.parse_args()
     os.nice(options.nice)
@@ -106,7 +110,7 @@ def main():
     bench = Bench(tree, options.jobs)
     for program in sorted({f"test_{name}" for m in mutations for name in m["tests"]}):
         made = bench.make(program)
-        if made.returncode != 0 or not bench.passes(program):
+        if made.returncode != 0 or not (options.trust or bench.passes(program)):
             sys.exit(f"mutate.py: {program} does not pass without a bug in it: repair that first")
 
     results_path = folder / "results.json"
