@@ -159,6 +159,28 @@ TEST(DirectionalEnergy, BlackImageIsIsotropicEverywhereAndCounted) {
   EXPECT_EQ(guards[Guard::kNegativeBandEnergy], 1600u);
 }
 
+// What rounding leaves of a constant is no direction, whatever the noise is said to be.
+TEST(DirectionalEnergy, StripesOfTheSizeOfRoundingAreIsotropicAndCounted) {
+  Plane stripes(24, 16), faint(24, 16);
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      stripes(x, y) = 1e-7 * std::cos(1.3 * x + 0.4 * y);
+      faint(x, y) = 1e-4 * stripes(x, y);
+    }
+  }
+  GuardCounts guards;
+  const NoisyBands<double> seen = bands_of_level(stripes, 1), unseen = bands_of_level(faint, 1);
+  const Plane no_noise(24, 16);
+  const auto directed = directional_energy<double>({&seen, 1}, no_noise, 1, {}, guards);
+  EXPECT_EQ(guards[Guard::kIsotropicFallback], 0u);
+  const auto round = directional_energy<double>({&unseen, 1}, no_noise, 1, {}, guards);
+  EXPECT_EQ(guards[Guard::kIsotropicFallback], 24u * 16);
+  for (std::size_t p = 0; p < no_noise.size(); ++p) {
+    EXPECT_EQ(directed.isotropic[p], 0);
+    EXPECT_EQ(round.isotropic[p], 1);
+  }
+}
+
 // The correction removes what noise adds: over pure noise the smoothed energy less its expectation
 // has mean 0; uncorrected it has mean g v.
 TEST(DirectionalEnergy, NoiseCorrectionSubtractsTheNoiseEnergy) {

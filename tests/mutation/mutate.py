@@ -8,6 +8,7 @@ every other test program (--whole). Results: a table, and build/mutation/results
 import argparse
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-TEST_TIMEOUT = 300  # seconds; a test that hangs has noticed
+HANGS = 10, 20  # times the CPU seconds that a program takes without a bug, and seconds more: a test that hangs has noticed
 
 
 def load_mutations(wanted):
@@ -57,6 +58,7 @@ class Bench:
                                  text=True).stdout
         self.programs = sorted({line.split(":")[0] for line in targets.splitlines()
                                 if line.startswith("test_") and line.endswith(": phony")})
+        self.sound = {}  # CPU seconds of programs that pass without a bug
 
     def make(self, program):
         # The library module is opened at run time; tests of pictures need it.
@@ -65,11 +67,21 @@ class Bench:
 
     def passes(self, program):
         path = next(self.build.glob(f"tests/*/{program}"))
-        try:
-            return subprocess.run([path, "--gtest_brief=1", "--gtest_fail_fast"], cwd=path.parent, timeout=TEST_TIMEOUT,
-                                  capture_output=True).returncode == 0
-        except subprocess.TimeoutExpired:
-            return False
+        factor, more = HANGS
+        limit = int(factor * self.sound.get(program, 100) + more)  # CPU time: the machine may be busy
+        return subprocess.run([path, "--gtest_brief=1", "--gtest_fail_fast"], cwd=path.parent, capture_output=True,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))).returncode == 0
+
+
+    def expect_sound(self, program):
+        if program in self.sound:
+            return
+        made = self.make(program)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if made.returncode != 0 or not self.passes(program):
+            sys.exit(f"mutate.py: {program} does not pass without a bug in it: repair that first\n{made.stdout[-2000:]}")
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        self.sound[program] = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def replace(path, old, new):
@@ -85,13 +97,32 @@ def judge(bench, mutation, whole):
     programs = [f"test_{name}" for name in mutation["tests"]]
     if whole:
         programs += [p for p in bench.programs if p not in programs]
+    path = bench.tree / mutation["file"]
     for program in programs:
-        made = bench.make(program)
-        if made.returncode != 0:
-            return "does not build", made.stdout.splitlines()[-1] if made.stdout else program
-        if not bench.passes(program):
-            return "killed", program
+        bench.expect_sound(program)
+        before = replace(path, mutation["old"], mutation["new"])
+        try:
+            made = bench.make(program)
+            if made.returncode != 0:
+                return "does not build", made.stdout.splitlines()[-1] if made.stdout else program
+            if not bench.passes(program):
+                return "killed", program
+        finally:
+            path.write_text(before, encoding="utf-8")
     return "survived", ""
+
+
+def write_table(path, mutations, known):
+    """The outcome of each bug as a page."""
+    tried = [m for m in mutations if m["id"] in known]
+    killed = sum(known[m["id"]]["outcome"] == "killed" for m in tried)
+    lines = ["# Seeded bugs", "", "Written by `tools/dev.sh mutate`; the bugs are `mutations.toml`. "
+             f"{killed} of {len(tried)} killed.", "", "| bug | file | outcome | by |", "|---|---|---|---|"]
+    for m in tried:
+        result = known[m["id"]]
+        by = result["by"].removeprefix("test_") if result["outcome"] == "killed" else ""
+        lines.append(f"| `{m['id']}` | `{m['file']}` | {result['outcome']} | {by} |")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def main():
@@ -99,7 +130,7 @@ def main():
     parser.add_argument("ids", nargs="*", help="mutations to try (default: all)")
     parser.add_argument("--jobs", type=int, default=1, help="compilers at once")
     parser.add_argument("--whole", action="store_true", help="meet a survivor with every test program")
-    parser.add_argument("--trust", action="store_true", help="do not run the tests without a bug first")
+    parser.add_argument("--again", action="store_true", help="also those whose outcome is known from an earlier run")
     parser.add_argument("--nice", type=int, default=10, help="how far to stand back behind other work")
     options = parser.parse_args()
     os.nice(options.nice)
@@ -108,25 +139,21 @@ def main():
     tree = folder / "tree"
     copy_tree(tree)
     bench = Bench(tree, options.jobs)
-    for program in sorted({f"test_{name}" for m in mutations for name in m["tests"]}):
-        made = bench.make(program)
-        if made.returncode != 0 or not (options.trust or bench.passes(program)):
-            sys.exit(f"mutate.py: {program} does not pass without a bug in it: repair that first")
-
     results_path = folder / "results.json"
     known = json.loads(results_path.read_text(encoding="utf-8")) if results_path.exists() else {}
-    for mutation in mutations:
-        path = tree / mutation["file"]
+    # Bugs that need the same program together: the first one's build is the others' too.
+    for mutation in sorted(mutations, key=lambda m: (m["tests"][0], m["file"])):
+        recipe = {key: mutation[key] for key in ("file", "old", "new")}
+        if not options.again and not options.ids and known.get(mutation["id"], {}).get("recipe") == recipe:
+            continue
         start = time.monotonic()
-        before = replace(path, mutation["old"], mutation["new"])
-        try:
-            outcome, by = judge(bench, mutation, options.whole)
-        finally:
-            path.write_text(before, encoding="utf-8")
-        known[mutation["id"]] = {"file": mutation["file"], "outcome": outcome, "by": by,
+        outcome, by = judge(bench, mutation, options.whole)
+        known[mutation["id"]] = {"recipe": recipe, "outcome": outcome, "by": by,
                                  "seconds": round(time.monotonic() - start, 1)}
         print(f"{outcome:14} {mutation['id']:44} {by}", flush=True)
         results_path.write_text(json.dumps(known, indent=1), encoding="utf-8")
+    if not options.ids:
+        write_table(HERE / "results.md", mutations, known)
     outcomes = [known[m["id"]]["outcome"] for m in mutations]
     print(f"{outcomes.count('killed')} of {len(outcomes)} killed, {outcomes.count('survived')} survived, "
           f"{outcomes.count('does not build')} do not build")

@@ -1,0 +1,155 @@
+"""How time and memory grow, up to the largest recordings: tools/dev.sh bench limits [--print] [--quick].
+
+Each row is a process of its own: CPU seconds, the most memory it held itself (VmHWM of anonymous pages; a recording that
+is mapped from its file is not counted, as the system can take it back), and the largest resident size. Synthetic
+recordings are made in the build folder and removed: 4 GB of disk at once. As root on Linux, the recording that is larger
+than memory is read inside a control group whose limit it exceeds. Writes docs/limits.md, unless it shall only print.
+"""
+import argparse
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+PAGE = ROOT / "docs" / "limits.md"
+GROUPS = Path("/sys/fs/cgroup/memory")     # version 1; version 2 has memory.max in /sys/fs/cgroup
+MB = 1e6
+TEXT = """# Limits
+
+How time and memory grow with pixels and samples, measured up to what one machine holds, and what happens beyond.
+Written by `tools/dev.sh bench limits`; the source is `tools/bench/limits`.
+
+| what | limit | what happens there |
+|---|---|---|
+| width, height | 65536 each, 2^28 pixels together | `synth`, `pack` and the recorders refuse before work; a file that says more is refused at opening |
+| samples a pixel | 65536 | the same |
+| layers, blocks, records | `formats/spool.md`, section 6 | the same |
+| budget | the samples recorded, less those held out | the program refuses before work, the library stops there and says so |
+| memory | about 1 kB a pixel, and 12 bytes a sample of what cannot be mapped (half floats, compressed, transposed tiles) | `replay`, `reconstruct` and `evaluate` compare what a recording needs with what is free, or with `SPOOL_MEMORY` (bytes), and refuse before work |
+| disk | 12 bytes a sample in f32, 6 in f16 | recorders and `synth` stop with exit code 3; what was written can be recovered |
+
+A recording in f32 without compression is mapped: samples beyond memory are read from the file when they are taken.
+
+"""
+
+
+def anonymous_memory(process):
+    """Bytes that the process holds besides files; 0 once it has ended."""
+    try:
+        for line in Path(f"/proc/{process}/status").read_text(encoding="ascii").splitlines():
+            if line.startswith("RssAnon:"):
+                return int(line.split()[1]) * 1024
+    except (FileNotFoundError, ProcessLookupError):
+        pass
+    return 0
+
+
+def run(*command, group=None, environment=None):
+    """Exit code, CPU seconds, most anonymous bytes, largest resident bytes, last line of standard error."""
+    def enter():
+        if group:
+            (group / "cgroup.procs").write_text(str(os.getpid()), encoding="ascii")
+
+    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                               preexec_fn=enter, env={**os.environ, **(environment or {})})
+    anonymous = 0
+    while True:
+        ended, status, usage = os.wait4(process.pid, os.WNOHANG)
+        if ended:
+            break
+        anonymous = max(anonymous, anonymous_memory(process.pid))
+        time.sleep(0.005)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    said = process.stderr.read().strip().splitlines()
+    return process.returncode, usage.ru_utime + usage.ru_stime, anonymous, usage.ru_maxrss * 1024, said[-1] if said else ""
+
+
+class Limits:
+    def __init__(self, build):
+        self.spool, self.folder = build / "spool", build / "limits"
+        self.folder.mkdir(exist_ok=True)
+        self.rows = []
+
+    def add(self, what, verb, result, pixels, samples):
+        code, cpu, anonymous, resident, said = result
+        if code != 0:
+            sys.exit(f"limits: {what}, {verb}: exit code {code}: {said}")
+        row = (what, verb, f"{cpu:.2f}", f"{cpu / samples * 1e9:.0f}", f"{anonymous / MB:.0f}",
+               f"{anonymous / pixels:.0f}", f"{resident / MB:.0f}")
+        self.rows.append(row)
+        print("| " + " | ".join(row) + " |", file=sys.stderr, flush=True)
+
+    def recording(self, width, height, spp):
+        path = self.folder / "scene.spool"
+        result = run(self.spool, "synth", "scene_s", "--size", f"{width}x{height}", "--samples", spp, "--quiet", "--force",
+                     "-o", path)
+        self.add(f"{width}x{height}, {spp} recorded", "`synth`", result, width * height, width * height * spp)
+        return path
+
+    def measure(self, width, height, spp, budget):
+        """Recorded, replayed with `multiscale`, filtered with `directional`."""
+        path, selection = self.recording(width, height, spp), self.folder / "selection.exr"
+        what, pixels = f"{width}x{height}, {budget} of {spp}", width * height
+        self.add(what, "`replay`, multiscale", run(self.spool, "replay", path, "--sampler", "multiscale", "--spp", budget, "-q",
+                                                   "--force", "-o", selection), pixels, pixels * budget)
+        self.add(what, "`reconstruct`, directional", run(self.spool, "reconstruct", path, "--selection", selection, "--filter",
+                                                         "directional", "-q", "--force", "-o", self.folder / "i.exr"),
+                 pixels, pixels * budget)
+        return path
+
+    def beyond_memory(self, width, height, spp, limit):
+        """A recording larger than the memory that its reader may have."""
+        path = self.recording(width, height, spp)
+        group = GROUPS / "spool_limits"
+        try:
+            group.mkdir(exist_ok=True)
+            (group / "memory.limit_in_bytes").write_text(str(limit), encoding="ascii")
+        except OSError as problem:
+            path.unlink()
+            return f"A recording beyond memory was not measured here: no control group ({problem})."
+        os.posix_fadvise(os.open(path, os.O_RDONLY), 0, 0, os.POSIX_FADV_DONTNEED)
+        what = f"{width}x{height}, all of {spp}, in {limit / MB:.0f} MB"
+        size = path.stat().st_size
+        self.add(what, "`reconstruct`, box", run(self.spool, "reconstruct", path, "--filter", "box", "-q", "--force", "-o",
+                                                 self.folder / "i.exr", group=group), width * height, width * height * spp)
+        path.unlink()
+        return (f"The last recording has {size / 1e9:.1f} GB and was read by a process that could have {limit / 1e9:.2f} GB in "
+                "all, the cache of the file included (control group).")
+
+    def refusal(self, path, pixels):
+        began = time.monotonic()
+        code, cpu, anonymous, _, said = run(self.spool, "replay", path, "--sampler", "multiscale", "--spp", 1, "--force", "-o",
+                                            self.folder / "no.exr", environment={"SPOOL_MEMORY": str(pixels * 1000)})
+        if code != 1 or "GB of memory" not in said:
+            sys.exit(f"limits: not refused: exit code {code}: {said}")
+        said = said.replace(str(path), path.name)
+        return (f"Refused after {time.monotonic() - began:.2f} s and {anonymous / MB:.0f} MB, with exit code 1, when only "
+                f"{pixels * 1000 / 1e9:.3g} GB are free:\n\n    {said}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=Path)
+    parser.add_argument("--quick", action="store_true", help="a tenth of the sizes, to see that it works")
+    parser.add_argument("--print", action="store_true", help="leave docs/limits.md alone")
+    options = parser.parse_args()
+    limits = Limits(options.build)
+    small = 8 if options.quick else 1
+    for side, spp, budget in ((512, 8, 4), (512, 64, 4), (512, 64, 32), (1024, 8, 4), (2048, 8, 4), (4096, 8, 4)):
+        path = limits.measure(side // small, side // small, spp, budget)
+    told = [limits.refusal(path, (4096 // small) ** 2)]
+    limits.measure(65536 // small, 64, 8, 4)
+    limits.measure(64 // small, 64 // small, 65536 // small, 65536 // small // 2)
+    told.insert(0, limits.beyond_memory(512 // small, 512 // small, 1024 // small, 600_000_000 // small))
+    head = ("recording", "step", "CPU-s", "ns a sample", "own memory, MB", "bytes a pixel", "resident, MB")
+    table = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *("| " + " | ".join(r) + " |" for r in limits.rows)]
+    text = TEXT + "\n".join(table) + "\n\n" + "\n\n".join(told) + "\n"
+    print(text)
+    if not options.print:
+        PAGE.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
