@@ -218,7 +218,8 @@ bench() {
     [[ ! -f "tools/bench/$subject/CMakeLists.txt" ]] ||
       ninja -C build/bench -j "$(jobs)" --quiet "bench_$subject" >&2
     say "bench $subject"
-    python3 "tools/bench/$subject/run.py" build/bench "$@"
+    # Debian's, which has numpy; the one that comes first on PATH may not.
+    /usr/bin/python3 "tools/bench/$subject/run.py" build/bench "$@"
   done
 }
 

@@ -86,6 +86,12 @@ TEST(BlockBootstrap, StandardErrorOfTheEnergyRatioIsThatOfTheRatio) {
   EXPECT_LT(std::abs(ratio.value - 1.0), 4 * theory);
 }
 
+TEST(BlockBootstrap, StandardErrorDividesByOneLessThanTheFiniteValues) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_DOUBLE_EQ(standard_error_of(std::vector<double>{1.0, none, 3.0}), std::sqrt(2.0));
+  EXPECT_TRUE(std::isnan(standard_error_of(std::vector<double>{1.0, none})));
+}
+
 TEST(BlockBootstrap, OneBlockHasNoStandardError) {
   const RgbImage r = test::uniform_image(16, 16, 3);
   EXPECT_TRUE(std::isnan(error_metrics(add_noise(r, 4, 0.1), {r, {}, {}})["mse"].standard_error));

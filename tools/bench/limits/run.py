@@ -1,9 +1,8 @@
-"""How time and memory grow, up to the largest recordings: tools/dev.sh bench limits [--print] [--quick].
+"""How time and memory grow, up to the largest recordings: tools/dev.sh bench limits [--largest 4096] [--print].
 
-Each row is a process of its own: CPU seconds, the most memory it held itself (VmHWM of anonymous pages; a recording that
-is mapped from its file is not counted, as the system can take it back), and the largest resident size. Synthetic
-recordings are made in the build folder and removed: 4 GB of disk at once. As root on Linux, the recording that is larger
-than memory is read inside a control group whose limit it exceeds. Writes docs/limits.md, unless it shall only print.
+Each row is a process of its own: CPU seconds, and the most memory it held itself (anonymous pages; a recording that is
+mapped from its file is not counted, as the system can take it back). Recordings of noise over edges are made in the build folder and removed: 4 GB of disk at once. As root on Linux, the recording that is larger than
+memory is read inside a control group whose limit it exceeds. Writes docs/limits.md, unless it shall only print.
 """
 import argparse
 import os
@@ -12,7 +11,12 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
+
 ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "formats" / "python"))
+import spool  # noqa: E402
+
 PAGE = ROOT / "docs" / "limits.md"
 GROUPS = Path("/sys/fs/cgroup/memory")     # version 1; version 2 has memory.max in /sys/fs/cgroup
 MB = 1e6
@@ -47,7 +51,7 @@ def anonymous_memory(process):
 
 
 def run(*command, group=None, environment=None):
-    """Exit code, CPU seconds, most anonymous bytes, largest resident bytes, last line of standard error."""
+    """Exit code, CPU seconds, most anonymous bytes, last line of standard error."""
     def enter():
         if group:
             (group / "cgroup.procs").write_text(str(os.getpid()), encoding="ascii")
@@ -63,7 +67,7 @@ def run(*command, group=None, environment=None):
         time.sleep(0.005)
     process.returncode = os.waitstatus_to_exitcode(status)
     said = process.stderr.read().strip().splitlines()
-    return process.returncode, usage.ru_utime + usage.ru_stime, anonymous, usage.ru_maxrss * 1024, said[-1] if said else ""
+    return process.returncode, usage.ru_utime + usage.ru_stime, anonymous, said[-1] if said else ""
 
 
 class Limits:
@@ -73,19 +77,27 @@ class Limits:
         self.rows = []
 
     def add(self, what, verb, result, pixels, samples):
-        code, cpu, anonymous, resident, said = result
+        code, cpu, anonymous, said = result
         if code != 0:
             sys.exit(f"limits: {what}, {verb}: exit code {code}: {said}")
-        row = (what, verb, f"{cpu:.2f}", f"{cpu / samples * 1e9:.0f}", f"{anonymous / MB:.0f}",
-               f"{anonymous / pixels:.0f}", f"{resident / MB:.0f}")
+        row = (what, verb, f"{cpu:.2f}", f"{cpu / samples * 1e9:.0f}", f"{anonymous / MB:.0f}", f"{anonymous / pixels:.0f}")
         self.rows.append(row)
         print("| " + " | ".join(row) + " |", file=sys.stderr, flush=True)
 
     def recording(self, width, height, spp):
-        path = self.folder / "scene.spool"
-        result = run(self.spool, "synth", "scene_s", "--size", f"{width}x{height}", "--samples", spp, "--quiet", "--force",
-                     "-o", path)
-        self.add(f"{width}x{height}, {spp} recorded", "`synth`", result, width * height, width * height * spp)
+        """Exponential noise over an edge in each tile; every block is another part of one piece of noise."""
+        path = self.folder / "noise.spool"
+        noise = np.random.default_rng(1).exponential(size=2 ** 21).astype(np.float32)
+        with spool.Writer(path, width, height, spp, {"radiance": (np.float32, "RGB")}, block_spp=min(spp, 64),
+                          force=True) as writer:
+            for begin in range(0, spp, min(spp, 64)):
+                for tile in range(writer.geometry.tile_count("sample")):
+                    shape = writer.geometry.block_shape("sample", 3, tile, begin)
+                    begins = (tile * 7919 + begin * 104729) % (noise.size // 2)
+                    block = np.resize(noise[begins:begins + noise.size // 2], shape)
+                    y, x = np.mgrid[:shape[1], :shape[2]]
+                    writer.write_block("radiance", tile, begin, block * np.where(x + 2 * y > 70, 1.0, 0.3)[..., None]
+                                       .astype(np.float32))
         return path
 
     def measure(self, width, height, spp, budget):
@@ -120,7 +132,7 @@ class Limits:
 
     def refusal(self, path, pixels):
         began = time.monotonic()
-        code, cpu, anonymous, _, said = run(self.spool, "replay", path, "--sampler", "multiscale", "--spp", 1, "--force", "-o",
+        code, _, anonymous, said = run(self.spool, "replay", path, "--sampler", "multiscale", "--spp", 1, "--force", "-o",
                                             self.folder / "no.exr", environment={"SPOOL_MEMORY": str(pixels * 1000)})
         if code != 1 or "GB of memory" not in said:
             sys.exit(f"limits: not refused: exit code {code}: {said}")
@@ -132,18 +144,20 @@ class Limits:
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=Path)
-    parser.add_argument("--quick", action="store_true", help="a tenth of the sizes, to see that it works")
+    parser.add_argument("--largest", type=int, default=4096, help="pixels along the side of the largest square")
     parser.add_argument("--print", action="store_true", help="leave docs/limits.md alone")
     options = parser.parse_args()
     limits = Limits(options.build)
-    small = 8 if options.quick else 1
-    for side, spp, budget in ((512, 8, 4), (512, 64, 4), (512, 64, 32), (1024, 8, 4), (2048, 8, 4), (4096, 8, 4)):
-        path = limits.measure(side // small, side // small, spp, budget)
-    told = [limits.refusal(path, (4096 // small) ** 2)]
-    limits.measure(65536 // small, 64, 8, 4)
-    limits.measure(64 // small, 64 // small, 65536 // small, 65536 // small // 2)
-    told.insert(0, limits.beyond_memory(512 // small, 512 // small, 1024 // small, 600_000_000 // small))
-    head = ("recording", "step", "CPU-s", "ns a sample", "own memory, MB", "bytes a pixel", "resident, MB")
+    side = options.largest
+    for spp, budget in ((64, 4), (64, 32)):
+        limits.measure(side // 8, side // 8, spp, budget)
+    for divisor in (8, 4, 2, 1):
+        path = limits.measure(side // divisor, side // divisor, 8, 4)
+    told = [limits.refusal(path, side * side)]
+    limits.measure(65536, max(1, side // 256), 8, 4)
+    limits.measure(side // 64, side // 64, 65536, 8192)
+    told.insert(0, limits.beyond_memory(side // 4, side // 4, 1024, side * side // 16 * 2400))
+    head = ("recording", "step", "CPU-s", "ns a sample", "own memory, MB", "bytes a pixel")
     table = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *("| " + " | ".join(r) + " |" for r in limits.rows)]
     text = TEXT + "\n".join(table) + "\n\n" + "\n\n".join(told) + "\n"
     print(text)
