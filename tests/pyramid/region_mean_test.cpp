@@ -42,6 +42,16 @@ TEST(RegionMean, FireflyDoesNotLeakOutOfItsRegion) {
   EXPECT_EQ(mean(60, 60), 0.0);
 }
 
+// The order of a sum is part of the result: 1e16 + 1 is 1e16, but 1e16 + (1 + 1) is not.
+TEST(RegionMean, RowsAreAddedOneByOneFromTheTop) {
+  Plane image(16, 24);
+  for (int y = 5; y < 24; ++y)
+    image(8, y) = 1.0;
+  image(8, 4) = 1e16;
+  for (const auto& [level, y] : {std::pair{3, 8}, {4, 12}})
+    EXPECT_EQ(region_sum(image, level)(8, y), 1e16) << level;
+}
+
 TEST(RegionMean, InfluenceIsWhereTheRegionMeetsTheChange) {
   const Rectangle bounds{0, 0, 48, 48}, changed{20, 10, 22, 11};
   for (int level = 0; level <= 4; ++level) {
