@@ -52,8 +52,9 @@ class Bench:
         self.tree, self.build, self.jobs = tree, tree / "build" / "mutation", jobs
         # The same results, built in a third of the time: one bug is one compilation and some links.
         launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-        subprocess.run(["cmake", "-G", "Ninja", "-S", tree, "-B", self.build, *launcher, "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1",
-                        "-DCMAKE_CXX_FLAGS=-w -DSPOOL_NO_VECTOR_CLONES"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["cmake", "-G", "Ninja", "-S", tree, "-B", self.build, *launcher, "-DCMAKE_BUILD_TYPE=Release",
+                        "-DCMAKE_CXX_FLAGS_RELEASE=-O1", "-DCMAKE_CXX_FLAGS=-w -DSPOOL_NO_VECTOR_CLONES"], check=True,
+                       stdout=subprocess.DEVNULL)
         targets = subprocess.run(["ninja", "-C", self.build, "-t", "targets", "all"], check=True, capture_output=True,
                                  text=True).stdout
         self.programs = sorted({line.split(":")[0] for line in targets.splitlines()
