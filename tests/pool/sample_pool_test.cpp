@@ -135,6 +135,36 @@ TEST(SamplePool, QuarterPixelsSplitSamplesByFilmPositionInOrder) {
   }
 }
 
+TEST(SamplePool, PiecesGiveUpTheirShareOfTheHoldoutRoundedUp) {
+  auto recording = std::make_shared<const RecordedSamples>(make_scene_s(4, 3, 40, 3));
+  PoolOptions options;
+  options.pieces_per_side = 2;
+  options.holdout = 5;  // ceil(5 / 4) = 2 of each piece
+  const SamplePool pool = pool_of(recording, options);
+  for (int y = 0; y < 6; ++y) {
+    for (int x = 0; x < 8; ++x)
+      EXPECT_EQ(pool.capacity(x, y), std::max(0, pool.size(x, y) - 2));
+  }
+}
+
+TEST(SamplePool, HalvesTakeEverySecondSampleAndShareNone) {
+  for (const PoolOrder order : {PoolOrder::kRecorded, PoolOrder::kShuffled}) {
+    PoolOptions options;
+    options.order = order;
+    const SamplePool pool = pool_of(memory_recording(3, 2, 7, labelled), options);
+    for (int parity = 0; parity < 2; ++parity) {
+      const SamplePool half = pool.half(parity);
+      ASSERT_EQ(half.size(2, 1), parity == 0 ? 4 : 3);
+      EXPECT_EQ(half.capacity(2, 1), half.size(2, 1));
+      for (int i = 0; i < half.size(2, 1); ++i)
+        EXPECT_EQ(half.recorded_index(2, 1, i), pool.recorded_index(2, 1, 2 * i + parity));
+    }
+    const SamplePool quarter = pool.half(1).half(1);
+    ASSERT_EQ(quarter.size(0, 0), 1);
+    EXPECT_EQ(quarter.recorded_index(0, 0, 0), pool.recorded_index(0, 0, 3));
+  }
+}
+
 TEST(SamplePool, QuarterPixelsNeedFilmPositions) {
   PoolOptions options;
   options.pieces_per_side = 2;
