@@ -17,8 +17,10 @@ using testing::noisy_picture;
 using testing::select_counts;
 using testing::select_uniform;
 
-void agrees_with_the_twin(int width, int height, const CrossBilateralOptions& options) {
-  const SamplePool pool = make_pool(width, height, 8, noisy_picture(width, height, 7));
+void agrees_with_the_twin(int width, int height, const CrossBilateralOptions& options,
+                          const testing::FeatureFunction& feature = {}) {
+  const SamplePool pool =
+      make_pool(width, height, 8, noisy_picture(width, height, 7), {}, {}, feature);
   const Selection selection = select_counts(pool, [](int x, int y) { return 4 + (3 * x + y) % 5; });
   const PieceStatistics& statistics = selection.statistics;
   GuardCounts guards;
@@ -51,6 +53,17 @@ TEST(CrossBilateralDifferential, AgreesWithTheSlowTwin) {
   agrees_with_the_twin(12, 9, {});  // windows larger than the image
   options.scales = {0.6, 3};        // without the input itself
   agrees_with_the_twin(11, 14, options);
+}
+
+// Variances of features above the floor, and not the same in every pixel.
+TEST(CrossBilateralDifferential, AgreesWithTheSlowTwinWhereFeaturesAreNoisy) {
+  CrossBilateralOptions options;
+  options.scales = {0, 1, 2};
+  options.risk_scale = 1.5;
+  const auto noisy = [](std::string_view layer, std::size_t c, int x, int y, int s) {
+    return 0.2 * (x % 5) + (1.0 + x % 3 + y) * unit_double(mix(layer.size(), c, x, y, s));
+  };
+  agrees_with_the_twin(13, 11, options, noisy);
 }
 
 TEST(CrossBilateral, AConstantImageStaysWhateverTheFeatures) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,10 +18,13 @@ namespace spool::testing {
 
 // radiance(x, y, s) -> Rgb
 using RadianceFunction = std::function<Rgb(int, int, int)>;
+// feature(layer, component, x, y, s)
+using FeatureFunction = std::function<double(std::string_view, std::size_t, int, int, int)>;
 
 inline SamplePool make_pool(int width, int height, int spp, const RadianceFunction& radiance,
                             const PoolOptions& options = {},
-                            std::vector<FilmPosition> pass_film = {}) {
+                            std::vector<FilmPosition> pass_film = {},
+                            const FeatureFunction& feature = {}) {
   std::vector<float> values(static_cast<std::size_t>(3) * width * height * spp);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -34,7 +38,11 @@ inline SamplePool make_pool(int width, int height, int spp, const RadianceFuncti
   }
   auto recording = RecordedSamples::from_memory("memory", width, height, spp, std::move(values));
   SPOOL_CHECK(recording.has_value());
-  test::add_features(*recording);
+  if (feature) {
+    test::add_features(*recording, feature);
+  } else {
+    test::add_features(*recording);
+  }
   if (!pass_film.empty()) recording->set_pass_film(std::move(pass_film));
   auto pool =
       SamplePool::create(std::make_shared<const RecordedSamples>(std::move(*recording)), options);
