@@ -126,6 +126,15 @@ TEST(WaveletTransformDifferential, OneLevelAgreesForValuesAndVariances) {
   }
 }
 
+TEST(WaveletTransform, HaarsCoefficientsOfFourPixelsShareTheirVariances) {
+  Plane variance(2, 2);
+  for (std::size_t i = 0; i < 4; ++i)
+    variance[i] = static_cast<double>(i + 1);
+  forward_transform(variance, TransformWavelet::kHaar, 1, TransformOf::kVariances);
+  for (const double v : variance.pixels())  // of (a +- b +- c +- d) / 2
+    EXPECT_DOUBLE_EQ(v, 2.5);
+}
+
 TEST(WaveletTransformDifferential, InverseUndoesForward) {
   for (const auto wavelet : {TransformWavelet::kCdf97, TransformWavelet::kHaar}) {
     for (const auto& [width, height] : {std::pair{16, 16}, {16, 48}, {80, 32}}) {
