@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/filters/pixel_base.h"
+#include "lib/filters/scale_ladder.h"
 #include "lib/filters/truncated_filter.h"
 #include "lib/reconstruction/given_image.h"
 #include "lib/reconstruction/greedy_selection.h"
@@ -234,6 +235,15 @@ TEST(TruncatedFilter, AConstantStaysAndItsVarianceFallsWithTheWindow) {
   const Plane variance = truncated_variance(Plane(20, 20, 1.0), taps, squared_taps(taps));
   EXPECT_NEAR(variance(10, 10), 1.0 / (4 * M_PI * 4.0), 1e-3);
   EXPECT_GT(variance(0, 0), 2.0 * variance(10, 10));
+}
+
+// A single sample under the kernel must not make every change look like noise.
+TEST(ScaleLadder, AnEnormousChangeStopsEvenWithASingleSample) {
+  Scale fine{make_rgb(1, 1), make_rgb(1, 1, 1.0), Plane(1, 1, 1.0)};
+  Scale coarse{make_rgb(1, 1, 1e6), make_rgb(1, 1), Plane(1, 1, 1.0)};
+  EXPECT_EQ(transition_stops(fine, coarse, 1.0, transition_caution(0.2))(0, 0), 1.0);
+  coarse.image = make_rgb(1, 1, 1e-3);
+  EXPECT_EQ(transition_stops(fine, coarse, 1.0, transition_caution(0.2))(0, 0), 0.0);
 }
 
 }  // namespace
