@@ -87,6 +87,35 @@ TEST(FilterSizeDifferential, ContrastAndPyramidFormsAgree) {
   expect_same_sizes(options, "literal region contrast");
 }
 
+TEST(FilterSizeDifferential, SeveralSignalsDecideByTheMeanOfTheirCriteria) {
+  for (const auto& [width, height] : {std::pair{7, 11}, {31, 18}}) {
+    const std::vector<testing::SizeCase> cases = {random_size_case(width, height, 1),
+                                                  random_size_case(width, height, 2),
+                                                  random_size_case(width, height, 3)};
+    FilterSizeOptions options;
+    options.smooth = SizeSmooth::kOff;
+    std::vector<FilterSizeInput> inputs;
+    std::vector<reference::FilterSizes> twins;
+    for (const auto& c : cases) {
+      inputs.push_back(c.input());
+      twins.push_back(reference::filter_size(c.input(), options));
+    }
+    GuardCounts guards;
+    Views views({"T"});
+    const CountImage level = filter_size(inputs, options, &views, guards);
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      int expected = 4;
+      for (int k = 3; k >= 0; --k) {
+        const auto at = static_cast<std::size_t>(k);
+        const double t = (twins[0].t[at][i] + twins[1].t[at][i] + twins[2].t[at][i]) / 3.0;
+        ASSERT_NEAR(views.collected()[at].image[i], t, 1e-13);
+        if (t > 1e-13) expected = k;
+      }
+      ASSERT_EQ(level[i], expected) << width << "x" << height << " " << i;
+    }
+  }
+}
+
 template <class T>
 void expect_same_filter(double bound) {
   for (const auto& [width, height] : all_sizes()) {

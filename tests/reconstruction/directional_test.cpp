@@ -7,6 +7,7 @@
 
 #include "lib/reconstruction/box.h"
 #include "lib/reconstruction/directional/part.h"
+#include "lib/reconstruction/reconstructor.h"
 #include "tests/reconstruction/directional_cases.h"
 #include "tests/reconstruction/small_pools.h"
 #include "tests/reference/test_images.h"
@@ -250,6 +251,49 @@ TEST(Directional, OneSampleEverywhereReconstructs) {
     const Reconstruction result = run(select_uniform(pool, 1), pool, options);
     for (const double v : result.image[0].pixels())
       ASSERT_TRUE(std::isfinite(v));
+  }
+}
+
+// Red left, green right, of equal luminance; a little noise.
+SamplePool equal_luminance() {
+  return testing::make_pool(48, 32, 8, [](int x, int y, int s) {
+    const double noise = 0.9 + 0.2 * unit_double(mix(3, x, y, s));
+    if (x < 24) return Rgb{static_cast<float>(noise / 0.2126), 0.0f, 0.0f};
+    return Rgb{0.0f, static_cast<float>(noise / 0.7152), 0.0f};
+  });
+}
+
+TEST(Directional, AnEdgeOfColourAloneIsSeenByTheChannels) {
+  const SamplePool pool = equal_luminance();
+  const Selection selection = testing::select_uniform(pool, 8);
+  const auto by = [&](const char* channel) {
+    const auto filter = *make_reconstructor("directional", "", {{"analysis_channel", channel}});
+    return *filter(selection, pool, {});
+  };
+  const Reconstruction luminance = by("luminance"), channels = by("per_channel");
+  EXPECT_EQ(luminance.image, by("of_selection").image);
+  EXPECT_GE((*luminance.level)(23, 16), 3);
+  EXPECT_LE((*channels.level)(23, 16), 1);
+  EXPECT_LE((*by("max_rgb").level)(23, 16), 1);
+  EXPECT_GE((*channels.level)(6, 16), 3);  // away from the edge all agree
+  EXPECT_GT(luminance.image[1](20, 16), 20 * channels.image[1](20, 16));  // green bleeds into red
+}
+
+TEST(Directional, GreySamplesHaveTheSizesOfLuminanceInEveryChannel) {
+  const SamplePool pool = testing::make_pool(33, 29, 8, [](int x, int y, int s) {
+    const auto v = static_cast<float>((x + y > 30 ? 1.0 : 0.3) * unit_double(mix(5, x, y, s)));
+    return Rgb{v, v, v};
+  });
+  const Selection selection = testing::select_uniform(pool, 6);
+  for (const char* preset : {"robust", "paper"}) {
+    const auto luminance = *make_reconstructor("directional", preset, {});
+    const auto channels =
+        *make_reconstructor("directional", preset, {{"analysis_channel", "per_channel"}});
+    const Reconstruction a = *luminance(selection, pool, {}), b = *channels(selection, pool, {});
+    std::size_t differ = 0;
+    for (std::size_t i = 0; i < a.level->size(); ++i)
+      differ += (*a.level)[i] != (*b.level)[i];
+    EXPECT_LE(differ, 2u) << preset;  // T that rounding decides
   }
 }
 

@@ -45,6 +45,32 @@ void apply_base(const Taps& taps, RgbImage& mean, RgbImage* variance, Plane& ana
   analysis_variance = convolve(analysis_variance, squared(taps));
 }
 
+// Filter size of each piece [LiuZheng (9)]
+CountImage sizes_of(Part& part, const Pyramid& pyramid, const Taps& base,
+                    const DirectionalOptions& options, Views* views, GuardCounts& guards) {
+  const int levels = options.pyramid.levels;
+  if (part.channels.empty()) {
+    return filter_size({part.analysis.mean, part.analysis.variance, part.pieces.n, part.minimum,
+                        part.maximum, pyramid.coarse, part.attenuation, levels},
+                       options.size, views, guards);
+  }
+  std::vector<Pyramid> pyramids(part.channels.size());
+  std::vector<FilterSizeInput> inputs;
+  for (std::size_t c = 0; c < part.channels.size(); ++c) {
+    SizeChannel& channel = part.channels[c];
+    if (base.values.size() > 1) {
+      channel.mean = convolve(channel.mean, base);
+      channel.variance = convolve(channel.variance, squared(base));
+    }
+    if (options.size.coarse == SizeCoarse::kLaplace) {
+      pyramids[c] = build_pyramid(channel.mean, options.pyramid);
+    }
+    inputs.push_back({channel.mean, channel.variance, part.pieces.n, channel.minimum,
+                      channel.maximum, pyramids[c].coarse, part.attenuation, levels});
+  }
+  return filter_size(inputs, options.size, views, guards);
+}
+
 void add_pyramid_views(const Pyramid& pyramid, Views* views) {
   if (!views) return;
   for (std::size_t k = 0; k < pyramid.coarse.size(); ++k)
@@ -85,10 +111,7 @@ FilteredPart filter_part(Part part, const SamplePool& pool, const DirectionalOpt
   add_pyramid_views(pyramid, views);
 
   // Filter size of each piece [LiuZheng (9)]
-  result.level =
-      filter_size({part.analysis.mean, part.analysis.variance, part.pieces.n, part.minimum,
-                   part.maximum, pyramid.coarse, part.attenuation, options.pyramid.levels},
-                  options.size, views, result.guards);
+  result.level = sizes_of(part, pyramid, base, options, views, result.guards);
 
   // Directional energies, and from them the widths delta_i
   FilterWidths<T> widths =
@@ -163,15 +186,21 @@ FilteredPart filter_tiles(const Part& whole, const SamplePool& pool,
 Result<Reconstruction> reconstruct_directional(const Selection& selection, const SamplePool& pool,
                                                const ReconstructionContext& context,
                                                const DirectionalOptions& options) {
-  const PieceStatistics& statistics = selection.statistics;
+  const PieceStatistics& taken = selection.statistics;
   for (const Plane& a : selection.attenuation) {
-    if (!a.same_size(statistics.n)) {
+    if (!a.same_size(taken.n)) {
       return fail(ErrorCode::kData,
                   "selection: attenuation has {} x {} pieces, the counts have {} x {}: hand over "
                   "both from one run",
-                  a.width(), a.height(), statistics.width(), statistics.height());
+                  a.width(), a.height(), taken.width(), taken.height());
     }
   }
+  const SizeChannels channels = options.size.channels;
+  std::optional<PieceStatistics> seen_otherwise;
+  if (channels == SizeChannels::kLuminance || channels == SizeChannels::kMaxRgb) {
+    seen_otherwise = with_analysis_channel(taken, pool, channels);
+  }
+  const PieceStatistics& statistics = seen_otherwise ? *seen_otherwise : taken;
   Reconstruction result;
 
   // Statistics of the selection, in units of the exposed signal where something is decided
@@ -187,6 +216,9 @@ Result<Reconstruction> reconstruct_directional(const Selection& selection, const
     const double factor = whole.analysis.exposure / statistics.signal.exposure;
     whole.minimum = scaled(statistics.analysis.minimum, factor);
     whole.maximum = scaled(statistics.analysis.maximum, factor);
+  }
+  if (channels == SizeChannels::kPerChannel) {
+    whole.channels = size_channels(statistics, pool, whole.analysis.exposure, variance);
   }
   whole.attenuation = selection.attenuation;
 

@@ -177,25 +177,49 @@ double greedy_caution(double gamma) {
 
 CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& options, Views* views,
                        GuardCounts& guards) {
-  const int width = input.mean.width(), height = input.mean.height();
-  const std::vector<Plane> s = size_variances(input, options, guards);
-  CountImage level(width, height, input.levels);
+  return filter_size(std::span(&input, 1), options, views, guards);
+}
 
-  Plane fine = input.mean;
-  add_view(views, "S", 0, s[0]);
-  add_view(views, "q", 0, fine);
-  for (int k = 0; k < input.levels; ++k) {
+CountImage filter_size(std::span<const FilterSizeInput> inputs, const FilterSizeOptions& options,
+                       Views* views, GuardCounts& guards) {
+  const FilterSizeInput& first = inputs.front();
+  const int width = first.mean.width(), height = first.mean.height();
+  CountImage level(width, height, first.levels);
+  const auto view_name = [&](const char* family, int k, std::size_t i) {
+    return inputs.size() == 1 ? fmt::format("{}.{}", family, k)
+                              : fmt::format("{}.{}.{}", family, k, i);
+  };
+
+  std::vector<std::vector<Plane>> s;  // S_0 .. S_K of each signal
+  std::vector<Plane> fine;            // q_k of each
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    s.push_back(size_variances(inputs[i], options, guards));
+    fine.push_back(inputs[i].mean);
+    if (views) views->add(view_name("S", 0, i), s[i][0]);
+    if (views) views->add(view_name("q", 0, i), fine[i]);
+  }
+  for (int k = 0; k < first.levels; ++k) {
     const auto next = static_cast<std::size_t>(k) + 1;
-    Plane coarse = options.coarse == SizeCoarse::kLaplace ? input.coarse[next]
-                                                          : region_mean(input.mean, k + 1);
-    const Plane w = size_factors(input, k, options, guards);
+    const Plane w = size_factors(first, k, options, guards);
 
     // T_k [LiuZheng (9)]
     Plane t(width, height), stop(width, height);
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      Plane coarse = options.coarse == SizeCoarse::kLaplace ? inputs[i].coarse[next]
+                                                            : region_mean(inputs[i].mean, k + 1);
+      parallel_rows(0, height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+          const double dq = coarse(x, y) - fine[i](x, y);
+          t(x, y) += s[i][next](x, y) - s[i][next - 1](x, y) + w(x, y) * dq * dq;
+        }
+      });
+      if (views) views->add(view_name("S", k + 1, i), s[i][next]);
+      if (views) views->add(view_name("q", k + 1, i), coarse);
+      fine[i] = std::move(coarse);
+    }
     for_rows(t, guards, [&](int y, GuardCounts& caught) {
       for (int x = 0; x < width; ++x) {
-        const double dq = coarse(x, y) - fine(x, y);
-        t(x, y) = s[next](x, y) - s[next - 1](x, y) + w(x, y) * dq * dq;
+        t(x, y) /= static_cast<double>(inputs.size());
         const bool finite = std::isfinite(t(x, y));
         if (!finite) caught.add(Guard::kSizeNotFinite);
         stop(x, y) = !finite || t(x, y) > 0.0 ? 1.0 : 0.0;
@@ -210,9 +234,6 @@ CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& op
     add_view(views, "w", k, w);
     add_view(views, "T", k, t);
     add_view(views, "stop", k, stop);
-    add_view(views, "S", k + 1, s[next]);
-    add_view(views, "q", k + 1, coarse);
-    fine = std::move(coarse);
   }
   return options.step > 0 ? limited_steps(level, options.step) : level;
 }

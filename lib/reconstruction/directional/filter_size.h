@@ -35,6 +35,10 @@ struct FilterSizeInput {
 // k of each piece, 0 .. K. Views: S.k, q.k, w.k, T.k, stop.k.
 CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& options, Views* views,
                        GuardCounts& guards);
+// The same for several signals of the same pieces: T_k is the mean of theirs; counts, attenuation
+// and levels are those of the first. Views S.k.i and q.k.i where there are several.
+CountImage filter_size(std::span<const FilterSizeInput> inputs, const FilterSizeOptions& options,
+                       Views* views, GuardCounts& guards);
 
 // z(gamma) = -ln(1 - (1.9 gamma)^(1 / sqrt 2)), the caution of the greedy selection
 // [RousselleKnausZwicker11]; multiplied by 1 - 1/N where N samples are averaged.

@@ -43,6 +43,13 @@ Option<FilterSizeOptions> size_factor_option() {
 OptionTable<FilterSizeOptions> filter_size_option_table() {
   using O = FilterSizeOptions;
   return {
+      choice_option<O, SizeChannels>(
+          "analysis_channel", &O::channels,
+          {{"of_selection", SizeChannels::kOfSelection},
+           {"luminance", SizeChannels::kLuminance},
+           {"max_rgb", SizeChannels::kMaxRgb},
+           {"per_channel", SizeChannels::kPerChannel}},
+          "what decides: the sampler's signal, or another; per_channel: eq 9's mean over channels"),
       choice_option<O, SizeVariance>(
           "size_variance", &O::variance,
           {{"coarse_var", SizeVariance::kCoarseVariance}, {"contrast", SizeVariance::kContrast}},

@@ -47,7 +47,16 @@ enum class SizeSmooth {
   kOff,
 };
 
+// What eq 9 looks at.
+enum class SizeChannels {
+  kOfSelection,  // the signal that the sampler decided by; luminance of a bare selection
+  kLuminance,
+  kMaxRgb,
+  kPerChannel,  // T = mean of T over red, green and blue
+};
+
 struct FilterSizeOptions {
+  SizeChannels channels = SizeChannels::kOfSelection;
   SizeVariance variance = SizeVariance::kCoarseVariance;
   ContrastForm contrast = ContrastForm::kGuarded;
   ContrastRegion contrast_region = ContrastRegion::kPiece;

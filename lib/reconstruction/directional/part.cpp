@@ -43,6 +43,10 @@ Part crop(const Part& whole, const Rectangle& box) {
   part.analysis.variance = cropped(whole.analysis.variance, box);
   part.minimum = cropped(whole.minimum, box);
   part.maximum = cropped(whole.maximum, box);
+  for (const SizeChannel& c : whole.channels) {
+    part.channels.push_back({cropped(c.mean, box), cropped(c.variance, box),
+                             cropped(c.minimum, box), cropped(c.maximum, box)});
+  }
   for (const Plane& a : whole.attenuation)
     part.attenuation.push_back(cropped(a, box));
   return part;

@@ -9,6 +9,7 @@
 #include "lib/core/view.h"
 #include "lib/filters/piece_estimates.h"
 #include "lib/reconstruction/directional/anisotropic_filter.h"
+#include "lib/reconstruction/directional/size_channels.h"
 #include "lib/statistics/selection.h"
 
 namespace spool {
@@ -17,8 +18,9 @@ struct Part {
   int x0 = 0, y0 = 0;  // of its first piece in the image
   PieceEstimates pieces;
   AnalysisEstimates analysis;
-  Plane minimum, maximum;          // exposed extremes of the samples
-  std::vector<Plane> attenuation;  // A_0 .. A_K or empty
+  Plane minimum, maximum;             // exposed extremes of the samples
+  std::vector<SizeChannel> channels;  // what eq 9 looks at instead, where not `analysis`
+  std::vector<Plane> attenuation;     // A_0 .. A_K or empty
 };
 
 struct FilteredPart {

@@ -4,6 +4,7 @@
 //
 // f = f_{k-1}, central differences, symmetric extension, s as for the bank's energies. Noise: the
 // gains of the two differences of f_{k-1}, times G_s * v.
+// Slow twin: tests/reference/structure_tensor_reference.h.
 #pragma once
 
 #include <span>
