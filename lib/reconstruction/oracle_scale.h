@@ -4,6 +4,7 @@
 // The squared error that decides is averaged over channels and blurred with a Gaussian of
 // `error_smoothing` pixels; 0 lets every pixel pick its luckiest scale.
 // Scale 0 is the pixel mean, scale s has sigma 2^{(s-2)/2}; Reconstruction::level is the scale.
+// Slow twin: tests/reference/oracle_scale_reference.h.
 #pragma once
 
 #include "lib/reconstruction/reconstructor_entry.h"

@@ -8,7 +8,7 @@
 //
 // with N the half's sample count filtered by the same weights; blurred with a Gaussian. An
 // iteration apportions its share over the error, no pixel more than `spp` in one iteration. Slow
-// twin: tests/reference/nl_means_error_reference.h.
+// twin: tests/reference/nl_means_reference.h.
 #pragma once
 
 #include "lib/filters/patch_filter.h"

@@ -15,6 +15,7 @@
 #include "tests/reference/nl_means_reference.h"
 #include "tests/reference/test_images.h"
 #include "tests/reference/wavelet_transform_reference.h"
+#include "tests/support/sizes.h"
 
 namespace spool {
 namespace {
@@ -32,11 +33,8 @@ std::vector<FilmPosition> random_film(int spp) {
   return film;
 }
 
-const std::vector<std::pair<int, int>> kSizes = {{1, 1}, {1, 9},   {9, 1},  {2, 3},
-                                                 {7, 5}, {16, 17}, {31, 20}};
-
 TEST(GreedySelectionDifferential, ImagesVariancesAndScalesAgree) {
-  for (const auto& [width, height] : kSizes) {
+  for (const auto& [width, height] : test::twin_sizes()) {
     for (const bool subpixel : {false, true}) {
       const SamplePool pool =
           make_pool(width, height, 8, noisy_picture(width, height, 7), {}, random_film(8));
@@ -72,7 +70,7 @@ TEST(GreedySelectionDifferential, ImagesVariancesAndScalesAgree) {
 }
 
 TEST(NlMeansDifferential, WeightsAgreeWithTheDefinition) {
-  for (const auto& [width, height] : {std::pair{1, 1}, {1, 7}, {6, 5}, {11, 9}}) {
+  for (const auto& [width, height] : test::twin_sizes()) {
     RgbImage target = make_rgb(width, height);
     HalfImage guide{target, target};
     for (std::size_t c = 0; c < 3; ++c) {
@@ -94,7 +92,7 @@ TEST(NlMeansDifferential, WeightsAgreeWithTheDefinition) {
 
 TEST(MultistageDifferential, PixelsAgreeWhereTheyAreDefined) {
   for (const int q : {1, 2}) {
-    for (const auto& [width, height] : kSizes) {
+    for (const auto& [width, height] : test::twin_sizes()) {
       const SamplePool pool = make_pool(width, height, 12, noisy_picture(width, height, 8),
                                         {.pieces_per_side = q}, random_film(12));
       const Selection selection = select_counts(pool, [](int x, int y) { return (x + 2 * y) % 4; });

@@ -13,6 +13,7 @@
 #include "tests/reference/greedy_error_reference.h"
 #include "tests/reference/nl_means_reference.h"
 #include "tests/sampling/multiscale_cases.h"
+#include "tests/support/sizes.h"
 
 namespace spool {
 namespace {
@@ -45,7 +46,7 @@ std::shared_ptr<const RecordedSamples> edge_recording(int width, int height, int
 }
 
 TEST(GreedyError, ErrorsAndScalesAgreeWithTheSlowTwin) {
-  for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {7, 5}, {19, 14}}) {
+  for (const auto& [width, height] : test::twin_sizes()) {
     for (const bool subpixel : {false, true}) {
       const SamplePool pool = test::pool_of(edge_recording(width, height, 9, subpixel));
       CountImage counts(width, height);
@@ -102,8 +103,7 @@ TEST(GreedyError, SaturatedTargetsHandTheirSamplesOn) {
   }
 }
 
-TEST(NlMeansSampling, ErrorAgreesWithTheSlowTwin) {
-  const int width = 9, height = 7;
+void expect_the_error_of_the_twin(int width, int height) {
   const SamplePool pool = test::pool_of(edge_recording(width, height, 9, false));
   CountImage counts(width, height);
   for (int y = 0; y < height; ++y) {
@@ -159,6 +159,13 @@ TEST(NlMeansSampling, ErrorAgreesWithTheSlowTwin) {
   }
 }
 
+TEST(NlMeansSampling, ErrorAgreesWithTheSlowTwin) {
+  for (const auto& [width, height] : test::twin_sizes()) {
+    SCOPED_TRACE(fmt::format("{} x {}", width, height));
+    expect_the_error_of_the_twin(width, height);
+  }
+}
+
 TEST(NlMeansSampling, SpendsTheBudgetWhereTheHalvesDisagree) {
   const SamplePool pool = test::memory_pool(24, 24, 64, [](int x, int y, int s) {
     const auto u = static_cast<float>(unit_double(mix(3, x, y, s)));
@@ -176,8 +183,7 @@ TEST(NlMeansSampling, SpendsTheBudgetWhereTheHalvesDisagree) {
   EXPECT_GT(noisy, 2 * quiet);
 }
 
-TEST(CrossBilateralSampling, DensityAgreesWithTheSlowTwin) {
-  const int width = 11, height = 8;
+void expect_the_density_of_the_twin(int width, int height) {
   const SamplePool pool = test::noisy_pool(width, height, 9);
   CountImage counts(width, height);
   for (int y = 0; y < height; ++y) {
@@ -214,6 +220,13 @@ TEST(CrossBilateralSampling, DensityAgreesWithTheSlowTwin) {
     const double expected =
         std::max(0.0, twin.risk[best][i] + v) / (square + 0.01) / (1.0 + counts[i]);
     EXPECT_NEAR((*density)[i], expected, 1e-4 * expected + 1e-6);
+  }
+}
+
+TEST(CrossBilateralSampling, DensityAgreesWithTheSlowTwin) {
+  for (const auto& [width, height] : test::twin_sizes()) {
+    SCOPED_TRACE(fmt::format("{} x {}", width, height));
+    expect_the_density_of_the_twin(width, height);
   }
 }
 

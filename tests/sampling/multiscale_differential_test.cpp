@@ -6,6 +6,7 @@
 #include "lib/sampling/multiscale/region_sampling.h"
 #include "tests/reference/multiscale_reference.h"
 #include "tests/sampling/multiscale_cases.h"
+#include "tests/support/sizes.h"
 
 namespace spool {
 namespace {
@@ -63,12 +64,10 @@ std::vector<Case> cases() {
 
 class MultiscaleTwin : public testing::TestWithParam<Case> {};
 
-TEST_P(MultiscaleTwin, CountsAreTheSameAndImagesAgree) {
-  const MultiscaleOptions options = test::multiscale_options("robust", GetParam().set);
-  const int width = 11, height = 9, spp = 6;
-  const SamplePool pool = test::noisy_pool(width, height, spp);
-  // The last budget saturates a good part of the pool.
-  for (const long long budget : {width * height * 3LL, width * height * 5LL + 7}) {
+void expect_the_twin(const MultiscaleOptions& options, int width, int height,
+                     const std::vector<long long>& budgets) {
+  const SamplePool pool = test::noisy_pool(width, height, 6);
+  for (const long long budget : budgets) {
     const auto expected = reference::Multiscale(pool, options, 42).run(budget);
     SamplingContext context;
     context.seed = 42;
@@ -96,6 +95,23 @@ TEST_P(MultiscaleTwin, CountsAreTheSameAndImagesAgree) {
           ASSERT_NEAR(a, e, 1e-10 * (1.0 + e)) << views.collected()[k].name;
         }
       }
+    }
+  }
+}
+
+TEST_P(MultiscaleTwin, CountsAreTheSameAndImagesAgree) {
+  // The last budget saturates a good part of the pool.
+  expect_the_twin(test::multiscale_options("robust", GetParam().set), 11, 9,
+                  {11 * 9 * 3, 11 * 9 * 5 + 7});
+}
+
+TEST(MultiscaleTwinSizes, CountsAreTheSameAndImagesAgree) {
+  for (const auto& [width, height] : test::twin_sizes()) {
+    SCOPED_TRACE(fmt::format("{} x {}", width, height));
+    for (const char* update : {"epoch", "exact"}) {
+      expect_the_twin(
+          test::multiscale_options("robust", {{"update", update}, {"epochs", "5"}, {"K", "3"}}),
+          width, height, {width * height * 5LL / 2});
     }
   }
 }
