@@ -155,3 +155,20 @@ def test_names_of_files_are_those_of_the_program():
     assert file_name_of("gr\u00fcn 1") == "gr__n_1"
     assert dump_names(["a/chess.spool", "b/chess.spool", "b/x y.spool"]) == {
         "a/chess.spool": "chess", "b/chess.spool": "chess-2", "b/x y.spool": "x_y"}
+
+
+def test_re_implementations_are_marked_beside_every_name(tmp_path, assets_cache):
+    write_results(tmp_path, make_rows(samplers=("uniform", "mitchell", "mitchell{rounds=4}", "mitchells_own"), budgets=(8,)))
+    manifest = {"plan": {"samplers": [{"name": "mitchell", "label": "mitchell", "by_description": True},
+                                      {"name": "mitchells_own"}], "filters": [{"name": "box", "by_description": False}]}}
+    (tmp_path / "manifest.json").write_text(json.dumps(manifest))
+    ranking = [{"rank": 1, "sampler": "mitchell", "filter": "box", "mean": 1.0, "p_against_best": 1.0}]
+    (tmp_path / "statistics.json").write_text(json.dumps({"conditions": [
+        {"metric": "relmse", "dump": "x", "spp": 8, "ranking": ranking}], "curves": []}))
+    page = tmp_path / "report.html"
+    assert main([str(tmp_path), "-o", str(page)]) == 0
+    text = page.read_text()
+    assert '"mitchell [R]"' in text and '"mitchell{rounds=4} [R]"' in text and '"uniform"' in text
+    assert "mitchells_own [R]" not in text and "box [R]" not in text
+    assert '<th scope="row">mitchell [R] + box</th>' in text
+    assert "[R] mitchell: re-implementation by description" in text

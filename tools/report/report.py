@@ -47,11 +47,12 @@ def parse(arguments):
 
 def make_report(options):
     from aggregate import aggregate
+    from described import Described
     from page import build_page
     from report_data import OWN_MEANINGS, quantity_names, report_data
     from result_images import dump_names, find_images, pack_images
     from results_table import read_results
-    from sections import described_html, guards_html, quantities_html, run_html, summary_html
+    from sections import guards_html, quantities_html, run_html, summary_html
     from statistics_section import read_statistics, statistics_html
     from summary import is_biased, summarise
     from vocabulary import read_manifest, read_vocabulary
@@ -67,18 +68,20 @@ def make_report(options):
     labels = dump_names(dict.fromkeys(c.dump for c in combinations))
     images = pack_images(find_images(options.folder, combinations),
                          options.output.resolve().parent, options.max_image_mb)
+    described = Described(manifest)
+    described.mark(combinations)
     names = quantity_names(combinations, table.metrics)
     title = options.title or f"Spool report: {', '.join(list(labels.values())[:4])}"
     biased = BIASED if is_biased(combinations) else ""
-    statistics = statistics_html(read_statistics(options.folder), labels, metric)
+    statistics = statistics_html(described.mark_statistics(read_statistics(options.folder)), labels, metric)
     sections = [
         ("summary", "Summary",
          summary_html(summarise(combinations, metric, labels), combinations, metric, len(labels))
-         + described_html(manifest)),
+         + described.note()),
         ("charts", "Error, time and budget", biased + '<div id="chart-area"></div>'),
         *([("statistics", "Ranks and differences", biased + statistics)] if statistics else []),
         ("table", "All results",
-         biased + described_html(manifest) + '<div id="table-area"></div>'
+         biased + described.note() + '<div id="table-area"></div>'
          + quantities_html(names, vocabulary, OWN_MEANINGS)),
         ("images", "Images", biased + images_html(images)),
         ("guards", "Saturated, rejected, clamped", guards_html(combinations, labels, vocabulary)),

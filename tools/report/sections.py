@@ -104,17 +104,6 @@ def guards_html(combinations, labels, vocabulary):
     return "".join(parts) + "</tbody></table></div>"
 
 
-def described_html(manifest):
-    """Which of the methods are no originals, beside every table that names them."""
-    plan = manifest.get("plan")
-    methods = [m for kind in ("samplers", "filters") for m in (plan if isinstance(plan, dict) else {}).get(kind) or []
-               if isinstance(m, dict) and m.get("by_description")]
-    names = list(dict.fromkeys(str(m.get("label", m.get("name", ""))) for m in methods))
-    if not names:
-        return ""
-    return (f"<p>[R] {escape(', '.join(names))}: re-implementation by description, not from the primary text.</p>")
-
-
 def run_html(manifest, combinations, labels, version):
     """Command, program, machine, recordings; what was not recorded is said to be so."""
     rows = [("command", _text(manifest.get("command"))),

@@ -1,0 +1,44 @@
+"""Which methods are no originals: their names carry [R] wherever the page names them."""
+
+import re
+from html import escape
+
+MARK = " [R]"
+
+
+class Described:
+    """Methods that the manifest calls re-implementations by description."""
+
+    def __init__(self, manifest):
+        plan = manifest.get("plan")
+        plan = plan if isinstance(plan, dict) else {}
+        self._names = {kind: {str(m.get("name")) for m in plan.get(kind) or []
+                              if isinstance(m, dict) and m.get("by_description")}
+                       for kind in ("samplers", "filters")}
+
+    def sampler(self, label):
+        return self._marked(label, "samplers")
+
+    def filter(self, label):
+        return self._marked(label, "filters")
+
+    def mark(self, combinations):
+        """The names of combinations, once nothing looks for their files any more."""
+        for c in combinations:
+            c.sampler, c.filter = self.sampler(c.sampler), self.filter(c.filter)
+
+    def mark_statistics(self, statistics):
+        entries = [entry for c in statistics.get("conditions", []) for entry in c.get("ranking", [])]
+        for entry in [*entries, *statistics.get("curves", [])]:
+            entry["sampler"], entry["filter"] = self.sampler(entry["sampler"]), self.filter(entry["filter"])
+        return statistics
+
+    def note(self):
+        """What the mark means, beside every table that names such methods."""
+        names = sorted(self._names["samplers"] | self._names["filters"])
+        if not names:
+            return ""
+        return f"<p>[R] {escape(', '.join(names))}: re-implementation by description, not from the primary text.</p>"
+
+    def _marked(self, label, kind):
+        return label + MARK if re.split(r"[:{ ]", label, maxsplit=1)[0] in self._names[kind] else label
