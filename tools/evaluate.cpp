@@ -50,6 +50,8 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
   plan.experiment.seed = options.seed.value_or(plan.experiment.seed);
   plan.experiment.holdout = options.holdout;
   plan.experiment.order = options.recorded_order ? PoolOrder::kRecorded : PoolOrder::kShuffled;
+  plan.experiment.pieces_per_side = options.pieces_per_side.value_or(1);
+  plan.experiment.decision_split = options.decision_split;
   plan.pictures = !options.no_pictures;
   if (!options.reference.empty()) {
     SPOOL_ASSIGN(plan.experiment.reference, parse_reference_kind(options.reference));
@@ -71,7 +73,9 @@ Result<void> refuse_options_beside_plan(const EvaluateOptions& options) {
                                                 {"--reference", !options.reference.empty()},
                                                 {"--holdout", options.holdout.has_value()},
                                                 {"--seed", options.seed.has_value()},
-                                                {"--recorded-order", options.recorded_order}};
+                                                {"--recorded-order", options.recorded_order},
+                                                {"--pieces", options.pieces_per_side.has_value()},
+                                                {"--decision-split", options.decision_split}};
   for (const auto& [name, is_given] : given) {
     if (is_given) {
       return fail(ErrorCode::kUsage, "{}: the plan {} says that: write it there", name,

@@ -30,6 +30,8 @@ struct EvaluateOptions {
   std::optional<int> holdout;
   std::optional<std::uint64_t> seed;  // 1
   bool recorded_order = false;
+  std::optional<int> pieces_per_side;  // 1
+  bool decision_split = false;
   bool no_pictures = false;
   bool dry_run = false;
   std::string shard;  // "i/N"

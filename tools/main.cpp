@@ -223,6 +223,12 @@ void add_method(CLI::App& verb, MethodOptions& method) {
       ->allow_extra_args(false);
 }
 
+constexpr const char* kPieces =
+    "pieces per side of a pixel: 1, or 2 where film positions were recorded (1)";
+constexpr const char* kDecisionSplit =
+    "the even samples of a pixel decide how many odd ones are averaged, and the odd ones about the "
+    "even: unbiased, noisier, takes more than the budget";
+
 void add_pool(CLI::App& verb, PoolOptions& pool) {
   verb.add_option("--order", pool.order,
                   "order of each pixel's samples: recorded (default) or shuffled by --seed")
@@ -234,9 +240,7 @@ void add_pool(CLI::App& verb, PoolOptions& pool) {
   verb.add_option("--seed", pool.seed, "seed of the order and of the method (0)");
   verb.add_option("--holdout", pool.holdout, "samples per pixel that are never offered (0)")
       ->check(CLI::Range(0, 65535));
-  verb.add_option("--pieces", pool.pieces_per_side,
-                  "pieces per side of a pixel: 1, or 2 where film positions were recorded")
-      ->check(CLI::Range(1, 2));
+  verb.add_option("--pieces", pool.pieces_per_side, kPieces)->check(CLI::Range(1, 2));
 }
 
 void add_replay(Program& program) {
@@ -251,6 +255,7 @@ void add_replay(Program& program) {
       ->check(CLI::Range(1e-3, 65536.0));
   add_method(verb, options.method);
   add_pool(verb, options.pool);
+  verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
   verb.add_option("--views", options.views,
                   "also write intermediate images, as layers view.NAME: see spool list views");
   verb.add_option("--pictures", options.pictures, "a folder for PNG pictures of the views");
@@ -338,6 +343,8 @@ void add_evaluate(Program& program) {
   verb.add_option("--seed", options.seed, "seed of all replicates (1)");
   verb.add_flag("--recorded-order", options.recorded_order,
                 "take samples in recorded order; all replicates are then alike");
+  verb.add_option("--pieces", options.pieces_per_side, kPieces)->check(CLI::Range(1, 2));
+  verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
   verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
   verb.add_flag("--dry-run", options.dry_run, "list the cells and about how long they will take");
   verb.add_option("--shard", options.shard,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "lib/evaluation/decision_split.h"
 #include "lib/evaluation/reference.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_image.h"
@@ -97,7 +98,8 @@ Result<void> write_pictures(const ReconstructOptions& options, const Input& inpu
 Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common) {
   SPOOL_TRY(refuse_existing(options.output, common.force));
   SPOOL_ASSIGN(const Methods methods, choose_methods({}, {options.filter}, options.method));
-  SPOOL_ASSIGN(const ReconstructorFunction filter, make_filter(methods.filters[0]));
+  SPOOL_ASSIGN(ReconstructorFunction filter, make_filter(methods.filters[0]));
+  filter = average_halves(std::move(filter));
   const std::vector<std::string> wanted = split_list(options.views);
   std::vector<ViewDescription> known = reconstructor_views(methods.filters[0].name);
   known.insert(known.end(), selection_views().begin(), selection_views().end());

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/evaluation/decision_split.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"
 #include "tools/guard_listing.h"
@@ -51,7 +52,8 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   std::vector<std::string> filters;  // in the loop of the sampler
   if (!options.filter.empty()) filters.push_back(options.filter);
   SPOOL_ASSIGN(const Methods methods, choose_methods({options.sampler}, filters, options.method));
-  SPOOL_ASSIGN(const SamplerFunction sample, make_sampler(methods.samplers[0]));
+  SPOOL_ASSIGN(SamplerFunction sample, make_sampler(methods.samplers[0]));
+  if (options.decision_split) sample = split_decisions(std::move(sample));
   const std::vector<std::string> wanted = split_list(options.views);
   std::vector<ViewDescription> known = sampler_views(methods.samplers[0].name);
   known.insert(known.end(), selection_views().begin(), selection_views().end());

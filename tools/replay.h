@@ -18,7 +18,8 @@ struct ReplayOptions {
   double spp = 0.0;    // samples per pixel on average
   MethodOptions method;
   PoolOptions pool;
-  std::string views;  // "f,P.2": intermediate images
+  bool decision_split = false;  // decision_split.h
+  std::string views;            // "f,P.2": intermediate images
   std::filesystem::path output;
   std::filesystem::path pictures;  // folder; empty: none
 };

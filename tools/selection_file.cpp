@@ -1,5 +1,6 @@
 #include "tools/selection_file.h"
 
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -12,6 +13,7 @@
 namespace spool::tools {
 namespace {
 
+constexpr std::array<const char*, 2> kHalves = {"even.", "odd."};
 constexpr double kLargestCount = 65536.0;  // samples per pixel of a dump [spool.md 6]
 
 const NamedPlane& count_channel(const ExrFile& file) {
@@ -58,8 +60,9 @@ std::optional<PoolOptions> pool_options_of(const ExrFile& file) {
   return options;
 }
 
-std::optional<AnalysisSignal> signal_of(const ExrFile& file) {
-  const auto exposure = file.number_attributes.find("spool.exposure");
+// `part` is "" or, of a half, "even." or "odd.".
+std::optional<AnalysisSignal> signal_of(const ExrFile& file, const std::string& part) {
+  const auto exposure = file.number_attributes.find(fmt::format("spool.{}exposure", part));
   if (exposure == file.number_attributes.end() || !std::isfinite(exposure->second) ||
       !(exposure->second > 0.0)) {
     return std::nullopt;
@@ -78,23 +81,27 @@ std::optional<AnalysisSignal> signal_of(const ExrFile& file) {
 }
 
 // A_k for people, and its bits: a float alone would change the last bits of an image.
-void add_attenuation(ExrFile& file, std::size_t level, const Plane& attenuation) {
+void add_attenuation(ExrFile& file, const std::string& part, std::size_t level,
+                     const Plane& attenuation) {
   Plane high(file.width, file.height), low(file.width, file.height);
   for (std::size_t i = 0; i < attenuation.size(); ++i) {
     const auto bits = std::bit_cast<std::uint64_t>(attenuation[i]);
     high[i] = static_cast<double>(bits >> 32);
     low[i] = static_cast<double>(bits & 0xFFFFFFFFu);
   }
-  file.channels.push_back({fmt::format("A.{}", level), PixelType::kFloat, attenuation});
-  file.channels.push_back(
-      {fmt::format("A_bits.{}.high", level), PixelType::kUint, std::move(high)});
-  file.channels.push_back({fmt::format("A_bits.{}.low", level), PixelType::kUint, std::move(low)});
+  const auto add = [&](const std::string& name, PixelType type, Plane plane) {
+    file.channels.push_back({part + name, type, std::move(plane)});
+  };
+  add(fmt::format("A.{}", level), PixelType::kFloat, attenuation);
+  add(fmt::format("A_bits.{}.high", level), PixelType::kUint, std::move(high));
+  add(fmt::format("A_bits.{}.low", level), PixelType::kUint, std::move(low));
 }
 
 // The bits, where they are there and round to the value that people see.
-Plane exact_attenuation(const ExrFile& file, std::size_t level, const Plane& shown) {
-  const Plane* high = file.find(fmt::format("A_bits.{}.high", level));
-  const Plane* low = file.find(fmt::format("A_bits.{}.low", level));
+Plane exact_attenuation(const ExrFile& file, const std::string& part, std::size_t level,
+                        const Plane& shown) {
+  const Plane* high = file.find(fmt::format("{}A_bits.{}.high", part, level));
+  const Plane* low = file.find(fmt::format("{}A_bits.{}.low", part, level));
   if (high == nullptr || low == nullptr) return shown;
   Plane exact = shown;
   for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -110,6 +117,24 @@ Plane exact_attenuation(const ExrFile& file, std::size_t level, const Plane& sho
   return exact;
 }
 
+void add_selection(ExrFile& file, const std::string& part, const Selection& selection) {
+  const CountImage& n = selection.statistics.n;
+  Plane counts(n.width(), n.height());
+  for (std::size_t i = 0; i < n.size(); ++i)
+    counts[i] = n[i];
+  file.channels.push_back({part + "n", PixelType::kUint, std::move(counts)});
+  for (std::size_t l = 0; l < selection.attenuation.size(); ++l)
+    add_attenuation(file, part, l, selection.attenuation[l]);
+  file.number_attributes[fmt::format("spool.{}exposure", part)] =
+      selection.statistics.signal.exposure;
+}
+
+void read_rest(const ExrFile& file, const std::string& part, SelectionFile& selection) {
+  for (std::size_t l = 0; const Plane* layer = file.find(fmt::format("{}A.{}", part, l)); ++l)
+    selection.attenuation.push_back(exact_attenuation(file, part, l, *layer));
+  selection.signal = signal_of(file, part);
+}
+
 }  // namespace
 
 Result<CountImage> counts_from_exr(const ExrFile& file, const std::string& name) {
@@ -123,13 +148,12 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
   ExrFile file;
   file.width = n.width();
   file.height = n.height();
-  Plane counts(n.width(), n.height());
-  for (std::size_t i = 0; i < n.size(); ++i)
-    counts[i] = n[i];
-  file.channels.push_back({"n", PixelType::kUint, std::move(counts)});
-  for (std::size_t l = 0; l < selection.attenuation.size(); ++l) {
-    add_attenuation(file, l, selection.attenuation[l]);
-  }
+  file.number_attributes = {{"spool.holdout", info.pool.holdout},
+                            {"spool.pieces_per_side", info.pool.pieces_per_side},
+                            {"spool.decision_clamp", signal.clamp}};
+  add_selection(file, "", selection);
+  for (std::size_t h = 0; h < selection.halves.size(); ++h)
+    add_selection(file, kHalves[h], selection.halves[h]);
   file.text_attributes = {
       {"spool.sampler", info.sampler},
       {"spool.dump", info.dump},
@@ -138,10 +162,6 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
       {"spool.analysis_channel",
        signal.channel == AnalysisChannel::kMaxRgb ? "max_rgb" : "luminance"},
       {"spool.decision_map", signal.map == DecisionMap::kLog1p ? "log1p" : "linear"}};
-  file.number_attributes = {{"spool.holdout", info.pool.holdout},
-                            {"spool.pieces_per_side", info.pool.pieces_per_side},
-                            {"spool.exposure", signal.exposure},
-                            {"spool.decision_clamp", signal.clamp}};
   if (views != nullptr) add_view_layers(*views, file);
   return write_exr(path, file, {.overwrite = overwrite});
 }
@@ -150,11 +170,22 @@ Result<SelectionFile> read_selection(const std::filesystem::path& path) {
   SPOOL_ASSIGN(const ExrFile file, read_exr(path));
   SelectionFile selection;
   SPOOL_ASSIGN(selection.n, counts_from_exr(file, path.string()));
-  for (std::size_t l = 0; const Plane* layer = file.find(fmt::format("A.{}", l)); ++l) {
-    selection.attenuation.push_back(exact_attenuation(file, l, *layer));
-  }
+  read_rest(file, "", selection);
   selection.pool = pool_options_of(file);
-  selection.signal = signal_of(file);
+  for (const char* part : kHalves) {
+    const std::string channel = std::string(part) + "n";
+    const Plane* counts = file.find(channel);
+    if (counts == nullptr) continue;
+    SelectionFile half;
+    SPOOL_ASSIGN(half.n, counts_of({channel, PixelType::kUint, *counts}, path.string()));
+    read_rest(file, part, half);
+    selection.halves.push_back(std::move(half));
+  }
+  if (selection.halves.size() == 1) {
+    return fail(ErrorCode::kData,
+                "{}: has one of the channels even.n and odd.n: a split decision has both",
+                path.string());
+  }
   return selection;
 }
 
@@ -183,6 +214,11 @@ Result<Selection> apply_selection(const SelectionFile& file, const std::filesyst
   signal.exposure = exposure_of(selection.statistics, 1.0, guards);
   if (file.signal) signal = *file.signal;
   set_signal(selection.statistics, pool, signal);
+  for (std::size_t h = 0; h < file.halves.size(); ++h) {
+    SPOOL_ASSIGN(Selection half,
+                 apply_selection(file.halves[h], path, pool.half(static_cast<int>(h))));
+    selection.halves.push_back(std::move(half));
+  }
   return selection;
 }
 

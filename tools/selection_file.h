@@ -4,7 +4,9 @@
 // level, where the sampler keeps one, for people; `A_bits.k.high` and `A_bits.k.low` (uint) are the
 // same in all 64 bits, and count as long as `A.k` has not been changed since. Attributes of files
 // written here say which sampler made it, the order of the samples and the analysis signal, so that
-// `reconstruct` gives the very bits that `evaluate` gives. Any image of counts will do: without
+// `reconstruct` gives the very bits that `evaluate` gives. A selection with halves (a split
+// decision) has the same channels once more for each, `even.n`, `even.A.0`, .. `odd.n`, ..; its `n`
+// is all that was looked at. Any image of counts will do: without
 // `n`, channel Y or R or the first one is taken.
 #pragma once
 
@@ -36,6 +38,7 @@ struct SelectionFile {
   std::vector<Plane> attenuation;
   std::optional<AnalysisSignal> signal;
   std::optional<PoolOptions> pool;  // absent in images made elsewhere
+  std::vector<SelectionFile> halves = {};
 };
 
 // The counts in an image: channel n, or Y, or R, or the first; kData where one is no count.

@@ -10,6 +10,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "lib/core/parallel.h"
+#include "lib/evaluation/decision_split.h"
 #include "lib/evaluation/peak_memory.h"
 
 namespace spool {
@@ -195,7 +196,8 @@ class Runner {
     const std::uint64_t seed = mix(options_.seed, static_cast<std::uint64_t>(cell.replicate));
     SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, {options_.pieces_per_side,
                                                                  options_.order, seed, holdout}));
-    SPOOL_ASSIGN(const SamplerFunction sampler, sources_.sampler(cell.sampler));
+    SPOOL_ASSIGN(SamplerFunction sampler, sources_.sampler(cell.sampler));
+    if (options_.decision_split) sampler = split_decisions(std::move(sampler));
     SamplingContext context;
     context.seed = seed;
     context.progress = [&](double share) { report_progress(0.5 * share); };
@@ -262,7 +264,8 @@ class Runner {
 
   Result<void> judge(const SamplingRun& run, CellResult& result) const {
     const RecordedSamples& recording = run.parts.front().pool.recording();
-    SPOOL_ASSIGN(const ReconstructorFunction reconstructor, sources_.filter(result.cell.filter));
+    SPOOL_ASSIGN(ReconstructorFunction reconstructor, sources_.filter(result.cell.filter));
+    reconstructor = average_halves(std::move(reconstructor));
     ReconstructionContext context;
     context.reference = recording.reference() ? &*recording.reference() : nullptr;
     context.progress = [&](double share) { report_progress(0.5 + 0.5 * share); };

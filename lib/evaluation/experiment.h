@@ -58,6 +58,7 @@ struct ExperimentOptions {
   std::uint64_t seed = 1;  // of replicate r: mix(seed, r), for the pool's order and the method
   PoolOrder order = PoolOrder::kShuffled;
   int pieces_per_side = 1;
+  bool decision_split = false;  // no sample decides about its own half (decision_split.h)
   std::optional<ReferenceKind> reference;  // absent: default_reference_kind of each recording
   std::optional<int> holdout;              // samples per pixel; absent: as the reference kind wants
   int repeats = 1;                         // of sampling and filtering, for their times only

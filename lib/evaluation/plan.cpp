@@ -63,10 +63,13 @@ class PlanReader {
   }
 
   Result<void> check_keys() const {
-    const std::vector<std::string> known = {
-        "title",   "recordings",      "spp",      "replicates", "seed",    "order",  "reference",
-        "holdout", "pieces_per_side", "samplers", "filters",    "sampler", "filter", "pool",
-        "metrics", "threads",         "repeats",  "pictures",   "mask"};
+    const std::vector<std::string> known = {"title",      "recordings",    "spp",
+                                            "replicates", "seed",          "order",
+                                            "reference",  "holdout",       "pieces_per_side",
+                                            "samplers",   "filters",       "sampler",
+                                            "filter",     "pool",          "metrics",
+                                            "threads",    "repeats",       "pictures",
+                                            "mask",       "decision_split"};
     for (const auto& [key, node] : root_) {
       bool found = false;
       for (const std::string& k : known)
@@ -153,6 +156,12 @@ class PlanReader {
       if (text == "on" || text == "off") return text == "on";
       return fail(ErrorCode::kUsage, "pictures is true or false, not '{}'", text);
     }));
+    SPOOL_TRY(read_value("decision_split", plan.experiment.decision_split,
+                         [](const std::string& text) -> Result<bool> {
+                           if (text == "on" || text == "off") return text == "on";
+                           return fail(ErrorCode::kUsage,
+                                       "decision_split is true or false, not '{}'", text);
+                         }));
     SPOOL_TRY(read_value("reference", plan.experiment.reference, parse_reference_kind));
     return read_value(
         "order", plan.experiment.order, [](const std::string& text) -> Result<PoolOrder> {
@@ -327,6 +336,7 @@ std::uint64_t hash_sampling(const Cell& cell, const Plan& plan) {
   state = mix(state, cell.replicate, e.seed, static_cast<int>(e.order), e.pieces_per_side,
               e.reference ? static_cast<int>(*e.reference) : -1, e.holdout.value_or(-1),
               cell.threads, e.repeats);
+  if (e.decision_split) state = hash_text(state, "decision_split");
   return hash_options(state, option_values(sanitise_option_table(), plan.rules));
 }
 

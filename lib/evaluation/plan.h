@@ -9,6 +9,7 @@
 //   reference = "independent"     # absent: the best there is
 //   holdout = 16                  # samples per pixel, absent: what the reference wants
 //   pieces_per_side = 1
+//   decision_split = false        # true: no sample decides about its own half
 //   threads = [1, 2]              # a sweep too; absent: as many as the process may use
 //   repeats = 3                   # of sampling and filtering, for the median of their times
 //   pictures = true               # images of replicate 0

@@ -53,6 +53,7 @@ std::string plan_text(const Plan& plan) {
                    {"seed", static_cast<std::int64_t>(e.seed)},
                    {"order", e.order == PoolOrder::kShuffled ? "shuffled" : "recorded"},
                    {"pieces_per_side", e.pieces_per_side},
+                   {"decision_split", e.decision_split},
                    {"sampler", method_tables(plan.samplers)},
                    {"filter", method_tables(plan.filters)},
                    {"pool", options_table(sanitise_option_table(), plan.rules)},

@@ -22,8 +22,8 @@ ReconstructorFunction given_image(RgbImage image, std::string name) {
              const ReconstructionContext&) -> Result<Reconstruction> {
     if (pool.is_half()) {
       return fail(ErrorCode::kUsage,
-                  "{}: is the same for any samples, a sampler with it in its loop learns nothing: "
-                  "put a filter there",
+                  "{}: is the same for any samples: a sampler with it in its loop learns nothing, "
+                  "and crossfit and split decisions want an image of each half: put a filter there",
                   name);
     }
     return own_image(image, pool, name);

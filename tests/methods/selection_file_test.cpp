@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/evaluation/decision_split.h"
 #include "lib/reconstruction/reconstructor.h"
 #include "lib/sampling/sampler.h"
 #include "tests/sampling/multiscale_cases.h"
@@ -44,6 +45,33 @@ TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
     const auto filter = *make_reconstructor("directional", "", {{"size_factor", "literal"}});
     EXPECT_EQ(filter(*selection, again, {})->image, filter(sampled->selection, pool, {})->image);
   }
+}
+
+TEST(SelectionFile, HoldsASplitDecisionToTheLastBit) {
+  const test::ScratchFolder folder;
+  const SamplePool pool = test::noisy_pool(19, 14, 32);
+  const auto sampler = split_decisions(*make_sampler("multiscale", "", {}));
+  const auto sampled = sampler(pool, 19 * 14 * 8, {});
+  const auto path = folder / "selection.exr";
+  ASSERT_TRUE(write_selection(path, sampled->selection, {"multiscale", "noisy", {}}, false));
+  const auto file = read_selection(path);
+  ASSERT_TRUE(file.has_value()) << file.error().message;
+  const auto selection = apply_selection(*file, path, pool);
+  ASSERT_TRUE(selection.has_value()) << selection.error().message;
+  ASSERT_EQ(selection->halves.size(), 2u);
+  for (std::size_t h = 0; h < 2; ++h) {
+    EXPECT_EQ(selection->halves[h].statistics, sampled->selection.halves[h].statistics);
+    EXPECT_EQ(selection->halves[h].attenuation, sampled->selection.halves[h].attenuation);
+  }
+  const auto filter =
+      average_halves(*make_reconstructor("directional", "", {{"size_factor", "literal"}}));
+  EXPECT_EQ(filter(*selection, pool, {})->image, filter(sampled->selection, pool, {})->image);
+
+  auto cut = read_exr(path);
+  std::erase_if(cut->channels, [](const NamedPlane& plane) { return plane.name == "odd.n"; });
+  cut->number_attributes.clear();
+  ASSERT_TRUE(write_exr(path, *cut, {.overwrite = true}));
+  EXPECT_EQ(read_selection(path).error().code, ErrorCode::kData);
 }
 
 TEST(SelectionFile, AnAttenuationThatSomebodyChangedIsTaken) {
