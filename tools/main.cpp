@@ -293,7 +293,8 @@ void add_reconstruct(Program& program) {
       "also write variance.R/G/B, filter.level and filter.angle where the filter has them");
   verb.add_option(
       "--views", options.views,
-      "also write intermediate images, as layers view.NAME: see spool list views; or all");
+      "also write intermediate images, as layers view.NAME: see spool list views; or all "
+      "(with --pieces 2 into NAME_pieces.exr)");
   verb.add_option("--pictures", options.pictures,
                   "a folder for PNG pictures of the result and of the views");
   add_common(verb, program.common, true, true);

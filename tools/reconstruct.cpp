@@ -79,6 +79,21 @@ ExrFile image_file(const Reconstruction& result, bool layers) {
   return file;
 }
 
+// Views with a value per piece do not fit into an image of pixels: NAME_pieces.exr.
+Result<void> write_piece_views(const ReconstructOptions& options, const SamplePool& pool,
+                               const Views& views, const CommonOptions& common) {
+  ExrFile file;
+  file.width = pool.width();
+  file.height = pool.height();
+  add_view_layers(views, file);
+  std::filesystem::path path = options.output;
+  path.replace_filename(path.stem().string() + "_pieces.exr");
+  if (!common.quiet && !common.json) {
+    print(fmt::format("{}: views of pieces, {} x {}\n", path.string(), file.width, file.height));
+  }
+  return write_exr(path, file, {.overwrite = common.force});
+}
+
 Result<void> write_pictures(const ReconstructOptions& options, const Input& input,
                             const Reconstruction& result, bool overwrite) {
   std::error_code status;
@@ -117,15 +132,12 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   ExrFile file = image_file(result, options.layers);
   add_selection_views(input.selection, views);
   add_image_views(result, views);
-  const std::vector<std::string> left_out = add_view_layers(views, file);
-  if (!left_out.empty()) {
-    print_warning(fmt::format("{} views have a value per piece, the image one per pixel; {}",
-                              left_out.size(),
-                              options.pictures.empty() ? "ask for --pictures to see them"
-                                                       : "they are among the pictures only"));
-  }
+  const bool of_pieces = !add_view_layers(views, file).empty();
   file.text_attributes = {{"spool.filter", options.filter}, {"spool.dump", options.dump.string()}};
   SPOOL_TRY(write_exr(options.output, file, {.overwrite = common.force}));
+  if (of_pieces) {
+    SPOOL_TRY(write_piece_views(options, input.pool, views, common));
+  }
   if (!options.pictures.empty()) {
     SPOOL_TRY(write_pictures(options, input, result, common.force));
     SPOOL_TRY(write_view_pictures(views, options.pictures / "views", common.force));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "lib/core/option_table.h"
 #include "lib/image_io/picture.h"
@@ -35,6 +36,20 @@ void add_missing(Views& views, const std::string& name, const Plane& image) {
   if (!has_view(views, name)) views.add(name, image);
 }
 
+// Symmetric about 0, so that signs are seen, and up to what 99 % of the values reach: one bulb must
+// not hide the rest.
+ValueRange signed_range(const Plane& image) {
+  std::vector<double> sizes;
+  for (const double v : image.pixels()) {
+    if (std::isfinite(v)) sizes.push_back(std::abs(v));
+  }
+  if (sizes.empty()) return {};
+  std::ranges::sort(sizes);
+  const double most = sizes[(sizes.size() - 1) * 99 / 100];
+  const double limit = most > 0.0 ? most : sizes.back();
+  return {-limit, limit, false};
+}
+
 ValueRange range_of(const Plane& image) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   bool positive = true;
@@ -44,8 +59,9 @@ ValueRange range_of(const Plane& image) {
     if (v > 0.0) low = std::min(low, v);
     high = std::max(high, v);
   }
+  if (!positive) return signed_range(image);
   const std::array<const Plane*, 1> planes = {&image};
-  return common_range(planes, positive && high > kLogSpan * low);
+  return common_range(planes, high > kLogSpan * low);
 }
 
 Picture picture_of(const View& view) {

@@ -31,7 +31,8 @@ void add_image_views(const Reconstruction& reconstruction, Views& views);
 std::vector<std::string> add_view_layers(const Views& views, ExrFile& file);
 
 // NAME.png of every view in `folder`: directions as hues, levels and stops as categories, the rest
-// as false colours, logarithmic where the values are all positive and span more than 30.
+// as false colours: logarithmic where the values are all positive and span more than 30, symmetric
+// about 0 where some are negative.
 Result<void> write_view_pictures(const Views& views, const std::filesystem::path& folder,
                                  bool overwrite);
 
