@@ -13,6 +13,7 @@
 
 #include <Imath/half.h>
 
+#include "lib/core/freed_memory.h"
 #include "tools/bench/format/exr_files.h"
 #include "tools/bench/format/spool_file.h"
 
@@ -142,6 +143,7 @@ int main(int count, char** arguments) {
     std::fprintf(stderr, "usage: bench_format TURNS FOLDER RECORDING...\n");
     return 2;
   }
+  spool::keep_freed_memory();  // as spool itself does
   const int turns = std::atoi(arguments[1]);
   const std::filesystem::path folder = arguments[2];
   const RecordedSamples all = stacked_recordings({arguments + 3, arguments + count});
