@@ -15,6 +15,11 @@ TEST(MultiscaleDeterminism, ThreadsDoNotChangeABit) {
            {{"update", "epoch"}, {"epochs", "8"}},
            {{"update", "epoch"}, {"epochs", "4"}, {"analysis_channel", "per_channel"}},
            {{"update", "epoch"}, {"epochs", "6"}, {"tile", "32"}, {"parallel", "tiles"}},
+           {{"update", "epoch"},
+            {"epochs", "4"},
+            {"tile", "64"},
+            {"tile_halo", "none"},
+            {"parallel", "rows"}},
            {{"update", "exact"},
             {"tile", "32"},
             {"K", "2"},
@@ -26,7 +31,7 @@ TEST(MultiscaleDeterminism, ThreadsDoNotChangeABit) {
       const ThreadLimit one(1);
       expected = test::run_multiscale(pool, 128 * 120 * 3, options);
     }
-    for (const int threads : {1, 2, 3, 8}) {
+    for (const int threads : {1, 2, 3, 5, 8}) {
       const ThreadLimit limit(threads);
       for (int repeat = 0; repeat < 3; ++repeat) {
         const SamplingResult result = test::run_multiscale(pool, 128 * 120 * 3, options);
