@@ -78,36 +78,44 @@ GuardCounts RecordedSamples::guards() const {
   return guards;
 }
 
-Result<void> RecordedSamples::scan() {
-  std::vector<SanitiseReport> rows(static_cast<std::size_t>(height()));
-  parallel_rows(0, height(), [&](int y) {
-    SanitiseReport& row = rows[static_cast<std::size_t>(y)];
-    for (int x = 0; x < width(); ++x) {
-      int kept = 0;
-      for (int s = 0; s < spp(); ++s) {
-        const Rgb value = raw_radiance(x, y, s);
-        if (!is_ordinary(value)) {
-          if (row.nonfinite++ == 0) row.first_x = x, row.first_y = y, row.first_sample = s;
-          continue;
+// Block after block, as they lie in the file: a recording larger than memory is read once.
+SanitiseReport RecordedSamples::scan_tile(int tx, int ty) const {
+  SanitiseReport report;
+  const int size = layout_.tile_size;
+  const int x0 = tx * size, x1 = std::min(x0 + size, width());
+  const int y0 = ty * size, y1 = std::min(y0 + size, height());
+  Image<std::uint8_t> kept(x1 - x0, y1 - y0);
+  for (int first = 0; first < spp(); first += layout_.block_spp) {
+    const int end = std::min(first + layout_.block_spp, spp());
+    for (int y = y0; y < y1; ++y) {
+      for (int x = x0; x < x1; ++x) {
+        for (int s = first; s < end; ++s) {
+          const Rgb value = raw_radiance(x, y, s);
+          if (!is_ordinary(value)) {
+            report.add_nonfinite(x, y, s);
+            continue;
+          }
+          kept(x - x0, y - y0) = 1;
+          if (value[0] < 0 || value[1] < 0 || value[2] < 0) ++report.negative;
+          if (std::max({value[0], value[1], value[2]}) > rules_.firefly_limit) ++report.fireflies;
         }
-        ++kept;
-        if (value[0] < 0 || value[1] < 0 || value[2] < 0) ++row.negative;
-        if (std::max({value[0], value[1], value[2]}) > rules_.firefly_limit) ++row.fireflies;
       }
-      if (kept == 0) ++row.empty_pixels;
     }
-  });
-  report_.samples = static_cast<std::uint64_t>(width()) * height() * spp();
-  for (const SanitiseReport& row : rows) {
-    if (report_.nonfinite == 0 && row.nonfinite > 0) {
-      report_.first_x = row.first_x, report_.first_y = row.first_y;
-      report_.first_sample = row.first_sample;
-    }
-    report_.nonfinite += row.nonfinite;
-    report_.negative += row.negative;
-    report_.fireflies += row.fireflies;
-    report_.empty_pixels += row.empty_pixels;
   }
+  report.empty_pixels =
+      static_cast<std::uint64_t>(std::count(kept.pixels().begin(), kept.pixels().end(), 0));
+  return report;
+}
+
+Result<void> RecordedSamples::scan() {
+  const int tiles_y = (height() + layout_.tile_size - 1) / layout_.tile_size;
+  std::vector<SanitiseReport> tiles(static_cast<std::size_t>(tiles_x_) * tiles_y);
+  parallel_for(tiles.size(), [&](std::size_t t) {
+    tiles[t] = scan_tile(static_cast<int>(t) % tiles_x_, static_cast<int>(t) / tiles_x_);
+  });
+  for (const SanitiseReport& tile : tiles)
+    report_.add(tile);
+  report_.samples = static_cast<std::uint64_t>(width()) * height() * spp();
   if (report_.nonfinite == 0) return {};
   any_rejected_ = rules_.nonfinite == NonFiniteRule::kReject;
   const auto where = fmt::format("first at pixel {},{} sample {}", report_.first_x, report_.first_y,

@@ -108,6 +108,7 @@ class RecordedSamples {
 
  private:
   Result<void> scan();
+  SanitiseReport scan_tile(int tx, int ty) const;
 
   std::string name_;
   RadianceLayout layout_;

@@ -1,6 +1,7 @@
 #include "lib/pool/sanitise.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace spool {
 
@@ -38,6 +39,24 @@ Rgb sanitised(Rgb value, const SanitiseRules& rules) {
       v = std::min(v, limit);
   }
   return value;
+}
+
+void SanitiseReport::add_nonfinite(int x, int y, int sample) {
+  ++nonfinite;
+  if (first_sample >= 0 && std::tie(first_y, first_x, first_sample) <= std::tie(y, x, sample))
+    return;
+  first_x = x, first_y = y, first_sample = sample;
+}
+
+void SanitiseReport::add(const SanitiseReport& part) {
+  if (part.nonfinite > 0) {
+    add_nonfinite(part.first_x, part.first_y, part.first_sample);
+    nonfinite += part.nonfinite - 1;
+  }
+  samples += part.samples;
+  negative += part.negative;
+  fireflies += part.fireflies;
+  empty_pixels += part.empty_pixels;
 }
 
 }  // namespace spool

@@ -62,6 +62,9 @@ struct SanitiseReport {
   std::uint64_t fireflies = 0;  // clamped
   int first_x = -1, first_y = -1, first_sample = -1;  // the first non-finite one, in y, x, s order
   std::uint64_t empty_pixels = 0;
+
+  void add_nonfinite(int x, int y, int sample);  // one, or the first of several
+  void add(const SanitiseReport& part);          // of other pixels
 };
 
 }  // namespace spool

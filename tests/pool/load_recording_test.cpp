@@ -55,6 +55,44 @@ TEST(LoadRecording, GivesBackWhatWasWrittenInTilesAndBlocksOfAnySize) {
   }
 }
 
+TEST(LoadRecording, ReportsTheSameHoweverTheFileIsCut) {
+  const ScratchFolder folder;
+  WriteSyntheticOptions options;
+  options.scene.odds = 0.005;
+  std::vector<SanitiseReport> reports;
+  for (const int tile : {64, 16}) {
+    options.tile_size = tile;
+    options.block_spp = tile == 64 ? 16 : 3;
+    options.writer.force = true;
+    ASSERT_TRUE(
+        write_synthetic("not_finite", 40, 36, 16, 5, folder / "n.spool", options).has_value());
+    const auto loaded = load_recording(folder / "n.spool");
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+    reports.push_back((*loaded)->report());
+  }
+  EXPECT_EQ(reports[1].samples, reports[0].samples);
+  EXPECT_EQ(reports[1].nonfinite, reports[0].nonfinite);
+  EXPECT_GT(reports[0].nonfinite, 20u);
+  EXPECT_EQ(reports[1].first_x, reports[0].first_x);
+  EXPECT_EQ(reports[1].first_y, reports[0].first_y);
+  EXPECT_EQ(reports[1].first_sample, reports[0].first_sample);
+  EXPECT_EQ(reports[1].empty_pixels, reports[0].empty_pixels);
+}
+
+// Tiles and blocks come in another order than rows and samples.
+TEST(SanitiseReport, NamesTheFirstInRowOrder) {
+  SanitiseReport tile, other;
+  tile.add_nonfinite(3, 0, 1);
+  tile.add_nonfinite(2, 0, 4);
+  tile.add_nonfinite(2, 1, 0);
+  other.add_nonfinite(0, 1, 0);
+  other.add(tile);
+  EXPECT_EQ(other.nonfinite, 4u);
+  EXPECT_EQ(other.first_x, 2);
+  EXPECT_EQ(other.first_y, 0);
+  EXPECT_EQ(other.first_sample, 4);
+}
+
 TEST(LoadRecording, AppliesTheRules) {
   const ScratchFolder folder;
   WriteSyntheticOptions options;
