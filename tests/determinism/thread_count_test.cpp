@@ -16,12 +16,18 @@ TEST(ThreadCount, LoopsRunOnAsManyThreadsAsAskedFor) {
     std::set<std::thread::id> seen;
     std::mutex mutex;
     test::with_threads(threads, [&] {
+      // A busy machine may take long to start the second thread: give it the time.
+      const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
       parallel_for(100, [&](std::size_t) {
-        {
-          const std::lock_guard lock(mutex);
-          seen.insert(std::this_thread::get_id());
+        for (;;) {
+          {
+            const std::lock_guard lock(mutex);
+            seen.insert(std::this_thread::get_id());
+            if (threads == 1 || seen.size() > 1) break;
+          }
+          if (std::chrono::steady_clock::now() > deadline) break;
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
       });
       return 0;
     });

@@ -1,5 +1,7 @@
 #include "lib/reconstruction/directional/filter_size.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "tests/reconstruction/directional_cases.h"
@@ -117,14 +119,18 @@ TEST(FilterSize, UntouchedAttenuationFallsBack) {
 }
 
 TEST(FilterSize, ANonFiniteCriterionStopsAndIsCounted) {
-  SizeCase c = flat_case(16, 16, 0.5, 0.01);
-  c.mean(8, 8) = 1e200;  // squared: infinite
+  SizeCase infinite = flat_case(16, 16, 0.5, 0.01);
+  infinite.mean(8, 8) = 1e200;  // squared: infinite
+  SizeCase not_a_number = flat_case(16, 16, 0.5, 0.01);
+  not_a_number.variance(8, 8) = std::numeric_limits<double>::infinity();  // at both sizes
   FilterSizeOptions options;
   options.smooth = SizeSmooth::kOff;
-  GuardCounts guards;
-  const CountImage level = filter_size(c.input(), options, nullptr, guards);
-  EXPECT_EQ(level(8, 8), 0);
-  EXPECT_GT(guards[Guard::kSizeNotFinite], 0u);
+  for (const SizeCase& c : {infinite, not_a_number}) {
+    GuardCounts guards;
+    const CountImage level = filter_size(c.input(), options, nullptr, guards);
+    EXPECT_EQ(level(8, 8), 0);
+    EXPECT_GT(guards[Guard::kSizeNotFinite], 0u);
+  }
 }
 
 TEST(FilterSize, StepsToTheNeighboursAreLimitedAsTheTwinSays) {
