@@ -65,10 +65,17 @@ double standard_error_of(std::span<const double> resampled) {
   return n < 2 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(m2 / (n - 1));
 }
 
+double quotient(double n, double d) {
+  if (d != 0.0) return n / d;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return n == 0.0 || std::isnan(n) ? std::numeric_limits<double>::quiet_NaN()
+                                   : std::copysign(kInfinity, n);
+}
+
 Estimate ratio_of_sums(const BlockBootstrap& bootstrap, std::span<const double> numerator,
                        std::span<const double> denominator) {
   const auto ratio = [&](std::span<const double> weights) {
-    return weighted_sum(numerator, weights) / weighted_sum(denominator, weights);
+    return quotient(weighted_sum(numerator, weights), weighted_sum(denominator, weights));
   };
   Estimate estimate;
   estimate.value = ratio({});

@@ -48,6 +48,10 @@ double standard_error_of(std::span<const double> resampled);
 
 // sum(numerator) / sum(denominator) over blocks with its bootstrap standard error. The standard
 // error is NaN when there is only one block. `numerator` and `denominator`: [block].
+// n / d, without a floating-point exception where nothing is divided by nothing: NaN there,
+// infinite where something is.
+double quotient(double n, double d);
+
 struct Estimate {
   double value = std::numeric_limits<double>::quiet_NaN();
   double standard_error = std::numeric_limits<double>::quiet_NaN();

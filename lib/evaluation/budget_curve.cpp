@@ -96,8 +96,8 @@ SamplesNeeded samples_needed(const BudgetCurve& curve, const MethodSeries& targe
                              std::uint64_t seed) {
   SPOOL_CHECK_EQ(curve.spp.size(), curve.series.size());
   const double found = crossing(curve.spp, means_of(curve), mean_of_finite(target.values));
+  if (std::isnan(found)) return {kNaN, kNaN, kNaN, false, false};
   SamplesNeeded needed{kNaN, kNaN, kNaN, found < 0.0, found > 0.0 && std::isinf(found)};
-  if (std::isnan(found)) return needed;
   const auto in_range = [&](double spp) {
     return std::clamp(spp, curve.spp.front(), curve.spp.back());
   };

@@ -38,7 +38,8 @@ double mean_of_finite(std::span<const double> values) {
 
 // Two-sided. A difference without any spread is certain.
 double p_of_no_difference(const ResampledMean& found) {
-  const double z = std::abs(found.mean) / found.standard_error;
+  if (found.mean == 0.0) return 1.0;
+  const double z = quotient(std::abs(found.mean), found.standard_error);
   if (std::isinf(z)) return 0.0;
   if (found.freedom > 1e6) return std::erfc(z / std::sqrt(2.0));
   return 2.0 * student_cdf(-z, found.freedom);

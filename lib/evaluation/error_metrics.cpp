@@ -120,6 +120,15 @@ double luminance_at(const RgbImage& image, std::size_t p) {
 }
 
 // Everything that is computed once per pair of images and looked at once per resample.
+// Debiased errors may be below 0: these then are not defined.
+double root_of(double ratio) {
+  return std::isless(ratio, 0.0) ? kNaN : std::sqrt(ratio);
+}
+double decibel_of(double ratio) {
+  if (ratio == 0.0) return -std::numeric_limits<double>::infinity();
+  return std::isless(ratio, 0.0) ? kNaN : 10.0 * std::log10(ratio);
+}
+
 class Evaluation {
  public:
   Evaluation(const RgbImage& estimate, const JudgingReference& reference,
@@ -280,15 +289,20 @@ class Evaluation {
     return weighted_sum(sums_[static_cast<std::size_t>(term)], weights);
   }
 
+  double ratio(const Metric& metric, std::span<const double> weights) const {
+    return quotient(sum(metric.numerator, weights), sum(metric.denominator, weights));
+  }
+
   double value(const Metric& metric, std::span<const double> weights, LargestFirst& relative,
                LargestFirst& squared) {
     switch (metric.rule) {
       case Rule::kRatio:
-        return sum(metric.numerator, weights) / sum(metric.denominator, weights);
+        return ratio(metric, weights);
       case Rule::kRootRatio:
-        return std::sqrt(sum(metric.numerator, weights) / sum(metric.denominator, weights));
+        return root_of(ratio(metric, weights));
       case Rule::kDecibel:
-        return 10.0 * std::log10(sum(metric.denominator, weights) / sum(metric.numerator, weights));
+        return decibel_of(
+            quotient(sum(metric.denominator, weights), sum(metric.numerator, weights)));
       case Rule::kTrimmed:
       case Rule::kDropped: {
         const double count = sum(kCount, weights);
@@ -302,8 +316,8 @@ class Evaluation {
           left -= copies;
           return true;
         });
-        if (metric.rule == Rule::kDropped) return dropped / count;
-        return (sum(kRelative, weights) - dropped) / (count - to_drop);
+        if (metric.rule == Rule::kDropped) return quotient(dropped, count);
+        return quotient(sum(kRelative, weights) - dropped, count - to_drop);
       }
       case Rule::kQuantile:
       case Rule::kMaximum: {

@@ -32,7 +32,7 @@ struct BlockMeans {
     }
   }
   double mean(std::span<const double> weights) const {
-    return weighted_sum(sum, weights) / weighted_sum(count, weights);
+    return quotient(weighted_sum(sum, weights), weighted_sum(count, weights));
   }
 };
 

@@ -52,7 +52,7 @@ std::string masks_text(const CellResult& result) {
 double saturated_share(const CellResult& result) {
   const double pieces = static_cast<double>(result.width) * result.height * result.pieces_per_side *
                         result.pieces_per_side;
-  return static_cast<double>(result.log.saturated_pieces) / pieces;
+  return quotient(static_cast<double>(result.log.saturated_pieces), pieces);
 }
 
 double seconds(const CellResult& result) {
@@ -268,7 +268,7 @@ std::optional<double> efficiency(const CellResult& result) {
   if (result.error || result.metrics.values.empty()) return std::nullopt;
   const MetricValue& mse = result.metrics["mse"];
   // Written so that an unknown standard error leaves the value unresolved.
-  if (!(mse.value > 2.0 * mse.standard_error)) return std::nullopt;
+  if (!std::isgreater(mse.value, 2.0 * mse.standard_error)) return std::nullopt;
   return 1.0 / (mse.value * seconds(result));
 }
 

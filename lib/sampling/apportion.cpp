@@ -23,7 +23,7 @@ std::vector<std::uint64_t> fractions_of_largest(std::span<const double> weights)
   std::vector<std::uint64_t> units(weights.size(), 0);
   if (largest == 0.0) return units;
   for (std::size_t t = 0; t < weights.size(); ++t) {
-    if (!(weights[t] > 0.0)) continue;
+    if (!std::isgreater(weights[t], 0.0)) continue;  // nor NaN
     units[t] = static_cast<std::uint64_t>(std::min(weights[t] / largest, 1.0) * 0x1.0p32);
   }
   return units;

@@ -33,7 +33,7 @@ Result<void> accumulate_band(const SamplePool& pool, const CountImage& n, int fi
         const std::size_t s = pixel + static_cast<std::size_t>(pool.recorded_index(x, y, i));
         for (std::size_t c = 0; c < feature.mean.size(); ++c) {
           double value = static_cast<double>(values[c * plane + s]);
-          if (!(std::abs(value) <= static_cast<double>(kLargestRadiance))) {
+          if (!std::islessequal(std::abs(value), static_cast<double>(kLargestRadiance))) {
             value = 0.0;
             guards.add(Guard::kFeatureNotFinite);
           }

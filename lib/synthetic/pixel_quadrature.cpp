@@ -45,7 +45,7 @@ class Cuts {
  public:
   Cuts(double low, double high) : low_(low), high_(high) { at_ = {low, high}; }
   void add(double value) {
-    if (value > low_ && value < high_) at_.push_back(value);  // false for NaN
+    if (value > low_ && value < high_) at_.push_back(value);
   }
   const std::vector<double>& sorted() {
     std::sort(at_.begin(), at_.end());
@@ -91,7 +91,9 @@ Creases near_pixel(const Creases& creases, int x, int y) {
 void add_crossings(const Line& line, const Circle& circle, Cuts& cuts) {
   const double length2 = line.a * line.a + line.b * line.b;
   const double offset = (line.a * circle.x + line.b * circle.y - line.c) / length2;
-  const double reach = std::sqrt(circle.radius * circle.radius / length2 - offset * offset);
+  const double square = circle.radius * circle.radius / length2 - offset * offset;
+  if (square < 0.0) return;
+  const double reach = std::sqrt(square);
   cuts.add(circle.y - line.b * offset + line.a * reach);
   cuts.add(circle.y - line.b * offset - line.a * reach);
 }
@@ -106,7 +108,7 @@ Cuts row_cuts(int x, int y, const Creases& near) {
     if (lines[i].a == 0.0) cuts.add(lines[i].c / lines[i].b);
     for (std::size_t j = 0; j < i; ++j) {
       const double det = lines[i].a * lines[j].b - lines[j].a * lines[i].b;
-      cuts.add((lines[i].a * lines[j].c - lines[j].a * lines[i].c) / det);  // parallel: not finite
+      if (det != 0.0) cuts.add((lines[i].a * lines[j].c - lines[j].a * lines[i].c) / det);
     }
     for (const Circle& circle : near.circles)
       add_crossings(lines[i], circle, cuts);
@@ -121,11 +123,14 @@ Cuts row_cuts(int x, int y, const Creases& near) {
 Moments row_mean(int x, double y, const Creases& near,
                  const std::function<Moments(double, double)>& moments) {
   Cuts cuts(x, x + 1.0);
-  for (const Line& line : near.lines)
-    cuts.add((line.c - line.b * y) / line.a);
+  for (const Line& line : near.lines) {
+    if (line.a != 0.0) cuts.add((line.c - line.b * y) / line.a);
+  }
   for (const Circle& circle : near.circles) {
     const double dy = y - circle.y;
-    const double reach = std::sqrt(circle.radius * circle.radius - dy * dy);
+    const double square = circle.radius * circle.radius - dy * dy;
+    if (square < 0.0) continue;
+    const double reach = std::sqrt(square);
     cuts.add(circle.x - reach);
     cuts.add(circle.x + reach);
   }

@@ -73,6 +73,7 @@ FilteredPieces filter_samples(const FilterInput& input, const FilterWidths<T>& w
       for (int py = near.y0; py < near.y1; ++py) {
         for (int px = near.x0; px < near.x1; ++px) {
           const std::size_t p = input.n.index(px, py);
+          if (input.n[p] == 0) continue;
           const double count = input.n[p];
           const double share = options.weighting == FilterWeighting::kPerSample ? 1.0 : 1.0 / count;
           for (std::size_t s = placed.begin[p]; s < placed.begin[p + 1]; ++s) {
