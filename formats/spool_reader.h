@@ -1,8 +1,9 @@
 // Reads complete .spool files: strict at opening, checked at every access.
 //
 // open() follows formats/spool.md 7: every header, the index and the footer are verified, and no
-// memory is taken on the file's word. A file NAME.partial is incomplete, whatever it holds. All other functions are const and may be called from any
-// number of threads. Reads are positional; map_block() is the one way to a mapping.
+// memory is taken on the file's word. A file NAME.partial is incomplete, whatever it holds. All
+// other functions are const and may be called from any number of threads. Reads are positional;
+// map_block() is the one way to a mapping.
 //
 // Errors: kIo missing or unreadable, kData not a .spool file, unsupported, or asked for data that
 // was not recorded, kDamage damaged or incomplete (remedy: `spool recover`), kUsage out of range.
