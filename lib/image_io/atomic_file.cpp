@@ -63,13 +63,14 @@ Result<AtomicFile> AtomicFile::create(const std::filesystem::path& target, bool 
   // The process id keeps two runs with the same target apart.
   std::filesystem::path temporary = target;
   temporary += fmt::format(".{}.partial", ::getpid());
+  // Made and listed as one step: an interrupt sees both or neither.
+  const std::scoped_lock lock(unfinished().mutex);
   const int descriptor = ::open(temporary.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     return fail(ErrorCode::kIo, "{}: cannot be written ({}): check that the folder exists",
                 target.string(), std::strerror(errno));
   }
   ::close(descriptor);
-  const std::scoped_lock lock(unfinished().mutex);
   unfinished().paths.insert(temporary.string());
   return AtomicFile(target, std::move(temporary), overwrite);
 }
@@ -80,11 +81,12 @@ Result<void> AtomicFile::commit() {
   const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
   const int sync_error = errno;
   if (descriptor >= 0) ::close(descriptor);
+  const std::scoped_lock lock(unfinished().mutex);
   if (!synced || ::rename(temporary_.c_str(), target_.c_str()) != 0) {
     return fail(ErrorCode::kIo, "{}: cannot be written ({}): nothing was changed", target_.string(),
                 std::strerror(synced ? errno : sync_error));
   }
-  forget(temporary_);
+  unfinished().paths.erase(temporary_.string());
   temporary_.clear();
   return {};
 }
@@ -110,10 +112,9 @@ Result<void> write_text_file(const std::filesystem::path& target, std::string_vi
 }
 
 void remove_unfinished_files() {
-  const std::scoped_lock lock(unfinished().mutex);
+  unfinished().mutex.lock();  // for good: no thread begins another file
   for (const std::string& path : unfinished().paths)
     ::unlink(path.c_str());
-  unfinished().paths.clear();
 }
 
 }  // namespace spool

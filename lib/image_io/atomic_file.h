@@ -38,7 +38,8 @@ Result<void> write_text_file(const std::filesystem::path& target, std::string_vi
                              bool overwrite);
 
 // Removes what every unfinished AtomicFile of this process has written so far; for the program's
-// way out on an interrupt. Any thread may call it.
+// way out on an interrupt. Any thread may call it. No further file can be begun or committed:
+// threads that try wait for the end of the process.
 void remove_unfinished_files();
 
 }  // namespace spool
