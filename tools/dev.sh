@@ -31,6 +31,8 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   endure [CTEST ARGS]           evaluations killed at 20 moments, a Slurm that loses a node, a plan of 10,000 cells
   trust [CTEST ARGS]            the format's tests at their whole numbers (bit flips, killed writers, power loss, 6 GB file);
                                 trust fuzz [SECONDS]: each fuzz target that long (default 600), findings in build/fuzz/found;
+                                trust fuzz whole: 10^7 executions of opening (checksums as found, and mended) and of recovery,
+                                10^6 of each other target (an hour of two cores);
                                 trust coverage: lines of the format that the fuzz targets' inputs reach
   trap [CTEST ARGS]             the numeric tests with invalid operations and divisions by zero trapped
   bits                          hashes of fixed results: g++ and clang++, release and debug, with and without wide vectors
@@ -259,24 +261,36 @@ trust() {
     -R '^(formats|formats_allocation|formats_python|fuzz_regression|interchange)\.' "$@"
 }
 
+# One target as long as `limit` says, a flag of libFuzzer.
+fuzz_target() {
+  local name="$1" limit="$2" failed=0 seeds=(tests/golden/v1.0 tests/golden/must_fail tests/fuzz/regressions)
+  [[ ! -d "tests/fuzz/seeds/$name" ]] || seeds+=("tests/fuzz/seeds/$name")
+  mkdir -p "build/fuzz/corpus/$name" build/fuzz/found
+  say "fuzz $name, $limit"
+  "build/fuzz/tests/fuzz/fuzz_$name" "$limit" -timeout=20 -rss_limit_mb=768 -max_len=1600 -print_final_stats=1 \
+    -artifact_prefix="build/fuzz/found/${name}_" "build/fuzz/corpus/$name" "${seeds[@]}" \
+    >"build/fuzz/found/$name.log" 2>&1 || failed=1
+  { grep -aE '^(Done|stat::number_of_executed_units|SUMMARY)' "build/fuzz/found/$name.log" || true; } | sed "s/^/$name: /"
+  return "$failed"
+}
+
 fuzz() {
-  local seconds="${1:-600}" target failed=0
+  local length="${1:-600}" target name limits=()
   require_packages "${lint_packages[@]}"
   configure fuzz
   ninja -C build/fuzz -j "$(jobs)" --quiet fuzz_targets >&2
-  mkdir -p build/fuzz/found
   for target in build/fuzz/tests/fuzz/fuzz_*; do
     [[ -x "$target" && -f "$target" ]] || continue
-    local name="${target##*/fuzz_}" seeds=(tests/golden/v1.0 tests/golden/must_fail tests/fuzz/regressions)
-    [[ ! -d "tests/fuzz/seeds/$name" ]] || seeds+=("tests/fuzz/seeds/$name")
-    mkdir -p "build/fuzz/corpus/$name"
-    say "fuzz $name, $seconds s"
-    "$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=768 -max_len=4096 -print_final_stats=1 \
-      -artifact_prefix="build/fuzz/found/${name}_" "build/fuzz/corpus/$name" "${seeds[@]}" \
-      >"build/fuzz/found/$name.log" 2>&1 || failed=1
-    grep -aE '^(Done|stat::number_of_executed_units|SUMMARY)' "build/fuzz/found/$name.log" || true
+    name="${target##*/fuzz_}"
+    case "$length/$name" in
+      whole/open_check | whole/open_check_fixed_crc | whole/recover) limits+=("$name" -runs=10000000) ;;
+      whole/*) limits+=("$name" -runs=1000000) ;;
+      *) limits+=("$name" "-max_total_time=$length") ;;
+    esac
   done
-  ((failed == 0)) || die "fuzz: see build/fuzz/found"
+  export -f fuzz_target say
+  printf '%s\n' "${limits[@]}" | xargs -n 2 -P "$(jobs)" bash -c 'fuzz_target "$@"' fuzz ||
+    die "fuzz: see build/fuzz/found"
 }
 
 coverage() {
@@ -309,7 +323,7 @@ bits() {
   setup build
   local folder="build/bits" variant differing=0
   mkdir -p "$folder"
-  declare -A arguments=(
+  declare -A flags=(
     [gcc-release]="-DCMAKE_BUILD_TYPE=Release"
     [gcc-narrow]="-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=-DSPOOL_NO_VECTOR_CLONES"
     [gcc-debug]="-DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS"
@@ -319,7 +333,7 @@ bits() {
   for variant in gcc-release gcc-narrow gcc-debug clang-release; do
     say "$variant"
     # shellcheck disable=SC2086  # the arguments of a variant are words
-    cmake -G Ninja -S . -B "$folder/$variant" "${launcher[@]}" ${arguments[$variant]} >/dev/null
+    cmake -G Ninja -S . -B "$folder/$variant" "${launcher[@]}" ${flags[$variant]} >/dev/null
     ninja -C "$folder/$variant" -j "$(jobs)" --quiet spool_bits >&2
     "$folder/$variant/tests/determinism/spool_bits" >"$folder/$variant.txt"
     diff "$folder/gcc-release.txt" "$folder/$variant.txt" >"$folder/$variant.diff" || differing=$((differing + 1))

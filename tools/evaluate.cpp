@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "tools/evaluation_run.h"
-#include "tools/external_methods.h"
+#include "tools/batch/evaluation_run.h"
 #include "tools/mask_files.h"
+#include "tools/methods/external_methods.h"
 
 namespace spool::tools {
 namespace {

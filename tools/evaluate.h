@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "tools/console.h"
-#include "tools/method_settings.h"
+#include "tools/methods/method_settings.h"
 
 namespace spool::tools {
 

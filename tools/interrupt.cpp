@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "lib/image_io/atomic_file.h"
-#include "tools/external_process.h"
+#include "tools/methods/external_process.h"
 
 namespace spool::tools {
 namespace {

@@ -7,8 +7,8 @@
 #include "lib/reconstruction/reconstructor.h"
 #include "lib/sampling/sampler.h"
 #include "lib/synthetic/synthetic_scenes.h"
-#include "tools/external_methods.h"
-#include "tools/view_files.h"
+#include "tools/methods/external_methods.h"
+#include "tools/methods/view_files.h"
 
 namespace spool::tools {
 namespace {

@@ -9,10 +9,10 @@
 #include "lib/image_io/exr_image.h"
 #include "lib/pool/load_recording.h"
 #include "tools/guard_listing.h"
+#include "tools/methods/selection_file.h"
+#include "tools/methods/view_files.h"
 #include "tools/progress.h"
 #include "tools/result_pictures.h"
-#include "tools/selection_file.h"
-#include "tools/view_files.h"
 
 namespace spool::tools {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "lib/pool/sample_pool.h"
 #include "tools/console.h"
-#include "tools/method_settings.h"
+#include "tools/methods/method_settings.h"
 
 namespace spool::tools {
 

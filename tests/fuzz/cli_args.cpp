@@ -2,7 +2,7 @@
 // first byte says which of the lines are samplers, filters and settings. Making a method runs
 // nothing; images are not looked for outside an empty folder.
 #include "tests/fuzz/fuzz_input.h"
-#include "tools/method_settings.h"
+#include "tools/methods/method_settings.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace spool;

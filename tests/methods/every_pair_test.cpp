@@ -9,7 +9,7 @@
 #include "lib/synthetic/write_synthetic.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/source_directory.h"
-#include "tools/external_methods.h"
+#include "tools/methods/external_methods.h"
 
 namespace spool::tools {
 namespace {

@@ -1,5 +1,5 @@
 // What replay writes and reconstruct reads: the same image to the last bit.
-#include "tools/selection_file.h"
+#include "tools/methods/selection_file.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What `spool list views` names is what methods hand over, and nothing else.
-#include "tools/view_files.h"
+#include "tools/methods/view_files.h"
 
 #include <set>
 

@@ -49,7 +49,7 @@ class ResultImages(NamedTuple):
 
 
 def file_name_of(label):
-    """As tools/evaluation_pictures.cpp names files: byte by byte."""
+    """As tools/batch/evaluation_pictures.cpp names files: byte by byte."""
     return re.sub(rb"[^A-Za-z0-9.\-]", b"_", label.encode("utf-8", "replace")).decode().rstrip("_")
 
 

@@ -1,4 +1,4 @@
-#include "tools/results_writer.h"
+#include "tools/batch/results_writer.h"
 
 #include <utility>
 

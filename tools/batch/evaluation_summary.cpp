@@ -1,4 +1,4 @@
-#include "tools/evaluation_summary.h"
+#include "tools/batch/evaluation_summary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "lib/evaluation/intervals.h"
 #include "lib/evaluation/reference.h"
 #include "tools/console.h"
-#include "tools/external_methods.h"
+#include "tools/methods/external_methods.h"
 
 namespace spool::tools {
 namespace {

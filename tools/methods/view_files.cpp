@@ -1,4 +1,4 @@
-#include "tools/view_files.h"
+#include "tools/methods/view_files.h"
 
 #include <algorithm>
 #include <array>

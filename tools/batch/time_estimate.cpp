@@ -1,4 +1,4 @@
-#include "tools/time_estimate.h"
+#include "tools/batch/time_estimate.h"
 
 #include <cmath>
 

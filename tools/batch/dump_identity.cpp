@@ -1,4 +1,4 @@
-#include "tools/dump_identity.h"
+#include "tools/batch/dump_identity.h"
 
 #include <fstream>
 #include <iterator>

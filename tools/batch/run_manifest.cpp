@@ -1,5 +1,5 @@
-#include "tools/run_manifest.h"
-#include "tools/external_methods.h"
+#include "tools/batch/run_manifest.h"
+#include "tools/methods/external_methods.h"
 
 #include <ctime>
 #include <fstream>

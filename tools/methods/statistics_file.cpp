@@ -1,4 +1,4 @@
-#include "tools/statistics_file.h"
+#include "tools/methods/statistics_file.h"
 
 #include <utility>
 

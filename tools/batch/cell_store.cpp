@@ -1,4 +1,4 @@
-#include "tools/cell_store.h"
+#include "tools/batch/cell_store.h"
 
 #include <cstring>
 #include <fstream>
@@ -8,7 +8,7 @@
 
 #include "lib/evaluation/result_table.h"
 #include "lib/image_io/atomic_file.h"
-#include "tools/base64.h"
+#include "tools/batch/base64.h"
 
 namespace spool::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/best_so_far.h"
+#include "tools/batch/best_so_far.h"
 
 #include <cmath>
 #include <filesystem>

@@ -1,11 +1,11 @@
-#include "tools/method_settings.h"
+#include "tools/methods/method_settings.h"
 
 #include <algorithm>
 #include <set>
 #include <utility>
 
 #include "tools/console.h"
-#include "tools/external_methods.h"
+#include "tools/methods/external_methods.h"
 
 namespace spool::tools {
 namespace {

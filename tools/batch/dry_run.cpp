@@ -7,10 +7,10 @@
 #include "lib/core/option_table.h"
 #include "lib/evaluation/result_table.h"
 #include "lib/synthetic/scene_s.h"
-#include "tools/cell_store.h"
-#include "tools/evaluation_run.h"
-#include "tools/method_settings.h"
-#include "tools/time_estimate.h"
+#include "tools/batch/cell_store.h"
+#include "tools/batch/evaluation_run.h"
+#include "tools/batch/time_estimate.h"
+#include "tools/methods/method_settings.h"
 
 namespace spool::tools {
 namespace {

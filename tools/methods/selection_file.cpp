@@ -1,4 +1,4 @@
-#include "tools/selection_file.h"
+#include "tools/methods/selection_file.h"
 
 #include <array>
 #include <bit>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "lib/core/guards.h"
-#include "tools/view_files.h"
+#include "tools/methods/view_files.h"
 
 namespace spool::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/evaluation_pictures.h"
+#include "tools/batch/evaluation_pictures.h"
 
 #include <algorithm>
 #include <cctype>

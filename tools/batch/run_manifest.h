@@ -9,7 +9,7 @@
 
 #include "lib/core/error.h"
 #include "lib/evaluation/plan.h"
-#include "tools/dump_identity.h"
+#include "tools/batch/dump_identity.h"
 
 namespace spool::tools {
 

@@ -1,4 +1,4 @@
-#include "tools/external_process.h"
+#include "tools/methods/external_process.h"
 
 #include <fcntl.h>
 #include <spawn.h>

@@ -1,11 +1,9 @@
-#include "tools/evaluation_run.h"
+#include "tools/batch/evaluation_run.h"
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <set>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 
 #include "formats/spool_reader.h"
@@ -13,119 +11,32 @@
 #include "lib/evaluation/result_table.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"
-#include "tools/best_so_far.h"
-#include "tools/cell_store.h"
-#include "tools/dump_identity.h"
-#include "tools/evaluation_pictures.h"
-#include "tools/evaluation_summary.h"
+#include "tools/batch/best_so_far.h"
+#include "tools/batch/cell_store.h"
+#include "tools/batch/dump_identity.h"
+#include "tools/batch/evaluation_pictures.h"
+#include "tools/batch/evaluation_summary.h"
+#include "tools/batch/results_writer.h"
+#include "tools/batch/run_folder.h"
+#include "tools/batch/run_manifest.h"
+#include "tools/batch/statistics.h"
+#include "tools/batch/time_estimate.h"
 #include "tools/interrupt.h"
-#include "tools/method_settings.h"
+#include "tools/methods/method_settings.h"
 #include "tools/progress.h"
-#include "tools/results_writer.h"
-#include "tools/run_manifest.h"
-#include "tools/statistics.h"
-#include "tools/time_estimate.h"
 
 namespace spool::tools {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The cells of a plan with their names.
-struct NamedCells {
-  std::vector<Cell> cells;
-  std::vector<std::string> ids;
-};
-
-Result<NamedCells> name_cells(const Plan& plan) {
-  NamedCells named{plan.cells(), {}};
-  std::unordered_map<std::string, std::size_t> seen;
-  for (std::size_t i = 0; i < named.cells.size(); ++i) {
-    named.ids.push_back(cell_id(named.cells[i], plan));
-    const auto [place, fresh] = seen.try_emplace(named.ids.back(), i);
-    if (fresh) continue;
-    const Cell& cell = named.cells[i];
-    return fail(ErrorCode::kUsage, "{} with {} at {} spp is asked for twice: name it once",
-                cell.sampler.label(), cell.filter.label(), cell.spp);
-  }
-  return named;
-}
-
 bool has_result(const ResultRecord& record) {
   return !record.text("reference").empty();
-}
-
-// What can be known to be wrong before hours of work.
-Result<void> check_dumps(const Plan& plan) {
-  for (const std::string& dump : plan.recordings) {
-    SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
-    for (const double spp : plan.spp) {
-      if (spp > reader.header().spp) {
-        return fail(ErrorCode::kData,
-                    "{}: {} samples per pixel asked for, the pool has {}: use a smaller --spp or "
-                    "record more",
-                    dump, spp, reader.header().spp);
-      }
-    }
-  }
-  return {};
 }
 
 double pixels_of(const std::string& dump) {
   const auto reader = format::SpoolReader::open(dump);
   return reader ? static_cast<double>(reader->header().width) * reader->header().height : 0.0;
-}
-
-// A folder of ours is continued; a strange one is not touched.
-Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, bool force) {
-  const fs::path& folder = request.folder;
-  const CellStore store(folder);
-  std::error_code status;
-  const bool empty = !fs::exists(folder, status) || fs::is_empty(folder, status);
-  if (force && !request.shard && !request.merge) {
-    SPOOL_TRY(store.remove_all());
-    for (const char* name :
-         {"dumps.json", "manifest.json", "results.csv", "results.jsonl", "statistics.json"})
-      fs::remove(folder / name, status);
-  } else if (!empty && !store.has_any()) {
-    return fail(ErrorCode::kUsage,
-                "{}: exists and holds no results that could be continued: choose another name or "
-                "give --force",
-                folder.string());
-  }
-  const std::unordered_set<std::string> known(named.ids.begin(), named.ids.end());
-  const std::size_t others =
-      store.count_others([&](const std::string& id) { return known.contains(id); });
-  if (others > 0 && !force) {
-    return fail(ErrorCode::kUsage,
-                "{}: holds {} results that this plan does not have: choose another folder, or give "
-                "--force to start it anew",
-                folder.string(), others);
-  }
-  return store.create();
-}
-
-Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps) {
-  const CellStore store(request.folder);
-  for (const fs::path& from : request.merge_from) {
-    SPOOL_TRY(check_same_dumps(dumps, from));
-    SPOOL_ASSIGN(const std::size_t taken, store.take_from(CellStore(from)));
-    static_cast<void>(taken);
-    std::error_code status;
-    for (const auto& entry : fs::directory_iterator(from, status)) {
-      const std::string name = entry.path().filename().string();
-      if (name == "cells" || name == "dumps.json" || name == "plan.toml" ||
-          name.starts_with("results.") || name == "manifest.json") {
-        continue;
-      }
-      fs::copy(entry.path(), request.folder / name,
-               fs::copy_options::recursive | fs::copy_options::overwrite_existing, status);
-      if (status) {
-        return fail(ErrorCode::kIo, "{}: {}", entry.path().string(), status.message());
-      }
-    }
-  }
-  return {};
 }
 
 class PlanRun {

@@ -1,4 +1,4 @@
-#include "tools/external_methods.h"
+#include "tools/methods/external_methods.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 #include "lib/sampling/asked_counts.h"
 #include "lib/sampling/given_counts.h"
 #include "lib/sampling/rounds.h"
-#include "tools/external_process.h"
-#include "tools/selection_file.h"
-#include "tools/statistics_file.h"
+#include "tools/methods/external_process.h"
+#include "tools/methods/selection_file.h"
+#include "tools/methods/statistics_file.h"
 
 namespace spool::tools {
 namespace {

@@ -1,0 +1,93 @@
+#include "tools/batch/run_folder.h"
+
+#include <unordered_map>
+#include <unordered_set>
+
+#include "formats/spool_reader.h"
+#include "tools/batch/cell_store.h"
+
+namespace spool::tools {
+
+namespace fs = std::filesystem;
+
+Result<NamedCells> name_cells(const Plan& plan) {
+  NamedCells named{plan.cells(), {}};
+  std::unordered_map<std::string, std::size_t> seen;
+  for (std::size_t i = 0; i < named.cells.size(); ++i) {
+    named.ids.push_back(cell_id(named.cells[i], plan));
+    const auto [place, fresh] = seen.try_emplace(named.ids.back(), i);
+    if (fresh) continue;
+    const Cell& cell = named.cells[i];
+    return fail(ErrorCode::kUsage, "{} with {} at {} spp is asked for twice: name it once",
+                cell.sampler.label(), cell.filter.label(), cell.spp);
+  }
+  return named;
+}
+
+Result<void> check_dumps(const Plan& plan) {
+  for (const std::string& dump : plan.recordings) {
+    SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
+    for (const double spp : plan.spp) {
+      if (spp > reader.header().spp) {
+        return fail(ErrorCode::kData,
+                    "{}: {} samples per pixel asked for, the pool has {}: use a smaller --spp or "
+                    "record more",
+                    dump, spp, reader.header().spp);
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, bool force) {
+  const fs::path& folder = request.folder;
+  const CellStore store(folder);
+  std::error_code status;
+  const bool empty = !fs::exists(folder, status) || fs::is_empty(folder, status);
+  if (force && !request.shard && !request.merge) {
+    SPOOL_TRY(store.remove_all());
+    for (const char* name :
+         {"dumps.json", "manifest.json", "results.csv", "results.jsonl", "statistics.json"})
+      fs::remove(folder / name, status);
+  } else if (!empty && !store.has_any()) {
+    return fail(ErrorCode::kUsage,
+                "{}: exists and holds no results that could be continued: choose another name or "
+                "give --force",
+                folder.string());
+  }
+  const std::unordered_set<std::string> known(named.ids.begin(), named.ids.end());
+  const std::size_t others =
+      store.count_others([&](const std::string& id) { return known.contains(id); });
+  if (others > 0 && !force) {
+    return fail(ErrorCode::kUsage,
+                "{}: holds {} results that this plan does not have: choose another folder, or give "
+                "--force to start it anew",
+                folder.string(), others);
+  }
+  return store.create();
+}
+
+Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps) {
+  const CellStore store(request.folder);
+  for (const fs::path& from : request.merge_from) {
+    SPOOL_TRY(check_same_dumps(dumps, from));
+    SPOOL_ASSIGN(const std::size_t taken, store.take_from(CellStore(from)));
+    static_cast<void>(taken);
+    std::error_code status;
+    for (const auto& entry : fs::directory_iterator(from, status)) {
+      const std::string name = entry.path().filename().string();
+      if (name == "cells" || name == "dumps.json" || name == "plan.toml" ||
+          name.starts_with("results.") || name == "manifest.json") {
+        continue;
+      }
+      fs::copy(entry.path(), request.folder / name,
+               fs::copy_options::recursive | fs::copy_options::overwrite_existing, status);
+      if (status) {
+        return fail(ErrorCode::kIo, "{}: {}", entry.path().string(), status.message());
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace spool::tools
