@@ -137,6 +137,16 @@ void add_verification(const ordered_json& meta, std::vector<std::vector<std::str
   rows.insert(rows.end(), claims.begin(), claims.end());
 }
 
+// What may be said of a pixel's samples; foreign files do not tell whether they are independent.
+std::string describe_order(const ordered_json& info) {
+  if (info["sample_order"] != "exchangeable") return "in renderer order";
+  const auto import = info["meta"].find("import");
+  if (import == info["meta"].end() || !import->is_object()) return "exchangeable (independent)";
+  const ordered_json independent = import->value("independent", ordered_json("unknown"));
+  return independent == true ? "exchangeable (independent)"
+                             : "exchangeable (not known to be independent)";
+}
+
 void print_text(const ordered_json& info) {
   std::vector<std::vector<std::string>> rows;
   rows.push_back({"file", info["file"].get<std::string>()});
@@ -145,10 +155,9 @@ void print_text(const ordered_json& info) {
   rows.push_back({"image", fmt::format("{} x {} pixels", info["width"].get<unsigned>(),
                                        info["height"].get<unsigned>())});
   rows.push_back(
-      {"samples", fmt::format("{} per pixel, {}{}", info["samples_per_pixel"].get<unsigned>(),
-                              info["sample_order"] == "exchangeable" ? "exchangeable (independent)"
-                                                                     : "in renderer order",
-                              info["complete"].get<bool>() ? "" : ", INCOMPLETE")});
+      {"samples",
+       fmt::format("{} per pixel, {}{}", info["samples_per_pixel"].get<unsigned>(),
+                   describe_order(info), info["complete"].get<bool>() ? "" : ", INCOMPLETE")});
   for (const auto& layer : info["layers"]) {
     std::string components;
     for (const auto& component : layer["components"]) {

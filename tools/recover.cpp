@@ -24,14 +24,27 @@ ordered_json describe(const RecoverOptions& options, const format::RecoveryRepor
   return out;
 }
 
+// What a cut took away leaves no trace in the file: those blocks are known from the geometry alone.
+std::string balance(const format::RecoveryReport& report) {
+  std::string text = fmt::format(
+      "{} of {} blocks kept, {}", report.kept_blocks,
+      report.kept_blocks + report.lost.size() + report.absent.size(),
+      report.anything_lost() ? fmt::format("{} damaged", report.lost.size()) : "none damaged");
+  if (!report.absent.empty()) {
+    text += fmt::format(", {} not there: cut off, or never recorded", report.absent.size());
+  }
+  return text;
+}
+
 void print_text(const RecoverOptions& options, const format::RecoveryReport& report) {
   for (const auto& record : report.damaged)
     print(describe_record(record));
   for (const auto& block : report.lost)
     print("lost     " + describe_block(block) + "\n");
-  print(fmt::format("{}: {} blocks kept, {}\n", options.output.string(), report.kept_blocks,
-                    report.anything_lost() ? fmt::format("{} records lost", report.lost_records)
-                                           : "nothing was lost"));
+  print(fmt::format("{}: {}\n", options.output.string(),
+                    report.anything_lost()
+                        ? balance(report)
+                        : fmt::format("{} blocks kept, nothing was lost", report.kept_blocks)));
 }
 
 }  // namespace
@@ -45,9 +58,8 @@ Result<void> run_recover(const RecoverOptions& options, const CommonOptions& com
     print_text(options, report);
   }
   if (!report.anything_lost()) return {};
-  return fail(ErrorCode::kDamage, "{}: {} {} lost, {} kept: the rest is whole",
-              options.output.string(), report.lost.size(),
-              report.lost.size() == 1 ? "block" : "blocks", report.kept_blocks);
+  return fail(ErrorCode::kDamage, "{}: {}; what was kept is whole", options.output.string(),
+              balance(report));
 }
 
 }  // namespace spool::tools

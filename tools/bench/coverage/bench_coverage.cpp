@@ -4,9 +4,9 @@
 //   bench_coverage [TRIALS [DRAWN]]    rows as JSON; tools/bench/coverage/run.py makes the page of
 //   them
 //
-// Every trial samples, filters and judges five replicates. The truth is known in closed form for
-// unfiltered fixed counts and is else the mean over all trials, which knows it thirty times better
-// than a trial does.
+// Every trial samples, filters and judges five replicates, or twenty where the first column says
+// so. The truth is known in closed form for unfiltered fixed counts and is else the mean over all
+// trials, which knows it thirty times better than a trial does.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -30,7 +30,7 @@
 namespace spool::bench {
 namespace {
 
-constexpr int kSide = 64, kReplicates = 5, kBlock = 16;
+constexpr int kSide = 64, kBlock = 16;
 
 using Method = std::pair<std::string, std::string>;               // sampler, filter
 using Trial = std::map<std::pair<Method, double>, MethodSeries>;  // of mse, by method and budget
@@ -40,6 +40,7 @@ struct World {
   std::vector<Method> methods;
   std::vector<double> spp;
   std::function<std::shared_ptr<const RecordedSamples>(std::uint64_t trial)> record;
+  std::uint64_t replicates = 5;
 };
 
 // Exponential noise around 1; `contrast` of each block of 16 x 16 pixels scales it.
@@ -109,7 +110,7 @@ Trial run_trial(const World& world, std::uint64_t trial) {
   const JudgingReference reference = or_exit(independent_reference(*recording));
   const BlockBootstrap bootstrap(recording->width(), recording->height());
   Trial series;
-  for (std::uint64_t r = 0; r < kReplicates; ++r) {
+  for (std::uint64_t r = 0; r < world.replicates; ++r) {
     PoolOptions options;
     options.order = PoolOrder::kShuffled;
     options.seed = mix(mix(2024, trial), r);
@@ -288,6 +289,9 @@ int main(int argc, char** argv) {
   const std::vector<Method> three = {kBox, kGaussian, kOurs};
   const World quiet_orders{"order", three, {4}, [&](std::uint64_t) { return quiet; }};
   const World orders{"order, with fireflies", three, {4}, [&](std::uint64_t) { return fireflies; }};
+  World many_orders = orders;
+  many_orders.drawn = "order, with fireflies, 20 replicates";
+  many_orders.replicates = 20;
   const World samples{
       "samples, order", {kBox, kGaussian}, {2, 4, 8}, [](std::uint64_t trial) {
         return shared(make_recording(noise_scene([](int) { return 1.0; }), 32, trial));
@@ -307,7 +311,7 @@ int main(int argc, char** argv) {
     for (auto& row : table.rows)
       all["rows"].push_back(std::move(row));
   };
-  for (const World* world : {&quiet_orders, &orders}) {
+  for (const World* world : {&quiet_orders, &orders, static_cast<const World*>(&many_orders)}) {
     run(*world, [&](Table& table, const std::vector<Trial>& done) {
       add_replicate_intervals(table, 4);
       for (const Trial& trial : done) {
