@@ -42,7 +42,7 @@ void print_text(const RecoverOptions& options, const format::RecoveryReport& rep
   for (const auto& block : report.lost)
     print("lost     " + describe_block(block) + "\n");
   print(fmt::format("{}: {}\n", options.output.string(),
-                    report.anything_lost()
+                    report.anything_lost() || !report.absent.empty()
                         ? balance(report)
                         : fmt::format("{} blocks kept, nothing was lost", report.kept_blocks)));
 }

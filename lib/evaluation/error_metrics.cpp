@@ -8,6 +8,7 @@
 #include "lib/core/pairwise_sum.h"
 #include "lib/core/parallel.h"
 #include "lib/evaluation/largest_first.h"
+#include "lib/evaluation/metric_list.h"
 #include "lib/evaluation/tone_map.h"
 
 namespace spool {
@@ -16,100 +17,6 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSmallestScale = 0x1p-126;  // mean luminance; as in the analysis
 constexpr double kAbsoluteFloor = 1e-2;      // of relmae and smape, after the relative scale
-constexpr int kDeciles = 10;
-
-// Per-pixel terms whose block sums the linear metrics are ratios of.
-enum Term : int {
-  kCount,
-  kSquared,                      // mean over channels of (I - R)^2 - b
-  kSquaredOf,                    // + c
-  kRawSquared = kSquaredOf + 3,  // without b
-  kRelative,                     // mean over channels of ((I - R)^2 - b) / (D^2 + eps)
-  kRelativeOf,                   // + c
-  kAbsolute = kRelativeOf + 3,
-  kRelativeAbsolute,
-  kSymmetric,
-  kToneSquared,
-  kEnergy,                                            // sum over channels of I
-  kReferenceEnergy,                                   // sum over channels of R
-  kDecileEnergy,                                      // + decile
-  kDecileReferenceEnergy = kDecileEnergy + kDeciles,  // + decile
-  kTermCount = kDecileReferenceEnergy + kDeciles
-};
-using Terms = std::array<double, kTermCount>;
-
-enum class Rule {
-  kRatio,
-  kRootRatio,
-  kDecibel,
-  kTrimmed,
-  kDropped,
-  kQuantile,
-  kMaximum,
-  kPerceptual,  // by name, from perceptual_metrics
-};
-
-struct Metric {
-  MetricDescription description;
-  Rule rule = Rule::kRatio;
-  int numerator = 0, denominator = kCount;  // Terms, of the ratio rules
-};
-
-std::vector<Metric> make_registry() {
-  std::vector<Metric> registry = {
-      {{"mse", "mean squared error over pixels and channels, debiased"}, Rule::kRatio, kSquared},
-      {{"mse_r", "mean squared error of red, debiased"}, Rule::kRatio, kSquaredOf},
-      {{"mse_g", "mean squared error of green, debiased"}, Rule::kRatio, kSquaredOf + 1},
-      {{"mse_b", "mean squared error of blue, debiased"}, Rule::kRatio, kSquaredOf + 2},
-      {{"rmse", "root of the mean squared error, not debiased"}, Rule::kRootRatio, kRawSquared},
-      {{"relmse", "mean of (squared error, debiased) / (reference^2 + rel_eps)"},
-       Rule::kRatio,
-       kRelative},
-      {{"relmse_r", "relmse of red"}, Rule::kRatio, kRelativeOf},
-      {{"relmse_g", "relmse of green"}, Rule::kRatio, kRelativeOf + 1},
-      {{"relmse_b", "relmse of blue"}, Rule::kRatio, kRelativeOf + 2},
-      {{"relmse_trimmed", "relmse without the largest 0.1 % of the pixels (option trim)"},
-       Rule::kTrimmed},
-      {{"relmse_dropped", "what those pixels add to relmse"}, Rule::kDropped},
-      {{"mae", "mean absolute error over pixels and channels"}, Rule::kRatio, kAbsolute},
-      {{"relmae", "mean of absolute error / (|reference| + 0.01)"},
-       Rule::kRatio,
-       kRelativeAbsolute},
-      {{"smape", "mean of absolute error / (|image| + |reference| + 0.01), 0 .. 1"},
-       Rule::kRatio,
-       kSymmetric},
-      {{"se_p999", "99.9 % quantile of the pixels' squared error, not debiased"}, Rule::kQuantile},
-      {{"se_max", "largest squared error of a pixel, not debiased"}, Rule::kMaximum},
-      {{"psnr_tm", "peak signal-to-noise ratio of the tone-mapped images, dB", Better::kHigher},
-       Rule::kDecibel,
-       kToneSquared},
-      {{"ssim", "structural similarity of the tone-mapped luma, at most 1", Better::kHigher},
-       Rule::kPerceptual},
-      {{"ms_ssim", "the same over up to five scales", Better::kHigher}, Rule::kPerceptual},
-      {{"flip_ldr", "mean FLIP of the tone-mapped images, 0 .. 1"}, Rule::kPerceptual},
-      {{"flip_hdr", "mean FLIP over all exposures, 0 .. 1 (option perceptual=all)"},
-       Rule::kPerceptual},
-      {{"energy_ratio", "sum of the image / sum of the reference", Better::kOne},
-       Rule::kRatio,
-       kEnergy,
-       kReferenceEnergy},
-  };
-  for (int d = 0; d < kDeciles; ++d) {
-    registry.push_back({{fmt::format("energy_ratio_d{}", d + 1),
-                         fmt::format("energy ratio of decile {} of the reference's luminance{}",
-                                     d + 1, d == 0 ? " (the darkest)" : ""),
-                         Better::kOne},
-                        Rule::kRatio,
-                        kDecileEnergy + d,
-                        kDecileReferenceEnergy + d});
-  }
-  return registry;
-}
-
-const std::vector<Metric>& registry() {
-  static const std::vector<Metric> all = make_registry();
-  return all;
-}
 
 bool is_finite(const RgbImage& image, std::size_t p) {
   return std::isfinite(image[0][p]) && std::isfinite(image[1][p]) && std::isfinite(image[2][p]);
@@ -119,7 +26,6 @@ double luminance_at(const RgbImage& image, std::size_t p) {
   return luminance(image[0][p], image[1][p], image[2][p]);
 }
 
-// Everything that is computed once per pair of images and looked at once per resample.
 // Debiased errors may be below 0: these then are not defined.
 double root_of(double ratio) {
   return std::isless(ratio, 0.0) ? kNaN : std::sqrt(ratio);
@@ -129,6 +35,7 @@ double decibel_of(double ratio) {
   return std::isless(ratio, 0.0) ? kNaN : 10.0 * std::log10(ratio);
 }
 
+// Everything that is computed once per pair of images and looked at once per resample.
 class Evaluation {
  public:
   Evaluation(const RgbImage& estimate, const JudgingReference& reference,
@@ -147,15 +54,15 @@ class Evaluation {
   }
 
   MetricTable table() {
-    table_.values.resize(registry().size());
-    table_.resampled.resize(registry().size());
+    table_.values.resize(metric_list().size());
+    table_.resampled.resize(metric_list().size());
     table_.blocks = bootstrap_.blocks();
     if (table_.pixels == 0) return std::move(table_);
     LargestFirst relative(relative_, judged_), squared(squared_, judged_);
     const bool resamples = bootstrap_.blocks() > 1;
     add_perceptual();
-    for (std::size_t m = 0; m < registry().size(); ++m) {
-      const Metric& metric = registry()[m];
+    for (std::size_t m = 0; m < metric_list().size(); ++m) {
+      const Metric& metric = metric_list()[m];
       if (metric.rule == Rule::kPerceptual) continue;
       table_.values[m].value = value(metric, {}, relative, squared);
       if (!resamples || metric.rule == Rule::kMaximum) continue;
@@ -364,48 +271,6 @@ void check_sizes(const RgbImage& estimate, const JudgingReference& reference) {
 }
 
 }  // namespace
-
-const OptionTable<MetricOptions>& metric_option_table() {
-  constexpr double kLargest = std::numeric_limits<double>::max();
-  static const OptionTable<MetricOptions> table = {
-      number_option("rel_eps", &MetricOptions::rel_eps, 0.0, kLargest,
-                    "added to the squared reference in relmse"),
-      choice_option<MetricOptions, RelativeScale>(
-          "rel_scale", &MetricOptions::rel_scale,
-          {{"mean", RelativeScale::kMean}, {"none", RelativeScale::kNone}},
-          "relative metrics divide both images by the reference's mean luminance, or not"),
-      choice_option<MetricOptions, RelativeDenominator>(
-          "rel_denominator", &MetricOptions::rel_denominator,
-          {{"per_channel", RelativeDenominator::kPerChannel},
-           {"luminance", RelativeDenominator::kLuminance}},
-          "relmse divides each channel by itself, or all by the luminance"),
-      number_option("trim", &MetricOptions::trim, 0.0, 0.5,
-                    "share of pixels that relmse_trimmed leaves out"),
-      choice_option<MetricOptions, Perceptual>(
-          "perceptual", &MetricOptions::perceptual,
-          {{"none", Perceptual::kNone}, {"fast", Perceptual::kFast}, {"all", Perceptual::kAll}},
-          "SSIM, MS-SSIM and FLIP: none of them, all but flip_hdr, or all"),
-  };
-  return table;
-}
-
-const std::vector<MetricDescription>& metrics() {
-  static const std::vector<MetricDescription> descriptions = [] {
-    std::vector<MetricDescription> all;
-    for (const Metric& metric : registry())
-      all.push_back(metric.description);
-    return all;
-  }();
-  return descriptions;
-}
-
-int metric_index(std::string_view name) {
-  const std::vector<MetricDescription>& all = metrics();
-  for (std::size_t m = 0; m < all.size(); ++m) {
-    if (all[m].name == name) return static_cast<int>(m);
-  }
-  return -1;
-}
 
 const MetricValue& MetricTable::operator[](std::string_view name) const {
   const int index = metric_index(name);

@@ -12,6 +12,7 @@
 #include "lib/core/parallel.h"
 #include "lib/evaluation/decision_split.h"
 #include "lib/evaluation/peak_memory.h"
+#include "lib/evaluation/stage_clock.h"
 
 namespace spool {
 namespace {
@@ -25,32 +26,6 @@ bool same_sampling(const Cell& a, const Cell& b) {
 std::string sampling_key(const Cell& cell) {
   return fmt::format("{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.label(), cell.spp,
                      cell.replicate, cell.threads);
-}
-
-StageTime median_time(std::vector<StageTime> times) {
-  const auto middle = [&](auto member) {
-    std::ranges::sort(times, {}, member);
-    const std::size_t n = times.size();
-    return 0.5 * (times[(n - 1) / 2].*member + times[n / 2].*member);
-  };
-  const double cpu = middle(&StageTime::cpu);
-  const double wall = middle(&StageTime::wall);  // leaves them sorted by wall time
-  return {wall, cpu, times.back().wall - times.front().wall};
-}
-
-// `work` once more for each repeat; the last outcome and the times of all.
-template <class Work>
-auto timed(int repeats, StageTime& time, Work&& work) {
-  std::vector<StageTime> times;
-  while (true) {
-    const StageClock clock;
-    auto outcome = work();
-    times.push_back(clock.elapsed());
-    if (!outcome || static_cast<int>(times.size()) >= repeats) {
-      time = median_time(std::move(times));
-      return outcome;
-    }
-  }
 }
 
 // A recording in use, loaded once for all neighbouring cells that want it.
@@ -73,16 +48,6 @@ struct SamplingRun {
   StageTime time;  // of one part
   ReferenceKind kind;
 };
-
-StageTime mean_time(const std::vector<StageTime>& times) {
-  StageTime mean;
-  for (const StageTime& time : times) {
-    mean.wall += time.wall / static_cast<double>(times.size());
-    mean.cpu += time.cpu / static_cast<double>(times.size());
-    mean.spread += time.spread / static_cast<double>(times.size());
-  }
-  return mean;
-}
 
 // The mean of two tables of one size, for the two halves of crossfit; guards and pixels are sums.
 MetricTable mean_table(MetricTable a, const MetricTable& b) {
@@ -352,39 +317,6 @@ class Runner {
 };
 
 }  // namespace
-
-std::string MethodChoice::label() const {
-  std::string text = name;
-  if (!preset.empty()) text += ":" + preset;
-  if (set.empty()) return text;
-  text += "{";
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    if (i > 0) text += ',';
-    text += set[i].first + "=" + set[i].second;
-  }
-  return text + "}";
-}
-
-std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
-                            const std::vector<MethodChoice>& samplers,
-                            const std::vector<MethodChoice>& filters,
-                            const std::vector<double>& spp, int replicates,
-                            const std::vector<int>& threads) {
-  std::vector<Cell> cells;
-  for (const std::string& dump : dumps) {
-    for (const MethodChoice& sampler : samplers) {
-      for (const double budget : spp) {
-        for (int replicate = 0; replicate < replicates; ++replicate) {
-          for (const int n : threads) {
-            for (const MethodChoice& filter : filters)
-              cells.push_back({dump, sampler, filter, budget, replicate, n});
-          }
-        }
-      }
-    }
-  }
-  return cells;
-}
 
 std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
                                        const ExperimentOptions& options,

@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <ctime>
+#include <utility>
+#include <vector>
 
 namespace spool {
 
@@ -30,5 +32,24 @@ class StageClock {
   std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
   double cpu_ = cpu_seconds();
 };
+
+// Medians of each; the spread of the wall times. `times` is not empty.
+StageTime median_time(std::vector<StageTime> times);
+StageTime mean_time(const std::vector<StageTime>& times);
+
+// `work` once more for each repeat; the last outcome and the times of all.
+template <class Work>
+auto timed(int repeats, StageTime& time, Work&& work) {
+  std::vector<StageTime> times;
+  while (true) {
+    const StageClock clock;
+    auto outcome = work();
+    times.push_back(clock.elapsed());
+    if (!outcome || static_cast<int>(times.size()) >= repeats) {
+      time = median_time(std::move(times));
+      return outcome;
+    }
+  }
+}
 
 }  // namespace spool
