@@ -107,12 +107,21 @@ def test_recover_saves_what_is_intact(good, run, dump, tmp_path):
     data[len(data) // 2] ^= 4
     (tmp_path / "bad.spool").write_bytes(data)
     finished = run("recover", "bad.spool", "saved.spool", "--json")
-    finished.failed_with(4, "saved.spool", "1 block")
+    finished.failed_with(4, "saved.spool", "15 of 16 blocks kept, 1 damaged")
     assert len(finished.json["lost"]) == 1
     run("check", "saved.spool").failed_with(4, "never recorded")
     run("recover", "bad.spool", "saved.spool").failed_with(2, "saved.spool")
     whole = good("recover", dump, "copy.spool")
     assert "nothing was lost" in whole.out and good("check", "copy.spool")
+
+
+def test_recover_counts_what_a_cut_took_away(run, dump, tmp_path):
+    (tmp_path / "cut.spool").write_bytes(dump.read_bytes()[:dump.stat().st_size // 2])
+    finished = run("recover", "cut.spool", "saved.spool")
+    finished.failed_with(4, "not there: cut off")
+    kept, of = map(int, re.search(r"(\d+) of (\d+) blocks kept", finished.err).groups())
+    assert kept < of == 16
+    assert len(run("check", "saved.spool", "--json").json["missing"]) == of - kept
 
 
 def test_synth_writes_a_scene_with_its_exact_reference(good, run, tmp_path):
