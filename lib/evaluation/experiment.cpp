@@ -155,7 +155,7 @@ class Runner {
                   "one replicate");
     }
     const ReferenceKind kind = options_.reference.value_or(default_reference_kind(*recording));
-    const bool holds_out = kind == ReferenceKind::kHoldout;
+    const bool holds_out = kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair;
     int holdout = options_.holdout.value_or(0);
     if (!options_.holdout && holds_out) holdout = default_holdout(*recording);
     const std::uint64_t seed = mix(options_.seed, static_cast<std::uint64_t>(cell.replicate));
@@ -201,6 +201,8 @@ class Runner {
         return independent_reference(pool.recording());
       case ReferenceKind::kHoldout:
         return holdout_reference(pool);
+      case ReferenceKind::kHoldoutPair:
+        return holdout_pair_reference(pool);
       case ReferenceKind::kLeaveSelectedOut:
         return leave_selected_out_reference(pool, counts);
       case ReferenceKind::kCrossfit:

@@ -26,13 +26,17 @@ struct ChannelMoments {
   double mean = 0.0, m2 = 0.0;
 };
 
-std::array<ChannelMoments, 3> moments(const SamplePool& pool, int x, int y, SampleRange range) {
+// Of every `step`-th sample of the range.
+std::array<ChannelMoments, 3> moments(const SamplePool& pool, int x, int y, SampleRange range,
+                                      int step = 1) {
   std::array<ChannelMoments, 3> result;
-  for (int i = range.begin; i < range.end; ++i) {
+  int n = 0;
+  for (int i = range.begin; i < range.end; i += step) {
     const Rgb value = pool.sample(x, y, i);
+    ++n;
     for (std::size_t c = 0; c < 3; ++c) {
       const double delta = value[c] - result[c].mean;
-      result[c].mean += delta / (i - range.begin + 1);
+      result[c].mean += delta / n;
       result[c].m2 += delta * (value[c] - result[c].mean);
     }
   }
@@ -81,6 +85,19 @@ PieceSplit split_third(SampleRange range) {
   return {{range.begin, cut}, {cut, range.end}};
 }
 
+PieceSplit held_out(const SamplePool& pool, int x, int y) {
+  return split_third({pool.capacity(x, y), pool.size(x, y)});
+}
+
+Result<void> check_holdout(const SamplePool& pool, int least) {
+  const int q = pool.pieces_per_side();
+  const int holdout = pool.options().holdout;
+  if ((holdout + q * q - 1) / (q * q) >= least) return {};
+  return fail(ErrorCode::kData,
+              "{}: {} held-out samples per pixel cannot judge: hold out at least {}",
+              pool.recording().name(), holdout, least * q * q);
+}
+
 }  // namespace
 
 const std::vector<ReferenceDescription>& reference_kinds() {
@@ -89,6 +106,8 @@ const std::vector<ReferenceDescription>& reference_kinds() {
        "the reference recorded with the dump, from samples of its own"},
       {ReferenceKind::kHoldout, "holdout",
        "the last samples of every pixel, which no sampler is offered"},
+      {ReferenceKind::kHoldoutPair, "holdout_pair",
+       "two means of the held-out samples: their product of errors, without an estimated variance"},
       {ReferenceKind::kLeaveSelectedOut, "leave_selected_out",
        "the samples that the sampler did not select"},
       {ReferenceKind::kCrossfit, "crossfit",
@@ -140,15 +159,36 @@ Result<JudgingReference> independent_reference(const RecordedSamples& recording)
 }
 
 Result<JudgingReference> holdout_reference(const SamplePool& pool) {
+  SPOOL_TRY(check_holdout(pool, 3));
+  return split_reference(pool, [&](int x, int y) { return held_out(pool, x, y); });
+}
+
+Result<JudgingReference> holdout_pair_reference(const SamplePool& pool) {
+  SPOOL_TRY(check_holdout(pool, 5));
+  JudgingReference reference =
+      split_reference(pool, [&](int x, int y) { return held_out(pool, x, y); });
   const int q = pool.pieces_per_side();
-  const int holdout = pool.options().holdout;
-  if ((holdout + q * q - 1) / (q * q) < 3) {
-    return fail(ErrorCode::kData,
-                "{}: {} held-out samples per pixel cannot judge: hold out at least {}",
-                pool.recording().name(), holdout, 3 * q * q);
-  }
-  return split_reference(
-      pool, [&](int x, int y) { return split_third({pool.capacity(x, y), pool.size(x, y)}); });
+  parallel_rows(0, reference.mean[0].height(), [&](int y) {
+    for (int x = 0; x < reference.mean[0].width(); ++x) {
+      std::array<double, 3> first{}, second{};
+      for (int piece = 0; piece < q * q; ++piece) {
+        const int px = x * q + piece % q, py = y * q + piece / q;
+        const SampleRange range = held_out(pool, px, py).reference;
+        const auto even = moments(pool, px, py, range, 2);
+        const auto odd = moments(pool, px, py, {range.begin + 1, range.end}, 2);
+        for (std::size_t c = 0; c < 3; ++c) {
+          first[c] += range.size() >= 2 ? even[c].mean / (q * q) : kNaN;
+          second[c] += range.size() >= 2 ? odd[c].mean / (q * q) : kNaN;
+        }
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double half = 0.5 * (first[c] - second[c]);
+        reference.mean[c](x, y) = 0.5 * (first[c] + second[c]);
+        (*reference.variance)[c](x, y) = half * half;
+      }
+    }
+  });
+  return reference;
 }
 
 JudgingReference leave_selected_out_reference(const SamplePool& pool, const CountImage& counts) {

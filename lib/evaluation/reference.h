@@ -15,7 +15,14 @@
 
 namespace spool {
 
-enum class ReferenceKind { kIndependent, kHoldout, kLeaveSelectedOut, kCrossfit, kPool };
+enum class ReferenceKind {
+  kIndependent,
+  kHoldout,
+  kLeaveSelectedOut,
+  kCrossfit,
+  kPool,
+  kHoldoutPair
+};
 
 struct ReferenceDescription {
   ReferenceKind kind;
@@ -46,6 +53,12 @@ Result<JudgingReference> independent_reference(const RecordedSamples& recording)
 // with R. Error kData when the pool holds out fewer than 3 samples per piece.
 // A pixel with fewer than two held-out samples in some piece has no reference (NaN).
 Result<JudgingReference> holdout_reference(const SamplePool& pool);
+
+// The same samples and denominator, but R is made of two means R1 and R2 of every other sample:
+// (E - R1)(E - R2) has the expectation (E - mu)^2 without an estimated variance. With R their mean
+// that is (E - R)^2 - ((R1 - R2) / 2)^2, so the second term stands in for the variance: right over
+// many pixels, and for one pixel with one degree of freedom only. Errors as above, of 5 samples.
+Result<JudgingReference> holdout_pair_reference(const SamplePool& pool);
 
 // Means of the samples that the selection did not take, counts(x, y) per piece: unbiased even when
 // the counts depend on the data, since a decision used selected samples only. With a holdout the

@@ -113,10 +113,10 @@ TEST(Experiment, MeasuresTheErrorOfUniformSampling) {
 }
 
 TEST(Experiment, EveryReferenceKindFindsTheSameErrorExceptThePool) {
-  double mse[5] = {};
+  double mse[6] = {};
   for (const ReferenceKind kind :
        {ReferenceKind::kIndependent, ReferenceKind::kHoldout, ReferenceKind::kLeaveSelectedOut,
-        ReferenceKind::kCrossfit, ReferenceKind::kPool}) {
+        ReferenceKind::kCrossfit, ReferenceKind::kPool, ReferenceKind::kHoldoutPair}) {
     Laboratory laboratory;
     ExperimentOptions options;
     options.reference = kind;
@@ -126,7 +126,8 @@ TEST(Experiment, EveryReferenceKindFindsTheSameErrorExceptThePool) {
     for (const CellResult& result : results) {
       ASSERT_FALSE(result.error.has_value()) << result.error->message;
       mse[static_cast<int>(kind)] += result.metrics["mse"].value / 8;
-      EXPECT_EQ(result.holdout, kind == ReferenceKind::kHoldout ? 16 : 0);
+      EXPECT_EQ(result.holdout,
+                kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair ? 16 : 0);
       EXPECT_EQ(value_of(result, "reference"),
                 kind == ReferenceKind::kPool ? "pool (biased)" : reference_name(kind));
     }
@@ -134,6 +135,7 @@ TEST(Experiment, EveryReferenceKindFindsTheSameErrorExceptThePool) {
   EXPECT_NEAR(mse[1] / mse[0], 1.0, 0.15);
   EXPECT_NEAR(mse[2] / mse[0], 1.0, 0.15);
   EXPECT_NEAR(mse[3] / mse[0], 1.0, 0.15);
+  EXPECT_NEAR(mse[5] / mse[0], 1.0, 0.15);
   EXPECT_NEAR(mse[4] / mse[0], 1.0 - 16.0 / 48, 0.1);
 }
 

@@ -144,6 +144,18 @@ TEST(HoldoutReference, IsUnbiasedForFixedAndForAdaptiveCounts) {
   }
 }
 
+TEST(HoldoutPair, IsUnbiasedForFixedAndForAdaptiveCounts) {
+  for (const Distribution& d : distributions()) {
+    const SamplePool pool = pool_from(d, 16);
+    const auto reference = holdout_pair_reference(pool);
+    ASSERT_TRUE(reference.has_value());
+    for (const CountImage& counts : {CountImage(kSide, kSide, 16), adaptive_counts(pool)}) {
+      const Difference found = excess(estimate_of(pool, counts), *reference, d.mean);
+      EXPECT_LT(std::abs(found.mean), 4 * found.standard_error) << d.name;
+    }
+  }
+}
+
 // A filtered estimate mixes neighbours, which contribute selected samples only.
 TEST(LeaveSelectedOut, IsUnbiasedForFilteredEstimates) {
   const Distribution& d = distributions()[2];
@@ -204,6 +216,31 @@ TEST(HoldoutReference, UsesTwoThirdsForTheMeanAndTheRestForTheDenominator) {
   EXPECT_DOUBLE_EQ(reference->mean[1](0, 0), 10.0);
   EXPECT_DOUBLE_EQ((*reference->variance)[0](0, 0), 0.5);
   EXPECT_DOUBLE_EQ((*reference->denominator)[0](0, 0), 8.5);
+}
+
+// Held out: 3 .. 9; the pair are the means of 3, 5, 7 and of 4, 6.
+TEST(HoldoutPair, IsTheProductOfTheErrorsAgainstTwoMeans) {
+  PoolOptions options;
+  options.holdout = 7;
+  const SamplePool pool = pool_of(memory_recording(1, 1, 10,
+                                                   [](int, int, int s) -> Rgb {
+                                                     const auto v = static_cast<float>(s);
+                                                     return {v, v * v, 0.0f};
+                                                   }),
+                                  options);
+  const auto reference = holdout_pair_reference(pool);
+  ASSERT_TRUE(reference.has_value());
+  const auto error_of = [&](double estimate, std::size_t c) {
+    const double difference = estimate - reference->mean[c](0, 0);
+    return difference * difference - (*reference->variance)[c](0, 0);
+  };
+  EXPECT_DOUBLE_EQ(error_of(2.0, 0), (2.0 - 5.0) * (2.0 - 5.0));
+  EXPECT_DOUBLE_EQ(error_of(1.0, 1), (1.0 - 83.0 / 3) * (1.0 - 26.0));
+  EXPECT_DOUBLE_EQ((*reference->denominator)[0](0, 0), 8.5);
+  options.holdout = 4;
+  const SamplePool few =
+      pool_of(memory_recording(1, 1, 10, [](int, int, int) -> Rgb { return {}; }), options);
+  EXPECT_EQ(holdout_pair_reference(few).error().code, ErrorCode::kData);
 }
 
 TEST(HoldoutReference, IsRefusedWithoutEnoughSamples) {

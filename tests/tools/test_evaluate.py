@@ -89,7 +89,7 @@ def test_pool_too_small_for_a_holdout_still_is_judged(good, tmp_path):
     assert rows_of(tmp_path / "out")[0]["mse"] not in ("", "nan")
 
 
-@pytest.mark.parametrize("reference", ["independent", "holdout", "leave_selected_out", "crossfit", "pool"])
+@pytest.mark.parametrize("reference", ["independent", "holdout", "holdout_pair", "leave_selected_out", "crossfit", "pool"])
 def test_every_kind_of_reference_works(good, tmp_path, reference):
     radiance, mean = samples(16, 16, 48)
     exact = np.repeat(mean[:, :, None], 3, axis=2).astype("<f4")
