@@ -64,4 +64,38 @@ inline Plane halves_weight(const SamplePool& pool, const CountImage& n, double e
   return e;
 }
 
+// All rounds: counts after `left` more samples than `n`, in `rounds` shares.
+inline CountImage filtered_halves(const SamplePool& pool, CountImage n, double exposure,
+                                  long long left, int rounds, double sigma,
+                                  const FilterFunction& filter) {
+  for (int round = 0; round < rounds; ++round) {
+    const long long share = left / rounds + (round < left % rounds ? 1 : 0);
+    if (share == 0) continue;
+    const Plane weight = halves_weight(pool, n, exposure, sigma, filter);
+    double sum = 0.0;
+    long long taken = 0;
+    for (std::size_t i = 0; i < n.size(); ++i) {
+      sum += weight[i];
+      taken += n[i];
+    }
+    std::vector<double> deficit(n.size(), 0.0);
+    std::vector<long long> room(n.size());
+    for (int y = 0; y < n.height(); ++y) {
+      for (int x = 0; x < n.width(); ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(n.width()) +
+                              static_cast<std::size_t>(x);
+        room[i] = pool.capacity(x, y) - n(x, y);
+        if (sum > 0.0) {
+          const double worth = weight[i] / sum * static_cast<double>(taken + share);
+          deficit[i] = worth > n[i] ? worth - n[i] : 0.0;
+        }
+      }
+    }
+    const std::vector<long long> extra = apportion(deficit, share, room);
+    for (std::size_t i = 0; i < n.size(); ++i)
+      n[i] += static_cast<int>(extra[i]);
+  }
+  return n;
+}
+
 }  // namespace spool::reference

@@ -12,7 +12,6 @@
 #include "lib/sampling/neyman.h"
 #include "lib/sampling/rounds.h"
 #include "tests/reference/adaptive_wavelet_reference.h"
-#include "tests/reference/filtered_halves_reference.h"
 #include "tests/reference/mitchell_reference.h"
 #include "tests/sampling/multiscale_cases.h"
 #include "tests/support/scene_s.h"
@@ -20,13 +19,6 @@
 
 namespace spool {
 namespace {
-
-FilterFunction box_filter() {
-  return [](const Selection& selection, const SamplePool&) -> Result<RgbImage> {
-    GuardCounts guards;
-    return pixel_means(selection.statistics, guards);
-  };
-}
 
 TEST(Rounds, EqualSharesSumUpAndDifferByOne) {
   for (const long long total : {0LL, 1LL, 7LL, 8LL, 1000003LL}) {
@@ -143,42 +135,6 @@ TEST(AdaptiveWavelet, BlackIsUniformAndFixedPopsSpendTheBudget) {
   const auto result =
       sample_adaptive_wavelet(test::noisy_pool(20, 11, 8), 220 * 5 + 1, options, {});
   EXPECT_EQ(result->log.spent, 220 * 5 + 1);
-}
-
-TEST(FilteredHalves, CountsFollowFromTheWeightsOfTheSlowTwin) {
-  const int width = 19, height = 14;
-  const SamplePool pool = test::noisy_pool(width, height, 40);
-  const long long budget = width * height * 10 + 3;
-  SamplingContext context;
-  context.filter = box_filter();
-  FilteredHalvesOptions options;
-  options.rounds = 1;
-  Views views({"error"});
-  const auto one = sample_filtered_halves(pool, budget, options, context);
-  ASSERT_TRUE(one.has_value());
-  EXPECT_EQ(one->log.spent, budget);
-  EXPECT_EQ(one->log.initial, std::llround(0.25 * static_cast<double>(budget)));
-  // One round: wanted counts are proportional to the twin's weights, up to rounding.
-  const CountImage first =
-      initial_counts(pool, one->log.initial, std::numeric_limits<int>::max(), 0);
-  const Plane weight = reference::halves_weight(
-      pool, first, one->selection.statistics.signal.exposure, 2.0, context.filter);
-  double sum = 0.0;
-  for (const double w : weight.pixels())
-    sum += w;
-  std::vector<double> deficit;
-  double deficits = 0.0;
-  for (std::size_t i = 0; i < weight.size(); ++i) {
-    deficit.push_back(std::max(weight[i] / sum * static_cast<double>(budget) - first[i], 0.0));
-    deficits += deficit.back();
-  }
-  for (std::size_t i = 0; i < weight.size(); ++i) {
-    const int extra = one->selection.statistics.n[i] - first[i];
-    const double ideal = deficit[i] / deficits * static_cast<double>(budget - one->log.initial);
-    // Apportionment rounds down, then hands the rest out again in proportion.
-    ASSERT_GT(extra, ideal - 1.0 - 1e-6);
-    ASSERT_LT(extra, 1.35 * ideal + 1.0);
-  }
 }
 
 TEST(FilteredHalves, NeedsAFilterAndLooksAtNothingBeyondTheCursor) {
