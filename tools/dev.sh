@@ -27,6 +27,8 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
   experiments [ID...] [--more]  run the standard plans (tools/plans) and write docs/experiments.md from their results;
                                 what is done is not done again (half an hour of two cores in all)
+  tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
+                                and write docs/tuning.md; what is done is not done again (ten minutes of CPU time)
   hard [CTEST ARGS]             the hard cases whole: every pair of methods, full sizes, many replicates
   endure [CTEST ARGS]           evaluations killed at 20 moments, a Slurm that loses a node, a plan of 10,000 cells
   trust [CTEST ARGS]            the format's tests at their whole numbers (bit flips, killed writers, power loss, 6 GB file);
@@ -231,6 +233,12 @@ experiments() {
   exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/experiments/run.py "$@"
 }
 
+tune() {
+  setup test
+  build release spool
+  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/experiments/tune.py "$@"
+}
+
 # --- distrust ----------------------------------------------------------------------------------
 
 hard() {
@@ -389,6 +397,7 @@ case "${1:-help}" in
   addon) exec python3 dumps/cycles/addon_zip.py ${2:+-o "$2"} ;;
   bench) shift; bench "$@" ;;
   experiments) shift; experiments "$@" ;;
+  tune) shift; tune "$@" ;;
   hard) shift; hard "$@" ;;
   endure) shift; endure "$@" ;;
   trust) shift; trust "$@" ;;

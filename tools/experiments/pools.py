@@ -16,15 +16,19 @@ POOLS = {
     "scene_s_n256": ("scene_s", 64, 256, 5),
 }
 
+# One difficulty each: no experiment of docs/experiments.md uses them, tuning is judged on them.
+STRESS_POOLS = {f"stress_{scene}": (scene, 64, 64, 11) for scene in (
+    "slanted_edge", "soft_shadow", "streaks", "fine_checker", "fireflies")}
+
 
 def command(name, folder="tools/plans/pools"):
-    scene, side, samples, seed = POOLS[name]
+    scene, side, samples, seed = (POOLS | STRESS_POOLS)[name]
     return f"spool synth {scene} --size {side} --samples {samples} --seed {seed} -o {folder}/{name}.spool"
 
 
 def make_pools(program, folder):
     """Those that are missing. A finished file appears under its name at once, so a name means done."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name in POOLS:
+    for name in POOLS | STRESS_POOLS:
         if not (folder / f"{name}.spool").exists():
             subprocess.run([program, *command(name, folder).split()[1:], "-q"], check=True)

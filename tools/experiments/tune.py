@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Tunes the preset robust of multiscale + directional and writes docs/tuning.md.
+
+    tools/dev.sh tune                 candidates, rivals, the choice, its judgement; what is done is not done again
+    tools/dev.sh tune --write-only    only the page, from the results that are there
+
+The candidates are those of tools/plans/tuning.toml, on the pools that choose. For each of these the choice is made from
+the others and judged on it; the choice from all is judged on pools that never choose (tools/experiments/tuning_pools.py).
+"""
+import argparse
+import itertools
+import json
+import os
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from pools import PLANS, make_pools  # noqa: E402
+from results import Results  # noqa: E402
+from tuning_choice import Candidate, Scores  # noqa: E402
+from tuning_page import page  # noqa: E402
+from tuning_pools import APART, CHOOSING, SECOND, recording  # noqa: E402
+from tuning_verdict import RIVALS  # noqa: E402
+
+ROOT = PLANS.parents[1]
+SAMPLER, FILTER = "multiscale", "directional"
+BUDGETS = [4, 8, 16]
+CONTROL = ("uniform", "box")
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default=ROOT / "build/release/spool", type=Path)
+    parser.add_argument("--results", default=ROOT / "build/tuning", type=Path)
+    parser.add_argument("--output", default=ROOT / "docs/tuning.md", type=Path)
+    parser.add_argument("--threads", default="0")
+    parser.add_argument("--write-only", action="store_true")
+    return parser.parse_args()
+
+
+def evaluate(plan, folder, arguments):
+    """Goes on where it stopped. Exit code 1 means cells that failed, which the results name."""
+    if arguments.write_only:
+        if not (folder / "results.jsonl").exists():
+            sys.exit(f"tune: {folder} has no results: run it without --write-only first")
+        return folder
+    finished = subprocess.run([arguments.program, "evaluate", plan, "-o", folder, "--threads", arguments.threads],
+                              stdout=subprocess.DEVNULL)
+    if finished.returncode not in (0, 1):
+        sys.exit(f"tune: {plan} stopped with exit code {finished.returncode}; the same command goes on")
+    return folder
+
+
+def defaults_of(program, kind, name):
+    listed = json.loads(subprocess.run([program, "list", kind, "--json"], check=True, capture_output=True, text=True).stdout)
+    options = next(m["options"] for m in listed if m["name"] == name)
+    return {o["name"]: o["defaults"]["robust"] for o in options}
+
+
+def changes(manifest, kind, name, defaults):
+    """{label: ((option, value), ...) that differ from the defaults} of a plan's settings of one method."""
+    return {m["label"]: tuple((o, v) for o, v in m["options"].items() if v != defaults[o])
+            for m in manifest["plan"][kind] if m["name"] == name and m.get("preset") == "robust"}
+
+
+def candidate_cells(results, manifest, defaults):
+    """{Candidate: {pool: [(relMSE, energy, relMSE of the defaults) per budget]}}"""
+    samplers = changes(manifest, "samplers", SAMPLER, defaults["samplers"])
+    filters = changes(manifest, "filters", FILTER, defaults["filters"])
+    plain = [next((label for label, options in found.items() if not options), None) for found in (samplers, filters)]
+    if None in plain:
+        sys.exit("tune: the plan lacks the defaults: every other candidate is compared with them")
+    cells, seen = {}, set()
+    for place, ((s_label, s), (f_label, f)) in enumerate(itertools.product(samplers.items(), filters.items())):
+        if (s, f) in seen:  # a default written out
+            continue
+        seen.add((s, f))
+        cells[Candidate(s, f, place)] = {
+            pool: [(results.values("relmse", pool, s_label, f_label, spp),
+                    results.values("energy_ratio", pool, s_label, f_label, spp),
+                    results.values("relmse", pool, *plain, spp)) for spp in BUDGETS] for pool in CHOOSING}
+    return cells
+
+
+def label(name, options):
+    return name + ("{" + ",".join(f"{o}={v}" for o, v in sorted(options)) + "}" if options else "")
+
+
+def methods(candidate):
+    return label(SAMPLER, candidate.sampler), label(FILTER, candidate.filter)
+
+
+def quoted(names):
+    return json.dumps(list(dict.fromkeys(names)))
+
+
+def judging_plan(pool, candidates, folder):
+    """The candidates on one pool beside the rivals, every sampler with every filter: that tells which of the two loses."""
+    def entries(kind, name, settings):
+        for options in dict.fromkeys(settings):
+            yield "\n".join([f"[[{kind}]]", f'name = "{name}"', *(f'{o} = "{v}"' for o, v in options)])
+
+    return "\n".join([
+        f'title = "judged on {pool}"', f'recordings = ["{os.path.relpath(ROOT / recording(pool), folder)}"]',
+        f"spp = {BUDGETS}", "replicates = 5", "pictures = false",
+        f"samplers = {quoted(s for s, _ in (CONTROL, *RIVALS))}", f"filters = {quoted(f for _, f in (CONTROL, *RIVALS))}",
+        *entries("sampler", SAMPLER, [c.sampler for c in candidates]),
+        *entries("filter", FILTER, [c.filter for c in candidates])]) + "\n"
+
+
+def judge(pool, candidates, arguments):
+    folder = arguments.results / "judged"
+    folder.mkdir(parents=True, exist_ok=True)
+    text = judging_plan(pool, candidates, folder)
+    plan = folder / f"{pool}-{zlib.crc32(text.encode()):08x}.toml"  # another choice is another folder
+    plan.write_text(text)
+    return evaluate(plan, plan.with_suffix(""), arguments)
+
+
+def choices(left_out, from_all):
+    """{pool: the candidate that it judges, in whose choice it had no say}"""
+    return ({p: left_out[p].candidate for p in CHOOSING} | {p: left_out[scene].candidate for p, scene in SECOND.items()}
+            | {p: from_all.candidate for p in APART})
+
+
+def main():
+    arguments = parse()
+    make_pools(arguments.program, PLANS / "pools")
+    folder = evaluate(PLANS / "tuning.toml", arguments.results / "candidates", arguments)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    defaults = {"samplers": defaults_of(arguments.program, "samplers", SAMPLER),
+                "filters": defaults_of(arguments.program, "filters", FILTER)}
+    scores = Scores(candidate_cells(Results([folder]), manifest, defaults), CHOOSING)
+    left_out, from_all = scores.leave_one_out(CHOOSING), scores.choose(CHOOSING)
+    unchanged = Candidate((), (), -1)
+    choice = choices(left_out, from_all)
+    judged = Results([judge(p, [choice[p], unchanged], arguments) for p in choice])
+    chosen = {p: methods(c) for p, c in choice.items()}
+    text = page(scores, left_out, from_all, judged, chosen, (SAMPLER, FILTER), BUDGETS)
+    partial = arguments.output.with_suffix(".md.partial")
+    partial.write_text(text)
+    os.replace(partial, arguments.output)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,104 @@
+"""Says whether multiscale + directional meets its target on a pool at a budget, and where it does not, why.
+
+The target: relMSE at or below that of each rival, energy ratio within 0.97 .. 1.03.
+"""
+from dataclasses import dataclass
+
+from results import T_QUANTILE, mean, order, ratio, standard_error
+from tables import number, with_error
+from tuning_choice import ENERGY_BAND, outside
+
+RIVALS = [("greedy_error", "greedy_selection"), ("uniform", "nl_means"), ("nl_means", "nl_means")]
+
+MET, NOISE, MISSED, UNKNOWN = "met", "missed within the noise", "missed", "not measured"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    rivals: tuple  # one word per rival
+    energy: str
+
+    @property
+    def word(self):
+        words = (*self.rivals, self.energy)
+        return next(w for w in (UNKNOWN, MISSED, NOISE, MET) if w in words)
+
+
+def against(ours, theirs):
+    """Of one rival, from relMSE over the same replicates."""
+    if not ours or len(ours) != len(theirs):
+        return UNKNOWN
+    if mean(ours) <= mean(theirs):
+        return MET
+    return MISSED if order(ours, theirs) == 1 else NOISE
+
+
+def of_energy(values):
+    if not values:
+        return UNKNOWN
+    beyond = outside(mean(values))
+    if beyond == 0:
+        return MET
+    reach = T_QUANTILE[min(len(values) - 1, max(T_QUANTILE))] * standard_error(values) if len(values) > 1 else 0.0
+    return NOISE if beyond <= reach else MISSED
+
+
+def verdict(results, pool, spp, sampler, filter_name):
+    ours = results.values("relmse", pool, sampler, filter_name, spp)
+    return Verdict(tuple(against(ours, results.values("relmse", pool, *rival, spp)) for rival in RIVALS),
+                   of_energy(results.values("energy_ratio", pool, sampler, filter_name, spp)))
+
+
+def with_interval(a, b):
+    """Ratio of the means with its 95 % interval."""
+    found = ratio(a, b)
+    if not found:
+        return "–"
+    reach = T_QUANTILE[min(len(a) - 1, max(T_QUANTILE))] * found[1] if len(a) > 1 else 0.0
+    return f"{number(found[0])} ({number(max(0.0, found[0] - reach))} .. {number(found[0] + reach)})"
+
+
+def _times(a, b):
+    return with_error(*ratio(a, b)) if ratio(a, b) else "–"
+
+
+def why_error(results, pool, spp, ours, rival):
+    """Sampler or filter: one of the two is exchanged for the rival's."""
+    def errors(*method):
+        return results.values("relmse", pool, *method, spp)
+
+    own, other = errors(*ours), errors(*rival)
+    text = f"relMSE {_times(own, other)} times that of {' + '.join(rival)}"
+    their_filter, their_samples = errors(ours[0], rival[1]), errors(rival[0], ours[1])
+    if their_filter and their_samples:
+        text += (f"; with {rival[1]} on our samples {_times(their_filter, other)}, "
+                 f"with our filter on the samples of {rival[0]} {_times(their_samples, other)}")
+        least = min((mean(their_filter), "the filter"), (mean(their_samples), "the sampler"), (mean(own), "neither alone"))
+        text += f": {least[1]} is what loses" if least[1] != "neither alone" else ": only both together lose less"
+    dropped = results.values("relmse_dropped", pool, *ours, spp)
+    if dropped and mean(own) > 0:
+        text += f"; the worst 0.1 % of the pixels hold {100 * mean(dropped) / mean(own):.0f} % of our error"
+    return text
+
+
+def why_energy(results, pool, spp, ours):
+    energy = mean(results.values("energy_ratio", pool, *ours, spp))
+    boxed = results.values("energy_ratio", pool, ours[0], "box", spp)
+    evenly = results.values("energy_ratio", pool, "uniform", ours[1], spp)
+    change = "lost" if energy < ENERGY_BAND[0] else "too much"
+    text = f"energy {energy:.3f}, {100 * abs(1 - energy):.0f} % {change}"
+    if boxed:
+        text += f": {100 * (mean(boxed) - 1):+.1f} % by the samples alone (box), {100 * (energy - mean(boxed)):+.1f} % by the filter"
+    if evenly:
+        text += f"; on uniform samples the filter has {mean(evenly):.3f}"
+    return text
+
+
+def reasons(results, pool, spp, ours):
+    """One sentence per part of the target that is missed."""
+    found = verdict(results, pool, spp, *ours)
+    said = [f"*{word}*: {why_error(results, pool, spp, ours, rival)}"
+            for word, rival in zip(found.rivals, RIVALS) if word in (MISSED, NOISE)]
+    if found.energy in (MISSED, NOISE):
+        said.append(f"*{found.energy}*: {why_energy(results, pool, spp, ours)}")
+    return said
