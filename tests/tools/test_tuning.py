@@ -11,7 +11,7 @@ sys.path.insert(0, str(ROOT / "tools/experiments"))
 import tune  # noqa: E402
 from results import Results  # noqa: E402
 from tuning_choice import Candidate, Scores  # noqa: E402
-from tuning_page import page, target_table  # noqa: E402
+from tuning_page import energy_misses, page, target_table  # noqa: E402
 from tuning_pools import APART, CHOOSING, RECORDED, SECOND, recording  # noqa: E402
 from tuning_verdict import MET, MISSED, NOISE, RIVALS, reasons, verdict  # noqa: E402
 
@@ -124,7 +124,9 @@ def test_lost_energy_is_a_miss_whatever_the_error(results):
     results.add(OURS, WOBBLE, 0.9)
     results.add((OURS[0], "box"), WOBBLE, 0.92)
     assert verdict(results, "p", 8, *OURS).energy == MISSED
-    assert "energy 0.900, 10 % lost: -8.0 % by the samples alone (box), -2.0 % by the filter" in reasons(results, "p", 8, OURS)[0]
+    assert reasons(results, "p", 8, OURS) == []
+    assert "| p | 8 | 0.900 | -8.0 % | -2.0 % | nan |" in energy_misses(results, ["p"], {"p": OURS}, [8])
+    assert energy_misses(results, ["p"], {"p": RIVALS[0]}, [8]) == "None."
 
 
 def test_a_cell_that_is_missing_is_not_called_met(results):
@@ -160,8 +162,8 @@ def test_the_plan_of_the_judgement_has_the_choice_the_defaults_and_every_rival(t
     assert tune.methods(BOTH) == ("multiscale{init_spp=2}", "directional{size_factor=const(1)}")
 
 
-def made_page(errors):
-    """The page where the candidates have these errors on every pool."""
+def made_page(errors, without=()):
+    """The page where the candidates have these errors on every pool; some not judged."""
     made = {c: {p: [cell(e)] * 3 for p in CHOOSING} for c, e in zip((DEFAULTS, LARGE), errors)}
     scores, judged = Scores(made, CHOOSING), Results([])
     left_out, from_all = scores.leave_one_out(CHOOSING), scores.choose(CHOOSING)
@@ -170,8 +172,9 @@ def made_page(errors):
         for method, error in [(tune.methods(LARGE), errors[1]), (tune.methods(DEFAULTS), errors[0]), *((r, 0.45) for r in RIVALS)]:
             for spp in tune.BUDGETS:
                 judged._rows[(pool, *method, spp, 0)] = [
-                    {"replicate": i, "relmse": error * w, "energy_ratio": 0.99, "relmse_dropped": 0.1} for i, w in enumerate(WOBBLE)]
-    return page(scores, left_out, from_all, judged, {p: tune.methods(c) for p, c in chosen.items()}, OURS, tune.BUDGETS)
+                    {"replicate": i, "relmse": error * w, "mse": error * w, "energy_ratio": 0.99, "relmse_dropped": 0.1} for i, w in enumerate(WOBBLE)]
+    methods = {p: tune.methods(c) for p, c in chosen.items() if p not in without}
+    return page(scores, left_out, from_all, judged, methods, OURS, tune.BUDGETS)
 
 
 def test_the_page_says_when_another_setting_than_the_defaults_is_chosen():
@@ -185,3 +188,9 @@ def test_the_page_says_when_the_defaults_are_the_choice():
     text = made_page((0.4, 0.5))
     assert "Today's defaults are the choice from all five pools.**" in text
     assert all(f"| {pool} | 8 |" in text for pool in RECORDED)
+
+
+def test_pools_that_were_not_judged_yet_are_named():
+    text = made_page((0.5, 0.4), ["table", "fireflies"])
+    assert "**Not judged yet: table.**" in text and "**Not judged yet: fireflies.**" in text and "| table | 8 |" not in text
+    assert made_page((0.5, 0.4), APART).count("**Not judged yet.**") == 1

@@ -41,11 +41,10 @@ def parse():
 
 
 def evaluate(plan, folder, arguments):
-    """Goes on where it stopped. Exit code 1 means cells that failed, which the results name."""
+    """The folder, or None where there are no results and none are to be made. Goes on where it stopped. Exit code 1
+    means cells that failed, which the results name."""
     if arguments.write_only:
-        if not (folder / "results.jsonl").exists():
-            sys.exit(f"tune: {folder} has no results: run it without --write-only first")
-        return folder
+        return folder if (folder / "results.jsonl").exists() else None
     finished = subprocess.run([arguments.program, "evaluate", plan, "-o", folder, "--threads", arguments.threads],
                               stdout=subprocess.DEVNULL)
     if finished.returncode not in (0, 1):
@@ -129,6 +128,8 @@ def main():
     arguments = parse()
     make_pools(arguments.program, PLANS / "pools")
     folder = evaluate(PLANS / "tuning.toml", arguments.results / "candidates", arguments)
+    if folder is None:
+        sys.exit("tune: no candidate was measured yet: run it without --write-only first")
     manifest = json.loads((folder / "manifest.json").read_text())
     defaults = {"samplers": defaults_of(arguments.program, "samplers", SAMPLER),
                 "filters": defaults_of(arguments.program, "filters", FILTER)}
@@ -136,8 +137,9 @@ def main():
     left_out, from_all = scores.leave_one_out(CHOOSING), scores.choose(CHOOSING)
     unchanged = Candidate((), (), -1)
     choice = choices(left_out, from_all)
-    judged = Results([judge(p, [choice[p], unchanged], arguments) for p in choice])
-    chosen = {p: methods(c) for p, c in choice.items()}
+    folders = {p: judge(p, [c, unchanged], arguments) for p, c in choice.items()}
+    judged = Results([folder for folder in folders.values() if folder])
+    chosen = {p: methods(c) for p, c in choice.items() if folders[p]}
     text = page(scores, left_out, from_all, judged, chosen, (SAMPLER, FILTER), BUDGETS)
     partial = arguments.output.with_suffix(".md.partial")
     partial.write_text(text)

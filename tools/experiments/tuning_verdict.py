@@ -2,11 +2,12 @@
 
 The target: relMSE at or below that of each rival, energy ratio within 0.97 .. 1.03.
 """
+import math
 from dataclasses import dataclass
 
 from results import T_QUANTILE, mean, order, ratio, standard_error
 from tables import number, with_error
-from tuning_choice import ENERGY_BAND, outside
+from tuning_choice import outside
 
 RIVALS = [("greedy_error", "greedy_selection"), ("uniform", "nl_means"), ("nl_means", "nl_means")]
 
@@ -81,24 +82,15 @@ def why_error(results, pool, spp, ours, rival):
     return text
 
 
-def why_energy(results, pool, spp, ours):
-    energy = mean(results.values("energy_ratio", pool, *ours, spp))
-    boxed = results.values("energy_ratio", pool, ours[0], "box", spp)
-    evenly = results.values("energy_ratio", pool, "uniform", ours[1], spp)
-    change = "lost" if energy < ENERGY_BAND[0] else "too much"
-    text = f"energy {energy:.3f}, {100 * abs(1 - energy):.0f} % {change}"
-    if boxed:
-        text += f": {100 * (mean(boxed) - 1):+.1f} % by the samples alone (box), {100 * (energy - mean(boxed)):+.1f} % by the filter"
-    if evenly:
-        text += f"; on uniform samples the filter has {mean(evenly):.3f}"
-    return text
+def energy_parts(results, pool, spp, ours):
+    """Energy ratio; what the samples alone (box) and then the filter change; that of the filter on uniform samples."""
+    energy, boxed, evenly = (mean(results.values("energy_ratio", pool, *method, spp) or [math.nan])
+                             for method in (ours, (ours[0], "box"), ("uniform", ours[1])))
+    return f"{energy:.3f}", f"{100 * (boxed - 1):+.1f} %", f"{100 * (energy - boxed):+.1f} %", f"{evenly:.3f}"
 
 
 def reasons(results, pool, spp, ours):
-    """One sentence per part of the target that is missed."""
+    """One sentence per rival that is missed."""
     found = verdict(results, pool, spp, *ours)
-    said = [f"*{word}*: {why_error(results, pool, spp, ours, rival)}"
+    return [f"*{word}*: {why_error(results, pool, spp, ours, rival)}"
             for word, rival in zip(found.rivals, RIVALS) if word in (MISSED, NOISE)]
-    if found.energy in (MISSED, NOISE):
-        said.append(f"*{found.energy}*: {why_energy(results, pool, spp, ours)}")
-    return said
