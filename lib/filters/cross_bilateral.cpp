@@ -1,293 +1,167 @@
 #include "lib/filters/cross_bilateral.h"
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
+#include <utility>
 
-#include "lib/core/exponential.h"
-#include "lib/core/parallel.h"
-#include "lib/core/vector_clones.h"
+#include "lib/filters/feature_guide.h"
+#include "lib/filters/guided_means.h"
 #include "lib/filters/piece_estimates.h"
 #include "lib/filters/truncated_filter.h"
-#include "lib/statistics/variance_option.h"
 
 namespace spool {
 namespace {
 
-constexpr float kLeastFeatureVariance = 1e-2f;
-constexpr double kLargestScale = 64.0;
-
-using FloatImage = Image<float>;
-
-// Features as the weights want them.
-struct Guide {
-  struct Feature {
-    std::vector<FloatImage> value;
-    FloatImage variance;  // mean over channels
-    float factor = 1.0f;  // 1 / (2 sigma_f^2)
-  };
-  std::vector<Feature> features;
+// What the risk is estimated from, exposed: the image and its variance after the small pixel
+// filter.
+struct FilteredInput {
+  RgbImage image, variance;
 };
 
-FloatImage to_float(const Plane& plane) {
-  FloatImage image(plane.width(), plane.height());
-  for (std::size_t i = 0; i < plane.size(); ++i)
-    image[i] = static_cast<float>(plane[i]);
-  return image;
-}
-
-Guide make_guide(const std::vector<FeatureStatistics>& features,
-                 const CrossBilateralOptions& options) {
-  Guide guide;
-  for (const FeatureStatistics& feature : features) {
-    Guide::Feature entry;
-    Plane variance(feature.mean[0].width(), feature.mean[0].height());
-    for (std::size_t c = 0; c < feature.mean.size(); ++c) {
-      entry.value.push_back(to_float(feature.mean[c]));
-      for (std::size_t i = 0; i < variance.size(); ++i)
-        variance[i] += feature.variance[c][i] / static_cast<double>(feature.mean.size());
-    }
-    entry.variance = to_float(variance);
-    const double sigma = feature.layer.name == "normal"   ? options.sigma_normal
-                         : feature.layer.name == "albedo" ? options.sigma_albedo
-                                                          : options.sigma_depth;
-    entry.factor = static_cast<float>(1.0 / (2.0 * sigma * sigma));
-    guide.features.push_back(std::move(entry));
-  }
-  return guide;
-}
-
-// distance += the feature's term; all rows start at the first pair.
-SPOOL_VECTOR_CLONES
-void add_distance(const float* p0, const float* q0, const float* p1, const float* q1,
-                  const float* p2, const float* q2, const float* vp, const float* vq, float factor,
-                  int count, float* distance) {
-  for (int x = 0; x < count; ++x) {
-    const float d0 = p0[x] - q0[x], d1 = p1[x] - q1[x], d2 = p2[x] - q2[x];
-    const float sum = vp[x] + vq[x];
-    const float v = sum > kLeastFeatureVariance ? sum : kLeastFeatureVariance;
-    distance[x] += factor * (d0 * d0 + d1 * d1 + d2 * d2) / v;
-  }
-}
-
-SPOOL_VECTOR_CLONES
-void to_weights(float* distance, int count) {
-  for (int x = 0; x < count; ++x)
-    distance[x] = exp_negative(distance[x]);
-}
-
-SPOOL_VECTOR_CLONES
-void add_weighted(const float* weight, float spatial, const double* value, int count, double* sum) {
-  for (int x = 0; x < count; ++x)
-    sum[x] += static_cast<double>(weight[x] * spatial) * value[x];
-}
-
-SPOOL_VECTOR_CLONES
-void add_weight(const float* weight, float spatial, int count, double* sum) {
-  for (int x = 0; x < count; ++x)
-    sum[x] += static_cast<double>(weight[x] * spatial);
-}
-
-int radius_of(double scale) {
-  return static_cast<int>(std::lround(2.0 * scale));
-}
-
-float spatial_weight(int dx, int dy, double scale) {
-  return static_cast<float>(std::exp(-(dx * dx + dy * dy) / (2.0 * scale * scale)));
-}
-
-// A kernel of one scale and what it is applied to.
-struct Target {
-  double scale;
-  std::vector<const Plane*> values;
-};
-
-struct Filtered {
-  std::vector<Plane> values;
-  Plane weight;  // sum of the weights; the centre's is 1
-};
-
-// Every target filtered with its scale; the feature part of a weight is computed once for all.
-std::vector<Filtered> filter_targets(const Guide& guide, const std::vector<Target>& targets,
-                                     int width, int height) {
-  std::vector<Filtered> out;
-  int radius = 0;
-  for (const Target& target : targets) {
-    out.push_back(
-        {std::vector<Plane>(target.values.size(), Plane(width, height)), Plane(width, height)});
-    radius = std::max(radius, radius_of(target.scale));
-  }
-  // Spatial weights per target and offset, [dy][dx] from -radius.
-  const int side = 2 * radius + 1;
-  std::vector<std::vector<float>> spatial(targets.size());
-  for (std::size_t t = 0; t < targets.size(); ++t) {
-    for (int dy = -radius; dy <= radius; ++dy) {
-      for (int dx = -radius; dx <= radius; ++dx)
-        spatial[t].push_back(spatial_weight(dx, dy, targets[t].scale));
+Result<FilteredInput> filter_input(const PieceStatistics& statistics, double exposure,
+                                   const CrossBilateralOptions& options, GuardCounts& guards) {
+  const Taps taps = pixel_filter_taps();
+  FilteredInput input;
+  for (std::size_t c = 0; c < 3; ++c) {
+    GuardCounts of_channel;
+    SPOOL_ASSIGN(const ChannelEstimates pieces,
+                 estimate_channel(statistics, c, {options.var_mode, options.nu0, options.key},
+                                  exposure, of_channel));
+    if (c == 1) guards += of_channel;  // the channels share their empty pieces: count them once
+    Plane &y = input.image[c], &v = input.variance[c];
+    y = truncated_mean(pieces.mean, taps);
+    v = truncated_variance(pieces.variance, taps, squared_taps(taps));
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      y[i] *= exposure;
+      v[i] *= exposure * exposure;
     }
   }
-  parallel_rows(0, height, [&](int y) {
-    std::vector<float> weight(static_cast<std::size_t>(width));
-    for (int dy = std::max(-radius, -y); dy <= std::min(radius, height - 1 - y); ++dy) {
-      for (int dx = -radius; dx <= radius; ++dx) {
-        const int x0 = std::max(0, -dx), count = std::min(width, width - dx) - x0;
-        if (count <= 0) continue;
-        std::fill_n(weight.begin(), count, 0.0f);
-        for (const Guide::Feature& feature : guide.features) {
-          const auto at = [&](std::size_t c, int x, int row) {
-            return &feature.value[std::min(c, feature.value.size() - 1)](x, row);
-          };
-          const bool single = feature.value.size() == 1;  // then the two others add nothing
-          add_distance(at(0, x0, y), at(0, x0 + dx, y + dy), at(1, x0, y),
-                       single ? at(1, x0, y) : at(1, x0 + dx, y + dy), at(2, x0, y),
-                       single ? at(2, x0, y) : at(2, x0 + dx, y + dy), &feature.variance(x0, y),
-                       &feature.variance(x0 + dx, y + dy), feature.factor, count, weight.data());
-        }
-        to_weights(weight.data(), count);
-        const auto offset = static_cast<std::size_t>(dy + radius) * static_cast<std::size_t>(side) +
-                            static_cast<std::size_t>(dx + radius);
-        for (std::size_t t = 0; t < targets.size(); ++t) {
-          if (std::max(std::abs(dx), std::abs(dy)) > radius_of(targets[t].scale)) continue;
-          const float s = spatial[t][offset];
-          add_weight(weight.data(), s, count, &out[t].weight(x0, y));
-          for (std::size_t i = 0; i < targets[t].values.size(); ++i) {
-            add_weighted(weight.data(), s, &(*targets[t].values[i])(x0 + dx, y + dy), count,
-                         &out[t].values[i](x0, y));
+  return input;
+}
+
+// The means of the pieces, empty ones filled: the statistics' own where there is nothing to fill.
+class FilledMeans {
+ public:
+  explicit FilledMeans(const PieceStatistics& statistics) : means_(statistics.mean) {
+    if (std::find(statistics.n.pixels().begin(), statistics.n.pixels().end(), 0) ==
+        statistics.n.pixels().end()) {
+      return;
+    }
+    GuardCounts counted_elsewhere;
+    filled_.emplace();
+    for (std::size_t c = 0; c < 3; ++c) {
+      (*filled_)[c] = fill_empty_pieces(statistics.mean[c], statistics.n,
+                                        statistics.pieces_per_side, counted_elsewhere);
+    }
+  }
+  const RgbImage& operator*() const { return filled_ ? *filled_ : means_; }
+
+ private:
+  const RgbImage& means_;
+  std::optional<RgbImage> filled_;
+};
+
+// SURE of every scale. `none`: scales that leave the input as it is, 0 or 1.
+std::vector<Plane> estimate_risks(const FeatureGuide& guide, const FilteredInput& input,
+                                  const CrossBilateralOptions& options, std::size_t none) {
+  const RgbImage &y = input.image, &v = input.variance;
+  std::vector<Plane> risk(options.scales.size(), Plane(guide.width, guide.height));
+  std::vector<GuidedTarget> targets;
+  for (std::size_t s = none; s < options.scales.size(); ++s)
+    targets.push_back({options.scales[s], 0, 3});
+  const std::array<const Plane*, 3> images = {&y[0], &y[1], &y[2]};
+  guided_means(guide, images, targets, [&](const Rectangle& tile, const auto& means) {
+    for (std::size_t s = 0; s < risk.size(); ++s) {
+      for (int py = tile.y0; py < tile.y1; ++py) {
+        for (int px = tile.x0; px < tile.x1; ++px) {
+          const int ix = px - tile.x0, iy = py - tile.y0;
+          const double slope = s < none ? 1.0 : 1.0 / means[s - none].weight(ix, iy);
+          double sum = 0.0;
+          for (std::size_t c = 0; c < 3; ++c) {
+            const double noise = v[c](px, py);
+            const double f = s < none ? y[c](px, py) : means[s - none].values[c](ix, iy);
+            const double d = f - y[c](px, py);
+            sum += (d * d + 2.0 * noise * slope - noise) / 3.0;
           }
+          risk[s](px, py) = sum;
         }
-      }
-    }
-    for (Filtered& filtered : out) {
-      for (Plane& values : filtered.values) {
-        for (int x = 0; x < width; ++x)
-          values(x, y) /= filtered.weight(x, y);
       }
     }
   });
-  return out;
-}
-
-// "0/1/2/4/8"
-Option<CrossBilateralOptions> scales_option() {
-  using O = CrossBilateralOptions;
-  return {"scales", "S/S/..., 0 .. 64, ascending", "spatial scales to choose from, pixels",
-          [](O& options, std::string_view text) -> Result<void> {
-            std::vector<double> scales;
-            while (true) {
-              const std::size_t slash = text.find('/');
-              SPOOL_ASSIGN(const double scale,
-                           parse_number("scales", text.substr(0, slash), 0.0, kLargestScale));
-              if (!scales.empty() && !(scale > scales.back())) {
-                return fail(ErrorCode::kUsage, "option scales: {} does not ascend", scale);
-              }
-              scales.push_back(scale);
-              if (slash == std::string_view::npos) break;
-              text.remove_prefix(slash + 1);
-            }
-            options.scales = std::move(scales);
-            return {};
-          },
-          [](const O& options) {
-            std::string text;
-            for (const double scale : options.scales)
-              text += (text.empty() ? "" : "/") + format_number(scale);
-            return text;
-          }};
+  return risk;
 }
 
 }  // namespace
 
-OptionTable<CrossBilateralOptions> cross_bilateral_option_table() {
-  using O = CrossBilateralOptions;
-  return {
-      scales_option(),
-      number_option<O>("risk_scale", &O::risk_scale, 0.25, kLargestScale,
-                       "spatial scale of the smoothing of the risk, pixels"),
-      number_option<O>("sigma_normal", &O::sigma_normal, 1e-3, 1e3, "tolerance for normals"),
-      number_option<O>("sigma_albedo", &O::sigma_albedo, 1e-3, 1e3, "tolerance for albedo"),
-      number_option<O>("sigma_depth", &O::sigma_depth, 1e-3, 1e3,
-                       "tolerance for depth, in units of the largest"),
-      var_mode_option(&O::var_mode),
-      nu0_option(&O::nu0),
-      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance"),
-  };
-}
-
 Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
                                             const SamplePool& pool, double exposure,
                                             const CrossBilateralOptions& options,
-                                            GuardCounts& guards) {
+                                            GuardCounts& guards, RisksKept kept) {
   if (pool.recording().features().empty()) {
     return fail(ErrorCode::kData,
                 "{}: cross_bilateral needs albedo, normal or depth of each sample, which were not "
                 "recorded: record them, or use a method without features",
                 pool.recording().name());
   }
-  SPOOL_ASSIGN(
-      const PieceEstimates pieces,
-      estimate_pieces(statistics, {options.var_mode, options.nu0, options.key}, exposure, guards));
-  SPOOL_ASSIGN(const std::vector<FeatureStatistics> features,
-               feature_statistics(pool, statistics.n, guards));
-  const Guide guide = make_guide(features, options);
   const int width = statistics.width(), height = statistics.height();
-
-  // y and v
-  const Taps taps = pixel_filter_taps();
-  RgbImage y = pieces.mean, v = pieces.variance;
-  for (std::size_t c = 0; c < 3; ++c) {
-    y[c] = truncated_mean(pieces.mean[c], taps);
-    v[c] = truncated_variance(pieces.variance[c], taps, squared_taps(taps));
-    for (std::size_t i = 0; i < y[c].size(); ++i) {
-      y[c][i] *= exposure;
-      v[c][i] *= exposure * exposure;
+  const auto none = static_cast<std::size_t>(options.scales.front() == 0.0);
+  CrossBilateralImage result;
+  std::vector<Plane> risk;
+  FeatureGuide guide;
+  {
+    SPOOL_ASSIGN(const FilteredInput input, filter_input(statistics, exposure, options, guards));
+    SPOOL_ASSIGN(guide, make_feature_guide(
+                            pool, statistics.n,
+                            [&](std::string_view layer) {
+                              return layer == "normal"   ? options.sigma_normal
+                                     : layer == "albedo" ? options.sigma_albedo
+                                                         : options.sigma_depth;
+                            },
+                            guards));
+    risk = estimate_risks(guide, input, options, none);
+    result.variance = Plane(width, height);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t i = 0; i < result.variance.size(); ++i)
+        result.variance[i] += input.variance[c][i] / 3.0;
     }
   }
 
-  // F_s of the means and of y
-  std::vector<Target> targets;
-  for (const double scale : options.scales) {
-    if (scale == 0.0) continue;
-    targets.push_back(
-        {scale, {&pieces.mean[0], &pieces.mean[1], &pieces.mean[2], &y[0], &y[1], &y[2]}});
-  }
-  const std::vector<Filtered> filtered = filter_targets(guide, targets, width, height);
-  const auto none = static_cast<std::size_t>(options.scales.front() == 0.0);  // scales without F
-
-  // SURE
-  std::vector<Plane> risk(options.scales.size(), Plane(width, height));
-  CrossBilateralImage result;
-  result.variance = Plane(width, height);
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t i = 0; i < v[c].size(); ++i)
-      result.variance[i] += v[c][i] / 3.0;
-  }
-  for (std::size_t s = 0; s < risk.size(); ++s) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t i = 0; i < risk[s].size(); ++i) {
-        const double f = s < none ? y[c][i] : filtered[s - none].values[3 + c][i];
-        const double slope = s < none ? 1.0 : 1.0 / filtered[s - none].weight[i];
-        const double d = f - y[c][i];
-        risk[s][i] += (d * d + 2.0 * v[c][i] * slope - v[c][i]) / 3.0;
+  // The scale of least risk, smoothed, and the means filtered with it: all scales of a tile are
+  // computed, one is kept.
+  const FilledMeans filled(statistics);
+  const RgbImage& mean = *filled;
+  std::vector<const Plane*> images;
+  for (const Plane& plane : risk)
+    images.push_back(&plane);
+  for (const Plane& plane : mean)
+    images.push_back(&plane);
+  std::vector<GuidedTarget> targets = {{options.risk_scale, 0, risk.size()}};
+  for (std::size_t s = none; s < risk.size(); ++s)
+    targets.push_back({options.scales[s], risk.size(), 3});
+  result.image = make_rgb(width, height);
+  result.scale = CountImage(width, height);
+  result.risk = Plane(width, height);
+  if (kept == RisksKept::kAll) result.all.assign(risk.size(), Plane(width, height));
+  guided_means(guide, images, targets, [&](const Rectangle& tile, const auto& means) {
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        const int ix = x - tile.x0, iy = y - tile.y0;
+        const auto smooth = [&](std::size_t s) { return means[0].values[s](ix, iy); };
+        std::size_t least = 0;
+        for (std::size_t s = 1; s < risk.size(); ++s) {
+          if (smooth(s) < smooth(least)) least = s;
+        }
+        result.risk(x, y) = smooth(least);
+        result.scale(x, y) = static_cast<std::int32_t>(least);
+        for (std::size_t c = 0; c < 3; ++c) {
+          result.image[c](x, y) =
+              least < none ? mean[c](x, y) : means[1 + least - none].values[c](ix, iy);
+        }
+        for (std::size_t s = 0; s < result.all.size(); ++s)
+          result.all[s](x, y) = smooth(s);
       }
     }
-  }
-  Target all_risks{options.risk_scale, {}};
-  for (const Plane& plane : risk)
-    all_risks.values.push_back(&plane);
-  result.all = std::move(filter_targets(guide, {all_risks}, width, height)[0].values);
-
-  // The scale of least risk
-  result.image = pieces.mean;
-  result.scale = CountImage(width, height);
-  result.risk = result.all[0];
-  for (std::size_t s = 0; s < risk.size(); ++s) {
-    for (std::size_t i = 0; i < result.risk.size(); ++i) {
-      if (s > 0 && !(result.all[s][i] < result.risk[i])) continue;
-      result.risk[i] = result.all[s][i];
-      result.scale[i] = static_cast<std::int32_t>(s);
-      for (std::size_t c = 0; c < 3; ++c)
-        result.image[c][i] = s < none ? pieces.mean[c][i] : filtered[s - none].values[c][i];
-    }
-  }
+  });
   return result;
 }
 

@@ -9,7 +9,7 @@
 // s = 0 is the input itself. y, v: the image and its variance after the small pixel filter; the
 // output is F_s of the means themselves, at the scale whose risk, smoothed with the weights of a
 // scale of its own, is least (ties: the smallest). Windows are cut at the border. var_f is the mean
-// over the feature's channels. Weights are float, sums double; rows are independent of each other.
+// over the feature's channels. Weights are float, sums double (lib/filters/guided_means.h).
 // Slow twin: tests/reference/cross_bilateral_reference.h.
 #pragma once
 
@@ -40,13 +40,16 @@ struct CrossBilateralImage {
   CountImage scale;        // index into options.scales
   Plane risk;              // smoothed, of that scale; exposed units squared
   Plane variance;          // of y, mean over channels, exposed units squared
-  std::vector<Plane> all;  // smoothed risk of each scale
+  std::vector<Plane> all;  // smoothed risk of each scale, where asked for
 };
+
+enum class RisksKept { kLeast, kAll };
 
 // Error kData when the recording has no feature, or no piece has a sample.
 Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
                                             const SamplePool& pool, double exposure,
                                             const CrossBilateralOptions& options,
-                                            GuardCounts& guards);
+                                            GuardCounts& guards,
+                                            RisksKept kept = RisksKept::kLeast);
 
 }  // namespace spool

@@ -10,6 +10,7 @@
 // Slow twin: tests/reference/nl_means_reference.h.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -32,9 +33,18 @@ struct HalfImage {
   RgbImage mean, variance;
 };
 
-// Targets of one size, filtered alike.
-std::vector<Plane> filter_with_guide(std::span<const Plane> targets, const HalfImage& guide,
-                                     const PatchFilterOptions& options);
+// Up to four images of one size, filtered alike, and what guides them.
+struct GuidedTargets {
+  std::vector<const Plane*> targets;
+  const HalfImage* guide = nullptr;
+};
+
+// Calls `use` with every tile of the image and what is filtered there, [guided][target][y][x] from
+// the tile's corner; in parallel.
+void filter_tiles(std::span<const GuidedTargets> guided, const PatchFilterOptions& options,
+                  const std::function<void(const Rectangle& tile,
+                                           std::span<const std::vector<Plane>> filtered)>& use);
+
 RgbImage filter_with_guide(const RgbImage& target, const HalfImage& guide,
                            const PatchFilterOptions& options);
 

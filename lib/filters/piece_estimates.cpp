@@ -27,27 +27,37 @@ Plane scaled(const Plane& plane, double factor) {
 
 }  // namespace
 
-Result<PieceEstimates> estimate_pieces(const PieceStatistics& statistics,
-                                       const VarianceOptions& options, double exposure,
-                                       GuardCounts& guards) {
+Result<ChannelEstimates> estimate_channel(const PieceStatistics& statistics, std::size_t channel,
+                                          const VarianceOptions& options, double exposure,
+                                          GuardCounts& guards) {
   if (!any_sample(statistics.n)) {
     return fail(ErrorCode::kData,
                 "selection: no piece has a sample: raise the budget or check the counts");
   }
   VarianceOptions of_radiance = options;
   of_radiance.key = options.key / exposure;
+  ChannelEstimates estimates;
+  estimates.mean =
+      fill_empty_pieces(statistics.mean[channel], statistics.n, statistics.pieces_per_side, guards);
+  estimates.variance = fill_uncounted(variance_of_mean(statistics.n, statistics.mean[channel],
+                                                       statistics.m2[channel], of_radiance, guards),
+                                      statistics);
+  return estimates;
+}
+
+Result<PieceEstimates> estimate_pieces(const PieceStatistics& statistics,
+                                       const VarianceOptions& options, double exposure,
+                                       GuardCounts& guards) {
   PieceEstimates estimates;
-  estimates.n = statistics.n;
   for (std::size_t c = 0; c < 3; ++c) {
     GuardCounts of_channel;
-    estimates.mean[c] =
-        fill_empty_pieces(statistics.mean[c], statistics.n, statistics.pieces_per_side, of_channel);
-    estimates.variance[c] =
-        fill_uncounted(variance_of_mean(statistics.n, statistics.mean[c], statistics.m2[c],
-                                        of_radiance, of_channel),
-                       statistics);
+    SPOOL_ASSIGN(ChannelEstimates channel,
+                 estimate_channel(statistics, c, options, exposure, of_channel));
+    estimates.mean[c] = std::move(channel.mean);
+    estimates.variance[c] = std::move(channel.variance);
     if (c == 1) guards += of_channel;  // the channels share their empty pieces: count them once
   }
+  estimates.n = statistics.n;
   return estimates;
 }
 

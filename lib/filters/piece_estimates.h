@@ -19,11 +19,19 @@ struct PieceEstimates {
   RgbImage variance;  // [c][y][x] of `mean`, finite
 };
 
+struct ChannelEstimates {
+  Plane mean, variance;  // as above
+};
+
 // Error kData when no piece has a sample. `exposure` brings radiance to the scale of the variance's
 // floor (VarianceOptions::key).
 Result<PieceEstimates> estimate_pieces(const PieceStatistics& statistics,
                                        const VarianceOptions& options, double exposure,
                                        GuardCounts& guards);
+// Of one channel; counts its empty pieces, which all channels share.
+Result<ChannelEstimates> estimate_channel(const PieceStatistics& statistics, std::size_t channel,
+                                          const VarianceOptions& options, double exposure,
+                                          GuardCounts& guards);
 
 struct AnalysisEstimates {
   double exposure = 1.0;  // analysis value of one unit of radiance

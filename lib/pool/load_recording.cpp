@@ -195,13 +195,13 @@ void offer_features(const std::shared_ptr<FileStorage>& storage, RecordedSamples
       letters += component;
     if (letters == components) features.push_back({name, components});
   }
-  samples.set_features(
-      std::move(features), [storage](const FeatureLayer& layer, const Rectangle& pixels) {
-        const format::PixelRect rect{
-            static_cast<std::uint32_t>(pixels.x0), static_cast<std::uint32_t>(pixels.y0),
-            static_cast<std::uint32_t>(pixels.x1), static_cast<std::uint32_t>(pixels.y1)};
-        return storage->reader.read_region(layer.name, rect, 0, storage->reader.header().spp);
-      });
+  samples.set_features(std::move(features), [storage](const FeatureLayer& layer,
+                                                      const Rectangle& pixels, int count) {
+    const format::PixelRect rect{
+        static_cast<std::uint32_t>(pixels.x0), static_cast<std::uint32_t>(pixels.y0),
+        static_cast<std::uint32_t>(pixels.x1), static_cast<std::uint32_t>(pixels.y1)};
+    return storage->reader.read_region(layer.name, rect, 0, static_cast<std::uint32_t>(count));
+  });
 }
 
 // The last `cost_per_sample` holds, as the format wants; one that is no positive number is none.

@@ -46,9 +46,9 @@ struct FeatureLayer {
   std::string components;  // "RGB", "XYZ", "Z": one letter per channel
 };
 
-// The values [c][y][x][s] of a layer in a rectangle of pixels, all samples; from any thread.
-using FeatureReader =
-    std::function<Result<std::vector<float>>(const FeatureLayer&, const Rectangle& pixels)>;
+// The values [c][y][x][s] of a layer in a rectangle of pixels, its first samples; from any thread.
+using FeatureReader = std::function<Result<std::vector<float>>(
+    const FeatureLayer&, const Rectangle& pixels, int samples)>;
 
 class RecordedSamples {
  public:
@@ -85,9 +85,9 @@ class RecordedSamples {
   std::optional<double> cost_per_sample() const { return cost_per_sample_; }  // seconds
   const std::optional<Reference>& reference() const { return reference_; }
   const std::vector<FeatureLayer>& features() const { return features_; }
-  Result<std::vector<float>> read_feature(const FeatureLayer& layer,
-                                          const Rectangle& pixels) const {
-    return read_feature_(layer, pixels);
+  Result<std::vector<float>> read_feature(const FeatureLayer& layer, const Rectangle& pixels,
+                                          int samples) const {
+    return read_feature_(layer, pixels, samples);
   }
   const SanitiseReport& report() const { return report_; }
   GuardCounts guards() const;

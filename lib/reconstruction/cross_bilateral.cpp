@@ -13,8 +13,10 @@ Result<Reconstruction> reconstruct_cross_bilateral(const Selection& selection,
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
   const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
+  const bool shown = context.views != nullptr && context.views->wants("risk");
   SPOOL_ASSIGN(CrossBilateralImage filtered,
-               cross_bilateral(statistics, pool, exposure, options, result.guards));
+               cross_bilateral(statistics, pool, exposure, options, result.guards,
+                               shown ? RisksKept::kAll : RisksKept::kLeast));
   if (context.views != nullptr) {
     for (std::size_t s = 0; s < filtered.all.size(); ++s)
       context.views->add(fmt::format("risk.{}", s), filtered.all[s]);

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
-#include "lib/core/parallel.h"
-#include "lib/filters/piece_estimates.h"
+#include "lib/filters/sample_half.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/sampling/apportion.h"
-#include "lib/sampling/filtered_halves.h"
 #include "lib/sampling/rounds.h"
 #include "lib/statistics/variance_option.h"
 
@@ -18,22 +17,6 @@ namespace {
 
 constexpr double kRelativeFloor = 1e-3;  // in squared units of the exposed radiance
 constexpr double kLeastCount = 1e-3;     // a half without samples near a pixel
-
-Result<HalfImage> half_image(const PieceStatistics& half, const NlMeansSamplingOptions& options) {
-  GuardCounts guards;  // counted on the whole, not on its halves
-  const double exposure = half.signal.exposure;
-  SPOOL_ASSIGN(
-      PieceEstimates pieces,
-      estimate_pieces(half, {options.var_mode, options.nu0, options.key}, exposure, guards));
-  HalfImage image{std::move(pieces.mean), std::move(pieces.variance)};
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (double& value : image.mean[c].pixels())
-      value *= exposure;
-    for (double& value : image.variance[c].pixels())
-      value *= exposure * exposure;
-  }
-  return image;
-}
 
 // Apportions `share` over `error`, no piece beyond `most` in this iteration nor beyond its pool;
 // what that leaves over goes by room in the pool alone.
@@ -81,44 +64,50 @@ const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
 
 Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
                              const NlMeansSamplingOptions& options, GuardCounts& guards) {
-  const std::array<PieceStatistics, 2> halves = {half_statistics(statistics, pool.half(0), 0),
-                                                 half_statistics(statistics, pool.half(1), 1)};
+  const VarianceOptions variance{options.var_mode, options.nu0, options.key};
   std::array<HalfImage, 2> images;
+  std::array<Plane, 2> counts;
   for (std::size_t h = 0; h < 2; ++h) {
-    SPOOL_ASSIGN(images[h], half_image(halves[h], options));
+    SPOOL_ASSIGN(SampleHalf half, sample_half(statistics, pool, static_cast<int>(h), variance,
+                                              statistics.signal.exposure));
+    images[h] = std::move(half.image);
+    counts[h] = Plane(statistics.width(), statistics.height());
+    for (std::size_t i = 0; i < half.n.size(); ++i)
+      counts[h][i] = half.n[i];
   }
   // Red, green, blue and the sample count of each half, with the other's weights.
-  std::array<std::vector<Plane>, 2> filtered;
+  std::array<GuidedTargets, 2> guided;
   for (std::size_t h = 0; h < 2; ++h) {
-    Plane count(statistics.width(), statistics.height());
-    for (std::size_t i = 0; i < count.size(); ++i)
-      count[i] = halves[h].n[i];
-    const std::array<Plane, 4> targets = {images[h].mean[0], images[h].mean[1], images[h].mean[2],
-                                          std::move(count)};
-    filtered[h] = filter_with_guide(targets, images[1 - h], options.filter);
+    const RgbImage& mean = images[h].mean;
+    guided[h] = {{&mean[0], &mean[1], &mean[2], &counts[h]}, &images[1 - h]};
   }
   Plane error(statistics.width(), statistics.height());
-  std::vector<GuardCounts> caught(static_cast<std::size_t>(error.height()));
-  parallel_rows(0, error.height(), [&](int y) {
-    for (int x = 0; x < error.width(); ++x) {
-      for (std::size_t h = 0; h < 2; ++h) {
-        double sum = 0.0;
-        for (std::size_t c = 0; c < 3; ++c) {
-          const double difference = filtered[0][c](x, y) - filtered[1][c](x, y);
-          const double value = filtered[h][c](x, y);
-          sum += 2.0 * difference * difference / (kRelativeFloor + value * value);
+  std::atomic<std::uint64_t> sparse{0};  // a whole number: the order of its additions is no matter
+  filter_tiles(guided, options.filter, [&](const Rectangle& tile, const auto& filtered) {
+    std::uint64_t sparse_here = 0;
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        const auto of_half = [&](std::size_t h, std::size_t i) {
+          return filtered[h][i](x - tile.x0, y - tile.y0);
+        };
+        for (std::size_t h = 0; h < 2; ++h) {
+          double sum = 0.0;
+          for (std::size_t c = 0; c < 3; ++c) {
+            const double difference = of_half(0, c) - of_half(1, c), value = of_half(h, c);
+            sum += 2.0 * difference * difference / (kRelativeFloor + value * value);
+          }
+          double samples = of_half(h, 3);
+          if (samples < kLeastCount) {
+            ++sparse_here;
+            samples = kLeastCount;
+          }
+          error(x, y) += sum / 3.0 / samples;
         }
-        double samples = filtered[h][3](x, y);
-        if (samples < kLeastCount) {
-          caught[static_cast<std::size_t>(y)].add(Guard::kSparseHalf);
-          samples = kLeastCount;
-        }
-        error(x, y) += sum / 3.0 / samples;
       }
     }
+    sparse += sparse_here;
   });
-  for (const GuardCounts& row : caught)
-    guards += row;
+  guards.add(Guard::kSparseHalf, sparse);
   return error;
 }
 

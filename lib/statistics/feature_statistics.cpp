@@ -11,24 +11,42 @@
 namespace spool {
 namespace {
 
-constexpr int kBandRows = 64;  // pixels: the tiles of most recordings
+constexpr int kSquare = 64;  // pixels: the tiles of most recordings
 
-// Welford over the samples taken of every piece in a band of pixel rows.
-Result<void> accumulate_band(const SamplePool& pool, const CountImage& n, int first_row,
-                             FeatureStatistics& feature, GuardCounts& guards) {
+// Recorded samples up to the last that was taken of a pixel in the square.
+int samples_needed(const SamplePool& pool, const CountImage& n, const Rectangle& square) {
+  const int q = pool.pieces_per_side();
+  int needed = 0;
+  for (int y = square.y0 * q; y < square.y1 * q; ++y) {
+    for (int x = square.x0 * q; x < square.x1 * q; ++x) {
+      for (int i = 0; i < n(x, y); ++i)
+        needed = std::max(needed, pool.recorded_index(x, y, i) + 1);
+    }
+  }
+  return needed;
+}
+
+// Welford over the samples taken of every piece in a square of pixels.
+Result<void> accumulate_square(const SamplePool& pool, const CountImage& n, const Rectangle& square,
+                               FeatureStatistics& feature, GuardCounts& guards) {
   const RecordedSamples& recording = pool.recording();
-  const int width = recording.width(), spp = recording.spp(), q = pool.pieces_per_side();
-  const Rectangle band{0, first_row, width, std::min(first_row + kBandRows, recording.height())};
-  SPOOL_ASSIGN(const std::vector<float> values, recording.read_feature(feature.layer, band));
-  const std::size_t plane = static_cast<std::size_t>(band.area()) * static_cast<std::size_t>(spp);
+  const int q = pool.pieces_per_side();
+  const int needed = samples_needed(pool, n, square);
+  if (needed == 0) return {};
+  SPOOL_ASSIGN(const std::vector<float> values,
+               recording.read_feature(feature.layer, square, needed));
+  const std::size_t plane =
+      static_cast<std::size_t>(square.area()) * static_cast<std::size_t>(needed);
   if (values.size() != plane * feature.mean.size()) {
     return fail(ErrorCode::kData,
                 "{}: layer {} has another size than the radiance: record it again",
                 recording.name(), feature.layer.name);
   }
-  for (int y = band.y0 * q; y < band.y1 * q; ++y) {
-    for (int x = 0; x < width * q; ++x) {
-      const std::size_t pixel = (static_cast<std::size_t>(y / q - band.y0) * width + x / q) * spp;
+  for (int y = square.y0 * q; y < square.y1 * q; ++y) {
+    for (int x = square.x0 * q; x < square.x1 * q; ++x) {
+      const std::size_t pixel =
+          (static_cast<std::size_t>(y / q - square.y0) * square.width() + (x / q - square.x0)) *
+          static_cast<std::size_t>(needed);
       for (int i = 0; i < n(x, y); ++i) {
         const std::size_t s = pixel + static_cast<std::size_t>(pool.recorded_index(x, y, i));
         for (std::size_t c = 0; c < feature.mean.size(); ++c) {
@@ -61,35 +79,48 @@ void normalise_depth(FeatureStatistics& depth) {
 
 }  // namespace
 
+Result<FeatureStatistics> feature_statistics(const SamplePool& pool, const CountImage& n,
+                                             const FeatureLayer& layer, GuardCounts& guards) {
+  const RecordedSamples& recording = pool.recording();
+  const int q = pool.pieces_per_side();
+  const int across = (recording.width() + kSquare - 1) / kSquare;
+  const int down = (recording.height() + kSquare - 1) / kSquare;
+  const auto squares = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
+  const auto zeros = [&] {
+    return std::vector<Plane>(layer.components.size(), Plane(n.width(), n.height()));
+  };
+  FeatureStatistics feature{layer, zeros(), zeros()};
+  std::vector<std::optional<Error>> errors(squares);
+  std::vector<GuardCounts> caught(squares);
+  parallel_for(squares, [&](std::size_t i) {
+    const int x0 = static_cast<int>(i) % across * kSquare;
+    const int y0 = static_cast<int>(i) / across * kSquare;
+    const Rectangle square = intersect({x0, y0, x0 + kSquare, y0 + kSquare},
+                                       {0, 0, recording.width(), recording.height()});
+    const Result<void> read = accumulate_square(pool, n, square, feature, caught[i]);
+    if (!read) errors[i] = read.error();
+  });
+  for (std::size_t i = 0; i < squares; ++i) {
+    if (errors[i]) return tl::unexpected<Error>(*errors[i]);
+    guards += caught[i];
+  }
+  for (std::size_t c = 0; c < feature.mean.size(); ++c) {
+    GuardCounts counted_with_radiance;  // empty pieces; and floors far below any that matter here
+    feature.variance[c] =
+        variance_of_mean(n, feature.mean[c], feature.variance[c], {}, counted_with_radiance);
+    feature.mean[c] = fill_empty_pieces(feature.mean[c], n, q, counted_with_radiance);
+    feature.variance[c] = fill_empty_pieces(feature.variance[c], n, q, counted_with_radiance);
+  }
+  if (layer.name == "depth") normalise_depth(feature);
+  return feature;
+}
+
 Result<std::vector<FeatureStatistics>> feature_statistics(const SamplePool& pool,
                                                           const CountImage& n,
                                                           GuardCounts& guards) {
-  const RecordedSamples& recording = pool.recording();
-  const int q = pool.pieces_per_side();
-  const auto bands = static_cast<std::size_t>((recording.height() + kBandRows - 1) / kBandRows);
   std::vector<FeatureStatistics> features;
-  for (const FeatureLayer& layer : recording.features()) {
-    const std::vector<Plane> empty(layer.components.size(), Plane(n.width(), n.height()));
-    FeatureStatistics feature{layer, empty, empty};
-    std::vector<std::optional<Error>> errors(bands);
-    std::vector<GuardCounts> caught(bands);
-    parallel_for(bands, [&](std::size_t b) {
-      const Result<void> read =
-          accumulate_band(pool, n, static_cast<int>(b) * kBandRows, feature, caught[b]);
-      if (!read) errors[b] = read.error();
-    });
-    for (std::size_t b = 0; b < bands; ++b) {
-      if (errors[b]) return tl::unexpected<Error>(*errors[b]);
-      guards += caught[b];
-    }
-    for (std::size_t c = 0; c < feature.mean.size(); ++c) {
-      GuardCounts counted_with_radiance;  // empty pieces; and floors far below any that matter here
-      feature.variance[c] =
-          variance_of_mean(n, feature.mean[c], feature.variance[c], {}, counted_with_radiance);
-      feature.mean[c] = fill_empty_pieces(feature.mean[c], n, q, counted_with_radiance);
-      feature.variance[c] = fill_empty_pieces(feature.variance[c], n, q, counted_with_radiance);
-    }
-    if (layer.name == "depth") normalise_depth(feature);
+  for (const FeatureLayer& layer : pool.recording().features()) {
+    SPOOL_ASSIGN(FeatureStatistics feature, feature_statistics(pool, n, layer, guards));
     features.push_back(std::move(feature));
   }
   return features;

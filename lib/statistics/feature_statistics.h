@@ -23,8 +23,10 @@ struct FeatureStatistics {
   std::vector<Plane> variance;  // [channel][y][x] of `mean`
 };
 
-// One entry per layer of the recording, in its order; none where none were recorded. Errors: those
-// of reading.
+// Of one layer of the recording. Errors: those of reading.
+Result<FeatureStatistics> feature_statistics(const SamplePool& pool, const CountImage& n,
+                                             const FeatureLayer& layer, GuardCounts& guards);
+// One entry per layer of the recording, in its order; none where none were recorded.
 Result<std::vector<FeatureStatistics>> feature_statistics(const SamplePool& pool,
                                                           const CountImage& n, GuardCounts& guards);
 

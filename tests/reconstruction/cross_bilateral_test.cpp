@@ -24,7 +24,7 @@ void agrees_with_the_twin(int width, int height, const CrossBilateralOptions& op
   const Selection selection = select_counts(pool, [](int x, int y) { return 4 + (3 * x + y) % 5; });
   const PieceStatistics& statistics = selection.statistics;
   GuardCounts guards;
-  const auto result = cross_bilateral(statistics, pool, 1.0, options, guards);
+  const auto result = cross_bilateral(statistics, pool, 1.0, options, guards, RisksKept::kAll);
   ASSERT_TRUE(result.has_value()) << result.error().message;
   const auto pieces = estimate_pieces(statistics, {}, 1.0, guards);
   const auto twin = reference::cross_bilateral(pieces->mean, pieces->variance,
@@ -129,12 +129,13 @@ TEST(CrossBilateral, IsRefusedWithoutFeatures) {
 
 TEST(FeatureStatistics, FollowTheOrderOfThePoolAndCountWhatIsNotFinite) {
   auto recording = RecordedSamples::from_memory("plain", 3, 2, 4, std::vector<float>(72, 1.0f));
-  recording->set_features({{"depth", "Z"}}, [](const FeatureLayer&, const Rectangle& box) {
-    std::vector<float> values;
-    for (long long i = 0; i < box.area() * 4; ++i)
-      values.push_back(i == 5 ? INFINITY : static_cast<float>(i));
-    return Result<std::vector<float>>(values);
-  });
+  recording->set_features({{"depth", "Z"}},
+                          [](const FeatureLayer&, const Rectangle& box, int samples) {
+                            std::vector<float> values;
+                            for (long long i = 0; i < box.area() * samples; ++i)
+                              values.push_back(i == 5 ? INFINITY : static_cast<float>(i));
+                            return Result<std::vector<float>>(values);
+                          });
   PoolOptions options;
   options.order = PoolOrder::kShuffled;
   options.seed = 9;

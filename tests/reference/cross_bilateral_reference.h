@@ -22,7 +22,7 @@ inline std::vector<Feature> features(const SamplePool& pool, const CountImage& n
   const RecordedSamples& recording = pool.recording();
   const int width = n.width(), height = n.height(), spp = recording.spp();
   for (const FeatureLayer& layer : recording.features()) {
-    const auto values = *recording.read_feature(layer, {0, 0, width, height});
+    const auto values = *recording.read_feature(layer, {0, 0, width, height}, spp);
     const std::size_t channels = layer.components.size();
     Feature feature{layer.name, std::vector<Plane>(channels, Plane(width, height)),
                     Plane(width, height)};

@@ -14,15 +14,15 @@ namespace spool::test {
 // value(layer, component, x, y, s) -> float or double, any value.
 template <class Value>
 void add_features(RecordedSamples& recording, Value value) {
-  const int spp = recording.spp();
   recording.set_features(
       {{"albedo", "RGB"}, {"normal", "XYZ"}, {"depth", "Z"}},
-      [=](const FeatureLayer& layer, const Rectangle& box) -> Result<std::vector<float>> {
+      [=](const FeatureLayer& layer, const Rectangle& box,
+          int samples) -> Result<std::vector<float>> {
         std::vector<float> values;
         for (std::size_t c = 0; c < layer.components.size(); ++c) {
           for (int y = box.y0; y < box.y1; ++y) {
             for (int x = box.x0; x < box.x1; ++x) {
-              for (int s = 0; s < spp; ++s)
+              for (int s = 0; s < samples; ++s)
                 values.push_back(static_cast<float>(value(layer.name, c, x, y, s)));
             }
           }

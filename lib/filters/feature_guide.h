@@ -1,0 +1,40 @@
+// Recorded features as the weights of a cross-bilateral filter want them: means of the samples
+// taken in float, one variance per feature.
+//
+//   w_pq = exp(-sum_f |f_p - f_q|^2 / (2 sigma_f^2 max(var_fp + var_fq, 0.01)))
+//
+// var_f is the mean over the feature's channels. w_pq = w_qp to the bit.
+#pragma once
+
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/guards.h"
+#include "lib/core/image.h"
+#include "lib/pool/sample_pool.h"
+
+namespace spool {
+
+struct FeatureGuide {
+  static constexpr std::size_t kMostFeatures = 3;  // albedo, normal, depth
+  struct Feature {
+    std::vector<Image<float>> mean;  // [channel][y][x] of pieces
+    Image<float> variance;           // of the means
+    float factor = 1.0f;             // 1 / (2 sigma_f^2)
+  };
+  int width = 0, height = 0;
+  std::vector<Feature> features;
+};
+
+// `tolerance` is sigma_f by the layer's name. One layer after the other is read and let go. Errors:
+// those of reading.
+Result<FeatureGuide> make_feature_guide(const SamplePool& pool, const CountImage& n,
+                                        const std::function<double(std::string_view)>& tolerance,
+                                        GuardCounts& guards);
+
+// to[x - x0] = w of (x, y) with (x + dx, qy) for x = x0 .. x1 - 1, all of them inside the image.
+void feature_weights(const FeatureGuide& guide, int y, int qy, int dx, int x0, int x1, float* to);
+
+}  // namespace spool
