@@ -20,6 +20,9 @@ RgbImage cell_means(const PieceStatistics& statistics, const SamplePool& pool,
 
 // Cells filtered with cell_filter_taps, one value per pixel; windows cut and renormalised.
 Plane filter_cells(const Plane& cells);
+// filter_cells(cell_means(..)) of each channel, to the bit, without an image of cells.
+RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool& pool,
+                             const RgbImage& pixel_mean);
 
 // A kernel over pixels: taps for values, and what stands for their squares in a variance. On the
 // subpixel grid a pixel's tap is the sum over its cells and the square 4 times the sum of squares

@@ -36,10 +36,12 @@ Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const Sam
   base.count = average_pieces(base.count, q);
   const RgbImage mean = average_pieces(std::move(pieces.mean), q);
   base.variance = average_piece_variance(std::move(pieces.variance), q);
-  const PixelKernel kernel = compose_with_base({0, {1.0}}, base.subpixel);
-  const RgbImage cells = base.subpixel ? cell_means(statistics, pool, mean) : RgbImage{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    base.image[c] = base.subpixel ? filter_cells(cells[c]) : truncated_mean(mean[c], kernel.taps);
+  if (base.subpixel) {
+    base.image = filtered_cell_means(statistics, pool, mean);
+  } else {
+    const Taps taps = compose_with_base({0, {1.0}}, false).taps;
+    for (std::size_t c = 0; c < 3; ++c)
+      base.image[c] = truncated_mean(mean[c], taps);
   }
   return base;
 }
@@ -47,22 +49,11 @@ Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const Sam
 Scale base_scale(const LadderBase& base) {
   const PixelKernel kernel = compose_with_base({0, {1.0}}, base.subpixel);
   Scale scale;
-  scale.image = base.image;
-  for (std::size_t c = 0; c < 3; ++c)
-    scale.variance[c] = truncated_variance(base.variance[c], kernel.taps, kernel.squares);
-  scale.samples = truncated_sum(base.count, peak_normalised(kernel.taps));
-  return scale;
-}
-
-Scale scale_at(const LadderBase& base, const Scale& lowest, int s, double sigma) {
-  const Taps gaussian = floor_gaussian_taps(sigma);
-  const PixelKernel kernel = compose_with_base(gaussian, base.subpixel);
-  Scale scale;
   for (std::size_t c = 0; c < 3; ++c) {
-    scale.image[c] = truncated_mean(base.image[c], gaussian);
-    scale.variance[c] = truncated_variance(base.variance[c], kernel.taps, kernel.squares);
+    scale.channels[c].image = base.image[c];
+    scale.channels[c].variance = truncated_variance(base.variance[c], kernel.taps, kernel.squares);
   }
-  scale.samples = s == 1 ? lowest.samples : truncated_mean(base.count, kernel.taps);
+  scale.samples = truncated_sum(base.count, peak_normalised(kernel.taps));
   return scale;
 }
 
@@ -75,20 +66,34 @@ double transition_caution(double gamma) {
   return -std::log(1.0 - std::pow(1.9 * gamma, 1.0 / std::numbers::sqrt2));
 }
 
-Plane transition_stops(const Scale& fine, const Scale& coarse, double beta, double caution) {
-  Plane stop(fine.samples.width(), fine.samples.height());
-  parallel_rows(0, stop.height(), [&](int y) {
-    for (int x = 0; x < stop.width(); ++x) {
-      const double z = caution * (1.0 - 1.0 / std::max(coarse.samples(x, y), kLeastSamples));
-      double balance = 0.0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double step = coarse.image[c](x, y) - fine.image[c](x, y);
-        const double gain = fine.variance[c](x, y) - coarse.variance[c](x, y);
-        balance += z * beta * step * step - gain;
-      }
-      stop(x, y) = balance >= 0.0 ? 1.0 : 0.0;
+void add_transition(const ScaleChannel& fine, const ScaleChannel& coarse, const Plane& samples,
+                    double beta, double caution, Plane& balance, Plane* change) {
+  parallel_rows(0, balance.height(), [&](int y) {
+    for (int x = 0; x < balance.width(); ++x) {
+      const double z = caution * (1.0 - 1.0 / std::max(samples(x, y), kLeastSamples));
+      const double step = coarse.image(x, y) - fine.image(x, y);
+      const double gain = fine.variance(x, y) - coarse.variance(x, y);
+      balance(x, y) += z * beta * step * step - gain;
+      if (change != nullptr) (*change)(x, y) += beta * step * step - gain;
     }
   });
+}
+
+Plane climb(Scale& scale, const LadderBase& base, int s, double sigma, double beta, double caution,
+            Plane* change) {
+  const Taps gaussian = floor_gaussian_taps(sigma);
+  const PixelKernel kernel = compose_with_base(gaussian, base.subpixel);
+  if (s > 1) scale.samples = truncated_mean(base.count, kernel.taps);
+  Plane stop(base.count.width(), base.count.height());
+  if (change != nullptr) *change = stop;
+  for (std::size_t c = 0; c < 3; ++c) {
+    ScaleChannel coarse{truncated_mean(base.image[c], gaussian),
+                        truncated_variance(base.variance[c], kernel.taps, kernel.squares)};
+    add_transition(scale.channels[c], coarse, scale.samples, beta, caution, stop, change);
+    scale.channels[c] = std::move(coarse);
+  }
+  for (double& balance : stop.pixels())
+    balance = balance >= 0.0 ? 1.0 : 0.0;
   return stop;
 }
 

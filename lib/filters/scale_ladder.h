@@ -36,8 +36,11 @@ struct LadderBase {
 };
 
 // Everything known at one scale.
+struct ScaleChannel {
+  Plane image, variance;
+};
 struct Scale {
-  RgbImage image, variance;
+  std::array<ScaleChannel, 3> channels;
   Plane samples;  // N of the transition to this scale
 };
 
@@ -47,16 +50,19 @@ Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const Sam
                                     double exposure, GuardCounts& guards);
 
 Scale base_scale(const LadderBase& base);
-// Scale s >= 1 of standard deviation sigma, pixels; N of s = 1 is that of the base.
-Scale scale_at(const LadderBase& base, const Scale& lowest, int s, double sigma);
-
 // beta_s; `before` is sigma_{s-1}, not used for s = 1.
 double transition_beta(int s, double sigma, double before);
 // The factor of z that depends on gamma alone, gamma < 0.526.
 double transition_caution(double gamma);
 
-// stop_s of every pixel, 0 or 1, before its neighbours are asked.
-Plane transition_stops(const Scale& fine, const Scale& coarse, double beta, double caution);
+// Adds z loss - gain of a channel to `balance`, and loss - gain to `change`, if wanted.
+void add_transition(const ScaleChannel& fine, const ScaleChannel& coarse, const Plane& samples,
+                    double beta, double caution, Plane& balance, Plane* change);
+// Takes `scale` from s - 1 to s >= 1 of standard deviation sigma, pixels, one channel after the
+// other; N of s = 1 is that of the base. Returns stop_s of every pixel, 0 or 1, before its
+// neighbours are asked; `change`, if wanted, is the sum of loss - gain.
+Plane climb(Scale& scale, const LadderBase& base, int s, double sigma, double beta, double caution,
+            Plane* change = nullptr);
 
 // b' of every pixel: the stop map blurred with G(sigma) * pixel filter, the pixel's own weight at
 // most 0.01. Only values near 1/2 and above count as a vote to stop; a lone pixel's is 1.

@@ -51,35 +51,33 @@ Result<Reconstruction> reconstruct_greedy_selection(const Selection& selection,
   SPOOL_ASSIGN(const LadderBase base, make_ladder_base(statistics, pool, options.grid,
                                                        {options.var_mode, options.nu0, options.key},
                                                        exposure, result.guards));
-  const Scale lowest = base_scale(base);
+  Scale scale = base_scale(base);
   const int width = base.count.width(), height = base.count.height();
-  Scale fine = lowest;
 
   // One transition after the other; a pixel that has stopped stays where it is
-  result.image = fine.image;
-  result.variance = fine.variance;
+  result.variance.emplace();
+  for (std::size_t c = 0; c < 3; ++c) {
+    result.image[c] = scale.channels[c].image;
+    (*result.variance)[c] = scale.channels[c].variance;
+  }
   CountImage level(width, height, 0);
-  CountImage stopped(width, height, 0);
   const double caution = transition_caution(options.gamma);
   for (int s = 1; s <= options.scales; ++s) {
     const double sigma = greedy_scale(s);
-    const double beta = transition_beta(s, sigma, greedy_scale(s - 1));
-    Scale coarse = scale_at(base, lowest, s, sigma);
-    Plane stop = transition_stops(fine, coarse, beta, caution);
+    Plane stop =
+        climb(scale, base, s, sigma, transition_beta(s, sigma, greedy_scale(s - 1)), caution);
     open_stops(stop, options.alpha * sigma);
     parallel_rows(0, height, [&](int y) {
       for (std::size_t i = level.index(0, y); i < level.index(0, y + 1); ++i) {
-        if (stop[i] > 0.0) stopped[i] = 1;
-        if (stopped[i] != 0) continue;
+        if (level[i] < s - 1 || stop[i] > 0.0) continue;
         level[i] = s;
         for (std::size_t c = 0; c < 3; ++c) {
-          result.image[c][i] = coarse.image[c][i];
-          (*result.variance)[c][i] = coarse.variance[c][i];
+          result.image[c][i] = scale.channels[c].image[i];
+          (*result.variance)[c][i] = scale.channels[c].variance[i];
         }
       }
     });
     if (context.views) context.views->add(fmt::format("stop.{}", s), stop);
-    fine = std::move(coarse);
     if (context.progress) context.progress(static_cast<double>(s) / options.scales);
   }
   if (context.views && context.views->wants("level")) {
