@@ -1,0 +1,30 @@
+"""A large recording with features: mirror images of a small one beside each other, each with its samples in another order.
+
+Neighbouring copies share their border pixels' values, as mirror images do, but not their noise.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "formats" / "python"))
+import spool  # noqa: E402
+
+LAYERS = {"radiance": ("f4", "RGB"), "albedo": ("f2", "RGB"), "normal": ("f2", "XYZ"), "depth": ("f2", "Z")}
+
+
+def enlarged(values, times):
+    """[y][x][s][c], `times` copies across and down."""
+    rows = []
+    for j in range(times):
+        row = [np.roll(values[::-1 if j % 2 else 1, ::-1 if i % 2 else 1], 7 * i + 3 * j, axis=2) for i in range(times)]
+        rows.append(np.concatenate(row, axis=1))
+    return np.concatenate(rows, axis=0)
+
+
+def write_mosaic(source, path, size):
+    with spool.open(source) as small:
+        times, spp = size // small.width, small.spp
+        layers = {name: small.read(name) for name in LAYERS}
+    with spool.Writer(path, size, size, spp, LAYERS, sample_order="exchangeable") as writer:
+        writer.write_passes(0, {name: enlarged(values, times) for name, values in layers.items()})
