@@ -43,13 +43,13 @@ struct CrossBilateralImage {
   std::vector<Plane> all;  // smoothed risk of each scale, where asked for
 };
 
-enum class RisksKept { kLeast, kAll };
+enum class RisksKept { kOfTheScale, kAll };
 
 // Error kData when the recording has no feature, or no piece has a sample.
 Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
                                             const SamplePool& pool, double exposure,
                                             const CrossBilateralOptions& options,
                                             GuardCounts& guards,
-                                            RisksKept kept = RisksKept::kLeast);
+                                            RisksKept kept = RisksKept::kOfTheScale);
 
 }  // namespace spool

@@ -161,7 +161,7 @@ class Tile {
       float* row = &weights_[static_cast<std::size_t>(dx + across_) * stride_];
       const auto at = [&](int x) { return row + (x - tile_.x0 + across_); };
       std::fill(at(x0), at(inside0), 0.0f);
-      std::fill(at(inside1), at(std::max(inside1, x1)), 0.0f);
+      if (inside1 < x1) std::fill(at(inside1), at(x1), 0.0f);
       if (inside0 < inside1) feature_weights(guide_, y, qy, dx, inside0, inside1, at(inside0));
     }
   }

@@ -18,7 +18,7 @@ int cell_of(float film) {
 
 // Rows of pixels whose cells are computed together; the cells of two more on either side are
 // computed again.
-constexpr int kBandRows = 32, kReach = 2;
+constexpr int kBandRows = 32, kBandReach = 2;
 
 // Means of the cells of one row of pixels, to[c] [kCellsPerPixel][kCellsPerPixel * width].
 void cell_means_of_row(const PieceStatistics& statistics, const SamplePool& pool,
@@ -65,7 +65,7 @@ void filter_along_row(const double* cells, int width, const Taps& taps, double* 
       phases[static_cast<std::size_t>(phase * width + x)] = cells[x * kCellsPerPixel + phase];
   }
   const int terms = static_cast<int>(taps.values.size());
-  const int begin = std::min(kReach, width), end = std::max(begin, width - kReach);
+  const int begin = std::min(kBandReach, width), end = std::max(begin, width - kBandReach);
   const auto border = [&](int x) {
     double sum = 0.0, inside = 0.0;
     for (int i = 0; i < terms; ++i) {
@@ -159,7 +159,7 @@ RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool
   const int bands = (height + kBandRows - 1) / kBandRows;
   parallel_for(static_cast<std::size_t>(bands), [&](std::size_t band) {
     const int y0 = static_cast<int>(band) * kBandRows, y1 = std::min(y0 + kBandRows, height);
-    const int first = std::max(0, y0 - kReach), last = std::min(y1 + kReach, height);
+    const int first = std::max(0, y0 - kBandReach), last = std::min(y1 + kBandReach, height);
     RgbImage cells = make_rgb(kCellsPerPixel * width, kCellsPerPixel);
     RgbImage rows = make_rgb(width, (last - first) * kCellsPerPixel);
     for (int y = first; y < last; ++y) {

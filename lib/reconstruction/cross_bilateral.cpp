@@ -16,7 +16,7 @@ Result<Reconstruction> reconstruct_cross_bilateral(const Selection& selection,
   const bool shown = context.views != nullptr && context.views->wants("risk");
   SPOOL_ASSIGN(CrossBilateralImage filtered,
                cross_bilateral(statistics, pool, exposure, options, result.guards,
-                               shown ? RisksKept::kAll : RisksKept::kLeast));
+                               shown ? RisksKept::kAll : RisksKept::kOfTheScale));
   if (context.views != nullptr) {
     for (std::size_t s = 0; s < filtered.all.size(); ++s)
       context.views->add(fmt::format("risk.{}", s), filtered.all[s]);
