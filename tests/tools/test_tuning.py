@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools/experiments"))
 import tune  # noqa: E402
 from results import Results  # noqa: E402
-from tuning_choice import Candidate, Scores  # noqa: E402
+from tuning_choice import Candidate, Choice, Scores  # noqa: E402
 from tuning_page import energy_misses, page, target_table  # noqa: E402
 from tuning_pools import APART, CHOOSING, RECORDED, SECOND, recording  # noqa: E402
 from tuning_verdict import MET, MISSED, NOISE, RIVALS, reasons, verdict  # noqa: E402
@@ -76,6 +76,13 @@ def test_a_candidate_that_failed_somewhere_takes_no_part():
     made = cells(a=(0.5, 0.1, 0.9), b=(0.5, ([], [], []), 0.9))
     scores = Scores(made, "ab")
     assert scores.choose("ab").candidate == DEFAULTS and scores.incomplete == [LARGE]
+
+
+def test_a_pool_is_judged_by_the_choice_in_which_its_scene_had_no_say():
+    left_out = {p: Choice(Candidate((), (("pool", p),), 0), DEFAULTS, 1, 0.0, 0.0) for p in CHOOSING}
+    chosen = tune.choices(left_out, Choice(BOTH, BOTH, 1, 0.0, 0.0))
+    assert {p: dict(chosen[p].filter)["pool"] for p in [*CHOOSING, *SECOND]} == {p: p for p in CHOOSING} | SECOND
+    assert all(chosen[p] == BOTH for p in APART) and len(chosen) == len(CHOOSING) + len(SECOND) + len(APART)
 
 
 OURS = ("multiscale", "directional")
@@ -180,13 +187,14 @@ def made_page(errors, without=()):
 def test_the_page_says_when_another_setting_than_the_defaults_is_chosen():
     text = made_page((0.5, 0.4))
     assert "Today's defaults are not the choice from all five pools, which is: filter: `size_factor=const(1)`" in text
+    assert text.index("| mist | 16 | 0.5") > text.index("## The target with today's defaults") > text.index("| mist | 16 | 0.4")
     assert "changes relMSE by -20.0 %" in text and "lower beyond the noise" in text
     assert "relMSE is met in 21 of 21 cells" in text and "With today's defaults: relMSE is met in 0 of 21 cells" in text
 
 
 def test_the_page_says_when_the_defaults_are_the_choice():
     text = made_page((0.4, 0.5))
-    assert "Today's defaults are the choice from all five pools.**" in text
+    assert "Today's defaults are the choice from all five pools.**" in text and "## The target with today's defaults" not in text
     assert all(f"| {pool} | 8 |" in text for pool in RECORDED)
 
 

@@ -31,7 +31,8 @@ defaults is taken, then the one with the lower score, then the first of the plan
 the choice is judged on it. {' and '.join(f'{p} (a second recording of {s})' for p, s in SECOND.items())} are judged by
 the choice that left their scene out. **Kept apart**, without a say in any choice: {', '.join(APART_RECORDED)}, scene S with and
 without fireflies, and the stress pools. What leaving out cannot undo: the list of candidates was written, and the defaults
-were found, by people who had seen results on these pools; scene S is where the first prototypes were tuned."""
+were found, by people who had seen results on these pools; scene S is where the first prototypes were tuned. All pools are
+64 x 64 pixels: what counts in pixels (`K`: the largest filter is 2^K pixels wide) may want another value in larger images."""
 
 MARKS = {MET: "met", NOISE: "*missed within the noise*", MISSED: "**missed**"}
 
@@ -201,10 +202,19 @@ def target_section(title, judged, pools, chosen, defaults, budgets):
             energy_misses(judged, pools, chosen, budgets)]
 
 
+def defaults_section(from_all, judged, pools, chosen, defaults, budgets):
+    """What people get who set nothing, where that is not the choice."""
+    pools = [p for p in pools if p in chosen]
+    if from_all.candidate.changes == 0 or not pools:
+        return []
+    return ["## The target with today's defaults", target_table(judged, pools, {p: defaults for p in pools}, budgets)]
+
+
 def page(scores, left_out, from_all, judged, chosen, defaults, budgets):
     seen = [p for p in RECORDED if p not in APART_RECORDED]
     blocks = [HEAD, *choices_section(scores, left_out, from_all, judged, chosen, defaults, budgets),
               *target_section("The target on recorded pools, each left out of its choice", judged, seen, chosen, defaults, budgets),
               *target_section("The target on pools kept apart", judged, [*APART_RECORDED, *APART_ANALYTIC], chosen, defaults, budgets),
+              *defaults_section(from_all, judged, [*seen, *APART_RECORDED, *APART_ANALYTIC], chosen, defaults, budgets),
               *candidates_section(scores), *leaders_section(scores)]
     return "\n\n".join(block for block in blocks if block) + "\n"
