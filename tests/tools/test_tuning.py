@@ -11,7 +11,7 @@ sys.path.insert(0, str(ROOT / "tools/experiments"))
 import tune  # noqa: E402
 from results import Results  # noqa: E402
 from tuning_choice import Candidate, Choice, Scores  # noqa: E402
-from tuning_page import energy_misses, page, target_table  # noqa: E402
+from tuning_page import energy_misses, page, single_section, sizes_section, target_table  # noqa: E402
 from tuning_pools import APART, CHOOSING, RECORDED, SECOND, recording  # noqa: E402
 from tuning_verdict import MET, MISSED, NOISE, RIVALS, reasons, verdict  # noqa: E402
 
@@ -162,10 +162,12 @@ def test_a_default_written_out_is_no_other_candidate():
 
 
 def test_the_plan_of_the_judgement_has_the_choice_the_defaults_and_every_rival(tmp_path):
-    plan = tomllib.loads(tune.judging_plan("fireflies", [BOTH, DEFAULTS], tmp_path))
+    plan = tomllib.loads(tune.judging_plan(["fireflies"], [BOTH, DEFAULTS], tmp_path))
     assert (tmp_path / plan["recordings"][0]).resolve() == ROOT / recording("fireflies")
     assert plan["sampler"] == [{"name": "multiscale", "init_spp": "2"}, {"name": "multiscale"}]
     assert all(s in plan["samplers"] and f in plan["filters"] for s, f in RIVALS)
+    assert [tune.methods(c) for c in tune.singles(BOTH)] == [
+        OURS, ("multiscale{init_spp=2}", "directional"), ("multiscale", "directional{size_factor=const(1)}")]
     assert tune.methods(BOTH) == ("multiscale{init_spp=2}", "directional{size_factor=const(1)}")
 
 
@@ -202,3 +204,20 @@ def test_pools_that_were_not_judged_yet_are_named():
     text = made_page((0.5, 0.4), ["table", "fireflies"])
     assert "**Not judged yet: table.**" in text and "**Not judged yet: fireflies.**" in text and "| table | 8 |" not in text
     assert made_page((0.5, 0.4), APART).count("**Not judged yet.**") == 1
+
+
+def test_each_option_alone_is_shown_pool_by_pool():
+    made = {c: {p: [cell(e if p != "mist" else 0.5)] for p in CHOOSING} for c, e in ((DEFAULTS, 0.5), (LARGE, 0.4), (BOTH, 0.1))}
+    text = "\n".join(single_section(Scores({c: {p: [(e, n, made[DEFAULTS][p][0][0]) for e, n, _ in v] for p, v in by.items()}
+                                            for c, by in made.items()}, CHOOSING)))
+    assert "| filter: `size_factor=const(1)` | -0.179 | -0.223 | -0.223 | -0.223 | +0.000 | -0.223 |" in text
+    assert "init_spp" not in text
+
+
+def test_the_choice_is_shown_at_two_sizes():
+    sized = Results([])
+    for pool, ratio in (("scene_s", 0.5), ("scene_s_128", 2.0), ("scene_s_fireflies", 0.5), ("scene_s_fireflies_128", 2.0)):
+        for method, error in ((OURS, 1.0), (tune.methods(LARGE), ratio)):
+            sized._rows[(pool, *method, 8, 0)] = [{"replicate": r, "relmse": error * w} for r, w in enumerate(WOBBLE)]
+    text = "\n".join(sizes_section(sized, [(LARGE, tune.methods(LARGE))], OURS))
+    assert "| filter: `size_factor=const(1)` | 0.5000 | 2.000 | 0.5000 | 2.000 |" in text

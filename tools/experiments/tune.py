@@ -21,7 +21,7 @@ from pools import PLANS, make_pools  # noqa: E402
 from results import Results  # noqa: E402
 from tuning_choice import Candidate, Scores  # noqa: E402
 from tuning_page import page  # noqa: E402
-from tuning_pools import APART, CHOOSING, SECOND, recording  # noqa: E402
+from tuning_pools import APART, CHOOSING, SECOND, TWICE, recording  # noqa: E402
 from tuning_verdict import RIVALS  # noqa: E402
 
 ROOT = PLANS.parents[1]
@@ -95,25 +95,32 @@ def quoted(names):
     return json.dumps(list(dict.fromkeys(names)))
 
 
-def judging_plan(pool, candidates, folder):
-    """The candidates on one pool beside the rivals, every sampler with every filter: that tells which of the two loses."""
+def singles(candidate):
+    """Each change of a candidate alone, and the defaults."""
+    return [Candidate((), (), -1), *(Candidate((c,), (), -1) for c in candidate.sampler),
+            *(Candidate((), (c,), -1) for c in candidate.filter)]
+
+
+def judging_plan(pools, candidates, folder, budgets=BUDGETS, rivals=(CONTROL, *RIVALS)):
+    """The candidates beside the rivals, every sampler with every filter: that tells which of the two loses."""
     def entries(kind, name, settings):
         for options in dict.fromkeys(settings):
             yield "\n".join([f"[[{kind}]]", f'name = "{name}"', *(f'{o} = "{v}"' for o, v in options)])
 
     return "\n".join([
-        f'title = "judged on {pool}"', f'recordings = ["{os.path.relpath(ROOT / recording(pool), folder)}"]',
-        f"spp = {BUDGETS}", "replicates = 5", "pictures = false",
-        f"samplers = {quoted(s for s, _ in (CONTROL, *RIVALS))}", f"filters = {quoted(f for _, f in (CONTROL, *RIVALS))}",
+        f'title = "judged on {", ".join(pools)}"',
+        f"recordings = {json.dumps([os.path.relpath(ROOT / recording(p), folder) for p in pools])}",
+        f"spp = {budgets}", "replicates = 5", "pictures = false",
+        f"samplers = {quoted(s for s, _ in rivals)}", f"filters = {quoted(f for _, f in rivals)}",
         *entries("sampler", SAMPLER, [c.sampler for c in candidates]),
         *entries("filter", FILTER, [c.filter for c in candidates])]) + "\n"
 
 
-def judge(pool, candidates, arguments):
+def judge(name, pools, candidates, arguments, **more):
     folder = arguments.results / "judged"
     folder.mkdir(parents=True, exist_ok=True)
-    text = judging_plan(pool, candidates, folder)
-    plan = folder / f"{pool}-{zlib.crc32(text.encode()):08x}.toml"  # another choice is another folder
+    text = judging_plan(pools, candidates, folder, **more)
+    plan = folder / f"{name}-{zlib.crc32(text.encode()):08x}.toml"  # another choice is another folder
     plan.write_text(text)
     return evaluate(plan, plan.with_suffix(""), arguments)
 
@@ -137,10 +144,16 @@ def main():
     left_out, from_all = scores.leave_one_out(CHOOSING), scores.choose(CHOOSING)
     unchanged = Candidate((), (), -1)
     choice = choices(left_out, from_all)
-    folders = {p: judge(p, [c, unchanged], arguments) for p, c in choice.items()}
+    folders = {p: judge(p, [p], [c, unchanged], arguments) for p, c in choice.items()}
     judged = Results([folder for folder in folders.values() if folder])
     chosen = {p: methods(c) for p, c in choice.items() if folders[p]}
-    text = page(scores, left_out, from_all, judged, chosen, (SAMPLER, FILTER), BUDGETS)
+    sized = None
+    if from_all.candidate.changes:
+        sized = judge("twice", [p for pair in TWICE.items() for p in pair], [from_all.candidate, *singles(from_all.candidate)],
+                      arguments, budgets=[8], rivals=())
+    sizes = [(c, methods(c)) for c in [*singles(from_all.candidate)[1:], from_all.candidate]]
+    text = page(scores, left_out, from_all, judged, chosen, (SAMPLER, FILTER), BUDGETS,
+                (Results([sized]), sizes) if sized else None)
     partial = arguments.output.with_suffix(".md.partial")
     partial.write_text(text)
     os.replace(partial, arguments.output)

@@ -10,6 +10,8 @@ SECOND = {"caustic_mitsuba": "caustic", "chess_sequence": "chess"}
 APART_RECORDED = ["fireflies"]
 APART_ANALYTIC = ["scene_s", "scene_s_fireflies", "stress_slanted_edge", "stress_soft_shadow", "stress_streaks",
                   "stress_fine_checker", "stress_fireflies"]
+# The same scene with twice the pixels a side: does a choice hold where everything is twice as many pixels wide?
+TWICE = {"scene_s": "scene_s_128", "scene_s_fireflies": "scene_s_fireflies_128"}
 APART = APART_RECORDED + APART_ANALYTIC
 
 RECORDED = ["balls", "caustic", "caustic_mitsuba", "chess", "chess_sequence", "fireflies", "mist", "table"]
@@ -17,4 +19,4 @@ RECORDED = ["balls", "caustic", "caustic_mitsuba", "chess", "chess_sequence", "f
 
 def recording(pool):
     """Its file, from the top of the tree."""
-    return f"tools/plans/pools/{pool}.spool" if pool in APART_ANALYTIC else f"dumps/tiny/{pool}.spool"
+    return f"tools/plans/pools/{pool}.spool" if pool in (*APART_ANALYTIC, *TWICE.values()) else f"dumps/tiny/{pool}.spool"
