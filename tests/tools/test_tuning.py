@@ -11,7 +11,7 @@ sys.path.insert(0, str(ROOT / "tools/experiments"))
 import tune  # noqa: E402
 from results import Results  # noqa: E402
 from tuning_choice import Candidate, Choice, Scores  # noqa: E402
-from tuning_page import energy_misses, page, single_section, sizes_section, target_table  # noqa: E402
+from tuning_page import alone_section, energy_misses, page, single_section, target_table  # noqa: E402
 from tuning_pools import APART, CHOOSING, RECORDED, SECOND, recording  # noqa: E402
 from tuning_verdict import MET, MISSED, NOISE, RIVALS, reasons, verdict  # noqa: E402
 
@@ -214,10 +214,10 @@ def test_each_option_alone_is_shown_pool_by_pool():
     assert "init_spp" not in text
 
 
-def test_the_choice_is_shown_at_two_sizes():
-    sized = Results([])
-    for pool, ratio in (("scene_s", 0.5), ("scene_s_128", 2.0), ("scene_s_fireflies", 0.5), ("scene_s_fireflies_128", 2.0)):
+def test_the_choice_is_shown_change_by_change_on_pools_kept_apart():
+    alone = Results([])
+    for pool, ratio in (("fireflies", 0.5), ("scene_s", 0.5), ("scene_s_128", 2.0), ("scene_s_fireflies", 0.5), ("scene_s_fireflies_128", 2.0)):
         for method, error in ((OURS, 1.0), (tune.methods(LARGE), ratio)):
-            sized._rows[(pool, *method, 8, 0)] = [{"replicate": r, "relmse": error * w} for r, w in enumerate(WOBBLE)]
-    text = "\n".join(sizes_section(sized, [(LARGE, tune.methods(LARGE))], OURS))
-    assert "| filter: `size_factor=const(1)` | 0.5000 | 2.000 | 0.5000 | 2.000 |" in text
+            alone._rows[(pool, *method, 8, 0)] = [{"replicate": r, "relmse": error * w} for r, w in enumerate(WOBBLE)]
+    text = "\n".join(alone_section(alone, [(LARGE, tune.methods(LARGE))], OURS))
+    assert "| filter: `size_factor=const(1)` | 0.5000 | 0.5000 | 2.000 | 0.5000 | 2.000 |" in text

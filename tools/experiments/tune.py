@@ -21,7 +21,7 @@ from pools import PLANS, make_pools  # noqa: E402
 from results import Results  # noqa: E402
 from tuning_choice import Candidate, Scores  # noqa: E402
 from tuning_page import page  # noqa: E402
-from tuning_pools import APART, CHOOSING, SECOND, TWICE, recording  # noqa: E402
+from tuning_pools import ALONE, APART, CHOOSING, SECOND, recording  # noqa: E402
 from tuning_verdict import RIVALS  # noqa: E402
 
 ROOT = PLANS.parents[1]
@@ -147,13 +147,13 @@ def main():
     folders = {p: judge(p, [p], [c, unchanged], arguments) for p, c in choice.items()}
     judged = Results([folder for folder in folders.values() if folder])
     chosen = {p: methods(c) for p, c in choice.items() if folders[p]}
-    sized = None
+    alone = None
     if from_all.candidate.changes:
-        sized = judge("twice", [p for pair in TWICE.items() for p in pair], [from_all.candidate, *singles(from_all.candidate)],
+        alone = judge("alone", ALONE, [from_all.candidate, *singles(from_all.candidate)],
                       arguments, budgets=[8], rivals=())
-    sizes = [(c, methods(c)) for c in [*singles(from_all.candidate)[1:], from_all.candidate]]
+    settings = [(c, methods(c)) for c in [*singles(from_all.candidate)[1:], from_all.candidate]]
     text = page(scores, left_out, from_all, judged, chosen, (SAMPLER, FILTER), BUDGETS,
-                (Results([sized]), sizes) if sized else None)
+                (Results([alone]), settings) if alone else None)
     partial = arguments.output.with_suffix(".md.partial")
     partial.write_text(text)
     os.replace(partial, arguments.output)

@@ -4,7 +4,7 @@ import math
 from results import T_QUANTILE, mean
 from tables import mean_text, number, pool_title, ratio_text, table
 from tuning_choice import ENERGY_BAND, ENERGY_WEIGHT, Scores
-from tuning_pools import APART_ANALYTIC, APART_RECORDED, CHOOSING, RECORDED, SECOND, TWICE
+from tuning_pools import ALONE, APART_ANALYTIC, APART_RECORDED, CHOOSING, RECORDED, SECOND
 from tuning_verdict import MET, MISSED, NOISE, RIVALS, energy_parts, reasons, verdict, with_interval
 
 HEAD = f"""# Tuning of `robust`
@@ -224,22 +224,21 @@ def single_section(scores):
                   [[options_text(c), change(c, CHOOSING), *(change(c, [p]) for p in CHOOSING)] for c in alone])]
 
 
-def sizes_section(sized, sizes, defaults):
-    """Each change of the choice alone, and all together, on scenes at two sizes."""
-    pools = [p for pair in TWICE.items() for p in pair]
-    rows = [[options_text(c), *(ratio_text(sized.values("relmse", p, *m, 8), sized.values("relmse", p, *defaults, 8)) for p in pools)]
-            for c, m in sizes]
-    return ["## The choice with twice the pixels", "A scene with twice the pixels a side: what helps because details are few pixels "
-            "wide helps no more. relMSE relative to the defaults at 8 samples per pixel; the scene is grey, so deciding by channel "
-            "changes nothing:", table(["options", *map(pool_title, pools)], rows)]
+def alone_section(alone, settings, defaults):
+    """Each change of the choice alone, and all together, on pools without a say, two of them at two sizes."""
+    rows = [[options_text(c), *(ratio_text(alone.values("relmse", p, *m, 8), alone.values("relmse", p, *defaults, 8)) for p in ALONE)]
+            for c, m in settings]
+    return ["## The choice, change by change, on pools kept apart", "relMSE relative to the defaults at 8 samples per pixel. With twice "
+            "the pixels a side, what helps because details are few pixels wide helps no more. Scene S is grey: deciding by channel "
+            "changes nothing there.", table(["options", *map(pool_title, ALONE)], rows)]
 
 
-def page(scores, left_out, from_all, judged, chosen, defaults, budgets, sized=None):
+def page(scores, left_out, from_all, judged, chosen, defaults, budgets, alone=None):
     seen = [p for p in RECORDED if p not in APART_RECORDED]
     blocks = [HEAD, *choices_section(scores, left_out, from_all, judged, chosen, defaults, budgets),
               *target_section("The target on recorded pools, each left out of its choice", judged, seen, chosen, defaults, budgets),
               *target_section("The target on pools kept apart", judged, [*APART_RECORDED, *APART_ANALYTIC], chosen, defaults, budgets),
               *defaults_section(from_all, judged, [*seen, *APART_RECORDED, *APART_ANALYTIC], chosen, defaults, budgets),
-              *(sizes_section(*sized, defaults) if sized else ()),
+              *(alone_section(*alone, defaults) if alone else ()),
               *candidates_section(scores), *single_section(scores), *leaders_section(scores)]
     return "\n\n".join(block for block in blocks if block) + "\n"

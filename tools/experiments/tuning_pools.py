@@ -10,8 +10,10 @@ SECOND = {"caustic_mitsuba": "caustic", "chess_sequence": "chess"}
 APART_RECORDED = ["fireflies"]
 APART_ANALYTIC = ["scene_s", "scene_s_fireflies", "stress_slanted_edge", "stress_soft_shadow", "stress_streaks",
                   "stress_fine_checker", "stress_fireflies"]
-# The same scene with twice the pixels a side: does a choice hold where everything is twice as many pixels wide?
-TWICE = {"scene_s": "scene_s_128", "scene_s_fireflies": "scene_s_fireflies_128"}
+# Each change of the choice is looked at alone on these. _128: the same scene with twice the pixels a side: does a choice
+# hold where everything is twice as many pixels wide?
+LARGER = ["scene_s_128", "scene_s_fireflies_128"]
+ALONE = ["fireflies", "scene_s", "scene_s_128", "scene_s_fireflies", "scene_s_fireflies_128"]
 APART = APART_RECORDED + APART_ANALYTIC
 
 RECORDED = ["balls", "caustic", "caustic_mitsuba", "chess", "chess_sequence", "fireflies", "mist", "table"]
@@ -19,4 +21,4 @@ RECORDED = ["balls", "caustic", "caustic_mitsuba", "chess", "chess_sequence", "f
 
 def recording(pool):
     """Its file, from the top of the tree."""
-    return f"tools/plans/pools/{pool}.spool" if pool in (*APART_ANALYTIC, *TWICE.values()) else f"dumps/tiny/{pool}.spool"
+    return f"tools/plans/pools/{pool}.spool" if pool in (*APART_ANALYTIC, *LARGER) else f"dumps/tiny/{pool}.spool"
