@@ -28,7 +28,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   experiments [ID...] [--more]  run the standard plans (tools/plans) and write docs/experiments.md from their results;
                                 what is done is not done again (half an hour of two cores in all)
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
-                                and write docs/tuning.md; what is done is not done again (ten minutes of CPU time)
+                                and write docs/tuning.md; what is done is not done again (five minutes of CPU time)
   hard [CTEST ARGS]             the hard cases whole: every pair of methods, full sizes, many replicates
   endure [CTEST ARGS]           evaluations killed at 20 moments, a Slurm that loses a node, a plan of 10,000 cells
   trust [CTEST ARGS]            the format's tests at their whole numbers (bit flips, killed writers, power loss, 6 GB file);

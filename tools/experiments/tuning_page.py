@@ -1,9 +1,8 @@
 """docs/tuning.md: the candidates, the choices, and where the target is met and missed."""
-import math
-
-from results import T_QUANTILE, mean
+from results import mean, order
 from tables import mean_text, number, pool_title, ratio_text, table
 from tuning_choice import ENERGY_BAND, ENERGY_WEIGHT, Scores
+from tuning_gain import gain, gain_text, pooled
 from tuning_pools import ALONE, APART_ANALYTIC, APART_RECORDED, CHOOSING, RECORDED, SECOND
 from tuning_verdict import MET, MISSED, NOISE, RIVALS, energy_parts, reasons, verdict, with_interval
 
@@ -60,33 +59,6 @@ def candidates_section(scores):
     return ["## Candidates", *lines]
 
 
-def percent(log_ratio):
-    return f"{100 * (math.exp(log_ratio) - 1):+.1f} %"
-
-
-def gain(judged, pool, chosen, defaults, budgets, column="relmse"):
-    """ln of the error of the choice over that of the defaults: mean over budgets, as a whole and without each replicate."""
-    cells = [(judged.values(column, pool, *chosen, b), judged.values(column, pool, *defaults, b)) for b in budgets]
-    replicates = len(cells[0][0])
-    def variant(left_out):
-        return mean([math.log(sum(x for r, x in enumerate(a) if r != left_out)
-                              / sum(x for r, x in enumerate(b) if r != left_out)) for a, b in cells])
-    return [variant(None), *(variant(r) for r in range(replicates))]
-
-
-def gain_text(variants):
-    """'-3.1 % (-6.0 .. -0.1)', and whether 0 is outside the interval."""
-    whole, *parts = variants
-    n, middle = len(parts), mean(parts)
-    error = math.sqrt((n - 1) / n * sum((x - middle) ** 2 for x in parts))
-    low, high = (whole + sign * T_QUANTILE[min(n - 1, max(T_QUANTILE))] * error for sign in (-1, 1))
-    return f"{percent(whole)} ({percent(low)} .. {percent(high)})", (high < 0) - (low > 0)
-
-
-def pooled(gains):
-    return [mean(values) for values in zip(*gains, strict=True)]
-
-
 def choices_section(scores, left_out, from_all, judged, chosen, defaults, budgets):
     gains = {p: gain(judged, p, chosen[p], defaults, budgets) for p in CHOOSING if p in chosen}
     rows = [[pool_title(p), options_text(c.candidate), str(c.tied), number(c.score), number(c.default_score),
@@ -110,6 +82,9 @@ def choices_section(scores, left_out, from_all, judged, chosen, defaults, budget
         blocks += ["The choice from all five against the defaults, on pools kept apart:",
                    table(["pool", "relMSE (95 %)"], [*([pool_title(p), gain_text(g)[0]] for p, g in apart.items()),
                                                      ["*geometric mean*", gain_text(pooled(apart.values()))[0]]])]
+        if gain_text(pooled(apart.values()))[1] < 0 < sign:
+            blocks.append("**What was chosen helps on recordings that had no say and harms on the pools kept apart:** the choice is "
+                          "fitted to what the five recordings have in common, not to pictures at large.")
     return blocks
 
 
@@ -176,9 +151,12 @@ def rival_energy(judged, pools, budgets):
 
 
 def misses(judged, pools, methods, budgets):
-    lines = [f"- {pool_title(pool)}, {spp:g} spp, {reason}." for pool in pools for spp in budgets
-             for reason in reasons(judged, pool, spp, methods[pool])]
-    return "\n".join(lines) or "None."
+    rows = [[pool_title(pool), f"{spp:g}", *reason] for pool in pools for spp in budgets
+            for reason in reasons(judged, pool, spp, methods[pool])]
+    if not rows:
+        return "None."
+    return table(["pool", "spp", "rival", "verdict", "our relMSE / its", "its filter on our samples", "our filter on its samples",
+                  "helps most to exchange", "our error in the worst 0.1 % of the pixels"], rows)
 
 
 def energy_misses(judged, pools, methods, budgets):
@@ -197,7 +175,7 @@ def target_section(title, judged, pools, chosen, defaults, budgets):
             "mean misses, within the noise.", target_table(judged, pools, chosen, budgets),
             f"With the choice: {tally(judged, pools, chosen, budgets)}. With today's defaults: "
             f"{tally(judged, pools, {p: defaults for p in pools}, budgets)}. {rival_energy(judged, pools, budgets)}",
-            "Where relMSE is missed, and why (one part is exchanged for the rival's, the other kept):",
+            "Where relMSE is missed, and why: one part is exchanged for the rival's, the other kept.",
             misses(judged, pools, chosen, budgets), "Where energy is missed, and which of the two loses it:",
             energy_misses(judged, pools, chosen, budgets)]
 
@@ -228,9 +206,13 @@ def alone_section(alone, settings, defaults):
     """Each change of the choice alone, and all together, on pools without a say, two of them at two sizes."""
     rows = [[options_text(c), *(ratio_text(alone.values("relmse", p, *m, 8), alone.values("relmse", p, *defaults, 8)) for p in ALONE)]
             for c, m in settings]
+    def worse(methods):
+        return any(order(alone.values("relmse", p, *methods, 8), alone.values("relmse", p, *defaults, 8)) == 1 for p in ALONE)
+    harmful, harmless = ([options_text(c) for c, m in settings if worse(m) == sign] for sign in (True, False))
     return ["## The choice, change by change, on pools kept apart", "relMSE relative to the defaults at 8 samples per pixel. With twice "
             "the pixels a side, what helps because details are few pixels wide helps no more. Scene S is grey: deciding by channel "
-            "changes nothing there.", table(["options", *map(pool_title, ALONE)], rows)]
+            "changes nothing there.", table(["options", *map(pool_title, ALONE)], rows),
+            f"Above the defaults beyond the noise on some of these: {' / '.join(harmful) or 'none'}. On none: {' / '.join(harmless) or 'none'}."]
 
 
 def page(scores, left_out, from_all, judged, chosen, defaults, budgets, alone=None):

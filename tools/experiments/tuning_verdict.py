@@ -63,23 +63,26 @@ def _times(a, b):
     return with_error(*ratio(a, b)) if ratio(a, b) else "–"
 
 
-def why_error(results, pool, spp, ours, rival):
-    """Sampler or filter: one of the two is exchanged for the rival's."""
+def error_parts(results, pool, spp, ours, rival):
+    """relMSE over the rival's: ours, with the rival's filter on our samples, with our filter on the rival's samples; which
+    of the two loses, as the exchange says; the share of our error in the worst 0.1 % of the pixels."""
     def errors(*method):
         return results.values("relmse", pool, *method, spp)
 
     own, other = errors(*ours), errors(*rival)
-    text = f"relMSE {_times(own, other)} times that of {' + '.join(rival)}"
     their_filter, their_samples = errors(ours[0], rival[1]), errors(rival[0], ours[1])
-    if their_filter and their_samples:
-        text += (f"; with {rival[1]} on our samples {_times(their_filter, other)}, "
-                 f"with our filter on the samples of {rival[0]} {_times(their_samples, other)}")
-        least = min((mean(their_filter), "the filter"), (mean(their_samples), "the sampler"), (mean(own), "neither alone"))
-        text += f": {least[1]} is what loses" if least[1] != "neither alone" else ": only both together lose less"
+    least = min((mean(values), name) for values, name in (
+        (their_filter, "the filter"), (their_samples, "the sampler"), (own, "only both together")) if values)
     dropped = results.values("relmse_dropped", pool, *ours, spp)
-    if dropped and mean(own) > 0:
-        text += f"; the worst 0.1 % of the pixels hold {100 * mean(dropped) / mean(own):.0f} % of our error"
-    return text
+    worst = f"{100 * mean(dropped) / mean(own):.0f} %" if dropped and mean(own) > 0 else "–"
+    return _times(own, other), _times(their_filter, other), _times(their_samples, other), least[1], worst
+
+
+def reasons(results, pool, spp, ours):
+    """(rival, verdict, the parts) of each rival that is missed."""
+    found = verdict(results, pool, spp, *ours)
+    return [(" + ".join(rival), word, *error_parts(results, pool, spp, ours, rival))
+            for word, rival in zip(found.rivals, RIVALS) if word in (MISSED, NOISE)]
 
 
 def energy_parts(results, pool, spp, ours):
@@ -87,10 +90,3 @@ def energy_parts(results, pool, spp, ours):
     energy, boxed, evenly = (mean(results.values("energy_ratio", pool, *method, spp) or [math.nan])
                              for method in (ours, (ours[0], "box"), ("uniform", ours[1])))
     return f"{energy:.3f}", f"{100 * (boxed - 1):+.1f} %", f"{100 * (energy - boxed):+.1f} %", f"{evenly:.3f}"
-
-
-def reasons(results, pool, spp, ours):
-    """One sentence per rival that is missed."""
-    found = verdict(results, pool, spp, *ours)
-    return [f"*{word}*: {why_error(results, pool, spp, ours, rival)}"
-            for word, rival in zip(found.rivals, RIVALS) if word in (MISSED, NOISE)]
