@@ -30,18 +30,15 @@ void distance_row(const GuideRow& p, const GuideRow& q, double alpha, double kap
   const double *b0 = q.a[0], *b1 = q.a[1], *b2 = q.a[2];
   const double *v0 = p.v[0], *v1 = p.v[1], *v2 = p.v[2];
   const double *u0 = q.v[0], *u1 = q.v[1], *u2 = q.v[2];
-  const auto numerator = [=](double ap, double aq, double vp, double vq) {
+  const auto term = [=](double ap, double aq, double vp, double vq) {
     const double difference = ap - aq;
-    return difference * difference - alpha * (vp + std::min(vq, vp));
+    return (difference * difference - alpha * (vp + std::min(vq, vp))) /
+           (kEpsilon + kappa2 * (vp + vq));
   };
-  const auto denominator = [=](double vp, double vq) { return kEpsilon + kappa2 * (vp + vq); };
   for (int x = 0; x < width; ++x) {
-    const double d0 = denominator(v0[x], u0[x]), d1 = denominator(v1[x], u1[x]);
-    const double d2 = denominator(v2[x], u2[x]);
-    const double n0 = numerator(a0[x], b0[x], v0[x], u0[x]);
-    const double n1 = numerator(a1[x], b1[x], v1[x], u1[x]);
-    const double n2 = numerator(a2[x], b2[x], v2[x], u2[x]);
-    to[x] = ((n0 * d1 + n1 * d0) * d2 + n2 * (d0 * d1)) / (3.0 * (d0 * d1 * d2));
+    to[x] = (term(a0[x], b0[x], v0[x], u0[x]) + term(a1[x], b1[x], v1[x], u1[x]) +
+             term(a2[x], b2[x], v2[x], u2[x])) /
+            3.0;
   }
 }
 
