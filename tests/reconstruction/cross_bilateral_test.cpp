@@ -64,6 +64,9 @@ TEST(CrossBilateralDifferential, AgreesWithTheSlowTwinWhereFeaturesAreNoisy) {
     return 0.2 * (x % 5) + (1.0 + x % 3 + y) * unit_double(mix(layer.size(), c, x, y, s));
   };
   agrees_with_the_twin(13, 11, options, noisy);
+  agrees_with_the_twin(37, 9, options, noisy);
+  agrees_with_the_twin(7, 68, options, noisy);  // more than one tile
+  agrees_with_the_twin(133, 3, options, noisy);
 }
 
 TEST(CrossBilateral, AConstantImageStaysWhateverTheFeatures) {
