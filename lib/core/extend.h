@@ -9,6 +9,7 @@ namespace spool {
 enum class Extension { kSymmetric, kClamp, kPeriodic, kWhole };
 
 inline int extend_symmetric(int i, int n) {
+  if (i >= 0 && i < n) return i;  // as usual, and without a division
   const int period = 2 * n;
   int j = i % period;
   if (j < 0) j += period;
@@ -16,6 +17,7 @@ inline int extend_symmetric(int i, int n) {
 }
 
 inline int extend(int i, int n, Extension rule) {
+  if (i >= 0 && i < n) return i;  // as usual, and without a division
   switch (rule) {
     case Extension::kSymmetric:
       return extend_symmetric(i, n);

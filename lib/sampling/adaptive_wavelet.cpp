@@ -6,6 +6,7 @@
 #include "lib/core/extend.h"
 #include "lib/core/parallel.h"
 #include "lib/core/random.h"
+#include "lib/sampling/block_order.h"
 #include "lib/sampling/piece_choice.h"
 #include "lib/sampling/region_queue.h"
 #include "lib/sampling/rounds.h"
@@ -28,7 +29,7 @@ BlockLevel pieces_as_blocks(const PieceStatistics& statistics, const Plane& v, i
   const int width = (v.width() + multiple - 1) / multiple * multiple;
   const int height = (v.height() + multiple - 1) / multiple * multiple;
   BlockLevel level{Plane(width, height), Plane(width, height), Plane(width, height)};
-  for (int y = 0; y < height; ++y) {
+  parallel_rows(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const int px = extend_symmetric(x, v.width()), py = extend_symmetric(y, v.height());
       level.mean(x, y) = statistics.analysis.mean(px, py);
@@ -36,7 +37,7 @@ BlockLevel pieces_as_blocks(const PieceStatistics& statistics, const Plane& v, i
       const bool flat = v(px, py) <= variance_floor(level.mean(x, y), key);
       level.variance(x, y) = statistics.n(px, py) == 0 || flat ? 0.0 : v(px, py);
     }
-  }
+  });
   return level;
 }
 
@@ -61,8 +62,9 @@ BlockLevel merge_blocks(const BlockLevel& fine, int k) {
   return level;
 }
 
-double block_priority(const BlockLevel& level, int k, int x, int y, WaveletPriority priority) {
-  const double pieces = std::ldexp(1.0, 2 * k);
+// `pieces` of a block: 4^k.
+double block_priority(const BlockLevel& level, int k, double pieces, int x, int y,
+                      WaveletPriority priority) {
   const double variance = level.variance(x, y) / pieces;
   const double above = k == 0 ? 0.0 : std::max(0.0, level.energy(x, y) - 4.0 * variance) / pieces;
   const double mean = level.mean(x, y);
@@ -76,24 +78,25 @@ Rectangle block_of(const RegionEntry& entry, const Rectangle& grid) {
                    grid);
 }
 
-// All blocks of positive priority that lie in the grid; entry.x, entry.y count blocks.
-std::vector<RegionEntry> all_blocks(const PieceStatistics& statistics,
+// [level][y][x] of the blocks that lie in the grid.
+std::vector<Plane> block_priorities(const PieceStatistics& statistics,
                                     const AdaptiveWaveletOptions& options, GuardCounts& guards) {
   const Plane v =
       analysis_variance(statistics, {options.var_mode, options.nu0, options.key}, guards);
   BlockLevel level = pieces_as_blocks(statistics, v, 1 << options.levels, options.key);
-  std::vector<RegionEntry> entries;
+  std::vector<Plane> priorities;
   for (int k = 0; k <= options.levels; ++k) {
     if (k > 0) level = merge_blocks(level, k);
     const int side = 1 << k;
-    for (int y = 0; y * side < v.height(); ++y) {
-      for (int x = 0; x * side < v.width(); ++x) {
-        const double priority = block_priority(level, k, x, y, options.priority);
-        if (priority > 0.0) entries.push_back({k, x, y, priority});
-      }
-    }
+    const double pieces = std::ldexp(1.0, 2 * k);
+    Plane& of_level =
+        priorities.emplace_back((v.width() + side - 1) / side, (v.height() + side - 1) / side);
+    parallel_rows(0, of_level.height(), [&](int y) {
+      for (int x = 0; x < of_level.width(); ++x)
+        of_level(x, y) = block_priority(level, k, pieces, x, y, options.priority);
+    });
   }
-  return entries;
+  return priorities;
 }
 
 std::vector<OpenPiece> open_pieces(const Rectangle& block, const CountImage& n,
@@ -113,18 +116,14 @@ CountImage choose_epoch(const PieceStatistics& statistics, const SamplePool& poo
                         long long left, std::uint64_t seed, const AdaptiveWaveletOptions& options,
                         SamplingLog& log) {
   const Rectangle grid = statistics.n.bounds();
-  std::vector<RegionEntry> entries = all_blocks(statistics, options, log.guards);
+  BlockOrder order(block_priorities(statistics, options, log.guards),
+                   static_cast<std::size_t>(share));
   CountImage extra(grid.x1, grid.y1), taken(grid.x1, grid.y1);
   long long chosen = 0;
-  auto sorted_end = entries.begin();
-  for (auto it = entries.begin(); it != entries.end() && chosen < share; ++it) {
-    if (it == sorted_end) {  // sort the next batch, not the whole
-      const auto batch = std::min<std::ptrdiff_t>(4 * share + 64, entries.end() - it);
-      sorted_end = it + batch;
-      std::nth_element(it, sorted_end - 1, entries.end(), precedes);
-      std::sort(it, sorted_end, precedes);
-    }
-    const Rectangle block = block_of(*it, grid);
+  while (chosen < share) {
+    const RegionEntry entry = order.next();
+    if (entry.level < 0) break;
+    const Rectangle block = block_of(entry, grid);
     bool overlaps = false;
     for (int y = block.y0; y < block.y1 && !overlaps; ++y) {
       for (int x = block.x0; x < block.x1; ++x)
@@ -137,12 +136,12 @@ CountImage choose_epoch(const PieceStatistics& statistics, const SamplePool& poo
         options.pop_samples
             ? to_least_sampled(pieces, pool,
                                std::min<long long>(*options.pop_samples, left - chosen),
-                               mix(seed, it->level, it->x, it->y))
+                               mix(seed, entry.level, entry.x, entry.y))
             : one_each(std::move(pieces), left - chosen);
     for (const PieceShare& piece : shares) {
       extra(piece.x, piece.y) += piece.count;
       chosen += piece.count;
-      log.samples_of_level[static_cast<std::size_t>(it->level)] += piece.count;
+      log.samples_of_level[static_cast<std::size_t>(entry.level)] += piece.count;
     }
     for (int y = block.y0; y < block.y1; ++y) {
       for (int x = block.x0; x < block.x1; ++x)
