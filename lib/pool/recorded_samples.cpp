@@ -37,19 +37,6 @@ Result<RecordedSamples> RecordedSamples::from_memory(std::string name, int width
   return create(std::move(name), std::move(layout), storage, rules);
 }
 
-Rgb RecordedSamples::raw_radiance(int x, int y, int s) const {
-  const int tile_size = layout_.tile_size;
-  const int tx = x / tile_size, ty = y / tile_size, b = s / layout_.block_spp;
-  const int tile_width = std::min(tile_size, layout_.width - tx * tile_size);
-  const int tile_height = std::min(tile_size, layout_.height - ty * tile_size);
-  const int count = std::min(layout_.block_spp, layout_.spp - b * layout_.block_spp);
-  const std::size_t channel = static_cast<std::size_t>(tile_width) * tile_height * count;
-  const float* p = layout_.blocks[(static_cast<std::size_t>(ty) * tiles_x_ + tx) * blocks_ + b];
-  p += (static_cast<std::size_t>(y - ty * tile_size) * tile_width + (x - tx * tile_size)) * count +
-       (s - b * layout_.block_spp);
-  return {p[0], p[channel], p[2 * channel]};
-}
-
 void RecordedSamples::set_pass_film(std::vector<FilmPosition> positions) {
   SPOOL_CHECK_EQ(positions.size(), static_cast<std::size_t>(spp()));
   pass_film_ = std::move(positions);

@@ -5,6 +5,7 @@
 // It is immutable once made, so any number of threads and pools may read it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -100,13 +101,22 @@ class RecordedSamples {
     const Rgb value = raw_radiance(x, y, s);
     return rules_.changes_values() ? sanitised(value, rules_) : value;
   }
-  Rgb raw_radiance(int x, int y, int s) const;
+  Rgb raw_radiance(int x, int y, int s) const {
+    const Place place = place_of(x, y, s);
+    return {place.red[0], place.red[place.channel], place.red[2 * place.channel]};
+  }
   bool any_rejected() const { return any_rejected_; }
   bool rejected(int x, int y, int s) const {
     return any_rejected_ && !is_ordinary(raw_radiance(x, y, s));
   }
 
  private:
+  // Where the red of a sample lies; `channel` floats further green, and blue after as many again.
+  struct Place {
+    const float* red;
+    std::size_t channel;
+  };
+  Place place_of(int x, int y, int s) const;
   Result<void> scan();
   SanitiseReport scan_tile(int tx, int ty) const;
 
@@ -126,5 +136,18 @@ class RecordedSamples {
   std::vector<FilmPosition> pass_film_;
   std::vector<FilmPosition> sample_film_;
 };
+
+inline RecordedSamples::Place RecordedSamples::place_of(int x, int y, int s) const {
+  const int tile_size = layout_.tile_size;
+  const int tx = x / tile_size, ty = y / tile_size, b = s / layout_.block_spp;
+  const int tile_width = std::min(tile_size, layout_.width - tx * tile_size);
+  const int tile_height = std::min(tile_size, layout_.height - ty * tile_size);
+  const int count = std::min(layout_.block_spp, layout_.spp - b * layout_.block_spp);
+  const float* block = layout_.blocks[(static_cast<std::size_t>(ty) * tiles_x_ + tx) * blocks_ + b];
+  const std::size_t pixel =
+      static_cast<std::size_t>(y - ty * tile_size) * tile_width + (x - tx * tile_size);
+  return {block + pixel * count + (s - b * layout_.block_spp),
+          static_cast<std::size_t>(tile_width) * tile_height * count};
+}
 
 }  // namespace spool

@@ -1,59 +1,14 @@
 #include "lib/pyramid/convolution.h"
 
 #include <algorithm>
-#include <array>
-#include <memory>
 #include <vector>
 
 #include "lib/core/vector_clones.h"
+#include "lib/pyramid/convolved_box.h"
 #include "lib/pyramid/row_loop.h"
-#include "lib/pyramid/row_sums.h"
 
 namespace spool {
 namespace {
-
-// Where the terms of a sum begin; few of them, as usual, need no memory.
-template <class T>
-class SourceRows {
- public:
-  explicit SourceRows(std::size_t count) : many_(count > few_.size() ? count : 0) {}
-  const T*& operator[](std::size_t i) { return data()[i]; }
-  const T** data() { return many_.empty() ? few_.data() : many_.data(); }
-
- private:
-  std::array<const T*, 16> few_;
-  std::vector<const T*> many_;
-};
-
-// One row of the horizontal pass: out[x - x0] for x = x0 .. x1-1.
-template <class T>
-void convolve_row(const T* in, int width, int first, const std::vector<T>& weights, int dilation,
-                  Extension extension, int x0, int x1, T* out) {
-  const int count = static_cast<int>(weights.size());
-  const int last = first + count - 1;
-  const int inside_begin = std::clamp(last * dilation, x0, x1);
-  const int inside_end = std::clamp(width + first * dilation, inside_begin, x1);
-  const auto border = [&](int begin, int end) {
-    for (int x = begin; x < end; ++x) {
-      T sum = weights[0] * in[extend(x - first * dilation, width, extension)];
-      for (int i = 1; i < count; ++i) {
-        sum += weights[static_cast<std::size_t>(i)] *
-               in[extend(x - (first + i) * dilation, width, extension)];
-      }
-      out[x - x0] = sum;
-    }
-  };
-  border(x0, inside_begin);
-  if (inside_begin < inside_end) {
-    SourceRows<T> sources(weights.size());
-    for (int i = 0; i < count; ++i) {
-      sources[static_cast<std::size_t>(i)] = in + (inside_begin - (first + i) * dilation);
-    }
-    weighted_sum_of_rows(sources.data(), weights.data(), weights.size(), inside_end - inside_begin,
-                         out + (inside_begin - x0));
-  }
-  border(inside_end, x1);
-}
 
 template <class T>
 SPOOL_VECTOR_CLONES void subtract_from(const T* minuend, int width, T* __restrict row) {
@@ -61,70 +16,44 @@ SPOOL_VECTOR_CLONES void subtract_from(const T* minuend, int width, T* __restric
     row[x] = minuend[x] - row[x];
 }
 
-enum class Masking { kNone, kPhase00 };
+void check_box(bool same_size, const Rectangle& box, const Rectangle& bounds, const Taps& taps,
+               int dilation) {
+  SPOOL_CHECK(same_size);
+  SPOOL_CHECK(intersect(box, bounds) == box);
+  SPOOL_CHECK_GE(dilation, 1);
+  SPOOL_CHECK(!taps.values.empty());
+}
 
 // finish(y, row): row points at out(box.x0, y), which holds the convolved values.
 template <class T, class Finish>
 void convolve_and_finish(const Image<T>& in, const Taps& taps, int dilation, Extension extension,
                          const Rectangle& box, Masking masking, Image<T>& out, Finish&& finish) {
-  SPOOL_CHECK(in.same_size(out));
+  check_box(in.same_size(out), box, in.bounds(), taps, dilation);
   SPOOL_CHECK(&in != &out);
-  SPOOL_CHECK(intersect(box, in.bounds()) == box);
-  SPOOL_CHECK_GE(dilation, 1);
-  SPOOL_CHECK(!taps.values.empty());
   if (box.empty()) return;
-  const int width = box.width(), height = in.height();
-  const int count = static_cast<int>(taps.values.size());
-  const std::vector<T> weights(taps.values.begin(), taps.values.end());
-
-  // Only the rows that the vertical pass reads, in a compact store.
-  std::vector<int> slot(static_cast<std::size_t>(height), -1);
-  std::vector<int> needed;
-  for (int y = box.y0; y < box.y1; ++y) {
-    for (int n = taps.first; n <= taps.last(); ++n) {
-      int& s = slot[static_cast<std::size_t>(extend(y - n * dilation, height, extension))];
-      if (s < 0) s = 0;
-    }
-  }
-  for (int y = 0; y < height; ++y) {
-    int& s = slot[static_cast<std::size_t>(y)];
-    if (s < 0) continue;
-    s = static_cast<int>(needed.size());
-    needed.push_back(y);
-  }
-  const auto store =
-      std::make_unique_for_overwrite<T[]>(needed.size() * static_cast<std::size_t>(width));
-  const auto store_row = [&](int s) {
-    return store.get() + static_cast<std::size_t>(s) * static_cast<std::size_t>(width);
-  };
-
-  const int rows = static_cast<int>(needed.size());
-  rows_by_area(0, rows, static_cast<long long>(rows) * width, [&](int s) {
-    const int y = needed[static_cast<std::size_t>(s)];
-    if (masking == Masking::kNone) {
-      convolve_row(in.row(y).data(), in.width(), taps.first, weights, dilation, extension, box.x0,
-                   box.x1, store_row(s));
-      return;
-    }
-    std::vector<T> masked(static_cast<std::size_t>(in.width()), T{});
-    if (y / dilation % 2 == 0) {
-      for (int x = 0; x < in.width(); ++x) {
-        if (x / dilation % 2 == 0) masked[static_cast<std::size_t>(x)] = in(x, y);
-      }
-    }
-    convolve_row(masked.data(), in.width(), taps.first, weights, dilation, extension, box.x0,
-                 box.x1, store_row(s));
+  const ConvolvedBox<T> convolved(in, taps, dilation, extension, box, masking);
+  const int bands = (box.height() + kBandRows - 1) / kBandRows;
+  rows_by_area(0, bands, box.area(), [&](int band) {
+    const int y0 = box.y0 + band * kBandRows, y1 = std::min(y0 + kBandRows, box.y1);
+    convolved.write_rows(y0, y1, &out(box.x0, y0), out.width());
+    for (int y = y0; y < y1; ++y)
+      finish(y, &out(box.x0, y));
   });
-  rows_by_area(box.y0, box.y1, box.area(), [&](int y) {
-    SourceRows<T> sources(weights.size());
-    for (int i = 0; i < count; ++i) {
-      const int from = extend(y - (taps.first + i) * dilation, height, extension);
-      sources[static_cast<std::size_t>(i)] = store_row(slot[static_cast<std::size_t>(from)]);
-    }
-    T* row = &out(box.x0, y);
-    weighted_sum_of_rows(sources.data(), weights.data(), weights.size(), width, row);
-    finish(y, row);
-  });
+}
+
+void visit_rows(const Plane& in, const Taps& taps, int dilation, Extension extension,
+                const Rectangle& box, Masking masking, const RowVisitor& visit) {
+  check_box(true, box, in.bounds(), taps, dilation);
+  if (box.empty()) return;
+  const ConvolvedBox<double> convolved(in, taps, dilation, extension, box, masking);
+  const auto width = static_cast<std::size_t>(box.width());
+  std::vector<double> rows(kBandRows * width);
+  for (int y0 = box.y0; y0 < box.y1; y0 += kBandRows) {
+    const int y1 = std::min(y0 + kBandRows, box.y1);
+    convolved.write_rows(y0, y1, rows.data(), box.width());
+    for (int y = y0; y < y1; ++y)
+      visit(y, rows.data() + static_cast<std::size_t>(y - y0) * width);
+  }
 }
 
 template <class T>
@@ -194,6 +123,16 @@ void subtract_convolved_phase00_box(const Image<T>& minuend, const Image<T>& in,
                                     int dilation, Extension extension, const Rectangle& box,
                                     Image<T>& out) {
   subtract_with(minuend, in, taps, dilation, extension, box, Masking::kPhase00, out);
+}
+
+void visit_convolved_rows(const Plane& in, const Taps& taps, int dilation, Extension extension,
+                          const Rectangle& box, const RowVisitor& visit) {
+  visit_rows(in, taps, dilation, extension, box, Masking::kNone, visit);
+}
+void visit_convolved_phase00_rows(const Plane& in, const Taps& taps, int dilation,
+                                  Extension extension, const Rectangle& box,
+                                  const RowVisitor& visit) {
+  visit_rows(in, taps, dilation, extension, box, Masking::kPhase00, visit);
 }
 
 template <class T>

@@ -44,6 +44,33 @@ void subtract_prediction(const Plane& base, const Plane& coarse, const PyramidOp
   }
 }
 
+double eqs_1_to_3_at(const Plane& in, const Taps& analysis, int dilation, LaplacianSign sign,
+                     Extension extension, int x, int y) {
+  const int direction = sign == LaplacianSign::kCorrected ? 1 : -1;
+  // The index that f^{ij}(2 u - m) of eqs 1 and 2 reads for output coordinate x, where x is element
+  // 2 u + i of polyphase component x mod D.
+  const auto source = [&](int at, int m, int n) {
+    const int component = at % dilation, element = at / dilation;
+    const int i = element % 2, u = (element - i) / 2;
+    return extend((2 * u - m + direction * i) * dilation + component, n, extension);
+  };
+  const int first = analysis.first;
+  const int count = static_cast<int>(analysis.values.size());
+  double sum = 0.0;
+  for (int b = 0; b < count; ++b) {
+    const int from_y = source(y, first + b, in.height());
+    double row_sum = 0.0;
+    for (int a = 0; a < count; ++a) {
+      const double term = analysis.values[static_cast<std::size_t>(a)] *
+                          in(source(x, first + a, in.width()), from_y);
+      row_sum = a == 0 ? term : row_sum + term;
+    }
+    const double term = analysis.values[static_cast<std::size_t>(b)] * row_sum;
+    sum = b == 0 ? term : sum + term;
+  }
+  return sum;
+}
+
 void check_options(const PyramidOptions& options) {
   SPOOL_CHECK_GE(options.levels, 0);
   SPOOL_CHECK_LE(options.levels, 8);
@@ -63,6 +90,35 @@ void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const 
 void detail_box(const Plane& fine, const Plane& coarse, const PyramidOptions& options, int k,
                 const Rectangle& box, Plane& detail) {
   subtract_prediction(fine, coarse, options, k, box, detail);
+}
+
+void visit_coarse_rows(const Plane& fine, const PyramidOptions& options, int k,
+                       const Rectangle& box, const RowVisitor& visit) {
+  const Taps h = pair_of(options, k).analysis;
+  const int dilation = pyramid_dilation(options, k);
+  if (options.sign == LaplacianSign::kCorrected)
+    return visit_convolved_rows(fine, h, dilation, options.extension, box, visit);
+  Plane row(fine.width(), 1);
+  for (int y = box.y0; y < box.y1; ++y) {
+    for (int x = box.x0; x < box.x1; ++x)
+      row(x, 0) = eqs_1_to_3_at(fine, h, dilation, options.sign, options.extension, x, y);
+    visit(y, &row(box.x0, 0));
+  }
+}
+
+void visit_prediction_rows(const Plane& coarse, const PyramidOptions& options, int k,
+                           const Rectangle& box, const RowVisitor& visit) {
+  const Taps g = pair_of(options, k).synthesis;
+  const int dilation = pyramid_dilation(options, k);
+  switch (options.detail) {
+    case LaplacianDetail::kCycleSpun:
+      return visit_convolved_rows(coarse, scaled(g, 0.5), dilation, options.extension, box, visit);
+    case LaplacianDetail::kPhase00:
+      return visit_convolved_phase00_rows(coarse, g, dilation, options.extension, box, visit);
+    case LaplacianDetail::kAtrousDiff:
+      for (int y = box.y0; y < box.y1; ++y)
+        visit(y, &coarse(box.x0, y));
+  }
 }
 
 Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options) {
@@ -156,32 +212,9 @@ void pyramid_influence(const Rectangle& changed, const Rectangle& bounds,
 void apply_eqs_1_to_3_box(const Plane& in, const Taps& analysis, int dilation, LaplacianSign sign,
                           Extension extension, const Rectangle& box, Plane& out) {
   SPOOL_CHECK(in.same_size(out));
-  const int direction = sign == LaplacianSign::kCorrected ? 1 : -1;
-  // The index that f^{ij}(2 u - m) of eqs 1 and 2 reads for output coordinate x, where x is element
-  // 2 u + i of polyphase component x mod D.
-  const auto source = [&](int x, int m, int n) {
-    const int component = x % dilation, element = x / dilation;
-    const int i = element % 2, u = (element - i) / 2;
-    return extend((2 * u - m + direction * i) * dilation + component, n, extension);
-  };
-  const int first = analysis.first;
-  const int count = static_cast<int>(analysis.values.size());
   parallel_rows(box.y0, box.y1, [&](int y) {
-    for (int x = box.x0; x < box.x1; ++x) {
-      double sum = 0.0;
-      for (int b = 0; b < count; ++b) {
-        const int from_y = source(y, first + b, in.height());
-        double row_sum = 0.0;
-        for (int a = 0; a < count; ++a) {
-          const double term = analysis.values[static_cast<std::size_t>(a)] *
-                              in(source(x, first + a, in.width()), from_y);
-          row_sum = a == 0 ? term : row_sum + term;
-        }
-        const double term = analysis.values[static_cast<std::size_t>(b)] * row_sum;
-        sum = b == 0 ? term : sum + term;
-      }
-      out(x, y) = sum;
-    }
+    for (int x = box.x0; x < box.x1; ++x)
+      out(x, y) = eqs_1_to_3_at(in, analysis, dilation, sign, extension, x, y);
   });
 }
 

@@ -16,6 +16,7 @@
 #include "lib/core/image.h"
 #include "lib/core/option_table.h"
 #include "lib/core/rectangle.h"
+#include "lib/pyramid/convolution.h"
 #include "lib/pyramid/wavelet_filters.h"
 
 namespace spool {
@@ -65,6 +66,13 @@ void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const 
                  Plane& coarse);
 void detail_box(const Plane& fine, const Plane& coarse, const PyramidOptions& options, int k,
                 const Rectangle& box, Plane& detail);
+
+// The same row by row (see RowVisitor): f_{k+1} from f_k, and the prediction of f_k from f_{k+1},
+// which d_k is f_k less of.
+void visit_coarse_rows(const Plane& fine, const PyramidOptions& options, int k,
+                       const Rectangle& box, const RowVisitor& visit);
+void visit_prediction_rows(const Plane& coarse, const PyramidOptions& options, int k,
+                           const Rectangle& box, const RowVisitor& visit);
 
 // f_0 from f_K and the details.
 Plane collapse(const Pyramid& pyramid, const PyramidOptions& options);

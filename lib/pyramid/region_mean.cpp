@@ -21,25 +21,30 @@ Window window_of(int level) {
   return {1 << (level - 1), (1 << (level - 1)) - 1};
 }
 
-// out[x - x0] = in[x - before] + ... + in[x + after], in that order, clipped to the row.
-void sum_row(const double* in, int width, Window window, int x0, int x1, double* __restrict out) {
+// out[r * (x1 - x0) + x - x0] = in[x - before] + ... + in[x + after] in row r of `in`, in that
+// order, clipped to the row.
+void sum_rows(const double* in, int columns, Window window, int x0, int x1, int rows,
+              double* __restrict out) {
   const int inside_begin = std::clamp(window.before, x0, x1);
-  const int inside_end = std::clamp(width - window.after, inside_begin, x1);
+  const int inside_end = std::clamp(columns - window.after, inside_begin, x1);
   const auto border = [&](int begin, int end) {
-    for (int x = begin; x < end; ++x) {
-      const int last = std::min(x + window.after, width - 1);
-      int i = std::max(x - window.before, 0);
-      double sum = in[i];
-      for (++i; i <= last; ++i)
-        sum += in[i];
-      out[x - x0] = sum;
+    for (int r = 0; r < rows; ++r) {
+      const double* row = in + static_cast<std::ptrdiff_t>(r) * columns;
+      for (int x = begin; x < end; ++x) {
+        const int last = std::min(x + window.after, columns - 1);
+        int i = std::max(x - window.before, 0);
+        double sum = row[i];
+        for (++i; i <= last; ++i)
+          sum += row[i];
+        out[static_cast<std::ptrdiff_t>(r) * (x1 - x0) + x - x0] = sum;
+      }
     }
   };
   border(x0, inside_begin);
   const int n = inside_end - inside_begin;
   if (n > 0) {
-    sum_of_shifted_rows(in + inside_begin - window.before, 1, window.before + window.after + 1, n,
-                        out + (inside_begin - x0));
+    plain_sums(in + inside_begin - window.before, columns, 1, window.before + window.after + 1,
+               rows, n, out + (inside_begin - x0), x1 - x0);
   }
   border(inside_end, x1);
 }
@@ -60,15 +65,29 @@ void sum_and_finish(const Plane& image, int level, const Rectangle& box, Plane& 
   const auto store_row = [&](int y) {
     return store.get() + static_cast<std::size_t>(y - row_begin) * static_cast<std::size_t>(width);
   };
-  rows_by_area(row_begin, row_end, static_cast<long long>(row_end - row_begin) * width, [&](int y) {
-    sum_row(image.row(y).data(), image.width(), window, box.x0, box.x1, store_row(y));
-  });
-  rows_by_area(box.y0, box.y1, box.area(), [&](int y) {
-    double* __restrict row = &out(box.x0, y);
-    const int first = std::max(y - window.before, 0);
-    const int last = std::min(y + window.after, image.height() - 1);
-    sum_of_shifted_rows(store_row(first), width, last - first + 1, width, row);
-    finish(y, row);
+  constexpr int kBand = 8;  // rows that are worked on together
+  const auto bands = [](int rows) { return (rows + kBand - 1) / kBand; };
+  rows_by_area(0, bands(row_end - row_begin), static_cast<long long>(row_end - row_begin) * width,
+               [&](int band) {
+                 const int y0 = row_begin + band * kBand, y1 = std::min(y0 + kBand, row_end);
+                 sum_rows(image.row(y0).data(), image.width(), window, box.x0, box.x1, y1 - y0,
+                          store_row(y0));
+               });
+  rows_by_area(0, bands(box.height()), box.area(), [&](int band) {
+    const int y0 = box.y0 + band * kBand, y1 = std::min(y0 + kBand, box.y1);
+    if (y0 >= window.before && y1 + window.after <= image.height()) {
+      plain_sums(store_row(y0 - window.before), width, width, window.before + window.after + 1,
+                 y1 - y0, width, &out(box.x0, y0), out.width());
+    } else {
+      for (int y = y0; y < y1; ++y) {
+        const int first = std::max(y - window.before, 0);
+        const int last = std::min(y + window.after, image.height() - 1);
+        plain_sums(store_row(first), width, width, last - first + 1, 1, width, &out(box.x0, y),
+                   out.width());
+      }
+    }
+    for (int y = y0; y < y1; ++y)
+      finish(y, &out(box.x0, y));
   });
 }
 

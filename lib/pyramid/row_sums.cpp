@@ -1,6 +1,7 @@
 #include "lib/pyramid/row_sums.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "lib/core/vector_clones.h"
 
@@ -58,7 +59,113 @@ SPOOL_VECTOR_CLONES void weighted_sum(const T* const* sources, const T* weights,
   }
 }
 
+// Three and five terms in one sweep over a block of rows; other numbers row by row.
+template <class T>
+SPOOL_VECTOR_CLONES void sums_of_three(const T* from, std::ptrdiff_t stride, std::ptrdiff_t t,
+                                       const T* weights, int rows, int width, T* __restrict out,
+                                       std::ptrdiff_t out_stride) {
+  const T wa = weights[0], wb = weights[1], wc = weights[2];
+  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
+    for (int x = 0; x < width; ++x)
+      out[x] = wa * from[x] + wb * from[x + t] + wc * from[x + 2 * t];
+  }
+}
+template <class T>
+SPOOL_VECTOR_CLONES void sums_of_five(const T* from, std::ptrdiff_t stride, std::ptrdiff_t t,
+                                      const T* weights, int rows, int width, T* __restrict out,
+                                      std::ptrdiff_t out_stride) {
+  const T wa = weights[0], wb = weights[1], wc = weights[2], wd = weights[3], we = weights[4];
+  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
+    for (int x = 0; x < width; ++x)
+      out[x] = wa * from[x] + wb * from[x + t] + wc * from[x + 2 * t] + wd * from[x + 3 * t] +
+               we * from[x + 4 * t];
+  }
+}
+
+template <class T>
+void weighted_block(const T* from, std::ptrdiff_t stride, std::ptrdiff_t term_stride,
+                    const T* weights, std::size_t terms, int rows, int width, T* __restrict out,
+                    std::ptrdiff_t out_stride) {
+  if (terms == 3)
+    return sums_of_three(from, stride, term_stride, weights, rows, width, out, out_stride);
+  if (terms == 5)
+    return sums_of_five(from, stride, term_stride, weights, rows, width, out, out_stride);
+  std::vector<const T*> sources(terms);
+  for (int r = 0; r < rows; ++r) {
+    for (std::size_t i = 0; i < terms; ++i)
+      sources[i] = from + r * stride + static_cast<std::ptrdiff_t>(i) * term_stride;
+    weighted_sum(sources.data(), weights, terms, width, out + r * out_stride);
+  }
+}
+
+SPOOL_VECTOR_CLONES
+void sums_of_two(const double* from, std::ptrdiff_t stride, std::ptrdiff_t t, int rows, int width,
+                 double* __restrict out, std::ptrdiff_t out_stride) {
+  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
+    for (int x = 0; x < width; ++x)
+      out[x] = from[x] + from[x + t];
+  }
+}
+SPOOL_VECTOR_CLONES
+void sums_of_four(const double* from, std::ptrdiff_t stride, std::ptrdiff_t t, int rows, int width,
+                  double* __restrict out, std::ptrdiff_t out_stride) {
+  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
+    for (int x = 0; x < width; ++x)
+      out[x] = from[x] + from[x + t] + from[x + 2 * t] + from[x + 3 * t];
+  }
+}
+SPOOL_VECTOR_CLONES
+void sums_of_eight(const double* from, std::ptrdiff_t stride, std::ptrdiff_t t, int rows, int width,
+                   double* __restrict out, std::ptrdiff_t out_stride) {
+  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
+    for (int x = 0; x < width; ++x) {
+      out[x] = from[x] + from[x + t] + from[x + 2 * t] + from[x + 3 * t] + from[x + 4 * t] +
+               from[x + 5 * t] + from[x + 6 * t] + from[x + 7 * t];
+    }
+  }
+}
+SPOOL_VECTOR_CLONES
+void sums_of_sixteen(const double* from, std::ptrdiff_t stride, std::ptrdiff_t t, int rows,
+                     int width, double* __restrict out, std::ptrdiff_t out_stride) {
+  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
+    for (int x = 0; x < width; ++x) {
+      out[x] = from[x] + from[x + t] + from[x + 2 * t] + from[x + 3 * t] + from[x + 4 * t] +
+               from[x + 5 * t] + from[x + 6 * t] + from[x + 7 * t] + from[x + 8 * t] +
+               from[x + 9 * t] + from[x + 10 * t] + from[x + 11 * t] + from[x + 12 * t] +
+               from[x + 13 * t] + from[x + 14 * t] + from[x + 15 * t];
+    }
+  }
+}
+
 }  // namespace
+
+void weighted_sums(const double* from, std::ptrdiff_t stride, std::ptrdiff_t term_stride,
+                   const double* weights, std::size_t terms, int rows, int width,
+                   double* __restrict out, std::ptrdiff_t out_stride) {
+  weighted_block(from, stride, term_stride, weights, terms, rows, width, out, out_stride);
+}
+void weighted_sums(const float* from, std::ptrdiff_t stride, std::ptrdiff_t term_stride,
+                   const float* weights, std::size_t terms, int rows, int width,
+                   float* __restrict out, std::ptrdiff_t out_stride) {
+  weighted_block(from, stride, term_stride, weights, terms, rows, width, out, out_stride);
+}
+
+void plain_sums(const double* from, std::ptrdiff_t stride, std::ptrdiff_t term_stride, int terms,
+                int rows, int width, double* __restrict out, std::ptrdiff_t out_stride) {
+  switch (terms) {
+    case 2:
+      return sums_of_two(from, stride, term_stride, rows, width, out, out_stride);
+    case 4:
+      return sums_of_four(from, stride, term_stride, rows, width, out, out_stride);
+    case 8:
+      return sums_of_eight(from, stride, term_stride, rows, width, out, out_stride);
+    case 16:
+      return sums_of_sixteen(from, stride, term_stride, rows, width, out, out_stride);
+    default:
+      for (int r = 0; r < rows; ++r)
+        sum_of_shifted_rows(from + r * stride, term_stride, terms, width, out + r * out_stride);
+  }
+}
 
 void weighted_sum_of_rows(const double* const* sources, const double* weights, std::size_t terms,
                           int width, double* __restrict out) {

@@ -73,26 +73,27 @@ PieceStatistics empty_statistics(const SamplePool& pool, const AnalysisSignal& s
   return statistics;
 }
 
+void add_sample(PieceStatistics& statistics, std::size_t piece, const Rgb& value) {
+  const std::int32_t n = ++statistics.n[piece];
+  for (std::size_t c = 0; c < 3; ++c) {
+    welford(statistics.mean[c][piece], statistics.m2[c][piece], n, value[c]);
+  }
+  if (statistics.channel_minimum) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      double& low = (*statistics.channel_minimum)[c][piece];
+      double& high = (*statistics.channel_maximum)[c][piece];
+      low = std::min<double>(low, value[c]);
+      high = std::max<double>(high, value[c]);
+    }
+  }
+  statistics.analysis.add(piece, n, statistics.signal.value(value));
+}
+
 void take(PieceStatistics& statistics, const SamplePool& pool, int x, int y, int count) {
   const std::size_t piece = statistics.n.index(x, y);
-  std::int32_t& n = statistics.n[piece];
-  SPOOL_CHECK_LE(n + count, pool.capacity(x, y));
-  for (int i = 0; i < count; ++i) {
-    const Rgb value = pool.sample(x, y, n);
-    ++n;
-    for (std::size_t c = 0; c < 3; ++c) {
-      welford(statistics.mean[c][piece], statistics.m2[c][piece], n, value[c]);
-    }
-    if (statistics.channel_minimum) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        double& low = (*statistics.channel_minimum)[c][piece];
-        double& high = (*statistics.channel_maximum)[c][piece];
-        low = std::min<double>(low, value[c]);
-        high = std::max<double>(high, value[c]);
-      }
-    }
-    statistics.analysis.add(piece, n, statistics.signal.value(value));
-  }
+  SPOOL_CHECK_LE(statistics.n[piece] + count, pool.capacity(x, y));
+  for (int i = 0; i < count; ++i)
+    add_sample(statistics, piece, pool.sample(x, y, statistics.n[piece]));
 }
 
 long long take_everywhere(PieceStatistics& statistics, const SamplePool& pool, int spp) {

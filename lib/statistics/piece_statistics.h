@@ -48,6 +48,9 @@ PieceStatistics empty_statistics(const SamplePool& pool, const AnalysisSignal& s
 // samples must exist: n + count <= capacity.
 void take(PieceStatistics& statistics, const SamplePool& pool, int x, int y, int count = 1);
 
+// What take() does with each sample, for a caller who fetched the next one of the piece himself.
+void add_sample(PieceStatistics& statistics, std::size_t piece, const Rgb& value);
+
 // Takes up to `spp` samples of every piece, fewer where a piece has fewer, in parallel; returns how
 // many were taken.
 long long take_everywhere(PieceStatistics& statistics, const SamplePool& pool, int spp);

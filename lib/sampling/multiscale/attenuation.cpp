@@ -79,68 +79,102 @@ namespace {
 SPOOL_VECTOR_CLONES
 void step_row(const std::int32_t* fresh, const double* kept, const double* passes, const double* f,
               const double* before, int width, double* __restrict attenuation) {
-  for (int x = 0; x < width; ++x) {
-    const double change = std::abs(f[x] - before[x]);  // eq 8
-    const double weight = kept[fresh[x]];
-    const double next = weight * attenuation[x] + (1.0 - weight) * (change / passes[fresh[x]]);
-    attenuation[x] = fresh[x] == 0 ? attenuation[x] : next;
+  constexpr int kGroup = 16;  // entries of which often none is fresh
+  for (int x0 = 0; x0 < width; x0 += kGroup) {
+    const int n = width - x0 < kGroup ? width - x0 : kGroup;
+    std::int32_t any = 0;
+    for (int i = 0; i < n; ++i)
+      any |= fresh[x0 + i];
+    if (any == 0) continue;
+    for (int x = x0; x < x0 + n; ++x) {
+      const double change = std::abs(f[x] - before[x]);  // eq 8
+      const double weight = kept[fresh[x]];
+      const double next = weight * attenuation[x] + (1.0 - weight) * (change / passes[fresh[x]]);
+      attenuation[x] = fresh[x] == 0 ? attenuation[x] : next;
+    }
   }
 }
 
-// Columns x0 .. x1-1 of `box` whose regions no border of the area cuts; empty when row y's are cut.
-std::pair<int, int> whole_regions(const Board& board, int k, const Rectangle& box, int y) {
-  const int before = k == 0 ? 0 : 1 << (k - 1), after = k == 0 ? 0 : before - 1;
-  if (y - before < board.area.y0 || y + after >= board.area.y1) return {box.x0, box.x0};
-  const int x0 = std::clamp(board.area.x0 + before, box.x0, box.x1);
-  return {x0, std::clamp(board.area.x1 - after, x0, box.x1)};
+}  // namespace
+
+void update_attenuation_of_pieces(const Board& board, ScalarAnalysis& scalar,
+                                  std::span<const Pick> picks, std::span<const double> before,
+                                  const MultiscaleOptions& options) {
+  if (options.attenuation == AttenuationUpdate::kNone) return;
+  AttenuationStep step(0, options);
+  for (std::size_t i = 0; i < picks.size(); ++i) {
+    const Pick& pick = picks[i];
+    const double change = std::abs(scalar.pyramid.coarse[0](pick.x, pick.y) - before[i]);  // eq 8
+    if (options.attenuation == AttenuationUpdate::kAnyTouch && !(change > 0.0)) continue;
+    double& attenuation = scalar.attenuation[0](pick.x, pick.y);
+    attenuation = step(attenuation, change, pick.count, 1 - board.closed(pick.x, pick.y));  // eq 7
+  }
 }
 
-}  // namespace
+AttenuationRows::AttenuationRows(const Board& board, int k, const Rectangle& box,
+                                 const MultiscaleOptions& options)
+    : board_(board),
+      level_(k),
+      box_(box),
+      any_touch_(options.attenuation == AttenuationUpdate::kAnyTouch),
+      counts_(board, k, box),
+      most_(counts_.largest_fresh()) {
+  const bool in_rows = options.attenuation == AttenuationUpdate::kFractional &&
+                       options.change_scale == ChangeScale::kPerPass && board.closed_pieces == 0;
+  if (!in_rows) return;
+  const int whole = 1 << (2 * k);
+  AttenuationStep table(k, options);
+  for (int m = 0; m <= most_; ++m) {
+    kept_.push_back(table.kept(m, whole));
+    passes_.push_back(m == 0 ? 1.0 : static_cast<double>(m) / whole);
+  }
+}
+
+// Columns of the box whose regions no border of the area cuts; none when row y's are cut.
+std::pair<int, int> AttenuationRows::whole_regions(int y) const {
+  const Rectangle& area = board_.area;
+  const int before = level_ == 0 ? 0 : 1 << (level_ - 1), after = level_ == 0 ? 0 : before - 1;
+  if (y - before < area.y0 || y + after >= area.y1) return {box_.x0, box_.x0};
+  const int x0 = std::clamp(area.x0 + before, box_.x0, box_.x1);
+  return {x0, std::clamp(area.x1 - after, x0, box_.x1)};
+}
+
+void AttenuationRows::update(int y, const double* now, const double* before, double* attenuation,
+                             AttenuationStep& step) const {
+  const auto each = [&](int begin, int end) {
+    for (int x = begin; x < end; ++x) {
+      const int i = x - box_.x0, fresh = counts_.fresh(x, y);
+      if (fresh == 0 && !any_touch_) continue;
+      const double change = std::abs(now[i] - before[i]);  // eq 8
+      if (change > 0.0 || !any_touch_) {
+        attenuation[i] = step(attenuation[i], change, fresh, counts_.open(x, y));  // eq 7
+      }
+    }
+  };
+  const auto [begin, end] = kept_.empty() ? std::pair{box_.x0, box_.x0} : whole_regions(y);
+  each(box_.x0, begin);
+  if (begin < end) {
+    const int i = begin - box_.x0;
+    step_row(counts_.fresh_row(begin, y), kept_.data(), passes_.data(), now + i, before + i,
+             end - begin, attenuation + i);
+  }
+  each(end, box_.x1);
+}
 
 void update_attenuation(Board& board, ScalarAnalysis& scalar, int k, const Rectangle& box,
                         const Plane& before, const MultiscaleOptions& options) {
   if (box.empty()) return;
   const Plane& f = scalar.pyramid.coarse[static_cast<std::size_t>(k)];
   Plane& attenuation = scalar.attenuation[static_cast<std::size_t>(k)];
-  const bool any_touch = options.attenuation == AttenuationUpdate::kAnyTouch;
-  const RegionCounts counts(board, k, box);
-  const int most = counts.largest_fresh();
-  if (most == 0 && !any_touch) return;
-  // In rows, where that is the usual rule and nothing ran out of samples.
-  const int whole = 1 << (2 * k);
-  const bool in_rows = options.attenuation == AttenuationUpdate::kFractional &&
-                       options.change_scale == ChangeScale::kPerPass && board.closed_pieces == 0;
-  std::vector<double> kept, passes;
-  AttenuationStep table(k, options);
-  for (int m = 0; in_rows && m <= most; ++m) {
-    kept.push_back(table.kept(m, whole));
-    passes.push_back(m == 0 ? 1.0 : static_cast<double>(m) / whole);
-  }
+  const AttenuationRows rows(board, k, box, options);
+  if (rows.changes_nothing()) return;
   constexpr int kBand = 16;  // rows that share one table of powers
   const int bands = (box.height() + kBand - 1) / kBand;
   rows_by_area(0, bands, box.area(), [&](int band) {
     AttenuationStep step(k, options);
     const int first = box.y0 + band * kBand;
-    for (int y = first; y < std::min(first + kBand, box.y1); ++y) {
-      const auto each = [&](int begin, int end) {
-        for (int x = begin; x < end; ++x) {
-          const int fresh = counts.fresh(x, y);
-          if (fresh == 0 && !any_touch) continue;
-          const double change = std::abs(f(x, y) - before(x - box.x0, y - box.y0));  // eq 8
-          if (change > 0.0 || !any_touch) {
-            attenuation(x, y) = step(attenuation(x, y), change, fresh, counts.open(x, y));  // eq 7
-          }
-        }
-      };
-      const auto [begin, end] =
-          in_rows ? whole_regions(board, k, box, y) : std::pair{box.x0, box.x0};
-      each(box.x0, begin);
-      if (begin < end) {
-        step_row(counts.fresh_row(begin, y), kept.data(), passes.data(), &f(begin, y),
-                 &before(begin - box.x0, y - box.y0), end - begin, &attenuation(begin, y));
-      }
-      each(end, box.x1);
-    }
+    for (int y = first; y < std::min(first + kBand, box.y1); ++y)
+      rows.update(y, &f(box.x0, y), &before(0, y - box.y0), &attenuation(box.x0, y), step);
   });
 }
 

@@ -8,10 +8,14 @@
 // readings are options. Slow twin: tests/reference/multiscale_reference.h.
 #pragma once
 
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "lib/core/rectangle.h"
 #include "lib/sampling/multiscale/board.h"
+#include "lib/sampling/multiscale/region_counts.h"
+#include "lib/sampling/multiscale/region_sampling.h"
 
 namespace spool {
 
@@ -41,6 +45,37 @@ class AttenuationStep {
 // and f_k changed inside `coarse_box`.
 Rectangle attenuation_box(const Board& board, int k, const Rectangle& changed,
                           const Rectangle& coarse_box, const MultiscaleOptions& options);
+
+// A_0 of the pieces of `picks`, no other is touched by a step; before[i] is f_0 of picks[i] before
+// it.
+void update_attenuation_of_pieces(const Board& board, ScalarAnalysis& scalar,
+                                  std::span<const Pick> picks, std::span<const double> before,
+                                  const MultiscaleOptions& options);
+
+// Updates A_k on the rows of `box`, when the board knows what is fresh and the step is not yet
+// ended. Several threads may update different rows.
+class AttenuationRows {
+ public:
+  AttenuationRows(const Board& board, int k, const Rectangle& box,
+                  const MultiscaleOptions& options);
+  // Row y of the box from f_k after and before the step; all three start at column box.x0.
+  void update(int y, const double* now, const double* before, double* attenuation,
+              AttenuationStep& step) const;
+  bool changes_nothing() const { return most_ == 0 && !any_touch_; }
+
+ private:
+  std::pair<int, int> whole_regions(int y) const;
+
+  const Board& board_;
+  int level_;
+  Rectangle box_;
+  bool any_touch_;
+  RegionCounts counts_;
+  int most_;  // fresh samples of a region
+  // (1 - alpha)^c and c of whole regions with m fresh samples at [m]; empty where the rule is
+  // another or a piece ran out, so that rows cannot be updated as a whole.
+  std::vector<double> kept_, passes_;
+};
 
 // Updates A_k of a scalar on `box`; before(x, y) is f_k before the step, an image whose (0, 0) is
 // (box.x0, box.y0).

@@ -81,14 +81,15 @@ Samples make_samples(PieceStatistics statistics, const SamplePool& pool, double 
 
 void take(Samples& samples, const SamplePool& pool, int x, int y, int count) {
   const std::size_t piece = samples.statistics.n.index(x, y);
-  const int before = samples.statistics.n[piece];
-  take(samples.statistics, pool, x, y, count);
-  if (samples.of_channel.empty()) return;
-  for (int s = before; s < before + count; ++s) {
-    const Rgb radiance = pool.sample(x, y, s);
-    for (std::size_t c = 0; c < 3; ++c)
-      samples.of_channel[c].add(piece, s + 1, samples.value(c, radiance));
-  }
+  SPOOL_CHECK_LE(samples.statistics.n[piece] + count, pool.capacity(x, y));
+  for (int i = 0; i < count; ++i)
+    add_sample(samples, piece, pool.sample(x, y, samples.statistics.n[piece]));
+}
+
+void add_sample(Samples& samples, std::size_t piece, const Rgb& radiance) {
+  add_sample(samples.statistics, piece, radiance);
+  for (std::size_t c = 0; c < samples.of_channel.size(); ++c)
+    samples.of_channel[c].add(piece, samples.statistics.n[piece], samples.value(c, radiance));
 }
 
 Plane means_before_last(const Samples& samples, const SamplePool& pool, std::size_t i) {

@@ -39,6 +39,8 @@ Samples make_samples(PieceStatistics statistics, const SamplePool& pool, double 
 
 // Takes the next `count` samples of piece (x, y) of the grid.
 void take(Samples& samples, const SamplePool& pool, int x, int y, int count);
+// Adds the next sample of a piece, when it is known.
+void add_sample(Samples& samples, std::size_t piece, const Rgb& radiance);
 
 // Means of scalar i over all but the last sample taken from each piece.
 Plane means_before_last(const Samples& samples, const SamplePool& pool, std::size_t i);

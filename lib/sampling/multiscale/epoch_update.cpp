@@ -12,13 +12,6 @@
 namespace spool {
 namespace {
 
-Plane copy_box(const Plane& image, const Rectangle& box) {
-  Plane copy(box.width(), box.height());
-  for (int y = 0; y < copy.height(); ++y)
-    std::copy_n(&image(box.x0, box.y0 + y), copy.width(), copy.row(y).begin());
-  return copy;
-}
-
 // The analysis of a board, brought up to date after each step where the step matters, block by
 // block: bit for bit the analysis of everything.
 class EpochAnalysis {
@@ -29,24 +22,29 @@ class EpochAnalysis {
         pyramid_(board_pyramid(options)),
         grid_(board.bounds()),
         reach_(step_reach(options)),
-        maxima_(grid_, board) {}
+        maxima_(grid_, board) {
+    for (ScalarAnalysis& scalar : board_.scalars)
+      scalar.pyramid.detail.clear();  // only P needs them, a row at a time
+  }
 
   const PriorityMaxima& maxima() const { return maxima_; }
 
   // Before the pieces of `picks` are loaded.
   void begin_step(std::span<const Pick> picks) {
+    picks_ = picks;
     step_.emplace(board_, grid_, reach_, picks, options_);
-    old_f0_.assign(board_.scalars.size(), std::vector<Plane>(grid_.size()));
+    old_f0_.assign(board_.scalars.size(), std::vector<double>(picks.size()));
     for (std::size_t i = 0; i < board_.scalars.size(); ++i) {
-      for (std::size_t b = 0; b < grid_.size(); ++b) {
-        const Rectangle& box = step_->attenuation[0][b];
-        if (!box.empty()) old_f0_[i][b] = copy_box(board_.scalars[i].pyramid.coarse[0], box);
-      }
+      const Plane& f0 = board_.scalars[i].pyramid.coarse[0];
+      for (std::size_t p = 0; p < picks.size(); ++p)
+        old_f0_[i][p] = f0(picks[p].x, picks[p].y);
     }
   }
 
-  // f, d, V, A and P of every scalar. A level needs the whole of the one before it: one pass each.
+  // f, V, A and P of every scalar. A level needs the whole of the one before it: one pass each.
   void analyse(GuardCounts& guards) {
+    for (std::size_t i = 0; i < board_.scalars.size(); ++i)
+      update_attenuation_of_pieces(board_, board_.scalars[i], picks_, old_f0_[i], options_);
     std::vector<GuardCounts> caught(grid_.size());
     for (int k = 0; k <= pyramid_.levels; ++k) {
       parallel_for(grid_.size(), [&](std::size_t b) { analyse_level(k, b, caught[b]); });
@@ -64,34 +62,48 @@ class EpochAnalysis {
     });
   }
 
+  // The details again, for who wants to see them.
+  void restore_details() {
+    for (ScalarAnalysis& scalar : board_.scalars)
+      rebuild_pyramid(scalar.pyramid, scalar.pyramid.coarse[0], pyramid_);
+  }
+
  private:
-  // d_{k-1}, P_k, then f_{k+1}, V_{k+1} and A_{k+1} of one block.
+  // P_k with d_{k-1}, then f_{k+1}, A_{k+1} and V_{k+1} of one block.
   void analyse_level(int k, std::size_t b, GuardCounts& guards) {
-    const auto level = static_cast<std::size_t>(k);
-    for (std::size_t i = 0; i < board_.scalars.size(); ++i) {
-      ScalarAnalysis& scalar = board_.scalars[i];
-      std::vector<Plane>& f = scalar.pyramid.coarse;
-      if (k == 0) {
-        update_attenuation(board_, scalar, 0, step_->attenuation[0][b], old_f0_[i][b], options_);
-      } else {
-        detail_box(f[level - 1], f[level], pyramid_, k - 1, step_->detail[level - 1][b],
-                   scalar.pyramid.detail[level - 1]);  // eq 4
-      }
-      if (k == pyramid_.levels) continue;
-      const bool attenuates = k < options_.levels();  // one level more for d_index = same_k
-      const Rectangle box = attenuates ? step_->attenuation[level + 1][b] : Rectangle{};
-      const Plane before = copy_box(f[level + 1], box);
-      coarsen_box(f[level], pyramid_, k, step_->coarse[level + 1][b], f[level + 1]);  // eqs 1-3
-      if (!attenuates) continue;
-      update_variance_term(scalar, k + 1, step_->variance[level + 1][b], options_, guards);  // eq 6
-      update_attenuation(board_, scalar, k + 1, box, before, options_);  // eqs 7, 8
-    }
     for (int p = 1; p <= options_.levels(); ++p) {
       if (detail_of_level(p, options_) != k - 1) continue;
-      compute_priority(board_, p, step_->priority[static_cast<std::size_t>(p)][b], options_,
-                       guards);  // eq 5
-      maxima_.refresh(board_, p, b);
+      const Rectangle& box = step_->priority[static_cast<std::size_t>(p)][b];
+      compute_priority_from_coarse(board_, p, box, options_, guards);  // eqs 4, 5
+      maxima_.refresh(board_, p, b, box.y0, box.y1);
     }
+    if (k == pyramid_.levels) return;
+    for (ScalarAnalysis& scalar : board_.scalars) {
+      coarsen(scalar, k, b);                 // eqs 1-3, 7, 8
+      if (k == options_.levels()) continue;  // one level more for d_index = same_k
+      const auto level = static_cast<std::size_t>(k) + 1;
+      update_variance_term(scalar, k + 1, step_->variance[level][b], options_, guards);  // eq 6
+    }
+  }
+
+  // f_{k+1} of one block; each row of it, while the old one is still there, takes A_{k+1} along.
+  void coarsen(ScalarAnalysis& scalar, int k, std::size_t b) {
+    const auto level = static_cast<std::size_t>(k) + 1;
+    Plane& coarse = scalar.pyramid.coarse[level];
+    const Rectangle steps = k < options_.levels() ? step_->attenuation[level][b] : Rectangle{};
+    const Rectangle box = unite(step_->coarse[level][b], steps);
+    std::optional<AttenuationRows> attenuation;
+    if (!steps.empty()) attenuation.emplace(board_, k + 1, steps, options_);
+    AttenuationStep step(k + 1, options_);
+    visit_coarse_rows(
+        scalar.pyramid.coarse[level - 1], pyramid_, k, box, [&](int y, const double* now) {
+          double* row = &coarse(box.x0, y);
+          if (y >= steps.y0 && y < steps.y1 && !attenuation->changes_nothing()) {
+            const int i = steps.x0 - box.x0;
+            attenuation->update(y, now + i, row + i, &scalar.attenuation[level](steps.x0, y), step);
+          }
+          std::copy_n(now, box.width(), row);
+        });
   }
 
   Board& board_;
@@ -101,7 +113,8 @@ class EpochAnalysis {
   const StepReach reach_;
   PriorityMaxima maxima_;
   std::optional<StepBlocks> step_;
-  std::vector<std::vector<Plane>> old_f0_;  // [scalar][block]: f_0 on the block's attenuation box
+  std::span<const Pick> picks_;
+  std::vector<std::vector<double>> old_f0_;  // [scalar][pick]
 };
 
 }  // namespace
@@ -136,6 +149,7 @@ LoopLog run_epochs(Board& board, Samples& samples, const SamplePool& pool, long 
       }
       break;
     }
+    sort_by_place(picks, board.bounds());
     analysis.begin_step(picks);
     take_picks(board, samples, pool, picks, options, log.guards);
     analysis.analyse(log.guards);
@@ -143,6 +157,7 @@ LoopLog run_epochs(Board& board, Samples& samples, const SamplePool& pool, long 
     analysis.close();
     if (control.report && !control.report(log.spent - spent_before)) break;
   }
+  if (control.keep_details) analysis.restore_details();
   return log;
 }
 

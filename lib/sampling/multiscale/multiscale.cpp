@@ -150,6 +150,7 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
     LoopControl control;
     control.seed = mix(context.seed, kTileLane, t);
     control.keep_level_images = level_views.wanted();
+    control.keep_details = context.views != nullptr;
     control.report = [&](long long taken) { return reporter(taken); };
     logs[t] = options.update == UpdateMode::kExact
                   ? run_exact(board, samples, pool, budgets[t], options, control)

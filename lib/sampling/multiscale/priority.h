@@ -20,7 +20,10 @@ void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box,
 // Recomputes P_k on the part of `box` that lies in the board's area, as if nothing were saturated.
 void compute_priority(Board& board, int k, const Rectangle& box, const MultiscaleOptions& options,
                       GuardCounts& guards);
-// The same, then closes regions.
+// The same where the details are not kept: d row by row, from f and what predicts it (eq 4).
+void compute_priority_from_coarse(Board& board, int k, const Rectangle& box,
+                                  const MultiscaleOptions& options, GuardCounts& guards);
+// compute_priority, then closes regions.
 void update_priority(Board& board, int k, const Rectangle& box, const MultiscaleOptions& options,
                      GuardCounts& guards);
 

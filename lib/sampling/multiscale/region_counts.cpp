@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lib/core/vector_clones.h"
 #include "lib/pyramid/row_loop.h"
 
 namespace spool {
@@ -10,12 +11,19 @@ namespace {
 // sums[x] = image[x - before] + ... + image[x + after] over a row of `width` values with zeros on
 // both sides, by doubling: a window of 2^k is two of 2^(k-1). Whole numbers, so any order is exact.
 // padded: at least width + 2^level values; sums: the first `width` are the result.
+SPOOL_VECTOR_CLONES
 void double_up(std::int32_t* values, int level, int padded) {
   for (int k = 0; k < level; ++k) {
     const int step = 1 << k;
     for (int x = 0; x + step < padded; ++x)
       values[x] += values[x + step];
   }
+}
+
+SPOOL_VECTOR_CLONES
+void add_row(const std::int32_t* from, int width, std::int32_t* to) {
+  for (int x = 0; x < width; ++x)
+    to[x] += from[x];
 }
 
 // Sums over the regions R_level of the entries of `box`; pieces outside `area` count as 0.
@@ -49,8 +57,7 @@ CountImage region_sums(const Image<T>& image, const Rectangle& area, int level,
       for (int r = 0; r + (1 << k) < rows; ++r) {
         std::int32_t* to = row_sums.row(r).data();
         const std::int32_t* from = row_sums.row(r + (1 << k)).data();
-        for (int x = x0; x < x1; ++x)
-          to[x] += from[x];
+        add_row(from + x0, x1 - x0, to + x0);
       }
     }
     for (int y = 0; y < box.height(); ++y)

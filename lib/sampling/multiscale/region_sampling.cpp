@@ -1,6 +1,9 @@
 #include "lib/sampling/multiscale/region_sampling.h"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
+#include <span>
 
 #include "lib/core/parallel.h"
 #include "lib/pyramid/region_mean.h"
@@ -23,6 +26,18 @@ std::vector<OpenPiece> open_pieces(const Board& board, const Samples& samples,
   return pieces;
 }
 
+// Lets the memory begin with the statistics of a piece.
+void ask_for(const Samples& samples, std::size_t piece) {
+  const PieceStatistics& statistics = samples.statistics;
+  for (std::size_t c = 0; c < 3; ++c) {
+    __builtin_prefetch(&statistics.mean[c][piece], 1);
+    __builtin_prefetch(&statistics.m2[c][piece], 1);
+  }
+  const ScalarStatistics& analysis = statistics.analysis;
+  for (const Plane* plane : {&analysis.mean, &analysis.m2, &analysis.minimum, &analysis.maximum})
+    __builtin_prefetch(&(*plane)[piece], 1);
+}
+
 }  // namespace
 
 Rectangle sampled_region(const Board& board, const RegionEntry& entry) {
@@ -32,6 +47,19 @@ Rectangle sampled_region(const Board& board, const RegionEntry& entry) {
 long long choose_pieces(Board& board, const Samples& samples, const SamplePool& pool,
                         const Rectangle& region, long long left, std::uint64_t seed,
                         const MultiscaleOptions& options, std::vector<Pick>& picks) {
+  const std::size_t first = picks.size();
+  const auto pick = [&](int x, int y, int count) {
+    picks.push_back({x, y, count});
+    board.fresh(x, y) += count;
+  };
+  if (!options.pop_samples && region.area() <= left) {  // as usual: all that are open
+    for (int y = region.y0; y < region.y1; ++y) {
+      for (int x = region.x0; x < region.x1; ++x) {
+        if (!board.closed(x, y)) pick(x, y, 1);
+      }
+    }
+    return static_cast<long long>(picks.size() - first);
+  }
   std::vector<OpenPiece> pieces = open_pieces(board, samples, region);
   const std::vector<PieceShare> shares =
       options.pop_samples
@@ -39,12 +67,25 @@ long long choose_pieces(Board& board, const Samples& samples, const SamplePool& 
           : one_each(std::move(pieces), left);
   long long chosen = 0;
   for (const PieceShare& share : shares) {
-    const Pick pick{share.x - board.window.x0, share.y - board.window.y0, share.count};
-    picks.push_back(pick);
-    board.fresh(pick.x, pick.y) += pick.count;
-    chosen += pick.count;
+    pick(share.x - board.window.x0, share.y - board.window.y0, share.count);
+    chosen += share.count;
   }
   return chosen;
+}
+
+void sort_by_place(std::vector<Pick>& picks, const Rectangle& bounds) {
+  std::vector<Pick> sorted(picks.size());
+  const auto pass = [&](int Pick::* coordinate, int size) {  // keeps the order of equals
+    std::vector<std::size_t> begin(static_cast<std::size_t>(size) + 1, 0);
+    for (const Pick& pick : picks)
+      ++begin[static_cast<std::size_t>(pick.*coordinate) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    for (const Pick& pick : picks)
+      sorted[begin[static_cast<std::size_t>(pick.*coordinate)]++] = pick;
+    picks.swap(sorted);
+  };
+  pass(&Pick::x, bounds.x1);
+  pass(&Pick::y, bounds.y1);
 }
 
 void take_picks(Board& board, Samples& samples, const SamplePool& pool,
@@ -52,12 +93,26 @@ void take_picks(Board& board, Samples& samples, const SamplePool& pool,
                 GuardCounts& guards) {
   constexpr std::size_t kChunk = 256;  // picks; few enough to share out, many enough to be worth it
   const std::size_t chunks = (picks.size() + kChunk - 1) / kChunk;
+  const int x0 = board.window.x0, y0 = board.window.y0;
+  const CountImage& n = samples.statistics.n;
   std::vector<GuardCounts> counts(chunks);
   parallel_for(chunks, [&](std::size_t c) {
-    const std::size_t end = std::min(picks.size(), (c + 1) * kChunk);
-    for (std::size_t i = c * kChunk; i < end; ++i) {
-      const Pick& pick = picks[i];
-      take(samples, pool, pick.x + board.window.x0, pick.y + board.window.y0, pick.count);
+    // First the next sample of every piece, then what follows from it: a sample is three reads far
+    // apart, for which one processor can wait many times at once if nothing stands between them.
+    std::array<Rgb, kChunk> first;
+    const auto chunk =
+        std::span(picks).subspan(c * kChunk, std::min(kChunk, picks.size() - c * kChunk));
+    for (std::size_t i = 0; i < chunk.size(); ++i) {
+      const int x = chunk[i].x + x0, y = chunk[i].y + y0;
+      first[i] = pool.sample(x, y, n(x, y));
+      ask_for(samples, n.index(x, y));
+    }
+    for (std::size_t i = 0; i < chunk.size(); ++i) {
+      const Pick& pick = chunk[i];
+      const int x = pick.x + x0, y = pick.y + y0;
+      SPOOL_CHECK_LE(n(x, y) + pick.count, pool.capacity(x, y));
+      add_sample(samples, n.index(x, y), first[i]);
+      take(samples, pool, x, y, pick.count - 1);
       load_piece(board, samples, pick.x, pick.y, options, counts[c]);
     }
   });

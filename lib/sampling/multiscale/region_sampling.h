@@ -26,6 +26,11 @@ long long choose_pieces(Board& board, const Samples& samples, const SamplePool& 
                         const Rectangle& region, long long left, std::uint64_t seed,
                         const MultiscaleOptions& options, std::vector<Pick>& picks);
 
+// Picks of one step by y, then x, which is the order of the images that they touch: taking them is
+// mostly waiting for memory. A piece is picked at most once a step, so no result depends on the
+// order.
+void sort_by_place(std::vector<Pick>& picks, const Rectangle& bounds);
+
 // Takes the samples of all picks, in parallel where there are many, and loads the pieces.
 void take_picks(Board& board, Samples& samples, const SamplePool& pool,
                 const std::vector<Pick>& picks, const MultiscaleOptions& options,

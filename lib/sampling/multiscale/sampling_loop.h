@@ -21,8 +21,9 @@ struct LoopLog {
 };
 
 struct LoopControl {
-  std::uint64_t seed = 0;                 // of this board
-  bool keep_level_images = false;         // fill level_of_samples
+  std::uint64_t seed = 0;          // of this board
+  bool keep_level_images = false;  // fill level_of_samples
+  bool keep_details = false;       // leave d_0 .. on the board, which the loop may do without
   std::function<bool(long long)> report;  // samples spent since the last call; false: stop
 };
 

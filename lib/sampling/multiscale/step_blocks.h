@@ -21,6 +21,8 @@ class BlockGrid {
 
   explicit BlockGrid(const Rectangle& bounds);
   std::size_t size() const { return static_cast<std::size_t>(across_) * down_; }
+  int across() const { return across_; }
+  int down() const { return down_; }
   Rectangle operator[](std::size_t i) const;
 
   // Unites each box with the part of `r` in its block.
