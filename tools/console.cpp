@@ -14,9 +14,7 @@ void print(std::string_view text) {
 }
 
 void print_error(const Error& error) {
-  std::string line = error.message;
-  std::ranges::replace(line, '\n', ' ');
-  fmt::print(stderr, "spool: {}\n", line);
+  fmt::print(stderr, "spool: {}\n", one_line(error.message));
 }
 
 void print_warning(std::string_view text) {

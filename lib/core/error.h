@@ -29,9 +29,20 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
+// Control characters made visible: names and texts that come from files may hold anything, and a
+// terminal obeys some of it. Other alphabets stay as they are.
+inline std::string one_line(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) c = byte == '\n' || byte == '\t' ? ' ' : '?';
+  }
+  return text;
+}
+
 template <class... Args>
 tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<Args...> format, Args&&... args) {
-  return tl::unexpected<Error>(Error{code, fmt::format(format, std::forward<Args>(args)...)});
+  return tl::unexpected<Error>(
+      Error{code, one_line(fmt::format(format, std::forward<Args>(args)...))});
 }
 
 }  // namespace spool

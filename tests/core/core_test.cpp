@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/core/error.h"
 #include "lib/core/extend.h"
 #include "lib/core/guards.h"
 #include "lib/core/image.h"
@@ -14,6 +15,12 @@
 
 namespace spool {
 namespace {
+
+TEST(Error, IsOneLineWhateverItQuotes) {
+  const Result<void> failed =
+      fail(ErrorCode::kData, "{}: cannot open", "a\nb\r\x1b[2Jc\x7f\t\u00e9");
+  EXPECT_EQ(failed.error().message, "a b??[2Jc? \u00e9: cannot open");
+}
 
 TEST(Extend, SymmetricReflectsWithTheBorderTwice) {
   const int expected[] = {2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 0};  // i = -4 .. 6, n = 3
