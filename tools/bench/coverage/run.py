@@ -12,8 +12,8 @@ from intervals import mean_interval, paired_difference, paired_ratio  # noqa: E4
 
 TEXT = """# How often the 95 % intervals hold the truth
 
-Written by `tools/dev.sh bench coverage`. Every trial samples, filters and judges five replicates of an analytic scene (twenty where the first column says so) by its exact
-reference: scene S with 32 x 32 pixels where only the order is drawn anew, noise in 64 x 64 pixels elsewhere. The truth is exact for unfiltered
+Written by `tools/dev.sh bench coverage`. Every trial samples, filters and judges five replicates (twenty where the
+first column says so) of an analytic scene by its exact reference: scene S with 32 x 32 pixels where only the order is drawn anew, noise in 64 x 64 pixels elsewhere. The truth is exact for unfiltered
 fixed counts and is else the mean over all trials. Of {trials} trials, an interval that is right covers in 95 % +- {noise:.1f}
 (one standard deviation of the count); wanted are 93 to 97 %.
 
@@ -29,8 +29,8 @@ Several things vary in what the laboratory measures, and each interval speaks of
   kind. Where blocks of the picture are alike or drawn anew, they are right. On one fixed picture with parts
   unlike each other they are wider than that picture alone asks for.
 - **Fireflies** skew the errors of a few replicates, and Student's interval of five skewed values covers too little: the
-  rows with fireflies, but for the method whose filter takes them away. Bars of a report on such a recording are a little
-  too short with five replicates; the rows with twenty say what more replicates mend.
+  rows with fireflies, but for the method whose filter takes them away. Twenty replicates mend most of it, not all. No interval
+  of a mean can promise its coverage for every tail [BahadurSavage56]; bars of a report on such a recording are a little too short.
 - All speak of a metric's expectation, debiased by the variance of the reference where the metric is.
 
 Noise of one block in one replicate is in the spread of the blocks and in the spread of the replicates; it is counted once
