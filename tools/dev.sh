@@ -80,9 +80,13 @@ require_packages() {
 setup() {
   case "${1:-all}" in
     build) require_packages "${build_packages[@]}" ;;
-    test | all) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_python ;;
+    test) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_python ;;
     lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
     bench) require_packages "${build_packages[@]}" "${bench_packages[@]}" ;;
+    all)
+      require_packages "${build_packages[@]}" "${test_packages[@]}" "${lint_packages[@]}" "${bench_packages[@]}"
+      setup_python
+      ;;
     *) die "setup: build, test, lint, bench or all, not '$1'" ;;
   esac
 }

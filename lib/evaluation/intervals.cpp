@@ -41,6 +41,27 @@ double incomplete_beta(double x, double a, double b) {
   return 1.0 - front * beta_fraction(1.0 - x, b, a) / b;
 }
 
+// Sample skewness, of unbiased third and second central moments.
+double skewness(std::span<const double> values, double mean, double deviation) {
+  if (!(deviation > 0.0)) return 0.0;
+  const auto n = static_cast<double>(values.size());
+  double cubes = 0.0;
+  for (const double value : values) {
+    const double d = (value - mean) / deviation;
+    cubes += d * d * d;
+  }
+  return n * cubes / ((n - 1.0) * (n - 2.0));
+}
+
+// The t whose transform t + g t^2 / (3 sqrt(n)) + g^2 t^3 / (27 n) + g / (6 sqrt(n)) is
+// `quantile`, g the skewness [Hall92]. 3 sqrt(n) / g * (cbrt(1 + g u) - 1) without the
+// division by g, which may be zero.
+double skewed_t(double quantile, double g, double n) {
+  const double u = quantile / std::sqrt(n) - g / (6.0 * n);
+  const double root = std::cbrt(1.0 + g * u);
+  return 3.0 * u / (root * root + root + 1.0) * std::sqrt(n);
+}
+
 }  // namespace
 
 double student_cdf(double t, double freedom) {
@@ -66,23 +87,27 @@ double student_quantile(double probability, double freedom) {
 }
 
 Interval mean_interval(std::span<const double> values, double level) {
+  constexpr int kFewestWithSkewness = 4;
   Interval interval;
+  std::vector<double> finite;
   double mean = 0.0, m2 = 0.0;
   for (const double value : values) {
     if (!std::isfinite(value)) continue;
-    ++interval.n;
+    finite.push_back(value);
     const double delta = value - mean;
-    mean += delta / interval.n;
+    mean += delta / static_cast<double>(finite.size());
     m2 += delta * (value - mean);
   }
+  interval.n = static_cast<int>(finite.size());
   if (interval.n == 0) return interval;
   interval.mean = mean;
   if (interval.n < 2) return interval;
-  interval.standard_error = std::sqrt(m2 / (interval.n - 1) / interval.n);
-  const double reach =
-      student_quantile(0.5 + 0.5 * level, interval.n - 1) * interval.standard_error;
-  interval.low = mean - reach;
-  interval.high = mean + reach;
+  const double deviation = std::sqrt(m2 / (interval.n - 1));
+  interval.standard_error = deviation / std::sqrt(interval.n);
+  const double g = interval.n < kFewestWithSkewness ? 0.0 : skewness(finite, mean, deviation);
+  const double quantile = student_quantile(0.5 + 0.5 * level, interval.n - 1);
+  interval.low = mean - skewed_t(quantile, g, interval.n) * interval.standard_error;
+  interval.high = mean - skewed_t(-quantile, g, interval.n) * interval.standard_error;
   return interval;
 }
 

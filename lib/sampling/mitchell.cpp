@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <cstdint>
+#include <limits>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "lib/core/parallel.h"
+#include "lib/core/parallel_sort.h"
 #include "lib/sampling/rounds.h"
 #include "lib/statistics/contrast.h"
 
@@ -50,11 +54,26 @@ Plane contrast_ratio(const PieceStatistics& statistics, const Thresholds& tau, i
   return ratio;
 }
 
+// A piece in the order in which samples are handed out.
+struct Turn {
+  std::int32_t group;  // lower is earlier
+  std::uint32_t piece;
+  double ratio;  // within a group larger is earlier, and of equal ones the first of the image
+};
+
+std::vector<Turn> in_order(std::vector<Turn> turns) {
+  parallel_sort(turns, [](const Turn& a, const Turn& b) {
+    return std::tuple(a.group, -a.ratio, a.piece) < std::tuple(b.group, -b.ratio, b.piece);
+  });
+  return turns;
+}
+
 // Gives `most` samples to each piece in `order` until `share` is used; what is used.
-long long give_in_order(const std::vector<std::size_t>& order, int most, long long share,
+long long give_in_order(const std::vector<Turn>& order, int most, long long share,
                         const std::vector<int>& room, CountImage& extra) {
   long long used = 0;
-  for (const std::size_t i : order) {
+  for (const Turn& turn : order) {
+    const std::size_t i = turn.piece;
     if (used == share) break;
     const auto add = std::min<long long>({most, room[i] - extra[i], share - used});
     extra[i] += static_cast<std::int32_t>(add);
@@ -72,15 +91,6 @@ std::vector<int> room_of(const CountImage& n, const SamplePool& pool) {
   return room;
 }
 
-// Index order sorted by `before`, a strict order on pieces.
-template <class Before>
-std::vector<std::size_t> sorted_pieces(std::size_t count, Before&& before) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), before);
-  return order;
-}
-
 Result<void> run_rounds(PieceStatistics& statistics, const SamplePool& pool, long long left,
                         const Thresholds& tau, const MitchellOptions& options,
                         const SamplingContext& context) {
@@ -88,14 +98,15 @@ Result<void> run_rounds(PieceStatistics& statistics, const SamplePool& pool, lon
   for (long long share : equal_shares(left, options.rounds)) {
     const Plane ratio = contrast_ratio(statistics, tau, options.window);
     const std::vector<int> room = room_of(statistics.n, pool);
-    const auto key = [&](std::size_t i) {
-      // Flagged first, least-sampled first, largest ratio first; where nothing is flagged the
-      // largest ratio alone decides.
-      const bool flagged = ratio[i] > 1.0;
-      return std::tuple(!flagged, flagged ? statistics.n[i] : 0, -ratio[i]);
-    };
-    const std::vector<std::size_t> order =
-        sorted_pieces(ratio.size(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+    // Flagged first, least-sampled first, largest ratio first; where nothing is flagged the largest
+    // ratio alone decides.
+    constexpr std::int32_t kNotFlagged = std::numeric_limits<std::int32_t>::max();
+    std::vector<Turn> turns(ratio.size());
+    parallel_for(turns.size(), [&](std::size_t i) {
+      turns[i] = {ratio[i] > 1.0 ? statistics.n[i] : kNotFlagged, static_cast<std::uint32_t>(i),
+                  ratio[i]};
+    });
+    const std::vector<Turn> order = in_order(std::move(turns));
     CountImage extra(ratio.width(), ratio.height());
     while (share > 0) {  // a second pass only when every piece had its turn
       const long long used = give_in_order(order, options.per, share, room, extra);
@@ -113,12 +124,16 @@ void run_two_levels(PieceStatistics& statistics, const SamplePool& pool, long lo
                     const Thresholds& tau, const MitchellOptions& options) {
   const Plane ratio = contrast_ratio(statistics, tau, options.window);
   const std::vector<int> room = room_of(statistics.n, pool);
-  std::vector<std::size_t> order = sorted_pieces(
-      ratio.size(), [&](std::size_t a, std::size_t b) { return ratio[a] > ratio[b]; });
+  const bool only_flagged = options.mode == MitchellMode::kTwoLevel;
+  std::vector<Turn> turns;
+  for (std::size_t i = 0; i < ratio.size(); ++i) {
+    if (!only_flagged || ratio[i] > 1.0)
+      turns.push_back({0, static_cast<std::uint32_t>(i), ratio[i]});
+  }
+  const std::vector<Turn> order = in_order(std::move(turns));
   CountImage extra(ratio.width(), ratio.height());
   const int per = std::max(options.n_high - options.n_base, 1);
-  if (options.mode == MitchellMode::kTwoLevel) {
-    std::erase_if(order, [&](std::size_t i) { return !(ratio[i] > 1.0); });
+  if (only_flagged) {
     give_in_order(order, per, left, room, extra);
   } else {
     const auto pieces = static_cast<long long>(order.size());

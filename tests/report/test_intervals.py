@@ -21,6 +21,38 @@ def test_interval_of_five_values_by_hand():
     assert 3.0 - interval.low == pytest.approx(interval.high - 3.0)
 
 
+def test_interval_of_skewed_values_solves_halls_cubic():
+    # The cubic and the values of intervals_test.cpp.
+    interval = mean_interval([0.0, 0.0, 0.0, 0.0, 10.0])
+    g, error = 200.0 / 20.0 ** 1.5 / math.sqrt(5.0), 2.0
+    for truth, quantile in ((interval.low, 2.776445105), (interval.high, -2.776445105)):
+        t = (2.0 - truth) / error
+        assert t + g * t * t / 3 + g * g * t ** 3 / 27 + g / 6 == pytest.approx(quantile, rel=1e-8)
+
+
+def test_interval_of_three_values_is_students():
+    interval = mean_interval([0.0, 0.0, 3.0])
+    assert interval.high - 1.0 == pytest.approx(4.302652730, rel=1e-9)
+    assert 1.0 - interval.low == pytest.approx(4.302652730, rel=1e-9)
+
+
+def test_without_skewness_a_ratio_has_fiellers_interval():
+    # Two groups that mirror each other: no skewness whatever the ratio.
+    pairs = [(2.0 + s * u, 1.0 + s * v) for s in (1, -1) for u, v in ((0.3, 0.1), (0.1, -0.1), (0.2, 0.05))]
+    n, t2 = 6, student_quantile(0.975, 5) ** 2
+    aa, bb, ab = (sum((p[i] - (2.0, 1.0)[i]) * (p[j] - (2.0, 1.0)[j]) for p in pairs) / n / (n - 1)
+                  for i, j in ((0, 0), (1, 1), (0, 1)))
+    lead, middle = 1.0 - t2 * bb, 2.0 - t2 * ab
+    root = math.sqrt(middle * middle - lead * (4.0 - t2 * aa))
+    ratio = paired_ratio(pairs)
+    assert ratio.low == pytest.approx((middle - root) / lead, rel=1e-8)
+    assert ratio.high == pytest.approx((middle + root) / lead, rel=1e-8)
+
+
+def test_a_ratio_of_zeros_is_zero():
+    assert paired_ratio([(0.0, 1.0), (0.0, 2.0), (0.0, 1.5), (0.0, 1.0)])[1:] == (0.0, 0.0, 0.0)
+
+
 def test_one_value_has_no_interval_and_none_has_no_mean():
     assert mean_interval([7.0]).mean == 7.0
     assert math.isnan(mean_interval([7.0, float("nan")]).low)

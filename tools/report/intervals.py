@@ -1,6 +1,8 @@
 """95 % intervals of a few replicates, of paired differences and of ratios of means.
 
-Student's distribution for means, Fieller's theorem for ratios [Fieller54]; standard library only.
+Student's distribution with the skewness of the values taken into account [Hall92]; a ratio's interval
+holds every ratio r at which a - r b has a mean that may be zero, as Fieller's does [Fieller54].
+Standard library only; the same figures as lib/evaluation/intervals.h.
 """
 
 import math
@@ -69,26 +71,56 @@ def student_quantile(probability, freedom):
     return 0.5 * (low + high)
 
 
+FEWEST_WITH_SKEWNESS = 4  # of fewer values it says nothing
+
+
+class _Moments(NamedTuple):
+    n: int
+    mean: float
+    deviation: float
+    skewness: float  # of unbiased third and second central moments
+
+
 def _moments(values):
+    """Of at least two values."""
     mean, m2 = 0.0, 0.0
     for i, value in enumerate(values, 1):
         delta = value - mean
         mean += delta / i
         m2 += delta * (value - mean)
-    return mean, m2
+    n = len(values)
+    deviation = math.sqrt(m2 / (n - 1))
+    skewness = 0.0
+    if n >= FEWEST_WITH_SKEWNESS and deviation > 0.0:
+        skewness = n * sum(((v - mean) / deviation) ** 3 for v in values) / ((n - 1) * (n - 2))
+    return _Moments(n, mean, deviation, skewness)
+
+
+def _unskewed(t, of):
+    """Student's t of skewed values, made nearly Student's again [Hall92]."""
+    g = of.skewness / math.sqrt(of.n)
+    return t + g * t * t / 3.0 + g * g * t ** 3 / 27.0 + g / 6.0
+
+
+def _skewed(quantile, of):
+    """The t with _unskewed(t) = quantile."""
+    g = of.skewness / math.sqrt(of.n)
+    u = quantile - g / 6.0
+    root = math.copysign(abs(1.0 + g * u) ** (1.0 / 3.0), 1.0 + g * u)
+    return 3.0 * u / (root * root + root + 1.0)
 
 
 def mean_interval(values, level=0.95):
-    """Student's interval over the finite values; bounds are NaN when there are fewer than two."""
+    """Over the finite values; bounds are NaN when there are fewer than two."""
     finite = [v for v in values if math.isfinite(v)]
     if not finite:
         return Interval()
-    mean, m2 = _moments(finite)
-    n = len(finite)
-    if n < 2:
-        return Interval(n, mean)
-    reach = student_quantile(0.5 + 0.5 * level, n - 1) * math.sqrt(m2 / (n - 1) / n)
-    return Interval(n, mean, mean - reach, mean + reach)
+    if len(finite) < 2:
+        return Interval(1, finite[0])
+    of = _moments(finite)
+    quantile = student_quantile(0.5 + 0.5 * level, of.n - 1)
+    error = of.deviation / math.sqrt(of.n)
+    return Interval(of.n, of.mean, of.mean - _skewed(quantile, of) * error, of.mean - _skewed(-quantile, of) * error)
 
 
 def paired_difference(pairs, level=0.95):
@@ -97,7 +129,7 @@ def paired_difference(pairs, level=0.95):
 
 
 def paired_ratio(pairs, level=0.95):
-    """mean(a) / mean(b) over pairs (a, b), with Fieller's interval.
+    """mean(a) / mean(b) over pairs (a, b).
 
     Bounds are NaN with fewer than two pairs, and where the mean of b cannot be told from zero: the
     ratio may then be anything.
@@ -106,19 +138,39 @@ def paired_ratio(pairs, level=0.95):
     n = len(finite)
     if n == 0:
         return Interval()
-    a, a2 = _moments([p[0] for p in finite])
-    b, b2 = _moments([p[1] for p in finite])
-    if b == 0.0:
+    a, b = ([p[k] for p in finite] for k in (0, 1))
+    if sum(b) == 0.0:
         return Interval(n)
-    if n < 2:
-        return Interval(n, a / b)
-    scale = n * (n - 1)
-    covariance = sum((p - a) * (q - b) for p, q in finite) / scale
-    t2 = student_quantile(0.5 + 0.5 * level, n - 1) ** 2
-    lead = b * b - t2 * b2 / scale
-    if lead <= 0.0:
-        return Interval(n, a / b)
-    middle = a * b - t2 * covariance
-    root = middle * middle - lead * (a * a - t2 * a2 / scale)
-    reach = math.sqrt(max(0.0, root))  # negative by rounding only, when lead > 0
-    return Interval(n, a / b, (middle - reach) / lead, (middle + reach) / lead)
+    ratio = sum(a) / sum(b)
+    below = mean_interval(b, level)
+    if not below.excludes(0.0):
+        return Interval(n, ratio)
+    quantile = student_quantile(0.5 + 0.5 * level, n - 1)
+
+    def may_be(r):
+        of = _moments([p - r * q for p, q in finite])
+        if of.deviation == 0.0:
+            return of.mean == 0.0
+        return abs(_unskewed(of.mean / of.deviation * math.sqrt(n), of)) <= quantile
+
+    # As the mean of b is not zero, far enough away no ratio may be.
+    step = _moments([p - ratio * q for p, q in finite]).deviation / abs(below.mean)
+    if step == 0.0:
+        return Interval(n, ratio, ratio, ratio)
+    return Interval(n, ratio, _last_true(may_be, ratio, -step), _last_true(may_be, ratio, step))
+
+
+def _last_true(condition, start, step):
+    """Where `condition`, true at start, ends in the direction of step; to 1e-9 of the way."""
+    while condition(start + step):
+        step *= 2.0
+    inside, outside = 0.0, step
+    while abs(outside - inside) > 1e-9 * abs(outside):
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            break
+        if condition(start + middle):
+            inside = middle
+        else:
+            outside = middle
+    return start + inside

@@ -28,12 +28,12 @@ def summary_html(sentences, combinations, metric, dumps):
 
 
 HOW_TO_READ = (
-    "<details><summary>How to read this</summary><p>Values are means over replicates with Student's "
-    "95 % interval in brackets; each replicate shuffles the recorded samples. With one replicate the "
+    "<details><summary>How to read this</summary><p>Values are means over replicates with their 95 % "
+    "interval in brackets (Student's, the skewness of the values taken into account); each replicate shuffles the recorded samples. With one replicate the "
     "interval is a bootstrap over blocks of pixels. Intervals say how much a figure depends on the "
     "samples drawn from these recordings; they do not say how another scene would come out. Methods "
     "are compared replicate by replicate; the comparison of one recording and budget holds at 95 % "
-    "for all its pairs together. Ratios are ratios of means with Fieller's interval. Errors are "
+    "for all its pairs together. Ratios are ratios of means. Errors are "
     "debiased by the variance of the reference, so a very good image may come out at or below zero: "
     "such an error is not resolved.</p></details>")
 

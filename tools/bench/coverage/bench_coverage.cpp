@@ -216,13 +216,13 @@ Bounds of(const Interval& interval) {
 // Intervals over replicates: of one recording, so the truth is that of its orders.
 void add_replicate_intervals(Table& table, double spp) {
   for (const Method& method : {kBox, kGaussian, kOurs}) {
-    table.add("Student, over replicates", "MSE of " + method.first + " + " + method.second,
+    table.add("mean, over replicates", "MSE of " + method.first + " + " + method.second,
               table.truth(method, spp), [&](const Trial& trial) {
                 return of(mean_interval(trial.at({method, spp}).values));
               });
   }
   for (const auto& [a, b] : {std::pair{kGaussian, kBox}, std::pair{kOurs, kGaussian}}) {
-    table.add("Student, paired over replicates",
+    table.add("paired, over replicates",
               a.first + " + " + a.second + " less " + b.first + " + " + b.second,
               table.truth(a, spp) - table.truth(b, spp), [&](const Trial& trial) {
                 return of(paired_difference(trial.at({a, spp}).values, trial.at({b, spp}).values));

@@ -47,7 +47,7 @@ def rows_of_report(drawn, pairs):
     for interval, of, truth, make in (
             ("report: mean", f"MSE of {names}", a, lambda p: mean_interval(p[0])),
             ("report: paired difference", f"{names} less {other}", a - b, lambda p: paired_difference(list(zip(*p)))),
-            ("report: ratio (Fieller)", f"{names} / {other}", a / b, lambda p: paired_ratio(list(zip(*p))))):
+            ("report: ratio", f"{names} / {other}", a / b, lambda p: paired_ratio(list(zip(*p))))):
         # A ratio to what cannot be told from 0 has no interval, and claims nothing.
         found = [i for i in map(make, pairs) if math.isfinite(i.high - i.low)]
         yield {"drawn": drawn, "interval": interval, "of": of, "truth": truth, "trials": len(found),
