@@ -76,6 +76,21 @@ def test_the_filter_of_the_docs(good, example, dump, tmp_path):
     assert np.allclose([median["R"][5, 6], median["R"][11, 12]], [np.median(w) for w in window])
 
 
+def test_the_wrapper_of_open_image_denoise_hands_it_images_and_guides(good, example, tmp_path):
+    # A stand-in for the library, beside the script: it says what it was given.
+    (tmp_path / "pyoidn.py").write_text(
+        "import numpy as np\n"
+        "def denoise(color, hdr, albedo, normal):\n"
+        "    assert hdr and all(i.shape == (64, 64, 3) and i.dtype == np.float32 for i in (color, albedo, normal))\n"
+        "    assert 0 <= albedo.min() and albedo.max() <= 1 and normal.min() < 0\n"
+        "    return 2 * color\n")
+    chess = Path(__file__).resolve().parents[2] / "dumps" / "tiny" / "chess.spool"
+    good("reconstruct", chess, "--filter", example("oidn.py"), "--set", "filter.features=on", "--spp", 4, "-o", "o.exr")
+    good("reconstruct", chess, "--filter", "box", "--spp", 4, "-o", "b.exr")
+    box, filtered = exr.read(tmp_path / "b.exr"), exr.read(tmp_path / "o.exr")
+    assert np.allclose(filtered["G"], 2 * box["G"], rtol=1e-6)
+
+
 def test_statistics_say_what_was_taken(good, script, dump, tmp_path):
     seen = tmp_path / "seen.exr"
     command = script("s.py", answer("{'n': np.full(image['n'].shape, 2, 'u4')}")
