@@ -13,9 +13,10 @@ bool any_sample(const CountImage& n) {
 }
 
 // Fills the empty pieces of one more image whose empty pieces are counted already.
-Plane fill_uncounted(const Plane& pieces, const PieceStatistics& statistics) {
+Plane fill_uncounted(Plane pieces, const PieceStatistics& statistics) {
   GuardCounts counted_elsewhere;
-  return fill_empty_pieces(pieces, statistics.n, statistics.pieces_per_side, counted_elsewhere);
+  return fill_empty_pieces(std::move(pieces), statistics.n, statistics.pieces_per_side,
+                           counted_elsewhere);
 }
 
 Plane scaled(const Plane& plane, double factor) {
@@ -74,13 +75,13 @@ AnalysisEstimates estimate_analysis(const PieceStatistics& statistics,
   AnalysisEstimates estimates;
   estimates.exposure = analysis_exposure(statistics, options.key, normalise, guards);
   const double factor = estimates.exposure / statistics.signal.exposure;
-  const Plane mean = scaled(statistics.analysis.mean, factor);
+  Plane mean = scaled(statistics.analysis.mean, factor);
   GuardCounts of_variance;
   estimates.variance = fill_uncounted(
       variance_of_mean(statistics.n, mean, scaled(statistics.analysis.m2, factor * factor), options,
                        of_variance),
       statistics);
-  estimates.mean = fill_uncounted(mean, statistics);
+  estimates.mean = fill_uncounted(std::move(mean), statistics);
   return estimates;
 }
 

@@ -1,6 +1,7 @@
 #include "lib/reconstruction/multistage.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lib/core/parallel.h"
 #include "lib/reconstruction/box.h"
@@ -123,7 +124,7 @@ Result<Reconstruction> reconstruct_multistage(const Selection& selection, const 
                   image, defined);
     });
     GuardCounts counted_by_box;
-    image = fill_empty_pieces(image, defined, 1, counted_by_box);
+    image = fill_empty_pieces(std::move(image), defined, 1, counted_by_box);
   }
   return result;
 }

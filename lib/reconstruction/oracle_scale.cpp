@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "lib/core/parallel.h"
 #include "lib/filters/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/reconstruction/box.h"
@@ -34,24 +35,28 @@ Result<Reconstruction> reconstruct_oracle_scale(const Selection& selection, cons
   CountImage level(width, height);
   Plane least(width, height, std::numeric_limits<double>::infinity());
   for (int s = 0; s <= options.scales; ++s) {
-    RgbImage candidate = mean;
+    RgbImage candidate;
     Plane error(width, height);
     const Taps taps = s == 0 ? Taps{0, {1.0}} : floor_gaussian_taps(greedy_scale(s));
     for (std::size_t c = 0; c < 3; ++c) {
       candidate[c] = truncated_mean(mean[c], taps);
-      for (std::size_t i = 0; i < error.size(); ++i) {
-        const double d = candidate[c][i] - context.reference->mean[c][i];
-        error[i] += d * d / 3.0;
-      }
+      parallel_rows(0, height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+          const double d = candidate[c](x, y) - context.reference->mean[c](x, y);
+          error(x, y) += d * d / 3.0;
+        }
+      });
     }
     if (options.error_smoothing > 0.0) error = gaussian_blur(error, options.error_smoothing);
-    for (std::size_t i = 0; i < error.size(); ++i) {
-      if (!(error[i] < least[i])) continue;
-      least[i] = error[i];
-      level[i] = s;
-      for (std::size_t c = 0; c < 3; ++c)
-        result.image[c][i] = candidate[c][i];
-    }
+    parallel_rows(0, height, [&](int y) {
+      for (int x = 0; x < width; ++x) {
+        if (!(error(x, y) < least(x, y))) continue;
+        least(x, y) = error(x, y);
+        level(x, y) = s;
+        for (std::size_t c = 0; c < 3; ++c)
+          result.image[c](x, y) = candidate[c](x, y);
+      }
+    });
   }
   result.variance.reset();  // a choice made with the answer has no variance of its own
   result.level = std::move(level);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lib/core/pairwise_sum.h"
+#include "lib/core/parallel.h"
 #include "lib/filters/piece_estimates.h"
 #include "lib/statistics/variance_option.h"
 
@@ -28,7 +29,7 @@ void shrink_band(Plane& coefficients, const Plane& variance, const Rectangle& ba
     const auto n = static_cast<std::size_t>(band.area());
     signal = std::sqrt(std::max(0.0, pairwise_sum(n, excess) / static_cast<double>(n)));
   }
-  for (int y = band.y0; y < band.y1; ++y) {
+  parallel_rows(band.y0, band.y1, [&](int y) {
     for (int x = band.x0; x < band.x1; ++x) {
       const double v = variance(x, y);
       if (!(v > 0.0) || options.lambda == 0.0) continue;
@@ -39,7 +40,7 @@ void shrink_band(Plane& coefficients, const Plane& variance, const Rectangle& ba
         w = signal > 0.0 ? shrunk(w, options.lambda * v / signal, Shrink::kSoft) : 0.0;
       }
     }
-  }
+  });
 }
 
 }  // namespace
@@ -90,10 +91,9 @@ Result<Reconstruction> reconstruct_wavelet_shrinkage(const Selection& selection,
       shrink_band(w, v, {width / 2, height / 2, width, height}, options);
     }
     inverse_transform(w, options.wavelet, options.levels);
-    for (int y = 0; y < mean[c].height(); ++y) {
-      for (int x = 0; x < mean[c].width(); ++x)
-        result.image[c](x, y) = w(x, y);
-    }
+    parallel_rows(0, mean[c].height(), [&](int y) {
+      std::copy_n(w.row(y).data(), mean[c].width(), result.image[c].row(y).data());
+    });
   }
   return result;
 }

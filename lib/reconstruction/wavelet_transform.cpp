@@ -124,11 +124,11 @@ void check_sides(const Plane& image, int levels) {
 Plane padded_for_transform(const Plane& image, int levels) {
   const int step = 1 << levels;
   Plane result((image.width() + step - 1) / step * step, (image.height() + step - 1) / step * step);
-  for (int y = 0; y < result.height(); ++y) {
+  parallel_rows(0, result.height(), [&](int y) {
     for (int x = 0; x < result.width(); ++x) {
       result(x, y) = image(extend_symmetric(x, image.width()), extend_symmetric(y, image.height()));
     }
-  }
+  });
   return result;
 }
 

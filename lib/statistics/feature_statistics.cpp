@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "lib/core/parallel.h"
 #include "lib/statistics/piece_statistics.h"
@@ -108,8 +109,9 @@ Result<FeatureStatistics> feature_statistics(const SamplePool& pool, const Count
     GuardCounts counted_with_radiance;  // empty pieces; and floors far below any that matter here
     feature.variance[c] =
         variance_of_mean(n, feature.mean[c], feature.variance[c], {}, counted_with_radiance);
-    feature.mean[c] = fill_empty_pieces(feature.mean[c], n, q, counted_with_radiance);
-    feature.variance[c] = fill_empty_pieces(feature.variance[c], n, q, counted_with_radiance);
+    feature.mean[c] = fill_empty_pieces(std::move(feature.mean[c]), n, q, counted_with_radiance);
+    feature.variance[c] =
+        fill_empty_pieces(std::move(feature.variance[c]), n, q, counted_with_radiance);
   }
   if (layer.name == "depth") normalise_depth(feature);
   return feature;

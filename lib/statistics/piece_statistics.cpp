@@ -1,7 +1,9 @@
 #include "lib/statistics/piece_statistics.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "lib/core/parallel.h"
@@ -144,14 +146,15 @@ double exposure_of(const PieceStatistics& statistics, double key, GuardCounts& g
          statistics.signal.exposure;
 }
 
-Plane fill_empty_pieces(const Plane& pieces, const CountImage& n, int pieces_per_side,
+Plane fill_empty_pieces(Plane pieces, const CountImage& n, int pieces_per_side,
                         GuardCounts& guards) {
-  Plane filled = pieces;
   const int q = pieces_per_side;
-  for (int y = 0; y < pieces.height(); ++y) {
+  std::vector<std::uint64_t> empty(static_cast<std::size_t>(pieces.height()), 0);
+  // In place and by all threads: empty pieces are written, the others are read.
+  parallel_rows(0, pieces.height(), [&](int y) {
     for (int x = 0; x < pieces.width(); ++x) {
       if (n(x, y) > 0) continue;
-      guards.add(Guard::kEmptyPiece);
+      ++empty[static_cast<std::size_t>(y)];
       double sum = 0.0;
       int count = 0;
       for (int py = y / q * q; py < y / q * q + q; ++py) {
@@ -162,14 +165,16 @@ Plane fill_empty_pieces(const Plane& pieces, const CountImage& n, int pieces_per
         }
       }
       if (count > 0) {
-        filled(x, y) = sum / count;
+        pieces(x, y) = sum / count;
         continue;
       }
       const std::ptrdiff_t nearest = nearest_non_empty(n, x, y);
-      if (nearest >= 0) filled(x, y) = pieces[static_cast<std::size_t>(nearest)];
+      if (nearest >= 0) pieces(x, y) = pieces[static_cast<std::size_t>(nearest)];
     }
-  }
-  return filled;
+  });
+  for (const std::uint64_t of_row : empty)
+    guards.add(Guard::kEmptyPiece, of_row);
+  return pieces;
 }
 
 Plane pieces_to_pixels(const Plane& pieces, const CountImage& n, int pieces_per_side,

@@ -73,8 +73,8 @@ RgbImage pixel_means(const PieceStatistics& statistics, GuardCounts& guards);
 // The same for any image of pieces (values where n > 0).
 Plane pieces_to_pixels(const Plane& pieces, const CountImage& n, int pieces_per_side,
                        GuardCounts& guards);
-// Fills pieces with n = 0 as above; same size as the input.
-Plane fill_empty_pieces(const Plane& pieces, const CountImage& n, int pieces_per_side,
+// `pieces` with those of n = 0 filled as above.
+Plane fill_empty_pieces(Plane pieces, const CountImage& n, int pieces_per_side,
                         GuardCounts& guards);
 
 }  // namespace spool
