@@ -17,7 +17,7 @@ usage() {
   cat <<'TEXT'
 usage: tools/dev.sh VERB [ARGUMENTS]
   setup [build|test|lint|bench|all]  install what is missing (Debian 12; as root). Default: all
-  build [PRESET] [TARGETS]      configure and build; PRESET is release (default), debug, asan or tsan
+  build [PRESET] [TARGETS]      configure and build; PRESET is release (default), debug, clang, asan or tsan
   test [PRESET] [CTEST ARGS]    build, then every test; e.g. test release -L unit
   demo                          evaluate a small scene; prints error and time, pictures in demo-output/
   record NAME [ARGS]            record a scene of dumps/CATALOG.toml, 512x512 with 256 samples unless told otherwise
@@ -144,13 +144,14 @@ setup_tsan_tbb() {
 
 # --- build and test ----------------------------------------------------------------------------
 
-is_preset() { [[ "$1" == release || "$1" == debug || "$1" == asan || "$1" == tsan ]]; }
+is_preset() { [[ " release debug clang asan tsan " == *" $1 "* ]]; }
 
 jobs() { echo "${SPOOL_JOBS:-$(nproc)}"; }
 
 configure() {
   local preset="$1" launcher=()
   [[ "$preset" == tsan ]] && setup_tsan_tbb
+  [[ "$preset" == clang ]] && setup lint
   # The presets name ccache; without it the compiler is called directly.
   command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=)
   cmake --preset "$preset" "${launcher[@]}" >/dev/null || cmake --preset "$preset" "${launcher[@]}" >&2
