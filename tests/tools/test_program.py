@@ -158,7 +158,8 @@ def test_synth_does_not_hold_the_pool_in_memory(run, tmp_path):
     for size, samples_of_a_pixel in (("64", 64), ("400x420", 64)):
         path = tmp_path / "big.spool"
         process = subprocess.Popen([PROGRAM, "synth", "soft_shadow", "--size", size, "--samples",
-                                    str(samples_of_a_pixel), "--force", "--quiet", "-o", str(path)])
+                                    str(samples_of_a_pixel), "--force", "--quiet", "-o", str(path)],
+                                   env={**os.environ, "ASAN_OPTIONS": "quarantine_size_mb=1"})  # else it keeps what is freed
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         assert process.returncode == 0
