@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "lib/core/parallel.h"
 #include "lib/core/vector_clones.h"
@@ -41,9 +43,9 @@ SPOOL_VECTOR_CLONES std::int64_t take_noise_off(const T* noise, double gain, boo
   return negative;
 }
 
-// G_s * (sum over sources of D^2, or |D|) for one band.
+// G_s * (sum over sources of D^2, or |D|) for one band, in the place of the first source's.
 template <class T>
-Image<T> smoothed_measure(std::span<const NoisyBands<T>> sources, std::size_t band,
+Image<T> smoothed_measure(std::vector<NoisyBands<T>>& sources, std::size_t band,
                           DirectionMeasure measure, const Taps& gaussian, Extension extension,
                           Image<T>& scratch) {
   parallel_rows(0, scratch.height(), [&](int y) {
@@ -54,7 +56,7 @@ Image<T> smoothed_measure(std::span<const NoisyBands<T>> sources, std::size_t ba
                   scratch.width(), to);
     }
   });
-  Image<T> out(scratch.width(), scratch.height());
+  Image<T> out = std::move(sources[0].bands[band]);
   convolve_box(scratch, gaussian, 1, extension, scratch.bounds(), out);
   return out;
 }
@@ -62,9 +64,9 @@ Image<T> smoothed_measure(std::span<const NoisyBands<T>> sources, std::size_t ba
 }  // namespace
 
 template <class T>
-DirectionalEnergy<T> directional_energy(std::span<const NoisyBands<T>> sources,
-                                        const Plane& variance, int level,
-                                        const EnergyOptions& options, GuardCounts& guards) {
+DirectionalEnergy<T> directional_energy(std::vector<NoisyBands<T>> sources, const Plane& variance,
+                                        int level, const EnergyOptions& options,
+                                        GuardCounts& guards) {
   SPOOL_CHECK(!sources.empty());
   SPOOL_CHECK_GE(level, 1);
   const std::size_t bands = sources[0].bands.size();
@@ -129,12 +131,10 @@ DirectionalEnergy<T> directional_energy(std::span<const NoisyBands<T>> sources,
   return result;
 }
 
-template DirectionalEnergy<double> directional_energy(std::span<const NoisyBands<double>>,
-                                                      const Plane&, int, const EnergyOptions&,
-                                                      GuardCounts&);
-template DirectionalEnergy<float> directional_energy(std::span<const NoisyBands<float>>,
-                                                     const Plane&, int, const EnergyOptions&,
-                                                     GuardCounts&);
+template DirectionalEnergy<double> directional_energy(std::vector<NoisyBands<double>>, const Plane&,
+                                                      int, const EnergyOptions&, GuardCounts&);
+template DirectionalEnergy<float> directional_energy(std::vector<NoisyBands<float>>, const Plane&,
+                                                     int, const EnergyOptions&, GuardCounts&);
 
 OptionTable<EnergyOptions> energy_option_table() {
   using O = EnergyOptions;

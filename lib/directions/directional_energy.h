@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "lib/core/extend.h"
@@ -50,11 +49,11 @@ struct DirectionalEnergy {
 
 // Energies for pixels of `level` (k >= 1). Several sources have their energies and gains added,
 // band by band. Isotropic: max_i E_i <= 1e-3 mean_i N_i or <= 1e-20 (squares of the rms and abs
-// measures).
+// measures). The energies lie where the first source's bands lay.
 template <class T>
-DirectionalEnergy<T> directional_energy(std::span<const NoisyBands<T>> sources,
-                                        const Plane& variance, int level,
-                                        const EnergyOptions& options, GuardCounts& guards);
+DirectionalEnergy<T> directional_energy(std::vector<NoisyBands<T>> sources, const Plane& variance,
+                                        int level, const EnergyOptions& options,
+                                        GuardCounts& guards);
 
 // g_i: sum of squares of the impulse response of "band i of d_{level-1}", by pushing a delta
 // through the pyramid and the bank (with the dilation of `bank`). phase00 is not shift-invariant:

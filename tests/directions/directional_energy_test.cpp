@@ -133,7 +133,7 @@ TEST(DirectionalEnergy, OfASmoothStripedImageIsLargestAcrossTheStripes) {
     EnergyOptions options;
     options.measure = measure;
     const auto result =
-        directional_energy<double>({&noisy, 1}, Plane(96, 96, 1e-6), 1, options, guards);
+        directional_energy<double>({noisy}, Plane(96, 96, 1e-6), 1, options, guards);
     ASSERT_EQ(result.energy.size(), 8u);
     for (int y = 8; y < 88; ++y) {
       for (int x = 8; x < 88; ++x) {
@@ -150,7 +150,7 @@ TEST(DirectionalEnergy, BlackImageIsIsotropicEverywhereAndCounted) {
   const NoisyBands<double> noisy = bands_of_level(Plane(20, 10), 1);
   GuardCounts guards;
   const auto result =
-      directional_energy<double>({&noisy, 1}, Plane(20, 10, 0.5), 1, EnergyOptions{}, guards);
+      directional_energy<double>({noisy}, Plane(20, 10, 0.5), 1, EnergyOptions{}, guards);
   for (const auto flag : result.isotropic.pixels())
     EXPECT_EQ(flag, 1);
   for (const Plane& energy : result.energy)
@@ -171,9 +171,9 @@ TEST(DirectionalEnergy, StripesOfTheSizeOfRoundingAreIsotropicAndCounted) {
   GuardCounts guards;
   const NoisyBands<double> seen = bands_of_level(stripes, 1), unseen = bands_of_level(faint, 1);
   const Plane no_noise(24, 16);
-  const auto directed = directional_energy<double>({&seen, 1}, no_noise, 1, {}, guards);
+  const auto directed = directional_energy<double>({seen}, no_noise, 1, {}, guards);
   EXPECT_EQ(guards[Guard::kIsotropicFallback], 0u);
-  const auto round = directional_energy<double>({&unseen, 1}, no_noise, 1, {}, guards);
+  const auto round = directional_energy<double>({unseen}, no_noise, 1, {}, guards);
   EXPECT_EQ(guards[Guard::kIsotropicFallback], 24u * 16);
   for (std::size_t p = 0; p < no_noise.size(); ++p) {
     EXPECT_EQ(directed.isotropic[p], 0);
@@ -189,8 +189,8 @@ TEST(DirectionalEnergy, NoiseCorrectionSubtractsTheNoiseEnergy) {
   off.noise_correct = false;
   GuardCounts guards_on, guards_off;
   const Plane variance(128, 128, 1.0);
-  const auto corrected = directional_energy<double>({&noisy, 1}, variance, 1, on, guards_on);
-  const auto plain = directional_energy<double>({&noisy, 1}, variance, 1, off, guards_off);
+  const auto corrected = directional_energy<double>({noisy}, variance, 1, on, guards_on);
+  const auto plain = directional_energy<double>({noisy}, variance, 1, off, guards_off);
   std::uint64_t below = 0;
   for (std::size_t i = 0; i < 8; ++i) {
     for (std::size_t p = 0; p < variance.size(); ++p) {
@@ -212,9 +212,9 @@ TEST(DirectionalEnergy, SourcesAdd) {
   options.noise_correct = false;
   GuardCounts guards;
   const Plane variance(40, 30, 0.1);
-  const auto sum = directional_energy<double>(both, variance, 2, options, guards);
-  const auto a = directional_energy<double>({&both[0], 1}, variance, 2, options, guards);
-  const auto b = directional_energy<double>({&both[1], 1}, variance, 2, options, guards);
+  const auto sum = directional_energy<double>({both[0], both[1]}, variance, 2, options, guards);
+  const auto a = directional_energy<double>({both[0]}, variance, 2, options, guards);
+  const auto b = directional_energy<double>({both[1]}, variance, 2, options, guards);
   for (std::size_t i = 0; i < 8; ++i) {
     for (std::size_t p = 0; p < variance.size(); ++p) {
       EXPECT_NEAR(sum.energy[i][p], a.energy[i][p] + b.energy[i][p], 1e-15);

@@ -78,8 +78,7 @@ TEST(DirectionalEnergyDifferential, EveryOptionAndLevelMatchesTheTwin) {
           options.measure = measure;
           options.noise_correct = correct;
           GuardCounts guards;
-          const auto fast =
-              directional_energy<double>({&noisy, 1}, variance, level, options, guards);
+          const auto fast = directional_energy<double>({noisy}, variance, level, options, guards);
           const auto slow = reference::directional_energy(noisy, variance, level, options);
           EXPECT_EQ(fast.isotropic, slow.isotropic);
           for (std::size_t i = 0; i < 8; ++i) {

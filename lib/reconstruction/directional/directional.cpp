@@ -107,11 +107,14 @@ FilteredPart filter_part(Part part, const SamplePool& pool, const DirectionalOpt
              part.analysis.mean, part.analysis.variance);
 
   // Coarse and detail images of the final means [LiuZheng (1)-(4)]
-  const Pyramid pyramid = build_pyramid(part.analysis.mean, options.pyramid);
+  Pyramid pyramid = build_pyramid(part.analysis.mean, options.pyramid);
   add_pyramid_views(pyramid, views);
 
   // Filter size of each piece [LiuZheng (9)]
   result.level = sizes_of(part, pyramid, base, options, views, result.guards);
+  part.channels.clear();
+  part.analysis.mean = {};
+  if (options.width.anisotropy == AnisotropySource::kFilterBank) pyramid.coarse.clear();
 
   // Directional energies, and from them the widths delta_i
   FilterWidths<T> widths =

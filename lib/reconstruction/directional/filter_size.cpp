@@ -49,30 +49,22 @@ Plane region_contrast(const FilterSizeInput& input, int level, ContrastForm form
   return contrast;
 }
 
-// S_0 .. S_K
-std::vector<Plane> size_variances(const FilterSizeInput& input, const FilterSizeOptions& options,
-                                  GuardCounts& guards) {
-  std::vector<Plane> s;
+// S_k; `contrast` is that of the pieces, for the means of contrast.
+Plane size_variance(const FilterSizeInput& input, int k, const Plane& contrast,
+                    const FilterSizeOptions& options, GuardCounts& guards) {
   if (options.variance == SizeVariance::kContrast) {
-    Plane piece = region_contrast(input, 0, options.contrast, guards);
-    for (int k = 0; k <= input.levels; ++k) {
-      s.push_back(k > 0 && options.contrast_region == ContrastRegion::kRegionMinMax
-                      ? region_contrast(input, k, options.contrast, guards)
-                      : region_mean(piece, k));
+    return k > 0 && options.contrast_region == ContrastRegion::kRegionMinMax
+               ? region_contrast(input, k, options.contrast, guards)
+               : region_mean(contrast, k);
+  }
+  Plane sum = region_sum(input.variance, k);
+  parallel_rows(0, sum.height(), [&](int y) {
+    for (int x = 0; x < sum.width(); ++x) {
+      const double count = region_count(x, y, k, sum.bounds());
+      sum(x, y) /= count * count;
     }
-    return s;
-  }
-  for (int k = 0; k <= input.levels; ++k) {
-    Plane sum = region_sum(input.variance, k);
-    parallel_rows(0, sum.height(), [&](int y) {
-      for (int x = 0; x < sum.width(); ++x) {
-        const double count = region_count(x, y, k, sum.bounds());
-        sum(x, y) /= count * count;
-      }
-    });
-    s.push_back(std::move(sum));
-  }
-  return s;
+  });
+  return sum;
 }
 
 // w of eq 9 from two values of the attenuation.
@@ -190,12 +182,15 @@ CountImage filter_size(std::span<const FilterSizeInput> inputs, const FilterSize
                               : fmt::format("{}.{}.{}", family, k, i);
   };
 
-  std::vector<std::vector<Plane>> s;  // S_0 .. S_K of each signal
-  std::vector<Plane> fine;            // q_k of each
+  std::vector<Plane> contrast(inputs.size());  // of the pieces, where it is asked for
+  std::vector<Plane> s, fine;                  // S_k and q_k of each signal
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    s.push_back(size_variances(inputs[i], options, guards));
+    if (options.variance == SizeVariance::kContrast) {
+      contrast[i] = region_contrast(inputs[i], 0, options.contrast, guards);
+    }
+    s.push_back(size_variance(inputs[i], 0, contrast[i], options, guards));
     fine.push_back(inputs[i].mean);
-    if (views) views->add(view_name("S", 0, i), s[i][0]);
+    if (views) views->add(view_name("S", 0, i), s[i]);
     if (views) views->add(view_name("q", 0, i), fine[i]);
   }
   for (int k = 0; k < first.levels; ++k) {
@@ -205,16 +200,18 @@ CountImage filter_size(std::span<const FilterSizeInput> inputs, const FilterSize
     // T_k [LiuZheng (9)]
     Plane t(width, height), stop(width, height);
     for (std::size_t i = 0; i < inputs.size(); ++i) {
+      Plane s_next = size_variance(inputs[i], k + 1, contrast[i], options, guards);
       Plane coarse = options.coarse == SizeCoarse::kLaplace ? inputs[i].coarse[next]
                                                             : region_mean(inputs[i].mean, k + 1);
       parallel_rows(0, height, [&](int y) {
         for (int x = 0; x < width; ++x) {
           const double dq = coarse(x, y) - fine[i](x, y);
-          t(x, y) += s[i][next](x, y) - s[i][next - 1](x, y) + w(x, y) * dq * dq;
+          t(x, y) += s_next(x, y) - s[i](x, y) + w(x, y) * dq * dq;
         }
       });
-      if (views) views->add(view_name("S", k + 1, i), s[i][next]);
+      if (views) views->add(view_name("S", k + 1, i), s_next);
       if (views) views->add(view_name("q", k + 1, i), coarse);
+      s[i] = std::move(s_next);
       fine[i] = std::move(coarse);
     }
     for_rows(t, guards, [&](int y, GuardCounts& caught) {

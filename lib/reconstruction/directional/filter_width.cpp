@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "lib/core/parallel.h"
 #include "lib/pyramid/convolution.h"
@@ -51,7 +52,7 @@ DirectionalEnergy<T> bank_energy(const Pyramid& pyramid, const Plane& variance, 
         {directional_bands(converted<T>(pyramid.detail[static_cast<std::size_t>(detail)]), bank),
          band_noise_gains(options.pyramid, bank, detail + 1, base_taps(options.base))});
   }
-  return directional_energy<T>(sources, variance, level, options.energy, guards);
+  return directional_energy<T>(std::move(sources), variance, level, options.energy, guards);
 }
 
 // q^gamma; the usual exponents without the price of pow.

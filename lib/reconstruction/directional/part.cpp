@@ -48,7 +48,8 @@ Part crop(const Part& whole, const Rectangle& box) {
                              cropped(c.minimum, box), cropped(c.maximum, box)});
   }
   for (const Plane& a : whole.attenuation)
-    part.attenuation.push_back(cropped(a, box));
+    part.cropped_attenuation.push_back(cropped(a, box));
+  part.attenuation = part.cropped_attenuation;
   return part;
 }
 

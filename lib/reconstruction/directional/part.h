@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lib/core/image.h"
@@ -18,9 +19,10 @@ struct Part {
   int x0 = 0, y0 = 0;  // of its first piece in the image
   PieceEstimates pieces;
   AnalysisEstimates analysis;
-  Plane minimum, maximum;             // exposed extremes of the samples
-  std::vector<SizeChannel> channels;  // what eq 9 looks at instead, where not `analysis`
-  std::vector<Plane> attenuation;     // A_0 .. A_K or empty
+  Plane minimum, maximum;                  // exposed extremes of the samples
+  std::vector<SizeChannel> channels;       // what eq 9 looks at instead, where not `analysis`
+  std::span<const Plane> attenuation;      // A_0 .. A_K or empty
+  std::vector<Plane> cropped_attenuation;  // what it shows, where it is not the selection's
 };
 
 struct FilteredPart {
