@@ -224,8 +224,10 @@ TEST(UnknownCriticalRecord, IsUnsupported) {
   EXPECT_NE(reader.error().message.find("META"), std::string::npos);
 }
 
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__)
 constexpr double kMostMebibytes = 512;  // half of it is freed memory that the sanitizer holds back
+#elif defined(__SANITIZE_THREAD__)
+constexpr double kMostMebibytes = 4 * 256;  // every word has a shadow of two to four
 #else
 constexpr double kMostMebibytes = 256;
 #endif
