@@ -1,7 +1,6 @@
 // Sorting by several threads into an order that does not depend on how many they are.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include <oneapi/tbb/parallel_sort.h>
