@@ -304,6 +304,23 @@ fuzz() {
   export -f fuzz_target say
   printf '%s\n' "${limits[@]}" | xargs -n 2 -P "$(jobs)" bash -c 'fuzz_target "$@"' fuzz ||
     die "fuzz: see build/fuzz/found"
+  fuzz_numpy_differential "$length"
+}
+
+# The numpy reader knows no libFuzzer: shares of the same damaged files on each core, against the C++ reader.
+fuzz_numpy_differential() {
+  local share shares batches=200
+  [[ "$1" != whole ]] || batches=2000
+  shares="$(jobs)"
+  batches=$(((batches + shares - 1) / shares * shares))
+  setup test
+  build release spool_roundtrip_tool
+  say "fuzz numpy_differential, $batches batches of 500"
+  for ((share = 0; share < shares; ++share)); do
+    echo "--first $((batches / shares * share)) --executions $((batches / shares * 500))"
+  done | SPOOL_ROUNDTRIP_TOOL=build/release/tests/formats_python/spool_roundtrip_tool xargs -L 1 -P "$shares" \
+    /usr/bin/python3 tests/formats_python/differential_fuzz.py ||
+    die "fuzz: see build/fuzz/found"
 }
 
 coverage() {

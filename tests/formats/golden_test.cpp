@@ -48,7 +48,7 @@ void expect_header(const DumpHeader& header, const Json& expected) {
   EXPECT_EQ(header.spp, expected["spp"]);
   EXPECT_EQ(header.block_spp, expected["block_spp"]);
   EXPECT_EQ(static_cast<uint32_t>(header.sample_order), expected["sample_order"]);
-  EXPECT_EQ(hex(header.uuid), expected["uuid"]);
+  EXPECT_EQ(hex(header.uuid), expected["uuid"].get<std::string>());
   ASSERT_EQ(header.channels.size(), expected["channels"].size());
   for (size_t c = 0; c < header.channels.size(); ++c) {
     const ChannelInfo& channel = header.channels[c];
