@@ -309,15 +309,15 @@ fuzz() {
 
 # The numpy reader knows no libFuzzer: shares of the same damaged files on each core, against the C++ reader.
 fuzz_numpy_differential() {
-  local share shares batches=200
+  local share shares each batches=200
   [[ "$1" != whole ]] || batches=2000
   shares="$(jobs)"
-  batches=$(((batches + shares - 1) / shares * shares))
+  each=$(((batches + shares - 1) / shares))
   setup test
   build release spool_roundtrip_tool
-  say "fuzz numpy_differential, $batches batches of 500"
+  say "fuzz numpy_differential, $shares times $each batches of 500"
   for ((share = 0; share < shares; ++share)); do
-    echo "--first $((batches / shares * share)) --executions $((batches / shares * 500))"
+    echo "--first $((each * share)) --executions $((each * 500))"
   done | SPOOL_ROUNDTRIP_TOOL=build/release/tests/formats_python/spool_roundtrip_tool xargs -L 1 -P "$shares" \
     /usr/bin/python3 tests/formats_python/differential_fuzz.py ||
     die "fuzz: see build/fuzz/found"
