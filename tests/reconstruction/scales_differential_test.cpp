@@ -132,7 +132,7 @@ TEST(WaveletShrinkageDifferential, CoefficientsOfTheResultAreTheShrunkOnes) {
     GuardCounts guards;
     const double exposure = analysis_exposure(selection.statistics, 1.0, true, guards);
     const auto pieces = estimate_pieces(selection.statistics, {}, exposure, guards);
-    const auto transform = [&, levels = levels](const Plane& image, int power) {
+    const auto transform = [&](const Plane& image, int power) {
       Plane out = image;
       for (int l = 0; l < levels; ++l) {
         Plane corner(image.width() >> l, image.height() >> l);

@@ -87,32 +87,53 @@ class Limits:
         self.rows.append(row)
         print("| " + " | ".join(row) + " |", file=sys.stderr, flush=True)
 
-    def recording(self, width, height, spp):
-        """Exponential noise over an edge in each tile; every block is another part of one piece of noise."""
+    def recording(self, width, height, spp, layers=()):
+        """Exponential noise over an edge in each tile; every block is another part of one piece of noise.
+
+        `layers` are recorded beside radiance, in half floats."""
         path = self.folder / "noise.spool"
         noise = np.random.default_rng(1).exponential(size=2 ** 21).astype(np.float32)
-        with spool.Writer(path, width, height, spp, {"radiance": (np.float32, "RGB")}, block_spp=min(spp, 64),
-                          force=True) as writer:
+        channels = {"radiance": (np.float32, "RGB"), **{name: (np.float16, parts) for name, parts in layers}}
+        with spool.Writer(path, width, height, spp, channels, block_spp=min(spp, 64), force=True) as writer:
             for begin in range(0, spp, min(spp, 64)):
                 for tile in range(writer.geometry.tile_count("sample")):
-                    shape = writer.geometry.block_shape("sample", 3, tile, begin)
                     begins = (tile * 7919 + begin * 104729) % (noise.size // 2)
-                    block = np.resize(noise[begins:begins + noise.size // 2], shape)
-                    y, x = np.mgrid[:shape[1], :shape[2]]
-                    writer.write_block("radiance", tile, begin, block * np.where(x + 2 * y > 70, 1.0, 0.3)[..., None]
-                                       .astype(np.float32))
+                    for name, (dtype, parts) in channels.items():
+                        shape = writer.geometry.block_shape("sample", len(parts), tile, begin)
+                        block = np.resize(noise[begins:begins + noise.size // 2], shape)
+                        y, x = np.mgrid[:shape[1], :shape[2]]
+                        block = block * np.where(x + 2 * y > 70, 1.0, 0.3)[..., None]
+                        writer.write_block(name, tile, begin, block.astype(dtype))
         return path
 
-    def measure(self, width, height, spp, budget):
-        """Recorded, replayed with `multiscale`, filtered with `directional`."""
-        path, selection = self.recording(width, height, spp), self.folder / "selection.exr"
-        what, pixels = f"{width}x{height}, {budget} of {spp}", width * height
+    def replay(self, what, path, pixels, budget):
+        """Image of sample counts, made with `multiscale`."""
+        selection = self.folder / "selection.exr"
         self.add(what, "`replay`, multiscale", run(self.spool, "replay", path, "--sampler", "multiscale", "--spp", budget, "-q",
                                                    "--force", "-o", selection), pixels, pixels * budget)
-        self.add(what, "`reconstruct`, directional", run(self.spool, "reconstruct", path, "--selection", selection, "--filter",
-                                                         "directional", "-q", "--force", "-o", self.folder / "i.exr"),
-                 pixels, pixels * budget)
+        return selection
+
+    def reconstruct(self, what, path, selection, filter, pixels, budget):
+        self.add(what, f"`reconstruct`, {filter}",
+                 run(self.spool, "reconstruct", path, "--selection", selection, "--filter", filter, "-q", "--force", "-o",
+                     self.folder / "i.exr"), pixels, pixels * budget)
+
+    def measure(self, width, height, spp, budget):
+        path, what = self.recording(width, height, spp), f"{width}x{height}, {budget} of {spp}"
+        selection = self.replay(what, path, width * height, budget)
+        self.reconstruct(what, path, selection, "directional", width * height, budget)
         return path
+
+    def measure_channels(self, side):
+        """What is recorded beside radiance costs those who ask for it, and nobody else."""
+        few = [("albedo", "RGB"), ("normal", "XYZ"), ("depth", "Z")]
+        many = few + [(f"light{number}", "RGB") for number in range(12)]
+        for layers in ((), few, many):
+            path = self.recording(side, side, 8, layers)
+            what = f"{side}x{side}, 4 of 8, {3 + sum(len(parts) for _, parts in layers)} channels"
+            selection = self.replay(what, path, side * side, 4)
+            if layers:
+                self.reconstruct(what, path, selection, "cross_bilateral", side * side, 4)
 
     def beyond_memory(self, width, height, spp, limit):
         """A recording larger than the memory that its reader may have."""
@@ -159,6 +180,7 @@ def main():
     told = [limits.refusal(path, side * side)]
     limits.measure(65536, max(1, side // 256), 8, 4)
     limits.measure(side // 64, side // 64, 65536, 8192)
+    limits.measure_channels(side // 4)
     told.insert(0, limits.beyond_memory(side // 4, side // 4, 1024, side * side // 16 * 9800))
     head = ("recording", "step", "CPU-s", "ns a sample", "own memory, MB", "bytes a pixel")
     table = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *("| " + " | ".join(r) + " |" for r in limits.rows)]
