@@ -37,7 +37,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 10^6 of each other target (an hour of two cores);
                                 trust coverage: lines of the format that the fuzz targets' inputs reach
   trap [CTEST ARGS]             the numeric tests with invalid operations and divisions by zero trapped
-  bits                          hashes of fixed results: g++ and clang++, release and debug, with and without wide vectors
+  bits                          hashes of fixed results: g++ and clang++, release and debug, each vector width of the machine
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   clean                         remove build/ and demo-output/
@@ -348,29 +348,35 @@ trap_floating_point() {
     -E '^(tools|hard_cases\.guards|formats)' -j "$(jobs)" "$@"
 }
 
-# Prints what differs from the release build of g++, and fails if anything does.
+# One build, its hashes, and what differs from the release build of g++: NAME BUILD_TYPE COMPILER FLAGS...
+bits_of() {
+  local name="$1" folder=build/bits launcher=()
+  command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  say "$name"
+  cmake -G Ninja -S . -B "$folder/$name" "${launcher[@]}" -DCMAKE_BUILD_TYPE="$2" -DCMAKE_CXX_COMPILER="$3" \
+    -DCMAKE_CXX_FLAGS="${*:4}" >/dev/null
+  ninja -C "$folder/$name" -j "$(jobs)" --quiet spool_bits >&2
+  "$folder/$name/tests/determinism/spool_bits" >"$folder/$name.txt"
+  diff "$folder/gcc-release.txt" "$folder/$name.txt" >"$folder/$name.diff" || true
+  printf '%-14s %4d of %d hashes differ from gcc-release\n' "$name" \
+    "$(grep -c '^>' "$folder/$name.diff" || true)" "$(wc -l <"$folder/$name.txt")"
+}
+
+# The release build holds a clone of each wide loop for each vector width, of which the machine runs
+# one; the builds for one level of x86-64 run all their code at that width.
 bits() {
   setup build
-  local folder="build/bits" variant differing=0
-  mkdir -p "$folder"
-  declare -A flags=(
-    [gcc-release]="-DCMAKE_BUILD_TYPE=Release"
-    [gcc-narrow]="-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=-DSPOOL_NO_VECTOR_CLONES"
-    [gcc-debug]="-DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS"
-    [clang-release]="-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=clang++-19")
-  local launcher=()
-  command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-  for variant in gcc-release gcc-narrow gcc-debug clang-release; do
-    say "$variant"
-    # shellcheck disable=SC2086  # the arguments of a variant are words
-    cmake -G Ninja -S . -B "$folder/$variant" "${launcher[@]}" ${flags[$variant]} >/dev/null
-    ninja -C "$folder/$variant" -j "$(jobs)" --quiet spool_bits >&2
-    "$folder/$variant/tests/determinism/spool_bits" >"$folder/$variant.txt"
-    diff "$folder/gcc-release.txt" "$folder/$variant.txt" >"$folder/$variant.diff" || differing=$((differing + 1))
-    printf '%-14s %4d of %d hashes differ from gcc-release\n' "$variant" \
-      "$(grep -c '^>' "$folder/$variant.diff" || true)" "$(wc -l <"$folder/$variant.txt")"
+  setup lint
+  local level
+  rm -f build/bits/*.diff
+  bits_of gcc-release Release g++
+  bits_of gcc-plain Release g++ -DSPOOL_NO_VECTOR_CLONES
+  bits_of gcc-debug Debug g++ -D_GLIBCXX_ASSERTIONS
+  bits_of clang-release Release clang++-19
+  for level in $(/lib64/ld-linux-x86-64.so.2 --help 2>/dev/null | sed -n 's/^ *\(x86-64-v[34]\) (supported.*/\1/p'); do
+    bits_of "gcc-$level" Release g++ -DSPOOL_NO_VECTOR_CLONES "-march=$level"
   done
-  ((differing == 0)) || die "bits: see $folder/*.diff"
+  ! grep -q . build/bits/*.diff || die "bits: see build/bits/*.diff"
 }
 
 mutate() {

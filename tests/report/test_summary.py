@@ -56,6 +56,17 @@ def test_what_ties_with_the_best_is_named(tmp_path):
     assert "times the error of uniform + box" in text
 
 
+def test_a_ratio_that_only_one_comparison_resolves_says_which_one(tmp_path):
+    """uniform + box is undecided among five rivals together, and clearly worse when asked for alone."""
+    errors = {"uniform": (1.162, 1.189, 0.603, 0.770, 1.032), "multiscale": (0.188, 0.154, 0.177, 0.174, 0.176)}
+    errors.update({f"rival{n}": [2.0 + n + 0.01 * r for r in (3, 1, 4, 2, 5)] for n in range(4)})
+    rows = [make_row("a.spool", sampler, "box", 8, replicate, error)
+            for sampler, values in errors.items() for replicate, error in enumerate(values)]
+    text = " ".join(sentences_of(combinations_of(tmp_path, rows)))
+    assert "not told apart from uniform + box" in text
+    assert "; compared with uniform + box alone, it has 0.18" in text and "not resolved" not in text
+
+
 def test_equal_methods_are_called_different_at_most_five_times_of_a_hundred(tmp_path):
     equal = {"uniform": 1.0, "mitchell": 1.0, "box": 1.0, "gaussian": 1.0, "directional": 1.0}
     trials, claims = 300, 0

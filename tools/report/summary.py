@@ -116,11 +116,15 @@ def _against_baseline(best, worse, metric):
     ratio = best.quantities.get(metric + "_ratio")
     if ratio is None or (best.sampler, best.filter) == BASELINE:
         return ""
-    if not any((c.sampler, c.filter) == BASELINE for c in worse):
-        return f"; its ratio to {' + '.join(BASELINE)} is not resolved"
-    if not math.isfinite(ratio.low):
-        return f"; it is lower than {' + '.join(BASELINE)} by a ratio that is not resolved"
-    return f"; it has {factor_text(ratio)} times the error of {' + '.join(BASELINE)}"
+    baseline = " + ".join(BASELINE)
+    if any((c.sampler, c.filter) == BASELINE for c in worse):
+        if not math.isfinite(ratio.low):
+            return f"; it is lower than {baseline} by a ratio that is not resolved"
+        return f"; it has {factor_text(ratio)} times the error of {baseline}"
+    if not ratio.excludes(1.0):
+        return f"; its ratio to {baseline} is not resolved"
+    # One comparison is easier to decide than all of a field together: say which one this is.
+    return f"; compared with {baseline} alone, it has {factor_text(ratio)} times its error"
 
 
 class Verdict(NamedTuple):
