@@ -10,6 +10,7 @@ import pytest
 import spool
 
 PROGRAM = os.environ["SPOOL_PROGRAM"]
+LONGEST_RUN = 120 * int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))  # seconds; sanitizers have a factor
 
 
 class Finished:
@@ -35,7 +36,7 @@ class Finished:
 def run(tmp_path):
     def run_program(*arguments, **options):
         return Finished(subprocess.run([PROGRAM, *map(str, arguments)], cwd=tmp_path, text=True,
-                                       capture_output=True, timeout=120, **options))
+                                       capture_output=True, timeout=LONGEST_RUN, **options))
     return run_program
 
 

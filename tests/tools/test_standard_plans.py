@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import PROGRAM
+from conftest import LONGEST_RUN, PROGRAM
 
 ROOT = Path(__file__).resolve().parents[2]
 MADE_ELSEWHERE = {"counts", "exec", "image"}  # need a file or a command
@@ -30,7 +30,7 @@ def plans(tmp_path_factory):
 
 def cells_of(plan):
     finished = subprocess.run([PROGRAM, "evaluate", plan, "--dry-run", "--json"], text=True,
-                              capture_output=True, timeout=120)
+                              capture_output=True, timeout=LONGEST_RUN)
     assert finished.returncode == 0, finished.stderr
     return json.loads(finished.stdout)
 
@@ -67,6 +67,6 @@ def test_a_misspelt_option_in_a_plan_is_found(plans):
     broken = plans / "broken.toml"
     broken.write_text((plans / "a3_alpha.toml").read_text().replace("alpha = [", "alhpa = ["))
     finished = subprocess.run([PROGRAM, "evaluate", broken, "--dry-run"], text=True, capture_output=True,
-                              timeout=120)
+                              timeout=LONGEST_RUN)
     broken.unlink()
     assert finished.returncode == 2 and "did you mean 'alpha'" in finished.stderr
