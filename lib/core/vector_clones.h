@@ -4,7 +4,9 @@
 // Wider vectors do not change a bit: every element sees the same operations in the same order, and
 // without contraction (-ffp-contract=off) there is no fused multiply-add to differ by. So only
 // loops whose iterations are independent may be marked. tests/determinism holds the clones to that.
-// Not with sanitizers, which start after the machine has picked; SPOOL_NO_VECTOR_CLONES leaves the
+// Vectors wider than the plain target's go between functions by pointer, never by value: clones and
+// other functions hand them over in different places, which shows only where nothing is inlined
+// (-Wpsabi warns). Not with sanitizers, which start after the machine has picked; SPOOL_NO_VECTOR_CLONES leaves the
 // plain loop.
 #pragma once
 

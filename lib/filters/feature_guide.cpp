@@ -39,20 +39,24 @@ void weights_of_rows(const FeatureRows* features, std::size_t feature_count, int
                      float* __restrict to) {
   for (int begin = 0; begin < count; begin += kLanes) {
     const int x = std::min(begin, count - kLanes);
-    const auto load = [x](const float* row) {
-      Floats values;
+    // Not by value: a clone and a function that is not cloned disagree on where wide vectors are.
+    const auto load = [x](const float* row, Floats& values) {
       std::memcpy(&values, row + x, sizeof(values));
-      return values;
     };
+    Floats a, b;
     Floats distance{};
     for (std::size_t f = 0; f < feature_count; ++f) {
       const FeatureRows& feature = features[f];
       Floats squares{};
       for (int c = 0; c < feature.channels; ++c) {
-        const Floats difference = load(feature.p[c]) - load(feature.q[c]);
+        load(feature.p[c], a);
+        load(feature.q[c], b);
+        const Floats difference = a - b;
         squares += difference * difference;
       }
-      const Floats sum = load(feature.vp) + load(feature.vq);
+      load(feature.vp, a);
+      load(feature.vq, b);
+      const Floats sum = a + b;
       const Floats variance = sum > kLeastVariance ? sum : Floats{} + kLeastVariance;
       distance += feature.factor * squares / variance;
     }
