@@ -224,6 +224,18 @@ def test_an_image_is_a_filter(good, run, dump, tmp_path):
     run("reconstruct", dump, "--filter", "image:small.exr", "-o", "j.exr").failed_with(1, "24 x 19", "24 x 20")
 
 
+def test_replicates_of_an_image_claim_no_exactness(good, dump, tmp_path):
+    exr.write(tmp_path / "mine.exr", {"Y": np.full((20, 24), 0.5, "f4")})
+    arguments = ("evaluate", dump, "--filters", "box,image:mine.exr", "--spp", 4, "--reference", "holdout", "--holdout", 4)
+    table = good(*arguments, "-o", "five").out
+    box, image = (next(line for line in table.splitlines() if f" {name} " in line) for name in ("box", "image:mine.exr"))
+    assert "+-" in box and "alike" not in box
+    assert "(alike)" in image and "+-" not in image and "--recorded-order" in table
+    entries = {e["filter"]: e for e in good(*arguments, "-o", "json", "--json").json}
+    assert entries["image:mine.exr"]["relmse"]["low"] is None and entries["box"]["relmse"]["low"] is not None
+    assert "alike" not in good(*arguments, "-o", "one", "--replicates", 1, "--recorded-order").out
+
+
 def test_an_external_filter_guides_filtered_halves(good, example, dump, tmp_path):
     median = example("median.py")
     good("replay", dump, "--sampler", "filtered_halves", "--filter", median, "--spp", 8, "-o", "s.exr",

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -25,10 +27,17 @@ double ratio(const std::vector<double>& values, const std::vector<double>& basel
   return mean_of(values) / mean_of(baseline);
 }
 
+// Replicates that repeat each other (an image made elsewhere, samples in recorded order) do not say
+// how exact their mean is.
+bool alike(const std::vector<double>& values) {
+  return values.size() > 1 && std::ranges::all_of(values, [&](double v) { return v == values[0]; });
+}
+
 std::string with_error(const std::vector<double>& values) {
   const Interval interval = mean_interval(values);
   if (!std::isfinite(interval.mean)) return "n/a";
   if (!std::isfinite(interval.standard_error)) return fmt::format("{:.4g}", interval.mean);
+  if (alike(values)) return fmt::format("{:.4g} (alike)", interval.mean);
   return fmt::format("{:.4g} +- {:.2g}", interval.mean, interval.standard_error);
 }
 
@@ -37,6 +46,9 @@ std::string factor(double value) {
 }
 
 nlohmann::ordered_json json_of(const std::vector<double>& values) {
+  if (alike(values)) {
+    return {{"mean", values[0]}, {"standard_error", nullptr}, {"low", nullptr}, {"high", nullptr}};
+  }
   const Interval interval = mean_interval(values);
   return {{"mean", interval.mean},
           {"standard_error", interval.standard_error},
@@ -114,11 +126,12 @@ std::string EvaluationSummary::text() const {
                                                  "x uniform+box", "relMSE", "x uniform+box",
                                                  "energy", "sampling", "filtering"}};
   if (threads) rows.front().emplace_back("threads");
-  bool biased = false, described = false;
+  bool biased = false, described = false, repeated = false;
   for (const Group* group : shown) {
     const Cell& cell = group->cell;
     const Group* baseline = baseline_of(*group);
     biased = biased || is_biased_text(group->reference);
+    repeated = repeated || alike(group->mse);
     const bool described_sampler = sampler_by_description(cell.sampler.name);
     const bool described_filter = filter_by_description(cell.filter.name);
     described = described || described_sampler || described_filter;
@@ -139,6 +152,12 @@ std::string EvaluationSummary::text() const {
                         kBestShown, groups_.size());
   }
   if (described) text += fmt::format("\n{}.\n", kByDescription);
+  if (repeated) {
+    text +=
+        "\n(alike): every replicate gave this, so they do not say how exact it is. An image made "
+        "elsewhere is judged beside methods that got the same samples with --recorded-order "
+        "--replicates 1; results.csv has the standard errors, estimated from blocks of pixels.\n";
+  }
   text += fmt::format("\nMean +- standard error over {} replicates; judged by: {}{}.\n",
                       groups_.front().mse.size(), groups_.front().reference,
                       biased ? " (BIASED: see spool evaluate --help)" : "");
