@@ -27,17 +27,19 @@ double ratio(const std::vector<double>& values, const std::vector<double>& basel
   return mean_of(values) / mean_of(baseline);
 }
 
-// Replicates that repeat each other (an image made elsewhere, samples in recorded order) do not say
-// how exact their mean is.
-bool alike(const std::vector<double>& values) {
-  return values.size() > 1 && std::ranges::all_of(values, [&](double v) { return v == values[0]; });
+// Replicates of one image (made elsewhere, or of samples in recorded order) do not say how exact
+// their mean is. Errors of one image differ by the samples held out to judge it.
+bool replicates_are_alike(const std::vector<double>& errors, const Cell& cell) {
+  return errors.size() > 1 &&
+         (cell.filter.name == "image" ||
+          std::ranges::all_of(errors, [&](double error) { return error == errors[0]; }));
 }
 
-std::string with_error(const std::vector<double>& values) {
+std::string with_error(const std::vector<double>& values, bool alike) {
   const Interval interval = mean_interval(values);
   if (!std::isfinite(interval.mean)) return "n/a";
   if (!std::isfinite(interval.standard_error)) return fmt::format("{:.4g}", interval.mean);
-  if (alike(values)) return fmt::format("{:.4g} (alike)", interval.mean);
+  if (alike) return fmt::format("{:.4g} (alike)", interval.mean);
   return fmt::format("{:.4g} +- {:.2g}", interval.mean, interval.standard_error);
 }
 
@@ -45,11 +47,12 @@ std::string factor(double value) {
   return std::isfinite(value) ? fmt::format("{:.3f}", value) : "-";
 }
 
-nlohmann::ordered_json json_of(const std::vector<double>& values) {
-  if (alike(values)) {
-    return {{"mean", values[0]}, {"standard_error", nullptr}, {"low", nullptr}, {"high", nullptr}};
-  }
+nlohmann::ordered_json json_of(const std::vector<double>& values, bool alike = false) {
   const Interval interval = mean_interval(values);
+  if (alike) {
+    return {
+        {"mean", interval.mean}, {"standard_error", nullptr}, {"low", nullptr}, {"high", nullptr}};
+  }
   return {{"mean", interval.mean},
           {"standard_error", interval.standard_error},
           {"low", interval.low},
@@ -131,7 +134,8 @@ std::string EvaluationSummary::text() const {
     const Cell& cell = group->cell;
     const Group* baseline = baseline_of(*group);
     biased = biased || is_biased_text(group->reference);
-    repeated = repeated || alike(group->mse);
+    const bool alike = replicates_are_alike(group->mse, cell);
+    repeated = repeated || alike;
     const bool described_sampler = sampler_by_description(cell.sampler.name);
     const bool described_filter = filter_by_description(cell.filter.name);
     described = described || described_sampler || described_filter;
@@ -140,8 +144,9 @@ std::string EvaluationSummary::text() const {
          cell.sampler.label() + (described_sampler ? kByDescriptionMark : ""),
          cell.filter.label() + (described_filter ? kByDescriptionMark : ""),
          fmt::format("{:g}", cell.spp), fmt::format("{:.4g}", mean_of(group->spent)),
-         with_error(group->mse), baseline ? factor(ratio(group->mse, baseline->mse)) : "-",
-         with_error(group->relmse), baseline ? factor(ratio(group->relmse, baseline->relmse)) : "-",
+         with_error(group->mse, alike), baseline ? factor(ratio(group->mse, baseline->mse)) : "-",
+         with_error(group->relmse, alike),
+         baseline ? factor(ratio(group->relmse, baseline->relmse)) : "-",
          fmt::format("{:.3f}", mean_of(group->energy)), format_seconds(mean_of(group->sampling)),
          format_seconds(mean_of(group->filtering))});
     if (threads) rows.back().push_back(std::to_string(cell.threads));
@@ -154,7 +159,7 @@ std::string EvaluationSummary::text() const {
   if (described) text += fmt::format("\n{}.\n", kByDescription);
   if (repeated) {
     text +=
-        "\n(alike): every replicate gave this, so they do not say how exact it is. An image made "
+        "\n(alike): replicates of one image, which do not say how exact this is. An image made "
         "elsewhere is judged beside methods that got the same samples with --recorded-order "
         "--replicates 1; results.csv has the standard errors, estimated from blocks of pixels.\n";
   }
@@ -168,6 +173,7 @@ std::string EvaluationSummary::json() const {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Group* group : sorted()) {
     const Cell& cell = group->cell;
+    const bool alike = replicates_are_alike(group->mse, cell);
     nlohmann::ordered_json entry = {
         {"dump", cell.dump},
         {"sampler", cell.sampler.label()},
@@ -180,9 +186,9 @@ std::string EvaluationSummary::json() const {
         {"reference", group->reference},
         {"biased", is_biased_text(group->reference)},
         {"spent_per_pixel", mean_of(group->spent)},
-        {"mse", json_of(group->mse)},
-        {"relmse", json_of(group->relmse)},
-        {"energy_ratio", json_of(group->energy)},
+        {"mse", json_of(group->mse, alike)},
+        {"relmse", json_of(group->relmse, alike)},
+        {"energy_ratio", json_of(group->energy, alike)},
         {"seconds_sampling", json_of(group->sampling)},
         {"seconds_filtering", json_of(group->filtering)}};
     if (const Group* baseline = baseline_of(*group)) {
