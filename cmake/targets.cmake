@@ -5,9 +5,11 @@ target_include_directories(spool_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # -ffp-contract=off: a*b+c must have one result on every target; results are promised bit for bit.
 # -Werror=psabi: a wide vector that is passed by value between a clone and another function (lib/core/vector_clones.h).
 # -Wno-restrict: g++ 12 warns falsely about std::string (its bug 105651).
+# clang++: libstdc++'s std::stable_sort calls what it declares deprecated; `#pragma GCC ivdep` is not known.
 target_compile_options(spool_flags INTERFACE
   -ffp-contract=off -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Werror=psabi
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-deprecated-declarations;-Wno-unknown-pragmas>)
 
 # spool_library(NAME SOURCES... LIBS...): a static library of one folder.
 function(spool_library name)
