@@ -72,7 +72,8 @@ void expect_blocks(const SpoolReader& reader, const Json& expected) {
     EXPECT_EQ(reader.is_raw(group, tile, number), block["codec"] == 0);
   }
   uint32_t present = 0;
-  for (uint16_t group = 0; group < geometry.groups().size(); ++group) {
+  const auto groups = static_cast<uint16_t>(geometry.groups().size());
+  for (uint16_t group = 0; group < groups; ++group) {
     for (uint32_t tile = 0; tile < geometry.groups()[group].tiles; ++tile) {
       for (uint32_t block = 0; block < geometry.groups()[group].blocks; ++block) {
         present += reader.has_block(group, tile, block) ? 1 : 0;

@@ -117,7 +117,8 @@ inline bool is_skipped(const MadeDump& dump, uint32_t slot) {
 
 inline Result<void> write_blocks(SpoolWriter& writer, const MadeDump& dump) {
   const DumpGeometry geometry(dump.header);
-  for (uint16_t group = 0; group < geometry.groups().size(); ++group) {
+  const auto groups = static_cast<uint16_t>(geometry.groups().size());
+  for (uint16_t group = 0; group < groups; ++group) {
     for (uint32_t tile = 0; tile < geometry.groups()[group].tiles; ++tile) {
       for (uint32_t block = 0; block < geometry.groups()[group].blocks; ++block) {
         if (is_skipped(dump, *geometry.slot(group, tile, block))) continue;
