@@ -7,12 +7,12 @@
 //   MSE_0 = mean_c Var_0,  MSE_s = MSE_{s-1} + mean_c(loss - gain)
 //   e = MSE / (1e-3 + I^2) * m / (m + Nsum),  m = samples per pixel of the whole budget
 //
-// e is taken at the pixel's scale, in exposed units, and not below 0; m / (m + Nsum) is the part of
-// the error that m more samples remove. In an iteration the pixels with the largest e get m samples
-// each, drawn from the kernel of their scale: a target outside the image is drawn again, a
-// saturated one up to 16 times, then the nearest unsaturated pixel within 3 sigma takes the sample,
-// else it goes to a pot that is apportioned over e. Slow twin:
-// tests/reference/greedy_error_reference.h.
+// e is taken at the pixel's scale, in exposed units, and not below 0, where only rounding could
+// take it: the gains add up to Var_0 - Var_s. m / (m + Nsum) is the part of the error that m more
+// samples remove. In an iteration the pixels with the largest e get m samples each, drawn from the
+// kernel of their scale: a target outside the image is drawn again, a saturated one up to 16 times,
+// then the nearest unsaturated pixel within 3 sigma takes the sample, else it goes to a pot that is
+// apportioned over e. Slow twin: tests/reference/greedy_error_reference.h.
 #pragma once
 
 #include "lib/filters/scale_ladder.h"

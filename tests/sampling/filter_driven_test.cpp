@@ -247,5 +247,25 @@ TEST(CrossBilateralSampling, SpendsMoreWhereTheNoiseIs) {
   EXPECT_GT(noisy, 2 * quiet);
 }
 
+// SURE estimates a squared error without bias, so some of its values lie below zero.
+TEST(CrossBilateralSampling, WorthsThatComeOutNegativeAreZeroAndCounted) {
+  const SamplePool pool = test::memory_pool(32, 32, 8, [](int x, int y, int s) {
+    const auto u = static_cast<float>(unit_double(mix(9, x, y, s)));
+    return Rgb{0.2f + u * u, 0.2f + u, 0.5f};
+  });
+  PieceStatistics statistics = prefix_statistics(pool, CountImage(32, 32, 4));
+  GuardCounts guards;
+  expose(statistics, pool, 1.0, guards);
+  const auto density = cross_bilateral_density(statistics, pool, {}, guards);
+  ASSERT_TRUE(density.has_value());
+  std::uint64_t zeros = 0;
+  for (const double d : density->pixels()) {
+    ASSERT_GE(d, 0.0);
+    zeros += d == 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(zeros, 0u);
+  EXPECT_EQ(guards[Guard::kNegativeError], zeros);
+}
+
 }  // namespace
 }  // namespace spool

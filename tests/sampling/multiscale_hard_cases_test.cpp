@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/sampling/multiscale/board.h"
+#include "lib/sampling/multiscale/priority.h"
 #include "lib/sampling/sampler.h"
 #include "tests/sampling/multiscale_cases.h"
 
@@ -30,6 +32,33 @@ void expect_sound_everywhere(const SamplePool& pool, long long budget) {
   expect_sound(pool, budget, "robust", {{"update", "exact"}});
   expect_sound(pool, budget, "robust", {{"tile", "16"}});
   expect_sound(pool, budget, "robust", {{"pop", "fixed(4)"}, {"A_init", "split"}});
+}
+
+// No sample in float makes a priority overflow, so the analysis is broken by hand.
+TEST(MultiscaleHardCases, PrioritiesThatAreNotFiniteAreTheLargestAndCounted) {
+  const SamplePool pool = test::noisy_pool(8, 6, 8);
+  for (const char* norm : {"absolute", "relative", "off"}) {
+    const MultiscaleOptions options = test::multiscale_options("robust", {{"d_norm", norm}});
+    const CountImage counts(8, 6, 4);
+    const Samples samples = make_samples(prefix_statistics(pool, counts), pool, 1.0, options);
+    GuardCounts loading;
+    Board board = load_board(samples, pool, {0, 0, 8, 6}, {0, 0, 8, 6}, options, loading);
+    std::vector<Plane> before_last;
+    if (options.attenuation_start == AttenuationStart::kSplit)
+      before_last.push_back(means_before_last(samples, pool, 0));
+    analyse(board, before_last, options, loading);
+    EXPECT_EQ(loading[Guard::kPriorityNotFinite], 0u);
+    board.scalars[0].variance[0](2, 3) = std::numeric_limits<double>::infinity();
+    board.scalars[0].variance[0](4, 1) = std::numeric_limits<double>::quiet_NaN();
+    for (const auto compute : {&compute_priority, &compute_priority_from_coarse}) {
+      GuardCounts guards;
+      compute(board, 1, board.bounds(), options, guards);
+      EXPECT_EQ(guards[Guard::kPriorityNotFinite], 2u) << norm;
+      EXPECT_EQ(board.priority[0](2, 3), std::numeric_limits<double>::max()) << norm;
+      EXPECT_EQ(board.priority[0](4, 1), std::numeric_limits<double>::max()) << norm;
+      EXPECT_LT(board.priority[0](3, 3), 1e6) << norm;
+    }
+  }
 }
 
 TEST(MultiscaleHardCases, OddSizes) {
