@@ -6,7 +6,7 @@
 // loops whose iterations are independent may be marked. tests/determinism holds the clones to that.
 // Vectors wider than the plain target's go between functions by pointer, never by value: clones and
 // other functions hand them over in different places, which shows only where nothing is inlined
-// (-Wpsabi warns). Not with sanitizers, which start after the machine has picked;
+// (-Werror=psabi refuses it). Not with sanitizers, which start after the machine has picked;
 // SPOOL_NO_VECTOR_CLONES leaves the plain loop.
 #pragma once
 

@@ -1,9 +1,8 @@
 // Shows another implementation what the C++ reader and writer do:
 //   rewrite IN OUT ...   reads each dump and writes it again: meta first, then group, tile, block
 //   recover IN OUT ...   0 all, 4 something lost, or the exit code and the message
-//   open FILE ...        one line per file: 0, or the exit code and the message of the refusal
 //   check FILE ...       one line per file: 0 intact, 4 damaged, or the exit code and the message
-//   samples FILE ...     one line per file: 0 and the digest of all blocks, or the exit code and the message of open
+//   samples FILE ...     one line per file: 0 and the digest of all blocks, or the refusal
 #include <cstdio>
 #include <span>
 #include <string_view>
@@ -101,8 +100,6 @@ int main(int count, char** arguments) {
     } else if (verb == "recover" && i + 1 < count) {
       print(recover(arguments[i], arguments[i + 1]));
       ++i;
-    } else if (verb == "open") {
-      print(SpoolReader::open(arguments[i]).map([](const SpoolReader&) {}));
     } else if (verb == "check") {
       print(check(arguments[i]));
     } else if (verb == "samples") {
