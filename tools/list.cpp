@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/evaluation/error_metrics.h"
-#include "lib/evaluation/result_table.h"
-#include "lib/reconstruction/reconstructor.h"
+#include "lib/experiment/result_table.h"
+#include "lib/filters/reconstructor.h"
+#include "lib/metrics/error_metrics.h"
 #include "lib/sampling/sampler.h"
 #include "lib/synthetic/synthetic_scenes.h"
 #include "tools/methods/external_methods.h"

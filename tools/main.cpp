@@ -10,11 +10,11 @@
 
 #include <CLI/CLI.hpp>
 
-#include "lib/core/freed_memory.h"
+#include "lib/core/heap_policy.h"
 #include "lib/core/option_table.h"
 #include "lib/core/parallel.h"
-#include "lib/evaluation/reference.h"
-#include "lib/evaluation/result_record.h"
+#include "lib/experiment/reference.h"
+#include "lib/experiment/result_record.h"
 #include "tools/check.h"
 #include "tools/compare.h"
 #include "tools/console.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
-#include "lib/evaluation/energy_masks.h"
+#include "lib/metrics/energy_masks.h"
 
 namespace spool::tools {
 

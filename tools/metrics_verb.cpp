@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/evaluation/energy_masks.h"
-#include "lib/evaluation/error_metrics.h"
 #include "lib/image_io/exr_image.h"
+#include "lib/metrics/energy_masks.h"
+#include "lib/metrics/error_metrics.h"
 #include "tools/mask_files.h"
 
 namespace spool::tools {

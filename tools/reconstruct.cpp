@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
-#include "lib/evaluation/decision_split.h"
-#include "lib/evaluation/reference.h"
+#include "lib/experiment/decision_split.h"
+#include "lib/experiment/reference.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/pool/load_recording.h"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/evaluation/decision_split.h"
+#include "lib/experiment/decision_split.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"
 #include "tools/guard_listing.h"

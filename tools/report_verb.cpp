@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/core/guards.h"
-#include "lib/evaluation/result_table.h"
+#include "lib/experiment/result_table.h"
 
 namespace spool::tools {
 namespace {

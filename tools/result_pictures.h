@@ -7,9 +7,9 @@
 #include <string>
 
 #include "lib/core/image.h"
-#include "lib/evaluation/error_metrics.h"
+#include "lib/filters/reconstructor.h"
 #include "lib/image_io/picture.h"
-#include "lib/reconstruction/reconstructor.h"
+#include "lib/metrics/error_metrics.h"
 
 namespace spool::tools {
 

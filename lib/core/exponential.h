@@ -2,7 +2,7 @@
 //
 // x is split as n ln 2 + r with |r| <= ln(2) / 2 (ln 2 in two parts), exp(-r) is its Taylor series
 // and 2^-n goes straight into the exponent bits. Largest error found over the whole range: 1.0 ULP
-// (float), 1.0 ULP (double); tests/reconstruction/exponential_test.cpp holds it to 2. Results below
+// (float), 1.0 ULP (double); tests/filters/exponential_test.cpp holds it to 2. Results below
 // the smallest normal number are 0: such a weight beside the centre's 1 is nothing. No table, no
 // libm: the same bits on every machine.
 #pragma once

@@ -10,7 +10,7 @@
 
 #include "formats/half_float.h"
 #include "formats/spool_reader.h"
-#include "lib/core/free_memory.h"
+#include "lib/core/available_memory.h"
 #include "lib/core/parallel.h"
 
 namespace spool {
@@ -110,7 +110,7 @@ std::uint64_t bytes_to_load(const SpoolReader& reader) {
 
 Result<void> check_memory(const SpoolReader& reader) {
   const std::uint64_t needed = bytes_to_load(reader);
-  const std::optional<std::uint64_t> available = free_memory();
+  const std::optional<std::uint64_t> available = available_memory();
   if (!available || needed <= *available) return {};
   return fail(ErrorCode::kData,
               "{}: needs about {:.3g} GB of memory, {:.3g} GB are free: record it as f32 without "

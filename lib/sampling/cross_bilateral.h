@@ -2,14 +2,14 @@
 //
 //   density = max(0, SURE + v) / (F^2 + 0.01) / (1 + n)
 //
-// SURE and F are those of the best scale of each piece (lib/filters/cross_bilateral.h). The budget
+// SURE and F are those of the best scale of each piece (lib/kernels/cross_bilateral.h). The budget
 // left after the first samples goes in equal rounds, apportioned over the density, no piece beyond
 // its pool. SURE assumes Gaussian means: with few samples and heavy tails it is unreliable.
 #pragma once
 
 #include <optional>
 
-#include "lib/filters/cross_bilateral.h"
+#include "lib/kernels/cross_bilateral.h"
 #include "lib/sampling/sampler.h"
 
 namespace spool {

@@ -6,7 +6,7 @@
 
 #include "lib/core/parallel.h"
 #include "lib/core/random.h"
-#include "lib/filters/truncated_filter.h"
+#include "lib/kernels/truncated_filter.h"
 #include "lib/sampling/greedy_placement.h"
 #include "lib/sampling/rounds.h"
 #include "lib/statistics/variance_option.h"

@@ -1,7 +1,7 @@
 // Greedy error minimisation [RousselleKnausZwicker11]: samples go under the kernels of the pixels
 // whose filtered value still has the largest relative error.
 //
-// Every pixel climbs the ladder of Gaussians (lib/filters/scale_ladder.h) with sigma = 1, 2, 4, 8
+// Every pixel climbs the ladder of Gaussians (lib/kernels/scale_ladder.h) with sigma = 1, 2, 4, 8
 // until bias outweighs variance; the error estimate follows the climb:
 //
 //   MSE_0 = mean_c Var_0,  MSE_s = MSE_{s-1} + mean_c(loss - gain)
@@ -15,7 +15,7 @@
 // apportioned over e. Slow twin: tests/reference/greedy_error_reference.h.
 #pragma once
 
-#include "lib/filters/scale_ladder.h"
+#include "lib/kernels/scale_ladder.h"
 #include "lib/sampling/sampler.h"
 
 namespace spool {

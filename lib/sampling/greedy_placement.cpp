@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "lib/core/random.h"
-#include "lib/filters/pixel_base.h"
-#include "lib/filters/truncated_filter.h"
+#include "lib/kernels/pixel_base.h"
+#include "lib/kernels/truncated_filter.h"
 #include "lib/sampling/filtered_halves.h"
 #include "lib/sampling/rounds.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "lib/filters/sample_half.h"
+#include "lib/kernels/sample_half.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/sampling/apportion.h"
 #include "lib/sampling/rounds.h"

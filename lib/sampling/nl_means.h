@@ -2,7 +2,7 @@
 // [RousselleKnausZwicker12].
 //
 // Halves A and B (even and odd samples) are filtered with weights from each other
-// (lib/filters/patch_filter.h):
+// (lib/kernels/patch_filter.h):
 //
 //   error = sum over both halves of mean_c 2 (F_A - F_B)^2 / (1e-3 + F^2) / N,  F of that half
 //
@@ -11,7 +11,7 @@
 // twin: tests/reference/nl_means_reference.h.
 #pragma once
 
-#include "lib/filters/patch_filter.h"
+#include "lib/kernels/patch_filter.h"
 #include "lib/sampling/sampler.h"
 #include "lib/statistics/variance_of_mean.h"
 

@@ -1,7 +1,7 @@
 // The one interface of all samplers, and their list.
 //
 // A sampler spends a budget of samples on a pool: it may know only the samples it has taken. Any
-// sampler works with any reconstructor (lib/reconstruction/reconstructor.h); neither knows the
+// sampler works with any reconstructor (lib/filters/reconstructor.h); neither knows the
 // other.
 #pragma once
 

@@ -16,7 +16,7 @@ struct Selection {
   PieceStatistics statistics;
   std::vector<Plane> attenuation;  // A_0 .. A_K [y][x], or empty when the sampler keeps none
   // Where the even samples decided about the odd ones and the other way round: what is averaged of
-  // pool.half(0) and of pool.half(1) (lib/evaluation/decision_split.h). Empty otherwise.
+  // pool.half(0) and of pool.half(1) (lib/experiment/decision_split.h). Empty otherwise.
   std::vector<Selection> halves = {};
 };
 

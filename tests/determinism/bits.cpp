@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "lib/directions/directional_filter_bank.h"
-#include "lib/evaluation/error_metrics.h"
+#include "lib/metrics/error_metrics.h"
 #include "lib/pyramid/laplacian_pyramid.h"
 #include "tests/hard_cases/moved_world.h"
 #include "tests/support/every_method.h"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/core/random.h"
-#include "lib/reconstruction/reconstructor.h"
+#include "lib/filters/reconstructor.h"
 #include "lib/sampling/sampler.h"
 #include "tests/support/memory_pool.h"
 #include "tests/support/thread_count.h"

@@ -1,5 +1,5 @@
 // Text -> a plan. What is accepted comes back from its own text as the same cells.
-#include "lib/evaluation/plan.h"
+#include "lib/experiment/plan.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace spool {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lib/evaluation/error_metrics.h"
+#include "lib/metrics/error_metrics.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/support/every_method.h"
 #include "tests/support/memory_pool.h"

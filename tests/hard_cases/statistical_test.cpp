@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/evaluation/error_metrics.h"
-#include "lib/evaluation/intervals.h"
-#include "lib/evaluation/reference.h"
+#include "lib/experiment/reference.h"
+#include "lib/inference/intervals.h"
+#include "lib/metrics/error_metrics.h"
 #include "lib/statistics/variance_of_mean.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/support/every_method.h"

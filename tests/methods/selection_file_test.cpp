@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/evaluation/decision_split.h"
-#include "lib/reconstruction/reconstructor.h"
+#include "lib/experiment/decision_split.h"
+#include "lib/filters/reconstructor.h"
 #include "lib/sampling/sampler.h"
 #include "tests/sampling/multiscale_cases.h"
 #include "tests/support/scratch_folder.h"

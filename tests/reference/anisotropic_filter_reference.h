@@ -1,4 +1,4 @@
-// Slow twins of lib/reconstruction/directional/filter_width.h and anisotropic_filter.h: eqs 10-12
+// Slow twins of lib/filters/directional/filter_width.h and anisotropic_filter.h: eqs 10-12
 // as they stand, one neighbour after the other.
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lib/reconstruction/directional/anisotropic_filter.h"
+#include "lib/filters/directional/anisotropic_filter.h"
 #include "tests/reference/directional_energy_reference.h"
 #include "tests/reference/directional_filter_bank_reference.h"
 

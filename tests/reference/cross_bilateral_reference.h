@@ -1,4 +1,4 @@
-// Slow twin of lib/filters/cross_bilateral.h and of its features: one pixel and one pair at a time.
+// Slow twin of lib/kernels/cross_bilateral.h and of its features: one pixel and one pair at a time.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/filters/cross_bilateral.h"
+#include "lib/kernels/cross_bilateral.h"
 
 namespace spool::reference {
 

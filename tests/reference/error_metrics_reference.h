@@ -1,4 +1,4 @@
-// Slow twin of lib/evaluation/error_metrics: each metric by its definition, one plain loop each.
+// Slow twin of lib/metrics/error_metrics: each metric by its definition, one plain loop each.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "lib/evaluation/error_metrics.h"
+#include "lib/metrics/error_metrics.h"
 
 namespace spool::reference {
 

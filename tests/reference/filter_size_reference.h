@@ -1,4 +1,4 @@
-// Slow twin of lib/reconstruction/directional/filter_size.h: every region summed by itself.
+// Slow twin of lib/filters/directional/filter_size.h: every region summed by itself.
 #pragma once
 
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lib/core/extend.h"
-#include "lib/reconstruction/directional/filter_size.h"
+#include "lib/filters/directional/filter_size.h"
 
 namespace spool::reference {
 

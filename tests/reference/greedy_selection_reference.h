@@ -1,4 +1,4 @@
-// Slow twin of lib/reconstruction/greedy_selection.h: two-dimensional sums over cut windows.
+// Slow twin of lib/filters/greedy_selection.h: two-dimensional sums over cut windows.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Slow twin of lib/reconstruction/multistage.h for one channel, stage by stage; NaN is undefined.
+// Slow twin of lib/filters/multistage.h for one channel, stage by stage; NaN is undefined.
 #pragma once
 
 #include <cmath>

@@ -1,11 +1,11 @@
-// Slow twin of the weights of lib/filters/patch_filter.h: every patch of every pair by itself.
+// Slow twin of the weights of lib/kernels/patch_filter.h: every patch of every pair by itself.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
 #include "lib/core/extend.h"
-#include "lib/filters/patch_filter.h"
+#include "lib/kernels/patch_filter.h"
 
 namespace spool::reference {
 

@@ -1,4 +1,4 @@
-// Slow twin of lib/reconstruction/oracle_scale.h.
+// Slow twin of lib/filters/oracle_scale.h.
 #pragma once
 
 #include <cmath>

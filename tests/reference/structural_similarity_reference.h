@@ -1,4 +1,4 @@
-// Slow twin of lib/evaluation/structural_similarity: every window summed anew, two passes.
+// Slow twin of lib/metrics/structural_similarity: every window summed anew, two passes.
 #pragma once
 
 #include <cmath>

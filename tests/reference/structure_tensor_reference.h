@@ -1,4 +1,4 @@
-// Slow twin of lib/reconstruction/directional/structure_tensor.h: the derivative along each
+// Slow twin of lib/filters/directional/structure_tensor.h: the derivative along each
 // direction by itself, squared and blurred, instead of one tensor for all.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Slow twin of lib/filters/truncated_filter.h: every window by itself, both dimensions at once.
+// Slow twin of lib/kernels/truncated_filter.h: every window by itself, both dimensions at once.
 #pragma once
 
 #include "lib/core/image.h"

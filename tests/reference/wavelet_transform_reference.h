@@ -1,4 +1,4 @@
-// Slow twin of lib/reconstruction/wavelet_transform.h: one level of the 9-7 transform as the
+// Slow twin of lib/filters/wavelet_transform.h: one level of the 9-7 transform as the
 // definition of its four filters, on the image extended by whole-sample symmetry.
 #pragma once
 

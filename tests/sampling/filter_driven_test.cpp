@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/filters/piece_estimates.h"
-#include "lib/filters/truncated_filter.h"
+#include "lib/kernels/piece_estimates.h"
+#include "lib/kernels/truncated_filter.h"
 #include "lib/sampling/cross_bilateral.h"
 #include "lib/sampling/greedy_error.h"
 #include "lib/sampling/nl_means.h"

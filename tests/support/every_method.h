@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "lib/reconstruction/reconstructor.h"
+#include "lib/filters/reconstructor.h"
 #include "lib/sampling/sampler.h"
 
 namespace spool::test {

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "lib/evaluation/experiment.h"
+#include "lib/experiment/experiment.h"
 
 namespace spool::tools {
 

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/evaluation/result_table.h"
+#include "lib/experiment/result_table.h"
 #include "lib/image_io/atomic_file.h"
 #include "tools/batch/base64.h"
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "lib/core/error.h"
-#include "lib/evaluation/plan.h"
-#include "lib/evaluation/result_record.h"
+#include "lib/experiment/plan.h"
+#include "lib/experiment/result_record.h"
 
 namespace spool::tools {
 

@@ -5,7 +5,7 @@
 
 #include "formats/spool_reader.h"
 #include "lib/core/option_table.h"
-#include "lib/evaluation/result_table.h"
+#include "lib/experiment/result_table.h"
 #include "lib/synthetic/scene_s.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/evaluation_run.h"

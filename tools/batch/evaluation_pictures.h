@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "lib/evaluation/experiment.h"
+#include "lib/experiment/experiment.h"
 
 namespace spool::tools {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "formats/spool_reader.h"
-#include "lib/evaluation/result_record.h"
-#include "lib/evaluation/result_table.h"
+#include "lib/experiment/result_record.h"
+#include "lib/experiment/result_table.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"
 #include "tools/batch/best_so_far.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
-#include "lib/evaluation/plan.h"
+#include "lib/experiment/plan.h"
 #include "tools/console.h"
 
 namespace spool::tools {

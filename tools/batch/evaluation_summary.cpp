@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/evaluation/intervals.h"
-#include "lib/evaluation/reference.h"
+#include "lib/experiment/reference.h"
+#include "lib/inference/intervals.h"
 #include "tools/console.h"
 #include "tools/methods/external_methods.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "lib/evaluation/experiment.h"
-#include "lib/evaluation/result_record.h"
+#include "lib/experiment/experiment.h"
+#include "lib/experiment/result_record.h"
 
 namespace spool::tools {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lib/evaluation/budget_curve.h"
-#include "lib/evaluation/intervals.h"
+#include "lib/inference/budget_curve.h"
+#include "lib/inference/intervals.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/dump_identity.h"
 #include "tools/methods/external_methods.h"

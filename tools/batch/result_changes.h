@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "lib/core/error.h"
-#include "lib/evaluation/comparison.h"
-#include "lib/evaluation/plan.h"
-#include "lib/evaluation/result_record.h"
+#include "lib/experiment/plan.h"
+#include "lib/experiment/result_record.h"
+#include "lib/inference/comparison.h"
 
 namespace spool::tools {
 

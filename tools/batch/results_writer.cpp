@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "lib/evaluation/result_table.h"
+#include "lib/experiment/result_table.h"
 
 namespace spool::tools {
 

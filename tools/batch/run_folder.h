@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
-#include "lib/evaluation/plan.h"
+#include "lib/experiment/plan.h"
 #include "tools/batch/dump_identity.h"
 #include "tools/batch/evaluation_run.h"
 

@@ -13,7 +13,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include "lib/evaluation/experiment.h"
+#include "lib/experiment/experiment.h"
 #include "lib/image_io/atomic_file.h"
 
 namespace spool::tools {

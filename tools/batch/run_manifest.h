@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
-#include "lib/evaluation/plan.h"
+#include "lib/experiment/plan.h"
 #include "tools/batch/dump_identity.h"
 
 namespace spool::tools {

@@ -7,9 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/evaluation/budget_curve.h"
-#include "lib/evaluation/comparison.h"
-#include "lib/evaluation/intervals.h"
+#include "lib/inference/budget_curve.h"
+#include "lib/inference/comparison.h"
+#include "lib/inference/intervals.h"
 
 namespace spool::tools {
 namespace {

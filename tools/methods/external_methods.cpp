@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lib/filters/given_image.h"
 #include "lib/image_io/exr_image.h"
-#include "lib/reconstruction/given_image.h"
 #include "lib/sampling/asked_counts.h"
 #include "lib/sampling/given_counts.h"
 #include "lib/sampling/rounds.h"

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lib/reconstruction/reconstructor.h"
+#include "lib/filters/reconstructor.h"
 #include "lib/sampling/sampler.h"
 
 namespace spool::tools {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
-#include "lib/evaluation/experiment.h"
+#include "lib/experiment/experiment.h"
 #include "lib/pool/sanitise.h"
 
 namespace spool::tools {

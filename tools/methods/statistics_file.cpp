@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "lib/filters/piece_estimates.h"
 #include "lib/image_io/exr_image.h"
+#include "lib/kernels/piece_estimates.h"
 #include "lib/statistics/feature_statistics.h"
 
 namespace spool::tools {

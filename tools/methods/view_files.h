@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "lib/core/view.h"
+#include "lib/filters/reconstructor.h"
 #include "lib/image_io/exr_image.h"
-#include "lib/reconstruction/reconstructor.h"
 
 namespace spool::tools {
 

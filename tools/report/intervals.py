@@ -2,7 +2,7 @@
 
 Student's distribution with the skewness of the values taken into account [Hall92]; a ratio's interval
 holds every ratio r at which a - r b has a mean that may be zero, as Fieller's does [Fieller54].
-Standard library only; the same figures as lib/evaluation/intervals.h.
+Standard library only; the same figures as lib/inference/intervals.h.
 """
 
 import math

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "lib/core/pairwise_sum.h"
-#include "lib/evaluation/error_metrics.h"
+#include "lib/metrics/error_metrics.h"
 #include "lib/statistics/piece_statistics.h"
 #include "tools/bench/accuracy/accuracy.h"
 

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include "lib/directions/directional_filter_bank.h"
+#include "lib/filters/directional/anisotropic_filter.h"
+#include "lib/filters/directional/filter_size.h"
 #include "lib/pyramid/laplacian_pyramid.h"
-#include "lib/reconstruction/directional/anisotropic_filter.h"
-#include "lib/reconstruction/directional/filter_size.h"
 #include "tests/reference/convolution_reference.h"
 #include "tests/reference/directional_filter_bank_reference.h"
 #include "tools/bench/accuracy/accuracy.h"

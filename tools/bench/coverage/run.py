@@ -36,7 +36,7 @@ Several things vary in what the laboratory measures, and each interval speaks of
 - All speak of a metric's expectation, debiased by the variance of the reference where the metric is.
 
 Noise of one block in one replicate is in the spread of the blocks and in the spread of the replicates; it is counted once
-(`lib/evaluation/method_series.h`). Few blocks and few replicates are allowed for by Student's distribution.
+(`lib/inference/method_series.h`). Few blocks and few replicates are allowed for by Student's distribution.
 """
 
 

@@ -13,7 +13,7 @@
 
 #include <Imath/half.h>
 
-#include "lib/core/freed_memory.h"
+#include "lib/core/heap_policy.h"
 #include "tools/bench/format/exr_files.h"
 #include "tools/bench/format/spool_file.h"
 

@@ -16,10 +16,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "lib/core/freed_memory.h"
+#include "lib/core/heap_policy.h"
 #include "lib/core/parallel.h"
+#include "lib/filters/reconstructor.h"
 #include "lib/pool/load_recording.h"
-#include "lib/reconstruction/reconstructor.h"
 #include "lib/sampling/sampler.h"
 #include "tools/bench/methods/heap_peak.h"
 

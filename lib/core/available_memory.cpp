@@ -1,0 +1,91 @@
+#include "lib/core/available_memory.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+namespace spool {
+namespace {
+
+namespace fs = std::filesystem;
+
+void take_least(std::optional<std::uint64_t>& bytes, std::optional<std::uint64_t> other) {
+  if (other) bytes = std::min(bytes.value_or(*other), *other);
+}
+
+// Empty for "max" and for what is not there.
+std::optional<std::uint64_t> number_in(const fs::path& file) {
+  std::ifstream in(file);
+  std::uint64_t number = 0;
+  return in >> number ? std::optional(number) : std::nullopt;
+}
+
+std::uint64_t entry_in(const fs::path& file, const std::string& wanted) {
+  std::ifstream in(file);
+  std::string name;
+  for (std::uint64_t number = 0; in >> name >> number;) {
+    if (name == wanted) return number;
+  }
+  return 0;
+}
+
+struct GroupFiles {
+  const char *limit, *usage, *cache;
+};
+constexpr GroupFiles kVersion1 = {"memory.limit_in_bytes", "memory.usage_in_bytes",
+                                  "total_inactive_file"};
+constexpr GroupFiles kVersion2 = {"memory.max", "memory.current", "inactive_file"};
+
+std::optional<std::uint64_t> left_in(const fs::path& group, const GroupFiles& files) {
+  const auto limit = number_in(group / files.limit), usage = number_in(group / files.usage);
+  if (!limit || !usage) return {};
+  const std::uint64_t cache = entry_in(group / "memory.stat", files.cache);
+  const std::uint64_t used = *usage - std::min(*usage, cache);
+  return *limit - std::min(*limit, used);
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> memory_left_in_groups(const std::string& groups,
+                                                   const fs::path& mounted) {
+  std::optional<std::uint64_t> bytes;
+  std::istringstream lines(groups);  // ID:CONTROLLERS:/PATH
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    if (!controllers.empty() && controllers != "memory") continue;
+    const bool unified = controllers.empty();
+    const fs::path top = unified ? mounted : mounted / "memory";
+    // In a container the path may be that of the host; then only the top is there.
+    for (fs::path path = fs::path(line.substr(second + 1)).relative_path();;
+         path = path.parent_path()) {
+      take_least(bytes, left_in(top / path, unified ? kVersion2 : kVersion1));
+      if (path.empty()) break;
+    }
+  }
+  return bytes;
+}
+
+std::optional<std::uint64_t> available_memory() {
+  std::optional<std::uint64_t> bytes;
+  std::ifstream info("/proc/meminfo");  // absent on other systems than Linux
+  for (std::string name, unit; info >> name;) {
+    std::uint64_t kilobytes = 0;
+    if (!(info >> kilobytes)) break;
+    std::getline(info, unit);
+    if (name == "MemAvailable:") bytes = 1024 * kilobytes;
+  }
+  std::ifstream own("/proc/self/cgroup");
+  const std::string groups((std::istreambuf_iterator<char>(own)), {});
+  take_least(bytes, memory_left_in_groups(groups, "/sys/fs/cgroup"));
+  if (const char* limit = std::getenv("SPOOL_MEMORY")) {
+    char* end = nullptr;
+    const unsigned long long wanted = std::strtoull(limit, &end, 10);
+    if (end != limit && *end == '\0') take_least(bytes, wanted);
+  }
+  return bytes;
+}
+
+}  // namespace spool

@@ -1,0 +1,21 @@
+// How much memory this process may still take, so that what will not fit is refused before work.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace spool {
+
+// Bytes that the system would give (free, or held by caches it can drop), at most what the control
+// groups of the process leave (containers), and at most what the environment variable SPOOL_MEMORY
+// says (bytes). Empty where none of them is known.
+std::optional<std::uint64_t> available_memory();
+
+// What the control groups leave, from the text of /proc/self/cgroup and the folder where groups are
+// mounted: the least over the groups and their parents of limit - (usage - file cache not in use).
+std::optional<std::uint64_t> memory_left_in_groups(const std::string& groups,
+                                                   const std::filesystem::path& mounted);
+
+}  // namespace spool

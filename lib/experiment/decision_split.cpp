@@ -1,0 +1,117 @@
+#include "lib/experiment/decision_split.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace spool {
+namespace {
+
+// Shortest prefixes of `pool` that hold the first n[h] samples of each of its halves.
+CountImage prefixes_over(const std::array<CountImage, 2>& n) {
+  CountImage prefix(n[0].width(), n[0].height());
+  for (std::size_t i = 0; i < prefix.size(); ++i) {
+    const std::int32_t even = n[0][i] > 0 ? 2 * n[0][i] - 1 : 0;
+    prefix[i] = std::max(even, 2 * n[1][i]);
+  }
+  return prefix;
+}
+
+CountImage at_most_capacity(CountImage n, const SamplePool& pool) {
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x)
+      n(x, y) = std::min(n(x, y), pool.capacity(x, y));
+  }
+  return n;
+}
+
+void add(SamplingLog& log, const SamplingLog& part) {
+  log.initial += part.initial;
+  log.uniform_remainder += part.uniform_remainder;
+  log.guards += part.guards;
+  log.samples_of_level.resize(std::max(log.samples_of_level.size(), part.samples_of_level.size()));
+  for (std::size_t k = 0; k < part.samples_of_level.size(); ++k)
+    log.samples_of_level[k] += part.samples_of_level[k];
+}
+
+Result<SamplingResult> sample_halves(const SamplerFunction& sampler, const SamplePool& pool,
+                                     long long budget, const SamplingContext& context) {
+  const std::array<SamplePool, 2> halves = {pool.half(0), pool.half(1)};
+  SamplingResult result;
+  result.log.budget = budget;
+  result.selection.halves.resize(2);
+  std::array<CountImage, 2> looked_at;
+  for (std::size_t h = 0; h < 2; ++h) {
+    SamplingContext part = context;
+    part.seed = mix(context.seed, h);
+    if (h == 1) part.views = nullptr;  // they are those of the even samples
+    if (context.progress) {
+      part.progress = [&](double share) {
+        context.progress(0.5 * (static_cast<double>(h) + share));
+      };
+    }
+    SPOOL_ASSIGN(SamplingResult decided,
+                 sampler(halves[h], (budget + 1 - static_cast<long long>(h)) / 2, part));
+    add(result.log, decided.log);
+    const std::size_t other = 1 - h;
+    Selection& averaged = result.selection.halves[other];
+    averaged.statistics = prefix_statistics(
+        halves[other], at_most_capacity(decided.selection.statistics.n, halves[other]),
+        decided.selection.statistics.signal);
+    averaged.attenuation = std::move(decided.selection.attenuation);
+    looked_at[h] = std::move(decided.selection.statistics.n);
+  }
+  for (std::size_t h = 0; h < 2; ++h) {
+    const CountImage& averaged = result.selection.halves[h].statistics.n;
+    for (std::size_t i = 0; i < averaged.size(); ++i)
+      looked_at[h][i] = std::max(looked_at[h][i], averaged[i]);
+  }
+  result.selection.statistics = prefix_statistics(pool, prefixes_over(looked_at),
+                                                  result.selection.halves[0].statistics.signal);
+  result.log.spent = count_samples(result.selection.statistics.n);
+  // Guards of the halves have counted what ran out there; here it is said of the whole pool.
+  result.log.saturated_pieces = count_saturated(pool, result.selection.statistics.n);
+  return result;
+}
+
+RgbImage weighted_sum(RgbImage a, const RgbImage& b, double weight) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < a[c].size(); ++i)
+      a[c][i] = weight * (a[c][i] + b[c][i]);
+  }
+  return a;
+}
+
+Result<Reconstruction> filter_halves(const ReconstructorFunction& filter,
+                                     const Selection& selection, const SamplePool& pool,
+                                     const ReconstructionContext& context) {
+  ReconstructionContext of_odd = context;
+  of_odd.views = nullptr;
+  SPOOL_ASSIGN(Reconstruction result, filter(selection.halves[0], pool.half(0), context));
+  SPOOL_ASSIGN(const Reconstruction odd, filter(selection.halves[1], pool.half(1), of_odd));
+  result.image = weighted_sum(std::move(result.image), odd.image, 0.5);
+  if (result.variance && odd.variance) {
+    result.variance = weighted_sum(std::move(*result.variance), *odd.variance, 0.25);
+  }
+  result.guards += odd.guards;
+  return result;
+}
+
+}  // namespace
+
+SamplerFunction split_decisions(SamplerFunction sampler) {
+  return [sampler = std::move(sampler)](const SamplePool& pool, long long budget,
+                                        const SamplingContext& context) {
+    return sample_halves(sampler, pool, budget, context);
+  };
+}
+
+ReconstructorFunction average_halves(ReconstructorFunction filter) {
+  return [filter = std::move(filter)](const Selection& selection, const SamplePool& pool,
+                                      const ReconstructionContext& context) {
+    return selection.halves.empty() ? filter(selection, pool, context)
+                                    : filter_halves(filter, selection, pool, context);
+  };
+}
+
+}  // namespace spool

@@ -1,0 +1,343 @@
+#include "lib/experiment/experiment.h"
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+
+#include <oneapi/tbb/global_control.h>
+
+#include "lib/core/parallel.h"
+#include "lib/experiment/decision_split.h"
+#include "lib/experiment/peak_memory.h"
+#include "lib/experiment/stage_clock.h"
+
+namespace spool {
+namespace {
+
+bool same_sampling(const Cell& a, const Cell& b) {
+  return a.dump == b.dump && a.sampler == b.sampler && a.spp == b.spp &&
+         a.replicate == b.replicate && a.threads == b.threads;
+}
+
+// Equal for cells of one sampling run.
+std::string sampling_key(const Cell& cell) {
+  return fmt::format("{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.label(), cell.spp,
+                     cell.replicate, cell.threads);
+}
+
+// A recording in use, loaded once for all neighbouring cells that want it.
+struct LoadedDump {
+  std::string name;
+  Result<std::shared_ptr<const RecordedSamples>> samples;
+  StageTime reading;
+};
+
+// One sampling run with what its cells are judged by.
+struct SampledPart {
+  SamplePool pool;
+  SamplingResult sampled;
+  JudgingReference reference;
+};
+
+// One part, or with crossfit the two halves of the recording, each judged by the other.
+struct SamplingRun {
+  std::vector<SampledPart> parts;
+  StageTime time;  // of one part
+  ReferenceKind kind;
+};
+
+// The mean of two tables of one size, for the two halves of crossfit; guards and pixels are sums.
+MetricTable mean_table(MetricTable a, const MetricTable& b) {
+  for (std::size_t m = 0; m < a.values.size(); ++m) {
+    a.values[m].value = 0.5 * (a.values[m].value + b.values[m].value);
+    std::vector<double>& resampled = a.resampled[m];
+    resampled.resize(std::min(resampled.size(), b.resampled[m].size()));
+    for (std::size_t s = 0; s < resampled.size(); ++s)
+      resampled[s] = 0.5 * (resampled[s] + b.resampled[m][s]);
+    a.values[m].standard_error = standard_error_of(resampled);
+  }
+  a.relative_scale = 0.5 * (a.relative_scale + b.relative_scale);
+  a.pixels += b.pixels;
+  a.excluded_estimate += b.excluded_estimate;
+  a.excluded_reference += b.excluded_reference;
+  a.failed = a.failed || b.failed;
+  a.guards += b.guards;
+  return a;
+}
+
+class Runner {
+ public:
+  Runner(const std::vector<Cell>& cells, const ExperimentOptions& options,
+         const ExperimentSources& sources, const ExperimentCallbacks& callbacks)
+      : cells_(cells), options_(options), sources_(sources), callbacks_(callbacks) {}
+
+  using Keep = std::function<void(std::size_t cell, CellResult&&)>;
+
+  void run(const Keep& keep) {
+    const std::vector<std::size_t> order = work_order();
+    for (std::size_t begin = 0; begin < order.size();) {
+      std::size_t end = begin + 1;
+      while (end < order.size() && same_sampling(cells_[order[begin]], cells_[order[end]]))
+        ++end;
+      if (cancelled()) break;
+      const Cell& first = cells_[order[begin]];
+      const ThreadLimit limit(first.threads);
+      Result<SamplingRun> sampling = guarded([&] { return sample(first); });
+      for (std::size_t i = begin; i < end && !cancelled(); ++i) {
+        const Cell& cell = cells_[order[i]];
+        if (filter_in_loop_ && i > begin) sampling = guarded([&] { return sample(cell); });
+        CellResult result = filter(cell, sampling);
+        ++done_;
+        report_progress(0.0);
+        if (keep) keep(order[i], std::move(result));
+      }
+      begin = end;
+    }
+  }
+
+ private:
+  // Cells that share a recording, and of those the ones that share a sampling run, side by side;
+  // otherwise as they came.
+  std::vector<std::size_t> work_order() const {
+    std::vector<std::size_t> order, group(cells_.size()), dump(cells_.size());
+    std::unordered_map<std::string, std::size_t> groups, dumps;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      group[i] = groups.try_emplace(sampling_key(cells_[i]), i).first->second;
+      dump[i] = dumps.try_emplace(cells_[i].dump, i).first->second;
+    }
+    order.resize(cells_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return std::tie(dump[a], group[a]) < std::tie(dump[b], group[b]);
+    });
+    return order;
+  }
+
+  // An exception in one cell, memory that ran out above all, is that cell's error.
+  template <class Work>
+  static std::invoke_result_t<Work> guarded(Work&& work) {
+    try {
+      return work();
+    } catch (const std::bad_alloc&) {
+      return fail(ErrorCode::kIo, "out of memory: use a smaller recording or fewer threads");
+    } catch (const std::exception& error) {
+      return fail(ErrorCode::kData, "{}", error.what());
+    }
+  }
+
+  bool cancelled() const { return callbacks_.cancelled && callbacks_.cancelled(); }
+
+  void report_progress(double share_of_cell) const {
+    if (!callbacks_.progress) return;
+    callbacks_.progress((static_cast<double>(done_) + share_of_cell) /
+                        static_cast<double>(cells_.size()));
+  }
+
+  Result<std::shared_ptr<const RecordedSamples>> load(const std::string& name) {
+    if (!dump_ || dump_->name != name) {
+      dump_.reset();  // frees the last recording before the next one is read
+      const StageClock clock;
+      auto samples = sources_.load(name);
+      dump_ = LoadedDump{name, std::move(samples), clock.elapsed()};
+      fresh_ = true;
+    }
+    return dump_->samples;
+  }
+
+  Result<SamplingRun> sample(const Cell& cell) {
+    SPOOL_ASSIGN(const auto recording, load(cell.dump));
+    if (options_.order == PoolOrder::kRecorded && cell.replicate > 0) {
+      return fail(ErrorCode::kUsage,
+                  "pool.order=recorded gives every replicate the same samples: use shuffled, or "
+                  "one replicate");
+    }
+    const ReferenceKind kind = options_.reference.value_or(default_reference_kind(*recording));
+    const bool holds_out = kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair;
+    int holdout = options_.holdout.value_or(0);
+    if (!options_.holdout && holds_out) holdout = default_holdout(*recording);
+    const std::uint64_t seed = mix(options_.seed, static_cast<std::uint64_t>(cell.replicate));
+    SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, {options_.pieces_per_side,
+                                                                 options_.order, seed, holdout}));
+    SPOOL_ASSIGN(SamplerFunction sampler, sources_.sampler(cell.sampler));
+    if (options_.decision_split) sampler = split_decisions(std::move(sampler));
+    SamplingContext context;
+    context.seed = seed;
+    context.progress = [&](double share) { report_progress(0.5 * share); };
+    context.cancelled = callbacks_.cancelled ? &callbacks_.cancelled : nullptr;
+    filter_in_loop_ = false;
+    context.filter = [&](const Selection& selection, const SamplePool& part) -> Result<RgbImage> {
+      filter_in_loop_ = true;
+      SPOOL_ASSIGN(const ReconstructorFunction reconstructor, sources_.filter(cell.filter));
+      SPOOL_ASSIGN(Reconstruction reconstruction, reconstructor(selection, part, {}));
+      return std::move(reconstruction.image);
+    };
+    reset_peak_memory();
+    SamplingRun run{{}, {}, kind};
+    std::vector<SamplePool> pools = {pool};
+    if (kind == ReferenceKind::kCrossfit) pools = {pool.half(0), pool.half(1)};
+    std::vector<StageTime> times;
+    for (std::size_t i = 0; i < pools.size(); ++i) {
+      SPOOL_ASSIGN(SamplingResult sampled, timed(options_.repeats, times.emplace_back(), [&] {
+                     return sampler(pools[i], sample_budget(cell.spp, *recording), context);
+                   }));
+      SPOOL_ASSIGN(JudgingReference reference,
+                   judging_reference(kind, pools[i], pools[pools.size() - 1 - i],
+                                     sampled.selection.statistics.n));
+      run.parts.push_back({pools[i], std::move(sampled), std::move(reference)});
+    }
+    run.time = mean_time(times);
+    return run;
+  }
+
+  // `other`: the half that `pool` is not, with crossfit.
+  static Result<JudgingReference> judging_reference(ReferenceKind kind, const SamplePool& pool,
+                                                    const SamplePool& other,
+                                                    const CountImage& counts) {
+    switch (kind) {
+      case ReferenceKind::kIndependent:
+        return independent_reference(pool.recording());
+      case ReferenceKind::kHoldout:
+        return holdout_reference(pool);
+      case ReferenceKind::kHoldoutPair:
+        return holdout_pair_reference(pool);
+      case ReferenceKind::kLeaveSelectedOut:
+        return leave_selected_out_reference(pool, counts);
+      case ReferenceKind::kCrossfit:
+        return other_half_reference(other);
+      case ReferenceKind::kPool:
+        return pool_reference(pool);
+    }
+    return fail(ErrorCode::kUsage, "unknown reference");
+  }
+
+  CellResult filter(const Cell& cell, const Result<SamplingRun>& sampling) {
+    CellResult result;
+    result.cell = cell;
+    result.threads = static_cast<int>(oneapi::tbb::global_control::active_value(
+        oneapi::tbb::global_control::max_allowed_parallelism));
+    if (fresh_) result.reading = dump_->reading;
+    fresh_ = false;
+    const Result<void> outcome = sampling ? guarded([&] { return judge(*sampling, result); })
+                                          : tl::unexpected<Error>(sampling.error());
+    if (!outcome) {
+      result.error = outcome.error();
+      if (callbacks_.finished) callbacks_.finished(result, nullptr);
+    }
+    return result;
+  }
+
+  Result<void> judge(const SamplingRun& run, CellResult& result) const {
+    const RecordedSamples& recording = run.parts.front().pool.recording();
+    SPOOL_ASSIGN(ReconstructorFunction reconstructor, sources_.filter(result.cell.filter));
+    reconstructor = average_halves(std::move(reconstructor));
+    ReconstructionContext context;
+    context.reference = recording.reference() ? &*recording.reference() : nullptr;
+    context.progress = [&](double share) { report_progress(0.5 + 0.5 * share); };
+    std::vector<Reconstruction> images;
+    std::vector<StageTime> times;
+    for (const SampledPart& part : run.parts) {
+      SPOOL_ASSIGN(Reconstruction image, timed(options_.repeats, times.emplace_back(), [&] {
+                     return reconstructor(part.sampled.selection, part.pool, context);
+                   }));
+      SPOOL_TRY(check_size(image.image, recording, result.cell));
+      images.push_back(std::move(image));
+    }
+    result.filtering = mean_time(times);
+    result.peak_memory = peak_memory();
+    const StageClock clock;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      MetricTable table = error_metrics(images[i].image, run.parts[i].reference, options_.metrics);
+      result.metrics = i == 0 ? std::move(table) : mean_table(std::move(result.metrics), table);
+    }
+    SPOOL_TRY(add_masks(images, run, result));
+    result.judging = clock.elapsed();
+    result.reference = run.kind;
+    result.holdout = run.parts.front().pool.options().holdout;
+    result.width = recording.width();
+    result.height = recording.height();
+    result.pieces_per_side = run.parts.front().pool.pieces_per_side();
+    result.sampling = run.time;
+    result.cost_per_sample = recording.cost_per_sample();
+    result.log = run.parts.front().sampled.log;
+    result.guards = recording.guards();
+    result.guards += result.metrics.guards;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      const SamplingLog& log = run.parts[i].sampled.log;
+      result.guards += log.guards;
+      result.guards += images[i].guards;
+      // Of two halves the worse one counts: it says where the recording was too short.
+      result.log.spent = std::min(result.log.spent, log.spent);
+      result.log.saturated_pieces = std::max(result.log.saturated_pieces, log.saturated_pieces);
+    }
+    if (callbacks_.finished) {
+      const SampledPart& part = run.parts.front();
+      const CellImages shown{images.front().image, part.sampled.selection, images.front(),
+                             part.reference};
+      callbacks_.finished(result, &shown);
+    }
+    return {};
+  }
+
+  static Result<void> check_size(const RgbImage& image, const RecordedSamples& recording,
+                                 const Cell& cell) {
+    if (image[0].width() == recording.width() && image[0].height() == recording.height()) return {};
+    return fail(ErrorCode::kData,
+                "{}: the filter returned {} x {} pixels for a recording of {} x {}",
+                cell.filter.label(), image[0].width(), image[0].height(), recording.width(),
+                recording.height());
+  }
+
+  Result<void> add_masks(const std::vector<Reconstruction>& images, const SamplingRun& run,
+                         CellResult& result) const {
+    const std::string recording = std::filesystem::path(result.cell.dump).filename().string();
+    for (const EnergyMask& mask : options_.masks) {
+      if (!mask.recording.empty() && mask.recording != recording) continue;
+      MetricValue mean{0.0, 0.0};
+      for (std::size_t i = 0; i < images.size(); ++i) {
+        SPOOL_ASSIGN(const MetricValue ratio,
+                     energy_in_mask(images[i].image, run.parts[i].reference.mean, mask,
+                                    options_.metrics.bootstrap));
+        mean.value += ratio.value / static_cast<double>(images.size());
+        mean.standard_error += ratio.standard_error / static_cast<double>(images.size());
+      }
+      result.masks.emplace_back(mask.name, mean);
+    }
+    return {};
+  }
+
+  const std::vector<Cell>& cells_;
+  const ExperimentOptions& options_;
+  const ExperimentSources& sources_;
+  const ExperimentCallbacks& callbacks_;
+  std::optional<LoadedDump> dump_;
+  bool filter_in_loop_ = false;  // the last sampling run asked for its cell's filter
+  bool fresh_ = false;           // the recording was loaded for the cell at hand
+  std::size_t done_ = 0;
+};
+
+}  // namespace
+
+std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
+                                       const ExperimentOptions& options,
+                                       const ExperimentSources& sources,
+                                       const ExperimentCallbacks& callbacks) {
+  std::vector<std::optional<CellResult>> results(cells.size());
+  Runner(cells, options, sources, callbacks).run([&](std::size_t cell, CellResult&& result) {
+    results[cell] = std::move(result);
+  });
+  std::vector<CellResult> finished;
+  for (std::optional<CellResult>& result : results) {
+    if (result) finished.push_back(std::move(*result));
+  }
+  return finished;
+}
+
+void run_cells(const std::vector<Cell>& cells, const ExperimentOptions& options,
+               const ExperimentSources& sources, const ExperimentCallbacks& callbacks) {
+  Runner(cells, options, sources, callbacks).run({});
+}
+
+}  // namespace spool

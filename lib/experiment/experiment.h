@@ -1,0 +1,122 @@
+// Runs cells - one recording, sampler, filter, budget and replicate each - and judges the images.
+//
+// Cells that differ in the filter only share one sampling run, unless the sampler uses the cell's
+// filter in its loop. The replay of replicate r shuffles
+// every pixel's samples by seed mix(seed, r), replicate 0 too, unless `order` is kRecorded. An
+// error in one cell is kept in its result; the others go on. Nothing is written here: finished
+// cells and their images are handed to a callback. How methods and recordings are found is handed
+// in, so that evaluation knows no method.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/guards.h"
+#include "lib/experiment/reference.h"
+#include "lib/experiment/stage_clock.h"
+#include "lib/filters/reconstructor.h"
+#include "lib/metrics/energy_masks.h"
+#include "lib/metrics/error_metrics.h"
+#include "lib/pool/sample_pool.h"
+#include "lib/sampling/sampler.h"
+
+namespace spool {
+
+struct MethodChoice {
+  std::string name;
+  std::string preset;  // empty: the method's default
+  OptionValues set;    // on top of the preset, in order
+
+  // "NAME", "NAME:PRESET", "NAME:PRESET{a=1,b=2}": the name in every table.
+  std::string label() const;
+  friend bool operator==(const MethodChoice&, const MethodChoice&) = default;
+};
+
+struct Cell {
+  std::string dump;  // as the loader knows it
+  MethodChoice sampler, filter;
+  double spp = 0;  // budget, samples per pixel
+  int replicate = 0;
+  int threads = 0;  // 0: as many as the process may use
+  friend bool operator==(const Cell&, const Cell&) = default;
+};
+
+// Every combination, recordings outermost, then samplers, spp, replicates, threads, filters.
+std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
+                            const std::vector<MethodChoice>& samplers,
+                            const std::vector<MethodChoice>& filters,
+                            const std::vector<double>& spp, int replicates,
+                            const std::vector<int>& threads = {0});
+
+struct ExperimentOptions {
+  std::uint64_t seed = 1;  // of replicate r: mix(seed, r), for the pool's order and the method
+  PoolOrder order = PoolOrder::kShuffled;
+  int pieces_per_side = 1;
+  bool decision_split = false;  // no sample decides about its own half (decision_split.h)
+  std::optional<ReferenceKind> reference;  // absent: default_reference_kind of each recording
+  std::optional<int> holdout;              // samples per pixel; absent: as the reference kind wants
+  int repeats = 1;                         // of sampling and filtering, for their times only
+  MetricOptions metrics;
+  std::vector<EnergyMask> masks;  // of recordings by file name
+};
+
+// Where recordings and methods come from.
+struct ExperimentSources {
+  std::function<Result<std::shared_ptr<const RecordedSamples>>(const std::string&)> load;
+  std::function<Result<SamplerFunction>(const MethodChoice&)> sampler;
+  std::function<Result<ReconstructorFunction>(const MethodChoice&)> filter;
+};
+
+struct CellResult {
+  Cell cell;
+  std::optional<Error> error;  // present: nothing below holds
+  MetricTable metrics;
+  ReferenceKind reference = ReferenceKind::kIndependent;
+  int holdout = 0;            // samples per pixel
+  int width = 0, height = 0;  // pixels
+  int pieces_per_side = 1;
+  StageTime reading;   // loading the recording; 0 where an earlier cell loaded it
+  StageTime sampling;  // shared by all filters of one sampling run
+  StageTime filtering;
+  StageTime judging;                         // metrics
+  StageTime writing;                         // images; for the callback to fill in
+  std::optional<std::uint64_t> peak_memory;  // bytes of the process while it sampled and filtered
+  std::optional<double> cost_per_sample;     // seconds, as recorded
+  int threads = 0;
+  SamplingLog log;
+  GuardCounts guards;                                      // of all stages
+  std::vector<std::pair<std::string, MetricValue>> masks;  // energy ratio in each, by name
+};
+
+// What a finished cell was made of; valid during the callback only.
+struct CellImages {
+  const RgbImage& image;
+  const Selection& selection;
+  const Reconstruction& reconstruction;
+  const JudgingReference& reference;
+};
+
+struct ExperimentCallbacks {
+  // After each cell; `images` is null when the cell failed. May change the result that is kept.
+  std::function<void(CellResult&, const CellImages* images)> finished;
+  // Cells done (the current one in part) of all: 0 .. 1.
+  std::function<void(double)> progress;
+  std::function<bool()> cancelled;  // asked between cells
+};
+
+// Results in the order of `cells`; shorter (finished cells only) when cancelled.
+std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
+                                       const ExperimentOptions& options,
+                                       const ExperimentSources& sources,
+                                       const ExperimentCallbacks& callbacks = {});
+// The same without keeping results: memory does not grow with the number of cells.
+void run_cells(const std::vector<Cell>& cells, const ExperimentOptions& options,
+               const ExperimentSources& sources, const ExperimentCallbacks& callbacks);
+
+}  // namespace spool

@@ -1,0 +1,92 @@
+// Experiment plans: one TOML file names recordings, methods, sweeps and budgets, and says it all.
+//
+//   title = "attenuation"
+//   recordings = ["chess.spool", "../blinds.spool"]    # relative to the plan
+//   spp = [2, 4, 8]
+//   replicates = 5
+//   seed = 1
+//   order = "shuffled"            # or "recorded"
+//   reference = "independent"     # absent: the best there is
+//   holdout = 16                  # samples per pixel, absent: what the reference wants
+//   pieces_per_side = 1
+//   decision_split = false        # true: no sample decides about its own half
+//   threads = [1, 2]              # a sweep too; absent: as many as the process may use
+//   repeats = 3                   # of sampling and filtering, for the median of their times
+//   pictures = true               # images of replicate 0
+//   samplers = ["uniform"]        # by name only, and in full:
+//   [[sampler]]
+//   name = "multiscale"
+//   preset = "robust"
+//   alpha = [0.3, 0.4, 0.5]       # a list of values is a sweep: every combination
+//   [[filter]]
+//   name = "box"
+//   [[mask]]                      # a part of the image whose energy is looked at
+//   name = "bulbs"
+//   file = "bulbs.exr"            # pixels above 0.5; relative to the plan
+//   recording = "chess.spool"     # absent: all
+//   [pool]                        # rules for samples that are no ordinary numbers
+//   [metrics]                     # options of the metrics
+//
+// Everything is checked before any work: an unknown key, method, preset or option is an error with
+// its line and the nearest known name.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/experiment/experiment.h"
+#include "lib/pool/sanitise.h"
+
+namespace spool {
+
+struct Plan {
+  std::string title;
+  std::vector<std::string> recordings;          // paths, joined with the plan's folder
+  std::vector<MethodChoice> samplers, filters;  // sweeps written out
+  std::vector<double> spp;
+  int replicates = 5;
+  std::vector<int> threads = {0};
+  bool pictures = true;
+  ExperimentOptions experiment;  // masks: names and paths only, until somebody reads the files
+  SanitiseRules rules;
+
+  std::vector<Cell> cells() const {
+    return all_cells(recordings, samplers, filters, spp, replicates, threads);
+  }
+};
+
+// The methods that a plan may name: those in the lists, and what the functions can make of a name
+// with a colon in it ("exec:COMMAND"), where there are such.
+struct PlanVocabulary {
+  const std::vector<SamplerEntry>& samplers;
+  const std::vector<ReconstructorEntry>& filters;
+  std::function<Result<SamplerFunction>(const MethodChoice&)> make_sampler = nullptr;
+  std::function<Result<ReconstructorFunction>(const MethodChoice&)> make_filter = nullptr;
+};
+
+// Errors: kIo when the file cannot be read, kUsage for everything that is wrong in it.
+Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& vocabulary);
+// `name` is for messages, `folder` what recordings are relative to.
+Result<Plan> parse_plan(std::string_view text, const std::string& name,
+                        const std::filesystem::path& folder, const PlanVocabulary& vocabulary);
+
+// The plan as TOML, in full: parse_plan reads it back to the same cells. Recordings by their
+// absolute paths.
+std::string plan_text(const Plan& plan);
+
+// kUsage when two of the recordings are the same or have the same file name: cells are named by it.
+Result<void> check_recording_names(const Plan& plan);
+
+// Names a cell among all cells of a plan and of what the plan says about all: 16 hexadecimal
+// digits, the same on every machine. Recordings count by their file name, not by their folder.
+std::string cell_id(const Cell& cell, const Plan& plan);
+
+// Which of `shards` machines does the cell: cells that share a sampling run go together.
+int shard_of(const Cell& cell, const Plan& plan, int shards);
+
+}  // namespace spool

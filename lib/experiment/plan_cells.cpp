@@ -1,0 +1,70 @@
+// Names of a plan's cells, and which machine does them.
+#include <map>
+
+#include "lib/core/random.h"
+#include "lib/experiment/plan.h"
+
+namespace spool {
+namespace {
+
+std::uint64_t hash_text(std::uint64_t seed, std::string_view text) {
+  std::uint64_t state = mix(seed, text.size());
+  for (const char c : text)
+    state = mix(state, static_cast<unsigned char>(c));
+  return state;
+}
+
+std::uint64_t hash_options(std::uint64_t seed, const OptionValues& values) {
+  for (const auto& [name, value] : values)
+    seed = hash_text(hash_text(seed, name), value);
+  return seed;
+}
+
+// Of everything that decides a sampling run.
+std::uint64_t hash_sampling(const Cell& cell, const Plan& plan) {
+  const ExperimentOptions& e = plan.experiment;
+  std::uint64_t state = hash_text(1, std::filesystem::path(cell.dump).filename().string());
+  state = hash_text(state, cell.sampler.label());
+  state = hash_text(state, format_number(cell.spp));
+  state = mix(state, cell.replicate, e.seed, static_cast<int>(e.order), e.pieces_per_side,
+              e.reference ? static_cast<int>(*e.reference) : -1, e.holdout.value_or(-1),
+              cell.threads, e.repeats);
+  if (e.decision_split) state = hash_text(state, "decision_split");
+  return hash_options(state, option_values(sanitise_option_table(), plan.rules));
+}
+
+}  // namespace
+
+Result<void> check_recording_names(const Plan& plan) {
+  std::map<std::string, std::string> paths;
+  for (const std::string& recording : plan.recordings) {
+    const std::string name = std::filesystem::path(recording).filename().string();
+    const auto [place, fresh] = paths.try_emplace(name, recording);
+    if (fresh) continue;
+    if (place->second == recording) {
+      return fail(ErrorCode::kUsage, "{}: is there twice: name it once", recording);
+    }
+    return fail(ErrorCode::kUsage,
+                "{} and {}: have the same file name, which names their results: rename one",
+                place->second, recording);
+  }
+  return {};
+}
+
+std::string cell_id(const Cell& cell, const Plan& plan) {
+  std::uint64_t state = hash_text(hash_sampling(cell, plan), cell.filter.label());
+  state = hash_options(state, option_values(metric_option_table(), plan.experiment.metrics));
+  for (const EnergyMask& mask : plan.experiment.masks) {
+    for (const std::string& text :
+         {mask.name, mask.recording, std::filesystem::path(mask.path).filename().string()})
+      state = hash_text(state, text);
+  }
+  return fmt::format("{:016x}", state);
+}
+
+int shard_of(const Cell& cell, const Plan& plan, int shards) {
+  SPOOL_CHECK_GT(shards, 0);
+  return static_cast<int>(hash_sampling(cell, plan) % static_cast<std::uint64_t>(shards));
+}
+
+}  // namespace spool

@@ -1,0 +1,76 @@
+// The plan as TOML.
+#include "lib/experiment/plan.h"
+
+#include <sstream>
+
+#include <toml++/toml.h>
+
+namespace spool {
+namespace {
+
+template <class Options>
+toml::table options_table(const OptionTable<Options>& known, const Options& options) {
+  toml::table table;
+  for (const auto& [name, value] : option_values(known, options))
+    table.insert(name, value);
+  return table;
+}
+
+toml::array method_tables(const std::vector<MethodChoice>& methods) {
+  toml::array tables;
+  for (const MethodChoice& method : methods) {
+    toml::table table{{"name", method.name}};
+    if (!method.preset.empty()) table.insert("preset", method.preset);
+    for (const auto& [name, value] : method.set)
+      table.insert_or_assign(name, value);
+    tables.push_back(table);
+  }
+  return tables;
+}
+
+template <class Value>
+toml::array list_of(const std::vector<Value>& values) {
+  toml::array list;
+  for (const Value& value : values)
+    list.push_back(value);
+  return list;
+}
+
+}  // namespace
+
+std::string plan_text(const Plan& plan) {
+  const ExperimentOptions& e = plan.experiment;
+  std::vector<std::string> recordings;
+  for (const std::string& recording : plan.recordings)
+    recordings.push_back(std::filesystem::absolute(recording).lexically_normal().string());
+  toml::table root{{"title", plan.title},
+                   {"recordings", list_of(recordings)},
+                   {"spp", list_of(plan.spp)},
+                   {"replicates", plan.replicates},
+                   {"threads", list_of(plan.threads)},
+                   {"repeats", e.repeats},
+                   {"pictures", plan.pictures},
+                   {"seed", static_cast<std::int64_t>(e.seed)},
+                   {"order", e.order == PoolOrder::kShuffled ? "shuffled" : "recorded"},
+                   {"pieces_per_side", e.pieces_per_side},
+                   {"decision_split", e.decision_split},
+                   {"sampler", method_tables(plan.samplers)},
+                   {"filter", method_tables(plan.filters)},
+                   {"pool", options_table(sanitise_option_table(), plan.rules)},
+                   {"metrics", options_table(metric_option_table(), e.metrics)}};
+  toml::array masks;
+  for (const EnergyMask& mask : e.masks) {
+    toml::table table{{"name", mask.name},
+                      {"file", std::filesystem::absolute(mask.path).lexically_normal().string()}};
+    if (!mask.recording.empty()) table.insert("recording", mask.recording);
+    masks.push_back(table);
+  }
+  if (!masks.empty()) root.insert("mask", masks);
+  if (e.reference) root.insert("reference", std::string(reference_name(*e.reference)));
+  if (e.holdout) root.insert("holdout", *e.holdout);
+  std::ostringstream text;
+  text << root << "\n";
+  return text.str();
+}
+
+}  // namespace spool

@@ -1,0 +1,275 @@
+#include "lib/experiment/result_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/core/check.h"
+
+namespace spool {
+namespace {
+
+// NaN is an empty field: not defined or not known.
+std::string number(double value) {
+  return std::isnan(value) ? std::string() : format_number(value);
+}
+
+template <class Value>
+ResultColumn number_column(std::string name, std::string meaning, Value value,
+                           ColumnKind kind = ColumnKind::kResult) {
+  return {std::move(name), std::move(meaning), true, kind, [value](const CellResult& result) {
+            return result.error ? std::string() : number(static_cast<double>(value(result)));
+          }};
+}
+
+template <class Value>
+ResultColumn timing_column(std::string name, std::string meaning, Value value) {
+  return number_column(std::move(name), std::move(meaning), value, ColumnKind::kTiming);
+}
+
+template <class Text>
+ResultColumn text_column(std::string name, std::string meaning, Text text,
+                         ColumnKind kind = ColumnKind::kResult) {
+  return {std::move(name), std::move(meaning), false, kind, text};
+}
+
+std::string guards_text(const GuardCounts& guards) {
+  std::string text;
+  for (std::size_t g = 0; g < kGuardCount; ++g) {
+    const auto guard = static_cast<Guard>(g);
+    if (guards[guard] == 0) continue;
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", guard_name(guard), guards[guard]);
+  }
+  return text;
+}
+
+std::string masks_text(const CellResult& result) {
+  std::string text;
+  for (const auto& [name, ratio] : result.masks)
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, number(ratio.value));
+  return text;
+}
+
+double saturated_share(const CellResult& result) {
+  const double pieces = static_cast<double>(result.width) * result.height * result.pieces_per_side *
+                        result.pieces_per_side;
+  return quotient(static_cast<double>(result.log.saturated_pieces), pieces);
+}
+
+double seconds(const CellResult& result) {
+  const double own = result.sampling.wall + result.filtering.wall;
+  if (!result.cost_per_sample) return own;
+  return own + static_cast<double>(result.log.spent) * *result.cost_per_sample;
+}
+
+void add_metric_columns(std::vector<ResultColumn>& columns) {
+  for (std::size_t m = 0; m < metrics().size(); ++m) {
+    const MetricDescription& metric = metrics()[m];
+    columns.push_back(number_column(metric.name, metric.meaning, [m](const CellResult& result) {
+      return result.metrics.values[m].value;
+    }));
+    columns.push_back(number_column(
+        metric.name + "_se", "standard error of " + metric.name + " (block bootstrap over pixels)",
+        [m](const CellResult& result) { return result.metrics.values[m].standard_error; }));
+  }
+}
+
+std::vector<ResultColumn> make_columns() {
+  using R = CellResult;
+  constexpr ColumnKind kCell = ColumnKind::kCell;
+  std::vector<ResultColumn> columns = {
+      text_column(
+          "dump", "the recording", [](const R& r) { return r.cell.dump; }, kCell),
+      text_column(
+          "sampler", "sampler, with preset and options where not the default",
+          [](const R& r) { return r.cell.sampler.label(); }, kCell),
+      text_column(
+          "filter", "filter, with preset and options where not the default",
+          [](const R& r) { return r.cell.filter.label(); }, kCell),
+      {"spp", "budget in samples per pixel", true, kCell,
+       [](const R& r) { return format_number(r.cell.spp); }},
+      {"replicate", "number of the replicate, 0 first; each shuffles the samples by its own seed",
+       true, kCell, [](const R& r) { return std::to_string(r.cell.replicate); }},
+      {"threads", "threads that the plan asked for; 0: as many as the process may use", true, kCell,
+       [](const R& r) { return std::to_string(r.cell.threads); }},
+  };
+  add_metric_columns(columns);
+  const std::vector<ResultColumn> rest = {
+      timing_column("efficiency", "1 / (mse * seconds_total); empty where mse <= 2 mse_se",
+                    [](const R& r) { return efficiency(r).value_or(std::nan("")); }),
+      number_column("samples_spent", "samples taken from the recording",
+                    [](const R& r) { return r.log.spent; }),
+      number_column("samples_initial", "of those, taken before the first decision",
+                    [](const R& r) { return r.log.initial; }),
+      number_column("saturated", "pieces that ran out of recorded samples",
+                    [](const R& r) { return r.log.saturated_pieces; }),
+      number_column("saturated_share",
+                    "saturated pieces / all pieces; above 0.01 the recording is too short",
+                    saturated_share),
+      timing_column("seconds_sampling",
+                    "wall time of the sampler, shared by all filters of its run; the median where "
+                    "the plan repeats it",
+                    [](const R& r) { return r.sampling.wall; }),
+      timing_column("seconds_sampling_spread", "its slowest less its fastest repeat",
+                    [](const R& r) { return r.sampling.spread; }),
+      timing_column("cpu_sampling", "CPU time of the sampler, all threads",
+                    [](const R& r) { return r.sampling.cpu; }),
+      timing_column("seconds_filtering",
+                    "wall time of the filter, its analysis of the statistics included; the median "
+                    "where the plan repeats it",
+                    [](const R& r) { return r.filtering.wall; }),
+      timing_column("seconds_filtering_spread", "its slowest less its fastest repeat",
+                    [](const R& r) { return r.filtering.spread; }),
+      timing_column("cpu_filtering", "CPU time of the filter, all threads",
+                    [](const R& r) { return r.filtering.cpu; }),
+      timing_column("seconds_reading", "wall time of loading the recording, 0 when already loaded",
+                    [](const R& r) { return r.reading.wall; }),
+      timing_column("cpu_reading", "CPU time of loading the recording, all threads",
+                    [](const R& r) { return r.reading.cpu; }),
+      timing_column("seconds_judging", "wall time of the metrics",
+                    [](const R& r) { return r.judging.wall; }),
+      timing_column("cpu_judging", "CPU time of the metrics, all threads",
+                    [](const R& r) { return r.judging.cpu; }),
+      timing_column("seconds_writing", "wall time of writing the images of replicate 0",
+                    [](const R& r) { return r.writing.wall; }),
+      timing_column("cpu_writing", "CPU time of writing the images, all threads",
+                    [](const R& r) { return r.writing.cpu; }),
+      number_column("seconds_per_sample",
+                    "render time of a sample as recorded; empty: not recorded",
+                    [](const R& r) { return r.cost_per_sample.value_or(std::nan("")); }),
+      timing_column("seconds_total",
+                    "seconds_sampling + seconds_filtering + samples_spent * seconds_per_sample "
+                    "(where recorded)",
+                    seconds),
+      timing_column("peak_memory_mb",
+                    "largest resident memory of the process while it sampled and filtered, 1e6 "
+                    "bytes; the recording included",
+                    [](const R& r) {
+                      return r.peak_memory ? static_cast<double>(*r.peak_memory) / 1e6
+                                           : std::nan("");
+                    }),
+      timing_column("threads_used", "threads that the process was allowed",
+                    [](const R& r) { return r.threads; }),
+      text_column("reference", "what the image was judged by",
+                  [](const R& r) {
+                    if (r.error) return std::string();
+                    return std::string(reference_name(r.reference)) +
+                           (is_biased(r.reference) ? " (biased)" : "");
+                  }),
+      number_column("holdout", "samples per pixel held out of the replay",
+                    [](const R& r) { return r.holdout; }),
+      number_column("width", "pixels", [](const R& r) { return r.width; }),
+      number_column("height", "pixels", [](const R& r) { return r.height; }),
+      number_column("relative_scale", "factor on both images in the relative metrics",
+                    [](const R& r) { return r.metrics.relative_scale; }),
+      number_column("pixels_judged", "pixels in the metrics",
+                    [](const R& r) { return r.metrics.pixels; }),
+      number_column("excluded_image", "pixels left out because the image is not finite: a failure",
+                    [](const R& r) { return r.metrics.excluded_estimate; }),
+      number_column("excluded_reference", "pixels left out because there is no finite reference",
+                    [](const R& r) { return r.metrics.excluded_reference; }),
+      text_column("energy_masks", "energy ratio in the masks of the plan, name=ratio",
+                  [](const R& r) { return masks_text(r); }),
+      text_column("guards", "guards that caught something, name=count",
+                  [](const R& r) { return r.error ? std::string() : guards_text(r.guards); }),
+      text_column("error", "why there is no result; 'image not finite' where pixels are missing",
+                  [](const R& r) {
+                    if (r.error) return r.error->message;
+                    return std::string(r.metrics.failed ? "image not finite" : "");
+                  }),
+  };
+  columns.insert(columns.end(), rest.begin(), rest.end());
+  return columns;
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text)
+    quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string json_text(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      quoted += std::string("\\") + c;
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      quoted += fmt::format("\\u{:04x}", static_cast<int>(c));
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
+}  // namespace
+
+const std::vector<ResultColumn>& result_columns() {
+  static const std::vector<ResultColumn> columns = make_columns();
+  return columns;
+}
+
+std::size_t column_index(std::string_view name) {
+  const auto& columns = result_columns();
+  const auto found = std::ranges::find(columns, name, &ResultColumn::name);
+  SPOOL_CHECK(found != columns.end());
+  return static_cast<std::size_t>(found - columns.begin());
+}
+
+std::vector<std::string> result_fields(const CellResult& result) {
+  std::vector<std::string> fields;
+  fields.reserve(result_columns().size());
+  for (const ResultColumn& column : result_columns())
+    fields.push_back(column.text(result));
+  return fields;
+}
+
+std::string csv_header() {
+  std::string line;
+  for (const ResultColumn& column : result_columns()) {
+    if (!line.empty()) line += ',';
+    line += column.name;
+  }
+  return line;
+}
+
+std::string to_csv_row(const std::vector<std::string>& fields) {
+  std::string line;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (i > 0) line += ',';
+    line += csv_field(fields[i]);
+  }
+  return line;
+}
+
+std::string to_csv_row(const CellResult& result) {
+  return to_csv_row(result_fields(result));
+}
+
+std::string to_json_line(const std::vector<std::string>& fields) {
+  const std::vector<ResultColumn>& columns = result_columns();
+  SPOOL_CHECK_EQ(fields.size(), columns.size());
+  std::string line = "{";
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::string& field = fields[i];
+    line += fmt::format("{}\"{}\":", i > 0 ? "," : "", columns[i].name);
+    const bool plain = columns[i].is_number && field.find_first_of("in") == std::string::npos;
+    if (field.empty()) {
+      line += columns[i].is_number ? "null" : "\"\"";
+    } else {
+      line += plain ? field : json_text(field);
+    }
+  }
+  return line + "}";
+}
+
+std::optional<double> efficiency(const CellResult& result) {
+  if (result.error || result.metrics.values.empty()) return std::nullopt;
+  const MetricValue& mse = result.metrics["mse"];
+  // Written so that an unknown standard error leaves the value unresolved.
+  if (!std::isgreater(mse.value, 2.0 * mse.standard_error)) return std::nullopt;
+  return 1.0 / (mse.value * seconds(result));
+}
+
+}  // namespace spool

@@ -1,0 +1,37 @@
+#include "lib/filters/box.h"
+
+#include "lib/kernels/piece_estimates.h"
+#include "lib/statistics/variance_option.h"
+
+namespace spool {
+
+OptionTable<BoxOptions> box_option_table() {
+  return {
+      var_mode_option(&BoxOptions::var_mode),
+      nu0_option(&BoxOptions::nu0),
+      number_option("key", &BoxOptions::key, 1e-6, 1e6,
+                    "mean luminance that the floor of the variance is written for"),
+  };
+}
+
+Result<Reconstruction> reconstruct_box(const Selection& selection, const SamplePool&,
+                                       const ReconstructionContext&, const BoxOptions& options) {
+  const PieceStatistics& statistics = selection.statistics;
+  Reconstruction result;
+  const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
+  const VarianceOptions variance{options.var_mode, options.nu0, options.key};
+  SPOOL_ASSIGN(PieceEstimates pieces,
+               estimate_pieces(statistics, variance, exposure, result.guards));
+  const int q = statistics.pieces_per_side;
+  result.image = average_pieces(std::move(pieces.mean), q);
+  result.variance = average_piece_variance(std::move(pieces.variance), q);
+  return result;
+}
+
+ReconstructorMethod<BoxOptions> box_method() {
+  return {"box",      "mean of each pixel's samples, no filter",
+          false,      box_option_table(),
+          {{"", {}}}, reconstruct_box};
+}
+
+}  // namespace spool

@@ -1,0 +1,26 @@
+// Box: the pixel is the mean of its samples, the estimate that needs no filter.
+//
+// The variance is that of the mean (variance_of_mean.h); with q = 2 the pixel is the equal-weight
+// mean of its pieces.
+#pragma once
+
+#include "lib/filters/reconstructor_entry.h"
+#include "lib/statistics/variance_of_mean.h"
+
+namespace spool {
+
+struct BoxOptions {
+  VarianceMode var_mode = VarianceMode::kAuto;
+  double nu0 = 2.0;
+  double key = 1.0;  // mean that the variance's floor is written for
+};
+
+OptionTable<BoxOptions> box_option_table();
+
+Result<Reconstruction> reconstruct_box(const Selection& selection, const SamplePool& pool,
+                                       const ReconstructionContext& context,
+                                       const BoxOptions& options);
+
+ReconstructorMethod<BoxOptions> box_method();
+
+}  // namespace spool

@@ -1,0 +1,227 @@
+#include "lib/filters/directional/anisotropic_filter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "lib/core/exponential.h"
+#include "lib/core/parallel.h"
+#include "lib/core/vector_clones.h"
+#include "lib/filters/directional/filter_offsets.h"
+#include "lib/pyramid/convolution.h"
+
+namespace spool {
+namespace {
+
+constexpr double kLeastWeight = 1e-300;
+
+// `plane` inside a border of zeros, so that neighbours need no test: outside, the weight is 0.
+template <class T, class From>
+Image<T> padded(const Image<From>& plane, int border) {
+  Image<T> result(plane.width() + 2 * border, plane.height() + 2 * border);
+  parallel_rows(0, plane.height(), [&](int y) {
+    for (int x = 0; x < plane.width(); ++x)
+      result(x + border, y + border) = static_cast<T>(plane(x, y));
+  });
+  return result;
+}
+
+// Weight of a piece beside omega.
+Plane piece_weights(const CountImage& n, FilterWeighting weighting) {
+  Plane weights(n.width(), n.height());
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    weights[i] = weighting == FilterWeighting::kPerSample ? n[i] : (n[i] > 0 ? 1.0 : 0.0);
+  }
+  return weights;
+}
+
+template <class T>
+struct PaddedInput {
+  int border = 0;
+  Image<T> weight;
+  RgbImage mean, variance;  // variance may be empty
+};
+
+// Sums of one run of pieces of equal level in a row.
+struct RunSums {
+  std::vector<double> before, after;  // weights of the neighbours at -offset and +offset
+  std::vector<double> weight;
+  std::array<std::vector<double>, 3> value, variance;
+
+  void resize(std::size_t n) {
+    before.resize(n);
+    after.resize(n);
+    weight.resize(n);
+    for (std::size_t c = 0; c < 3; ++c) {
+      value[c].resize(n);
+      variance[c].resize(n);
+    }
+  }
+};
+
+// Weights of the two neighbours at one offset and its opposite, for `count` pieces whose widths
+// along the two nearest directions are given.
+template <class T>
+SPOOL_VECTOR_CLONES void compute_weights(const T* __restrict lower, const T* __restrict upper,
+                                         T lower_share, T half_squared_distance,
+                                         const T* __restrict before, const T* __restrict after,
+                                         int count, double* __restrict w_before,
+                                         double* __restrict w_after, double* __restrict total) {
+  const T upper_share = T{1} - lower_share;
+  for (int i = 0; i < count; ++i) {
+    const T delta = lower_share * lower[i] + upper_share * upper[i];        // (12)
+    const T omega = exp_negative(half_squared_distance / (delta * delta));  // (11)
+    w_before[i] = static_cast<double>(omega * before[i]);
+    w_after[i] = static_cast<double>(omega * after[i]);
+    total[i] += w_before[i] + w_after[i];
+  }
+}
+
+// Adds both neighbours to the sums of a channel.
+SPOOL_VECTOR_CLONES
+void add_neighbours(const double* __restrict w_before, const double* __restrict w_after,
+                    const double* __restrict before, const double* __restrict after,
+                    const double* __restrict centre, int count, double* __restrict value) {
+  for (int i = 0; i < count; ++i) {
+    value[i] += w_before[i] * (before[i] - centre[i]) + w_after[i] * (after[i] - centre[i]);
+  }
+}
+
+SPOOL_VECTOR_CLONES
+void add_variances(const double* __restrict w_before, const double* __restrict w_after,
+                   const double* __restrict before, const double* __restrict after, int count,
+                   double* __restrict variance) {
+  for (int i = 0; i < count; ++i) {
+    variance[i] += w_before[i] * w_before[i] * before[i] + w_after[i] * w_after[i] * after[i];
+  }
+}
+
+// Eq 10 for pieces x0 .. x0 + count - 1 of row y, all of one level.
+template <class T>
+void filter_run(const PaddedInput<T>& input, const FilterWidths<T>& widths,
+                const std::vector<FilterOffset>& offsets, Eq12 eq12, int x0, int y, int count,
+                RunSums& sums, FilteredPieces& out, GuardCounts& caught) {
+  const auto stride = static_cast<std::ptrdiff_t>(input.weight.width());
+  const std::size_t centre = input.weight.index(x0 + input.border, y + input.border);
+  sums.resize(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double w = static_cast<double>(input.weight[centre + at]);
+    sums.weight[at] = w;
+    for (std::size_t c = 0; c < 3; ++c) {
+      sums.value[c][at] = 0.0;
+      sums.variance[c][at] =
+          input.variance[c].empty() ? 0.0 : w * w * input.variance[c][centre + at];
+    }
+  }
+  for (const FilterOffset& offset : offsets) {
+    const auto lower = static_cast<std::size_t>(offset.sector.lower);
+    const auto upper = static_cast<std::size_t>(offset.sector.upper);
+    const auto step = static_cast<std::size_t>(offset.dy * stride + offset.dx);
+    const std::size_t before = centre - step, after = centre + step;
+    compute_weights(&widths.delta[lower](x0, y), &widths.delta[upper](x0, y),
+                    static_cast<T>(lower_weight(offset.sector, eq12)),
+                    static_cast<T>(0.5 * offset.squared_distance), &input.weight[before],
+                    &input.weight[after], count, sums.before.data(), sums.after.data(),
+                    sums.weight.data());
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Plane& mean = input.mean[c];
+      add_neighbours(sums.before.data(), sums.after.data(), &mean[before], &mean[after],
+                     &mean[centre], count, sums.value[c].data());
+      if (input.variance[c].empty()) continue;
+      add_variances(sums.before.data(), sums.after.data(), &input.variance[c][before],
+                    &input.variance[c][after], count, sums.variance[c].data());
+    }
+  }
+  for (int i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double total = sums.weight[at];
+    const bool vanished = !(total >= kLeastWeight);
+    if (vanished) caught.add(Guard::kZeroWeight);
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (vanished) continue;  // the filled mean, and its variance, are there already
+      out.image[c](x0 + i, y) += sums.value[c][at] / total;  // (10)
+      if (out.variance) (*out.variance)[c](x0 + i, y) = sums.variance[c][at] / (total * total);
+    }
+  }
+}
+
+}  // namespace
+
+template <class T>
+FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
+                             const FilterOptions& options, GuardCounts& guards) {
+  const int width = input.level.width(), height = input.level.height();
+  FilteredPieces out;
+  out.image = input.mean;
+  if (input.variance) out.variance = *input.variance;
+
+  int largest = 0;
+  for (const int k : input.level.pixels())
+    largest = std::max(largest, k);
+  if (largest == 0) return out;
+  std::vector<std::vector<FilterOffset>> offsets(1);
+  for (int k = 1; k <= largest; ++k)
+    offsets.push_back(filter_offsets(k, widths.beta, options.window, options.reach));
+
+  PaddedInput<T> from;
+  from.border = filter_radius(largest, options.reach);
+  from.weight = padded<T>(piece_weights(input.n, options.weighting), from.border);
+  for (std::size_t c = 0; c < 3; ++c) {
+    from.mean[c] = padded<double>(input.mean[c], from.border);
+    if (input.variance) from.variance[c] = padded<double>((*input.variance)[c], from.border);
+  }
+
+  std::vector<GuardCounts> caught(static_cast<std::size_t>(height));
+  parallel_rows(0, height, [&](int y) {
+    RunSums sums;
+    for (int x = 0; x < width;) {
+      const int k = input.level(x, y);
+      int end = x + 1;
+      while (end < width && input.level(end, y) == k)
+        ++end;
+      if (k > 0) {
+        filter_run(from, widths, offsets[static_cast<std::size_t>(k)], options.eq12, x, y, end - x,
+                   sums, out, caught[static_cast<std::size_t>(y)]);
+      }
+      x = end;
+    }
+  });
+  for (const GuardCounts& row : caught)
+    guards += row;
+  return out;
+}
+
+double correlation_factor(const Taps& taps, int level, double sigma, const FilterOptions& options) {
+  if (taps.values.size() == 1 || level == 0) return 1.0;
+  const int reach = static_cast<int>(taps.values.size());
+  const int radius = filter_radius(level, options.reach);
+  const int middle = radius + reach;
+  Plane kernel(2 * middle + 1, 2 * middle + 1);
+  kernel(middle, middle) = 1.0;
+  const std::vector<double> any_direction = {0.0};
+  for (const FilterOffset& o :
+       filter_offsets(level, any_direction, options.window, options.reach)) {
+    const double omega = std::exp(-0.5 * o.squared_distance / (sigma * sigma));
+    kernel(middle + o.dx, middle + o.dy) = omega;
+    kernel(middle - o.dx, middle - o.dy) = omega;
+  }
+  const auto squares = [](const Plane& plane) {
+    double sum = 0.0;
+    for (const double v : plane.pixels())
+      sum += v * v;
+    return sum;
+  };
+  double tap_squares = 0.0;
+  for (const double tap : taps.values)
+    tap_squares += tap * tap;
+  return squares(convolve(kernel, taps)) / (squares(kernel) * tap_squares * tap_squares);
+}
+
+template FilteredPieces filter_pieces(const FilterInput&, const FilterWidths<double>&,
+                                      const FilterOptions&, GuardCounts&);
+template FilteredPieces filter_pieces(const FilterInput&, const FilterWidths<float>&,
+                                      const FilterOptions&, GuardCounts&);
+
+}  // namespace spool

@@ -1,0 +1,47 @@
+// How large the filter of each piece is: the size stops growing where bias outweighs variance.
+//
+//   T_k = S_{k+1} - S_k + w_k (q_{k+1} - q_k)^2,  k = 0 .. K-1            [LiuZheng (9)]
+//   size = 2^k for the first k with T_k > 0, else 2^K
+//
+// S_k: variance of the mean over R_k, (sum of v over R_k) / N^2, or the contrast V_k. q_k: mean
+// over R_k, or the pyramid's f_k. w_k: see SizeFactorRule. E[(q_{k+1} - q_k)^2] of pure noise is
+// S_k - S_{k+1}, so w is a significance test: stop where |dq| > sqrt(1 / w) standard deviations.
+// Votes: stop_k blurred with a Gaussian of sigma max(0.8, 0.7 2^k). `on` stops where the blurred
+// value is at least 1/2; `opens_only` takes the piece's own vote out (all but a weight of 0.01) and
+// stops where it *and* the piece itself want to.
+// Slow twin: tests/reference/filter_size_reference.h.
+#pragma once
+
+#include <span>
+
+#include "lib/core/guards.h"
+#include "lib/core/image.h"
+#include "lib/core/view.h"
+#include "lib/filters/directional/options.h"
+
+namespace spool {
+
+struct FilterSizeInput {
+  const Plane& mean;      // q_0 [y][x], exposed
+  const Plane& variance;  // v of `mean`
+  const CountImage& n;    // samples
+  const Plane& minimum;   // exposed extremes of the samples, for the contrast
+  const Plane& maximum;
+  std::span<const Plane> coarse;       // f_0 .. f_K, for size_coarse = lp
+  std::span<const Plane> attenuation;  // A_0 .. A_K, or empty
+  int levels = 4;                      // K
+};
+
+// k of each piece, 0 .. K. Views: S.k, q.k, w.k, T.k, stop.k.
+CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& options, Views* views,
+                       GuardCounts& guards);
+// The same for several signals of the same pieces: T_k is the mean of theirs; counts, attenuation
+// and levels are those of the first. Views S.k.i and q.k.i where there are several.
+CountImage filter_size(std::span<const FilterSizeInput> inputs, const FilterSizeOptions& options,
+                       Views* views, GuardCounts& guards);
+
+// z(gamma) = -ln(1 - (1.9 gamma)^(1 / sqrt 2)), the caution of the greedy selection
+// [RousselleKnausZwicker11]; multiplied by 1 - 1/N where N samples are averaged.
+double greedy_caution(double gamma);
+
+}  // namespace spool

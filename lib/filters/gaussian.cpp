@@ -1,0 +1,43 @@
+#include "lib/filters/gaussian.h"
+
+#include "lib/filters/box.h"
+#include "lib/pyramid/convolution.h"
+#include "lib/statistics/variance_option.h"
+
+namespace spool {
+
+OptionTable<GaussianOptions> gaussian_option_table() {
+  return {
+      number_option("sigma", &GaussianOptions::sigma, 0.0, 64.0,
+                    "standard deviation in pixels; 0 is the box filter"),
+      var_mode_option(&GaussianOptions::var_mode),
+      nu0_option(&GaussianOptions::nu0),
+      number_option("key", &GaussianOptions::key, 1e-6, 1e6,
+                    "mean luminance that the floor of the variance is written for"),
+  };
+}
+
+Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const SamplePool& pool,
+                                            const ReconstructionContext& context,
+                                            const GaussianOptions& options) {
+  SPOOL_ASSIGN(
+      Reconstruction result,
+      reconstruct_box(selection, pool, context, {options.var_mode, options.nu0, options.key}));
+  const Taps taps = gaussian_taps(options.sigma);
+  Taps squares = taps;
+  for (double& tap : squares.values)
+    tap *= tap;
+  for (std::size_t c = 0; c < 3; ++c) {
+    result.image[c] = convolve(result.image[c], taps);
+    (*result.variance)[c] = convolve((*result.variance)[c], squares);
+  }
+  return result;
+}
+
+ReconstructorMethod<GaussianOptions> gaussian_method() {
+  return {"gaussian", "pixel means blurred with a Gaussian",
+          false,      gaussian_option_table(),
+          {{"", {}}}, reconstruct_gaussian};
+}
+
+}  // namespace spool

@@ -1,0 +1,31 @@
+// Gaussian: the pixel means blurred with one Gaussian, the simplest filter and the bar for others.
+//
+//   image = G_sigma * pixel means,  variance = (G_sigma)^2 * variance of the pixel means
+//
+// Taps are cut at radius ceil(3 sigma), sum to 1, and extend symmetrically beyond the border. The
+// variance takes the pixels as independent, and at the border the two taps that fold onto one pixel
+// as independent too, which understates it there by less than a factor of two.
+// Slow twin: tests/reference/gaussian_reference.h.
+#pragma once
+
+#include "lib/filters/reconstructor_entry.h"
+#include "lib/statistics/variance_of_mean.h"
+
+namespace spool {
+
+struct GaussianOptions {
+  double sigma = 1.0;  // pixels
+  VarianceMode var_mode = VarianceMode::kAuto;
+  double nu0 = 2.0;
+  double key = 1.0;
+};
+
+OptionTable<GaussianOptions> gaussian_option_table();
+
+Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const SamplePool& pool,
+                                            const ReconstructionContext& context,
+                                            const GaussianOptions& options);
+
+ReconstructorMethod<GaussianOptions> gaussian_method();
+
+}  // namespace spool

@@ -1,0 +1,17 @@
+// An image somebody else made, as a reconstructor: for filters outside this program.
+#pragma once
+
+#include <string>
+
+#include "lib/filters/reconstructor.h"
+
+namespace spool {
+
+// `image` as the result for a recording of its size; `name` stands in the error of any other size.
+Result<Reconstruction> own_image(RgbImage image, const SamplePool& pool, const std::string& name);
+
+// Hands `image` back for any selection of its size. Refuses half pools: a sampler that compares the
+// images of two halves would see no difference.
+ReconstructorFunction given_image(RgbImage image, std::string name);
+
+}  // namespace spool

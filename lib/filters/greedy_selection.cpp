@@ -1,0 +1,102 @@
+#include "lib/filters/greedy_selection.h"
+
+#include <cmath>
+
+#include "lib/core/parallel.h"
+#include "lib/kernels/piece_estimates.h"
+#include "lib/kernels/scale_ladder.h"
+#include "lib/statistics/variance_option.h"
+
+namespace spool {
+namespace {
+
+void open_stops(Plane& stop, double sigma) {
+  const Plane votes = neighbour_votes(stop, sigma);
+  for (std::size_t i = 0; i < stop.size(); ++i) {
+    if (!votes_to_stop(votes[i])) stop[i] = 0.0;
+  }
+}
+
+}  // namespace
+
+double greedy_scale(int s) {
+  return std::pow(2.0, 0.5 * (s - 2));
+}
+
+OptionTable<GreedySelectionOptions> greedy_selection_option_table() {
+  using O = GreedySelectionOptions;
+  return {
+      choice_option<O, GreedyGrid>("gem_grid", &O::grid,
+                                   {{"auto", GreedyGrid::kAuto},
+                                    {"pixel", GreedyGrid::kPixel},
+                                    {"subpixel", GreedyGrid::kSubpixel}},
+                                   "cells that the base image starts from"),
+      integer_option<O>("scales", &O::scales, 1, 16, "Gaussians above the base image"),
+      number_option<O>("gamma", &O::gamma, 0.0, 0.526, "caution: larger stops earlier"),
+      number_option<O>("alpha", &O::alpha, 0.0, 8.0, "blur of the stop maps, in units of sigma"),
+      var_mode_option(&O::var_mode),
+      nu0_option(&O::nu0),
+      number_option<O>("key", &O::key, 1e-6, 1e6,
+                       "mean luminance that the floor of the variance is written for"),
+  };
+}
+
+Result<Reconstruction> reconstruct_greedy_selection(const Selection& selection,
+                                                    const SamplePool& pool,
+                                                    const ReconstructionContext& context,
+                                                    const GreedySelectionOptions& options) {
+  const PieceStatistics& statistics = selection.statistics;
+  Reconstruction result;
+  const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
+  SPOOL_ASSIGN(const LadderBase base, make_ladder_base(statistics, pool, options.grid,
+                                                       {options.var_mode, options.nu0, options.key},
+                                                       exposure, result.guards));
+  Scale scale = base_scale(base);
+  const int width = base.count.width(), height = base.count.height();
+
+  // One transition after the other; a pixel that has stopped stays where it is
+  result.variance.emplace();
+  for (std::size_t c = 0; c < 3; ++c) {
+    result.image[c] = scale.channels[c].image;
+    (*result.variance)[c] = scale.channels[c].variance;
+  }
+  CountImage level(width, height, 0);
+  const double caution = transition_caution(options.gamma);
+  for (int s = 1; s <= options.scales; ++s) {
+    const double sigma = greedy_scale(s);
+    Plane stop =
+        climb(scale, base, s, sigma, transition_beta(s, sigma, greedy_scale(s - 1)), caution);
+    open_stops(stop, options.alpha * sigma);
+    parallel_rows(0, height, [&](int y) {
+      for (std::size_t i = level.index(0, y); i < level.index(0, y + 1); ++i) {
+        if (level[i] < s - 1 || stop[i] > 0.0) continue;
+        level[i] = s;
+        for (std::size_t c = 0; c < 3; ++c) {
+          result.image[c][i] = scale.channels[c].image[i];
+          (*result.variance)[c][i] = scale.channels[c].variance[i];
+        }
+      }
+    });
+    if (context.views) context.views->add(fmt::format("stop.{}", s), stop);
+    if (context.progress) context.progress(static_cast<double>(s) / options.scales);
+  }
+  if (context.views && context.views->wants("level")) {
+    Plane view(width, height);
+    for (std::size_t i = 0; i < view.size(); ++i)
+      view[i] = level[i];
+    context.views->add("level", view);
+  }
+  result.level = std::move(level);
+  return result;
+}
+
+ReconstructorMethod<GreedySelectionOptions> greedy_selection_method() {
+  return {"greedy_selection",
+          "each pixel's best Gaussian by incremental bias and variance",
+          false,
+          greedy_selection_option_table(),
+          {{"", {}}},
+          reconstruct_greedy_selection};
+}
+
+}  // namespace spool

@@ -1,0 +1,161 @@
+#include "lib/filters/wavelet_transform.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "lib/core/extend.h"
+#include "lib/core/parallel.h"
+#include "lib/pyramid/wavelet_filters.h"
+
+namespace spool {
+namespace {
+
+// Analysis low and high about even and odd samples, synthesis likewise; offsets symmetric about 0.
+struct Bank {
+  Taps low, high, rebuild_low, rebuild_high;
+};
+
+Taps modulated(Taps taps) {
+  for (std::size_t i = 0; i < taps.values.size(); ++i) {
+    if ((taps.first + static_cast<int>(i)) % 2 != 0) taps.values[i] = -taps.values[i];
+  }
+  return taps;
+}
+
+Bank cdf97_bank() {
+  const FilterPair pair = filter_pair(WaveletFilter::k97);
+  const Taps low = scaled(pair.analysis, std::numbers::sqrt2);
+  const Taps rebuild = scaled(pair.synthesis, 1.0 / std::numbers::sqrt2);
+  return {low, modulated(rebuild), rebuild, modulated(low)};
+}
+
+double tap_at(const Taps& taps, int m) {
+  if (m < taps.first || m > taps.last()) return 0.0;
+  return taps.values[static_cast<std::size_t>(m - taps.first)];
+}
+
+double filtered(const Taps& taps, const std::vector<double>& line, int centre, TransformOf of) {
+  const int n = static_cast<int>(line.size());
+  double sum = 0.0;
+  for (int m = taps.first; m <= taps.last(); ++m) {
+    const double tap = tap_at(taps, m);
+    sum += (of == TransformOf::kValues ? tap : tap * tap) *
+           line[static_cast<std::size_t>(extend(centre - m, n, Extension::kWhole))];
+  }
+  return sum;
+}
+
+void split_line(std::vector<double>& line, std::vector<double>& out, TransformWavelet wavelet,
+                const Bank& bank, TransformOf of) {
+  const int half = static_cast<int>(line.size()) / 2;
+  for (int i = 0; i < half; ++i) {
+    const auto low = static_cast<std::size_t>(i), high = static_cast<std::size_t>(half + i);
+    if (wavelet == TransformWavelet::kHaar) {
+      const double a = line[2 * low], b = line[2 * low + 1];
+      out[low] = of == TransformOf::kValues ? (a + b) / std::numbers::sqrt2 : 0.5 * (a + b);
+      out[high] = of == TransformOf::kValues ? (a - b) / std::numbers::sqrt2 : 0.5 * (a + b);
+    } else {
+      out[low] = filtered(bank.low, line, 2 * i, of);
+      out[high] = filtered(bank.high, line, 2 * i + 1, of);
+    }
+  }
+  line.swap(out);
+}
+
+void join_line(std::vector<double>& line, std::vector<double>& out, TransformWavelet wavelet,
+               const Bank& bank) {
+  const int n = static_cast<int>(line.size()), half = n / 2;
+  if (wavelet == TransformWavelet::kHaar) {
+    for (int i = 0; i < half; ++i) {
+      const double low = line[static_cast<std::size_t>(i)];
+      const double high = line[static_cast<std::size_t>(half + i)];
+      out[static_cast<std::size_t>(2 * i)] = (low + high) / std::numbers::sqrt2;
+      out[static_cast<std::size_t>(2 * i + 1)] = (low - high) / std::numbers::sqrt2;
+    }
+    line.swap(out);
+    return;
+  }
+  for (int x = 0; x < n; ++x) {
+    double sum = 0.0;
+    // Position p of the zero-stuffed bands: low on even p, high on odd p.
+    for (int m = bank.rebuild_high.first; m <= bank.rebuild_high.last(); ++m) {
+      const int p = extend(x - m, n, Extension::kWhole);
+      const double coefficient = line[static_cast<std::size_t>(p % 2 == 0 ? p / 2 : half + p / 2)];
+      sum += tap_at(p % 2 == 0 ? bank.rebuild_low : bank.rebuild_high, m) * coefficient;
+    }
+    out[static_cast<std::size_t>(x)] = sum;
+  }
+  line.swap(out);
+}
+
+// line_step on every row of the w x h corner, or on every column.
+template <class Step>
+void over_rows(Plane& image, int w, int h, Step&& line_step) {
+  parallel_rows(0, h, [&](int y) {
+    std::vector<double> line(static_cast<std::size_t>(w)), out(line.size());
+    for (int x = 0; x < w; ++x)
+      line[static_cast<std::size_t>(x)] = image(x, y);
+    line_step(line, out);
+    for (int x = 0; x < w; ++x)
+      image(x, y) = line[static_cast<std::size_t>(x)];
+  });
+}
+
+template <class Step>
+void over_columns(Plane& image, int w, int h, Step&& line_step) {
+  parallel_rows(0, w, [&](int x) {
+    std::vector<double> line(static_cast<std::size_t>(h)), out(line.size());
+    for (int y = 0; y < h; ++y)
+      line[static_cast<std::size_t>(y)] = image(x, y);
+    line_step(line, out);
+    for (int y = 0; y < h; ++y)
+      image(x, y) = line[static_cast<std::size_t>(y)];
+  });
+}
+
+void check_sides(const Plane& image, int levels) {
+  SPOOL_CHECK_EQ(image.width() % (1 << levels), 0);
+  SPOOL_CHECK_EQ(image.height() % (1 << levels), 0);
+}
+
+}  // namespace
+
+Plane padded_for_transform(const Plane& image, int levels) {
+  const int step = 1 << levels;
+  Plane result((image.width() + step - 1) / step * step, (image.height() + step - 1) / step * step);
+  parallel_rows(0, result.height(), [&](int y) {
+    for (int x = 0; x < result.width(); ++x) {
+      result(x, y) = image(extend_symmetric(x, image.width()), extend_symmetric(y, image.height()));
+    }
+  });
+  return result;
+}
+
+void forward_transform(Plane& image, TransformWavelet wavelet, int levels, TransformOf of) {
+  check_sides(image, levels);
+  const Bank bank = cdf97_bank();
+  for (int l = 0; l < levels; ++l) {
+    const int w = image.width() >> l, h = image.height() >> l;
+    const auto split = [&](std::vector<double>& line, std::vector<double>& out) {
+      split_line(line, out, wavelet, bank, of);
+    };
+    over_rows(image, w, h, split);
+    over_columns(image, w, h, split);
+  }
+}
+
+void inverse_transform(Plane& image, TransformWavelet wavelet, int levels) {
+  check_sides(image, levels);
+  const Bank bank = cdf97_bank();
+  for (int l = levels - 1; l >= 0; --l) {
+    const int w = image.width() >> l, h = image.height() >> l;
+    const auto join = [&](std::vector<double>& line, std::vector<double>& out) {
+      join_line(line, out, wavelet, bank);
+    };
+    over_columns(image, w, h, join);
+    over_rows(image, w, h, join);
+  }
+}
+
+}  // namespace spool

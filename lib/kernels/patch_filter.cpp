@@ -1,0 +1,58 @@
+#include "lib/kernels/patch_filter.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lib/core/parallel.h"
+#include "lib/kernels/patch_tile.h"
+
+namespace spool {
+namespace {
+
+// Pieces whose distances, weights and sums are computed together: all that an offset reads and
+// writes stays in the cache of one core.
+constexpr int kTile = 80;
+
+}  // namespace
+
+void filter_tiles(
+    std::span<const GuidedTargets> guided, const PatchFilterOptions& options,
+    const std::function<void(const Rectangle&, std::span<const std::vector<Plane>>)>& use) {
+  const int width = guided[0].targets[0]->width(), height = guided[0].targets[0]->height();
+  const int across = (width + kTile - 1) / kTile, down = (height + kTile - 1) / kTile;
+  parallel_for(
+      static_cast<std::size_t>(across) * static_cast<std::size_t>(down), [&](std::size_t i) {
+        const int x0 = static_cast<int>(i) % across * kTile;
+        const int y0 = static_cast<int>(i) / across * kTile;
+        const Rectangle tile = {x0, y0, std::min(x0 + kTile, width), std::min(y0 + kTile, height)};
+        std::vector<std::vector<Plane>> filtered;
+        for (const GuidedTargets& targets : guided)
+          filtered.push_back(filter_tile(targets, options, tile));
+        use(tile, filtered);
+      });
+}
+
+RgbImage filter_with_guide(const RgbImage& target, const HalfImage& guide,
+                           const PatchFilterOptions& options) {
+  RgbImage out = make_rgb(target[0].width(), target[0].height());
+  const GuidedTargets guided = {{&target[0], &target[1], &target[2]}, &guide};
+  filter_tiles({&guided, 1}, options, [&](const Rectangle& tile, const auto& filtered) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int y = tile.y0; y < tile.y1; ++y)
+        std::copy_n(filtered[0][c].row(y - tile.y0).data(), tile.width(), &out[c](tile.x0, y));
+    }
+  });
+  return out;
+}
+
+OptionTable<PatchFilterOptions> patch_filter_option_table() {
+  using O = PatchFilterOptions;
+  return {
+      integer_option<O>("window", &O::window, 1, 64, "radius searched, pixels"),
+      integer_option<O>("patch", &O::patch, 0, 16, "radius of the patches compared, pixels"),
+      number_option<O>("kappa", &O::kappa, 1e-3, 100.0, "damping: larger filters more"),
+      number_option<O>("alpha", &O::alpha, 0.0, 10.0, "share of the noise taken off a distance"),
+  };
+}
+
+}  // namespace spool

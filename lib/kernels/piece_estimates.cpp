@@ -1,0 +1,128 @@
+#include "lib/kernels/piece_estimates.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lib/core/parallel.h"
+
+namespace spool {
+namespace {
+
+bool any_sample(const CountImage& n) {
+  return std::any_of(n.pixels().begin(), n.pixels().end(), [](std::int32_t k) { return k > 0; });
+}
+
+// Fills the empty pieces of one more image whose empty pieces are counted already.
+Plane fill_uncounted(Plane pieces, const PieceStatistics& statistics) {
+  GuardCounts counted_elsewhere;
+  return fill_empty_pieces(std::move(pieces), statistics.n, statistics.pieces_per_side,
+                           counted_elsewhere);
+}
+
+Plane scaled(const Plane& plane, double factor) {
+  Plane result = plane;
+  for (double& value : result.pixels())
+    value *= factor;
+  return result;
+}
+
+}  // namespace
+
+Result<ChannelEstimates> estimate_channel(const PieceStatistics& statistics, std::size_t channel,
+                                          const VarianceOptions& options, double exposure,
+                                          GuardCounts& guards) {
+  if (!any_sample(statistics.n)) {
+    return fail(ErrorCode::kData,
+                "selection: no piece has a sample: raise the budget or check the counts");
+  }
+  VarianceOptions of_radiance = options;
+  of_radiance.key = options.key / exposure;
+  ChannelEstimates estimates;
+  estimates.mean =
+      fill_empty_pieces(statistics.mean[channel], statistics.n, statistics.pieces_per_side, guards);
+  estimates.variance = fill_uncounted(variance_of_mean(statistics.n, statistics.mean[channel],
+                                                       statistics.m2[channel], of_radiance, guards),
+                                      statistics);
+  return estimates;
+}
+
+Result<PieceEstimates> estimate_pieces(const PieceStatistics& statistics,
+                                       const VarianceOptions& options, double exposure,
+                                       GuardCounts& guards) {
+  PieceEstimates estimates;
+  for (std::size_t c = 0; c < 3; ++c) {
+    GuardCounts of_channel;
+    SPOOL_ASSIGN(ChannelEstimates channel,
+                 estimate_channel(statistics, c, options, exposure, of_channel));
+    estimates.mean[c] = std::move(channel.mean);
+    estimates.variance[c] = std::move(channel.variance);
+    if (c == 1) guards += of_channel;  // the channels share their empty pieces: count them once
+  }
+  estimates.n = statistics.n;
+  return estimates;
+}
+
+double analysis_exposure(const PieceStatistics& statistics, double key, bool normalise,
+                         GuardCounts& guards) {
+  const AnalysisSignal& signal = statistics.signal;
+  if (!normalise || signal.exposure != 1.0 || !signal.is_linear()) return signal.exposure;
+  return exposure_of(statistics, key, guards);
+}
+
+AnalysisEstimates estimate_analysis(const PieceStatistics& statistics,
+                                    const VarianceOptions& options, bool normalise,
+                                    GuardCounts& guards) {
+  AnalysisEstimates estimates;
+  estimates.exposure = analysis_exposure(statistics, options.key, normalise, guards);
+  const double factor = estimates.exposure / statistics.signal.exposure;
+  Plane mean = scaled(statistics.analysis.mean, factor);
+  GuardCounts of_variance;
+  estimates.variance = fill_uncounted(
+      variance_of_mean(statistics.n, mean, scaled(statistics.analysis.m2, factor * factor), options,
+                       of_variance),
+      statistics);
+  estimates.mean = fill_uncounted(std::move(mean), statistics);
+  return estimates;
+}
+
+Plane average_pieces(const Plane& pieces, int pieces_per_side) {
+  const int q = pieces_per_side;
+  if (q == 1) return pieces;
+  Plane pixels(pieces.width() / q, pieces.height() / q);
+  parallel_rows(0, pixels.height(), [&](int y) {
+    for (int x = 0; x < pixels.width(); ++x) {
+      double sum = 0.0;
+      for (int j = 0; j < q; ++j) {
+        for (int i = 0; i < q; ++i)
+          sum += pieces(x * q + i, y * q + j);
+      }
+      pixels(x, y) = sum / (q * q);
+    }
+  });
+  return pixels;
+}
+
+Plane average_piece_variance(const Plane& pieces, int pieces_per_side) {
+  const int q = pieces_per_side;
+  if (q == 1) return pieces;
+  Plane pixels = average_pieces(pieces, q);
+  for (double& value : pixels.pixels())
+    value /= q * q;
+  return pixels;
+}
+
+RgbImage average_pieces(RgbImage pieces, int pieces_per_side) {
+  if (pieces_per_side == 1) return pieces;
+  for (Plane& plane : pieces)
+    plane = average_pieces(plane, pieces_per_side);
+  return pieces;
+}
+
+RgbImage average_piece_variance(RgbImage pieces, int pieces_per_side) {
+  if (pieces_per_side == 1) return pieces;
+  for (Plane& plane : pieces)
+    plane = average_piece_variance(plane, pieces_per_side);
+  return pieces;
+}
+
+}  // namespace spool

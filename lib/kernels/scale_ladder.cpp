@@ -1,0 +1,117 @@
+#include "lib/kernels/scale_ladder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "lib/core/parallel.h"
+#include "lib/kernels/piece_estimates.h"
+#include "lib/kernels/truncated_filter.h"
+
+namespace spool {
+namespace {
+
+constexpr double kOwnVote = 0.01;
+constexpr double kLeastSamples = 1.0001;  // N <= 1 would give z = 0: no pixel would ever stop
+
+}  // namespace
+
+Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const SamplePool& pool,
+                                    GreedyGrid grid, const VarianceOptions& options,
+                                    double exposure, GuardCounts& guards) {
+  const int q = statistics.pieces_per_side;
+  const bool film = pool.recording().has_film();
+  if (grid == GreedyGrid::kSubpixel && !film) {
+    return fail(ErrorCode::kData,
+                "{}: gem_grid=subpixel needs film positions, which were not recorded: use pixel",
+                pool.recording().name());
+  }
+  LadderBase base;
+  base.subpixel = grid != GreedyGrid::kPixel && film;
+  SPOOL_ASSIGN(PieceEstimates pieces, estimate_pieces(statistics, options, exposure, guards));
+  base.count = Plane(pieces.n.width(), pieces.n.height());
+  for (std::size_t i = 0; i < base.count.size(); ++i)
+    base.count[i] = pieces.n[i] * q * q;
+  base.count = average_pieces(base.count, q);
+  const RgbImage mean = average_pieces(std::move(pieces.mean), q);
+  base.variance = average_piece_variance(std::move(pieces.variance), q);
+  if (base.subpixel) {
+    base.image = filtered_cell_means(statistics, pool, mean);
+  } else {
+    const Taps taps = compose_with_base({0, {1.0}}, false).taps;
+    for (std::size_t c = 0; c < 3; ++c)
+      base.image[c] = truncated_mean(mean[c], taps);
+  }
+  return base;
+}
+
+Scale base_scale(const LadderBase& base) {
+  const PixelKernel kernel = compose_with_base({0, {1.0}}, base.subpixel);
+  Scale scale;
+  for (std::size_t c = 0; c < 3; ++c) {
+    scale.channels[c].image = base.image[c];
+    scale.channels[c].variance = truncated_variance(base.variance[c], kernel.taps, kernel.squares);
+  }
+  scale.samples = truncated_sum(base.count, peak_normalised(kernel.taps));
+  return scale;
+}
+
+double transition_beta(int s, double sigma, double before) {
+  if (s == 1) return 1.0;
+  return (sigma * sigma + before * before) / (sigma * sigma - before * before);
+}
+
+double transition_caution(double gamma) {
+  return -std::log(1.0 - std::pow(1.9 * gamma, 1.0 / std::numbers::sqrt2));
+}
+
+void add_transition(const ScaleChannel& fine, const ScaleChannel& coarse, const Plane& samples,
+                    double beta, double caution, Plane& balance, Plane* change) {
+  parallel_rows(0, balance.height(), [&](int y) {
+    for (int x = 0; x < balance.width(); ++x) {
+      const double z = caution * (1.0 - 1.0 / std::max(samples(x, y), kLeastSamples));
+      const double step = coarse.image(x, y) - fine.image(x, y);
+      const double gain = fine.variance(x, y) - coarse.variance(x, y);
+      balance(x, y) += z * beta * step * step - gain;
+      if (change != nullptr) (*change)(x, y) += beta * step * step - gain;
+    }
+  });
+}
+
+Plane climb(Scale& scale, const LadderBase& base, int s, double sigma, double beta, double caution,
+            Plane* change) {
+  const Taps gaussian = floor_gaussian_taps(sigma);
+  const PixelKernel kernel = compose_with_base(gaussian, base.subpixel);
+  if (s > 1) scale.samples = truncated_mean(base.count, kernel.taps);
+  Plane stop(base.count.width(), base.count.height());
+  if (change != nullptr) *change = stop;
+  for (std::size_t c = 0; c < 3; ++c) {
+    ScaleChannel coarse{truncated_mean(base.image[c], gaussian),
+                        truncated_variance(base.variance[c], kernel.taps, kernel.squares)};
+    add_transition(scale.channels[c], coarse, scale.samples, beta, caution, stop, change);
+    scale.channels[c] = std::move(coarse);
+  }
+  for (double& balance : stop.pixels())
+    balance = balance >= 0.0 ? 1.0 : 0.0;
+  return stop;
+}
+
+Plane neighbour_votes(const Plane& stop, double sigma) {
+  const Taps taps = convolved_taps(floor_gaussian_taps(sigma), pixel_filter_taps());
+  Plane votes = truncated_mean(stop, taps);
+  // Weight of the pixel itself: the centre tap over the taps inside, in x and in y.
+  const Plane inside = truncated_sum_of_ones(stop.width(), stop.height(), taps);
+  const double middle = taps.values[static_cast<std::size_t>(-taps.first)];
+  parallel_rows(0, stop.height(), [&](int y) {
+    for (int x = 0; x < stop.width(); ++x) {
+      const double excess = std::max(0.0, middle * middle / inside(x, y) - kOwnVote);
+      // A lone pixel has no neighbours to ask.
+      votes(x, y) =
+          excess < 1.0 - kOwnVote ? (votes(x, y) - excess * stop(x, y)) / (1.0 - excess) : 1.0;
+    }
+  });
+  return votes;
+}
+
+}  // namespace spool

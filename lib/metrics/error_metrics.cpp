@@ -1,0 +1,302 @@
+#include "lib/metrics/error_metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "lib/core/pairwise_sum.h"
+#include "lib/core/parallel.h"
+#include "lib/metrics/largest_first.h"
+#include "lib/metrics/metric_list.h"
+#include "lib/metrics/tone_map.h"
+
+namespace spool {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSmallestScale = 0x1p-126;  // mean luminance; as in the analysis
+constexpr double kAbsoluteFloor = 1e-2;      // of relmae and smape, after the relative scale
+
+bool is_finite(const RgbImage& image, std::size_t p) {
+  return std::isfinite(image[0][p]) && std::isfinite(image[1][p]) && std::isfinite(image[2][p]);
+}
+
+double luminance_at(const RgbImage& image, std::size_t p) {
+  return luminance(image[0][p], image[1][p], image[2][p]);
+}
+
+// Debiased errors may be below 0: these then are not defined.
+double root_of(double ratio) {
+  return std::isless(ratio, 0.0) ? kNaN : std::sqrt(ratio);
+}
+double decibel_of(double ratio) {
+  if (ratio == 0.0) return -std::numeric_limits<double>::infinity();
+  return std::isless(ratio, 0.0) ? kNaN : 10.0 * std::log10(ratio);
+}
+
+// Everything that is computed once per pair of images and looked at once per resample.
+class Evaluation {
+ public:
+  Evaluation(const RgbImage& estimate, const JudgingReference& reference,
+             const MetricOptions& options)
+      : estimate_(estimate),
+        reference_(reference),
+        options_(options),
+        bootstrap_(estimate[0].width(), estimate[0].height(), options.bootstrap),
+        judged_(estimate[0].width(), estimate[0].height()),
+        decile_(estimate[0].width(), estimate[0].height()) {
+    select_pixels();
+    if (table_.pixels == 0) return;
+    choose_scales();
+    assign_deciles();
+    add_up_blocks();
+  }
+
+  MetricTable table() {
+    table_.values.resize(metric_list().size());
+    table_.resampled.resize(metric_list().size());
+    table_.blocks = bootstrap_.blocks();
+    if (table_.pixels == 0) return std::move(table_);
+    LargestFirst relative(relative_, judged_), squared(squared_, judged_);
+    const bool resamples = bootstrap_.blocks() > 1;
+    add_perceptual();
+    for (std::size_t m = 0; m < metric_list().size(); ++m) {
+      const Metric& metric = metric_list()[m];
+      if (metric.rule == Rule::kPerceptual) continue;
+      table_.values[m].value = value(metric, {}, relative, squared);
+      if (!resamples || metric.rule == Rule::kMaximum) continue;
+      std::vector<double>& resampled = table_.resampled[m];
+      for (int r = 0; r < bootstrap_.resamples(); ++r)
+        resampled.push_back(value(metric, bootstrap_.weights(r), relative, squared));
+      table_.values[m].standard_error = standard_error_of(resampled);
+    }
+    return std::move(table_);
+  }
+
+ private:
+  void add_perceptual() {
+    for (PerceptualValue& value : perceptual_metrics(
+             estimate_, reference_.mean, judged_, bootstrap_, options_.perceptual, table_.guards)) {
+      const auto m = static_cast<std::size_t>(metric_index(value.name));
+      table_.values[m] = {value.estimate.value, value.estimate.standard_error};
+      table_.resampled[m] = std::move(value.resampled);
+    }
+  }
+
+  void select_pixels() {
+    for (std::size_t p = 0; p < judged_.size(); ++p) {
+      if (!is_finite(estimate_, p)) {
+        ++table_.excluded_estimate;
+      } else if (!is_finite(reference_.mean, p) ||
+                 (reference_.variance && !is_finite(*reference_.variance, p)) ||
+                 (reference_.denominator && !is_finite(*reference_.denominator, p))) {
+        ++table_.excluded_reference;
+      } else {
+        judged_[p] = 1;
+        ++table_.pixels;
+      }
+    }
+    table_.failed = table_.excluded_estimate > 0;
+    table_.guards.add(Guard::kMetricExcluded, table_.excluded_estimate + table_.excluded_reference);
+  }
+
+  void choose_scales() {
+    exposure_ = tone_map_exposure(reference_.mean, judged_);
+    if (options_.rel_scale == RelativeScale::kNone) return;
+    const double sum = pairwise_sum(judged_.size(), [&](std::size_t p) {
+      return judged_[p] ? luminance_at(reference_.mean, p) : 0.0;
+    });
+    const double mean = sum / static_cast<double>(table_.pixels);
+    if (std::isfinite(mean) && mean >= kSmallestScale) {
+      table_.relative_scale = 1.0 / mean;
+    } else {
+      table_.guards.add(Guard::kExposureFallback);
+    }
+  }
+
+  const RgbImage& denominator() const {
+    return reference_.denominator ? *reference_.denominator : reference_.mean;
+  }
+
+  // By the denominator image: its noise is independent of R's where R is noisy, else a decile of
+  // bright pixels would hold those that R has too bright.
+  void assign_deciles() {
+    std::vector<std::pair<double, std::size_t>> order;
+    order.reserve(table_.pixels);
+    for (std::size_t p = 0; p < judged_.size(); ++p) {
+      if (judged_[p]) order.emplace_back(luminance_at(denominator(), p), p);
+    }
+    std::sort(order.begin(), order.end());
+    for (std::size_t i = 0; i < order.size(); ++i)
+      decile_[order[i].second] = static_cast<std::uint8_t>(kDeciles * i / order.size());
+  }
+
+  Terms terms_at(std::size_t p) {
+    Terms terms{};
+    terms[kCount] = 1.0;
+    const double scale = table_.relative_scale;
+    const double shared = options_.rel_denominator == RelativeDenominator::kLuminance
+                              ? scale * luminance_at(denominator(), p)
+                              : 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double i = estimate_[c][p], r = reference_.mean[c][p];
+      const double b = reference_.variance ? (*reference_.variance)[c][p] : 0.0;
+      const double raw = (i - r) * (i - r), squared = raw - b;
+      const double d = options_.rel_denominator == RelativeDenominator::kLuminance
+                           ? shared
+                           : scale * denominator()[c][p];
+      const double relative = scale * scale * squared / (d * d + options_.rel_eps);
+      const double difference = std::abs(i - r);
+      terms[kSquared] += squared / 3.0;
+      terms[kSquaredOf + c] = squared;
+      terms[kRawSquared] += raw / 3.0;
+      terms[kRelative] += relative / 3.0;
+      terms[kRelativeOf + c] = relative;
+      terms[kAbsolute] += difference / 3.0;
+      terms[kRelativeAbsolute] += scale * difference / (scale * std::abs(r) + kAbsoluteFloor) / 3.0;
+      terms[kSymmetric] +=
+          scale * difference / (scale * (std::abs(i) + std::abs(r)) + kAbsoluteFloor) / 3.0;
+      const double tone = tone_mapped(i, exposure_) - tone_mapped(r, exposure_);
+      terms[kToneSquared] += tone * tone / 3.0;
+      terms[kEnergy] += i;
+      terms[kReferenceEnergy] += r;
+    }
+    terms[kDecileEnergy + decile_[p]] = terms[kEnergy];
+    terms[kDecileReferenceEnergy + decile_[p]] = terms[kReferenceEnergy];
+    return terms;
+  }
+
+  void add_up_blocks() {
+    const auto blocks = static_cast<std::size_t>(bootstrap_.blocks());
+    for (std::vector<double>& sums : sums_)
+      sums.assign(blocks, 0.0);
+    relative_ = Plane(judged_.width(), judged_.height());
+    squared_ = Plane(judged_.width(), judged_.height());
+    parallel_for(blocks, [&](std::size_t b) {
+      const Rectangle bounds = bootstrap_.block_bounds(static_cast<int>(b));
+      Terms sums{};
+      for (int y = bounds.y0; y < bounds.y1; ++y) {
+        for (int x = bounds.x0; x < bounds.x1; ++x) {
+          const std::size_t p = judged_.index(x, y);
+          if (!judged_[p]) continue;
+          const Terms terms = terms_at(p);
+          for (std::size_t t = 0; t < kTermCount; ++t)
+            sums[t] += terms[t];
+          relative_[p] = terms[kRelative];
+          squared_[p] = terms[kRawSquared];
+        }
+      }
+      for (std::size_t t = 0; t < kTermCount; ++t)
+        sums_[t][b] = sums[t];
+    });
+  }
+
+  double sum(int term, std::span<const double> weights) const {
+    return weighted_sum(sums_[static_cast<std::size_t>(term)], weights);
+  }
+
+  double ratio(const Metric& metric, std::span<const double> weights) const {
+    return quotient(sum(metric.numerator, weights), sum(metric.denominator, weights));
+  }
+
+  double value(const Metric& metric, std::span<const double> weights, LargestFirst& relative,
+               LargestFirst& squared) {
+    switch (metric.rule) {
+      case Rule::kRatio:
+        return ratio(metric, weights);
+      case Rule::kRootRatio:
+        return root_of(ratio(metric, weights));
+      case Rule::kDecibel:
+        return decibel_of(
+            quotient(sum(metric.denominator, weights), sum(metric.numerator, weights)));
+      case Rule::kTrimmed:
+      case Rule::kDropped: {
+        const double count = sum(kCount, weights);
+        // The factor keeps ceil from counting the rounding of trim * count as one pixel more.
+        const double to_drop = std::ceil(options_.trim * count * (1.0 - 1e-12));
+        double left = to_drop, dropped = 0.0;
+        relative.walk([&](const LargestFirst::Entry& entry) {
+          if (left <= 0.0) return false;
+          const double copies = std::min(left, copies_of(entry.pixel, weights));
+          dropped += copies * entry.value;
+          left -= copies;
+          return true;
+        });
+        if (metric.rule == Rule::kDropped) return quotient(dropped, count);
+        return quotient(sum(kRelative, weights) - dropped, count - to_drop);
+      }
+      case Rule::kQuantile:
+      case Rule::kMaximum: {
+        double skip = metric.rule == Rule::kMaximum ? 0.0 : std::floor(sum(kCount, weights) / 1e3);
+        double found = kNaN;
+        squared.walk([&](const LargestFirst::Entry& entry) {
+          skip -= copies_of(entry.pixel, weights);
+          found = entry.value;
+          return skip >= 0.0;
+        });
+        return found;
+      }
+      case Rule::kPerceptual:
+        break;
+    }
+    return kNaN;
+  }
+
+  double copies_of(std::size_t pixel, std::span<const double> weights) const {
+    if (weights.empty()) return 1.0;
+    const auto width = static_cast<std::size_t>(judged_.width());
+    return weights[static_cast<std::size_t>(
+        bootstrap_.block_of(static_cast<int>(pixel % width), static_cast<int>(pixel / width)))];
+  }
+
+  const RgbImage& estimate_;
+  const JudgingReference& reference_;
+  const MetricOptions& options_;
+  BlockBootstrap bootstrap_;
+  Image<std::uint8_t> judged_, decile_;
+  double exposure_ = 1.0;
+  std::array<std::vector<double>, kTermCount> sums_;  // [term][block]
+  Plane relative_, squared_;  // per pixel: relMSE debiased, squared error raw
+  MetricTable table_;
+};
+
+void check_sizes(const RgbImage& estimate, const JudgingReference& reference) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    SPOOL_CHECK(estimate[c].same_size(estimate[0]));
+    SPOOL_CHECK(reference.mean[c].same_size(estimate[0]));
+    if (reference.variance) SPOOL_CHECK((*reference.variance)[c].same_size(estimate[0]));
+    if (reference.denominator) SPOOL_CHECK((*reference.denominator)[c].same_size(estimate[0]));
+  }
+}
+
+}  // namespace
+
+const MetricValue& MetricTable::operator[](std::string_view name) const {
+  const int index = metric_index(name);
+  SPOOL_CHECK_GE(index, 0);
+  SPOOL_CHECK_LT(static_cast<std::size_t>(index), values.size());
+  return values[static_cast<std::size_t>(index)];
+}
+
+MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& reference,
+                          const MetricOptions& options) {
+  check_sizes(estimate, reference);
+  return Evaluation(estimate, reference, options).table();
+}
+
+Plane squared_error_map(const RgbImage& estimate, const JudgingReference& reference) {
+  check_sizes(estimate, reference);
+  Plane map(estimate[0].width(), estimate[0].height());
+  for (std::size_t p = 0; p < map.size(); ++p) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double difference = estimate[c][p] - reference.mean[c][p];
+      sum += difference * difference - (reference.variance ? (*reference.variance)[c][p] : 0.0);
+    }
+    map[p] = std::isfinite(sum) ? sum / 3.0 : kNaN;
+  }
+  return map;
+}
+
+}  // namespace spool

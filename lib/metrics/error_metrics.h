@@ -1,0 +1,89 @@
+// How far an image is from what it should be: squared, relative and absolute errors, energy,
+// tone-mapped peak signal-to-noise ratio, and the perceptual ones (perceptual_metrics.h), each with
+// a bootstrap standard error.
+//
+// Inputs are images only [c][y][x]: linear RGB of equal size; a metric knows no method. With b the
+// variance of the reference's mean, `mse` and the `relmse` family are debiased: (I - R)^2 - b has
+// expectation (I - mu)^2 when R is independent of I, so they may come out slightly negative and are
+// never clamped. Pixels that are not finite in I are left out and make the table `failed`; pixels
+// not finite in R (nothing to judge by) are left out and counted.
+// Precision: all sums double, per 16x16 block in row order, blocks combined pairwise; the bits do
+// not depend on threads. Slow twin: tests/reference/error_metrics_reference.h.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/core/guards.h"
+#include "lib/core/image.h"
+#include "lib/core/option_table.h"
+#include "lib/metrics/bootstrap.h"
+#include "lib/metrics/perceptual_metrics.h"
+
+namespace spool {
+
+enum class RelativeScale { kMean, kNone };
+enum class RelativeDenominator { kPerChannel, kLuminance };
+
+struct MetricOptions {
+  double rel_eps = 0.01;  // added to the squared denominator of relMSE, after `rel_scale`
+  // kMean: estimate and reference are divided by the mean luminance of the reference before any
+  // relative metric; kNone: radiance units, to compare with published figures.
+  RelativeScale rel_scale = RelativeScale::kMean;
+  RelativeDenominator rel_denominator = RelativeDenominator::kPerChannel;
+  double trim = 0.001;  // share of pixels that relmse_trimmed drops, the largest first
+  Perceptual perceptual = Perceptual::kFast;
+  BootstrapOptions bootstrap;
+};
+
+const OptionTable<MetricOptions>& metric_option_table();
+
+// What an estimate is judged by.
+struct JudgingReference {
+  RgbImage mean;                        // R
+  std::optional<RgbImage> variance;     // b, variance of `mean`; absent: taken as exact
+  std::optional<RgbImage> denominator;  // D of relMSE and of the deciles; absent: R
+};
+
+enum class Better { kLower, kHigher, kOne };
+
+struct MetricDescription {
+  std::string name;     // also the column of every table
+  std::string meaning;  // one line
+  Better better = Better::kLower;
+};
+
+// All metrics, in the order of every table.
+const std::vector<MetricDescription>& metrics();
+// Index into metrics(), or -1.
+int metric_index(std::string_view name);
+
+struct MetricValue {
+  double value = std::numeric_limits<double>::quiet_NaN();           // NaN: not defined here
+  double standard_error = std::numeric_limits<double>::quiet_NaN();  // NaN: not known
+};
+
+struct MetricTable {
+  std::vector<MetricValue> values;             // [metric], as metrics()
+  std::vector<std::vector<double>> resampled;  // [metric][resample], for paired differences
+  int blocks = 0;                              // that each resample draws
+  double relative_scale = 1.0;                 // factor on both images in the relative metrics
+  std::uint64_t pixels = 0;                    // judged
+  std::uint64_t excluded_estimate = 0;         // pixels of I that are not finite
+  std::uint64_t excluded_reference = 0;        // pixels without a finite R
+  bool failed = false;                         // I held a non-finite pixel
+  GuardCounts guards;
+
+  const MetricValue& operator[](std::string_view name) const;  // the metric must exist
+};
+
+MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& reference,
+                          const MetricOptions& options = {});
+
+// (I - R)^2 - b averaged over channels, per pixel: the error map of pictures. NaN where excluded.
+Plane squared_error_map(const RgbImage& estimate, const JudgingReference& reference);
+
+}  // namespace spool

@@ -1,0 +1,110 @@
+#include "lib/metrics/metric_list.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace spool {
+namespace {
+
+std::vector<Metric> make_list() {
+  std::vector<Metric> list = {
+      {{"mse", "mean squared error over pixels and channels, debiased"}, Rule::kRatio, kSquared},
+      {{"mse_r", "mean squared error of red, debiased"}, Rule::kRatio, kSquaredOf},
+      {{"mse_g", "mean squared error of green, debiased"}, Rule::kRatio, kSquaredOf + 1},
+      {{"mse_b", "mean squared error of blue, debiased"}, Rule::kRatio, kSquaredOf + 2},
+      {{"rmse", "root of the mean squared error, not debiased"}, Rule::kRootRatio, kRawSquared},
+      {{"relmse", "mean of (squared error, debiased) / (reference^2 + rel_eps)"},
+       Rule::kRatio,
+       kRelative},
+      {{"relmse_r", "relmse of red"}, Rule::kRatio, kRelativeOf},
+      {{"relmse_g", "relmse of green"}, Rule::kRatio, kRelativeOf + 1},
+      {{"relmse_b", "relmse of blue"}, Rule::kRatio, kRelativeOf + 2},
+      {{"relmse_trimmed", "relmse without the largest 0.1 % of the pixels (option trim)"},
+       Rule::kTrimmed},
+      {{"relmse_dropped", "what those pixels add to relmse"}, Rule::kDropped},
+      {{"mae", "mean absolute error over pixels and channels"}, Rule::kRatio, kAbsolute},
+      {{"relmae", "mean of absolute error / (|reference| + 0.01)"},
+       Rule::kRatio,
+       kRelativeAbsolute},
+      {{"smape", "mean of absolute error / (|image| + |reference| + 0.01), 0 .. 1"},
+       Rule::kRatio,
+       kSymmetric},
+      {{"se_p999", "99.9 % quantile of the pixels' squared error, not debiased"}, Rule::kQuantile},
+      {{"se_max", "largest squared error of a pixel, not debiased"}, Rule::kMaximum},
+      {{"psnr_tm", "peak signal-to-noise ratio of the tone-mapped images, dB", Better::kHigher},
+       Rule::kDecibel,
+       kToneSquared},
+      {{"ssim", "structural similarity of the tone-mapped luma, at most 1", Better::kHigher},
+       Rule::kPerceptual},
+      {{"ms_ssim", "the same over up to five scales", Better::kHigher}, Rule::kPerceptual},
+      {{"flip_ldr", "mean FLIP of the tone-mapped images, 0 .. 1"}, Rule::kPerceptual},
+      {{"flip_hdr", "mean FLIP over all exposures, 0 .. 1 (option perceptual=all)"},
+       Rule::kPerceptual},
+      {{"energy_ratio", "sum of the image / sum of the reference", Better::kOne},
+       Rule::kRatio,
+       kEnergy,
+       kReferenceEnergy},
+  };
+  for (int d = 0; d < kDeciles; ++d) {
+    list.push_back({{fmt::format("energy_ratio_d{}", d + 1),
+                     fmt::format("energy ratio of decile {} of the reference's luminance{}", d + 1,
+                                 d == 0 ? " (the darkest)" : ""),
+                     Better::kOne},
+                    Rule::kRatio,
+                    kDecileEnergy + d,
+                    kDecileReferenceEnergy + d});
+  }
+  return list;
+}
+
+}  // namespace
+
+const std::vector<Metric>& metric_list() {
+  static const std::vector<Metric> all = make_list();
+  return all;
+}
+
+const OptionTable<MetricOptions>& metric_option_table() {
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  static const OptionTable<MetricOptions> table = {
+      number_option("rel_eps", &MetricOptions::rel_eps, 0.0, kLargest,
+                    "added to the squared reference in relmse"),
+      choice_option<MetricOptions, RelativeScale>(
+          "rel_scale", &MetricOptions::rel_scale,
+          {{"mean", RelativeScale::kMean}, {"none", RelativeScale::kNone}},
+          "relative metrics divide both images by the reference's mean luminance, or not"),
+      choice_option<MetricOptions, RelativeDenominator>(
+          "rel_denominator", &MetricOptions::rel_denominator,
+          {{"per_channel", RelativeDenominator::kPerChannel},
+           {"luminance", RelativeDenominator::kLuminance}},
+          "relmse divides each channel by itself, or all by the luminance"),
+      number_option("trim", &MetricOptions::trim, 0.0, 0.5,
+                    "share of pixels that relmse_trimmed leaves out"),
+      choice_option<MetricOptions, Perceptual>(
+          "perceptual", &MetricOptions::perceptual,
+          {{"none", Perceptual::kNone}, {"fast", Perceptual::kFast}, {"all", Perceptual::kAll}},
+          "SSIM, MS-SSIM and FLIP: none of them, all but flip_hdr, or all"),
+  };
+  return table;
+}
+
+const std::vector<MetricDescription>& metrics() {
+  static const std::vector<MetricDescription> descriptions = [] {
+    std::vector<MetricDescription> all;
+    for (const Metric& metric : metric_list())
+      all.push_back(metric.description);
+    return all;
+  }();
+  return descriptions;
+}
+
+int metric_index(std::string_view name) {
+  const std::vector<MetricDescription>& all = metrics();
+  for (std::size_t m = 0; m < all.size(); ++m) {
+    if (all[m].name == name) return static_cast<int>(m);
+  }
+  return -1;
+}
+
+}  // namespace spool

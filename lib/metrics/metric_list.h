@@ -1,0 +1,52 @@
+// The metrics by name, each as a rule on sums over pixels; of error_metrics.cpp alone.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lib/metrics/error_metrics.h"
+
+namespace spool {
+
+inline constexpr int kDeciles = 10;
+
+// Per-pixel terms whose block sums the linear metrics are ratios of.
+enum Term : int {
+  kCount,
+  kSquared,                      // mean over channels of (I - R)^2 - b
+  kSquaredOf,                    // + c
+  kRawSquared = kSquaredOf + 3,  // without b
+  kRelative,                     // mean over channels of ((I - R)^2 - b) / (D^2 + eps)
+  kRelativeOf,                   // + c
+  kAbsolute = kRelativeOf + 3,
+  kRelativeAbsolute,
+  kSymmetric,
+  kToneSquared,
+  kEnergy,                                            // sum over channels of I
+  kReferenceEnergy,                                   // sum over channels of R
+  kDecileEnergy,                                      // + decile
+  kDecileReferenceEnergy = kDecileEnergy + kDeciles,  // + decile
+  kTermCount = kDecileReferenceEnergy + kDeciles
+};
+using Terms = std::array<double, kTermCount>;
+
+enum class Rule {
+  kRatio,
+  kRootRatio,
+  kDecibel,
+  kTrimmed,
+  kDropped,
+  kQuantile,
+  kMaximum,
+  kPerceptual,  // by name, from perceptual_metrics
+};
+
+struct Metric {
+  MetricDescription description;
+  Rule rule = Rule::kRatio;
+  int numerator = 0, denominator = kCount;  // Terms, of the ratio rules
+};
+
+const std::vector<Metric>& metric_list();
+
+}  // namespace spool

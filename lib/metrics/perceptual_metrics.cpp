@@ -1,0 +1,129 @@
+#include "lib/metrics/perceptual_metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "lib/metrics/flip.h"
+#include "lib/metrics/structural_similarity.h"
+#include "lib/metrics/tone_map.h"
+
+namespace spool {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Block sums and counts of a map's finite values; pixel (x, y) of the map lies at (x, y) * scale.
+struct BlockMeans {
+  std::vector<double> sum, count;
+
+  BlockMeans(const Plane& map, int scale, const BlockBootstrap& bootstrap)
+      : sum(static_cast<std::size_t>(bootstrap.blocks()), 0.0), count(sum) {
+    for (int y = 0; y < map.height(); ++y) {
+      for (int x = 0; x < map.width(); ++x) {
+        if (!std::isfinite(map(x, y))) continue;
+        const auto block = static_cast<std::size_t>(bootstrap.block_of(x * scale, y * scale));
+        sum[block] += map(x, y);
+        count[block] += 1.0;
+      }
+    }
+  }
+  double mean(std::span<const double> weights) const {
+    return quotient(weighted_sum(sum, weights), weighted_sum(count, weights));
+  }
+};
+
+using Statistic = std::function<double(std::span<const double> weights)>;
+
+PerceptualValue bootstrapped(std::string name, const BlockBootstrap& bootstrap,
+                             const Statistic& statistic) {
+  PerceptualValue value{std::move(name), {}, {}};
+  value.estimate.value = statistic({});
+  if (bootstrap.blocks() < 2) return value;
+  for (int r = 0; r < bootstrap.resamples(); ++r)
+    value.resampled.push_back(statistic(bootstrap.weights(r)));
+  value.estimate.standard_error = standard_error_of(value.resampled);
+  return value;
+}
+
+// Tone-mapped luma, NaN where not judged.
+Plane luma(const RgbImage& image, double exposure, const Image<std::uint8_t>& judged) {
+  Plane result(judged.width(), judged.height(), kNaN);
+  for (std::size_t p = 0; p < result.size(); ++p) {
+    if (!judged[p]) continue;
+    result[p] = luminance(tone_mapped(image[0][p], exposure), tone_mapped(image[1][p], exposure),
+                          tone_mapped(image[2][p], exposure));
+  }
+  return result;
+}
+
+// Radiance times `factor`, 0 where not judged so that both images agree there.
+RgbImage scaled(const RgbImage& image, double factor, const Image<std::uint8_t>& judged) {
+  RgbImage result = make_rgb(judged.width(), judged.height());
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t p = 0; p < judged.size(); ++p) {
+      if (judged[p]) result[c][p] = factor * image[c][p];
+    }
+  }
+  return result;
+}
+
+Plane only_judged(Plane map, const Image<std::uint8_t>& judged) {
+  for (std::size_t p = 0; p < map.size(); ++p) {
+    if (!judged[p]) map[p] = kNaN;
+  }
+  return map;
+}
+
+PerceptualValue ms_ssim(const Plane& a, const Plane& b, const BlockBootstrap& bootstrap) {
+  const std::vector<SimilarityMaps> maps = ms_ssim_maps(a, b);
+  std::vector<BlockMeans> scales;
+  for (std::size_t j = 0; j < maps.size(); ++j) {
+    const bool last = j + 1 == maps.size();
+    scales.emplace_back(last ? maps[j].ssim : maps[j].contrast_structure, 1 << j, bootstrap);
+  }
+  const std::vector<double> weights = ms_ssim_weights(static_cast<int>(maps.size()));
+  return bootstrapped("ms_ssim", bootstrap, [&](std::span<const double> blocks) {
+    std::vector<double> means;
+    for (const BlockMeans& scale : scales)
+      means.push_back(scale.mean(blocks));
+    return ms_ssim_value(means, weights);
+  });
+}
+
+PerceptualValue map_mean(const char* name, const Plane& map, const BlockBootstrap& bootstrap) {
+  const BlockMeans means(map, 1, bootstrap);
+  return bootstrapped(name, bootstrap,
+                      [&](std::span<const double> blocks) { return means.mean(blocks); });
+}
+
+}  // namespace
+
+std::vector<PerceptualValue> perceptual_metrics(const RgbImage& estimate, const RgbImage& reference,
+                                                const Image<std::uint8_t>& judged,
+                                                const BlockBootstrap& bootstrap, Perceptual which,
+                                                GuardCounts& guards) {
+  std::vector<PerceptualValue> values = {
+      {"ssim", {}, {}}, {"ms_ssim", {}, {}}, {"flip_ldr", {}, {}}, {"flip_hdr", {}, {}}};
+  if (which == Perceptual::kNone) return values;
+  const double exposure = tone_map_exposure(reference, judged);
+  const Plane a = luma(estimate, exposure, judged), b = luma(reference, exposure, judged);
+  if (ssim_window(a.width(), a.height()) < kSsimWindow || ms_ssim_scales(a.width(), a.height()) < 5)
+    guards.add(Guard::kSmallImage);
+  values[0] = map_mean("ssim", ssim_maps(a, b).ssim, bootstrap);
+  values[1] = ms_ssim(a, b, bootstrap);
+  values[2] = map_mean("flip_ldr",
+                       only_judged(flip_ldr_map(scaled(reference, exposure, judged),
+                                                scaled(estimate, exposure, judged)),
+                                   judged),
+                       bootstrap);
+  if (which != Perceptual::kAll) return values;
+  const auto hdr = flip_hdr_map(scaled(reference, 1.0, judged), scaled(estimate, 1.0, judged));
+  if (hdr) values[3] = map_mean("flip_hdr", only_judged(*hdr, judged), bootstrap);
+  return values;
+}
+
+}  // namespace spool

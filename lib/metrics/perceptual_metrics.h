@@ -1,0 +1,35 @@
+// SSIM, MS-SSIM and FLIP of two radiance images, with bootstrap standard errors.
+//
+// SSIM, MS-SSIM and LDR-FLIP look at the images tone-mapped by the reference's exposure
+// (tone_map.h), HDR-FLIP at the radiance. Unlike squared errors they cannot be debiased: noise in
+// the reference counts as error, so they want a clean one. Standard errors resample the pixels'
+// values by blocks; a value belongs to the block of its window's centre.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lib/core/guards.h"
+#include "lib/core/image.h"
+#include "lib/metrics/bootstrap.h"
+
+namespace spool {
+
+// Which of them are computed; HDR-FLIP costs several times what all others do.
+enum class Perceptual { kNone, kFast, kAll };
+
+struct PerceptualValue {
+  std::string name;
+  Estimate estimate;              // NaN: not asked for, or not defined
+  std::vector<double> resampled;  // [resample], empty where there is no standard error
+};
+
+// ssim, ms_ssim, flip_ldr, flip_hdr, in this order. Pixels with judged == 0 are left out; windows
+// of SSIM that hold one are too.
+std::vector<PerceptualValue> perceptual_metrics(const RgbImage& estimate, const RgbImage& reference,
+                                                const Image<std::uint8_t>& judged,
+                                                const BlockBootstrap& bootstrap, Perceptual which,
+                                                GuardCounts& guards);
+
+}  // namespace spool

@@ -1,0 +1,31 @@
+#include "lib/metrics/tone_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/core/pairwise_sum.h"
+
+namespace spool {
+
+double tone_map_exposure(const RgbImage& reference, const Image<std::uint8_t>& judged) {
+  const std::size_t size = reference[0].size();
+  const auto counts = [&](std::size_t p) { return judged.empty() || judged[p] != 0; };
+  const double n = pairwise_sum(size, [&](std::size_t p) { return counts(p) ? 1.0 : 0.0; });
+  if (n == 0.0) return 1.0;
+  const double sum = pairwise_sum(size, [&](std::size_t p) {
+    if (!counts(p)) return 0.0;
+    return std::log(std::max(luminance(reference[0][p], reference[1][p], reference[2][p]), 0.0) +
+                    1e-4);
+  });
+  return 0.18 / std::exp(sum / n);
+}
+
+double srgb_encoded(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+double tone_mapped(double value, double exposure) {
+  return srgb_encoded(std::clamp(exposure * value, 0.0, 1.0));
+}
+
+}  // namespace spool

@@ -1,0 +1,234 @@
+#include "lib/experiment/plan.h"
+
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace spool {
+namespace {
+
+struct ToyOptions {
+  double alpha = 0.5;
+  bool fast = false;
+};
+const OptionTable<ToyOptions> kToyTable = {
+    number_option("alpha", &ToyOptions::alpha, 0.0, 1.0, "a share"),
+    switch_option("fast", &ToyOptions::fast, "quickly")};
+
+// An entry that knows the toy options and the preset "robust".
+template <class Entry, class Function>
+Entry toy(const std::string& name) {
+  Entry entry;
+  entry.name = name;
+  entry.presets = {"robust"};
+  entry.make = [](std::string_view preset, const OptionValues& set) -> Result<Function> {
+    if (!preset.empty() && preset != "robust") {
+      return fail(ErrorCode::kUsage, "unknown preset '{}'", preset);
+    }
+    SPOOL_ASSIGN(const ToyOptions options, with_options(kToyTable, ToyOptions{}, set));
+    static_cast<void>(options);
+    return Function{};
+  };
+  return entry;
+}
+
+const std::vector<SamplerEntry> kSamplers = {toy<SamplerEntry, SamplerFunction>("uniform"),
+                                             toy<SamplerEntry, SamplerFunction>("multiscale")};
+const std::vector<ReconstructorEntry> kFilters = {
+    toy<ReconstructorEntry, ReconstructorFunction>("box")};
+
+Result<Plan> parse(std::string_view text) {
+  return parse_plan(text, "plan.toml", "lab", {kSamplers, kFilters});
+}
+
+constexpr std::string_view kFull = R"(
+title = "sweep"
+recordings = ["a.spool", "../b.spool"]
+spp = [2, 4.5]
+replicates = 3
+seed = 9
+order = "recorded"
+reference = "holdout"
+holdout = 12
+pieces_per_side = 2
+samplers = ["uniform"]
+filters = "box"
+[[sampler]]
+name = "multiscale"
+preset = ["robust", ""]
+alpha = [0.25, 0.5, 1]
+fast = true
+[pool]
+negative = "clamp0"
+[metrics]
+trim = 0.01
+perceptual = "none"
+)";
+
+TEST(Plan, SaysEverything) {
+  const auto plan = parse(kFull);
+  ASSERT_TRUE(plan.has_value()) << plan.error().message;
+  EXPECT_EQ(plan->recordings, (std::vector<std::string>{"lab/a.spool", "b.spool"}));
+  EXPECT_EQ(plan->spp, (std::vector<double>{2, 4.5}));
+  EXPECT_EQ(plan->replicates, 3);
+  EXPECT_EQ(plan->experiment.seed, 9u);
+  EXPECT_EQ(plan->experiment.order, PoolOrder::kRecorded);
+  EXPECT_EQ(plan->experiment.reference, ReferenceKind::kHoldout);
+  EXPECT_EQ(plan->experiment.holdout, 12);
+  EXPECT_EQ(plan->experiment.pieces_per_side, 2);
+  EXPECT_EQ(plan->rules.negative, NegativeRule::kClampToZero);
+  EXPECT_EQ(plan->experiment.metrics.trim, 0.01);
+  EXPECT_EQ(plan->experiment.metrics.perceptual, Perceptual::kNone);
+}
+
+TEST(Plan, SweepsAreWrittenOut) {
+  const auto plan = parse(kFull);
+  ASSERT_TRUE(plan.has_value());
+  std::vector<std::string> labels;
+  for (const MethodChoice& sampler : plan->samplers)
+    labels.push_back(sampler.label());
+  EXPECT_EQ(labels, (std::vector<std::string>{
+                        "uniform", "multiscale:robust{alpha=0.25,fast=on}",
+                        "multiscale{alpha=0.25,fast=on}", "multiscale:robust{alpha=0.5,fast=on}",
+                        "multiscale{alpha=0.5,fast=on}", "multiscale:robust{alpha=1,fast=on}",
+                        "multiscale{alpha=1,fast=on}"}));
+  EXPECT_EQ(plan->cells().size(), 2u * 7 * 2 * 3 * 1);
+}
+
+TEST(Plan, MistakesAreNamedWithTheirLine) {
+  const std::string good =
+      "recordings = 'a.spool'\nspp = 4\nsamplers = 'uniform'\nfilters = 'box'\n";
+  ASSERT_TRUE(parse(good).has_value());
+  const std::map<std::string, std::string> mistakes = {
+      {"replicate = 3", "plan.toml:5: unknown key 'replicate', did you mean 'replicates'?"},
+      {"replicates = 0", "plan.toml:5: option replicates: 0 is outside"},
+      {"replicates = 2.5", "plan.toml:5: option replicates: '2.5' is not a whole number"},
+      {"reference = 'holdut'", "plan.toml:5: unknown reference 'holdut': did you mean 'holdout'?"},
+      {"order = 'random'", "plan.toml:5: order is shuffled or recorded"},
+      {"[[sampler]]\nname = 'multiscal'",
+       "plan.toml:5: unknown sampler 'multiscal', did you mean 'multiscale'?"},
+      {"[[sampler]]\nname = 'multiscale'\nalhpa = 0.5",
+       "plan.toml:5: sampler multiscale: unknown option 'alhpa': did you mean 'alpha'?"},
+      {"[[sampler]]\nname = 'multiscale'\nalpha = [0.5, 7]", "option alpha: 7 is outside"},
+      {"[[sampler]]\nname = 'multiscale'\npreset = 'x'", "unknown preset 'x'"},
+      {"[[sampler]]\nname = 'multiscale'\nalpha = []", "'alpha' has no value"},
+      {"[[sampler]]\nalpha = 1", "this sampler has no name"},
+      {"[[sampler]]\nname = 'uniform'", "sampler uniform is there twice"},
+      {"threads = [1, 1]", "plan.toml:5: threads 1 is there twice"},
+      {"threads = []", "plan.toml:5: 'threads' has no value"},
+      {"repeats = 0", "plan.toml:5: option repeats: 0 is outside"},
+      {"pictures = 3", "plan.toml:5: pictures is true or false"},
+      {"[pool]\nnegativ = 1", "plan.toml:6: unknown option 'negativ'"},
+      {"[metrics]\ntrim = 'x'", "plan.toml:6: option trim: 'x' is not a number"},
+      {"seed = {}", "a number, a text or true/false"},
+      {"seed = = 3", "plan.toml:5:"},
+  };
+  for (const auto& [line, message] : mistakes) {
+    const auto plan = parse(good + line);
+    ASSERT_FALSE(plan.has_value()) << line;
+    EXPECT_EQ(plan.error().code, ErrorCode::kUsage);
+    EXPECT_NE(plan.error().message.find(message), std::string::npos)
+        << line << "\n  gave " << plan.error().message;
+  }
+  EXPECT_FALSE(parse("").has_value());
+  EXPECT_FALSE(
+      parse("recordings = 'a'\nspp = []\nsamplers = 'uniform'\nfilters = 'box'").has_value());
+  EXPECT_FALSE(parse("recordings = 'a'\nspp = 4\nfilters = 'box'").has_value());
+}
+
+TEST(Plan, RecordingsWithOneNameAreRefused) {
+  const std::string rest = "\nspp = 4\nsamplers = 'uniform'\nfilters = 'box'\n";
+  for (const char* recordings :
+       {"recordings = ['a/x.spool', 'b/x.spool']", "recordings = ['a.spool', 'a.spool']"}) {
+    EXPECT_FALSE(parse(recordings + rest).has_value()) << recordings;
+  }
+  EXPECT_FALSE(
+      parse("recordings = 'a'\nspp = [4, 4]\nsamplers = 'uniform'\nfilters = 'box'").has_value());
+}
+
+TEST(Plan, MethodsWithAColonAreMadeByWhoeverCan) {
+  const std::string text =
+      "recordings = 'a.spool'\nspp = 4\nsamplers = 'exec:python3 mine.py'\nfilters = 'box'\n";
+  EXPECT_FALSE(parse(text).has_value());
+  std::string asked;
+  const PlanVocabulary vocabulary{kSamplers, kFilters,
+                                  [&](const MethodChoice& choice) -> Result<SamplerFunction> {
+                                    asked = choice.name;
+                                    return SamplerFunction{};
+                                  },
+                                  nullptr};
+  const auto plan = parse_plan(text, "plan.toml", "lab", vocabulary);
+  ASSERT_TRUE(plan.has_value()) << plan.error().message;
+  EXPECT_EQ(asked, "exec:python3 mine.py");
+  EXPECT_EQ(plan->samplers[0].label(), "exec:python3 mine.py");
+}
+
+TEST(Plan, ItsTextReadsBackToTheSameCells) {
+  Plan plan = *parse(kFull);
+  plan.threads = {1, 4};
+  plan.experiment.repeats = 3;
+  plan.pictures = false;
+  const auto again = parse(plan_text(plan));
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(again->threads, plan.threads);
+  EXPECT_FALSE(again->pictures);
+  const std::vector<Cell> cells = plan.cells(), others = again->cells();
+  ASSERT_EQ(others.size(), cells.size());
+  std::set<std::string> ids, other_ids;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    ids.insert(cell_id(cells[i], plan));
+    other_ids.insert(cell_id(others[i], *again));
+  }
+  EXPECT_EQ(other_ids, ids);
+}
+
+TEST(Plan, MissingFileIsAnIoError) {
+  const auto plan = read_plan("no/such/plan.toml", {kSamplers, kFilters});
+  ASSERT_FALSE(plan.has_value());
+  EXPECT_EQ(plan.error().code, ErrorCode::kIo);
+}
+
+TEST(Plan, CellIdsAreUniqueAndFollowWhatDecidesTheResult) {
+  const Plan plan = *parse(kFull);
+  std::set<std::string> ids;
+  for (const Cell& cell : plan.cells())
+    ids.insert(cell_id(cell, plan));
+  EXPECT_EQ(ids.size(), plan.cells().size());
+  const Cell cell = plan.cells()[5];
+  Plan other = plan;
+  other.title = "renamed";
+  other.replicates = 50;
+  EXPECT_EQ(cell_id(cell, other), cell_id(cell, plan));
+  other.experiment.seed = 10;
+  EXPECT_NE(cell_id(cell, other), cell_id(cell, plan));
+  other = plan;
+  other.experiment.metrics.trim = 0.0;
+  EXPECT_NE(cell_id(cell, other), cell_id(cell, plan));
+  Cell moved = cell;
+  moved.dump = "elsewhere/" + std::filesystem::path(cell.dump).filename().string();
+  EXPECT_EQ(cell_id(moved, plan), cell_id(cell, plan));
+}
+
+TEST(Plan, ShardsCoverEveryCellOnceAndKeepSamplingRunsTogether) {
+  Plan plan = *parse(kFull);
+  plan.filters.push_back({"box", "robust", {}});
+  std::map<std::string, std::set<int>> shards_of_run;
+  std::vector<int> cells_of_shard(3, 0);
+  for (const Cell& cell : plan.cells()) {
+    const int shard = shard_of(cell, plan, 3);
+    ASSERT_GE(shard, 0);
+    ASSERT_LT(shard, 3);
+    ++cells_of_shard[static_cast<std::size_t>(shard)];
+    shards_of_run[fmt::format("{} {} {} {}", cell.dump, cell.sampler.label(), cell.spp,
+                              cell.replicate)]
+        .insert(shard);
+  }
+  for (const auto& [run, shards] : shards_of_run)
+    EXPECT_EQ(shards.size(), 1u) << run;
+  for (const int cells : cells_of_shard)
+    EXPECT_GT(cells, 0);
+}
+
+}  // namespace
+}  // namespace spool

@@ -1,0 +1,149 @@
+// The baselines against their slow twins.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lib/filters/greedy_selection.h"
+#include "lib/filters/multistage.h"
+#include "lib/filters/nl_means.h"
+#include "lib/filters/wavelet_transform.h"
+#include "lib/kernels/piece_estimates.h"
+#include "lib/kernels/pixel_base.h"
+#include "tests/filters/small_pools.h"
+#include "tests/reference/greedy_selection_reference.h"
+#include "tests/reference/multistage_reference.h"
+#include "tests/reference/nl_means_reference.h"
+#include "tests/reference/test_images.h"
+#include "tests/reference/wavelet_transform_reference.h"
+#include "tests/support/sizes.h"
+
+namespace spool {
+namespace {
+
+using testing::make_pool;
+using testing::noisy_picture;
+using testing::select_counts;
+
+std::vector<FilmPosition> random_film(int spp) {
+  std::vector<FilmPosition> film;
+  for (int s = 0; s < spp; ++s) {
+    film.push_back(
+        {static_cast<float>(unit_double(mix(1, s))), static_cast<float>(unit_double(mix(2, s)))});
+  }
+  return film;
+}
+
+TEST(GreedySelectionDifferential, ImagesVariancesAndScalesAgree) {
+  for (const auto& [width, height] : test::twin_sizes()) {
+    for (const bool subpixel : {false, true}) {
+      const SamplePool pool =
+          make_pool(width, height, 8, noisy_picture(width, height, 7), {}, random_film(8));
+      const Selection selection =
+          select_counts(pool, [](int x, int y) { return 4 + (3 * x + y) % 5; });
+      GreedySelectionOptions options;
+      options.grid = subpixel ? GreedyGrid::kSubpixel : GreedyGrid::kPixel;
+      options.scales = 6;
+      const auto result = reconstruct_greedy_selection(selection, pool, {}, options);
+      ASSERT_TRUE(result.has_value());
+
+      const PieceStatistics& statistics = selection.statistics;
+      GuardCounts guards;
+      const double exposure = analysis_exposure(statistics, 1.0, true, guards);
+      const auto pieces = estimate_pieces(statistics, {}, exposure, guards);
+      Plane n(width, height);
+      for (std::size_t i = 0; i < n.size(); ++i)
+        n[i] = statistics.n[i];
+      const RgbImage cells = cell_means(statistics, pool, statistics.mean);
+      const auto expected =
+          reference::greedy_selection(pieces->mean, pieces->variance, n,
+                                      subpixel ? &cells : nullptr, 6, options.gamma, options.alpha);
+      for (std::size_t i = 0; i < n.size(); ++i) {
+        if (expected.margin[i] < 1e-12) continue;  // decided by rounding
+        ASSERT_EQ((*result->level)[i], expected.level[i]) << width << "x" << height << subpixel;
+        for (std::size_t c = 0; c < 3; ++c) {
+          ASSERT_NEAR(result->image[c][i], expected.image[c][i], 1e-13);
+          ASSERT_NEAR((*result->variance)[c][i], expected.variance[c][i], 1e-14);
+        }
+      }
+    }
+  }
+}
+
+TEST(NlMeansDifferential, WeightsAgreeWithTheDefinition) {
+  for (const auto& [width, height] : test::twin_sizes()) {
+    RgbImage target = make_rgb(width, height);
+    HalfImage guide{target, target};
+    for (std::size_t c = 0; c < 3; ++c) {
+      target[c] = reference::noise_image(width, height, 30 + c);
+      guide.mean[c] = reference::noise_image(width, height, 40 + c);
+      guide.variance[c] = reference::noise_image(width, height, 50 + c);
+      for (double& v : guide.variance[c].pixels())
+        v = 0.5 * v * v;
+    }
+    PatchFilterOptions options;
+    options.window = 3;
+    options.patch = 1;
+    const RgbImage out = filter_with_guide(target, guide, options);
+    const RgbImage expected = reference::filter_with_guide(target, guide, options);
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_LT(reference::max_difference(out[c], expected[c]), 1e-13) << width << "x" << height;
+  }
+}
+
+TEST(MultistageDifferential, PixelsAgreeWhereTheyAreDefined) {
+  for (const int q : {1, 2}) {
+    for (const auto& [width, height] : test::twin_sizes()) {
+      const SamplePool pool = make_pool(width, height, 12, noisy_picture(width, height, 8),
+                                        {.pieces_per_side = q}, random_film(12));
+      const Selection selection = select_counts(pool, [](int x, int y) { return (x + 2 * y) % 4; });
+      const auto result = reconstruct_multistage(selection, pool, {}, {});
+      if (!result.has_value()) continue;  // nothing sampled at all
+      int defined = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Plane expected = reference::multistage(selection.statistics, pool, c);
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+          if (std::isnan(expected[i])) continue;
+          ++defined;
+          ASSERT_NEAR(result->image[c][i], expected[i], 1e-13);
+        }
+      }
+      EXPECT_GT(defined, 0);
+    }
+  }
+}
+
+TEST(WaveletTransformDifferential, OneLevelAgreesForValuesAndVariances) {
+  for (const auto& [width, height] : {std::pair{2, 2}, {2, 8}, {6, 4}, {16, 10}, {32, 34}}) {
+    const Plane image = reference::noise_image(width, height, 60);
+    for (const auto of : {TransformOf::kValues, TransformOf::kVariances}) {
+      Plane transformed = image;
+      forward_transform(transformed, TransformWavelet::kCdf97, 1, of);
+      const Plane expected = reference::forward_level(image, of == TransformOf::kValues ? 1 : 2);
+      EXPECT_LT(reference::max_difference(transformed, expected), 1e-13) << width << "x" << height;
+    }
+  }
+}
+
+TEST(WaveletTransform, HaarsCoefficientsOfFourPixelsShareTheirVariances) {
+  Plane variance(2, 2);
+  for (std::size_t i = 0; i < 4; ++i)
+    variance[i] = static_cast<double>(i + 1);
+  forward_transform(variance, TransformWavelet::kHaar, 1, TransformOf::kVariances);
+  for (const double v : variance.pixels())  // of (a +- b +- c +- d) / 2
+    EXPECT_DOUBLE_EQ(v, 2.5);
+}
+
+TEST(WaveletTransformDifferential, InverseUndoesForward) {
+  for (const auto wavelet : {TransformWavelet::kCdf97, TransformWavelet::kHaar}) {
+    for (const auto& [width, height] : {std::pair{16, 16}, {16, 48}, {80, 32}}) {
+      const Plane image = reference::firefly_image(width, height, 61);
+      Plane back = image;
+      forward_transform(back, wavelet, 4, TransformOf::kValues);
+      inverse_transform(back, wavelet, 4);
+      EXPECT_LT(reference::max_difference(back, image), 1e-12 * reference::max_abs(image));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace spool
