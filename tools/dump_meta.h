@@ -1,4 +1,4 @@
-// What the remarks of a dump say.
+// Remarks that a recorder left in a dump's meta data.
 #pragma once
 
 #include <optional>

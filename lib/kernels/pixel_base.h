@@ -24,7 +24,7 @@ Plane filter_cells(const Plane& cells);
 RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool& pool,
                              const RgbImage& pixel_mean);
 
-// A kernel over pixels: taps for values, and what stands for their squares in a variance. On the
+// A convolution kernel over pixels: taps for values, and the squared taps that a variance is convolved with. On the
 // subpixel grid a pixel's tap is the sum over its cells and the square 4 times the sum of squares
 // (the mean of a cell has 4 x 4 times the variance of the pixel's mean).
 struct PixelKernel {

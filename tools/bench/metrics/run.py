@@ -24,7 +24,7 @@ TEXT = """# Metrics against independent implementations
 Written by `tools/dev.sh bench metrics`. Images of recordings in `dumps/tiny` (uniform samples at 8 per pixel, box filter;
 64 x 64 pixels) and of scene S (192 x 192, fireflies), against their references, as `spool metrics A.exr B.exr --set
 perceptual=all` and as other people's programs find them: scikit-image {skimage}, flip-evaluator {flip} (the Python package of
-FLIP's authors), and formulas of algorithms.md in numpy where nobody publishes a program for the metric. The tone map before
+FLIP's authors), and the published formulas in numpy where nobody publishes a program for the metric. The tone map before
 PSNR, SSIM and LDR-FLIP is numpy's here.
 
 {table}

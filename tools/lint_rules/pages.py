@@ -1,0 +1,89 @@
+"""Pages: links lead somewhere, every page can be reached from README.md, decisions are numbered once.
+
+Also names of pages in text and code: `algorithms.md` in a comment is a promise that there is such a page.
+"""
+
+import re
+from pathlib import Path
+
+LINK = re.compile(r"\]\(([^)\s#]*)(?:#([^)\s]*))?\)")
+PAGE_NAME = re.compile(r"(?<![\w/.*-])((?:[\w.-]+/)*[\w-]+\.md)\b")
+DECISION = re.compile(r"^(\d{4})-[\w-]+\.md$")
+START = Path("README.md")
+
+
+def anchor_of(heading):
+    """As GitHub makes them."""
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+def anchors(page):
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    return {anchor_of(re.sub(r"[`*]|\]\([^)]*\)|\[", "", line)) for line in re.findall(r"^#+ (.+)$", text, re.M)}
+
+
+def links(page):
+    for target, anchor in LINK.findall(page.read_text(encoding="utf-8")):
+        if "://" in target or target.startswith("mailto:"):
+            continue
+        yield (page.parent / target if target else page), anchor
+
+
+def dead_links(pages):
+    for page in pages:
+        for target, anchor in links(page):
+            if not target.exists():
+                yield f"{page}: a dead link to {target}"
+            elif anchor and target.suffix == ".md" and anchor not in anchors(target):
+                yield f"{page}: {target} has no heading #{anchor}"
+
+
+def unreached(pages):
+    reached, waiting = set(), [START]
+    while waiting:
+        page = waiting.pop()
+        if page.resolve() in reached or not page.exists():
+            continue
+        reached.add(page.resolve())
+        waiting += [target / "README.md" if target.is_dir() else target for target, _ in links(page)
+                    if target.suffix == ".md" or target.is_dir()]
+    for page in pages:
+        if page.resolve() not in reached:
+            yield f"{page}: no page leads here; link it from docs/README.md"
+
+
+def missing_names(files, pages):
+    names = {page.name for page in pages}
+    for path in files:
+        text = path.read_text(encoding="utf-8", errors="replace")
+        for number, line in enumerate(text.splitlines(), 1):
+            for name in PAGE_NAME.findall(line):
+                if Path(name).name not in names:
+                    yield f"{path}:{number}: there is no page {name}"
+
+
+def decisions():
+    numbers = {}
+    for page in sorted(Path("docs/decisions").glob("*.md")):
+        if page.name == "README.md":
+            continue
+        match = DECISION.match(page.name)
+        if not match:
+            yield f"{page}: name it NNNN-what-it-says.md"
+            continue
+        if match[1] in numbers:
+            yield f"{page}: {numbers[match[1]]} has the same number"
+        numbers[match[1]] = page
+        title = page.read_text(encoding="utf-8").split("\n", 1)[0]
+        if not re.match(rf"# {match[1]} \S", title):
+            yield f"{page}: its first line is no '# {match[1]} title'"
+
+
+def check(files):
+    pages = [path for path in files if path.suffix == ".md"]
+    code = [path for path in files if path.suffix in {".h", ".cpp", ".py", ".sh", ".md", ".cmake"}
+            and "golden" not in path.parts and "lint_rules" not in path.parts]
+    yield from dead_links(pages)
+    yield from unreached(pages)
+    yield from missing_names(code, pages)
+    yield from decisions()
