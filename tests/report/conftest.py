@@ -1,3 +1,4 @@
+import hashlib
 import sys
 from pathlib import Path
 
@@ -19,4 +20,22 @@ def made_folder(tmp_path_factory):
     rows = make_rows()
     write_results(folder, rows)
     write_images(folder, rows, dump_names(dict.fromkeys(row["dump"] for row in rows)), file_name_of)
+    return folder
+
+
+@pytest.fixture
+def assets_cache(tmp_path, monkeypatch):
+    """Stand-ins for the scripts of others, so that no network is needed."""
+    import assets
+
+    folder = tmp_path / "assets"
+    folder.mkdir()
+    pinned = {}
+    for asset in assets.ASSETS:
+        for file in (asset.script, asset.licence):
+            data = f"// {file} <!-- </script>".encode()
+            (folder / file).write_bytes(data)
+            pinned[file] = hashlib.sha256(data).hexdigest()
+    monkeypatch.setenv("SPOOL_REPORT_ASSETS", str(folder))
+    monkeypatch.setattr(assets, "pinned_hashes", lambda: pinned)
     return folder

@@ -269,6 +269,15 @@ def test_hostile_names_do_nothing(browser, tmp_path):
     assert opened.errors == []
 
 
+def test_no_button_sends_figures_away(opened):
+    """The chart library's own server and its button are off: the page makes no connection."""
+    titles = opened.page.locator(".modebar-btn").evaluate_all("all => all.map(b => b.dataset.title || '')")
+    assert titles and not [t for t in titles if "loud" in t or "hare" in t or "tudio" in t], titles
+    assert opened.page.locator(".modebar-btn--logo").count() == 0
+    assert opened.page.evaluate("[...document.querySelectorAll('.js-plotly-plot')].map(p => p._context.plotlyServerURL)"
+                                ".join('')") == ""
+
+
 def test_without_images_the_page_says_so(browser, tmp_path):
     write_results(tmp_path, make_rows())
     assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 0

@@ -1,4 +1,3 @@
-import hashlib
 import json
 import re
 
@@ -6,7 +5,6 @@ import numpy as np
 import pytest
 from made_results import make_rows, write_images, write_results
 
-import assets
 from assets import ASSETS, load_asset, pinned_hashes
 from failure import Failure
 from image_packing import pack_counts, pack_half
@@ -15,22 +13,6 @@ from report import main
 from result_images import dump_names, file_name_of, find_images, pack_images
 
 HOSTILE = '</script><script>alert(1)</script>"&\'<img src=x onerror=alert(2)>'
-
-
-@pytest.fixture
-def assets_cache(tmp_path, monkeypatch):
-    """Stand-ins for the scripts of others, so that no network is needed."""
-    folder = tmp_path / "assets"
-    folder.mkdir()
-    pinned = {}
-    for asset in ASSETS:
-        for file in (asset.script, asset.licence):
-            data = f"// {file} <!-- </script>".encode()
-            (folder / file).write_bytes(data)
-            pinned[file] = hashlib.sha256(data).hexdigest()
-    monkeypatch.setenv("SPOOL_REPORT_ASSETS", str(folder))
-    monkeypatch.setattr(assets, "pinned_hashes", lambda: pinned)
-    return folder
 
 
 def test_every_asset_is_pinned():

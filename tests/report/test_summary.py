@@ -154,6 +154,10 @@ def test_guards_are_parsed():
     (lambda text: text.replace("sampler,", "sampled,", 1), "no column sampler"),
     (lambda text: text + text.splitlines()[1] + "\n", "repeats"),
     (lambda text: text.replace(",8,", ",eight,", 1), "no number"),
+    (lambda text: text.replace(",8,", ",nan,", 1), "'nan' is no number"),
+    (lambda text: text.replace(",8,", ",inf,", 1), "'inf' is no number"),
+    (lambda text: text.replace(",8,", ",-8,", 1), "'-8' is no number"),
+    (lambda text: text.replace(",8,", ",,", 1), "column spp"),
     (lambda text: text.splitlines()[0] + "\n", "no results"),
     (lambda text: "", "no column"),
 ])

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 
@@ -11,6 +12,7 @@ import pytest
 import spool
 from assets import ASSETS, cache_folder, pinned_hashes
 from exr_image import read_exr, rgb
+from report import main
 from results_table import read_results
 
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
@@ -95,3 +97,57 @@ def test_what_is_missing_is_named_in_one_line(evaluated, tmp_path):
     failed(run("report", evaluated / "results", "-o", output, SPOOL_PYTHON=sys.executable, PYTHONPATH=str(tmp_path)), 2,
            "no numpy")
     assert not output.exists() and pinned_hashes()
+
+
+def leaves(value, path=()):
+    """(path, value) of every leaf; of a list, only the first and the last entry."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from leaves(item, (*path, key))
+    elif isinstance(value, list) and value:
+        for i in sorted({0, len(value) - 1}):
+            yield from leaves(value[i], (*path, i))
+    yield path, value
+
+
+def replaced(value, path, new):
+    if not path:
+        return new
+    copy = dict(value) if isinstance(value, dict) else list(value)
+    copy[path[0]] = replaced(value[path[0]], path[1:], new)
+    return copy
+
+
+@pytest.mark.parametrize("name", ["statistics.json", "manifest.json"])
+def test_no_file_of_the_folder_puts_markup_or_a_traceback_into_the_page(evaluated, tmp_path, capsys, assets_cache, name):
+    """Every place of the file in turn holds markup, the wrong type, NaN: a page without it, or one sentence."""
+    folder = tmp_path / "r"
+    folder.mkdir()
+    for file in ("results.csv", "statistics.json", "manifest.json"):
+        shutil.copy(evaluated / "results" / file, folder)
+    sound = json.loads((folder / name).read_text())
+    pages = refusals = 0
+    for path, _ in leaves(sound):
+        for new in ('<h1><meta http-equiv=refresh content="1;url=http://127.0.0.1/">', 7, None, float("nan"), [], {}):
+            (folder / name).write_text(json.dumps(replaced(sound, path, new)))
+            code = main([str(folder), "-o", str(tmp_path / "a.html"), "--force"])
+            error = capsys.readouterr().err
+            if code == 0:
+                pages += 1
+                html = (tmp_path / "a.html").read_text()
+                assert "<meta http-equiv=refresh" not in html, path
+            else:
+                refusals += 1
+                assert code == 1 and error.count("\n") == 1 and "Error" not in error, (path, new, error)
+    assert pages > 50 and (refusals > 20 or name != "statistics.json")
+
+
+def test_what_is_no_json_or_nested_too_deep_is_said_in_a_sentence(evaluated, tmp_path, capsys, assets_cache):
+    shutil.copy(evaluated / "results" / "results.csv", tmp_path)
+    for name in ("statistics.json", "manifest.json"):
+        for text in ("{", "[" * 200000, "\udcff".encode("utf-8", "surrogateescape")):
+            (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+            assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 1
+            error = capsys.readouterr().err
+            assert name in error and error.count("\n") == 1 and "Error" not in error
+        (tmp_path / name).unlink()

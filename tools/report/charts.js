@@ -102,6 +102,7 @@ function drawChart(target, combinations, x, xTitle, xTicks, withFront) {
     hoverlabel: {bgcolor: style.getPropertyValue('--panel').trim(), font: {color: ink}},
   };
   Plotly.react(target, lines, layout, {responsive: true, displaylogo: false,
+    showSendToCloud: false, plotlyServerURL: '',  // the page makes no connection
     modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d']});
 }
 

@@ -2,8 +2,14 @@
 
 import math
 
+from failure import Failure
+
 
 def number_text(value, digits=4):
+    """Never anything but a number: figures go into the page as they come from here."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise Failure(f"statistics.json: {str(value)[:40]!r} stands where a number belongs: "
+                      "delete it or run spool evaluate again")
     if math.isnan(value):
         return "not known"
     return f"{value:.{digits}g}"

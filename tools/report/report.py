@@ -9,12 +9,13 @@ exit codes are those of spool: 1 data unusable, 2 wrong use, 3 input or output f
 import argparse
 import os
 import sys
+import tempfile
 from pathlib import Path
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from failure import IO, NO_NUMPY, USAGE, Failure  # noqa: E402
+from failure import DATA, IO, NO_NUMPY, USAGE, Failure  # noqa: E402
 
 
 def main(arguments=None):
@@ -29,7 +30,20 @@ def main(arguments=None):
     except Failure as failure:
         print(failure, file=sys.stderr)
         return failure.code
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
+        # Every reader checks what it reads; what gets past them is still no page.
+        print(f"{options.folder}: its files do not fit together as those of one evaluation do "
+              f"({_place_of(error)}): run spool evaluate again", file=sys.stderr)
+        return DATA
     return 0
+
+
+def _place_of(error):
+    """Where the generator gave up, for a report of the fault."""
+    frame = error.__traceback__
+    while frame.tb_next is not None:
+        frame = frame.tb_next
+    return f"{Path(frame.tb_frame.f_code.co_filename).name}, line {frame.tb_lineno}"
 
 
 def parse(arguments):
@@ -121,13 +135,23 @@ def choose_metric(wanted, table):
 
 
 def write(path, text):
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    partial = None
     try:
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
+        handle, partial = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".partial", dir=path.parent)
+        with open(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.chmod(partial, 0o666 & ~_umask())
+        os.replace(partial, path)
     except OSError as error:
-        partial.unlink(missing_ok=True)
+        if partial:
+            Path(partial).unlink(missing_ok=True)
         raise Failure(f"{path}: {error.strerror}: choose another place", IO) from error
+
+
+def _umask():
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask
 
 
 if __name__ == "__main__":

@@ -5,11 +5,13 @@ report without a change here.
 """
 
 import csv
+import math
 import re
 from typing import NamedTuple
 
 from failure import Failure
 
+COUNTED = {"spp": 1e-9, "replicate": 0.0, "threads": 0.0}  # of the key: numbers, and the least they may be
 KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")
 TEXT = {"dump", "sampler", "filter", "reference", "energy_masks", "guards", "error"}
 csv.field_size_limit(1 << 24)
@@ -70,10 +72,11 @@ def without_threads(sampler):
 
 
 def _number(path, line, name, field):
-    if field == "":
-        return float("nan")
     try:
-        return float(field)
-    except ValueError as error:
-        raise Failure(f"{path}: line {line}, column {name}: '{field[:40]}' is no number: "
-                      "run spool evaluate again") from error
+        value = float(field) if field else math.nan
+    except ValueError:
+        value = None
+    if value is None or (name in COUNTED and not COUNTED[name] <= value < math.inf):
+        raise Failure(f"{path}: line {line}, column {name}: '{field[:40]}' is no number that belongs there: "
+                      "run spool evaluate again")
+    return value

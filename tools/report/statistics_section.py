@@ -1,21 +1,24 @@
 """Ranks, samples needed and slopes, as statistics.json of `spool evaluate` has them."""
 
-import json
 import os
 from html import escape
 
+from failure import Failure
 from number_text import number_text
+from vocabulary import read_json
 
 LONGEST_RANKING = 12
 
 
 def read_statistics(folder):
     """Empty where the evaluation wrote none."""
-    try:
-        data = json.loads((folder / "statistics.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    path = folder / "statistics.json"
+    if not path.exists():
         return {}
-    return data if isinstance(data, dict) else {}
+    data = read_json(path)
+    if not isinstance(data, dict):
+        raise Failure(f"{path}: no statistics of spool evaluate: delete it or run spool evaluate again")
+    return data
 
 
 def statistics_html(statistics, labels, metric):
@@ -35,7 +38,7 @@ def _label(entry, labels):
     stem = os.path.splitext(os.path.basename(entry.get("dump", "")))[0]
     name = labels.get(entry.get("dump"), stem)
     threads = entry.get("threads", 0)
-    return name + (f", {threads} threads" if threads else "")
+    return name + (f", {number_text(threads)} threads" if threads else "")
 
 
 def _method(entry):
@@ -55,7 +58,7 @@ def _rankings(conditions, labels, metric):
         rows = []
         for entry in c["ranking"][:LONGEST_RANKING]:
             tie = " (tie)" if entry.get("tie") else ""
-            rows.append(f'<tr><td class="number">{entry["rank"]}{tie}</td>'
+            rows.append(f'<tr><td class="number">{number_text(entry["rank"])}{tie}</td>'
                         f'<th scope="row">{escape(_method(entry))}</th>'
                         f'<td class="number">{_range(entry, "mean", "low", "high")}</td>'
                         f'<td class="number">{number_text(entry["p_against_best"], 2)}</td></tr>')
@@ -64,7 +67,7 @@ def _rankings(conditions, labels, metric):
         biased = " (biased)" if c.get("biased") else ""
         blocks.append(
             f'<details{" open" if not blocks else ""}><summary>{escape(_label(c, labels))} at '
-            f'{c["spp"]:g} spp{biased}</summary><div class="scroll" tabindex="0"><table class="ranks">'
+            f'{number_text(c["spp"])} spp{biased}</summary><div class="scroll" tabindex="0"><table class="ranks">'
             f'<thead><tr><th scope="col">rank</th><th scope="col">method</th><th scope="col">'
             f'{escape(metric)}{biased}</th><th scope="col">p against the best</th></tr></thead><tbody>'
             f'{"".join(rows)}</tbody></table></div>{more}</details>')
@@ -78,7 +81,7 @@ def _needed(curves, labels):
         if not needed:
             continue
         cells = ", ".join(
-            f'{n["at"]:g} spp: {n["bound"] + " " if n["bound"] else ""}{_range(n, "spp", "low", "high")}'
+            f'{number_text(n["at"])} spp: {n["bound"] + " " if n["bound"] else ""}{_range(n, "spp", "low", "high")}'
             for n in needed)
         rows.append(f'<tr><th scope="row">{escape(_label(curve, labels))}</th>'
                     f"<td>{escape(_method(curve))}</td><td>{escape(cells)}</td></tr>")

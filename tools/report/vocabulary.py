@@ -6,7 +6,7 @@ it names stand for themselves.
 
 import json
 
-from failure import Failure
+from failure import IO, Failure
 
 
 class Vocabulary:
@@ -40,23 +40,25 @@ def _by_name(entries):
 
 
 def read_vocabulary(path):
-    return Vocabulary(_json(path, required=True)) if path else Vocabulary()
+    return Vocabulary(read_json(path)) if path else Vocabulary()
 
 
 def read_manifest(folder):
     """manifest.json of the evaluation; empty where none was written."""
-    data = _json(folder / "manifest.json", required=False)
-    return data if isinstance(data, dict) else {}
+    path = folder / "manifest.json"
+    data = read_json(path) if path.exists() else {}
+    if not isinstance(data, dict):
+        return {}
+    if not isinstance(data.get("dumps", []), list):
+        raise Failure(f"{path}: `dumps` is no list: delete it or run spool evaluate again")
+    return data
 
 
-def _json(path, required):
+def read_json(path):
     try:
         return json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        if not required:
-            return {}
-        raise Failure(f"{path}: {error.strerror}", 3) from error
     except OSError as error:
-        raise Failure(f"{path}: {error.strerror}", 3) from error
-    except ValueError as error:
-        raise Failure(f"{path}: not JSON ({error}): delete it or run spool evaluate again") from error
+        raise Failure(f"{path}: {error.strerror}", IO) from error
+    except (ValueError, RecursionError) as error:
+        what = "nested too deep" if isinstance(error, RecursionError) else f"not JSON ({error})"
+        raise Failure(f"{path}: {what}: delete it or run spool evaluate again") from error
