@@ -18,9 +18,11 @@ import ablation_chapters  # noqa: E402
 import first_chapters  # noqa: E402
 import method_chapters  # noqa: E402
 import paper_chapters  # noqa: E402
+from budget_plot import plot  # noqa: E402
 from chapter import Material  # noqa: E402
 from described import described, marked  # noqa: E402
 from methods import methods_of  # noqa: E402
+from page_tables import take_apart  # noqa: E402
 from pools import PLANS, POOLS, command, make_pools  # noqa: E402
 from results import Results  # noqa: E402
 
@@ -102,7 +104,8 @@ def section(chapter, arguments):
 
 
 def write(path, blocks):
-    text = "\n\n".join(block for block in blocks if block) + "\n"
+    """The page; its long tables go to results/PAGE beside it, as CSV and plots."""
+    text = take_apart("\n\n".join(block for block in blocks if block), path.stem, path.parent / "results", plot)
     partial = path.with_suffix(".md.partial")
     partial.write_text(text)
     os.replace(partial, path)

@@ -17,6 +17,7 @@ import zlib
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+from page_tables import take_apart  # noqa: E402
 from pools import PLANS, make_pools  # noqa: E402
 from results import Results  # noqa: E402
 from tuning_choice import Candidate, Scores  # noqa: E402
@@ -155,7 +156,7 @@ def main():
     text = page(scores, left_out, from_all, judged, chosen, (SAMPLER, FILTER), BUDGETS,
                 (Results([alone]), settings) if alone else None)
     partial = arguments.output.with_suffix(".md.partial")
-    partial.write_text(text)
+    partial.write_text(take_apart(text, arguments.output.stem, arguments.output.parent / "results"))
     os.replace(partial, arguments.output)
 
 

@@ -1,0 +1,100 @@
+"""Error over budget as SVG: one panel per pool and metric, one line per method; readable on white and on black."""
+import math
+import re
+
+import matplotlib
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import LogLocator  # noqa: E402
+
+BUDGET_HEADER = "at samples per pixel"
+# Okabe and Ito's colours, told apart by colour-blind readers, and their markers for grey print.
+STYLES = list(zip(["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#b0a000"], "osD^vP*"))
+INK = "#7f7f7f"
+PANELS, HIGHLIGHTED = 6, 7
+
+plt.rcParams.update({
+    "svg.hashsalt": "spool", "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9, "text.color": INK,
+    "axes.edgecolor": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK, "axes.spines.top": False,
+    "axes.spines.right": False, "savefig.transparent": True})
+
+
+def value(cell):
+    """(value, error) of "0.12 ± 0.03"; None for what is no positive number."""
+    match = re.match(r"([-+.\deE]+)(?: ± ([-+.\deE]+))?$", cell.strip("* "))
+    if not match or float(match[1]) <= 0:
+        return None
+    return float(match[1]), float(match[2] or 0)
+
+
+def series_of(table):
+    """{method: [(budget, value, error)]}, and the row that the others are ratios to, if there is one."""
+    budgets = [float(text) for text in table.header[1:]]
+    lines, base = {}, None
+    for name, *row in table.rows:
+        if name.startswith("*"):
+            base = name.strip("*").split(",")[0]
+            continue
+        points = [(b, *v) for b, v in zip(budgets, map(value, row)) if v]
+        if points:
+            lines[name.replace("\\|", "|")] = points
+    return lines, base
+
+
+def best_of(panels):
+    """The methods to name: lowest by the mean logarithm at their largest budget."""
+    scores = {}
+    for lines, _ in panels:
+        for name, points in lines.items():
+            scores.setdefault(name, []).append(math.log(points[-1][1]))
+    ranked = sorted(scores, key=lambda name: sum(scores[name]) / len(scores[name]))
+    return ranked[:HIGHLIGHTED]
+
+
+def draw(axes, lines, base, named):
+    for name, points in lines.items():
+        x, y, e = zip(*points)
+        if name in named:
+            colour, marker = STYLES[named.index(name)]
+            axes.errorbar(x, y, e, color=colour, marker=marker, ms=4, lw=1.4, capsize=2, label=name)
+        else:
+            axes.plot(x, y, color=INK, lw=0.6, alpha=0.5)
+    if base:
+        axes.axhline(1.0, color=INK, lw=0.8, ls=":")
+    axes.set_xscale("log", base=2)
+    axes.set_yscale("log")
+    ticks = sorted({point[0] for points in lines.values() for point in points})
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.minorticks_off()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(lambda tick, _: f"{tick:g}")
+
+
+def plot(path, tables):
+    """Draws tables of error over budget; returns what was drawn in words, None for other tables."""
+    tables = [table for table in tables if table.header[0] == BUDGET_HEADER and len(table.header) > 2][:PANELS]
+    panels = [series_of(table) for table in tables]
+    if not any(lines for lines, _ in panels):
+        return None
+    named = best_of(panels)
+    columns = min(3, len(panels))
+    rows = -(-len(panels) // columns)
+    figure, grid = plt.subplots(rows, columns, figsize=(3.1 * columns, 2.5 * rows + 0.22 * len(named)), squeeze=False)
+    for axes, table, (lines, base) in zip(grid.flat, tables, panels):
+        draw(axes, lines, base, named)
+        axes.set_title(table.caption, fontsize=9)
+    for axes in list(grid.flat)[len(panels):]:
+        axes.set_visible(False)
+    base = panels[0][1]
+    grid[0][0].set_ylabel(f"relative to {base}" if base else "error")
+    grid[-1][0].set_xlabel("samples per pixel")
+    handles = {label: handle for axes in grid.flat for handle, label in zip(*axes.get_legend_handles_labels())}
+    figure.legend([handles[name] for name in named if name in handles], [name for name in named if name in handles],
+                  loc="lower left", bbox_to_anchor=(0.02, 0.0), frameon=False, fontsize=8)
+    share = 0.22 * len(named) / (2.5 * rows + 0.22 * len(named))
+    figure.tight_layout(rect=(0, share, 1, 1))
+    figure.savefig(path, metadata={"Date": None})
+    plt.close(figure)
+    others = len({name for lines, _ in panels for name in lines}) - len(named)
+    return "error over budget" + (f"; the {HIGHLIGHTED} lowest named, {others} others in grey" if others > 0 else "")

@@ -1,0 +1,134 @@
+"""Takes the tables of a generated page apart: figures go to CSV files and plots, verdicts stay on the page.
+
+A table is a block of markdown rows; the paragraph before it says what it shows and becomes the column `of`. Tables of one
+chapter with the same header share a file. A cell "0.12 ± 0.03" becomes two columns, the second named "... ±".
+"""
+import csv
+import re
+from dataclasses import dataclass, field
+
+# A table of that many rows or fewer can be read where it stands.
+SHORT = 8
+ERROR = " ± "
+
+
+@dataclass
+class Table:
+    caption: str  # the paragraph before it, without its colon
+    header: list
+    rows: list = field(default_factory=list)
+
+
+def cells(line):
+    return [cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip().strip("|"))]
+
+
+def plain(text):
+    return re.sub(r"[*`]", "", text).replace("\\|", "|")
+
+
+def parse(block, caption):
+    lines = block.split("\n")
+    return Table(caption, cells(lines[0]), [cells(line) for line in lines[2:]])
+
+
+def is_table(block):
+    return block.startswith("|") and all(line.startswith("|") for line in block.split("\n"))
+
+
+def is_caption(block):
+    return not block.startswith(("#", "|", "-", "    ")) and block.endswith(":") and "\n" not in block
+
+
+def with_errors_apart(table):
+    """(header, rows) in which an error has a column of its own."""
+    split = [any(ERROR in row[i] for row in table.rows if i < len(row)) for i in range(len(table.header))]
+    header, rows = [], []
+    for name, two in zip(table.header, split):
+        header += [plain(name), f"{plain(name)} ±"] if two else [plain(name)]
+    for row in table.rows:
+        values = []
+        for cell, two in zip(row, split):
+            value, _, error = plain(cell).partition(ERROR)
+            values += [value, error] if two else [plain(cell)]
+        rows.append(values)
+    return header, rows
+
+
+def chapter_name(heading):
+    """E3 of "## E3: Figure 8b"; else the heading's words."""
+    text = heading.lstrip("# ")
+    name = text.split(":")[0] if re.match(r"[EA]\d+:", text) else text
+    return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
+
+
+def write_csv(path, tables):
+    header, _ = with_errors_apart(tables[0])
+    # Errors may be missing in one table and present in the next: all columns that any of them has.
+    for table in tables[1:]:
+        header += [name for name in with_errors_apart(table)[0] if name not in header]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, ["of", *header], lineterminator="\n")
+        writer.writeheader()
+        for table in tables:
+            names, rows = with_errors_apart(table)
+            for row in rows:
+                writer.writerow({"of": table.caption, **dict(zip(names, row))})
+
+
+def groups_of(tables):
+    """Tables by header, in the order of the page."""
+    groups = {}
+    for table in tables:
+        groups.setdefault(tuple(map(plain, table.header)), []).append(table)
+    return list(groups.values())
+
+
+class Chapter:
+    def __init__(self, heading, page):
+        self.heading, self.name = heading, chapter_name(heading or page)
+        self.blocks, self.tables, self.place = [], [], None
+
+    def take(self, block):
+        """Keeps prose and short tables; long tables leave their place to the links."""
+        if not is_table(block) or block.count("\n") - 1 <= SHORT and "at samples per pixel" not in block:
+            self.blocks.append(block)
+            return
+        caption = ""
+        if self.blocks and is_caption(self.blocks[-1]):
+            caption = self.blocks.pop().rstrip(":")
+        self.tables.append(parse(block, caption))
+        if self.place is None:
+            self.place = len(self.blocks)
+
+    def written(self, folder, plot):
+        """The chapter's blocks, its CSV files and plots written into `folder`."""
+        blocks = list(self.blocks)
+        if self.tables:
+            files, link = [], f"{folder.parent.name}/{folder.name}"
+            for i, group in enumerate(groups_of(self.tables)):
+                path = folder / f"{self.name}{f'_{i + 1}' if i else ''}.csv"
+                write_csv(path, group)
+                files.append(f"[{path.name}]({link}/{path.name})")
+                drawn = plot(path.with_suffix(".svg"), group) if plot else None
+                if drawn:
+                    blocks.insert(self.place, f"![{self.name}: {drawn}]({link}/{path.stem}.svg)")
+                    self.place += 1
+            blocks.insert(self.place, "Figures: " + ", ".join(files) + ".")
+        return [self.heading, *blocks] if self.heading else blocks
+
+
+def take_apart(text, page, folder, plot=None):
+    """The page without its long tables. `plot(path, tables)` may draw a group: what it drew in words, or None."""
+    folder = folder / page
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in [*folder.glob("*.csv"), *folder.glob("*.svg")]:
+        old.unlink()
+    chapters = [Chapter(None, page)]
+    for block in text.strip("\n").split("\n\n"):
+        if block.startswith(("## ", "### ")):
+            chapters.append(Chapter(block, page))
+        else:
+            chapters[-1].take(block)
+    blocks = [block for chapter in chapters for block in chapter.written(folder, plot)]
+    return "\n\n".join(block for block in blocks if block) + "\n"
