@@ -50,6 +50,10 @@ namespace spool {
     "SSIM takes a smaller window or MS-SSIM fewer scales because the image is small")              \
   X(kNegativeError, "negative_error",                                                              \
     "an estimate of a squared error that decides came out negative and is taken as zero")          \
+  X(kClampedSample, "clamped_sample",                                                              \
+    "a sample is scaled down to what the samples around it allow (option clamp, filter clamped)")  \
+  X(kEnergyNotFinite, "energy_not_finite",                                                         \
+    "a pixel that is not finite takes no part in the energy step")                                 \
   X(kSparseHalf, "sparse_half",                                                                    \
     "a half has no sample near a pixel: its weight is that of a thousandth of a sample")
 

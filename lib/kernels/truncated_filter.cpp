@@ -84,6 +84,13 @@ void sum_of_rows(const Plane& rows, const Taps& taps, int y, int x0, int x1, dou
                        sources.size(), x1 - x0, to);
 }
 
+Taps gaussian_of_radius(double sigma, int radius) {
+  Taps taps{-radius, {}};
+  for (int m = -radius; m <= radius; ++m)
+    taps.values.push_back(radius == 0 ? 1.0 : std::exp(-0.5 * m * m / (sigma * sigma)));
+  return scaled(taps, 1.0 / tap_sum(taps));
+}
+
 // Rows and columns that are summed together: they and their neighbours stay in a core's cache.
 constexpr int kRows = 32, kColumns = 256;
 
@@ -174,11 +181,11 @@ double tap_sum(const Taps& taps) {
 }
 
 Taps floor_gaussian_taps(double sigma) {
-  const int radius = static_cast<int>(std::floor(3.0 * sigma));
-  Taps taps{-radius, {}};
-  for (int m = -radius; m <= radius; ++m)
-    taps.values.push_back(radius == 0 ? 1.0 : std::exp(-0.5 * m * m / (sigma * sigma)));
-  return scaled(taps, 1.0 / tap_sum(taps));
+  return gaussian_of_radius(sigma, static_cast<int>(std::floor(3.0 * sigma)));
+}
+
+Taps four_sigma_taps(double sigma) {
+  return gaussian_of_radius(sigma, static_cast<int>(std::floor(4.0 * sigma + 0.5)));
 }
 
 Taps pixel_filter_taps() {

@@ -31,6 +31,10 @@ double tap_sum(const Taps& taps);
 // Gaussian cut at radius floor(3 sigma), sum 1 [RousselleKnausZwicker11].
 Taps floor_gaussian_taps(double sigma);
 
+// Gaussian cut at radius floor(4 sigma + 1/2), sum 1: wide enough that what is cut off does not
+// show.
+Taps four_sigma_taps(double sigma);
+
 // g(d) = max(0, exp(-2 d^2) - exp(-8)) at d = -1, 0, 1 pixels, sum 1: the small pixel filter.
 Taps pixel_filter_taps();
 

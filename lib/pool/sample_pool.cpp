@@ -1,6 +1,7 @@
 #include "lib/pool/sample_pool.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace spool {
 namespace {
@@ -64,6 +65,16 @@ SamplePool SamplePool::half(int parity) const {
   SamplePool pool = *this;
   pool.stride_ = 2 * stride_;
   pool.offset_ = offset_ + parity * stride_;
+  return pool;
+}
+
+SamplePool SamplePool::with_limits(Plane limits) const {
+  SPOOL_CHECK_EQ(limits.width(), recording_->width());
+  SPOOL_CHECK_EQ(limits.height(), recording_->height());
+  for (std::size_t i = 0; limits_ && i < limits.size(); ++i)
+    limits[i] = std::min(limits[i], (*limits_)[i]);
+  SamplePool pool = *this;
+  pool.limits_ = std::make_shared<const Plane>(std::move(limits));
   return pool;
 }
 

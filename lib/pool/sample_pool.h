@@ -26,6 +26,16 @@ struct PoolOptions {
   int holdout = 0;                         // samples per pixel kept for the reference, at the end
 };
 
+// `value` scaled down to luminance `limit` where it exceeds it, all channels alike.
+inline Rgb limited(Rgb value, double limit) {
+  const double y = luminance(value[0], value[1], value[2]);
+  if (y > limit) {
+    for (float& v : value)
+      v = static_cast<float>(v * (limit / y));
+  }
+  return value;
+}
+
 class SamplePool {
  public:
   // Errors: kData when q = 2 without film positions or when the holdout leaves no sample.
@@ -46,7 +56,8 @@ class SamplePool {
   // held out.
   Rgb sample(int x, int y, int i) const {
     const int q = options_.pieces_per_side;
-    return recording_->radiance(x / q, y / q, recorded_index(x, y, i));
+    const Rgb value = recording_->radiance(x / q, y / q, recorded_index(x, y, i));
+    return limits_ ? limited(value, (*limits_)(x / q, y / q)) : value;
   }
   FilmPosition film(int x, int y, int i) const {
     const int q = options_.pieces_per_side;
@@ -57,6 +68,11 @@ class SamplePool {
   // pool.
   SamplePool half(int parity) const;
   bool is_half() const { return stride_ > 1; }
+
+  // The same pool with every sample whose luminance exceeds that of its pixel in `limits` [y][x]
+  // pixels, >= 0, scaled down to it: for methods that clamp (lib/kernels/sample_clamp.h). Of two
+  // limits the lower one holds.
+  SamplePool with_limits(Plane limits) const;
 
   // Index in the recording of the i-th sample of the piece.
   int recorded_index(int x, int y, int i) const;
@@ -69,7 +85,8 @@ class SamplePool {
 
   std::shared_ptr<const RecordedSamples> recording_;
   PoolOptions options_;
-  int stride_ = 1, offset_ = 0;  // sample i is sample stride_ i + offset_ of the whole pool
+  std::shared_ptr<const Plane> limits_;  // luminance of a sample, per pixel; may be null
+  int stride_ = 1, offset_ = 0;          // sample i is sample stride_ i + offset_ of the whole pool
   // Recorded indices of each piece's samples, only where that is not simply 0 .. spp-1 (q = 2, or
   // rejected samples): lists_[list_begin_[p] .. list_begin_[p + 1]) for piece p.
   std::vector<std::uint16_t> lists_;
