@@ -25,7 +25,7 @@ struct GroupLayout {
 class DumpGeometry {
  public:
   DumpGeometry() = default;
-  // `header` must have passed check_dump_header (header_rules.h).
+  // `header` must have passed check_dump_header (geometry_rules.h).
   explicit DumpGeometry(const DumpHeader& header);
 
   uint32_t tiles_x() const { return tiles_x_; }

@@ -1,4 +1,5 @@
-// The part of header_rules.h that judges the contents of IMAG and CHAN.
+#include "formats/geometry_rules.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -1,4 +1,4 @@
-// All rules of formats/spool.md about headers, records and geometry, in one place.
+// The rules of formats/spool.md about headers and records; geometry_rules.h has those about the image.
 //
 // The functions judge bytes or values and touch no file. Reader, writer, check and recovery all
 // call them; there is no second copy of a rule.
@@ -35,16 +35,6 @@ Judged<uint32_t> check_data_record(const RecordHeader& record, const DumpGeometr
 
 // Payload sizes of IMAG and CHAN that may be read at all (step 8).
 Judged<void> check_preamble_sizes(const RecordHeader& imag, const RecordHeader& chan);
-
-// Contents of IMAG and CHAN (step 8).
-Judged<DumpHeader> parse_dump_header(std::span<const std::byte> imag,
-                                     std::span<const std::byte> chan, const FileHeader& header);
-
-// Sections 4.1, 4.2 and 6.
-Judged<void> check_dump_header(const DumpHeader& header);
-
-UnitBytes encode_imag(const DumpHeader& header);
-UnitBytes encode_channel(const ChannelInfo& channel);
 
 bool is_ancillary(const RecordHeader& record);
 bool is_zero_pad(std::span<const std::byte> pad);

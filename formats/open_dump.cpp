@@ -9,6 +9,7 @@
 #include "formats/checked_math.h"
 #include "formats/chunk_codec.h"
 #include "formats/crc32.h"
+#include "formats/geometry_rules.h"
 #include "formats/header_rules.h"
 #include "formats/meta_rules.h"
 

@@ -9,27 +9,15 @@
 // kData where folders do not belong together or a value does not fit f16.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "formats/pass_plan.h"
 #include "lib/core/error.h"
 
 namespace spool::format {
-
-struct PackOptions {
-  bool compress = false;
-  bool force = false;         // replace the target
-  bool radiance_f16 = false;  // f32 by default: fireflies pass 65504, and rounding adds variance
-  bool features_f32 = false;  // f16 by default, where the recorder says that f16 is enough
-  uint32_t tile_size = 64;
-  uint32_t block_spp = 0;  // 0: 16, or fewer if memory_bytes or spp ask for it
-  uint64_t memory_bytes = uint64_t{512} << 20;
-  std::optional<std::array<uint8_t, 16>> uuid;
-};
 
 struct PackReport {
   uint32_t width = 0;

@@ -4,6 +4,7 @@
 
 #include "formats/byte_io.h"
 #include "formats/checked_math.h"
+#include "formats/geometry_rules.h"
 #include "formats/header_rules.h"
 #include "formats/open_dump.h"
 

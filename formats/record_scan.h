@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "formats/dump_check.h"
+#include "formats/damage.h"
 #include "formats/dump_header.h"
 #include "formats/file_handle.h"
 #include "formats/structures.h"

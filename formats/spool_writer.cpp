@@ -6,6 +6,7 @@
 
 #include "formats/chunk_codec.h"
 #include "formats/dump_geometry.h"
+#include "formats/geometry_rules.h"
 #include "formats/header_rules.h"
 #include "formats/meta_rules.h"
 #include "formats/record_scan.h"

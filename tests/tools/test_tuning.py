@@ -1,4 +1,4 @@
-"""The choice of options: the pool left out has no say, ties and misses by their stated rules, the plan of the judgement."""
+"""The choice of options: the pool left out takes no part, ties and misses by their stated rules, the plan of the judgement."""
 import math
 import sys
 import tomllib

@@ -7,7 +7,7 @@
 namespace spool::tools {
 
 std::string to_base64(std::string_view bytes);
-// Up to the first character that is none of the letters; incomplete bytes at the end are dropped.
+// Empty where the text is no base64.
 std::string from_base64(std::string_view text);
 
 }  // namespace spool::tools

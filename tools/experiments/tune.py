@@ -127,7 +127,7 @@ def judge(name, pools, candidates, arguments, **more):
 
 
 def choices(left_out, from_all):
-    """{pool: the candidate that it judges, in whose choice it had no say}"""
+    """{pool: the candidate that it judges, that chose without it}"""
     return ({p: left_out[p].candidate for p in CHOOSING} | {p: left_out[scene].candidate for p, scene in SECOND.items()}
             | {p: from_all.candidate for p in APART})
 

@@ -16,8 +16,8 @@ Generated from what `spool evaluate` measured; no figure is typed:
 It runs `spool evaluate tools/plans/tuning.toml -o build/tuning/candidates`, chooses, and writes and runs a plan in
 `build/tuning/judged` for each pool. Images are judged by independent references, differences taken within replicates.
 
-**The question:** which options should `multiscale` + `directional` have, and does the answer hold on a picture that had no
-say in it? **The target**, on each pool at 4, 8 and 16 samples per pixel: relMSE at or below that of
+**The question:** which options should `multiscale` + `directional` have, and does the answer hold on a picture that
+took no part in it? **The target**, on each pool at 4, 8 and 16 samples per pixel: relMSE at or below that of
 {', '.join(' + '.join(r) for r in RIVALS)}; energy ratio within {ENERGY_BAND[0]} .. {ENERGY_BAND[1]}.
 
 **The rule of choice.** The score of a candidate on a pool is the mean over budgets of ln(relMSE / relMSE of today's
@@ -28,7 +28,7 @@ defaults is taken, then the one with the lower score, then the first of the plan
 
 **Who chooses.** {', '.join(CHOOSING)}: one recording per scene. Each is left out in turn: the other four choose, and
 the choice is judged on it. {' and '.join(f'{p} (a second recording of {s})' for p, s in SECOND.items())} are judged by
-the choice that left their scene out. **Kept apart**, without a say in any choice: {', '.join(APART_RECORDED)}, scene S with and
+the choice that left their scene out. **Kept apart**, outside every choice: {', '.join(APART_RECORDED)}, scene S with and
 without fireflies, and the stress pools. What leaving out cannot undo: the list of candidates was written, and the defaults
 were found, by people who had seen results on these pools; scene S is where the first prototypes were tuned. All pools that
 choose are 64 x 64 pixels."""
@@ -83,7 +83,7 @@ def choices_section(scores, left_out, from_all, judged, chosen, defaults, budget
                    table(["pool", "relMSE (95 %)"], [*([pool_title(p), gain_text(g)[0]] for p, g in apart.items()),
                                                      ["*geometric mean*", gain_text(pooled(apart.values()))[0]]])]
         if gain_text(pooled(apart.values()))[1] < 0 < sign:
-            blocks.append("**What was chosen helps on recordings that had no say and harms on the pools kept apart:** the choice is "
+            blocks.append("**What was chosen helps on the recordings left out and harms on the pools kept apart:** the choice is "
                           "fitted to what the five recordings have in common, not to pictures at large.")
     return blocks
 
@@ -203,7 +203,7 @@ def single_section(scores):
 
 
 def alone_section(alone, settings, defaults):
-    """Each change of the choice alone, and all together, on pools without a say, two of them at two sizes."""
+    """Each change of the choice alone, and all together, on pools that chose nothing, two of them at two sizes."""
     rows = [[options_text(c), *(ratio_text(alone.values("relmse", p, *m, 8), alone.values("relmse", p, *defaults, 8)) for p in ALONE)]
             for c, m in settings]
     def worse(methods):
