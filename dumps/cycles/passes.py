@@ -5,6 +5,11 @@ components interleaved, bottom row first, as the engine keeps them.
 """
 from array import array
 
+try:
+    import numpy
+except ImportError:        # Blender runs without it: the same values, ten times slower
+    numpy = None
+
 from failure import io_failure, usage_failure
 
 NOTHING = 1e9          # Cycles writes 1e10 as the depth of rays that hit nothing; a dump holds 0
@@ -13,7 +18,7 @@ NOTHING = 1e9          # Cycles writes 1e10 as the depth of rays that hit nothin
 class Channel:
     """components: names after the dot. sources: the render passes wanted, by their names before 5.0.
     space: of vectors, `world` or `camera`. index_zero: Cycles writes the pass for sample index 0
-    alone, so it exists in mode `shift` only."""
+    alone, so it exists in mode `shift` only. mix: {source: flat array, RGB} -> flat array."""
 
     def __init__(self, components, sources, note, space=None, index_zero=False, dtype="f16", mix=None):
         self.components, self.sources, self.note, self.space = components, sources, note, space
@@ -21,6 +26,7 @@ class Channel:
 
 
 LIGHT = ("Diff", "Gloss", "Trans")
+BLACK = (0.0, 0.0, 0.0)
 
 
 def _direct(values):
@@ -32,11 +38,27 @@ def _direct(values):
     return array("f", total)
 
 
+def _albedo(flat):
+    """Diffuse colour; where there is none, what the surface mirrors and lets through: denoisers divide by the albedo."""
+    diffuse, glossy, through = (flat[kind + "Col"] for kind in LIGHT)
+    if numpy:
+        found, one, two = (numpy.frombuffer(v, "f4").reshape(-1, 3) for v in (array("f", diffuse), glossy, through))
+        black = ~found.any(axis=1)
+        found[black] = numpy.minimum(1, one[black] + two[black])
+        return array("f", found.tobytes())
+    found = array("f", diffuse)
+    for pixel, rgb in enumerate(zip(diffuse[0::3], diffuse[1::3], diffuse[2::3])):
+        if rgb == BLACK:
+            for i in (3 * pixel, 3 * pixel + 1, 3 * pixel + 2):
+                found[i] = min(1.0, glossy[i] + through[i])
+    return found
+
+
 CHANNELS = {
     "radiance": Channel("RGB", ("Combined",), "linear Rec.709, times the scene's film exposure",
                         dtype="f32"),
-    "albedo": Channel("RGB", ("DiffCol",), "diffuse colour of the first hit; 0 on metal, glass and "
-                      "where nothing is hit"),
+    "albedo": Channel("RGB", tuple(kind + "Col" for kind in LIGHT), "diffuse colour of the first hit; on metal and "
+                      "glass, which have none, what they mirror and let through; 0 where nothing is hit", mix=_albedo),
     "albedo_ns": Channel("RGB", ("Denoising Albedo",), "colour of the first surface that is not a "
                          "mirror or glass; of the background where nothing is hit"),
     "normal": Channel("XYZ", ("Normal",), "shading normal of the first hit; 0 where nothing is hit",
@@ -139,9 +161,11 @@ def planes_of(plan, rendered, width, height, mist_depth):
     out = []
     for name, channel in plan.items():
         found = [_find(rendered, source) for source in channel.sources]
+        flat, n = found[0]
+        if channel.mix:
+            flat = channel.mix({source: values for source, (values, _) in zip(channel.sources, found)})
         for c in range(len(channel.components)):
-            values = {s: flat[c::n] for s, (flat, n) in zip(channel.sources, found)}
-            plane = channel.mix(values) if channel.mix else values[channel.sources[0]]
+            plane = flat[c::n]
             if channel is MIST_DEPTH:
                 plane = array("f", [0.0 if v >= 1.0 else v * mist_depth for v in plane])
             elif name == "depth":

@@ -17,6 +17,31 @@ FEATURES = ("albedo", "normal", "depth", "position", "shape")
 DEFAULT = "radiance,albedo,normal,depth,film"
 
 
+MEANINGS = {
+    "radiance": {"meaning": "linear Rec.709, unclamped"},
+    "direct": {"meaning": "the part of the same path that met at most one surface; the rest is radiance - direct"},
+    "albedo": {"meaning": "reflectance of the first hit; 1 on surfaces that only mirror or refract, 0 where nothing is hit"},
+    "normal": {"space": "world", "meaning": "shading normal of the first hit; 0 where nothing is hit"},
+    "depth": {"meaning": "camera z, 0 = miss"},
+    "position": {"space": "world", "meaning": "first hit"},
+    "shape": {"meaning": "1 + index in scene.shapes, 0 = miss"},
+    "film": {"meaning": "place in the pixel, [0, 1), y down"},
+    "lens": {"meaning": "place on the unit disk; times the radius: on the lens"},
+    "time": {"meaning": "[0, 1) of the open shutter"},
+}
+
+
+def no_diffuse_lobe(mi, scene):
+    """[1 + number of shapes] bool: the surface only mirrors or refracts (metal, glass, smooth or rough). [0]: a miss.
+
+    Such a material has no albedo of its own: Mitsuba answers 0, or for rough metal an estimate up to 24. Denoisers expect 1
+    there (documentation of Open Image Denoise, albedo of metals and of glass).
+    """
+    materials = [shape.bsdf() for shape in scene.shapes()]
+    return [False] + [bool(material is not None and not mi.has_flag(material.flags(), mi.BSDFFlags.Diffuse))
+                      for material in materials]
+
+
 def chosen_layers(wanted, recordable):
     """Names in file order. `needed` adds lens and time where the scene has them; `all` takes everything."""
     names = [name for name in wanted.split(",") if name]

@@ -44,6 +44,19 @@ class Chunks:
             arrays = {name: stored[name] for name in stored.files}
         return arrays, float(arrays.pop("seconds"))
 
+    def part(self, index, name):
+        """One array of a chunk."""
+        with np.load(self._name(index)) as stored:
+            return stored[name]
+
+    def largest(self, indices):
+        """The largest finite magnitude of their radiance."""
+        found = 0.0
+        for index in indices:
+            radiance = self.part(index, "radiance")
+            found = max(found, float(np.abs(radiance, where=np.isfinite(radiance), out=np.zeros_like(radiance)).max()))
+        return found
+
     def save_reference(self, state):
         self._save("reference.npz", lambda stream: np.savez(stream, **state))
 

@@ -3,8 +3,10 @@ import time
 
 from channels import LAYERS
 from progress import duration, size as size_text
+from seeds import SPARE, chunk_seed
 
-REFERENCE_SEEDS = 1 << 20  # pool: (seed << 21) + chunk, reference: the same + 2^20
+TRIAL_SECONDS = 5.0        # of the trace that the estimate comes from
+REFERENCE_BYTES = 24       # a pixel: mean and variance of three channels
 
 
 class Cut:
@@ -19,25 +21,53 @@ class Cut:
                       for band in self.bands]  # (first sample, samples, rows); the place is the chunk's number
 
 
-def describe(options, recordable, tracer, layers):
-    """Needs of the scene and the price of the recording, from a short trace."""
+def seconds_per_sample(tracer, layers, samples, lanes, seed):
+    """Wall time of a sample in chunks as they will be: the more samples at once, the cheaper each."""
+    count = 1
+    while True:
+        cut = Cut(tracer, min(count, samples), lanes)
+        rows, step = cut.bands[0], cut.step
+        tracer.trace(step, chunk_seed(seed, SPARE), layers, rows)       # compiles the kernels
+        started = time.monotonic()
+        tracer.trace(step, chunk_seed(seed, SPARE), layers, rows)
+        passed = time.monotonic() - started
+        if step < count or count >= samples or 4 * passed > TRIAL_SECONDS:
+            return max(passed, 1e-9) / (tracer.width * (rows[1] - rows[0]) * step)
+        count = min(4 * count, samples)
+
+
+def describe(options, recordable, tracer, layers, dtypes):
+    """Needs of the scene and the price of the recording, from short traces."""
     pixels = tracer.width * tracer.height
-    per_sample = sum(int(LAYERS[name][0][1]) * len(LAYERS[name][1]) for name in layers)
-    cut = Cut(tracer, min(4, options.samples), options.chunk_lanes)
-    rows, count = cut.bands[0], cut.step
-    unused_seed = (options.seed << 21) + REFERENCE_SEEDS - 1
-    tracer.trace(count, unused_seed, layers, rows)       # compiles the kernels
-    started = time.monotonic()
-    tracer.trace(count, unused_seed, layers, rows)
-    rate = tracer.width * (rows[1] - rows[0]) * count / max(time.monotonic() - started, 1e-9)
-    seconds = pixels * (options.samples + options.reference) / rate
+    per_sample = sum(int(dtypes[name][1]) * len(LAYERS[name][1]) for name in layers)
+    pool = pixels * options.samples * seconds_per_sample(tracer, layers, options.samples, options.chunk_lanes, options.seed)
+    reference = 0.0
+    if options.reference:
+        reference = pixels * options.reference * seconds_per_sample(tracer, ["radiance"], options.reference,
+                                                                    options.chunk_lanes, options.seed)
     needs = (("depth of field", recordable.has_lens), ("motion blur", recordable.shutter_time > 0),
              ("volumes", recordable.has_volumes))
     print("scene %s, %d shapes, %dx%d, Mitsuba variant %s" % (recordable.name, len(recordable.shapes), tracer.width,
                                                               tracer.height, tracer.mi.variant()))
     print("needs %s" % ", ".join("%s: %s" % (name, "yes" if needed else "no") for name, needed in needs))
     print("channels %s, %d bytes a sample" % (" ".join(layers), per_sample))
-    print("rate %.3g million samples a second" % (rate / 1e6))
-    reference_bytes = 24 * pixels if options.reference else 0
+    print("rate %.3g million samples a second" % (pixels * options.samples / pool / 1e6))
     print("estimate %s (%.2f minutes), dump at most %s" % (
-        duration(seconds), seconds / 60, size_text(per_sample * pixels * options.samples + reference_bytes)))
+        duration(pool + reference), (pool + reference) / 60,
+        size_text(per_sample * pixels * options.samples + (REFERENCE_BYTES * pixels if options.reference else 0))))
+    for line in reference_hint(options.samples, options.reference, pool, reference):
+        print(line)
+
+
+def reference_hint(samples, reference, pool_seconds, reference_seconds):
+    """What the reference costs, and a smaller one would save and cost: its own variance stands in every squared error, and
+    beside the mean of the whole pool, the best that can be judged, it has a share of samples / reference."""
+    if not reference:
+        return ["no reference: methods can only be judged against the pool itself (--reference 4096)"]
+    lines = ["reference: %s of it; its own noise adds %.2g %% to the squared error of a mean of all %d samples" % (
+        duration(reference_seconds), 100 * samples / reference, samples)]
+    smaller = reference // 4
+    if smaller >= samples and reference_seconds > pool_seconds:
+        lines.append("--reference %d would save %s and add %.2g %%" % (
+            smaller, duration(reference_seconds * 0.75), 100 * samples / smaller))
+    return lines

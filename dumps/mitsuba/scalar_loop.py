@@ -1,8 +1,11 @@
-"""The same records without LLVM: a Python loop over samples in a scalar variant, about four times slower.
+"""The same records without LLVM: a Python loop over samples in a scalar variant, one thread, 24 times slower a sample.
 
 Scalar and wavefront variants draw different numbers from one seed, so the variant is part of a recording.
 """
 import numpy as np
+
+from channels import no_diffuse_lobe
+from seeds import spread
 
 
 class ScalarLoop:
@@ -14,6 +17,7 @@ class ScalarLoop:
         self.shape_index = {}
         for index, shape in enumerate(recordable.scene.shapes()):
             self.shape_index[shape.id()] = index + 1
+        self.no_diffuse = no_diffuse_lobe(mi, recordable.scene)
         self.to_camera = recordable.sensor.world_transform().inverse()
 
     def trace(self, count, seed, layers, rows=None):
@@ -24,11 +28,11 @@ class ScalarLoop:
         sampler = mi.load_dict({"type": "independent", "sample_count": count})
         medium = of.sensor.get_medium()
         need_features = any(name in layers for name in ("albedo", "normal", "depth", "position", "shape"))
+        # One sequence for the whole chunk. A scalar seed has 32 bits: as many as there are chunks (seeds.py), far too few
+        # for a sequence for each pixel of each chunk.
+        sampler.seed(spread(seed))
         for y in range(end_row - first_row):
             for x in range(self.width):
-                # One stream for each pixel of each chunk: seeds far apart, because neighbouring scalar
-                # seeds may share streams.
-                sampler.seed((seed * self.width * self.height + y * self.width + x) * 8 & 0xFFFFFFFF)
                 for s in range(count):
                     film = sampler.next_2d()
                     lens = sampler.next_2d() if of.has_lens else mi.Point2f(.5, .5)
@@ -58,7 +62,7 @@ class ScalarLoop:
         shape = 0
         if hit.is_valid():
             shape = self.shape_index.get(hit.shape.id(), 0)
-        found = {"albedo": values[0:3], "normal": values[3:6], "position": values[6:9], "shape": shape,
+        found = {"albedo": (1, 1, 1) if self.no_diffuse[shape] else values[0:3], "normal": values[3:6], "position": values[6:9], "shape": shape,
                  "depth": (self.to_camera @ mi.Point3f(values[6], values[7], values[8]))[2] if shape else 0}
         for name, value in found.items():
             if name in arrays:

@@ -1,121 +1,150 @@
 """Loads a Mitsuba scene and makes one camera sample per lane mean one sample per pixel.
 
 Film size, box filter, independent sampler and integrator are forced before the scene is instantiated:
-changing the film later leaves the field of view wrong when the aspect changes.
+changing the film later leaves the field of view wrong when the aspect changes. What Mitsuba drops on the
+way is named: a medium that lost a property is an error, everything else a remark.
 """
 import hashlib
 import importlib.util
 import os
+import re
 import tempfile
+from collections import namedtuple
 
 import model
+import old_format
+import scene_files
 from failure import Failure, scene_failure, usage_failure
+from losses import listen
+from plugins import force, refuse_unknown, substitute
+
+# size: (width, height) or None: the film's. integrator, max_depth: None: the scene's. definitions: {name: value} of -D.
+# substitutes: {plugin the scene names: plugin to use}. allow_losses: record although a medium loses a property.
+# folders: where its files may lie, beside its own.
+Wishes = namedtuple("Wishes", "size integrator max_depth definitions substitutes allow_losses folders",
+                    defaults=(None, None, None, {}, {}, False, ()))
 
 
 class Recordable:
-    """scene, sensor, integrator, and the integrator of the direct part (None where it cannot tell)."""
+    """scene, sensor, integrator, the integrator of the direct part (None where it cannot tell), and what was changed."""
 
-    def __init__(self, scene, sensor, integrator, direct, name, digest):
-        self.scene, self.sensor, self.integrator, self.direct = scene, sensor, integrator, direct
-        self.name, self.digest = name, digest
-        self.has_lens = bool(sensor.needs_aperture_sample())
-        self.shutter_open = float(sensor.shutter_open())
-        self.shutter_time = float(sensor.shutter_open_time())
+    def __init__(self, scene, integrator, direct, name, digest, changes):
+        self.scene, self.sensor, self.integrator, self.direct = scene, scene.sensors()[0], integrator, direct
+        self.name, self.digest, self.changes = name, digest, changes
+        self.has_lens = bool(self.sensor.needs_aperture_sample())
+        self.shutter_open = float(self.sensor.shutter_open())
+        self.shutter_time = float(self.sensor.shutter_open_time())
         self.shapes = [shape.id() for shape in scene.shapes()]
-        self.has_volumes = sensor.get_medium() is not None or any(
+        self.has_volumes = self.sensor.get_medium() is not None or any(
             shape.interior_medium() is not None or shape.exterior_medium() is not None for shape in scene.shapes())
+        if self.has_volumes and type(integrator).__name__ in ("PathIntegrator", "DirectIntegrator"):
+            changes.append("the scene has volumes, which its integrator does not see: --integrator volpath does")
 
 
-def load_scene(mi, source, size=None, integrator=None, defines=None):
+class Source:
+    """A parsed scene. files: those of its XML, if it has any. lost: what rewriting an old one could not keep of its media."""
+
+    def __init__(self, state, name, digest, files=(), changes=(), lost=()):
+        self.state, self.name, self.digest, self.files = state, name, digest, list(files)
+        self.changes, self.lost = list(changes), list(lost)
+
+
+def load_scene(mi, source, wishes=Wishes()):
     """source: an .xml file, a .py file with scene(mi) -> dict, `cornell-box`, or a name of dumps/scenes."""
     config = mi.parser.ParserConfig(mi.variant())
     config.merge_meshes = False  # merged meshes lose their shape index
-    config.unused_properties = config.unused_parameters = mi.LogLevel.Debug
+    config.unused_properties = config.unused_parameters = mi.LogLevel.Warn
     try:
-        with tempfile.TemporaryDirectory() as meshes:
-            state, name, digest = _parse(mi, config, source, defines or {}, meshes)
-            mi.parser.transform_all(config, state)
-            if size is None:
-                size = _film_size(mi, state)
-            direct = _force(mi, state, size, integrator)
-            scene = mi.parser.instantiate(config, state)
+        (found, scene, direct), heard = listen(mi, lambda: _instantiate(mi, config, source, wishes))
     except Failure:
         raise
     except Exception as error:  # Mitsuba raises RuntimeError and others for whatever is wrong in a scene
+        undefined = re.search(r"undefined parameter: \$(\w+)", str(error))
+        if undefined:
+            raise usage_failure("%s: uses the parameter %s and does not say what it is: give -D %s=VALUE" % (
+                source, undefined[1], undefined[1]))
         raise scene_failure("%s: Mitsuba cannot load it (%s)" % (source, _one_line(error)))
-    scene = scene[0] if isinstance(scene, (list, tuple)) else scene
-    if not scene.sensors():
-        raise scene_failure("%s: no sensor: add a camera to the scene" % source)
+    if heard.unused:
+        raise usage_failure(_unknown_parameter(source, heard.unused))
+    _judge_losses(source, heard.losses, found, wishes.allow_losses)
+    found.changes += ["Mitsuba: %s" % text for text in dict.fromkeys(heard.other)]
     integrator = scene.integrator()
     if not isinstance(integrator, mi.SamplingIntegrator):
         raise scene_failure("%s: integrator %s splats into the film and has no samples of a pixel: choose "
                             "another with --integrator path" % (source, type(integrator).__name__))
-    return Recordable(scene, scene.sensors()[0], integrator,
-                      mi.load_dict(direct) if direct else None, name, digest)
+    return Recordable(scene, integrator, mi.load_dict(direct) if direct else None, found.name, found.digest, found.changes)
 
 
-def _parse(mi, config, source, defines, meshes):
+def _instantiate(mi, config, source, wishes):
+    """(Source, scene, dict of the direct integrator or None)"""
+    with tempfile.TemporaryDirectory() as meshes:
+        found = _parse(mi, config, source, wishes, meshes)
+        mi.parser.transform_all(config, found.state)
+        found.changes += substitute(found.state, wishes.substitutes)
+        if found.files:
+            refuse_unknown(mi, source, found.state)
+        if not any(node.type == mi.ObjectType.Sensor for node in found.state.nodes):
+            raise scene_failure("%s: no sensor: add a camera to the scene" % source)
+        if found.files:
+            named = scene_files.named_files(mi, found.state)
+            scene_files.require(source, named)
+            found.digest = scene_files.digest(found.files + [path for _, path in named])
+        forced = force(mi, found.state, wishes)
+        found.changes += forced.changes
+        scene = mi.parser.instantiate(config, found.state)
+    scene = scene[0] if isinstance(scene, (list, tuple)) else scene
+    size = tuple(int(v) for v in scene.sensors()[0].film().crop_size())
+    if size != forced.size:
+        raise scene_failure("%s: its film is %dx%d, not %dx%d: give the scene a <film>" % (source, *size, *forced.size))
+    return found, scene, forced.direct
+
+
+def _parse(mi, config, source, wishes, meshes):
+    if wishes.definitions and not source.endswith(".xml"):
+        raise usage_failure("-D %s: only an .xml scene has parameters" % next(iter(wishes.definitions)))
     if source == "cornell-box":
-        return mi.parser.parse_dict(config, mi.cornell_box()), source, hashlib.sha256(b"cornell-box").hexdigest()
+        return Source(mi.parser.parse_dict(config, mi.cornell_box()), source, hashlib.sha256(b"cornell-box").hexdigest())
     if source in model.scene_names():
-        digest = hashlib.sha256()
-        for path in model.scene_sources(source):
-            with open(path, "rb") as stream:
-                digest.update(stream.read())
-        return mi.parser.parse_dict(config, model.build(source, meshes)), source, digest.hexdigest()
+        state = mi.parser.parse_dict(config, model.build(source, meshes))
+        return Source(state, source, scene_files.digest(model.scene_sources(source)))
     if not os.path.isfile(source):
         raise Failure(3, "%s: no such file: give an .xml scene, a .py scene, cornell-box or a scene of dumps/scenes"
                       % source)
-    with open(source, "rb") as stream:
-        digest = hashlib.sha256(stream.read()).hexdigest()
-    mi.file_resolver().append(os.path.dirname(os.path.abspath(source)))
+    path = os.path.abspath(source)
+    name = os.path.join(os.path.basename(os.path.dirname(path)), os.path.basename(path))  # most are called scene.xml
+    for folder in (os.path.dirname(path), *map(os.path.abspath, wishes.folders)):
+        mi.file_resolver().append(folder)
     if source.endswith(".py"):
-        spec = importlib.util.spec_from_file_location("mitsuba_scene", source)
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-        if not hasattr(module, "scene"):
-            raise usage_failure("%s: has no function scene(mi) that returns a dict" % source)
-        return mi.parser.parse_dict(config, module.scene(mi)), os.path.basename(source), digest
-    return mi.parser.parse_file(config, source, **defines), os.path.basename(source), digest
+        return Source(mi.parser.parse_dict(config, _python_scene(mi, source)), name, scene_files.digest([path]))
+    if not old_format.is_old(path):
+        state = mi.parser.parse_file(config, source, **wishes.definitions)
+        return Source(state, name, None, map(str, state.files))
+    new = old_format.rewrite(path, bool(wishes.integrator))
+    state = mi.parser.parse_string(config, new.text, **wishes.definitions)
+    return Source(state, name, None, new.files, new.changes, new.lost)
 
 
-def _film_size(mi, state):
-    for node in state.nodes:
-        if node.type == mi.ObjectType.Film:
-            return int(node.props.get("width", 768)), int(node.props.get("height", 576))
-    return 256, 256
+def _python_scene(mi, source):
+    spec = importlib.util.spec_from_file_location("mitsuba_scene", source)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    if not hasattr(module, "scene"):
+        raise usage_failure("%s: has no function scene(mi) that returns a dict" % source)
+    return module.scene(mi)
 
 
-def _force(mi, state, size, integrator):
-    """Edits the parsed scene; returns the dict of the integrator that sees direct light only, or None."""
-    kind, direct = mi.ObjectType, None
-    for node in state.nodes:
-        if node.type == kind.Film:
-            for key in [key for key in node.props.keys() if key != "rfilter"]:
-                del node.props[key]
-            node.props.set_plugin_name("hdrfilm")
-            node.props["width"], node.props["height"] = size
-            if "rfilter" not in node.props:
-                node.props["rfilter"] = mi.load_dict({"type": "box"})
-        elif node.type == kind.ReconstructionFilter:
-            _replace(node, "box")
-        elif node.type == kind.Sampler:
-            _replace(node, "independent")
-        elif node.type == kind.Integrator:
-            if integrator:
-                _replace(node, integrator["type"], {k: v for k, v in integrator.items() if k != "type"})
-            if node.props.plugin_name() == "path":
-                direct = {key: node.props[key] for key in node.props.keys() if key in ("rr_depth", "hide_emitters")}
-                direct.update(type="path", max_depth=2)
-    return direct
+def _judge_losses(source, losses, found, allowed):
+    media = found.lost + [str(loss) for loss in losses if loss.of_a_medium]
+    if media and not allowed:
+        raise scene_failure("%s: a medium would be recorded as something else (%s): mend the scene, or give --allow-losses" %
+                            (source, "; ".join(media)))
+    found.changes += ["lost: %s" % text for text in media + [str(loss) for loss in losses if not loss.of_a_medium]]
 
 
-def _replace(node, plugin, properties=None):
-    for key in list(node.props.keys()):
-        del node.props[key]
-    node.props.set_plugin_name(plugin)
-    for key, value in (properties or {}).items():
-        node.props[key] = value
+def _unknown_parameter(source, names):
+    with open(source, encoding="utf-8", errors="replace") as stream:
+        known = sorted(set(re.findall(r'<default\s+name="([^"]+)"', stream.read())))
+    return "-D %s: %s has no such parameter: %s" % (names[0], source, "it has " + ", ".join(known) if known else "it has none")
 
 
 def _one_line(error):

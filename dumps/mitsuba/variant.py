@@ -43,4 +43,4 @@ def choose_variant(wanted=None):
     if probe.returncode == 0:
         return WAVEFRONT, None
     last = (probe.stderr.strip().splitlines() or ["exit code %d" % probe.returncode])[-1]
-    return FALLBACK, "no usable LLVM (%s): install libllvm19 for recordings about four times faster" % last
+    return FALLBACK, "no usable LLVM (%s): install libllvm19 for recordings 24 times faster" % last

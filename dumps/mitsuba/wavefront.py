@@ -5,6 +5,7 @@ gives `mi.render`'s image to the last bits; film, lens and time are known exactl
 """
 import numpy as np
 
+from channels import no_diffuse_lobe
 
 class Wavefront:
     def __init__(self, mi, dr, recordable, samples_per_pixel):
@@ -17,6 +18,7 @@ class Wavefront:
         table = np.zeros(int(registered.max()) + 1 if len(registered) else 1, np.uint32)
         table[registered] = 1 + np.arange(len(registered))  # pointer ids differ from run to run
         self.shape_table = mi.UInt32(table)
+        self.no_diffuse = mi.Bool(no_diffuse_lobe(mi, recordable.scene))
 
     def trace(self, count, seed, layers, rows=None):
         """{layer: [y][x][s][c] float32 (shape: uint32)} of `count` samples of every pixel; rows: (first, end)."""
@@ -67,7 +69,8 @@ class Wavefront:
             position = mi.Point3f(values[6], values[7], values[8])
             shape = dr.gather(mi.UInt32, self.shape_table, mi.UInt32(values[9]))
             view = of.sensor.world_transform().inverse() @ position
-            found = {"albedo": mi.Color3f(values[0], values[1], values[2]),
+            specular = dr.gather(mi.Bool, self.no_diffuse, shape)
+            found = {"albedo": dr.select(specular, 1, mi.Color3f(values[0], values[1], values[2])),
                      "normal": mi.Vector3f(values[3], values[4], values[5]),
                      "depth": dr.select(shape > 0, view.z, 0), "position": position, "shape": shape}
             out.update((name, found[name]) for name in found if name in layers)

@@ -1,25 +1,30 @@
-"""Progress on a terminal: a bar that says how much is done and how long the rest takes."""
+"""Progress: how much is done and how long the rest takes; a bar on a terminal, a line a minute in a log file."""
 import sys
 import time
 
 
+LOG_SECONDS = 60.0
+
+
 class Progress:
-    """Silent unless stderr is a terminal."""
+    """On stderr. `enabled` False: silent."""
 
     def __init__(self, label, total, enabled=True):
-        self.label, self.total = label, total
+        self.label, self.total, self.enabled = label, total, enabled
         self.shown = enabled and sys.stderr.isatty()
-        self.start, self.last, self.done = time.monotonic(), 0.0, 0
+        self.start, self.done = time.monotonic(), 0
+        self.last = 0.0 if self.shown else self.start
 
     def step(self):
         self.done += 1
         now = time.monotonic()
-        if not self.shown or (now - self.last < 0.2 and self.done < self.total):
+        passed = now - self.last
+        if not self.enabled or (passed < 0.2 and self.done < self.total if self.shown else passed < LOG_SECONDS):
             return
         self.last = now
         left = (now - self.start) / self.done * (self.total - self.done)
-        sys.stderr.write("\r%s %d of %d, %s left \033[K" %
-                         (self.label, self.done, self.total, duration(left)))
+        text = "%s %d of %d, %s left" % (self.label, self.done, self.total, duration(left))
+        sys.stderr.write("\r%s \033[K" % text if self.shown else text + "\n")
         sys.stderr.flush()
 
     def close(self):

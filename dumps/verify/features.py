@@ -24,13 +24,21 @@ def feature_findings(dump):
     return found
 
 
+def why_the_same(radiance, one_value):
+    if not one_value:
+        return "the seed did not reach the renderer"
+    return "every sample is %s: %s" % (("black", "has the scene a light, and does the camera see it?") if not radiance.any() else
+                                       ("one colour", "does the camera see anything but the background?"))
+
+
 def radiance_findings(radiance):
     bad = int((~np.isfinite(radiance)).any(axis=3).sum())
     negative = int((radiance < 0).any(axis=3).sum())
     total = radiance[..., 0].size
     same = bool(radiance.shape[2] > 1 and (radiance == radiance[:, :, :1]).all())
+    one_value = bool((radiance == radiance[:1, :1, :1]).all())
     found = [finding("samples finite", bad <= total * 1e-4, "%d of %d are not" % (bad, total), "at most 1e-4",
                      note="%d negative" % negative if negative else "")]
     found.append(finding("samples differ", not same, "all passes are the same" if same else "they do", "they do",
-                         note="the seed did not reach the renderer" if same else ""))
+                         note=why_the_same(radiance, one_value) if same else ""))
     return found

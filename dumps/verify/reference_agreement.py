@@ -32,19 +32,31 @@ def reference_findings(dump, radiance, level):
         return [finding("reference agrees", bool(np.abs(difference).max() < 1e-4), "largest difference %.3g" %
                         np.abs(difference).max(), "0")]
     ratio = measured.sum() / predicted.sum()
-    p = two_sided((ratio - 1) / max(bootstrap_error(measured, predicted), 1e-9))
+    error = max(bootstrap_error(measured, predicted), 1e-9)
+    p = two_sided((ratio - 1) / error)
     if dump.sample_order != "exchangeable" and ratio < 1:
         found = [finding("reference error", None, "%.3f of the predicted one" % ratio, "any below 1", p,
                          "the prediction is for independent samples, a sequence may do better")]
     else:
         found = [finding("reference error", bool(p > level), "%.3f of the predicted one" % ratio, "1", p,
-                         "" if p > level else "less: shared samples; more: another scene, filter or camera")]
+                         visible_share(error, level, count, dump.meta) if p > level else
+                         "less: shared samples; more: another scene, filter or camera")]
     z = float((difference @ LUMINANCE).sum() / np.sqrt((expected @ LUMINANCE ** 2).sum()))
     shared = dump.layers.get("film") is not None and dump.layers["film"].scope == "pass"
     p = two_sided(z)
     found.append(finding("reference energy", None if shared else bool(p > level), "%.2f standard errors" % z, "0", p,
                          "pixels share film positions: their errors are not independent" if shared else ""))
     return found
+
+
+def visible_share(error, level, count, meta):
+    """The smallest share of the pool's samples in the reference that this quotient would show (shared_numbers.py)."""
+    samples = (meta.get("reference") or {}).get("samples")
+    if not samples:
+        return ""
+    deviations = next(z / 100 for z in range(100, 1000) if two_sided(z / 100) < level)
+    share = deviations * error * (samples + count) / (2 * samples)
+    return "shared samples would show from %.2g of the reference on" % share if share < 1 else "too noisy to show shared samples"
 
 
 def blocks(image):

@@ -21,6 +21,7 @@ from film import film_findings  # noqa: E402
 from finding import line  # noqa: E402
 from independence import independence_findings, neighbour_finding  # noqa: E402
 from reference_agreement import reference_findings  # noqa: E402
+from shared_numbers import shared_number_findings  # noqa: E402
 
 SIGNIFICANCE = 1e-3  # of the whole set of tests, divided among them (Bonferroni)
 TESTS = 20
@@ -46,7 +47,7 @@ def verify(path):
             found += reference_findings(dump, finite, level)
         else:
             found += reference_findings(_Window(dump, x0, y0, side_x, side_y), finite, level)
-        found += feature_findings(dump)
+        found += shared_number_findings(dump.meta) + feature_findings(dump)
         return {"findings": found, "window": [x0, y0, x0 + side_x, y0 + side_y], "significance": SIGNIFICANCE,
                 "holds": all(entry["holds"] is not False for entry in found)}
 

@@ -1,6 +1,7 @@
 """Seeds and options: pure functions, no Blender."""
 import pathlib
 import sys
+from array import array
 
 import pytest
 
@@ -9,6 +10,7 @@ sys.path[:0] = [str(DUMPS / "cycles"), str(DUMPS / "recording")]
 
 import options  # noqa: E402
 import pass_folder  # noqa: E402
+import passes  # noqa: E402
 import seeds  # noqa: E402
 from failure import Failure  # noqa: E402
 
@@ -101,3 +103,16 @@ def test_a_full_disk_is_one_line_and_leaves_no_half_pass(tmp_path, monkeypatch):
         folder.add("pass", 1, b"efgh", {})
     assert caught.value.code == 3
     assert [p.name for p in tmp_path.glob("pass_*")] == ["pass_00000.f32"]
+
+
+def test_albedo_of_surfaces_without_a_diffuse_part_is_what_they_mirror_and_let_through(monkeypatch):
+    """With numpy and without it, to the last bit; a colour with one dark channel stays what it is."""
+    flat = {"DiffCol": array("f", [0.8, 0.0, 0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+            "GlossCol": array("f", [0.04, 0.04, 0.04, 0.9, 0.6, 0.2, 0.7, 0.7, 0.7, 0, 0, 0]),
+            "TransCol": array("f", [0, 0, 0, 0, 0, 0, 0.6, 0.2, 0.1, 0, 0, 0])}
+    expected = array("f", [0.8, 0.0, 0.1, 0.9, 0.6, 0.2, 1.0, 0.9, 0.8, 0, 0, 0])
+    plain, rows = passes.CHANNELS["albedo"], []
+    for numpy in (passes.numpy, None):
+        monkeypatch.setattr(passes, "numpy", numpy)
+        rows.append(plain.mix(flat))
+    assert rows[0] == rows[1] and rows[0] == pytest.approx(expected, abs=1e-7)

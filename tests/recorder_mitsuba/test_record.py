@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 import spool
+from conftest import RECORD, ROOT, check_ok, record
 
 pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
 
-ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
-RECORD = os.path.join(ROOT, "dumps", "mitsuba", "record.py")
 LENS = """<scene version="3.0.0"><integrator type="path"/>
 <sensor type="thinlens"><float name="fov" value="40"/><float name="aperture_radius" value="0.3"/>
 <float name="focus_distance" value="4"/><float name="shutter_close" value="0.5"/>
@@ -22,15 +21,6 @@ LENS = """<scene version="3.0.0"><integrator type="path"/>
 <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film></sensor>
 <shape type="sphere" id="ball"><bsdf type="diffuse"><rgb name="reflectance" value="0.8,0.4,0.2"/></bsdf></shape>
 <emitter type="constant"><rgb name="radiance" value="1,1,1"/></emitter></scene>"""
-
-
-def record(*arguments):
-    return subprocess.run([sys.executable, RECORD, *map(str, arguments)], capture_output=True, text=True)
-
-
-def check_ok(result):
-    assert result.returncode == 0, result.stderr
-    return result
 
 
 @pytest.fixture(scope="module")
@@ -69,8 +59,8 @@ def test_pool_is_what_the_renderer_renders(box):
             pytest.skip("the scalar fallback draws other numbers than its renderer")
         force_good_llvm()
         mi.set_variant(dump.meta["renderer"]["variant"])
-        from scene import load_scene
-        scene = load_scene(mi, "cornell-box", (32, 32)).scene
+        from scene import Wishes, load_scene
+        scene = load_scene(mi, "cornell-box", Wishes(size=(32, 32))).scene
         step = dump.meta["seeds"]["chunk_samples"]
         first = dump.read("radiance", 0, 0, 32, 32, 0, step).astype(float).mean(axis=2)
         rendered = np.array(mi.render(scene, spp=step, seed=dump.meta["seeds"]["pool_first"]))
@@ -104,18 +94,25 @@ def test_lens_and_time_are_recorded_where_the_scene_has_them(tmp_path):
         assert abs(lens.mean(axis=(0, 1, 2))).max() < 4 * 0.5 / np.sqrt(radius2.size)
         shutter = dump.read("time")
         assert 0 <= shutter.min() < 0.1 and 0.9 < shutter.max() <= 1
-        assert dump.meta["shutter"] == [0, 0.5] and dump.meta["scene"]["name"] == "lens.xml"
+        assert dump.meta["shutter"] == [0, 0.5] and dump.meta["scene"]["name"] == "%s/lens.xml" % tmp_path.name
 
 
 def test_scenes_of_the_tree_that_mitsuba_is_taught_are_built_from_their_scripts(tmp_path):
-    """Camera, meshes, normals and the ruled paper are Blender's: the features agree with a recording of Cycles."""
+    """Camera, meshes, normals and the ruled paper are Blender's: the features agree with a recording of Cycles.
+    On glass the two say different things (dumps/tiny/caustic.spool: 0), so the albedo is compared beside it."""
     out = tmp_path / "caustic.spool"
-    check_ok(record("caustic", "-o", out, "--size", 64, "--samples", 16, "--channels", "albedo,normal,film"))
+    check_ok(record("caustic", "-o", out, "--size", 64, "--samples", 16, "--channels", "albedo,normal,film,shape"))
     with spool.open(out) as found, spool.open(os.path.join(ROOT, "dumps", "tiny", "caustic.spool")) as cycles:
+        glass = [1 + i for i, name in enumerate(found.meta["scene"]["shapes"]) if name.startswith(("ball", "ring"))]
+        on_glass = np.isin(found.read("shape")[..., 0], glass)
+        assert on_glass.any() and (found.read("albedo")[on_glass] == 1).all()
+        beside = ~on_glass.any(axis=2) & (cycles.read("albedo") > 0).all(axis=(2, 3))
+        assert beside.mean() > 0.3
         for layer, largest in (("albedo", 0.04), ("normal", 0.01)):
             one, two = found.read(layer).astype(float).mean(axis=2), cycles.read(layer).astype(float).mean(axis=2)
-            assert np.abs(one - two).mean() < largest, layer  # of noise: 16 positions in a pixel
-            assert np.abs((one - two).mean(axis=(0, 1))).max() < 0.003, layer
+            difference = (one - two)[beside] if layer == "albedo" else (one - two).reshape(-1, 3)
+            assert np.abs(difference).mean() < largest, layer  # of noise: 16 positions in a pixel
+            assert np.abs(difference.mean(axis=0)).max() < 0.003, layer
     result = record("chess", "-o", tmp_path / "chess.spool")
     assert result.returncode == 2 and "needs more than Mitsuba is taught" in result.stderr
 

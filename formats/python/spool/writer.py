@@ -119,9 +119,10 @@ class Writer:
             array = convert(arrays[name], layer.dtype, f"{self.path}: layer {name}")
             if array.ndim == 3 and len(layer.components) == 1:
                 array = array[..., None]
-            expected = self.geometry.height, self.geometry.width, "s", len(layer.components)
-            if array.ndim != 4 or (array.shape[:2] + array.shape[3:]) != expected[:2] + expected[3:]:
-                raise self._error(f"layer {name} has shape {array.shape}, not {expected}")
+            height, width, components = self.geometry.height, self.geometry.width, len(layer.components)
+            if array.ndim != 4 or (array.shape[:2] + array.shape[3:]) != (height, width, components):
+                raise self._error(f"layer {name} has shape {array.shape}, not [y][x][sample][component] of {height} rows, "
+                                  f"{width} columns, any number of samples and {components} components")
             ready[name] = array
             counts.add(array.shape[2])
         if len(counts) != 1 or 0 in counts or first + max(counts) > self.geometry.spp:

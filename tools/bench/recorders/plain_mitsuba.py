@@ -11,9 +11,9 @@ import mitsuba as mi  # noqa: E402
 
 name, size, samples, channels = sys.argv[-4:]
 mi.set_variant(choose_variant()[0])
-from scene import load_scene  # noqa: E402
+from scene import Wishes, load_scene  # noqa: E402
 
-found = load_scene(mi, name, (int(size), int(size)))
+found = load_scene(mi, name, Wishes(size=(int(size), int(size))))
 integrator = found.scene.integrator()
 if channels != "radiance":
     integrator = mi.load_dict({"type": "aov", "aovs": "a:albedo,n:sh_normal,d:depth", "image": integrator})

@@ -1,0 +1,250 @@
+"""Scene files of Mitsuba 0.1 to 0.6, rewritten so that Mitsuba 3 reads them, with a list of what was changed.
+
+Mitsuba 3 renames the properties itself (maxDepth, toWorld, uscale). What it leaves to the user is done here: elements and
+plugins that are gone, colours in sRGB, and numbers that mean something else. What has no counterpart and matters (a
+subsurface model, a preset medium) is returned as a loss; the caller decides. Other plugins that Mitsuba 3 lacks stay as
+they are and are refused by name, unless the user substitutes them.
+"""
+import os
+import xml.etree.ElementTree as ElementTree
+
+from failure import io_failure, scene_failure
+
+RENAMED = {"camera": "sensor", "luminaire": "emitter", "lookAt": "lookat"}       # 0.1 to 0.4; 0.5 and 0.6
+KNOWN = {"scene", "sensor", "emitter", "lookat", "integrator", "sampler", "film", "rfilter", "bsdf", "texture", "shape",
+         "medium", "phase", "volume", "spectrum", "rgb", "srgb", "blackbody", "transform", "translate", "rotate", "scale",
+         "matrix", "float", "integer", "boolean", "string", "point", "vector", "ref", "default", "include", "alias", "path",
+         "subsurface"}
+TRACERS = {"bdpt", "pssmlt", "mlt", "erpt", "mept", "sppm", "ppm", "photonmapper", "vpl", "vcm", "upm", "ptracer", "irrcache",
+           "adaptive", "multichannel", "volpath_simple", "pathtracer", "path_simple", "guided_path", "bre"}
+NEAREST = {("bsdf", "roughdiffuse"): "diffuse", ("bsdf", "ward"): "roughconductor", ("sensor", "perspective_rdist"): "perspective",
+           ("film", "ldrfilm"): "hdrfilm", ("film", "mfilm"): "hdrfilm", ("film", "tiledhdrfilm"): "hdrfilm",
+           ("film", "exrfilm"): "hdrfilm", ("film", "pngfilm"): "hdrfilm", ("texture", "vertexcolors"): "mesh_attribute"}
+
+
+class Rewritten:
+    def __init__(self, text, changes, lost, files):
+        self.text, self.changes, self.lost, self.files = text, changes, lost, files
+
+
+def is_old(path):
+    """Of an XML file that says a version below 2 (as Mitsuba 3 reads it: none is a broken file, its own error)."""
+    try:
+        for _, element in ElementTree.iterparse(path, events=("start",)):
+            version = element.get("version", "3").split(".")[0]
+            return element.tag == "scene" and version.isdigit() and int(version) < 2
+    except (ElementTree.ParseError, OSError):
+        return False
+
+
+def rewrite(path, integrator_given=False):
+    changes, lost, files = [], [], [os.path.abspath(path)]
+    root = _read(path)
+    _inline(root, os.path.dirname(files[0]), {files[0]}, files)
+    note = lambda text: changes.append(text) if text not in changes else None  # noqa: E731
+    _elements(root, note, lost)
+    media = any(element.tag == "medium" for element in root.iter())
+    for parent in root.iter():
+        for element in list(parent):
+            _colours(parent, element, note)
+            _plugin(element, note)
+            if element.tag == "integrator" and not integrator_given:
+                _integrator(element, media, note)
+            if element.tag == "medium":
+                _medium(element, note, lost)
+    return Rewritten(ElementTree.tostring(root, encoding="unicode"), changes, lost, files)
+
+
+def _read(path):
+    try:
+        return ElementTree.parse(path, ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))).getroot()
+    except ElementTree.ParseError as error:
+        raise scene_failure("%s: not XML (%s)" % (path, error))
+    except OSError as error:
+        raise io_failure("%s: %s: the scene includes it" % (path, error.strerror))
+
+
+def _inline(parent, folder, above, files):
+    """Included files in place of their <include>: Mitsuba would read them as they are."""
+    for place, element in reversed(list(enumerate(parent))):
+        if element.tag == "include":
+            path = os.path.abspath(os.path.join(folder, element.get("filename", "")))
+            if path in above:
+                raise scene_failure("%s: includes itself" % path)
+            content = _read(path)
+            files.append(path)
+            _inline(content, folder, above | {path}, files)
+            parent[place:place + 1] = list(content) if content.tag == "scene" else [content]
+        else:
+            _inline(element, folder, above, files)
+
+
+def _elements(parent, note, lost):
+    for element in list(parent):
+        if not isinstance(element.tag, str):                     # a comment
+            continue
+        if element.tag in RENAMED:
+            element.tag = RENAMED[element.tag]
+        if element.tag == "subsurface":
+            lost.append("<subsurface type=%s>" % element.get("type"))
+            parent.remove(element)
+        elif element.tag not in KNOWN:
+            note("<%s> left out: Mitsuba 3 has no such element" % element.tag)
+            parent.remove(element)
+        else:
+            _elements(element, note, lost)
+
+
+def numbers(text):
+    return [float(part) for part in text.replace(",", " ").split()]
+
+
+def hex_colour(text):
+    """#rrggbb -> three numbers in [0, 1], as written."""
+    digits = text.lstrip("#").removeprefix("0x")
+    return [int(digits[i:i + 2], 16) / 255 for i in (0, 2, 4)]
+
+
+def linear(value):
+    """IEC 61966-2-1."""
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+
+
+def _colours(parent, element, note):
+    value = element.get("value", "")
+    if element.tag in ("rgb", "srgb") and not value.startswith("$"):
+        try:
+            colour = hex_colour(value) if value.startswith("#") else numbers(value)
+        except ValueError:
+            return                                               # Mitsuba says what is wrong with it
+        if element.tag == "srgb":
+            colour = [linear(c) for c in colour]
+            note("<srgb> made linear <rgb>")
+        elif value.startswith("#"):
+            note("<rgb> in hexadecimal written as numbers, linear as Mitsuba 0.6 took them")
+        element.tag = "rgb"
+        element.set("value", ", ".join("%.9g" % c for c in colour))
+    elif element.tag == "spectrum" and value and ":" not in value and parent.tag == "emitter":
+        # 0.6 without spectra took one number for grey; Mitsuba 3 for equal energy, which is pink (2.4 : 1.9 : 1.8)
+        element.tag = "rgb"
+        note("<spectrum> of one number in an emitter taken as grey, as Mitsuba 0.6 did")
+    elif element.tag == "blackbody":
+        kelvin, scale = element.get("temperature", "").rstrip("kK "), element.get("scale")
+        element.tag = "spectrum"
+        ElementTree.SubElement(element, "float", name="temperature", value=kelvin)
+        for key in ("temperature", "scale"):
+            element.attrib.pop(key, None)
+        element.set("type", "blackbody")
+        note("<blackbody> made a spectrum plugin%s" % (": its scale %s is dropped, Mitsuba 3 has none" % scale
+                                                      if scale not in (None, "1", "1.0") else ""))
+
+
+def _plugin(element, note):
+    plugin = element.get("type")
+    nearest = NEAREST.get((element.tag, plugin))
+    if nearest:
+        if element.tag != "film":                                # films are replaced in any case
+            note("%s %s taken as %s, the nearest that Mitsuba 3 has" % (element.tag, plugin, nearest))
+        element.set("type", nearest)
+    if element.tag == "bsdf" and plugin == "coating":
+        inner = element.find("bsdf")
+        if inner is not None:
+            note("bsdf coating: the coat is dropped, what it covers is kept")
+            identity, name = element.get("id"), element.get("name")
+            children, kind = list(inner), inner.get("type")
+            for child in list(element):
+                element.remove(child)
+            element.extend(children)
+            element.attrib = {key: value for key, value in (("type", kind), ("id", identity), ("name", name)) if value}
+    if element.tag == "emitter" and plugin in ("sky", "sun", "sunsky"):
+        _sky(element, plugin, note)
+    for child in list(element):
+        _property(element, child, note)
+
+
+def _sky(element, plugin, note):
+    """Mitsuba 0.6 had y for up in its skies, Mitsuba 3 has z; the direction of the sun is one of the world in both."""
+    own = element.find("transform")
+    turn = ElementTree.Element("rotate", x="1", y="0", z="0", angle="-90")
+    if own is None:
+        own = ElementTree.SubElement(element, "transform", name="toWorld")
+    own.insert(0, turn)
+    note("%s turned so that y is up, as Mitsuba 0.6 had it" % plugin)
+    if plugin != "sunsky":
+        element.set("type", "sunsky")
+        scale = element.find("*[@name='scale']")
+        if scale is not None:
+            scale.set("name", plugin + "Scale")
+        ElementTree.SubElement(element, "float", name="skyScale" if plugin == "sun" else "sunScale", value="0")
+        note("emitter %s taken as sunsky without the other part" % plugin)
+
+
+def _property(element, child, note):
+    name, value = child.get("name", ""), child.get("value", "")
+    plugin = element.get("type")
+    if element.tag == "texture" and plugin == "bitmap":
+        if name == "filterType" and value in ("trilinear", "ewa"):
+            child.set("value", "bilinear")
+            note("texture filter %s taken as bilinear" % value)
+        elif name == "gamma":
+            element.remove(child)
+            if value.strip() and numbers(value)[0] == 1:
+                ElementTree.SubElement(element, "boolean", name="raw", value="true")
+                note("texture of gamma 1 taken as raw")
+            elif value.strip() and numbers(value)[0] > 0:
+                note("texture gamma %s taken as the file's own" % value)
+    elif element.tag == "bsdf" and name == "distribution" and value not in ("beckmann", "ggx"):
+        child.set("value", "beckmann")
+        note("microfacet distribution %s taken as beckmann" % value)
+
+
+def _integrator(element, media, note):
+    plugin, chosen = element.get("type"), "volpath" if media else "path"
+    if plugin in TRACERS:
+        for child in list(element):
+            if child.get("name") not in ("maxDepth", "rrDepth", "hideEmitters"):
+                element.remove(child)
+        element.set("type", chosen)
+        note("integrator %s taken as %s" % (plugin, chosen))
+    for child in list(element):
+        if child.get("name") == "strictNormals":
+            element.remove(child)
+            note("strictNormals dropped: Mitsuba 3 always traces shading normals as they are")
+
+
+def _medium(element, note, lost):
+    """sigmaA + sigmaS -> sigma_t and albedo; densityMultiplier -> scale; density -> sigma_t."""
+    by_name = {child.get("name"): child for child in element}
+    if "material" in by_name:
+        lost.append("preset medium %s" % by_name["material"].get("value"))
+    if "densityMultiplier" in by_name:
+        by_name["densityMultiplier"].set("name", "scale")
+        note("medium densityMultiplier taken as scale")
+    if "density" in by_name:
+        by_name["density"].set("name", "sigma_t")
+        note("medium density taken as sigma_t")
+    if element.get("type") == "heterogeneous" and "method" in by_name:
+        element.remove(by_name["method"])                        # how 0.6 sampled it; Mitsuba 3 knows one way
+    for volume in element.iter("volume"):
+        if volume.get("type") == "gridvolume" and volume.find("*[@name='toWorld']") is None:
+            ElementTree.SubElement(volume, "boolean", name="use_grid_bbox", value="true")
+            note("grid volume placed by the box in its file, as Mitsuba 0.6 did")
+    if "sigmaA" in by_name and "sigmaS" in by_name:
+        _coefficients(element, by_name["sigmaA"], by_name["sigmaS"], note, lost)
+
+
+def _coefficients(element, absorption, scattering, note, lost):
+    try:
+        a, s = (numbers(child.get("value", "")) for child in (absorption, scattering))
+        a, s = (values * 3 if len(values) == 1 else values for values in (a, s))
+        if len(a) != 3 or len(s) != 3:
+            raise ValueError
+    except ValueError:                                           # measured spectra, or a parameter
+        lost.append("sigmaA and sigmaS of a medium that are not plain numbers")
+        return
+    total = [x + y for x, y in zip(a, s)]
+    for child, name, values in ((absorption, "sigma_t", total),
+                                (scattering, "albedo", [y / t if t else 0 for y, t in zip(s, total)])):
+        child.tag = "rgb"
+        child.attrib = {"name": name, "value": ", ".join("%.9g" % v for v in values)}
+    note("medium sigmaA and sigmaS written as sigma_t and albedo")

@@ -1,0 +1,78 @@
+"""Command line of the recorder: plain values out, or one line and exit code 2."""
+import argparse
+import os
+
+from channels import DEFAULT, LAYERS
+from failure import usage_failure
+from seeds import USER_LIMIT
+
+
+def parse(arguments, about):
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scene", help="an .xml scene, a .py file with scene(mi) -> dict, or cornell-box")
+    parser.add_argument("-o", "--out", help="the .spool file to make")
+    parser.add_argument("--size", help="WxH or N (default: the film's)")
+    parser.add_argument("--samples", type=int, default=64, help="per pixel (64)")
+    parser.add_argument("--reference", type=int, default=0, metavar="SPP", help="independent reference (0: none)")
+    parser.add_argument("--seed", type=int, default=1, help="0 .. 1023 (1)")
+    parser.add_argument("--channels", help="%s; or all (default %s; lens and time where the scene has them)" %
+                        (", ".join(LAYERS), DEFAULT))
+    parser.add_argument("--half", action="store_true", help="a small file to hand on: radiance in 16 bits, no film positions "
+                        "unless --channels names them")
+    parser.add_argument("--integrator", help="plugin to use instead of the scene's, for instance path or volpath")
+    parser.add_argument("--max-depth", type=int, help="of the integrator, the scene's or --integrator")
+    parser.add_argument("-D", dest="defines", action="append", default=[], metavar="NAME=VALUE",
+                        help="a parameter of the XML scene")
+    parser.add_argument("--files", action="append", default=[], metavar="FOLDER",
+                        help="where else the scene's meshes and textures may lie")
+    parser.add_argument("--substitute", action="append", default=[], metavar="NAME=PLUGIN",
+                        help="use PLUGIN where the scene names the plugin NAME, which Mitsuba 3 does not have")
+    parser.add_argument("--allow-losses", action="store_true", help="record although a medium, or part of one, gets lost")
+    parser.add_argument("--chunk-lanes", type=int, default=1 << 20, help="samples traced at once (1048576)")
+    parser.add_argument("--block", type=int, default=16, help="samples in a block of the file (16)")
+    parser.add_argument("--variant", help="Mitsuba variant (default: llvm_ad_rgb, scalar_rgb without LLVM)")
+    parser.add_argument("--no-compress", action="store_true")
+    parser.add_argument("--no-verify", action="store_true", help="do not test the samples and keep what was found")
+    parser.add_argument("--force", action="store_true", help="replace an existing file")
+    parser.add_argument("--dry-run", action="store_true", help="say what the scene needs and what it will cost")
+    options = parser.parse_args(arguments)
+    check(options)
+    return options
+
+
+def check(options):
+    if not options.out and not options.dry_run:
+        raise usage_failure("no output: give -o FILE.spool")
+    for name, low, high in (("samples", 1, 65536), ("reference", 0, 1 << 24), ("seed", 0, USER_LIMIT - 1),
+                            ("chunk_lanes", 1, 1 << 28), ("block", 1, 1024), ("max_depth", -1, 1 << 30)):
+        value = getattr(options, name)
+        if value is not None and not low <= value <= high:
+            raise usage_failure("--%s %d is outside %d .. %d" % (name.replace("_", "-"), value, low, high))
+    if options.out and os.path.exists(options.out) and not options.force:
+        raise usage_failure("%s: exists: choose another name or give --force" % options.out)
+    if options.channels is None:
+        options.channels = ",".join(name for name in DEFAULT.split(",") if name != "film" or not options.half)
+    for folder in options.files:
+        if not os.path.isdir(folder):
+            raise usage_failure("--files %s: no such folder" % folder)
+    options.size = parse_size(options.size) if options.size else None
+    options.definitions = pairs("-D", options.defines)
+    options.substitutes = pairs("--substitute", options.substitute)
+
+
+def pairs(option, texts):
+    for text in texts:
+        if "=" not in text or text.startswith("="):
+            raise usage_failure("%s %s: write NAME=VALUE" % (option, text))
+    return dict(text.partition("=")[::2] for text in texts)
+
+
+def parse_size(text):
+    try:
+        values = [int(part) for part in text.lower().split("x")]
+        width, height = (values * 2)[:2]
+        if len(values) > 2 or min(width, height) < 1 or max(width, height) > 65536:
+            raise ValueError
+    except ValueError:
+        raise usage_failure("--size '%s' is no size: use WxH or N" % text)
+    return width, height

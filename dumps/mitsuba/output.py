@@ -1,0 +1,59 @@
+"""The finished recording as one file: layers, their types and meanings, and all that says how it came about."""
+import numpy as np
+
+import spool
+from channels import LAYERS, MEANINGS
+from reference import variance_of_mean
+from seeds import chunk_seed
+
+LARGEST_HALF = 65504.0
+
+
+def layer_types(layers, half, largest=0.0):
+    """{layer: dtype}. half: radiance in 16 bits, unless a sample is too large for them."""
+    narrow = {"radiance": "f2", "direct": "f2"} if half and largest <= LARGEST_HALF else {}
+    return {name: narrow.get(name, LAYERS[name][0]) for name in layers}
+
+
+def metadata(options, mi, recordable, tracer, cut, seconds):
+    return {"renderer": {"name": "Mitsuba", "version": mi.__version__, "variant": mi.variant()},
+            "scene": {"name": recordable.name, "sha256": recordable.digest, "shapes": recordable.shapes[:4096],
+                      "changes": recordable.changes},
+            "mode": "iid", "independent": True,
+            "settings": {"integrator": type(recordable.integrator).__name__, "integrator_option": options.integrator,
+                         "max_depth": options.max_depth, "defines": options.defines, "substitute": options.substitute,
+                         "sampler": "independent", "filter": "box"},
+            "seeds": {"user": options.seed, "pool_first": chunk_seed(options.seed, 0), "chunk_samples": cut.step,
+                      "chunk_rows": cut.bands[0][1], "reference_first": chunk_seed(options.seed, 0, reference=True)},
+            "cost_note": "CPU seconds of all threads",
+            "cost_per_sample": seconds / (tracer.width * tracer.height * options.samples),
+            "shutter": [recordable.shutter_open, recordable.shutter_open + recordable.shutter_time]}
+
+
+def write_file(options, meta, tracer, layers, chunks, cut, reference):
+    """meta: of metadata(); reference: the state of reference.py, or None."""
+    types = layer_types(layers, options.half, chunks.largest(range(len(cut.parts))) if options.half else 0.0)
+    file_layers = {name: (types[name], LAYERS[name][1]) for name in layers}
+    meta = {**meta, "channels": {name: MEANINGS[name] for name in layers}}
+    if reference is not None:
+        file_layers["reference"] = file_layers["reference_variance"] = ("f4", "RGB", "pixel")
+        meta["reference"] = {"samples": options.reference, "independent": True, "nonfinite": int(reference["nonfinite"]),
+                             "seconds": float(reference["seconds"])}
+    # the writer holds a block of every pixel
+    block = max(1, min(options.block, options.samples, 16 * options.chunk_lanes // (tracer.width * tracer.height)))
+    with spool.Writer(options.out, tracer.width, tracer.height, options.samples, file_layers, tile_size=64,
+                      block_spp=block, sample_order="exchangeable", meta=meta,
+                      compress=not options.no_compress, force=options.force) as writer:
+        bands = len(cut.bands)
+        for index in range(0, len(cut.parts), bands):
+            loaded = [chunks.load(index + band)[0] for band in range(bands)]
+            arrays = {name: np.concatenate([part[name] for part in loaded]) for name in layers}
+            if "shape" in arrays:
+                arrays["shape"] = arrays["shape"].astype("<u4")
+            writer.write_passes(cut.parts[index][0], arrays)
+        if reference is not None:
+            writer.write_pixel("reference", reference["mean"].astype("<f4"))
+            writer.write_pixel("reference_variance", variance_of_mean(reference).astype("<f4"))
+    if options.half and types["radiance"] != "f2":
+        return "--half: a sample exceeds %g: the radiance is kept in 32 bits" % LARGEST_HALF
+    return None

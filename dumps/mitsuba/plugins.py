@@ -1,0 +1,113 @@
+"""Edits of a parsed scene before it is instantiated: film, filter, sampler and integrator as a recording needs them."""
+from collections import namedtuple
+
+import numpy as np
+
+from failure import scene_failure, usage_failure
+
+SCALE_TOLERANCE = 5e-4           # below what Mitsuba takes for a scale: a squared length within 1e-3 of 1
+DEFAULT_FILM = 768, 576          # what Mitsuba takes where the film says nothing
+# size: (width, height); direct: dict of the integrator that sees direct light only, or None; changes: lines to tell
+Forced = namedtuple("Forced", "size direct changes")
+
+
+def substitute(state, substitutes):
+    used = set()
+    for node in state.nodes:
+        plugin = node.props.plugin_name()
+        if plugin in substitutes:
+            node.props.set_plugin_name(substitutes[plugin])
+            used.add(plugin)
+    unused = sorted(set(substitutes) - used)
+    if unused:
+        raise usage_failure("--substitute %s: the scene names no such plugin" % unused[0])
+    return ["%s replaced by %s, as asked" % (plugin, substitutes[plugin]) for plugin in sorted(used)]
+
+
+def refuse_unknown(mi, source, state):
+    kinds, manager = mi.ObjectType, mi.PluginManager.instance()
+    replaced = (kinds.Scene, kinds.Film, kinds.Sampler, kinds.ReconstructionFilter, kinds.Integrator, kinds.Unknown)
+    unknown = sorted({(node.type.name.lower(), node.props.plugin_name()) for node in state.nodes if node.type not in replaced
+                      and manager.plugin_type(node.props.plugin_name()) == kinds.Unknown})
+    if unknown:
+        raise scene_failure("%s: Mitsuba 3 has no %s: choose what stands for it, --substitute %s=PLUGIN" % (
+            source, ", no ".join("%s %s" % pair for pair in unknown), unknown[0][1]))
+
+
+def force(mi, state, wishes):
+    kind, changes = mi.ObjectType, []
+    film = _film_size(mi, state)
+    size = wishes.size or film or DEFAULT_FILM
+    if film and abs(size[0] * film[1] - size[1] * film[0]) > max(film):
+        changes.append("%dx%d has another aspect than the film's %dx%d: the picture shows more or less of the scene" % (*size, *film))
+    integrators = [node for node in state.nodes if node.type == kind.Integrator]
+    for node in state.nodes:
+        if node.type == kind.Film:
+            for key in [key for key in node.props.keys() if key != "rfilter"]:
+                del node.props[key]
+            node.props.set_plugin_name("hdrfilm")
+            node.props["width"], node.props["height"] = size
+            if "rfilter" not in node.props:
+                node.props["rfilter"] = mi.load_dict({"type": "box"})
+        elif node.type == kind.ReconstructionFilter:
+            _replace(node, "box")
+        elif node.type == kind.Sampler:
+            _replace(node, "independent")
+        elif node.type == kind.Sensor:
+            changes += _rigid(mi, node)
+            if not _has_child(state, node, kind.Film):
+                node.props["film"] = mi.load_dict({"type": "hdrfilm", "width": size[0], "height": size[1], "rfilter": {"type": "box"}})
+    if integrators:
+        return Forced(size, _force_integrator(mi, integrators, wishes), changes)
+    chosen = wishes.integrator or ("volpath" if any(node.type == kind.Medium for node in state.nodes) else "path")
+    if not wishes.integrator:
+        changes.append("the scene has no integrator: %s is used" % chosen)
+    depth = {} if wishes.max_depth is None else {"max_depth": wishes.max_depth}
+    state.root.props["integrator"] = mi.load_dict({"type": chosen, **depth})
+    return Forced(size, {"type": "path", "max_depth": 2} if chosen == "path" else None, changes)
+
+
+def _film_size(mi, state):
+    for node in state.nodes:
+        if node.type == mi.ObjectType.Film:
+            return int(node.props.get("width", DEFAULT_FILM[0])), int(node.props.get("height", DEFAULT_FILM[1]))
+    return None
+
+
+def _force_integrator(mi, nodes, wishes):
+    direct = None
+    for node in nodes:
+        if wishes.integrator:
+            _replace(node, wishes.integrator)
+        if wishes.max_depth is not None:
+            node.props["max_depth"] = wishes.max_depth
+        if node.props.plugin_name() == "path":
+            direct = {key: node.props[key] for key in node.props.keys() if key in ("rr_depth", "hide_emitters")}
+            direct.update(type="path", max_depth=2)
+    return direct
+
+
+def _rigid(mi, node):
+    """A camera whose matrix scales is refused by Mitsuba 3: its rotation is kept (polar decomposition)."""
+    if "to_world" not in node.props or not hasattr(node.props["to_world"], "matrix"):
+        return []
+    matrix = np.array(node.props["to_world"].matrix, np.float64).reshape(4, 4)
+    factors = np.linalg.svd(matrix[:3, :3], compute_uv=False)
+    if np.abs(factors - 1).max() < SCALE_TOLERANCE:
+        return []
+    left, _, right = np.linalg.svd(matrix[:3, :3])
+    matrix[:3, :3] = left @ right
+    node.props["to_world"] = mi.ScalarTransform4f(matrix.tolist())
+    return ["the camera's matrix scales by %.3g to %.3g: only its rotation is used" % (factors.min(), factors.max())]
+
+
+def _has_child(state, node, kind):
+    """Whether a node of this kind hangs on the node, as a reference or as an object."""
+    values = [node.props[key] for key in node.props.keys()]
+    return any(state.nodes[value.index()].type == kind for value in values if type(value).__name__ == "ResolvedReference")
+
+
+def _replace(node, plugin):
+    for key in list(node.props.keys()):
+        del node.props[key]
+    node.props.set_plugin_name(plugin)
