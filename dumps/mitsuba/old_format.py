@@ -9,6 +9,7 @@ import os
 import xml.etree.ElementTree as ElementTree
 
 from failure import io_failure, scene_failure
+from old_media import medium, numbers
 
 RENAMED = {"camera": "sensor", "luminaire": "emitter", "lookAt": "lookat"}       # 0.1 to 0.4; 0.5 and 0.6
 KNOWN = {"scene", "sensor", "emitter", "lookat", "integrator", "sampler", "film", "rfilter", "bsdf", "texture", "shape",
@@ -51,7 +52,7 @@ def rewrite(path, integrator_given=False):
             if element.tag == "integrator" and not integrator_given:
                 _integrator(element, media, note)
             if element.tag == "medium":
-                _medium(element, note, lost)
+                medium(element, note, lost)
     return Rewritten(ElementTree.tostring(root, encoding="unicode"), changes, lost, files)
 
 
@@ -93,10 +94,6 @@ def _elements(parent, note, lost):
             parent.remove(element)
         else:
             _elements(element, note, lost)
-
-
-def numbers(text):
-    return [float(part) for part in text.replace(",", " ").split()]
 
 
 def hex_colour(text):
@@ -210,41 +207,3 @@ def _integrator(element, media, note):
         if child.get("name") == "strictNormals":
             element.remove(child)
             note("strictNormals dropped: Mitsuba 3 always traces shading normals as they are")
-
-
-def _medium(element, note, lost):
-    """sigmaA + sigmaS -> sigma_t and albedo; densityMultiplier -> scale; density -> sigma_t."""
-    by_name = {child.get("name"): child for child in element}
-    if "material" in by_name:
-        lost.append("preset medium %s" % by_name["material"].get("value"))
-    if "densityMultiplier" in by_name:
-        by_name["densityMultiplier"].set("name", "scale")
-        note("medium densityMultiplier taken as scale")
-    if "density" in by_name:
-        by_name["density"].set("name", "sigma_t")
-        note("medium density taken as sigma_t")
-    if element.get("type") == "heterogeneous" and "method" in by_name:
-        element.remove(by_name["method"])                        # how 0.6 sampled it; Mitsuba 3 knows one way
-    for volume in element.iter("volume"):
-        if volume.get("type") == "gridvolume" and volume.find("*[@name='toWorld']") is None:
-            ElementTree.SubElement(volume, "boolean", name="use_grid_bbox", value="true")
-            note("grid volume placed by the box in its file, as Mitsuba 0.6 did")
-    if "sigmaA" in by_name and "sigmaS" in by_name:
-        _coefficients(element, by_name["sigmaA"], by_name["sigmaS"], note, lost)
-
-
-def _coefficients(element, absorption, scattering, note, lost):
-    try:
-        a, s = (numbers(child.get("value", "")) for child in (absorption, scattering))
-        a, s = (values * 3 if len(values) == 1 else values for values in (a, s))
-        if len(a) != 3 or len(s) != 3:
-            raise ValueError
-    except ValueError:                                           # measured spectra, or a parameter
-        lost.append("sigmaA and sigmaS of a medium that are not plain numbers")
-        return
-    total = [x + y for x, y in zip(a, s)]
-    for child, name, values in ((absorption, "sigma_t", total),
-                                (scattering, "albedo", [y / t if t else 0 for y, t in zip(s, total)])):
-        child.tag = "rgb"
-        child.attrib = {"name": name, "value": ", ".join("%.9g" % v for v in values)}
-    note("medium sigmaA and sigmaS written as sigma_t and albedo")

@@ -20,7 +20,7 @@ def metadata(options, mi, recordable, tracer, cut, seconds):
             "scene": {"name": recordable.name, "sha256": recordable.digest, "shapes": recordable.shapes[:4096],
                       "changes": recordable.changes},
             "mode": "iid", "independent": True,
-            "settings": {"integrator": type(recordable.integrator).__name__, "integrator_option": options.integrator,
+            "settings": {"integrator": recordable.integrator.class_name(), "integrator_option": options.integrator,
                          "max_depth": options.max_depth, "defines": options.defines, "substitute": options.substitute,
                          "sampler": "independent", "filter": "box"},
             "seeds": {"user": options.seed, "pool_first": chunk_seed(options.seed, 0), "chunk_samples": cut.step,

@@ -60,7 +60,7 @@ def open_tracer(options):
 def plan_of(options, mi, recordable, tracer, layers, cut):
     return {"scene": recordable.name, "scene_sha256": recordable.digest, "width": tracer.width, "height": tracer.height,
             "samples": options.samples, "seed": options.seed, "layers": layers, "chunk_samples": cut.step, "chunk_rows": cut.bands[0][1],
-            "integrator": type(recordable.integrator).__name__, "integrator_option": options.integrator,
+            "integrator": recordable.integrator.class_name(), "integrator_option": options.integrator,
             "max_depth": options.max_depth, "defines": options.defines, "substitute": options.substitute,
             "variant": mi.variant(), "mitsuba": mi.__version__, "random_numbers": RANDOM_NUMBERS}
 

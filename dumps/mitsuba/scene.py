@@ -37,7 +37,7 @@ class Recordable:
         self.shapes = [shape.id() for shape in scene.shapes()]
         self.has_volumes = self.sensor.get_medium() is not None or any(
             shape.interior_medium() is not None or shape.exterior_medium() is not None for shape in scene.shapes())
-        if self.has_volumes and type(integrator).__name__ in ("PathIntegrator", "DirectIntegrator"):
+        if self.has_volumes and integrator.class_name() in ("PathIntegrator", "DirectIntegrator"):
             changes.append("the scene has volumes, which its integrator does not see: --integrator volpath does")
 
 
@@ -63,7 +63,8 @@ def load_scene(mi, source, wishes=Wishes()):
         if undefined:
             raise usage_failure("%s: uses the parameter %s and does not say what it is: give -D %s=VALUE" % (
                 source, undefined[1], undefined[1]))
-        raise scene_failure("%s: Mitsuba cannot load it (%s)" % (source, _one_line(error)))
+        remedy = ": choose another with --integrator path" if "instantiate integrator plugin" in str(error) else ""
+        raise scene_failure("%s: Mitsuba cannot load it (%s)%s" % (source, _one_line(error), remedy))
     if heard.unused:
         raise usage_failure(_unknown_parameter(source, heard.unused))
     _judge_losses(source, heard.losses, found, wishes.allow_losses)
@@ -71,7 +72,7 @@ def load_scene(mi, source, wishes=Wishes()):
     integrator = scene.integrator()
     if not isinstance(integrator, mi.SamplingIntegrator):
         raise scene_failure("%s: integrator %s splats into the film and has no samples of a pixel: choose "
-                            "another with --integrator path" % (source, type(integrator).__name__))
+                            "another with --integrator path" % (source, integrator.class_name()))
     return Recordable(scene, integrator, mi.load_dict(direct) if direct else None, found.name, found.digest, found.changes)
 
 

@@ -1,0 +1,253 @@
+"""Scenes as they are found: what is lost, missing or misspelt is said, and old files are rewritten."""
+import os
+
+import numpy as np
+import pytest
+
+mi = pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
+
+import spool  # noqa: E402
+from conftest import check_ok, record  # noqa: E402
+from failure import Failure  # noqa: E402
+
+CAMERA = """<sensor type="perspective"><float name="fov" value="40"/><transform name="toWorld">
+<lookAt origin="0,0,-4" target="0,0,0" up="0,1,0"/></transform>%s</sensor>"""
+FILM = '<film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>'
+LIGHT = '<emitter type="constant"/>'
+BALL = '<shape type="sphere" id="ball">%s</shape>'
+
+
+@pytest.fixture
+def load(tmp_path):
+    """load(body, version, **wishes) -> Recordable"""
+    before = mi.variant()
+    mi.set_variant("scalar_rgb")
+    from scene import Wishes, load_scene
+
+    def loaded(body, version="0.6.0", **wishes):
+        body = body.replace("lookAt", "lookat").replace("toWorld", "to_world") if version >= "2" else body
+        (tmp_path / "scene.xml").write_text('<scene version="%s">%s</scene>' % (version, body))
+        return load_scene(mi, str(tmp_path / "scene.xml"), Wishes(**wishes))
+
+    yield loaded
+    if before:
+        mi.set_variant(before)
+
+
+def refusal(call, *arguments, **more):
+    with pytest.raises(Failure) as caught:
+        call(*arguments, **more)
+    assert "\n" not in str(caught.value)
+    return caught.value.code, str(caught.value)
+
+
+def told(found):
+    return " | ".join(found.changes)
+
+
+NEW = '<integrator type="path"/>' + CAMERA % FILM + LIGHT + BALL
+
+
+def test_size_holds_without_a_film(load):
+    found = load('<integrator type="path"/>' + CAMERA % "" + LIGHT + BALL % "", "3.0.0", size=(48, 40))
+    assert tuple(found.sensor.film().crop_size()) == (48, 40)
+    found = load('<integrator type="path"/>' + CAMERA % "" + LIGHT + BALL % "", "3.0.0")
+    assert tuple(found.sensor.film().crop_size()) == (768, 576)
+
+
+def test_another_aspect_is_remarked_and_the_same_is_not(load):
+    assert "another aspect than the film's 24x16" in told(load(NEW % "", "3.0.0", size=(32, 32)))
+    assert load(NEW % "", "3.0.0", size=(12, 8)).changes == []
+
+
+def test_max_depth_reaches_the_integrator_of_the_scene(load):
+    assert "max_depth = 3" in str(load(NEW % "", "3.0.0", max_depth=3).integrator)
+    assert "max_depth = 7" in str(load(NEW % "", "3.0.0", max_depth=7, integrator="volpath").integrator)
+
+
+def test_a_scene_without_an_integrator_gets_one(load):
+    found = load(CAMERA % FILM + LIGHT + BALL % "", "3.0.0", max_depth=4)
+    assert "no integrator: path is used" in told(found) and "max_depth = 4" in str(found.integrator)
+    medium = '<medium type="homogeneous" name="interior"/>'
+    assert "volpath is used" in told(load(CAMERA % FILM + LIGHT + BALL % medium, "3.0.0"))
+
+
+def test_media_that_the_integrator_does_not_see_are_remarked(load):
+    found = load(NEW % '<bsdf type="null"/><medium type="homogeneous" name="interior"/>', "3.0.0")
+    assert "volumes, which its integrator does not see" in told(found)
+
+
+def test_misspelt_parameters_are_refused_with_the_right_ones(load):
+    body = '<default name="colour" value="0.5"/>' + NEW % '<bsdf type="diffuse"><float name="reflectance" value="$colour"/></bsdf>'
+    load(body, "3.0.0", definitions={"colour": "0.2"})
+    code, text = refusal(load, body, "3.0.0", definitions={"color": "0.2"})
+    assert code == 2 and "-D color" in text and "it has colour" in text
+    code, text = refusal(load, body.replace("<default", "<!--").replace('"0.5"/>', "-->"), "3.0.0")
+    assert code == 2 and "give -D colour=VALUE" in text
+
+
+def test_dropped_properties_are_named(load):
+    found = load(NEW % '<bsdf type="diffuse"><float name="shininess" value="3"/></bsdf>', "3.0.0")
+    assert "lost: bsdf diffuse does not know shininess, line 2" in told(found)
+
+
+@pytest.mark.parametrize("medium, words", [
+    ('<medium type="homogeneous" name="interior"><rgb name="sigma_s" value="1"/></medium>', "medium homogeneous does not know sigma_s"),
+    ('<medium type="heterogeneous" name="interior"><volume type="constvolume" name="thickness"><float name="value" value="2"/></volume>'
+     '</medium>', "thickness")])
+def test_a_medium_that_loses_something_is_refused_unless_allowed(load, medium, words):
+    body = (NEW % medium).replace('"path"', '"volpath"')
+    code, text = refusal(load, body, "3.0.0")
+    assert code == 1 and words in text and "--allow-losses" in text
+    assert words in told(load(body, "3.0.0", allow_losses=True))
+
+
+def test_missing_files_are_named_all_at_once(load, tmp_path):
+    body = NEW % "" + '<shape type="obj"><string name="filename" value="a.obj"/></shape><shape type="ply"><string name="filename" ' \
+        'value="b.ply"/><bsdf type="diffuse"><texture type="bitmap" name="reflectance"><string name="filename" value="c.png"/>' \
+        '</texture></bsdf></shape>'
+    code, text = refusal(load, body, "3.0.0")
+    assert code == 1 and "3 of the 3 files it names are not there: a.obj, b.ply, c.png" in text
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "meshes" / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    only = NEW % "" + '<shape type="obj"><string name="filename" value="a.obj"/></shape>'
+    first = load(only, "3.0.0", folders=(str(tmp_path / "meshes"),))
+    (tmp_path / "meshes" / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n")
+    assert first.digest != load(only, "3.0.0", folders=(str(tmp_path / "meshes"),)).digest
+
+
+def test_unknown_plugins_are_named_and_can_be_substituted(load):
+    body = NEW % '<bsdf type="glass"/>' + BALL.replace("ball", "b") % '<bsdf type="irawan"/>'
+    code, text = refusal(load, body, "3.0.0")
+    assert code == 1 and "no bsdf glass, no bsdf irawan" in text and "--substitute glass=PLUGIN" in text
+    found = load(body, "3.0.0", substitutes={"glass": "dielectric", "irawan": "diffuse"})
+    assert "glass replaced by dielectric" in told(found)
+    assert refusal(load, NEW % "", "3.0.0", substitutes={"glass": "dielectric"})[0] == 2
+
+
+OLD = '<integrator type="%s"><integer name="maxDepth" value="6"/><boolean name="strictNormals" value="true"/></integrator>'
+
+
+@pytest.mark.parametrize("plugin", ["bdpt", "sppm", "pssmlt", "photonmapper", "vcm", "ptracer"])
+def test_old_integrators_become_path(load, plugin):
+    found = load(OLD % plugin + CAMERA % FILM + LIGHT + BALL % "")
+    assert "integrator %s taken as path" % plugin in told(found) and "max_depth = 6" in str(found.integrator)
+
+
+def test_old_colours_mean_what_they_meant(load):
+    colours = {"one": '<srgb name="reflectance" value="#804020"/>', "two": '<rgb name="reflectance" value="#804020"/>',
+               "three": '<srgb name="reflectance" value="0.5, 0.25, 1"/>'}
+    body = OLD % "path" + CAMERA % FILM + LIGHT + "".join(
+        '<shape type="sphere" id="%s"><bsdf type="diffuse">%s</bsdf></shape>' % item for item in colours.items())
+    found = load(body)
+    values = {shape.id(): np.array(mi.traverse(shape.bsdf())["reflectance.value"]).ravel() for shape in found.scene.shapes()}
+    assert values["one"] == pytest.approx([0.21586, 0.05127, 0.01444], abs=1e-4)     # IEC 61966-2-1
+    assert values["two"] == pytest.approx([128 / 255, 64 / 255, 32 / 255], abs=1e-5)
+    assert values["three"] == pytest.approx([0.21404, 0.05088, 1], abs=1e-4)
+
+
+def test_old_emitters_of_one_number_are_grey(load):
+    body = OLD % "path" + CAMERA % FILM + BALL % "" + '<emitter type="constant"><spectrum name="radiance" value="2"/></emitter>'
+    found = load(body)
+    assert np.array(mi.traverse(found.scene)["_unnamed_0.radiance.value"] if "_unnamed_0.radiance.value" in mi.traverse(found.scene)
+                    else found.scene.environment().eval(mi.SurfaceInteraction3f())).ravel()[:3] == pytest.approx([2, 2, 2])
+    assert "taken as grey" in told(found)
+
+
+def test_old_elements_outside_the_format_are_left_out_and_said(load):
+    found = load(OLD % "path" + "<mode/><hide><shape type='sphere'/></hide><!-- a comment -->" + CAMERA % FILM + LIGHT + BALL % "")
+    assert len(found.shapes) == 1
+    for name in ("mode", "hide"):
+        assert "<%s> left out" % name in told(found)
+
+
+def test_old_media_keep_their_coefficients(load):
+    medium = '<medium type="homogeneous" name="interior"><rgb name="sigmaA" value="1, 2, 3"/><spectrum name="sigmaS" value="3"/>' \
+        '<float name="densityMultiplier" value="2"/></medium>'
+    found = load(OLD % "volpath_simple" + CAMERA % FILM + LIGHT + BALL % ('<bsdf type="null"/>' + medium))
+    values = mi.traverse(found.scene.shapes()[0].interior_medium())
+    assert float(values["scale"]) * np.array(values["sigma_t.value.value"]).ravel() == pytest.approx([8, 10, 12])
+    assert np.array(values["albedo.value.value"]).ravel() == pytest.approx([3 / 4, 3 / 5, 3 / 6], abs=1e-6)
+    assert "taken as volpath" in told(found)
+
+
+@pytest.mark.parametrize("inside, words", [
+    ('<subsurface type="dipole"/>', "<subsurface type=dipole>"),
+    ('<medium type="homogeneous" name="interior"><string name="material" value="skin1"/></medium>', "preset medium skin1")])
+def test_what_old_media_lose_is_refused_unless_allowed(load, inside, words):
+    body = OLD % "path" + CAMERA % FILM + LIGHT + BALL % inside
+    code, text = refusal(load, body)
+    assert code == 1 and words in text
+    assert words in told(load(body, allow_losses=True))
+
+
+def test_old_skies_have_y_for_up(load):
+    """The sun of a direction with y above the horizon shines; in Mitsuba 3 as it stands it would be below."""
+    body = OLD % "path" + CAMERA % FILM + BALL % "" + '<emitter type="%s"><vector name="sunDirection" x="0" y="1" z="-0.2"/></emitter>'
+    for plugin in ("sunsky", "sky"):
+        found = load(body % plugin)
+        assert "y is up" in told(found) and "below the horizon" not in told(found)
+        up, down = (mi.SurfaceInteraction3f(), mi.SurfaceInteraction3f())
+        up.wi, down.wi = mi.Vector3f(0, -0.9, 0.436), mi.Vector3f(0, 0.9, 0.436)     # looking against wi
+        light = found.scene.environment()
+        assert max(light.eval(up)) > 0 and max(light.eval(down)) == 0
+
+
+def test_old_textures_and_nearest_plugins(load, tmp_path):
+    mi.Bitmap(np.full((2, 2, 3), 128, np.uint8)).write(str(tmp_path / "t.png"))
+    texture = '<texture type="bitmap" name="%s"><string name="filename" value="t.png"/><string name="filterType" value="ewa"/>' \
+        '<float name="gamma" value="1"/></texture>'
+    found = load(OLD % "path" + CAMERA % FILM.replace("hdrfilm", "ldrfilm") + LIGHT + BALL % (
+        '<bsdf type="roughdiffuse">%s</bsdf>' % texture % "reflectance") + BALL.replace("ball", "coated") % (
+        '<bsdf type="coating"><bsdf type="roughplastic"><string name="distribution" value="phong"/></bsdf></bsdf>'))
+    for words in ("roughdiffuse taken as diffuse", "filter ewa taken as bilinear", "gamma 1 taken as raw", "the coat is dropped",
+                  "distribution phong taken as beckmann"):
+        assert words in told(found)
+    place = mi.SurfaceInteraction3f()
+    place.uv = mi.Point2f(0.5, 0.5)
+    assert list(found.scene.shapes()[0].bsdf().eval_diffuse_reflectance(place)) == pytest.approx([128 / 255] * 3, abs=1e-3)
+
+
+def test_old_includes_are_rewritten_too(load, tmp_path):
+    (tmp_path / "part.xml").write_text('<scene version="0.6.0"><bsdf type="diffuse" id="m"><srgb name="reflectance" value="#ffffff"/>'
+                                       "</bsdf></scene>")
+    body = OLD % "path" + '<include filename="part.xml"/>' + CAMERA % FILM + LIGHT + BALL % '<ref id="m"/>'
+    first = load(body)
+    assert "<srgb> made linear" in told(first)
+    (tmp_path / "part.xml").write_text('<scene version="0.6.0"><include filename="part.xml"/></scene>')
+    assert "includes itself" in refusal(load, body)[1]
+
+
+def test_a_camera_that_scales_keeps_its_rotation(load):
+    body = '<integrator type="path"/>' + CAMERA.replace("</transform>", '<scale value="2"/></transform>') % FILM + LIGHT + BALL % ""
+    found = load(body, "3.0.0")
+    matrix = np.array(found.sensor.world_transform().matrix).reshape(4, 4)
+    assert np.linalg.svd(matrix[:3, :3], compute_uv=False) == pytest.approx([1, 1, 1], abs=1e-5)
+    assert matrix[:3, 3] == pytest.approx([0, 0, -8])          # where the scaled transform puts it
+    assert "only its rotation is used" in told(found)
+
+
+def test_changes_are_told_and_stand_in_the_file(tmp_path):
+    (tmp_path / "old").mkdir()
+    scene, out = tmp_path / "old" / "scene.xml", tmp_path / "old.spool"
+    scene.write_text('<scene version="0.5.0">' + OLD % "bdpt" + "<mode/>" + CAMERA % FILM + LIGHT + BALL % (
+        '<bsdf type="roughconductor"/>') + "</scene>")
+    result = check_ok(record(scene, "-o", out, "--samples", 8, "--half"))
+    assert "integrator bdpt taken as path" in result.stderr and "<mode> left out" in result.stderr
+    with spool.open(out) as dump:
+        assert dump.meta["scene"]["name"] == "old/scene.xml"
+        assert "integrator bdpt taken as path" in dump.meta["scene"]["changes"]
+        assert "film" not in dump.layers and dump.layers["radiance"].dtype == np.dtype("<f2")
+        hit = dump.read("depth")[..., 0] > 0
+        assert hit.any() and (dump.read("albedo")[hit] == 1).all() and (dump.read("albedo")[~hit] == 0).all()
+    assert not os.path.exists(str(out) + ".recording")
+
+
+def test_half_keeps_what_does_not_fit_in_32_bits(tmp_path):
+    scene, out = tmp_path / "bright.xml", tmp_path / "bright.spool"
+    scene.write_text('<scene version="3.0.0">' + (CAMERA % FILM).replace("lookAt", "lookat").replace("toWorld", "to_world") +
+                     '<emitter type="constant"><float name="radiance" value="1e6"/></emitter>' + BALL % "" + "</scene>")
+    result = check_ok(record(scene, "-o", out, "--samples", 8, "--half", "--no-verify"))
+    assert "the radiance is kept in 32 bits" in result.stderr
+    with spool.open(out) as dump:
+        assert dump.layers["radiance"].dtype == np.dtype("<f4") and dump.read("radiance").max() > 9e5
