@@ -132,26 +132,35 @@ class Evaluation {
       decile_[order[i].second] = static_cast<std::uint8_t>(kDeciles * i / order.size());
   }
 
-  Terms terms_at(std::size_t p) {
+  // What the error of a channel is divided by in relmse, radiance units.
+  double divisor_of(std::size_t c, std::size_t p) const {
+    return options_.rel_denominator == RelativeDenominator::kLuminance
+               ? luminance_at(denominator(), p)
+               : denominator()[c][p];
+  }
+  // Of the squared error times the squared relative scale.
+  double relative_divisor(std::size_t c, std::size_t p) const {
+    const double d = table_.relative_scale * divisor_of(c, p);
+    return d * d + options_.rel_eps;
+  }
+
+  // Those of one pixel without the squares of its decile.
+  Terms terms_at(std::size_t p) const {
     Terms terms{};
     terms[kCount] = 1.0;
     const double scale = table_.relative_scale;
-    const double shared = options_.rel_denominator == RelativeDenominator::kLuminance
-                              ? scale * luminance_at(denominator(), p)
-                              : 0.0;
     for (std::size_t c = 0; c < 3; ++c) {
       const double i = estimate_[c][p], r = reference_.mean[c][p];
       const double b = reference_.variance ? (*reference_.variance)[c][p] : 0.0;
       const double raw = (i - r) * (i - r), squared = raw - b;
-      const double d = options_.rel_denominator == RelativeDenominator::kLuminance
-                           ? shared
-                           : scale * denominator()[c][p];
-      const double relative = scale * scale * squared / (d * d + options_.rel_eps);
+      const double relative = scale * scale * squared / relative_divisor(c, p);
       const double difference = std::abs(i - r);
       terms[kSquared] += squared / 3.0;
       terms[kSquaredOf + c] = squared;
       terms[kRawSquared] += raw / 3.0;
       terms[kRelative] += relative / 3.0;
+      const double plain = divisor_of(c, p);
+      terms[kRelativePlain] += squared / (plain * plain + options_.rel_eps) / 3.0;
       terms[kRelativeOf + c] = relative;
       terms[kAbsolute] += difference / 3.0;
       terms[kRelativeAbsolute] += scale * difference / (scale * std::abs(r) + kAbsoluteFloor) / 3.0;
@@ -165,6 +174,23 @@ class Evaluation {
     terms[kDecileEnergy + decile_[p]] = terms[kEnergy];
     terms[kDecileReferenceEnergy + decile_[p]] = terms[kReferenceEnergy];
     return terms;
+  }
+
+  void add_squares(std::size_t p, Terms& sums) const {
+    const double scale = table_.relative_scale;
+    const std::ptrdiff_t first = kSquareTerms * std::ptrdiff_t{decile_[p]};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double r = reference_.mean[c][p], difference = estimate_[c][p] - r;
+      const double b = reference_.variance ? (*reference_.variance)[c][p] : 0.0;
+      const double weight = scale * scale / relative_divisor(c, p);
+      const std::array<double, kSquareTerms> squares = {difference * difference, difference * r,
+                                                        r * r, b};
+      for (std::ptrdiff_t t = 0; t < kSquareTerms; ++t) {
+        const double square = squares[static_cast<std::size_t>(t)] / 3.0;
+        sums[static_cast<std::size_t>(kDecileSquares + first + t)] += square;
+        sums[static_cast<std::size_t>(kDecileRelativeSquares + first + t)] += weight * square;
+      }
+    }
   }
 
   void add_up_blocks() {
@@ -181,8 +207,9 @@ class Evaluation {
           const std::size_t p = judged_.index(x, y);
           if (!judged_[p]) continue;
           const Terms terms = terms_at(p);
-          for (std::size_t t = 0; t < kTermCount; ++t)
+          for (std::size_t t = 0; t < kDecileSquares; ++t)
             sums[t] += terms[t];
+          add_squares(p, sums);
           relative_[p] = terms[kRelative];
           squared_[p] = terms[kRawSquared];
         }
@@ -198,6 +225,31 @@ class Evaluation {
 
   double ratio(const Metric& metric, std::span<const double> weights) const {
     return quotient(sum(metric.numerator, weights), sum(metric.denominator, weights));
+  }
+
+  // The squares of deciles first .. last-1 (numbered from `squares`) with the image times the
+  // factor that gives these deciles together the energy of the reference; 1 where they have none to
+  // scale.
+  double scaled_error(int squares, int first, int last, std::span<const double> weights) const {
+    double image = 0.0, reference = 0.0;
+    std::array<double, kSquareTerms> terms{};
+    for (int d = first; d < last; ++d) {
+      image += sum(kDecileEnergy + d, weights);
+      reference += sum(kDecileReferenceEnergy + d, weights);
+      for (int t = 0; t < kSquareTerms; ++t)
+        terms[static_cast<std::size_t>(t)] += sum(squares + kSquareTerms * d + t, weights);
+    }
+    const double g = image > 0.0 ? reference / image : 1.0;
+    return g * g * terms[kErrorSquared] + 2.0 * g * (g - 1.0) * terms[kErrorReference] +
+           (g - 1.0) * (g - 1.0) * terms[kReferenceSquared] - terms[kVariance];
+  }
+
+  double equal_energy(const Metric& metric, std::span<const double> weights) const {
+    const int together = metric.rule == Rule::kEqualEnergy ? kDeciles : 1;
+    double error = 0.0;
+    for (int d = 0; d < kDeciles; d += together)
+      error += scaled_error(metric.numerator, d, d + together, weights);
+    return quotient(error, sum(kCount, weights));
   }
 
   double value(const Metric& metric, std::span<const double> weights, LargestFirst& relative,
@@ -237,6 +289,9 @@ class Evaluation {
         });
         return found;
       }
+      case Rule::kEqualEnergy:
+      case Rule::kEqualDeciles:
+        return equal_energy(metric, weights);
       case Rule::kPerceptual:
         break;
     }

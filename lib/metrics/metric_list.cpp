@@ -1,6 +1,8 @@
 #include "lib/metrics/metric_list.h"
 
 #include <limits>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,6 +25,11 @@ std::vector<Metric> make_list() {
       {{"relmse_trimmed", "relmse without the largest 0.1 % of the pixels (option trim)"},
        Rule::kTrimmed},
       {{"relmse_dropped", "what those pixels add to relmse"}, Rule::kDropped},
+      {{"relmse_plain",
+        "relmse in radiance units, as other programs have it: neither image is divided by the "
+        "mean luminance first"},
+       Rule::kRatio,
+       kRelativePlain},
       {{"mae", "mean absolute error over pixels and channels"}, Rule::kRatio, kAbsolute},
       {{"relmae", "mean of absolute error / (|reference| + 0.01)"},
        Rule::kRatio,
@@ -55,6 +62,18 @@ std::vector<Metric> make_list() {
                     kDecileEnergy + d,
                     kDecileReferenceEnergy + d});
   }
+  const auto equal = [&](std::string name, std::string meaning, Rule rule, int squares) {
+    list.push_back({{std::move(name), std::move(meaning)}, rule, squares});
+  };
+  equal("mse_equal_energy", "mse of the image times one factor that makes energy_ratio 1",
+        Rule::kEqualEnergy, kDecileSquares);
+  equal("relmse_equal_energy", "relmse of the image times that factor", Rule::kEqualEnergy,
+        kDecileRelativeSquares);
+  equal("mse_equal_deciles",
+        "mse of the image with the energy of every decile made right by a factor",
+        Rule::kEqualDeciles, kDecileSquares);
+  equal("relmse_equal_deciles", "relmse of that image", Rule::kEqualDeciles,
+        kDecileRelativeSquares);
   return list;
 }
 

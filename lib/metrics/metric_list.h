@@ -13,20 +13,32 @@ inline constexpr int kDeciles = 10;
 // Per-pixel terms whose block sums the linear metrics are ratios of.
 enum Term : int {
   kCount,
-  kSquared,                      // mean over channels of (I - R)^2 - b
-  kSquaredOf,                    // + c
-  kRawSquared = kSquaredOf + 3,  // without b
-  kRelative,                     // mean over channels of ((I - R)^2 - b) / (D^2 + eps)
-  kRelativeOf,                   // + c
-  kAbsolute = kRelativeOf + 3,
+  kSquared,                          // mean over channels of (I - R)^2 - b
+  kSquaredOf,                        // + c
+  kRawSquared = kSquaredOf + 3,      // without b
+  kRelative,                         // mean over channels of ((I - R)^2 - b) / (D^2 + eps)
+  kRelativeOf,                       // + c
+  kRelativePlain = kRelativeOf + 3,  // kRelative in radiance units
+  kAbsolute,
   kRelativeAbsolute,
   kSymmetric,
   kToneSquared,
-  kEnergy,                                            // sum over channels of I
-  kReferenceEnergy,                                   // sum over channels of R
-  kDecileEnergy,                                      // + decile
-  kDecileReferenceEnergy = kDecileEnergy + kDeciles,  // + decile
-  kTermCount = kDecileReferenceEnergy + kDeciles
+  kEnergy,                                                 // sum over channels of I
+  kReferenceEnergy,                                        // sum over channels of R
+  kDecileEnergy,                                           // + decile
+  kDecileReferenceEnergy = kDecileEnergy + kDeciles,       // + decile
+  kDecileSquares = kDecileReferenceEnergy + kDeciles,      // + kSquareTerms decile + SquareTerm
+  kDecileRelativeSquares = kDecileSquares + 4 * kDeciles,  // the same, weighted as in kRelative
+  kTermCount = kDecileRelativeSquares + 4 * kDeciles
+};
+// What the squared error of an image times a factor g is made of: with gI - R = g (I - R) + (g - 1)
+// R no large numbers cancel where g is near 1. Means over channels.
+enum SquareTerm : int {
+  kErrorSquared,      // (I - R)^2
+  kErrorReference,    // (I - R) R
+  kReferenceSquared,  // R^2
+  kVariance,          // b
+  kSquareTerms
 };
 using Terms = std::array<double, kTermCount>;
 
@@ -38,7 +50,9 @@ enum class Rule {
   kDropped,
   kQuantile,
   kMaximum,
-  kPerceptual,  // by name, from perceptual_metrics
+  kEqualEnergy,   // numerator: the squares; the image times one factor
+  kEqualDeciles,  // each decile times a factor of its own
+  kPerceptual,    // by name, from perceptual_metrics
 };
 
 struct Metric {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/metrics/error_metrics.h"
+#include "lib/metrics/error_parts.h"
 #include "tests/reference/error_metrics_reference.h"
 #include "tests/support/random_images.h"
 
@@ -51,6 +52,33 @@ TEST(ErrorMetrics, EqualTheSlowTwin) {
       EXPECT_NEAR(fast, slow, 1e-11 * (1.0 + std::abs(slow)))
           << metric.name << " at " << c.width << "x" << c.height;
     }
+  }
+}
+
+TEST(ErrorParts, EqualTheSlowTwin) {
+  for (const auto denominator :
+       {RelativeDenominator::kPerChannel, RelativeDenominator::kLuminance}) {
+    MetricOptions options;
+    options.rel_denominator = denominator;
+    JudgingReference reference{uniform_image(41, 19, 3, -0.1, 3.0),
+                               uniform_image(41, 19, 4, 0.0, 0.01),
+                               uniform_image(41, 19, 5, 0.0, 3.0)};
+    RgbImage a = add_noise(reference.mean, 6, 0.2), b = add_noise(reference.mean, 7, 0.3);
+    a[1](3, 3) = std::numeric_limits<double>::quiet_NaN();
+    b[0](9, 1) = std::numeric_limits<double>::infinity();
+    reference.mean[2](8, 8) = std::numeric_limits<double>::quiet_NaN();
+    RgbImage both = a;
+    both[0](9, 1) = std::numeric_limits<double>::quiet_NaN();
+    const double scale = error_metrics(both, reference, options).relative_scale;
+    const ErrorParts parts = error_parts(a, b, reference, scale, options);
+    EXPECT_EQ(parts.pixels, 41u * 19u - 3u);
+    const auto slow = [&](bool bias2, bool relative) {
+      return reference::error_part(bias2, relative, a, b, reference, options);
+    };
+    EXPECT_NEAR(parts.bias2, slow(true, false), 1e-13);
+    EXPECT_NEAR(parts.variance, slow(false, false), 1e-13);
+    EXPECT_NEAR(parts.relative_bias2, slow(true, true), 1e-12);
+    EXPECT_NEAR(parts.relative_variance, slow(false, true), 1e-12);
   }
 }
 

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "lib/metrics/error_parts.h"
 #include "lib/metrics/largest_first.h"
 #include "tests/support/random_images.h"
 
@@ -50,6 +55,59 @@ TEST(ErrorMetrics, RelativeScaleDividesBothImagesByMeanLuminance) {
   EXPECT_DOUBLE_EQ(table.relative_scale, 0.25);
   EXPECT_DOUBLE_EQ(table["relmse"].value, 0.25 / 1.01);
   EXPECT_DOUBLE_EQ(table["mse"].value, 4.0);
+}
+
+TEST(ErrorMetrics, RelativeOnesOfOtherProgramsAreInRadianceUnits) {
+  const RgbImage estimate = make_image(1, 1, [](int, int, int) { return 6.0; });
+  const JudgingReference reference{make_image(1, 1, [](int, int, int) { return 4.0; }), {}, {}};
+  EXPECT_DOUBLE_EQ(error_metrics(estimate, reference)["relmse_plain"].value, 4.0 / 16.01);
+}
+
+TEST(ErrorMetrics, LightThatIsMissingEverywhereAlikeIsNoErrorAtEqualEnergy) {
+  const RgbImage r = uniform_image(40, 33, 7, 0.1, 1.0);
+  RgbImage third = r, half_of_the_bright = r;
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < r[c].size(); ++i)
+      third[c][i] /= 3.0;
+  }
+  const MetricTable all = error_metrics(third, {r, {}, {}});
+  EXPECT_GT(all["relmse"].value, 0.3);
+  for (const char* name :
+       {"mse_equal_energy", "relmse_equal_energy", "mse_equal_deciles", "relmse_equal_deciles"}) {
+    EXPECT_NEAR(all[name].value, 0.0, 1e-14) << name;
+  }
+  // What is lost in one decile only is no error with a factor for each.
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < r[0].size(); ++i)
+    order.emplace_back(luminance(r[0][i], r[1][i], r[2][i]), i);
+  std::sort(order.begin(), order.end());
+  for (std::size_t k = order.size() * 9 / 10; k < order.size(); ++k) {
+    for (std::size_t c = 0; c < 3; ++c)
+      half_of_the_bright[c][order[k].second] /= 2.0;
+  }
+  const MetricTable bright = error_metrics(half_of_the_bright, {r, {}, {}});
+  EXPECT_NEAR(bright["relmse_equal_deciles"].value, 0.0, 1e-14);
+  EXPECT_GT(bright["relmse_equal_energy"].value, 1e-3);
+}
+
+TEST(ErrorParts, BiasAndVarianceAreThoseOfTheNoise) {
+  // Mean 0.3 too low, standard deviation 0.2; the reference's is 0.1.
+  constexpr int kSide = 200;
+  const RgbImage mu = uniform_image(kSide, kSide, 1, 1.0, 2.0);
+  JudgingReference reference{add_noise(mu, 2, 0.1), make_rgb(kSide, kSide, 0.01), {}};
+  RgbImage a = add_noise(mu, 3, 0.2), b = add_noise(mu, 4, 0.2);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < a[c].size(); ++i) {
+      a[c][i] -= 0.3;
+      b[c][i] -= 0.3;
+    }
+  }
+  const ErrorParts parts = error_parts(a, b, reference, 1.0);
+  // Standard errors: some 0.09 / sqrt(120000) and 0.04 sqrt(2 / 120000).
+  EXPECT_NEAR(parts.bias2, 0.09, 0.0015);
+  EXPECT_NEAR(parts.variance, 0.04, 0.0007);
+  const MetricTable of_a = error_metrics(a, reference), of_b = error_metrics(b, reference);
+  EXPECT_NEAR(parts.bias2 + parts.variance, 0.5 * (of_a["mse"].value + of_b["mse"].value), 1e-12);
 }
 
 TEST(ErrorMetrics, AnImageHasNoDistanceFromItself) {

@@ -168,13 +168,79 @@ inline double energy_metric(int decile, std::vector<JudgedPixel> pixels) {
   return static_cast<double>(of_image / of_reference);
 }
 
+// The pixels with the image of every tenth of them, or of all together, times what gives it the
+// reference's energy; as they are where the image has none.
+inline std::vector<JudgedPixel> at_equal_energy(std::vector<JudgedPixel> pixels, bool deciles) {
+  std::stable_sort(pixels.begin(), pixels.end(),
+                   [](const JudgedPixel& a, const JudgedPixel& b) { return a.y_d() < b.y_d(); });
+  const auto group = [&](std::size_t k) { return deciles ? k * 10 / pixels.size() : 0; };
+  for (std::size_t first = 0, last = 0; first < pixels.size(); first = last) {
+    double of_image = 0, of_reference = 0;
+    for (last = first; last < pixels.size() && group(last) == group(first); ++last) {
+      for (int c = 0; c < 3; ++c) {
+        of_image += pixels[last].i[c];
+        of_reference += pixels[last].r[c];
+      }
+    }
+    for (std::size_t k = first; k < last && of_image > 0; ++k) {
+      for (double& i : pixels[k].i)
+        i *= of_reference / of_image;
+    }
+  }
+  return pixels;
+}
+
 inline double metric(const std::string& name, const RgbImage& estimate,
                      const JudgingReference& reference, const MetricOptions& o) {
   const std::vector<JudgedPixel> pixels = judged_pixels(estimate, reference);
   if (name == "energy_ratio") return energy_metric(0, pixels);
   if (name.starts_with("energy_ratio_d")) return energy_metric(std::stoi(name.substr(14)), pixels);
+  if (name == "relmse_plain") {
+    MetricOptions plain = o;
+    plain.rel_scale = RelativeScale::kNone;
+    return linear_metric("relmse", pixels, plain);
+  }
+  if (const std::size_t end = name.find("_equal_"); end != std::string::npos) {
+    // The scale of relmse is the reference's: it does not change.
+    return linear_metric(name.substr(0, end), at_equal_energy(pixels, name.ends_with("deciles")),
+                         o);
+  }
   const double linear = linear_metric(name, pixels, o);
   return std::isnan(linear) ? ranked_metric(name, pixels, o) : linear;
+}
+
+// Mean of (a - r)(b - r) - var r, or of (a - b)^2 / 2, over pixels where everything is finite;
+// relative: divided as relmse is.
+inline double error_part(bool bias2, bool relative, const RgbImage& a, const RgbImage& b,
+                         const JudgingReference& reference, const MetricOptions& o) {
+  RgbImage both = a;  // not finite where one of the two is not
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < a[c].size(); ++i)
+      both[c][i] += 0.0 * b[c][i];
+  }
+  RgbImage other = b;
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < a[c].size(); ++i)
+      other[c][i] += 0.0 * a[c][i];
+  }
+  const std::vector<JudgedPixel> first = judged_pixels(both, reference);
+  const std::vector<JudgedPixel> second = judged_pixels(other, reference);
+  const double scale = relative_factor(first, o);
+  long double sum = 0;
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const JudgedPixel& p = first[k];
+      const double ea = p.i[c] - p.r[c], eb = second[k].i[c] - p.r[c];
+      double part = bias2 ? ea * eb - p.b[c] : 0.5 * (ea - eb) * (ea - eb);
+      if (relative) {
+        const double d =
+            scale * (o.rel_denominator == RelativeDenominator::kLuminance ? p.y_d() : p.d[c]);
+        part *= scale * scale / (d * d + o.rel_eps);
+      }
+      sum += part;
+    }
+  }
+  return static_cast<double>(sum / 3 / static_cast<long double>(first.size()));
 }
 
 }  // namespace spool::reference
