@@ -23,6 +23,8 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   record NAME [ARGS]            record a scene of dumps/CATALOG.toml, 512x512 with 256 samples unless told otherwise
                                 (--size N --samples N --reference N -o FILE); or a .blend file, or an .xml of Mitsuba;
                                 run again after an interruption to go on
+  record POOL... | --all        record pools of full size (dumps/POOLS.toml; python3 dumps/pools.py lists them), one after the
+                                other, with the time left; stop it and go on over days
   addon [FILE]                  make the Blender add-on as one file to install
   bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
   experiments [ID...] [--more]  run the standard plans (tools/plans) and write docs/experiments.md from their results;
@@ -189,16 +191,22 @@ demo() {
     --filters box,gaussian,directional --spp 4,8,16 --replicates 5 -o demo-output "$@"
 }
 
+pool_names() { sed -n 's/^name = "\(.*\)"$/\1/p' dumps/POOLS.toml; }
+
 record() {
   setup test
   build release spool
   local arguments=("$@") python="${SPOOL_MITSUBA_PYTHON:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/mitsuba-venv/bin/python}"
   case "${1:-}" in
-    "" | -*) die "record: give a scene: $(python3 dumps/catalogue.py --names), a .blend or an .xml file" ;;
+    --all) exec "${SPOOL_PYTHON:-/usr/bin/python3}" dumps/pools.py "$@" ;;
+    "" | -*) die "record: give a scene: $(python3 dumps/catalogue.py --names), a .blend or an .xml file; or a pool: $(pool_names | xargs)" ;;
     *.blend) arguments=(dumps/record.sh "$@") ;;
     *.xml | *.py) arguments=(dumps/mitsuba/record.py "$@") ;;
     *)
       local found
+      if grep -qxF -- "$1" <<<"$(pool_names)"; then
+        exec "${SPOOL_PYTHON:-/usr/bin/python3}" dumps/pools.py --record "$@"
+      fi
       found="$(python3 dumps/catalogue.py --full "$@")" || exit $?
       mapfile -t arguments <<<"$found"
       ;;

@@ -3,6 +3,7 @@
 A chunk is some samples of every pixel. It is written under another name, flushed and renamed, so that a
 run killed at any moment loses the chunk it was rendering and nothing else.
 """
+import fcntl
 import json
 import os
 import shutil
@@ -19,6 +20,7 @@ class Chunks:
         path = os.path.join(folder, "plan.json")
         try:
             os.makedirs(folder, exist_ok=True)
+            self._lock(os.path.join(folder, ".lock"))
             if os.path.exists(path):
                 with open(path) as stream:
                     found = json.load(stream)
@@ -30,6 +32,14 @@ class Chunks:
                 self._save("plan.json", lambda stream: stream.write(json.dumps(plan, indent=1).encode()))
         except OSError as error:
             raise io_failure("%s: %s" % (folder, error.strerror))
+
+    def _lock(self, path):
+        """Held as long as this process lives: two recorders would write over each other."""
+        self.lock = open(path, "w")
+        try:
+            fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise usage_failure("%s: another recorder is writing here" % self.folder)
 
     def has(self, index):
         return os.path.exists(self._name(index))

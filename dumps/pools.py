@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""The recordings of full size that dumps/POOLS.toml lists.
+
+    python3 dumps/pools.py                       what there is, what is here already, and what the rest will take
+    tools/dev.sh record NAME... | --all          records what is not there yet, one after the other
+    python3 dumps/pools.py --pin NAME...         writes hashes, sizes and versions of finished recordings into POOLS.toml
+
+They lie in $SPOOL_RECORDINGS (~/.cache/spool/recordings). Scenes by others are looked for in $SPOOL_SCENES
+(~/.cache/spool/scenes): a clone of each repository under its own name. Stop at any time; the same command goes on.
+Exit codes: 0 done, 1 a recording failed or is not what POOLS.toml says, 2 wrong use, 3 the system refused.
+"""
+import argparse
+import fcntl
+import os
+import shutil
+import signal
+import sys
+import tomllib
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+for folder in ("recording", "verify", os.path.join("..", "formats", "python")):
+    sys.path.insert(0, os.path.join(HERE, folder))
+
+from failure import Failure, io_failure, usage_failure  # noqa: E402
+from pool_run import Pace, run_pool  # noqa: E402
+from progress import duration, size as size_text  # noqa: E402
+
+PATH = os.path.join(HERE, "POOLS.toml")
+BYTES = {"Cycles": 90, "Mitsuba": 100}       # a sample and pixel, at the peak: passes or chunks, and the dump beside them
+
+
+def cache(variable, name):
+    default = os.path.join(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache")), "spool", name)
+    return os.path.abspath(os.environ.get(variable, default))
+
+
+def read_pools(path):
+    try:
+        with open(path, "rb") as stream:
+            pools = tomllib.load(stream)["pool"]
+    except OSError as error:
+        raise io_failure("%s: %s" % (path, error.strerror))
+    except (tomllib.TOMLDecodeError, KeyError) as error:
+        raise usage_failure("%s: not a list of pools (%s)" % (path, error))
+    return {pool["name"]: pool for pool in pools}
+
+
+def seconds_of(pool):
+    """CPU seconds of all its samples."""
+    return pool["size"][0] * pool["size"][1] * (pool["samples"] + pool["reference"]) * pool["cost"] * 1e-6
+
+
+def file_of(pool, folder):
+    return os.path.join(folder, pool["name"] + ".spool")
+
+
+def missing_source(pool, scenes):
+    """How to get what the pool needs and is not there, or None."""
+    source = pool.get("source")
+    name = source and source["repository"].rsplit("/", 1)[1]
+    if not source or os.path.isdir(os.path.join(scenes, name)):
+        return None
+    place = os.path.join(scenes, name)
+    return "needs a scene by others (%s): git clone %s %s && git -C %s checkout %s" % (
+        source["licence"], source["repository"], place, place, source["commit"])
+
+
+def state(pool, folder):
+    path = file_of(pool, folder)
+    if os.path.exists(path):
+        return "here"
+    return "begun" if os.path.isdir(path + ".passes") or os.path.isdir(path + ".recording") else ""
+
+
+def show(pools, folder, scenes):
+    print("recordings in %s, scenes by others in %s" % (folder, scenes))
+    for pool in pools.values():
+        print("%-20s %-8s %4d x %-4d %4d samples, reference %5d, %8s of CPU, %s" % (
+            pool["name"], pool["renderer"], *pool["size"], pool["samples"], pool["reference"], duration(seconds_of(pool)),
+            state(pool, folder) or missing_source(pool, scenes) or "to do"))
+    print("to do: %s of CPU" % duration(sum(seconds_of(pool) for pool in pools.values() if state(pool, folder) != "here")))
+
+
+def record(chosen, folder, scenes):
+    """Names of the pools that failed."""
+    os.makedirs(folder, exist_ok=True)
+    lock = open(os.path.join(folder, ".lock"), "w")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        raise usage_failure("%s: another run records here" % folder)
+    failed, left = [], []
+    for pool in chosen:
+        missing = missing_source(pool, scenes)
+        if state(pool, folder) == "here":
+            print("%s: here already" % pool["name"])
+        elif missing:
+            print("%s: %s" % (pool["name"], missing), file=sys.stderr)
+            failed.append(pool["name"])
+        else:
+            left.append(pool)
+    pace = Pace([seconds_of(pool) for pool in left])
+    for number, pool in enumerate(left):
+        need = pool["size"][0] * pool["size"][1] * pool["samples"] * BYTES[pool["renderer"]]
+        free = shutil.disk_usage(folder).free
+        if need > free:
+            raise io_failure("%s: %s needs %s, %s are free: make room or set SPOOL_RECORDINGS" % (
+                folder, pool["name"], size_text(need), size_text(free)))
+        print("%s (%d of %d), about %s left in all" % (pool["name"], number + 1, len(left), duration(pace.left(number, 0))),
+              flush=True)
+        if not run_pool(pool, file_of(pool, folder), scenes, lambda share: pace.left(number, share)):
+            failed.append(pool["name"])
+        pace.finished(number)
+    return failed
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--record", nargs="+", metavar="NAME")
+    parser.add_argument("--all", action="store_true", help="record all")
+    parser.add_argument("--pin", nargs="+", metavar="NAME")
+    parser.add_argument("--names", action="store_true")
+    parser.add_argument("--pools", default=PATH, help="another list")
+    options = parser.parse_args()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        pools = read_pools(options.pools)
+        folder, scenes = cache("SPOOL_RECORDINGS", "recordings"), cache("SPOOL_SCENES", "scenes")
+        names = list(pools) if options.all else options.record or options.pin or []
+        for name in names:
+            if name not in pools:
+                raise usage_failure("pools: '%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
+        if options.names:
+            print("\n".join(pools))
+        elif options.pin:
+            from pool_pins import pin
+            pin(options.pools, {name: file_of(pools[name], folder) for name in names})
+        elif names:
+            os.nice(10)
+            failed = record([pools[name] for name in names], folder, scenes)
+            if failed:
+                raise Failure(1, "not recorded, or not what POOLS.toml says: %s" % ", ".join(failed))
+        else:
+            show(pools, folder, scenes)
+    except Failure as failure:
+        print(failure, file=sys.stderr)
+        return failure.code
+    except KeyboardInterrupt:
+        print("stopped: run the same command again to go on", file=sys.stderr)
+        return 3
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,60 @@
+"""What is pinned of a finished recording, and whether a new one agrees with it."""
+import os
+import platform
+import re
+
+PINNED = ("scene_sha256", "samples_sha256", "bytes", "cpu_seconds", "versions", "processor")
+
+
+def processor():
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as stream:
+            return re.search(r"model name\s*:\s*(.*)", stream.read())[1].strip()
+    except (OSError, TypeError):
+        return platform.machine()
+
+
+def measure(path):
+    import spool
+    from content_hash import content_hash
+    with spool.open(path) as dump:
+        meta = dump.meta
+        renderer = meta["renderer"] if isinstance(meta["renderer"], dict) else {
+            "name": meta["renderer"], "version": meta.get("renderer_version", "")}
+        samples = dump.width * dump.height * (dump.spp + meta.get("reference", {}).get("samples", 0))
+        seconds = round(meta["cost_per_sample"] * samples)
+    version = " ".join(str(renderer[key]) for key in ("name", "version", "variant") if renderer.get(key))
+    return {"scene_sha256": meta["scene"]["sha256"], "samples_sha256": content_hash(path), "bytes": os.path.getsize(path),
+            "cpu_seconds": seconds, "versions": version, "processor": processor()}
+
+
+def differences(pinned, path):
+    """Lines that say what is not as pinned. Other samples on another processor or with another version are none."""
+    if not pinned:
+        return []
+    found = measure(path)
+    if found["scene_sha256"] != pinned["scene_sha256"]:
+        return ["another scene than the pinned one (%s, not %s)" % (found["scene_sha256"], pinned["scene_sha256"])]
+    same_tools = all(found[key] == pinned[key] for key in ("versions", "processor"))
+    if found["samples_sha256"] != pinned["samples_sha256"] and same_tools:
+        return ["other samples than the pinned ones (%s, not %s), with the same version on the same kind of processor" % (
+            found["samples_sha256"], pinned["samples_sha256"])]
+    return []
+
+
+def pin(path, files):
+    """files: {name: dump}. Replaces or adds the line `pinned` of each pool, and says what it wrote."""
+    with open(path, encoding="utf-8") as stream:
+        parts = stream.read().split("[[pool]]\n")
+    for name, dump in files.items():
+        found = measure(dump)
+        line = "pinned = { %s }" % ", ".join("%s = %s" % (key, '"%s"' % found[key] if isinstance(found[key], str) else found[key])
+                                            for key in PINNED)
+        for i, part in enumerate(parts):
+            if part.startswith('name = "%s"\n' % name):
+                kept = [text for text in part.split("\n") if not text.startswith("pinned = ")]
+                at = max(j for j, text in enumerate(kept) if re.match(r"\w+ = ", text))
+                parts[i] = "\n".join([*kept[:at + 1], line, *kept[at + 1:]])
+        print("%s: %s" % (name, line))
+    with open(path, "w", encoding="utf-8") as stream:
+        stream.write("[[pool]]\n".join(parts))

@@ -1,0 +1,43 @@
+#!/usr/bin/env python3
+"""SHA-256 of what a dump holds: samples, features and reference, not identifier, metadata or compression.
+
+    python3 dumps/verify/content_hash.py FILE.spool...
+
+Two recordings with one hash hold the same bits, however and whenever they were written, in blocks of one size.
+"""
+import hashlib
+import os
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "..", "formats", "python"))
+
+import spool  # noqa: E402
+
+
+def content_hash(path):
+    total = hashlib.sha256()
+    with spool.open(path) as dump:
+        total.update(repr((dump.width, dump.height, dump.spp, dump.tile_size, dump.block_spp, dump.sample_order,
+                           [(c.name, c.group, c.dtype.str, c.scope) for c in dump.channels])).encode())
+        for group, tile, begin in sorted(dump.blocks()):
+            total.update(repr((group, tile, begin)).encode())
+            total.update(dump.block(group, tile, begin).tobytes())
+    return total.hexdigest()
+
+
+def main():
+    if len(sys.argv) < 2 or sys.argv[1] in ("-h", "--help"):
+        print(__doc__)
+        return 0 if len(sys.argv) > 1 else 2
+    try:
+        for path in sys.argv[1:]:
+            print("%s  %s" % (content_hash(path), path))
+    except spool.SpoolError as error:
+        print(error, file=sys.stderr)
+        return error.code
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
