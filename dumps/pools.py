@@ -16,6 +16,7 @@ import shutil
 import signal
 import sys
 import tomllib
+from functools import partial
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 for folder in ("recording", "verify", os.path.join("..", "formats", "python")):
@@ -108,9 +109,8 @@ def record(chosen, folder, scenes):
                 folder, pool["name"], size_text(need), size_text(free)))
         print("%s (%d of %d), about %s left in all" % (pool["name"], number + 1, len(left), duration(pace.left(number, 0))),
               flush=True)
-        if not run_pool(pool, file_of(pool, folder), scenes, lambda share: pace.left(number, share)):
+        if not run_pool(pool, file_of(pool, folder), scenes, partial(pace.left, number)):
             failed.append(pool["name"])
-        pace.finished(number)
     return failed
 
 

@@ -166,3 +166,18 @@ def test_the_list_has_what_experiments_need():
     for pool in found:
         for key in ("repository", "commit", "licence"):
             assert "source" not in pool or pool["source"][key]
+
+
+def test_time_left_follows_the_pace(monkeypatch):
+    sys.path.insert(0, os.path.join(ROOT, "dumps"))
+    import pool_run
+    now = [100.0]
+    monkeypatch.setattr(pool_run.time, "monotonic", lambda: now[0])
+    pace = pool_run.Pace([10.0, 30.0])
+    assert pace.left(0, 0) == pytest.approx(40 / os.cpu_count())
+    now[0] += 20.0
+    assert pace.left(0, 0.5) == pytest.approx(35 * 4)          # 20 seconds for 5
+    assert pace.left(1, 0.5) == pytest.approx(15 * 20 / 25)
+    pool = {"samples": 256, "reference": 4096}
+    assert pool_run.share_done(pool, "pool", 1, 2) == pytest.approx(128 / 4352)
+    assert pool_run.share_done(pool, "reference", 1, 2) == pytest.approx((256 + 2048) / 4352)

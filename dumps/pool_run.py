@@ -8,29 +8,23 @@ import time
 from pool_pins import differences
 from progress import duration
 
-ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
+ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), ".."))
 _STEP = re.compile(r"^(pool|passes|reference) (\d+) of (\d+), ")
 
 
 class Pace:
-    """Time left: what is to do, in CPU seconds as estimated, times the wall time that what is done took of it."""
+    """Time left: what is to do, in CPU seconds as estimated, times the wall time that a second of what is done took."""
 
     def __init__(self, seconds):
-        self.seconds, self.started, self.done_at_start = seconds, time.monotonic(), None
-        self.whole = 0.0
+        """seconds: of each pool."""
+        self.seconds, self.started = seconds, time.monotonic()
 
     def left(self, number, share):
-        """share: of the pool `number` that is done; the first call with one above 0 says where this run began."""
-        to_do = sum(self.seconds[number:]) - share * (self.seconds[number] if number < len(self.seconds) else 0)
-        done = self.whole + share * self.seconds[number]
-        if share and self.done_at_start is None:
-            self.done_at_start, self.started = done, time.monotonic()
-        gained = done - (self.done_at_start or 0)
-        pace = (time.monotonic() - self.started) / gained if self.done_at_start is not None and gained > 0 else 1 / (os.cpu_count() or 1)
-        return to_do * pace
-
-    def finished(self, number):
-        self.whole += self.seconds[number]
+        """share: of pool `number` that is done, those before it being done. Of a pool that was begun earlier the recorder counts
+        only what was missing, so that the time left is a little high until that pool is done."""
+        done = sum(self.seconds[:number]) + share * self.seconds[number]
+        pace = (time.monotonic() - self.started) / done if done > 0 else 1 / (os.cpu_count() or 1)
+        return (sum(self.seconds) - done) * pace
 
 
 def command_of(pool, out, scenes):
