@@ -3,7 +3,7 @@ import os
 import platform
 import re
 
-PINNED = ("scene_sha256", "samples_sha256", "bytes", "cpu_seconds", "versions", "processor")
+PINNED = ("samples_sha256", "bytes", "cpu_seconds", "versions", "processor")
 
 
 def processor():
@@ -28,13 +28,13 @@ def measure(path):
             "cpu_seconds": seconds, "versions": version, "processor": processor()}
 
 
-def differences(pinned, path):
+def differences(scene_sha256, pinned, path):
     """Lines that say what is not as pinned. Other samples on another processor or with another version are none."""
+    found = measure(path)
+    if scene_sha256 not in (None, found["scene_sha256"]):
+        return ["another scene than the pinned one (%s, not %s)" % (found["scene_sha256"], scene_sha256)]
     if not pinned:
         return []
-    found = measure(path)
-    if found["scene_sha256"] != pinned["scene_sha256"]:
-        return ["another scene than the pinned one (%s, not %s)" % (found["scene_sha256"], pinned["scene_sha256"])]
     same_tools = all(found[key] == pinned[key] for key in ("versions", "processor"))
     if found["samples_sha256"] != pinned["samples_sha256"] and same_tools:
         return ["other samples than the pinned ones (%s, not %s), with the same version on the same kind of processor" % (
@@ -43,16 +43,16 @@ def differences(pinned, path):
 
 
 def pin(path, files):
-    """files: {name: dump}. Replaces or adds the line `pinned` of each pool, and says what it wrote."""
+    """files: {name: dump}. Replaces or adds the lines `scene_sha256` and `pinned` of each pool, and says what it wrote."""
     with open(path, encoding="utf-8") as stream:
         parts = stream.read().split("[[pool]]\n")
     for name, dump in files.items():
         found = measure(dump)
-        line = "pinned = { %s }" % ", ".join("%s = %s" % (key, '"%s"' % found[key] if isinstance(found[key], str) else found[key])
+        line = 'scene_sha256 = "%s"\n' % found["scene_sha256"] + "pinned = { %s }" % ", ".join("%s = %s" % (key, '"%s"' % found[key] if isinstance(found[key], str) else found[key])
                                             for key in PINNED)
         for i, part in enumerate(parts):
             if part.startswith('name = "%s"\n' % name):
-                kept = [text for text in part.split("\n") if not text.startswith("pinned = ")]
+                kept = [text for text in part.split("\n") if not text.startswith(("pinned = ", "scene_sha256 = "))]
                 at = max(j for j, text in enumerate(kept) if re.match(r"\w+ = ", text))
                 parts[i] = "\n".join([*kept[:at + 1], line, *kept[at + 1:]])
         print("%s: %s" % (name, line))

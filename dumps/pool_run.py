@@ -34,6 +34,8 @@ def command_of(pool, out, scenes):
         text.replace("{scenes}", scenes) for text in pool["arguments"]]
     start = [os.path.join(ROOT, "dumps", "record.sh")] if pool["renderer"] == "Cycles" else [
         python, os.path.join(ROOT, "dumps", "mitsuba", "record.py")]
+    if pool["renderer"] == "Mitsuba" and "scene_sha256" in pool:
+        arguments += ["--scene-sha256", pool["scene_sha256"]]
     return [*start, *scene, *arguments, "--size", "%dx%d" % tuple(pool["size"]), "--samples", str(pool["samples"]),
             "--reference", str(pool["reference"]), *(["--compress"] if pool["renderer"] == "Cycles" else []), "-o", out]
 
@@ -63,7 +65,7 @@ def run_pool(pool, out, scenes, left):
     if code:
         print("%s: the recorder ended with %d" % (pool["name"], code), file=sys.stderr)
         return False
-    found = differences(pool.get("pinned"), out)
+    found = differences(pool.get("scene_sha256"), pool.get("pinned"), out)
     for text in found:
         print("%s: %s" % (pool["name"], text), file=sys.stderr)
     return not found

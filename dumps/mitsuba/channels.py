@@ -35,11 +35,15 @@ def no_diffuse_lobe(mi, scene):
     """[1 + number of shapes] bool: the surface only mirrors or refracts (metal, glass, smooth or rough). [0]: a miss.
 
     Such a material has no albedo of its own: Mitsuba answers 0, or for rough metal an estimate up to 24. Denoisers expect 1
-    there (documentation of Open Image Denoise, albedo of metals and of glass).
+    there (documentation of Open Image Denoise, albedo of metals and of glass). Instances have no material of their own.
     """
     materials = [shape.bsdf() for shape in scene.shapes()]
     return [False] + [bool(material is not None and not mi.has_flag(material.flags(), mi.BSDFFlags.Diffuse))
                       for material in materials]
+
+
+def has_instances(scene):
+    return any(shape.class_name() == "Instance" for shape in scene.shapes())
 
 
 def chosen_layers(wanted, recordable):

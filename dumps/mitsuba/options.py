@@ -27,6 +27,7 @@ def parse(arguments, about):
                         help="where else the scene's meshes and textures may lie")
     parser.add_argument("--substitute", action="append", default=[], metavar="NAME=PLUGIN",
                         help="use PLUGIN where the scene names the plugin NAME, which Mitsuba 3 does not have")
+    parser.add_argument("--scene-sha256", metavar="HASH", help="refuse a scene whose files hash to something else")
     parser.add_argument("--allow-losses", action="store_true", help="record although a medium, or part of one, gets lost")
     parser.add_argument("--chunk-lanes", type=int, default=1 << 20, help="samples traced at once (1048576)")
     parser.add_argument("--block", type=int, default=16, help="samples in a block of the file (16)")

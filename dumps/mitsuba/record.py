@@ -47,7 +47,8 @@ def open_tracer(options):
         raise usage_failure("--variant %s: use llvm_ad_rgb, cuda_ad_rgb, their spectral forms, or scalar_rgb" % variant)
     mi.set_log_level(mi.LogLevel.Error)
     recordable = load_scene(mi, options.scene, Wishes(options.size, options.integrator, options.max_depth,
-                                                      options.definitions, options.substitutes, options.allow_losses, options.files))
+                                                      options.definitions, options.substitutes, options.allow_losses, options.files,
+                                                      options.scene_sha256))
     notes = ([note] if note else []) + ["%s: %s" % (options.scene, change) for change in recordable.changes]
     if variant == "scalar_rgb":
         from scalar_loop import ScalarLoop

@@ -4,7 +4,7 @@ Scalar and wavefront variants draw different numbers from one seed, so the varia
 """
 import numpy as np
 
-from channels import no_diffuse_lobe
+from channels import has_instances, no_diffuse_lobe
 from seeds import spread
 
 
@@ -18,6 +18,7 @@ class ScalarLoop:
         for index, shape in enumerate(recordable.scene.shapes()):
             self.shape_index[shape.id()] = index + 1
         self.no_diffuse = no_diffuse_lobe(mi, recordable.scene)
+        self.has_instances = has_instances(recordable.scene)
         self.to_camera = recordable.sensor.world_transform().inverse()
 
     def trace(self, count, seed, layers, rows=None):
@@ -58,11 +59,17 @@ class ScalarLoop:
     def _features(self, arrays, y, x, s, ray, sampler, medium):
         mi, of = self.mi, self.of
         values = self.features.sample(of.scene, sampler, ray, medium)[2]
-        hit = of.scene.ray_intersect_preliminary(ray)
-        shape = 0
-        if hit.is_valid():
-            shape = self.shape_index.get(hit.shape.id(), 0)
-        found = {"albedo": (1, 1, 1) if self.no_diffuse[shape] else values[0:3], "normal": values[3:6], "position": values[6:9], "shape": shape,
+        shape, specular = 0, False
+        if self.has_instances:
+            hit = of.scene.ray_intersect(ray)
+            if hit.is_valid():
+                shape = self.shape_index.get((hit.instance or hit.shape).id(), 0)
+                specular = not mi.has_flag(hit.bsdf().flags(), mi.BSDFFlags.Diffuse)
+        else:
+            hit = of.scene.ray_intersect_preliminary(ray)
+            shape = self.shape_index.get(hit.shape.id(), 0) if hit.is_valid() else 0
+            specular = self.no_diffuse[shape]
+        found = {"albedo": (1, 1, 1) if specular else values[0:3], "normal": values[3:6], "position": values[6:9], "shape": shape,
                  "depth": (self.to_camera @ mi.Point3f(values[6], values[7], values[8]))[2] if shape else 0}
         for name, value in found.items():
             if name in arrays:

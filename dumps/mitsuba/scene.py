@@ -20,9 +20,9 @@ from plugins import force, refuse_unknown, substitute
 
 # size: (width, height) or None: the film's. integrator, max_depth: None: the scene's. definitions: {name: value} of -D.
 # substitutes: {plugin the scene names: plugin to use}. allow_losses: record although a medium loses a property.
-# folders: where its files may lie, beside its own.
-Wishes = namedtuple("Wishes", "size integrator max_depth definitions substitutes allow_losses folders",
-                    defaults=(None, None, None, {}, {}, False, ()))
+# folders: where its files may lie, beside its own. digest: what the scene with its files must hash to, or None.
+Wishes = namedtuple("Wishes", "size integrator max_depth definitions substitutes allow_losses folders digest",
+                    defaults=(None, None, None, {}, {}, False, (), None))
 
 
 class Recordable:
@@ -90,6 +90,8 @@ def _instantiate(mi, config, source, wishes):
             named = scene_files.named_files(mi, found.state)
             scene_files.require(source, named)
             found.digest = scene_files.digest(found.files + [path for _, path in named])
+        if wishes.digest not in (None, found.digest):
+            raise scene_failure("%s: another scene than the expected one: SHA-256 of its files is %s" % (source, found.digest))
         forced = force(mi, found.state, wishes)
         found.changes += forced.changes
         scene = mi.parser.instantiate(config, found.state)

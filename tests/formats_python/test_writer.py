@@ -103,7 +103,9 @@ def test_passes_must_be_whole_and_in_order(tmp_path):
     usage(output.write_passes, 0, {"radiance": passes})
     usage(output.write_passes, 1, {"radiance": np.zeros((8, 8, 4, 3))})
     usage(output.write_passes, 1, {})
-    usage(output.write_passes, 1, {"radiance": np.zeros((8, 8, 1, 4))})
+    with pytest.raises(spool.SpoolError, match=r"\(8, 8, 1, 4\), not \[y\]\[x\]\[sample\]\[component\] of 8 rows, 8 columns, "
+                       r"any number of samples and 3 components"):
+        output.write_passes(1, {"radiance": np.zeros((8, 8, 1, 4))})
     usage(output.finish)
     assert os.listdir(tmp_path) == ["a.spool.partial"]
 

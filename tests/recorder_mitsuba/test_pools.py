@@ -106,7 +106,7 @@ def test_a_changed_scene_is_told(place):
     os.remove(place / "recordings" / "two.spool")
     (place / "scenes" / "theirs" / "lens.xml").write_text(SCENE.replace("0,0,-4", "0,0,-5"))
     result = pools(place, "--record", "two")
-    assert result.returncode == 1 and "another scene than the pinned one" in result.stderr
+    assert result.returncode == 1 and "another scene than the expected one" in result.stdout
 
 
 def test_wrong_names_and_two_runs_at_once_are_refused(place):

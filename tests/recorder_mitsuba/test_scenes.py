@@ -218,6 +218,13 @@ def test_old_includes_are_rewritten_too(load, tmp_path):
     assert "includes itself" in refusal(load, body)[1]
 
 
+def test_another_scene_than_the_expected_one_is_refused(load):
+    digest = load(NEW % "", "3.0.0").digest
+    load(NEW % "", "3.0.0", digest=digest)
+    code, text = refusal(load, NEW % '<bsdf type="plastic"/>', "3.0.0", digest=digest)
+    assert code == 1 and "another scene than" in text
+
+
 def test_a_camera_that_scales_keeps_its_rotation(load):
     body = '<integrator type="path"/>' + CAMERA.replace("</transform>", '<scale value="2"/></transform>') % FILM + LIGHT + BALL % ""
     found = load(body, "3.0.0")
@@ -241,6 +248,27 @@ def test_changes_are_told_and_stand_in_the_file(tmp_path):
         hit = dump.read("depth")[..., 0] > 0
         assert hit.any() and (dump.read("albedo")[hit] == 1).all() and (dump.read("albedo")[~hit] == 0).all()
     assert not os.path.exists(str(out) + ".recording")
+
+
+@pytest.mark.parametrize("variant", ["llvm_ad_rgb", "scalar_rgb"])
+def test_instances_have_a_shape_a_depth_and_the_material_of_what_they_show(tmp_path, variant):
+    scene, out = tmp_path / "instances.xml", tmp_path / "instances.spool"
+    instance = '<shape type="instance" id="%s"><transform name="to_world"><translate x="%g"/></transform><ref id="%s"/></shape>'
+    group = '<shape type="shapegroup" id="%s"><shape type="sphere"><bsdf type="%s"/></shape></shape>'
+    scene.write_text('<scene version="3.0.0"><integrator type="path"/>' + (CAMERA % "").replace("lookAt", "lookat").replace(
+        "toWorld", "to_world").replace("-4", "-8") + group % ("g", "dielectric") + group % ("h", "diffuse") + LIGHT + instance % (
+        "one", -1.2, "g") + instance % ("two", 1.2, "h") + "</scene>")
+    result = record(scene, "-o", out, "--size", "24x12", "--samples", 4, "--channels", "all", "--no-verify", "--variant", variant)
+    if variant != "scalar_rgb" and result.returncode == 3:
+        pytest.skip("no LLVM here")
+    check_ok(result)
+    with spool.open(out) as dump:
+        shape, depth, albedo = (dump.read(name) for name in ("shape", "depth", "albedo"))
+        names = dump.meta["scene"]["shapes"]
+        assert set(np.unique(shape)) == {0, 1 + names.index("one"), 1 + names.index("two")}
+        assert ((depth[..., 0] > 6) == (shape[..., 0] > 0)).all()
+        assert (albedo[shape[..., 0] == 1 + names.index("one")] == 1).all()
+        assert albedo[shape[..., 0] == 1 + names.index("two")] == pytest.approx(0.5, abs=1e-3)
 
 
 def test_half_keeps_what_does_not_fit_in_32_bits(tmp_path):
