@@ -10,8 +10,8 @@ LARGEST_HALF = 65504.0
 
 
 def layer_types(layers, half, largest=0.0):
-    """{layer: dtype}. half: radiance in 16 bits, unless a sample is too large for them."""
-    narrow = {"radiance": "f2", "direct": "f2"} if half and largest <= LARGEST_HALF else {}
+    """{layer: dtype}. half: radiance and places on the lens in 16 bits, unless a sample is too large for them."""
+    narrow = {"radiance": "f2", "direct": "f2", "lens": "f2"} if half and largest <= LARGEST_HALF else {}
     return {name: narrow.get(name, LAYERS[name][0]) for name in layers}
 
 
