@@ -9,15 +9,14 @@ import os
 import xml.etree.ElementTree as ElementTree
 
 from failure import io_failure, scene_failure
-from old_media import medium, numbers
+from old_media import boundary, medium, numbers
 
 RENAMED = {"camera": "sensor", "luminaire": "emitter", "lookAt": "lookat"}       # 0.1 to 0.4; 0.5 and 0.6
 KNOWN = {"scene", "sensor", "emitter", "lookat", "integrator", "sampler", "film", "rfilter", "bsdf", "texture", "shape",
          "medium", "phase", "volume", "spectrum", "rgb", "srgb", "blackbody", "transform", "translate", "rotate", "scale",
          "matrix", "float", "integer", "boolean", "string", "point", "vector", "ref", "default", "include", "alias", "path",
          "subsurface"}
-TRACERS = {"bdpt", "pssmlt", "mlt", "erpt", "mept", "sppm", "ppm", "photonmapper", "vpl", "vcm", "upm", "ptracer", "irrcache",
-           "adaptive", "multichannel", "volpath_simple", "pathtracer", "path_simple", "guided_path", "bre"}
+INTEGRATORS = {"path", "volpath", "volpathmis", "direct"}        # that Mitsuba 3 has, too, and that have samples of a pixel
 NEAREST = {("bsdf", "roughdiffuse"): "diffuse", ("bsdf", "ward"): "roughconductor", ("sensor", "perspective_rdist"): "perspective",
            ("film", "ldrfilm"): "hdrfilm", ("film", "mfilm"): "hdrfilm", ("film", "tiledhdrfilm"): "hdrfilm",
            ("film", "exrfilm"): "hdrfilm", ("film", "pngfilm"): "hdrfilm", ("texture", "vertexcolors"): "mesh_attribute"}
@@ -53,6 +52,8 @@ def rewrite(path, integrator_given=False):
                 _integrator(element, media, note)
             if element.tag == "medium":
                 medium(element, note, lost)
+            if element.tag == "shape":
+                boundary(element, note)
     return Rewritten(ElementTree.tostring(root, encoding="unicode"), changes, lost, files)
 
 
@@ -197,7 +198,7 @@ def _property(element, child, note):
 
 def _integrator(element, media, note):
     plugin, chosen = element.get("type"), "volpath" if media else "path"
-    if plugin in TRACERS:
+    if plugin not in INTEGRATORS:
         for child in list(element):
             if child.get("name") not in ("maxDepth", "rrDepth", "hideEmitters"):
                 element.remove(child)

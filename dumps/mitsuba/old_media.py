@@ -17,8 +17,9 @@ def medium(element, note, lost):
     if "density" in by_name:
         by_name["density"].set("name", "sigma_t")
         note("medium density taken as sigma_t")
-    if element.get("type") == "heterogeneous" and "method" in by_name:
-        element.remove(by_name["method"])                        # how 0.6 sampled it; Mitsuba 3 knows one way
+    for name in ("method", "stepSize"):                          # how 0.6 walked through it; Mitsuba 3 knows one way
+        if name in by_name:
+            element.remove(by_name[name])
     for volume in element.iter("volume"):
         if volume.get("type") == "gridvolume" and volume.find("*[@name='toWorld']") is None:
             ElementTree.SubElement(volume, "boolean", name="use_grid_bbox", value="true")
@@ -43,6 +44,15 @@ def _large_coefficients(element, note):
             by_name["scale"] = ElementTree.SubElement(element, "float", name="scale")
         by_name["scale"].set("value", "%.9g" % (scale * max(values)))
         note("medium sigma_t above 1 written with a scale")
+
+
+def boundary(shape, note):
+    """A shape that holds a medium and has no material was open in Mitsuba 0.6; Mitsuba 3 would make it a diffuse wall."""
+    sides = ("interior", "exterior")
+    holds = any(child.tag in ("medium", "ref") and child.get("name") in sides for child in shape)
+    if holds and not any(child.tag == "bsdf" or child.tag == "ref" and child.get("name") not in sides for child in shape):
+        ElementTree.SubElement(shape, "bsdf", type="null")
+        note("a shape that holds a medium and has no material taken as open (bsdf null)")
 
 
 def _coefficients(element, absorption, scattering, note, lost):

@@ -141,7 +141,7 @@ def _judge_losses(source, losses, found, allowed):
     if media and not allowed:
         raise scene_failure("%s: a medium would be recorded as something else (%s): mend the scene, or give --allow-losses" %
                             (source, "; ".join(media)))
-    found.changes += ["lost: %s" % text for text in media + [str(loss) for loss in losses if not loss.of_a_medium]]
+    found.changes += ["lost: %s" % text for text in dict.fromkeys(media + [str(loss) for loss in losses if not loss.of_a_medium])]
 
 
 def _unknown_parameter(source, names):

@@ -128,7 +128,7 @@ def test_unknown_plugins_are_named_and_can_be_substituted(load):
 OLD = '<integrator type="%s"><integer name="maxDepth" value="6"/><boolean name="strictNormals" value="true"/></integrator>'
 
 
-@pytest.mark.parametrize("plugin", ["bdpt", "sppm", "pssmlt", "photonmapper", "vcm", "ptracer"])
+@pytest.mark.parametrize("plugin", ["bdpt", "sppm", "pssmlt", "photonmapper", "guided_path", "ptracer"])
 def test_old_integrators_become_path(load, plugin):
     found = load(OLD % plugin + CAMERA % FILM + LIGHT + BALL % "")
     assert "integrator %s taken as path" % plugin in told(found) and "max_depth = 6" in str(found.integrator)
@@ -169,6 +169,20 @@ def test_old_media_keep_their_coefficients(load):
     assert float(values["scale"]) * np.array(values["sigma_t.value.value"]).ravel() == pytest.approx([8, 10, 12])
     assert np.array(values["albedo.value.value"]).ravel() == pytest.approx([3 / 4, 3 / 5, 3 / 6], abs=1e-6)
     assert "taken as volpath" in told(found)
+
+
+def test_old_volumes_lie_where_their_file_says_and_their_shape_is_open(load, tmp_path):
+    grid = mi.VolumeGrid(np.linspace(0, 1, 8, dtype="f4").reshape(2, 2, 2))
+    grid.write(str(tmp_path / "v.vol"))
+    volume = '<medium type="heterogeneous" %s><string name="method" value="woodcock"/><float name="stepSize" value="0.1"/>' \
+        '<volume name="density" type="gridvolume"><string name="filename" value="v.vol"/></volume><float name="scale" value="3"/></medium>'
+    found = load(volume % 'id="smoke"' + OLD % "volpath" + CAMERA % FILM + LIGHT + BALL % '<ref name="interior" id="smoke"/>' +
+                 BALL.replace("ball", "second") % (volume % 'name="interior"') +
+                 BALL.replace("ball", "glass") % '<ref name="interior" id="smoke"/><bsdf type="dielectric"/>')
+    names = {shape.id(): shape.bsdf().class_name() for shape in found.scene.shapes()}
+    assert names == {"ball": "Null", "second": "Null", "glass": "SmoothDielectric"}
+    assert "density taken as sigma_t" in told(found) and "taken as open" in told(found) and "lost" not in told(found)
+    assert float(mi.traverse(found.scene.shapes()[0].interior_medium())["scale"]) == 3
 
 
 @pytest.mark.parametrize("inside, words", [
