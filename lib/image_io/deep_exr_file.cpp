@@ -9,10 +9,10 @@
 #include <OpenEXR/ImfDeepScanLineOutputFile.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfPartType.h>
-#include <OpenEXR/ImfTestFile.h>
 
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_geometry.h"
+#include "lib/image_io/exr_header_scan.h"
 #include "lib/image_io/exr_planes.h"
 
 namespace spool {
@@ -85,11 +85,9 @@ DeepExrReader::~DeepExrReader() = default;
 Result<DeepExrReader> DeepExrReader::open(const std::filesystem::path& path,
                                           const DeepReadLimits& limits) {
   const std::string name = path.string();
-  SPOOL_ASSIGN(const std::uint64_t file_bytes, exr::size_of_file(path));
+  SPOOL_ASSIGN(const std::uint64_t file_bytes, exr::scan_headers(path));
   try {
     exr::cap_sizes();
-    if (!Imf::isOpenExrFile(path.c_str()))
-      return fail(ErrorCode::kData, "{}: is not an OpenEXR image (wrong first bytes)", name);
     auto state = std::make_unique<State>(path, file_bytes, limits);
     const Imf::Header& header = state->input.header(0);
     if (!header.hasType() || header.type() != Imf::DEEPSCANLINE)

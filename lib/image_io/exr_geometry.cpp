@@ -17,15 +17,6 @@ void cap_sizes() {
   static_cast<void>(capped);
 }
 
-Result<std::uint64_t> size_of_file(const std::filesystem::path& path) {
-  std::error_code status;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, status);
-  if (status) {
-    return fail(ErrorCode::kIo, "{}: cannot be read ({})", path.string(), status.message());
-  }
-  return bytes;
-}
-
 Result<Window> checked_window(const std::string& name, const Imf::Header& header,
                               std::uint64_t max_pixels) {
   const Imath::Box2i& window = header.dataWindow();

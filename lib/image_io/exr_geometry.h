@@ -26,8 +26,6 @@ struct Window {
 // Puts OpenEXR's own caps in place; before any file is opened.
 void cap_sizes();
 
-Result<std::uint64_t> size_of_file(const std::filesystem::path& path);
-
 // The data window, within kMaxSide and `max_pixels`.
 Result<Window> checked_window(const std::string& name, const Imf::Header& header,
                               std::uint64_t max_pixels);

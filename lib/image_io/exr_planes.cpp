@@ -15,6 +15,7 @@
 
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_geometry.h"
+#include "lib/image_io/exr_header_scan.h"
 
 namespace spool {
 namespace {
@@ -105,12 +106,9 @@ Result<ExrPlanes> read_parts(const std::string& name, Imf::MultiPartInputFile& i
 
 Result<ExrPlanes> read_exr_planes(const std::filesystem::path& path, const ExrReadLimits& limits) {
   const std::string name = path.string();
-  SPOOL_ASSIGN(const std::uint64_t file_bytes, exr::size_of_file(path));
+  SPOOL_ASSIGN(const std::uint64_t file_bytes, exr::scan_headers(path));
   try {
     exr::cap_sizes();
-    if (!Imf::isOpenExrFile(path.c_str())) {
-      return fail(ErrorCode::kData, "{}: is not an OpenEXR image (wrong first bytes)", name);
-    }
     Imf::MultiPartInputFile input(path.c_str(), 0, false);
     return read_parts(name, input, limits, file_bytes);
   } catch (const std::exception& error) {
