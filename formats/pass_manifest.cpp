@@ -11,7 +11,8 @@
 #include <set>
 
 #include <zlib.h>
-#include <nlohmann/json.hpp>
+
+#include "formats/bounded_json.h"
 
 namespace spool::format {
 
@@ -85,7 +86,7 @@ bool take_channels(const json& recording, std::vector<PassChannel>& channels) {
 
 Result<void> read_recording(const fs::path& path, PassManifest& manifest) {
   SPOOL_ASSIGN(const std::string text, read_text(path));
-  const json document = json::parse(text, nullptr, false);
+  const json document = parse_json(text);
   uint64_t version = 0;
   std::string format;
   if (!document.is_object() || !take_text(document, "format", format) || format != "spool-passes" ||
@@ -179,7 +180,7 @@ Result<void> read_entries(const fs::path& path, PassManifest& manifest) {
     ++number;
     PassEntry entry;
     std::string kind;
-    const json line = json::parse(text.data() + begin, text.data() + end, nullptr, false);
+    const json line = parse_json(std::string_view(text).substr(begin, end - begin));
     if (!take_entry(line, manifest.folder, kind, entry)) {
       return fail(ErrorCode::kData,
                   "{}: line {} is no entry of a pass: remove it and run the recorder again",
@@ -230,7 +231,7 @@ Result<PassManifest> read_pass_manifest(const std::filesystem::path& folder) {
 }
 
 std::string recording_difference(const std::string& there, const std::string& here) {
-  return difference(json::parse(there, nullptr, false), json::parse(here, nullptr, false), "");
+  return difference(parse_json(there), parse_json(here), "");
 }
 
 Result<void> verify_pass_file(const PassManifest& manifest, const PassEntry& entry,

@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include <nlohmann/json.hpp>
+#include "formats/bounded_json.h"
 
 namespace spool::format {
 
@@ -150,7 +150,7 @@ double cost_per_sample(const PassRecording& recording) {
 
 std::string recording_meta(const PassRecording& recording) {
   const PassManifest& manifest = recording.manifest;
-  const json source = json::parse(manifest.recording);
+  const json source = parse_json(manifest.recording);
   json meta;
   for (const char* key : {"renderer", "scene", "camera", "frame", "view_layer", "needs", "mode",
                           "settings", "mist_depth"}) {
@@ -160,7 +160,7 @@ std::string recording_meta(const PassRecording& recording) {
   meta["channels"] = source.value("layers", json::object());
   meta["recording_seeds"] = json::array({source.value("seed", json())});
   for (const std::string& other : recording.others) {
-    meta["recording_seeds"].push_back(json::parse(other).value("seed", json()));
+    meta["recording_seeds"].push_back(parse_json(other).value("seed", json()));
   }
   meta["seeds"] = seed_list(manifest.passes);
   meta["sample_index"] = manifest.passes.front().sample_index;

@@ -1,11 +1,13 @@
 #include "tools/dump_meta.h"
 
+#include "formats/bounded_json.h"
+
 namespace spool::tools {
 
 nlohmann::ordered_json merged_meta(const format::SpoolReader& reader) {
   nlohmann::ordered_json merged = nlohmann::ordered_json::object();
   for (const std::string& text : reader.meta()) {
-    const auto part = nlohmann::ordered_json::parse(text, nullptr, false);
+    const auto part = format::parse_json<nlohmann::ordered_json>(text);
     if (!part.is_object()) continue;  // the reader has checked it; this is for the type's sake
     for (const auto& [key, value] : part.items())
       merged[key] = value;

@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from lint_rules import citations, file_shapes, includes, machine_paths, pages, seeded_bugs
+from lint_rules import citations, file_shapes, includes, machine_paths, pages, parsers, seeded_bugs
 
 
 def tracked_files():
@@ -18,7 +18,7 @@ def main():
     files = tracked_files()
     for note in file_shapes.long_files(files):
         print(f"note: {note}")
-    problems = [*seeded_bugs.check(), *citations.check(files), *machine_paths.check(files), *includes.check(),
+    problems = [*seeded_bugs.check(), *citations.check(files), *machine_paths.check(files), *parsers.check(files), *includes.check(),
                 *file_shapes.check(files), *pages.check(files)]
     for problem in problems:
         print(problem)

@@ -1,3 +1,4 @@
+#include "formats/bounded_json.h"
 #include "formats/interchange/export_file.h"
 #include "formats/interchange/npy_header.h"
 #include "formats/interchange/npz.h"
@@ -27,7 +28,7 @@ std::string_view type_code(format::DataType type) {
 std::string describe(const SpoolReader& dump) {
   json meta = json::object();
   for (const std::string& text : dump.meta())
-    meta.update(json::parse(text));
+    meta.update(format::parse_json(text));
   if (!meta.contains("channels") || !meta["channels"].is_object())
     meta["channels"] = json::object();
   meta["scope"] = json::object();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "formats/bounded_json.h"
 #include "formats/byte_io.h"
 #include "formats/checked_math.h"
 #include "formats/interchange/layer_names.h"
@@ -95,7 +96,7 @@ Result<json> read_npz_meta(const FileHandle& file, const NpzMember& member) {
   if (type.starts_with("|S")) text.resize(std::min(text.size(), text.find('\0')));
   if (const auto judged = format::check_meta(text); !judged)
     return fail(ErrorCode::kData, "{}: {}: save one JSON object", name, judged.error().what);
-  return json::parse(text, nullptr, false);
+  return format::parse_json(text);
 }
 
 }  // namespace spool::interchange

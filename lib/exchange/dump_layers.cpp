@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "formats/bounded_json.h"
 #include "formats/interchange/export_file.h"
 #include "formats/interchange/scratch_file.h"
 
@@ -78,7 +79,7 @@ ExrAttributes describe_dump(const format::SpoolReader& dump) {
                         {"scope", kScopes[static_cast<size_t>(channel.scope)]}});
   json meta = json::object();
   for (const std::string& text : dump.meta())
-    meta.update(json::parse(text));
+    meta.update(format::parse_json(text));
   std::string uuid;
   for (const uint8_t byte : dump.header().uuid)
     uuid += fmt::format("{:02x}", byte);
@@ -104,8 +105,8 @@ Result<std::optional<ToldDump>> told_dump(const ExrAttributes& attributes,
     return found == attributes.texts.end() ? std::string() : found->second;
   };
   ToldDump told;
-  const json channels = json::parse(text("spoolChannels"), nullptr, false);
-  const json meta = json::parse(text("spoolMeta"), nullptr, false);
+  const json channels = format::parse_json(text("spoolChannels"), format::kMaxMetaBytes);
+  const json meta = format::parse_json(text("spoolMeta"), format::kMaxMetaBytes);
   const auto refuse = [&](std::string_view what) {
     return fail(ErrorCode::kData, "{}: attribute {} makes no sense: was it edited?", name, what);
   };

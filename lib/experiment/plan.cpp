@@ -10,6 +10,8 @@
 
 #include <toml++/toml.h>
 
+#include "lib/experiment/toml_nesting.h"
+
 namespace spool {
 namespace {
 
@@ -316,6 +318,14 @@ class PlanReader {
 
 Result<Plan> parse_plan(std::string_view text, const std::string& name,
                         const std::filesystem::path& folder, const PlanVocabulary& vocabulary) {
+  if (text.size() > kMaxTomlBytes) {
+    return fail(ErrorCode::kUsage, "{}: {} bytes are more than the {} of a plan: split it", name,
+                text.size(), kMaxTomlBytes);
+  }
+  if (const std::size_t line = line_nested_too_deeply(text); line != 0) {
+    return fail(ErrorCode::kUsage, "{}:{}: keys or brackets nest deeper than {}: correct the TOML",
+                name, line, kMaxTomlDepth);
+  }
   toml::table root;
   try {
     root = toml::parse(text, name);

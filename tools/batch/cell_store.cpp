@@ -4,8 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include <nlohmann/json.hpp>
-
+#include "formats/bounded_json.h"
 #include "lib/experiment/result_table.h"
 #include "lib/image_io/atomic_file.h"
 #include "tools/batch/base64.h"
@@ -50,7 +49,7 @@ std::string contents(const fs::path& path) {
 }
 
 bool is_failed(const fs::path& path) {
-  const auto json = ordered_json::parse(contents(path), nullptr, false);
+  const auto json = format::parse_json_file<ordered_json>(path);
   return json.is_discarded() || !json.contains("fields") || json["fields"].contains("error");
 }
 
@@ -87,7 +86,7 @@ Result<ResultRecord> CellStore::read(const std::string& id, const Cell& cell) co
   if (!fs::is_regular_file(path, status)) {
     return fail(ErrorCode::kIo, "{}: not finished yet", path.string());
   }
-  const auto json = ordered_json::parse(contents(path), nullptr, false);
+  const auto json = format::parse_json_file<ordered_json>(path);
   const auto understood = [&] {
     return !json.is_discarded() && json.contains("fields") && json["fields"].is_object();
   };

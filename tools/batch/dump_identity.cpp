@@ -1,10 +1,6 @@
 #include "tools/batch/dump_identity.h"
 
-#include <fstream>
-#include <iterator>
-
-#include <nlohmann/json.hpp>
-
+#include "formats/bounded_json.h"
 #include "formats/interchange/sha256.h"
 #include "lib/image_io/atomic_file.h"
 
@@ -29,9 +25,7 @@ Result<void> check_against(const DumpIdentity& dump, const std::vector<DumpIdent
 }  // namespace
 
 std::vector<DumpIdentity> known_dumps(const fs::path& folder) {
-  std::ifstream file(folder / "dumps.json", std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const auto json = ordered_json::parse(text, nullptr, false);
+  const auto json = format::parse_json_file<ordered_json>(folder / "dumps.json");
   std::vector<DumpIdentity> dumps;
   if (!json.is_array()) return dumps;
   for (const auto& entry : json) {

@@ -11,8 +11,8 @@
 #include <fmt/chrono.h>
 #include <sys/utsname.h>
 #include <unistd.h>
-#include <nlohmann/json.hpp>
 
+#include "formats/bounded_json.h"
 #include "lib/experiment/experiment.h"
 #include "lib/image_io/atomic_file.h"
 
@@ -124,9 +124,7 @@ ordered_json read_shards(const std::filesystem::path& folder) {
   }
   ordered_json shards = ordered_json::array();
   for (const std::filesystem::path& path : paths) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    ordered_json shard = ordered_json::parse(text, nullptr, false);
+    auto shard = format::parse_json_file<ordered_json>(path);
     if (!shard.is_object()) continue;
     shard.erase("plan");
     shard.erase("dumps");
@@ -137,9 +135,7 @@ ordered_json read_shards(const std::filesystem::path& folder) {
 
 // Of a folder that was filled by several runs, one after the other.
 ordered_json earlier_runs(const std::filesystem::path& folder) {
-  std::ifstream file(folder / "manifest.json", std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const ordered_json manifest = ordered_json::parse(text, nullptr, false);
+  const auto manifest = format::parse_json_file<ordered_json>(folder / "manifest.json");
   const bool known = manifest.is_object() && manifest.contains("runs");
   return known && manifest["runs"].is_array() ? manifest["runs"] : ordered_json::array();
 }
