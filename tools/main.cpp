@@ -151,6 +151,9 @@ void add_pack(Program& program) {
       ->allow_extra_args(false);
   verb.add_flag("--deep-samples", program.pack.deep_samples,
                 "of deep-exr: the deep samples of another tool are Monte Carlo samples");
+  verb.add_option("--max-expansion", program.pack.max_expansion,
+                  "of foreign files: how many times larger than its source the dump may be (100)")
+      ->check(CLI::Range(uint64_t{1}, interchange::kMaxExpansionTimes));
   add_common(verb, program.common, true, true);
   verb.footer(
       "docs/formats.md says what each foreign format holds and what is converted or dropped.\n"

@@ -30,6 +30,7 @@ Options import_options(const PackVerbOptions& options, const CommonOptions& comm
   Options import;
   import.compress = options.pack.compress;
   import.force = common.force;
+  import.expansion.times = options.max_expansion;
   if (options.exchangeable) import.sample_order = format::SampleOrder::kExchangeable;
   return import;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/interchange/expansion.h"
 #include "formats/pass_folder.h"
 #include "tools/console.h"
 
@@ -25,6 +26,7 @@ struct PackVerbOptions {
   std::optional<uint64_t> frame;       // noisebase: of a sequence
   std::vector<std::string> layer_map;  // exr-folder: OURS=LAYER
   bool deep_samples = false;           // deep-exr: of another tool
+  uint64_t max_expansion = interchange::Expansion{}.times;  // the dump against its source
 };
 
 // What --from takes besides "passes".

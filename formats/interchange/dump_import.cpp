@@ -146,8 +146,27 @@ Result<ForeignFile> identify(const format::FileHandle& file) {
   return ForeignFile{file.path().filename().string(), bytes, std::move(hash)};
 }
 
+std::optional<uint64_t> stored_bytes(const std::vector<ForeignLayer>& layers) {
+  std::optional<uint64_t> total = 0;
+  for (const ForeignLayer& layer : layers) {
+    const SampleArray& array = layer.array;
+    const auto bytes = format::checked_product(
+        {array.width, array.height, array.samples, array.components,
+         std::max<uint64_t>(element_bytes(array.type),
+                            format::bytes_per_value(stored_type(array.type)))});
+    total = total && bytes ? format::checked_add(*total, *bytes) : std::nullopt;
+  }
+  return total;
+}
+
 Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
                                 const ImportOptions& options) {
+  uint64_t source_bytes = 0;
+  for (const ForeignFile& file : plan.record.files)
+    source_bytes += file.bytes;
+  SPOOL_TRY(
+      options.expansion.check(plan.record.files.empty() ? out.string() : plan.record.files[0].name,
+                              stored_bytes(plan.layers), source_bytes));
   const std::vector<uint16_t> groups = assign_groups(plan.layers);
   const DumpHeader header = make_header(plan, groups, options);
   format::WriterOptions writer_options;

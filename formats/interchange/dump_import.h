@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/dump_header.h"
+#include "formats/interchange/expansion.h"
 #include "formats/interchange/sample_array.h"
 #include "lib/core/error.h"
 
@@ -24,6 +25,7 @@ struct ImportOptions {
   uint32_t block_spp = 0;  // 0: 16, or more where the file would need too many blocks
   bool compress = false;
   bool force = false;                               // replace OUT
+  Expansion expansion;                              // how much larger than the source OUT may be
   std::optional<format::SampleOrder> sample_order;  // where the source does not say
   std::optional<std::array<uint8_t, 16>> uuid;      // random when absent
 };
@@ -68,8 +70,12 @@ struct DumpPlan {
   ImportRecord record;
 };
 
-// Writes OUT and completes the report. A layer is a group of its own while 16 groups suffice;
-// else layers of equal dtype and scope share one.
+// What the layers take in a .spool, before compression; empty beyond 64 bits.
+std::optional<uint64_t> stored_bytes(const std::vector<ForeignLayer>& layers);
+
+// Writes OUT and completes the report. kData when it would be larger than `options.expansion` of
+// plan.record.files allows, before anything is written. A layer is a group of its own while 16
+// groups suffice; else layers of equal dtype and scope share one.
 Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
                                 const ImportOptions& options);
 

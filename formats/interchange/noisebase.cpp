@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "formats/byte_io.h"
+#include "formats/checked_math.h"
 #include "formats/interchange/npz_members.h"
 #include "formats/interchange/scratch_file.h"
 #include "formats/interchange/zarr_array.h"
@@ -218,6 +219,28 @@ ForeignLayer layer_of(const Source& source, const Size& size, uint64_t offset,
   return layer;
 }
 
+// The arrays that become layers, which together may not be larger than is allowed: neither what
+// is decoded nor what is laid out.
+Result<std::vector<std::pair<Source, Taken>>> take_sources(const ZarrZip& zip, const Size& size,
+                                                           const NoisebaseImportOptions& options) {
+  const std::string name = zip.file().path().string();
+  std::vector<std::pair<Source, Taken>> sources;
+  std::optional<uint64_t> bytes = 0;
+  for (const Source& source : kSources) {
+    if (!zip.has(source.theirs)) continue;
+    SPOOL_ASSIGN(Taken taken, take(zip, source.theirs, source.per_sample ? 4 : 3, options.frame));
+    SPOOL_TRY(check_shape(name, source, taken, size));
+    const auto decoded = taken.array.decoded_bytes(taken.sequence);
+    const uint64_t laid_out =
+        uint64_t{12} * size.width * size.height * (source.per_sample ? size.spp : 1);
+    bytes =
+        bytes && decoded ? format::checked_add(*bytes, std::max(*decoded, laid_out)) : std::nullopt;
+    sources.emplace_back(source, std::move(taken));
+  }
+  SPOOL_TRY(options.expansion.check(name, bytes, zip.file_bytes()));
+  return sources;
+}
+
 }  // namespace
 
 std::array<float, 3> decode_rgbe(std::array<uint8_t, 4> rgbe, std::array<float, 2> exposure) {
@@ -233,7 +256,7 @@ Result<ImportReport> import_noisebase(const std::filesystem::path& in,
                                       const std::filesystem::path& out,
                                       const NoisebaseImportOptions& options) {
   SPOOL_TRY(refuse_existing_target(out, options.force));
-  SPOOL_ASSIGN(const ZarrZip zip, ZarrZip::open(in));
+  SPOOL_ASSIGN(const ZarrZip zip, ZarrZip::open(in, options.expansion));
   const std::string name = in.string();
   if (!zip.has("color") || !zip.has("exposure"))
     return fail(ErrorCode::kData, "{}: no arrays color and exposure: not a Noisebase sample set",
@@ -245,14 +268,11 @@ Result<ImportReport> import_noisebase(const std::filesystem::path& in,
     return fail(ErrorCode::kData, "{}: color is {}: larger than a .spool holds", name,
                 shape_text(colour.array.shape));
   SPOOL_ASSIGN(const auto exposure, read_exposure(zip, options.frame));
+  SPOOL_ASSIGN(const auto sources, take_sources(zip, size, options));
   SPOOL_ASSIGN(FileHandle scratch, open_scratch_file(out));
   DumpPlan plan;
   uint64_t offset = 0;
-  for (const Source& source : kSources) {
-    if (!zip.has(source.theirs)) continue;
-    SPOOL_ASSIGN(const Taken taken,
-                 take(zip, source.theirs, source.per_sample ? 4 : 3, options.frame));
-    SPOOL_TRY(check_shape(name, source, taken, size));
+  for (const auto& [source, taken] : sources) {
     SPOOL_TRY(unpack(zip, source, taken, size, exposure, offset, scratch));
     plan.layers.push_back(layer_of(source, size, offset, scratch));
     offset += uint64_t{12} * size.width * size.height * (source.per_sample ? size.spp : 1);

@@ -247,6 +247,7 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
   plan.record.options = {{"layout", sample_major ? "SHWC" : "HWSC"}, {"narrow", options.narrow}};
   note_conversions(members, plan.record);
 
+  SPOOL_TRY(options.expansion.check(name, stored_bytes(plan.layers), plan.record.files[0].bytes));
   SPOOL_ASSIGN(const FileHandle inflated, locate(file, members, out, plan));
   for (ForeignLayer& layer : plan.layers)
     if (layer.array.file == nullptr) layer.array.file = &inflated;

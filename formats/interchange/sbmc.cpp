@@ -313,6 +313,11 @@ Result<ImportReport> import_sbmc(const std::filesystem::path& in, const std::fil
   const bool scaled = scale == SbmcScale::kNormalised && header.radius > 0;
   const float distance = scaled ? 10.0f * header.radius : 1.0f;
   Laid laid = lay_out(header);
+  uint64_t source_bytes = 0;
+  std::error_code unreadable;
+  for (const auto& file : files)
+    source_bytes += std::filesystem::file_size(file, unreadable);
+  SPOOL_TRY(options.expansion.check(in.string(), stored_bytes(laid.layers), source_bytes));
   SPOOL_ASSIGN(FileHandle scratch, open_scratch_file(out));
   DumpPlan plan;
   for (const std::filesystem::path& file : files) {

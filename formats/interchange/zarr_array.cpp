@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
+#include "formats/bounded_json.h"
 #include "formats/checked_math.h"
 #include "formats/interchange/npz_members.h"
 
@@ -62,9 +61,21 @@ uint64_t ZarrArray::chunk_values() const {
   return values;
 }
 
-Result<ZarrZip> ZarrZip::open(const std::filesystem::path& path) {
+std::optional<uint64_t> ZarrArray::decoded_bytes(bool sequence) const {
+  std::optional<uint64_t> bytes = item_bytes();
+  for (size_t i = 0; i < shape.size() && bytes; ++i) {
+    const uint64_t count = i == 0 && sequence ? 1 : format::divide_up(shape[i], chunks[i]);
+    const auto axis = format::checked_multiply(count, chunks[i]);
+    bytes = axis ? format::checked_multiply(*bytes, *axis) : std::nullopt;
+  }
+  return bytes;
+}
+
+Result<ZarrZip> ZarrZip::open(const std::filesystem::path& path, const Expansion& expansion) {
   ZarrZip zip;
   SPOOL_ASSIGN(zip.file_, format::FileHandle::open(path, format::OpenMode::kRead));
+  zip.expansion_ = expansion;
+  SPOOL_ASSIGN(zip.file_bytes_, zip.file_.size());
   SPOOL_ASSIGN(zip.members_, read_zip_directory(zip.file_));
   std::sort(zip.members_.begin(), zip.members_.end(),
             [](const ZipMember& a, const ZipMember& b) { return a.name < b.name; });
@@ -106,8 +117,8 @@ Result<ZarrArray> ZarrZip::array(const std::string& array_name) const {
   const ZipMember* member = find(array_name + "/.zarray");
   if (member == nullptr) return fail(ErrorCode::kData, "{}: no such array in the store", name);
   SPOOL_ASSIGN(const auto text, member_bytes(*member, kMaxJsonBytes));
-  const auto* begin = reinterpret_cast<const char*>(text.data());
-  const json about = json::parse(begin, begin + text.size(), nullptr, false);
+  const json about =
+      format::parse_json({reinterpret_cast<const char*>(text.data()), text.size()}, kMaxJsonBytes);
   if (!about.is_object() || about.value("zarr_format", json()) != 2)
     return fail(ErrorCode::kData, "{}: .zarray is not of Zarr v2: convert with zarr 2 layout",
                 name);
@@ -137,6 +148,8 @@ Result<ZarrArray> ZarrZip::array(const std::string& array_name) const {
                   shape_text(array.chunks), kMaxChunkBytes >> 20);
     bytes = *more;
   }
+  SPOOL_TRY(expansion_.check(fmt::format("{}: chunks of {}", name, shape_text(array.chunks)), bytes,
+                             file_bytes_));
   SPOOL_ASSIGN(array.compressor, compressor_of(about, name));
   return array;
 }

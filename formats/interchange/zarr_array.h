@@ -5,9 +5,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "formats/interchange/expansion.h"
 #include "formats/interchange/zarr_chunk.h"
 #include "formats/interchange/zip_directory.h"
 #include "lib/core/error.h"
@@ -24,13 +26,18 @@ struct ZarrArray {
 
   uint64_t item_bytes() const;
   uint64_t chunk_values() const;  // at most 2^29, checked when it was read
+  // Of all chunks, those at the end as they are stored, without axis 0 of a sequence; empty beyond
+  // 64 bits.
+  std::optional<uint64_t> decoded_bytes(bool sequence) const;
 };
 
 class ZarrZip {
  public:
-  static Result<ZarrZip> open(const std::filesystem::path& path);
+  // No chunk may be larger than `expansion` of the file allows.
+  static Result<ZarrZip> open(const std::filesystem::path& path, const Expansion& expansion);
 
   const format::FileHandle& file() const { return file_; }
+  uint64_t file_bytes() const { return file_bytes_; }
   bool has(const std::string& array) const;
   Result<ZarrArray> array(const std::string& name) const;
   // The values of one chunk, C order; `index` has one number per axis.
@@ -42,6 +49,8 @@ class ZarrZip {
   Result<std::vector<std::byte>> member_bytes(const ZipMember& member, uint64_t limit) const;
 
   format::FileHandle file_;
+  uint64_t file_bytes_ = 0;
+  Expansion expansion_;
   std::vector<ZipMember> members_;
 };
 

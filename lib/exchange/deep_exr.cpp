@@ -282,6 +282,8 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
   DeepInput input{name, std::move(reader), std::move(told), {}, 0};
   const DeepHeader& header = input.reader.header();
   SPOOL_TRY(plan_channels(input));
+  SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
+  SPOOL_ASSIGN(const uint64_t source_bytes, file.size());
   SPOOL_ASSIGN(FileHandle scratch, interchange::open_scratch_file(out));
   uint64_t end = 0;
   for (int y = 0; y < header.height; ++y) {
@@ -292,6 +294,7 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
         return fail(ErrorCode::kData, "{}: pixel 0,0 has {} samples: 1 to {} are possible", name,
                     input.spp, format::kMaxSpp);
       end = lay_out(input, scratch);
+      SPOOL_TRY(options.expansion.check(name, end, source_bytes));
     }
     SPOOL_TRY(check_row(input, row, y));
     for (const Wanted& wanted : input.wanted)
@@ -306,7 +309,6 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
     plan.layers.push_back(std::move(wanted.layer));
   if (input.told) plan.meta = input.told->meta;
   plan.record.format = "deep-exr";
-  SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
   SPOOL_ASSIGN(interchange::ForeignFile identity, interchange::identify(file));
   plan.record.files.push_back(std::move(identity));
   const bool has_pixel_layers =

@@ -184,6 +184,11 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   uint64_t end = plan_layers(first, mapping, plan);
   for (ExrPlane& plane : first.planes)
     plane.values = {};
+  uint64_t source_bytes = 0;
+  std::error_code unreadable;
+  for (const auto& file : files)
+    source_bytes += std::filesystem::file_size(file, unreadable);
+  SPOOL_TRY(options.expansion.check(in.string(), end, source_bytes));
   SPOOL_ASSIGN(FileHandle scratch, interchange::open_scratch_file(out));
   std::vector<ExrAttributes> attributes;
   std::vector<std::byte> first_radiance;
