@@ -12,6 +12,8 @@
 #include <limits>
 #include <utility>
 
+#include "formats/lost_pages.h"
+
 namespace spool::format {
 
 namespace {
@@ -253,20 +255,29 @@ Result<FileMapping> FileMapping::create(const FileHandle& file, uint64_t bytes) 
                         "read blocks instead of mapping them");
   }
   mapping.bytes_ = static_cast<size_t>(bytes);
+  mapping.range_ = watch_range(mapping.data_, mapping.bytes_);
   return mapping;
 }
 
 FileMapping::FileMapping(FileMapping&& other) noexcept
-    : data_(std::exchange(other.data_, nullptr)), bytes_(std::exchange(other.bytes_, 0)) {}
+    : data_(std::exchange(other.data_, nullptr)),
+      bytes_(std::exchange(other.bytes_, 0)),
+      range_(std::exchange(other.range_, -1)) {}
 
 FileMapping& FileMapping::operator=(FileMapping&& other) noexcept {
   std::swap(data_, other.data_);
   std::swap(bytes_, other.bytes_);
+  std::swap(range_, other.range_);
   return *this;
 }
 
 FileMapping::~FileMapping() {
+  forget_range(range_);
   if (data_ != nullptr) file_calls().unmap(data_, bytes_);
+}
+
+bool FileMapping::lost() const {
+  return lost_pages(range_);
 }
 
 std::span<const std::byte> FileMapping::bytes() const {

@@ -78,7 +78,7 @@ class FileHandle {
   mutable std::atomic<uint64_t> bytes_read_{0};
 };
 
-// A whole file mapped for reading.
+// A whole file mapped for reading, and watched by formats/lost_pages.h.
 class FileMapping {
  public:
   FileMapping() = default;
@@ -89,10 +89,13 @@ class FileMapping {
   ~FileMapping();
 
   std::span<const std::byte> bytes() const;
+  // Pages were lost and read as zeros.
+  bool lost() const;
 
  private:
   void* data_ = nullptr;
   size_t bytes_ = 0;
+  int range_ = -1;
 };
 
 Result<void> rename_file(const std::filesystem::path& from, const std::filesystem::path& to,

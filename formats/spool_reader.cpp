@@ -19,6 +19,7 @@ struct SpoolReader::State {
   OpenDump dump;
   std::once_flag mapped_once;
   Result<FileMapping> mapping;
+  std::atomic<bool> mapped{false};          // `mapping` is there
   std::vector<std::atomic<bool>> verified;  // by entry: the mapped payload was checked
 
   std::optional<uint32_t> record(uint16_t group, uint32_t tile, uint32_t block) const {
@@ -114,6 +115,9 @@ const std::vector<std::string>& SpoolReader::meta() const {
 const std::filesystem::path& SpoolReader::path() const {
   return state_->dump.file.path();
 }
+uint64_t SpoolReader::file_bytes() const {
+  return state_->dump.file_bytes;
+}
 uint32_t SpoolReader::tiles_x() const {
   return state_->dump.geometry.tiles_x();
 }
@@ -164,12 +168,14 @@ Result<std::span<const std::byte>> SpoolReader::map_block(uint16_t group, uint32
   }
   std::call_once(state.mapped_once, [&] {
     state.mapping = FileMapping::create(state.dump.file, state.dump.file_bytes);
+    state.mapped.store(state.mapping.has_value(), std::memory_order_release);
   });
   if (!state.mapping) return tl::unexpected(state.mapping.error());
   const auto payload =
       state.mapping->bytes().subspan(entry.offset + kUnit, entry.header.stored_bytes);
   if (!state.verified[record].load(std::memory_order_acquire)) {
     if (crc32(payload) != entry.header.payload_crc32) {
+      SPOOL_TRY(intact());
       return tl::unexpected(file_error(
           state.dump.file.path(),
           {FailureClass::kDamaged, fmt::format("payload does not match its checksum ({})",
@@ -181,6 +187,14 @@ Result<std::span<const std::byte>> SpoolReader::map_block(uint16_t group, uint32
     }
   }
   return payload;
+}
+
+Result<void> SpoolReader::intact() const {
+  if (!state_->mapped.load(std::memory_order_acquire) || !state_->mapping->lost()) return {};
+  return fail(ErrorCode::kDamage,
+              "{}: was cut, overwritten or could not be read while it was in use: run `spool "
+              "check`, then start again",
+              state_->dump.file.path().string());
 }
 
 Result<std::vector<std::byte>> SpoolReader::read_block(uint16_t group, uint32_t tile,

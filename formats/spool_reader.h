@@ -34,6 +34,7 @@ class SpoolReader {
   const DumpHeader& header() const;
   const std::vector<std::string>& meta() const;  // JSON texts in file order
   const std::filesystem::path& path() const;
+  uint64_t file_bytes() const;
 
   uint32_t tiles_x() const;
   uint32_t tiles_y() const;
@@ -50,9 +51,13 @@ class SpoolReader {
   bool is_raw(uint16_t group, uint32_t tile, uint32_t block) const;
 
   // The stored bytes in place, dtype[channel][y][x][sample]; raw blocks only. Verified once per
-  // process before they are handed out. Valid while the reader lives; truncating the file meanwhile
-  // raises SIGBUS (POSIX).
+  // process before they are handed out. Valid while the reader lives; cutting the file meanwhile
+  // raises SIGBUS (POSIX), or with survive_lost_pages() turns what was cut into zeros: whoever
+  // reads a mapped block asks intact() when he has read it.
   Result<std::span<const std::byte>> map_block(uint16_t group, uint32_t tile, uint32_t block) const;
+
+  // kDamage when pages of mapped blocks were lost after they had been verified.
+  Result<void> intact() const;
 
   // The decoded bytes, dtype[channel][y][x][sample]; verified each time.
   Result<std::vector<std::byte>> read_block(uint16_t group, uint32_t tile, uint32_t block) const;

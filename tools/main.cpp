@@ -10,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "formats/lost_pages.h"
 #include "lib/core/heap_policy.h"
 #include "lib/core/option_table.h"
 #include "lib/core/parallel.h"
@@ -551,6 +552,7 @@ int run(int count, char** arguments) {
 
 int main(int count, char** arguments) {
   spool::keep_freed_memory();
+  spool::format::survive_lost_pages();
   try {
     return spool::tools::run(count, arguments);
   } catch (const std::bad_alloc&) {

@@ -9,6 +9,7 @@
 #include "lib/image_io/exr_image.h"
 #include "lib/pool/load_recording.h"
 #include "tools/guard_listing.h"
+#include "tools/methods/method_memory.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/view_files.h"
 #include "tools/progress.h"
@@ -37,23 +38,25 @@ Result<CountImage> uniform_counts(const SamplePool& pool, int spp) {
 }
 
 struct Input {
+  std::shared_ptr<const RecordedSamples> recording;
   SamplePool pool;
   Selection selection;
 };
 
-Result<Input> load_input(const ReconstructOptions& options, const SanitiseRules& rules) {
-  SPOOL_ASSIGN(const auto recording, load_recording(options.dump, rules));
+Result<Input> load_input(const ReconstructOptions& options, const SanitiseRules& rules,
+                         const WorkingMemory& work) {
+  SPOOL_ASSIGN(const auto recording, load_recording(options.dump, rules, work));
   if (options.selection.empty()) {
     SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, options.pool));
     SelectionFile all;
     SPOOL_ASSIGN(all.n, uniform_counts(pool, options.spp));
     SPOOL_ASSIGN(Selection selection, apply_selection(all, options.dump, pool));
-    return Input{std::move(pool), std::move(selection)};
+    return Input{recording, std::move(pool), std::move(selection)};
   }
   SPOOL_ASSIGN(const SelectionFile file, read_selection(options.selection));
   SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, file.pool.value_or(options.pool)));
   SPOOL_ASSIGN(Selection selection, apply_selection(file, options.selection, pool));
-  return Input{std::move(pool), std::move(selection)};
+  return Input{recording, std::move(pool), std::move(selection)};
 }
 
 ExrFile image_file(const Reconstruction& result, bool layers) {
@@ -120,14 +123,18 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   known.insert(known.end(), selection_views().begin(), selection_views().end());
   known.insert(known.end(), image_views().begin(), image_views().end());
   SPOOL_TRY(check_views(wanted, known));
-  SPOOL_ASSIGN(const Input input, load_input(options, methods.rules));
+  SPOOL_ASSIGN(const Input input,
+               load_input(options, methods.rules,
+                          filtering_memory(methods.filters[0], options.pool.pieces_per_side)));
   Progress progress("reconstruct " + options.filter, common.quiet);
   Views views(wanted);
   const auto& reference = input.pool.recording().reference();
   const ReconstructionContext context{&views, reference ? &*reference : nullptr,
                                       [&](double share) { progress.update(share); }};
   const auto start = std::chrono::steady_clock::now();
-  SPOOL_ASSIGN(const Reconstruction result, filter(input.selection, input.pool, context));
+  Result<Reconstruction> filtered = filter(input.selection, input.pool, context);
+  SPOOL_TRY(still_intact(input.recording));  // before what a method says about lost samples
+  SPOOL_ASSIGN(const Reconstruction result, std::move(filtered));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   ExrFile file = image_file(result, options.layers);
   add_selection_views(input.selection, views);

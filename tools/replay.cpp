@@ -8,6 +8,7 @@
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"
 #include "tools/guard_listing.h"
+#include "tools/methods/method_memory.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/view_files.h"
 #include "tools/progress.h"
@@ -59,7 +60,10 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   known.insert(known.end(), selection_views().begin(), selection_views().end());
   SPOOL_TRY(check_views(wanted, known));
   Views views(wanted);
-  SPOOL_ASSIGN(const auto recording, load_recording(options.dump, methods.rules));
+  SPOOL_ASSIGN(const auto recording,
+               load_recording(options.dump, methods.rules,
+                              sampling_memory(methods.samplers[0], methods.filters,
+                                              options.pool.pieces_per_side)));
   SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, options.pool));
   SPOOL_ASSIGN(const long long budget, checked_budget(pool, options.spp));
   Progress progress("replay " + options.sampler, common.quiet);
@@ -76,7 +80,10 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
     };
   }
   const auto start = std::chrono::steady_clock::now();
-  SPOOL_ASSIGN(const SamplingResult result, sample(pool, budget, context));
+  Result<SamplingResult> sampled = sample(pool, budget, context);
+  SPOOL_TRY(
+      still_intact(recording));  // goes before what a method says about samples that were lost
+  SPOOL_ASSIGN(const SamplingResult result, std::move(sampled));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   add_selection_views(result.selection, views);
   SPOOL_TRY(write_selection(options.output, result.selection,

@@ -5,6 +5,10 @@
 #include <fstream>
 #include <sstream>
 
+#include <oneapi/tbb/task_arena.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
 namespace spool {
 namespace {
 
@@ -45,6 +49,22 @@ std::optional<std::uint64_t> left_in(const fs::path& group, const GroupFiles& fi
   return *limit - std::min(*limit, used);
 }
 
+// What each further thread takes of addresses: its stack, and a heap of its own.
+constexpr std::uint64_t kBytesPerThread = (std::uint64_t{8} + 64) << 20;
+
+// What a limit of the process leaves of pages of a kind; a field of /proc/self/statm counts those
+// that are in use.
+std::optional<std::uint64_t> left_of_limit(int resource, std::size_t field, std::uint64_t taken) {
+  rlimit limit{};
+  if (::getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return {};
+  std::ifstream statm("/proc/self/statm");
+  std::uint64_t pages = 0;
+  for (std::size_t i = 0; i <= field; ++i)
+    statm >> pages;
+  const std::uint64_t used = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) + taken;
+  return limit.rlim_cur - std::min<std::uint64_t>(limit.rlim_cur, used);
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> memory_left_in_groups(const std::string& groups,
@@ -68,7 +88,7 @@ std::optional<std::uint64_t> memory_left_in_groups(const std::string& groups,
   return bytes;
 }
 
-std::optional<std::uint64_t> available_memory() {
+std::optional<std::uint64_t> available_memory(std::uint64_t to_be_mapped) {
   std::optional<std::uint64_t> bytes;
   std::ifstream info("/proc/meminfo");  // absent on other systems than Linux
   for (std::string name, unit; info >> name;) {
@@ -80,6 +100,10 @@ std::optional<std::uint64_t> available_memory() {
   std::ifstream own("/proc/self/cgroup");
   const std::string groups((std::istreambuf_iterator<char>(own)), {});
   take_least(bytes, memory_left_in_groups(groups, "/sys/fs/cgroup"));
+  const auto threads =
+      static_cast<std::uint64_t>(oneapi::tbb::this_task_arena::max_concurrency() - 1);
+  take_least(bytes, left_of_limit(RLIMIT_AS, 0, to_be_mapped + threads * kBytesPerThread));
+  take_least(bytes, left_of_limit(RLIMIT_DATA, 5, threads * kBytesPerThread));
   if (const char* limit = std::getenv("SPOOL_MEMORY")) {
     char* end = nullptr;
     const unsigned long long wanted = std::strtoull(limit, &end, 10);

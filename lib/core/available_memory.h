@@ -9,9 +9,11 @@
 namespace spool {
 
 // Bytes that the system would give (free, or held by caches it can drop), at most what the control
-// groups of the process leave (containers), and at most what the environment variable SPOOL_MEMORY
-// says (bytes). Empty where none of them is known.
-std::optional<std::uint64_t> available_memory();
+// groups of the process leave (containers), at most what its own limits leave (ulimit -v and -d),
+// and at most what the environment variable SPOOL_MEMORY says (bytes). Empty where none of them is
+// known. Files that are going to be mapped, of so many bytes together, count against ulimit -v
+// only.
+std::optional<std::uint64_t> available_memory(std::uint64_t to_be_mapped = 0);
 
 // What the control groups leave, from the text of /proc/self/cgroup and the folder where groups are
 // mounted: the least over the groups and their parents of limit - (usage - file cache not in use).

@@ -6,8 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
+#include "formats/bounded_json.h"
 #include "formats/half_float.h"
 #include "formats/spool_reader.h"
 #include "lib/core/available_memory.h"
@@ -27,6 +26,12 @@ struct FileStorage {
   explicit FileStorage(SpoolReader opened) : reader(std::move(opened)) {}
   SpoolReader reader;
   std::vector<std::vector<float>> decoded;  // [tile][block], empty where the file is mapped
+};
+
+// What a recording is deleted by knows its file, for still_intact().
+struct WatchedDelete {
+  std::shared_ptr<const FileStorage> storage;
+  void operator()(const RecordedSamples* samples) const { delete samples; }
 };
 
 std::vector<float> as_floats(const std::vector<std::byte>& bytes, DataType type) {
@@ -85,13 +90,15 @@ Result<std::vector<const float*>> place_blocks(FileStorage& storage) {
   return pointers;
 }
 
-// What loading keeps in memory: blocks that cannot be used where they lie, film positions, the
-// reference, and about a kilobyte a pixel that replaying and filtering take.
+// What loading keeps in memory: blocks that cannot be used where they lie, film positions and the
+// reference.
 std::uint64_t bytes_to_load(const SpoolReader& reader) {
   const format::DumpHeader& header = reader.header();
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
-  constexpr std::uint64_t kBytesPerPixel = 1024;
-  std::uint64_t bytes = kBytesPerPixel * pixels;
+  std::uint64_t bytes = 0;
+  for (const char* layer : {"reference", "reference_variance"}) {
+    if (reader.find_layer(layer)) bytes += pixels * 3 * sizeof(double);
+  }
   const bool is_float = header.channels[0].type == DataType::kFloat32;
   for (std::uint32_t tile = 0; tile < reader.tiles(); ++tile) {
     const format::PixelRect rect = reader.tile_rect(tile);
@@ -108,21 +115,63 @@ std::uint64_t bytes_to_load(const SpoolReader& reader) {
   return bytes;
 }
 
-Result<void> check_memory(const SpoolReader& reader) {
-  const std::uint64_t needed = bytes_to_load(reader);
-  const std::optional<std::uint64_t> available = available_memory();
-  if (!available || needed <= *available) return {};
+Result<void> check_memory(const SpoolReader& reader, const WorkingMemory& work) {
+  const double pixels = static_cast<double>(reader.header().width) * reader.header().height;
+  const double needed =
+      static_cast<double>(bytes_to_load(reader)) + work.fixed + work.per_pixel * pixels;
+  const std::optional<std::uint64_t> available = available_memory(reader.file_bytes());
+  if (!available || needed <= static_cast<double>(*available)) return {};
   return fail(ErrorCode::kData,
               "{}: needs about {:.3g} GB of memory, {:.3g} GB are free: record it as f32 without "
-              "--compress, which stays in the file, or crop it, or use a larger machine",
-              reader.path().string(), static_cast<double>(needed) / 1e9,
-              static_cast<double>(*available) / 1e9);
+              "--compress, which stays in the file, or crop it, or raise the limit, or use a "
+              "larger machine",
+              reader.path().string(), needed / 1e9, static_cast<double>(*available) / 1e9);
+}
+
+Result<void> check_position(const SpoolReader& reader, const FilmPosition& film, int sample) {
+  // Written so that NaN fails.
+  if (film.x >= 0.0f && film.x < 1.0f && film.y >= 0.0f && film.y < 1.0f) return {};
+  return fail(ErrorCode::kData,
+              "{}: film position {},{} of sample {} is outside [0, 1): record it again",
+              reader.path().string(), film.x, film.y, sample);
+}
+
+// Tile by tile, so that the values are in memory once.
+Result<void> load_sample_film(const SpoolReader& reader, RecordedSamples& samples) {
+  const auto width = static_cast<std::size_t>(samples.width());
+  const auto spp = static_cast<std::size_t>(samples.spp());
+  std::vector<FilmPosition> film(width * static_cast<std::size_t>(samples.height()) * spp);
+  for (std::uint32_t tile = 0; tile < reader.tiles(); ++tile) {
+    const format::PixelRect rect = reader.tile_rect(tile);
+    SPOOL_ASSIGN(const std::vector<float> values,
+                 reader.read_region("film", rect, 0, reader.header().spp));
+    const std::size_t plane = values.size() / 2;
+    for (std::size_t i = 0; i < plane; ++i) {
+      const std::size_t pixel = i / spp, s = i % spp;
+      const std::size_t x = rect.x0 + pixel % rect.width(), y = rect.y0 + pixel / rect.width();
+      const FilmPosition position{values[i], values[plane + i]};
+      SPOOL_TRY(check_position(reader, position, static_cast<int>(s)));
+      film[(y * width + x) * spp + s] = position;
+    }
+  }
+  samples.set_sample_film(std::move(film));
+  return {};
+}
+
+Result<void> load_pass_film(const SpoolReader& reader, RecordedSamples& samples) {
+  SPOOL_ASSIGN(const std::vector<float> values, reader.read_pass_layer("film"));
+  std::vector<FilmPosition> film(values.size() / 2);
+  for (std::size_t s = 0; s < film.size(); ++s) {
+    film[s] = {values[s], values[film.size() + s]};
+    SPOOL_TRY(check_position(reader, film[s], static_cast<int>(s)));
+  }
+  samples.set_pass_film(std::move(film));
+  return {};
 }
 
 Result<void> load_film(const SpoolReader& reader, RecordedSamples& samples) {
   const auto layer = reader.find_layer("film");
   if (!layer) return {};
-  const bool by_sample = layer->scope == format::Scope::kSample;
   if (layer->components != std::vector<std::string>{"X", "Y"} ||
       layer->scope == format::Scope::kPixel) {
     return fail(
@@ -131,28 +180,8 @@ Result<void> load_film(const SpoolReader& reader, RecordedSamples& samples) {
         "says",
         reader.path().string());
   }
-  const format::DumpHeader& header = reader.header();
-  SPOOL_ASSIGN(const std::vector<float> values,
-               by_sample
-                   ? reader.read_region("film", {0, 0, header.width, header.height}, 0, header.spp)
-                   : reader.read_pass_layer("film"));
-  const std::size_t count = values.size() / 2;
-  std::vector<FilmPosition> film(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    film[i] = {values[i], values[count + i]};
-    // Written so that NaN fails.
-    if (!(film[i].x >= 0.0f && film[i].x < 1.0f && film[i].y >= 0.0f && film[i].y < 1.0f)) {
-      return fail(ErrorCode::kData,
-                  "{}: film position {},{} of sample {} is outside [0, 1): record it again",
-                  reader.path().string(), film[i].x, film[i].y, i % header.spp);
-    }
-  }
-  if (by_sample) {
-    samples.set_sample_film(std::move(film));
-  } else {
-    samples.set_pass_film(std::move(film));
-  }
-  return {};
+  return layer->scope == format::Scope::kSample ? load_sample_film(reader, samples)
+                                                : load_pass_film(reader, samples);
 }
 
 Result<RgbImage> pixel_image(const SpoolReader& reader, const char* layer) {
@@ -208,7 +237,7 @@ void offer_features(const std::shared_ptr<FileStorage>& storage, RecordedSamples
 void load_cost(const SpoolReader& reader, RecordedSamples& samples) {
   double seconds = 0.0;
   for (const std::string& text : reader.meta()) {
-    const auto meta = nlohmann::json::parse(text, nullptr, false);
+    const auto meta = format::parse_json(text);
     if (!meta.is_object()) continue;  // the reader has checked it; this is for the type's sake
     const auto cost = meta.find("cost_per_sample");
     if (cost != meta.end()) seconds = cost->is_number() ? cost->get<double>() : 0.0;
@@ -219,7 +248,8 @@ void load_cost(const SpoolReader& reader, RecordedSamples& samples) {
 }  // namespace
 
 Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesystem::path& path,
-                                                              const SanitiseRules& rules) {
+                                                              const SanitiseRules& rules,
+                                                              const WorkingMemory& work) {
   SPOOL_ASSIGN(SpoolReader opened, SpoolReader::open(path));
   auto storage = std::make_shared<FileStorage>(std::move(opened));
   const SpoolReader& reader = storage->reader;
@@ -230,7 +260,7 @@ Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesys
   layout.spp = static_cast<int>(header.spp);
   layout.tile_size = static_cast<int>(header.tile_size);
   layout.block_spp = static_cast<int>(header.block_spp);
-  SPOOL_TRY(check_memory(reader));
+  SPOOL_TRY(check_memory(reader, work));
   SPOOL_ASSIGN(layout.blocks, place_blocks(*storage));
   SPOOL_ASSIGN(RecordedSamples samples,
                RecordedSamples::create(path.string(), std::move(layout), storage, rules));
@@ -239,7 +269,14 @@ Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesys
   SPOOL_TRY(load_reference(reader, samples));
   load_cost(reader, samples);
   offer_features(storage, samples);
-  return std::make_shared<const RecordedSamples>(std::move(samples));
+  SPOOL_TRY(reader.intact());
+  return std::shared_ptr<const RecordedSamples>(new RecordedSamples(std::move(samples)),
+                                                WatchedDelete{storage});
+}
+
+Result<void> still_intact(const std::shared_ptr<const RecordedSamples>& recording) {
+  const auto* watched = std::get_deleter<WatchedDelete>(recording);
+  return watched != nullptr ? watched->storage->reader.intact() : Result<void>();
 }
 
 }  // namespace spool

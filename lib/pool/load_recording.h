@@ -1,7 +1,9 @@
 // Opens a .spool file as a recording: radiance in place where it is stored raw, decoded in parallel
 // where not, with film positions, reference and cost where they were recorded.
 //
-// The file stays mapped while the recording lives; truncating it meanwhile raises SIGBUS (POSIX).
+// The file stays mapped while the recording lives. When it is cut meanwhile, POSIX raises SIGBUS; a
+// process that called format::survive_lost_pages() reads zeros, and asks still_intact() whether it
+// did.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +14,22 @@
 
 namespace spool {
 
+// Memory that will be wanted for work on a recording, beside its samples and its reference.
+struct WorkingMemory {
+  double per_pixel = 0.0, fixed = 0.0;  // bytes
+};
+
 // Errors: those of format::SpoolReader; kDamage when a block of the radiance is missing, naming its
 // tile and samples; those of RecordedSamples::create. The seconds a sample took come from the
-// top-level meta key `cost_per_sample`.
+// top-level meta key `cost_per_sample`. kData, before anything is loaded, when samples, reference
+// and `work` together are more than available_memory().
 Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesystem::path& path,
-                                                              const SanitiseRules& rules = {});
+                                                              const SanitiseRules& rules = {},
+                                                              const WorkingMemory& work = {});
+
+// Whether the file of a recording held all it should whenever it was read; asked before what was
+// made of the samples is believed. kDamage when pages were lost; recordings that did not come from
+// load_recording() are always whole.
+Result<void> still_intact(const std::shared_ptr<const RecordedSamples>& recording);
 
 }  // namespace spool

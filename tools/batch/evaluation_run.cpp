@@ -22,6 +22,7 @@
 #include "tools/batch/statistics.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/interrupt.h"
+#include "tools/methods/method_memory.h"
 #include "tools/methods/method_settings.h"
 #include "tools/progress.h"
 
@@ -62,14 +63,27 @@ class PlanRun {
       return fmt::format("{} of {} results are kept in {}: the same command goes on from there",
                          done_.load(), wanted_, request_.folder.string());
     });
+    std::shared_ptr<const RecordedSamples> recording;  // that of the cells at work
     const ExperimentSources sources{
-        [&](const std::string& dump) { return load_recording(dump, request_.plan.rules); },
+        [&](const std::string& dump) {
+          recording.reset();  // frees the last one before the next is read
+          auto loaded =
+              load_recording(dump, request_.plan.rules,
+                             evaluation_memory(request_.plan.samplers, request_.plan.filters,
+                                               request_.plan.experiment.pieces_per_side));
+          if (loaded) recording = *loaded;
+          return loaded;
+        },
         [](const MethodChoice& choice) { return make_sampler(choice); },
         [](const MethodChoice& choice) { return make_filter(choice); }};
     Result<void> written;  // the first failure to write ends the run
     const ExperimentCallbacks callbacks{
         .finished =
             [&](CellResult& result, const CellImages* images) {
+              if (const auto intact = still_intact(recording); !intact) {
+                result.error = intact.error();
+                images = nullptr;
+              }
               if (written) written = keep(result, images);
             },
         .progress =

@@ -101,13 +101,17 @@ class Dump:
         rows = [self._row(layer.group, 0, begin) for begin in range(0, self.spp, self.block_spp)]
         return np.concatenate([self._load(row)[channels, 0, 0].T for row in rows])
 
-    def block(self, group, tile, begin):
-        """One DATA record -> read-only [c][y][x][s]: a view of the file when it is stored raw, else decoded."""
+    def block(self, group, tile, begin, copy=False):
+        """One DATA record -> read-only [c][y][x][s]: a view of the file when it is stored raw and no copy is wanted, else decoded.
+
+        A view is lost with its file: when that is cut meanwhile, touching the view ends the process (SIGBUS). A copy is
+        read and verified at once.
+        """
         if isinstance(group, str):
             group = self._layer(group).group
         row = self._row(group, tile, begin)
         entry = self._records.entries[row]
-        if int(entry["codec"]) != layout.CODEC_NONE:
+        if copy or int(entry["codec"]) != layout.CODEC_NONE:
             return self._load(row)
         if row not in self._verified:
             self._records.payload(row)  # mapped bytes are verified once, before the view is handed out

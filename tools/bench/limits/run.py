@@ -31,7 +31,7 @@ Written by `tools/dev.sh bench limits`; the source is `tools/bench/limits`.
 | samples a pixel | 65536 | the same |
 | layers, blocks, records | `formats/spool.md`, section 6 | the same |
 | budget | the samples recorded, less those held out | the program refuses before work, the library stops there and says so |
-| memory | about 1 kB a pixel, and 12 bytes a sample of what cannot be mapped (half floats, compressed, transposed tiles) | `replay`, `reconstruct` and `evaluate` compare what a recording needs with what is free, or with `SPOOL_MEMORY` (bytes), and refuse before work |
+| memory | 130 to 420 bytes a pixel by method (`tools/methods/method_memory.cpp`), 12 bytes a sample of what cannot be mapped (half floats, compressed, transposed tiles), 8 bytes a sample of film positions that differ from pixel to pixel | `replay`, `reconstruct` and `evaluate` compare what a recording needs with what is free, what control groups and `ulimit -v` and `-d` leave, and `SPOOL_MEMORY` (bytes), and refuse before work; pictures, views and quarter pixels are estimated roughly |
 | disk | 12 bytes a sample in f32, 6 in f16 | recorders and `synth` stop with exit code 3; what was written can be recovered |
 
 A recording in f32 without compression is mapped: samples beyond memory are read from the file when they are taken. That
@@ -39,8 +39,7 @@ goes well while a good part of the file stays in memory. Rows of the picture vis
 so with much less memory than recording the system's read-ahead pushes out what the next row needs: of 0.81 GB in 0.16 GB
 213 GB had been read after six minutes, with a read-ahead of 8 MB. Crop such a recording, or record fewer samples.
 
-Time grows with pixels and, much slower, with samples; memory with pixels only: by the rule of 1 kB a pixel a machine of 24 GB
-holds 4096x4096. Layers recorded beside radiance (half floats here) cost those methods that ask for them, and the others
+Time grows with pixels and, much slower, with samples; memory with pixels only: a machine of 24 GB holds 4096x4096 with every method. Layers recorded beside radiance (half floats here) cost those methods that ask for them, and the others
 nothing.
 
 """
@@ -161,12 +160,12 @@ class Limits:
     def refusal(self, path, pixels):
         began = time.monotonic()
         code, _, anonymous, said = run(self.spool, "replay", path, "--sampler", "multiscale", "--spp", 1, "--force", "-o",
-                                            self.folder / "no.exr", environment={"SPOOL_MEMORY": str(pixels * 1000)})
+                                            self.folder / "no.exr", environment={"SPOOL_MEMORY": str(pixels * 300)})
         if code != 1 or "GB of memory" not in said:
             sys.exit(f"limits: not refused: exit code {code}: {said}")
         said = said.replace(str(path), path.name)
         return (f"Refused after {time.monotonic() - began:.2f} s and {anonymous / MB:.0f} MB, with exit code 1, when only "
-                f"{pixels * 1000 / 1e9:.3g} GB are free:\n\n    {said}")
+                f"{pixels * 300 / 1e9:.3g} GB are free:\n\n    {said}")
 
 
 def main():

@@ -1,0 +1,138 @@
+"""What the program says it needs of memory is what it takes, and limits of the process count."""
+import os
+import re
+import resource
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import spool
+
+from conftest import LONGEST_RUN, PROGRAM
+
+SLOW = int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))
+SIZE, SAMPLES = 256, 16
+SAMPLERS = ["uniform", "multiscale", "mitchell", "adaptive_wavelet", "greedy_error", "nl_means", "cross_bilateral", "neyman", "filtered_halves"]
+FILTERS = ["box", "gaussian", "directional", "greedy_selection", "nl_means", "cross_bilateral", "multistage", "wavelet_shrinkage", "oracle_scale"]
+GROUPS = {Path("/sys/fs/cgroup/memory"): "memory.limit_in_bytes", Path("/sys/fs/cgroup"): "memory.max"}
+
+pytestmark = pytest.mark.skipif(SLOW > 1, reason="a sanitizer takes memory of its own")
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory):
+    """The same picture with its samples in the file, packed, and with a film position of each sample."""
+    folder = tmp_path_factory.mktemp("recordings")
+    random = np.random.default_rng(1)
+    mean = np.linspace(0.2, 2, SIZE)[None, :, None, None] * np.where(np.arange(SIZE)[:, None, None, None] < SIZE // 2, 1, 3)
+    radiance = (mean * random.exponential(1, (SIZE, SIZE, SAMPLES, 3))).astype("f4")
+    reference = np.repeat(mean[:, :, 0], 3, axis=2).astype("f4")
+    layers = {"reference": reference, "reference_variance": np.zeros_like(reference), "depth": random.random((SIZE, SIZE, SAMPLES)).astype("f2"),
+              "albedo": random.random((SIZE, SIZE, SAMPLES, 3)).astype("f2"), "normal": random.random((SIZE, SIZE, SAMPLES, 3)).astype("f2")}
+    spool.write(folder / "plain.spool", radiance, sample_order="exchangeable", **layers)
+    spool.write(folder / "half.spool", radiance.astype("f2"), sample_order="exchangeable", **layers)
+    film = random.random((SIZE, SIZE, SAMPLES, 2)).astype("f4")
+    spool.write(folder / "film.spool", radiance, sample_order="exchangeable", film=film, **layers)
+    return folder
+
+
+def command(verb, dump, method, folder):
+    return [PROGRAM, verb, str(dump), *{"replay": ["--sampler", method, "--spp", "4"], "reconstruct": ["--filter", method, "--spp", "4"],
+                                        "evaluate": ["--samplers", "uniform", "--filters", method, "--spp", "4", "--replicates", "2", "--no-pictures"]}[verb],
+            *(["--filter", "box"] if method == "filtered_halves" else []), "--force", "-q", "--threads", "2",
+            "-o", str(folder / ("results" if verb == "evaluate" else "out.exr"))]
+
+
+def said(arguments):
+    """Bytes that the program says it needs, refused because almost nothing is free."""
+    done = subprocess.run(arguments, env={**os.environ, "SPOOL_MEMORY": "1000"}, capture_output=True, text=True, timeout=LONGEST_RUN)
+    found = re.search(r"needs about ([\d.e+-]+) GB", done.stderr)
+    assert done.returncode == 1 and found, done.stderr
+    return 1e9 * float(found.group(1))
+
+
+def taken(arguments):
+    """The largest anonymous memory that was seen, bytes; mapped files are not among it."""
+    with subprocess.Popen(arguments, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+        most, status = 0, Path(f"/proc/{process.pid}/status")
+        while process.poll() is None:
+            found = re.search(r"RssAnon:\s+(\d+) kB", status.read_text())
+            most = max(most, 1024 * int(found.group(1)) if found else 0)
+            time.sleep(0.0005)
+        assert process.returncode == 0, process.stderr.read()
+    return most
+
+
+def compare(arguments):
+    """Within a tenth; a second look where the peak was short and not seen."""
+    need = said(arguments)
+    for attempt in range(4):
+        ratio = need / taken(arguments)
+        if 0.9 < ratio < 1.1:
+            break
+    print(f"{need / 1e6:7.1f} MB said, {need / ratio / 1e6:7.1f} MB taken: {ratio:.3f}  {arguments[1:5]}")
+    assert 0.9 < ratio < 1.1, (arguments[1:], need, ratio)
+
+
+@pytest.mark.parametrize("sampler", SAMPLERS)
+def test_what_a_sampler_needs_is_known_within_a_tenth(recordings, tmp_path, sampler):
+    compare(command("replay", recordings / "plain.spool", sampler, tmp_path))
+
+
+@pytest.mark.parametrize("filter_name", FILTERS)
+def test_what_a_filter_needs_is_known_within_a_tenth(recordings, tmp_path, filter_name):
+    compare(command("reconstruct", recordings / "plain.spool", filter_name, tmp_path))
+
+
+@pytest.mark.parametrize("dump", ["half", "film"])
+def test_what_cannot_stay_in_the_file_is_counted(recordings, tmp_path, dump):
+    for verb, method in (("replay", "uniform"), ("reconstruct", "directional")):
+        compare(command(verb, recordings / f"{dump}.spool", method, tmp_path))
+
+
+def control_group(limit):
+    """A new group with this limit of memory, or a skip."""
+    for top, file in GROUPS.items():
+        group = top / f"spool_test_{os.getpid()}"
+        try:
+            if (top / "cgroup.procs").exists():
+                group.mkdir()
+                (group / file).write_text(str(int(limit)))
+                return group
+        except OSError:
+            if group.exists():
+                group.rmdir()
+    pytest.skip("no control group can be made here")
+
+
+@pytest.mark.parametrize("dump, filter_name", [("half", "directional"), ("film", "box"), ("film", "multistage")])
+def test_what_is_said_to_fit_fits_into_a_control_group(recordings, tmp_path, dump, filter_name):
+    """Nothing but the limit holds the process: if it took more than it said, the kernel would end it."""
+    arguments = command("reconstruct", recordings / f"{dump}.spool", filter_name, tmp_path)
+    group = control_group(1.1 * said(arguments) + 3e6)  # program and libraries
+    try:
+        enter = lambda: (group / "cgroup.procs").write_text(str(os.getpid()))
+        done = subprocess.run(arguments, preexec_fn=enter, capture_output=True, text=True, timeout=LONGEST_RUN)
+        assert done.returncode == 0, (done.returncode, done.stderr)
+        group_limit = next(file for file in GROUPS.values() if (group / file).exists())
+        (group / group_limit).write_text(str(int(0.7 * said(arguments))))
+        done = subprocess.run(arguments, preexec_fn=enter, capture_output=True, text=True, timeout=LONGEST_RUN)
+        assert done.returncode == 1 and "GB of memory" in done.stderr, (done.returncode, done.stderr)
+    finally:
+        group.rmdir()
+
+
+@pytest.mark.parametrize("limit", ["RLIMIT_AS", "RLIMIT_DATA"])
+def test_limits_of_the_process_count(recordings, tmp_path, limit):
+    arguments = command("reconstruct", recordings / "half.spool", "directional", tmp_path)
+    kind = getattr(resource, limit)
+
+    def run(most):
+        return subprocess.run(arguments, preexec_fn=lambda: resource.setrlimit(kind, (most, most)), capture_output=True, text=True,
+                              timeout=LONGEST_RUN)
+    done = run(4 << 30)
+    assert done.returncode == 0, done.stderr
+    done = run((140 << 20) if limit == "RLIMIT_AS" else (100 << 20))
+    assert done.returncode == 1 and "GB of memory" in done.stderr and len(done.stderr.splitlines()) == 1, (done.returncode, done.stderr)
