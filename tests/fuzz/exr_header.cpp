@@ -1,0 +1,24 @@
+// Bytes -> an EXR file. What the scan of its headers lets through, OpenEXR reads or refuses with
+// memory in proportion to the file (run with -malloc_limit_mb=256): the scan and OpenEXR find the
+// same attributes at the same places.
+#include <fstream>
+
+#include "lib/image_io/exr_planes.h"
+#include "tests/fuzz/fuzz_input.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace spool;
+  const std::filesystem::path& path = format::fuzz_file("in");
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  const auto one_line = [](const Error& error) {
+    format::demand(error.message.find('\n') == std::string::npos, "an error is one line");
+  };
+  if (const auto image = read_exr_planes(path, {.max_parts = 8}); !image) one_line(image.error());
+  if (auto deep = DeepExrReader::open(path); !deep) {
+    one_line(deep.error());
+  } else if (const auto row = deep->read_row(0); !row) {
+    one_line(row.error());
+  }
+  return 0;
+}
