@@ -64,7 +64,7 @@ def reference_hint(samples, reference, pool_seconds, reference_seconds):
     beside the mean of the whole pool, the best that can be judged, it has a share of samples / reference."""
     if not reference:
         return ["no reference: methods can only be judged against the pool itself (--reference 4096)"]
-    lines = ["reference: %s of it; its own noise adds %.3g %% to the squared error of a mean of all %d samples" % (
+    lines = ["the reference takes %s; its own noise adds %.3g %% to the squared error of a mean of all %d samples" % (
         duration(reference_seconds), 100 * samples / reference, samples)]
     smaller = reference // 4
     if smaller >= samples and reference_seconds > pool_seconds:

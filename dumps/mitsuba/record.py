@@ -23,7 +23,7 @@ from chunks import Chunks  # noqa: E402
 from failure import Failure, scene_failure, usage_failure  # noqa: E402
 from options import parse  # noqa: E402
 from output import layer_types, metadata, write_file  # noqa: E402
-from plan import Cut, describe  # noqa: E402
+from plan import Cut, describe, reference_hint  # noqa: E402
 from progress import Progress, size as size_text  # noqa: E402
 from reference import add_chunk, empty_reference  # noqa: E402
 from scene import Wishes, load_scene  # noqa: E402
@@ -31,6 +31,7 @@ from seeds import CHUNK_LIMIT, SPARE, chunk_seed  # noqa: E402
 from variant import choose_variant  # noqa: E402
 
 BYTES_PER_LANE = 119       # measured at the peak of the copy to numpy, all layers
+LONG_REFERENCE = 300       # seconds from which on its price is told before it begins
 RANDOM_NUMBERS = 2         # how seeds become samples; recordings begun with another number cannot go on
 
 
@@ -67,12 +68,13 @@ def plan_of(options, mi, recordable, tracer, layers, cut):
 
 
 def record_pool(options, tracer, layers, chunks, cut):
-    """Traces the chunks that are not there yet; each keeps the CPU time of all threads that it took."""
+    """Traces the chunks that are not there yet; each keeps the CPU time of all threads that it took. Returns the wall time
+    of all, as if none had been there."""
     missing = [index for index in range(len(cut.parts)) if not chunks.has(index)]
     if missing:  # compiles the kernels, which is no cost of a sample
         tracer.trace(1, chunk_seed(options.seed, SPARE), layers, cut.bands[0])
     pixels = shared_numbers.chosen_pixels(tracer.width, tracer.height)
-    progress = Progress("pool", len(missing))
+    progress, begun = Progress("pool", len(missing)), time.monotonic()
     for index in missing:
         _, count, rows = cut.parts[index]
         started = time.process_time()
@@ -82,6 +84,7 @@ def record_pool(options, tracer, layers, chunks, cut):
         chunks.save(index, {"marks": marks, **{name: arrays[name] for name in layers}}, seconds)
         progress.step()
     progress.close()
+    return (time.monotonic() - begun) * len(cut.parts) / len(missing) if missing else 0.0
 
 
 def record_reference(options, tracer, chunks, cut, pool_marks):
@@ -113,7 +116,9 @@ def record(options, mi, recordable, tracer, layers):
         raise usage_failure("--chunk-lanes %d is too small for %dx%d pixels: raise it (about %d bytes each)" %
                             (options.chunk_lanes, tracer.width, tracer.height, BYTES_PER_LANE))
     chunks = Chunks(options.out + ".recording", plan_of(options, mi, recordable, tracer, layers, cut))
-    record_pool(options, tracer, layers, chunks, cut)
+    wall = record_pool(options, tracer, layers, chunks, cut)
+    if wall * options.reference / options.samples > LONG_REFERENCE:
+        print("\n".join(reference_hint(options.samples, options.reference, wall, wall * options.reference / options.samples)), flush=True)
     marks = np.sort(np.concatenate([chunks.part(index, "marks") for index in range(len(cut.parts))]))
     numbers, reference = {"pool": len(marks), "pool_repeated": shared_numbers.repeated(marks)}, None
     if options.reference:

@@ -48,7 +48,7 @@ def test_a_short_recording_says_nothing_in_a_log_file(monkeypatch):
 
 def test_a_smaller_reference_is_offered_with_its_price():
     lines = reference_hint(64, 4096, 10.0, 600.0)
-    assert lines == ["reference: 10 min 00 s of it; its own noise adds 1.56 % to the squared error of a mean of all 64 samples",
+    assert lines == ["the reference takes 10 min 00 s; its own noise adds 1.56 % to the squared error of a mean of all 64 samples",
                      "--reference 1024 would save 7 min 30 s and add 6.25 %"]
     assert len(reference_hint(64, 128, 10.0, 20.0)) == 1           # a quarter would be smaller than the pool
     assert "can only be judged against the pool itself" in reference_hint(64, 0, 10.0, 0.0)[0]
