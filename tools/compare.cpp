@@ -91,10 +91,8 @@ Result<std::vector<std::string>> chosen_metrics(const CompareOptions& options) {
   std::vector<std::string> chosen = split_list(options.metrics);
   for (const std::string& metric : chosen) {
     if (std::ranges::find(known, metric) != known.end()) continue;
-    const std::string near = nearest_name(metric, known);
     return fail(ErrorCode::kUsage, "--metric {}: cannot be compared{}: one of {}", metric,
-                near.empty() ? "" : fmt::format(", did you mean '{}'?", near),
-                fmt::join(known, ", "));
+                did_you_mean(metric, known), fmt::join(known, ", "));
   }
   if (chosen.empty()) return fail(ErrorCode::kUsage, "--metric: name at least one");
   return chosen;

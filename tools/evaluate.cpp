@@ -28,8 +28,10 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
                choose_methods(or_default(options.samplers, "uniform"),
                               or_default(options.filters, "box"), options.methods));
   Plan plan;
-  plan.samplers = std::move(methods.samplers);
-  plan.filters = std::move(methods.filters);
+  for (const auto& sampler : methods.samplers)
+    plan.samplers.push_back(sampler.choice);
+  for (const auto& filter : methods.filters)
+    plan.filters.push_back(filter.choice);
   plan.rules = methods.rules;
   plan.experiment.metrics = methods.metrics;
   for (const auto& file : options.files)
@@ -90,8 +92,7 @@ Result<Plan> plan_of_file(const EvaluateOptions& options) {
     return fail(ErrorCode::kUsage, "{}: give one plan, or recordings", options.files[1].string());
   }
   SPOOL_TRY(refuse_options_beside_plan(options));
-  SPOOL_ASSIGN(Plan plan, read_plan(options.files.front(), {known_samplers(), known_filters(),
-                                                            &make_sampler, &make_filter}));
+  SPOOL_ASSIGN(Plan plan, read_plan(options.files.front(), {known_samplers(), known_filters()}));
   if (options.no_pictures) plan.pictures = false;
   for (EnergyMask& mask : plan.experiment.masks) {
     SPOOL_ASSIGN(mask.plane, read_mask(mask.path));

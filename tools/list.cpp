@@ -3,9 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/experiment/result_table.h"
-#include "lib/filters/reconstructor.h"
 #include "lib/metrics/error_metrics.h"
-#include "lib/sampling/sampler.h"
 #include "lib/synthetic/synthetic_scenes.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/view_files.h"
@@ -16,8 +14,8 @@ namespace {
 using nlohmann::ordered_json;
 
 // Options of a method with one default per preset.
-template <class Entry>
-ordered_json options_of(const Entry& entry) {
+template <class Function>
+ordered_json options_of(const Method<Function>& entry) {
   std::vector<std::string> presets = entry.presets;
   if (presets.empty()) presets.emplace_back();
   ordered_json options = ordered_json::array();
@@ -33,14 +31,28 @@ ordered_json options_of(const Entry& entry) {
   return options;
 }
 
-template <class Entry>
-ordered_json describe(const std::vector<Entry>& entries) {
+// What a method needs, for people.
+std::vector<std::string> needs_of(const Needs& needs) {
+  std::vector<std::string> words;
+  const auto use = [&](Use of, const std::string& what) {
+    if (of != Use::kNone) words.push_back(what + (of == Use::kRequired ? "" : " if recorded"));
+  };
+  use(needs.features, "albedo, normal or depth");
+  use(needs.film_positions, "film positions");
+  if (needs.reference) words.emplace_back("the reference");
+  if (needs.filter_in_loop) words.emplace_back("the filter beside it");
+  return words;
+}
+
+template <class Function>
+ordered_json describe(const MethodList<Function>& entries) {
   ordered_json list = ordered_json::array();
-  for (const Entry& entry : entries) {
+  for (const Method<Function>& entry : entries) {
     list.push_back({{"name", entry.name},
                     {"summary", entry.summary},
                     {"argument", entry.argument},
-                    {"by_description", entry.by_description},
+                    {"by_description", entry.source == Source::kDescriptions},
+                    {"needs", needs_of(entry.needs)},
                     {"presets", entry.presets},
                     {"options", options_of(entry)}});
   }
@@ -55,6 +67,9 @@ void print_methods(const ordered_json& list, const std::string& part) {
         "{}{}{}: {}\n", method["name"].get<std::string>(), argument.empty() ? "" : ":" + argument,
         by_description ? kByDescriptionMark : "", method["summary"].get<std::string>()));
     if (by_description) print(fmt::format("  {}\n", kByDescription));
+    if (const auto needs = method["needs"].get<std::vector<std::string>>(); !needs.empty()) {
+      print(fmt::format("  needs {}\n", fmt::join(needs, ", ")));
+    }
     std::vector<std::vector<std::string>> rows;
     std::vector<std::string> header = {"  --set " + part + ".", "allowed"};
     for (const auto& option : method["options"]) {
@@ -78,12 +93,12 @@ void print_methods(const ordered_json& list, const std::string& part) {
 
 ordered_json describe_presets() {
   ordered_json presets = ordered_json::object();
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     for (const std::string& preset : entry.presets) {
       presets[preset]["samplers"].push_back(entry.name);
     }
   }
-  for (const ReconstructorEntry& entry : reconstructors()) {
+  for (const Filter& entry : filters()) {
     for (const std::string& preset : entry.presets) {
       presets[preset]["filters"].push_back(entry.name);
     }
@@ -132,11 +147,11 @@ ordered_json describe_views() {
       list.push_back({{"of", method}, {"name", view.name}, {"meaning", view.meaning}});
   };
   add("every sampler", selection_views());
-  for (const SamplerEntry& entry : samplers())
-    add("sampler " + entry.name, sampler_views(entry.name));
+  for (const Sampler& entry : samplers())
+    add("sampler " + entry.name, entry.views);
   add("every filter", image_views());
-  for (const ReconstructorEntry& entry : reconstructors())
-    add("filter " + entry.name, reconstructor_views(entry.name));
+  for (const Filter& entry : filters())
+    add("filter " + entry.name, entry.views);
   return list;
 }
 

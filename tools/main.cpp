@@ -497,17 +497,14 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error, int count
     verb = parsed;
   if (!verb && count > 1 && arguments[1][0] != '-') {
     const std::string word = arguments[1];
-    const std::string near = nearest_name(word, known_words(app, false));
-    return fmt::format("unknown verb '{}'{}: see spool --help", word,
-                       near.empty() ? "" : fmt::format(", did you mean '{}'?", near));
+    return unknown_name("verb", word, known_words(app, false)) + ": see spool --help";
   }
   const CLI::App& at = verb ? *verb : app;
   const std::string help = verb ? "spool " + verb->get_name() + " --help" : "spool --help";
   for (const std::string& word : app.remaining(true)) {
     if (word.rfind("--", 0) != 0) continue;
-    const std::string near = nearest_name(word.substr(0, word.find('=')), known_words(at, true));
-    return fmt::format("unknown option '{}'{}: see {}", word,
-                       near.empty() ? "" : fmt::format(", did you mean '{}'?", near), help);
+    const std::string name = word.substr(0, word.find('='));
+    return fmt::format("{}: see {}", unknown_name("option", name, known_words(at, true)), help);
   }
   return fmt::format("{}: see {}", error.what(), help);
 }

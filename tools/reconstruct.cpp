@@ -116,10 +116,9 @@ Result<void> write_pictures(const ReconstructOptions& options, const Input& inpu
 Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common) {
   SPOOL_TRY(refuse_existing(options.output, common.force));
   SPOOL_ASSIGN(const Methods methods, choose_methods({}, {options.filter}, options.method));
-  SPOOL_ASSIGN(ReconstructorFunction filter, make_filter(methods.filters[0]));
-  filter = average_halves(std::move(filter));
+  const ReadyFilter filter = average_halves(methods.filters[0].ready);
   const std::vector<std::string> wanted = split_list(options.views);
-  std::vector<ViewDescription> known = reconstructor_views(methods.filters[0].name);
+  std::vector<ViewDescription> known = methods.filters[0].method->views;
   known.insert(known.end(), selection_views().begin(), selection_views().end());
   known.insert(known.end(), image_views().begin(), image_views().end());
   SPOOL_TRY(check_views(wanted, known));
@@ -129,8 +128,8 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   Progress progress("reconstruct " + options.filter, common.quiet);
   Views views(wanted);
   const auto& reference = input.pool.recording().reference();
-  const ReconstructionContext context{&views, reference ? &*reference : nullptr,
-                                      [&](double share) { progress.update(share); }};
+  const FilterContext context{&views, reference ? &*reference : nullptr,
+                              [&](double share) { progress.update(share); }};
   const auto start = std::chrono::steady_clock::now();
   Result<Reconstruction> filtered = filter(input.selection, input.pool, context);
   SPOOL_TRY(still_intact(input.recording));  // before what a method says about lost samples

@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/experiment/decision_split.h"
+#include "lib/experiment/loop_filter.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"
+#include "lib/sampling/spending.h"
 #include "tools/guard_listing.h"
 #include "tools/methods/method_memory.h"
 #include "tools/methods/selection_file.h"
@@ -53,10 +55,10 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   std::vector<std::string> filters;  // in the loop of the sampler
   if (!options.filter.empty()) filters.push_back(options.filter);
   SPOOL_ASSIGN(const Methods methods, choose_methods({options.sampler}, filters, options.method));
-  SPOOL_ASSIGN(SamplerFunction sample, make_sampler(methods.samplers[0]));
-  if (options.decision_split) sample = split_decisions(std::move(sample));
+  const ChosenMethod<SamplerFunction>& chosen = methods.samplers[0];
+  const ReadySampler sample = options.decision_split ? split_decisions(chosen.ready) : chosen.ready;
   const std::vector<std::string> wanted = split_list(options.views);
-  std::vector<ViewDescription> known = sampler_views(methods.samplers[0].name);
+  std::vector<ViewDescription> known = chosen.method->views;
   known.insert(known.end(), selection_views().begin(), selection_views().end());
   SPOOL_TRY(check_views(wanted, known));
   Views views(wanted);
@@ -71,14 +73,7 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   context.seed = options.pool.seed;
   context.views = &views;
   context.progress = [&](double share) { progress.update(share); };
-  if (!methods.filters.empty()) {
-    SPOOL_ASSIGN(const ReconstructorFunction filter, make_filter(methods.filters[0]));
-    context.filter = [filter](const Selection& selection,
-                              const SamplePool& part) -> Result<RgbImage> {
-      SPOOL_ASSIGN(Reconstruction reconstruction, filter(selection, part, {}));
-      return std::move(reconstruction.image);
-    };
-  }
+  if (!methods.filters.empty()) context.filter = loop_filter(methods.filters[0].ready);
   const auto start = std::chrono::steady_clock::now();
   Result<SamplingResult> sampled = sample(pool, budget, context);
   SPOOL_TRY(

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "lib/core/image.h"
-#include "lib/filters/reconstructor.h"
+#include "lib/filters/filter.h"
 #include "lib/image_io/picture.h"
 #include "lib/metrics/error_metrics.h"
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
+#include "lib/core/nearest_name.h"
 
 namespace spool {
 
@@ -35,9 +36,6 @@ Result<double> parse_number(std::string_view name, std::string_view text, double
 Result<int> parse_integer(std::string_view name, std::string_view text, int lowest, int highest);
 std::string format_number(double value);  // shortest text that reads back the same
 std::string number_range(double lowest, double highest);
-
-// The candidate closest to `word` in edit distance, or empty when nothing is near.
-std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
 
 template <class Options>
 Option<Options> number_option(std::string name, double Options::* member, double lowest,
@@ -111,14 +109,10 @@ void append_options(OptionTable<Outer>& table, const OptionTable<Inner>& inner,
 template <class Options>
 Result<void> set_option(const OptionTable<Options>& table, Options& options, std::string_view name,
                         std::string_view value) {
-  std::vector<std::string> names;
   for (const auto& option : table) {
     if (option.name == name) return option.set(options, value);
-    names.push_back(option.name);
   }
-  const std::string near = nearest_name(name, names);
-  return fail(ErrorCode::kUsage, "unknown option '{}'{}", name,
-              near.empty() ? std::string() : fmt::format(": did you mean '{}'?", near));
+  return fail(ErrorCode::kUsage, "{}", unknown_name("option", name, names_of(table)));
 }
 
 using OptionValues = std::vector<std::pair<std::string, std::string>>;

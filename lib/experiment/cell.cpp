@@ -1,19 +1,7 @@
-// What a cell of an experiment is called, and the cells of a plan in order.
+// The cells of an experiment in order.
 #include "lib/experiment/experiment.h"
 
 namespace spool {
-
-std::string MethodChoice::label() const {
-  std::string text = name;
-  if (!preset.empty()) text += ":" + preset;
-  if (set.empty()) return text;
-  text += "{";
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    if (i > 0) text += ',';
-    text += set[i].first + "=" + set[i].second;
-  }
-  return text + "}";
-}
 
 std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
                             const std::vector<MethodChoice>& samplers,

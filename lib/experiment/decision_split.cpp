@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "lib/sampling/spending.h"
+
 namespace spool {
 namespace {
 
@@ -82,10 +84,9 @@ RgbImage weighted_sum(RgbImage a, const RgbImage& b, double weight) {
   return a;
 }
 
-Result<Reconstruction> filter_halves(const ReconstructorFunction& filter,
-                                     const Selection& selection, const SamplePool& pool,
-                                     const ReconstructionContext& context) {
-  ReconstructionContext of_odd = context;
+Result<Reconstruction> filter_halves(const FilterFunction& filter, const Selection& selection,
+                                     const SamplePool& pool, const FilterContext& context) {
+  FilterContext of_odd = context;
   of_odd.views = nullptr;
   SPOOL_ASSIGN(Reconstruction result, filter(selection.halves[0], pool.half(0), context));
   SPOOL_ASSIGN(const Reconstruction odd, filter(selection.halves[1], pool.half(1), of_odd));
@@ -99,19 +100,21 @@ Result<Reconstruction> filter_halves(const ReconstructorFunction& filter,
 
 }  // namespace
 
-SamplerFunction split_decisions(SamplerFunction sampler) {
-  return [sampler = std::move(sampler)](const SamplePool& pool, long long budget,
-                                        const SamplingContext& context) {
-    return sample_halves(sampler, pool, budget, context);
-  };
+ReadySampler split_decisions(ReadySampler sampler) {
+  return {[run = std::move(sampler.run)](const SamplePool& pool, long long budget,
+                                         const SamplingContext& context) {
+            return sample_halves(run, pool, budget, context);
+          },
+          sampler.needs};
 }
 
-ReconstructorFunction average_halves(ReconstructorFunction filter) {
-  return [filter = std::move(filter)](const Selection& selection, const SamplePool& pool,
-                                      const ReconstructionContext& context) {
-    return selection.halves.empty() ? filter(selection, pool, context)
-                                    : filter_halves(filter, selection, pool, context);
-  };
+ReadyFilter average_halves(ReadyFilter filter) {
+  return {[run = std::move(filter.run)](const Selection& selection, const SamplePool& pool,
+                                        const FilterContext& context) {
+            return selection.halves.empty() ? run(selection, pool, context)
+                                            : filter_halves(run, selection, pool, context);
+          },
+          filter.needs};
 }
 
 }  // namespace spool

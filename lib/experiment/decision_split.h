@@ -7,7 +7,7 @@
 // them is unbiased, which the ordinary adaptive mean is not (docs/method.md).
 #pragma once
 
-#include "lib/filters/reconstructor.h"
+#include "lib/filters/filter.h"
 #include "lib/sampling/sampler.h"
 
 namespace spool {
@@ -16,10 +16,10 @@ namespace spool {
 // those of the shortest prefixes that hold every sample decided or averaged by, which `spent`
 // counts: more than the budget, as the two runs ask for different pieces. A half that is shorter
 // than the other one wants is averaged as far as it goes.
-SamplerFunction split_decisions(SamplerFunction sampler);
+ReadySampler split_decisions(ReadySampler sampler);
 
 // The filter for selections with halves: the mean of the two images, a quarter of the sum of their
 // variances, level and direction of the even one. Other selections pass unchanged.
-ReconstructorFunction average_halves(ReconstructorFunction filter);
+ReadyFilter average_halves(ReadyFilter filter);
 
 }  // namespace spool

@@ -6,13 +6,16 @@
 #include <numeric>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include <oneapi/tbb/global_control.h>
 
 #include "lib/core/parallel.h"
 #include "lib/experiment/decision_split.h"
+#include "lib/experiment/loop_filter.h"
 #include "lib/experiment/peak_memory.h"
 #include "lib/experiment/stage_clock.h"
+#include "lib/sampling/spending.h"
 
 namespace spool {
 namespace {
@@ -32,7 +35,7 @@ std::string sampling_key(const Cell& cell) {
 struct LoadedDump {
   std::string name;
   Result<std::shared_ptr<const RecordedSamples>> samples;
-  StageTime reading;
+  StageTime reading;  // handed to the first cell; then 0
 };
 
 // One sampling run with what its cells are judged by.
@@ -75,9 +78,16 @@ class Runner {
       : cells_(cells), options_(options), sources_(sources), callbacks_(callbacks) {}
 
   using Keep = std::function<void(std::size_t cell, CellResult&&)>;
+  using Share = std::function<void(double)>;  // of the work on one cell
 
   void run(const Keep& keep) {
     const std::vector<std::size_t> order = work_order();
+    std::size_t done = 0;
+    const Share report = [&](double of_cell) {
+      if (!callbacks_.progress) return;
+      callbacks_.progress((static_cast<double>(done) + of_cell) /
+                          static_cast<double>(cells_.size()));
+    };
     for (std::size_t begin = 0; begin < order.size();) {
       std::size_t end = begin + 1;
       while (end < order.size() && same_sampling(cells_[order[begin]], cells_[order[end]]))
@@ -85,13 +95,17 @@ class Runner {
       if (cancelled()) break;
       const Cell& first = cells_[order[begin]];
       const ThreadLimit limit(first.threads);
-      Result<SamplingRun> sampling = guarded([&] { return sample(first); });
+      const Result<ReadySampler> sampler = guarded([&] { return sources_.sampler(first.sampler); });
+      const bool by_filter = sampler && sampler->needs.filter_in_loop;
+      Result<SamplingRun> sampling = guarded([&] { return sample(first, sampler, report); });
       for (std::size_t i = begin; i < end && !cancelled(); ++i) {
         const Cell& cell = cells_[order[i]];
-        if (filter_in_loop_ && i > begin) sampling = guarded([&] { return sample(cell); });
-        CellResult result = filter(cell, sampling);
-        ++done_;
-        report_progress(0.0);
+        if (by_filter && i > begin) {
+          sampling = guarded([&] { return sample(cell, sampler, report); });
+        }
+        CellResult result = filter(cell, sampling, report);
+        ++done;
+        report(0.0);
         if (keep) keep(order[i], std::move(result));
       }
       begin = end;
@@ -130,24 +144,18 @@ class Runner {
 
   bool cancelled() const { return callbacks_.cancelled && callbacks_.cancelled(); }
 
-  void report_progress(double share_of_cell) const {
-    if (!callbacks_.progress) return;
-    callbacks_.progress((static_cast<double>(done_) + share_of_cell) /
-                        static_cast<double>(cells_.size()));
-  }
-
   Result<std::shared_ptr<const RecordedSamples>> load(const std::string& name) {
     if (!dump_ || dump_->name != name) {
       dump_.reset();  // frees the last recording before the next one is read
       const StageClock clock;
       auto samples = sources_.load(name);
       dump_ = LoadedDump{name, std::move(samples), clock.elapsed()};
-      fresh_ = true;
     }
     return dump_->samples;
   }
 
-  Result<SamplingRun> sample(const Cell& cell) {
+  Result<SamplingRun> sample(const Cell& cell, const Result<ReadySampler>& ready,
+                             const Share& report) {
     SPOOL_ASSIGN(const auto recording, load(cell.dump));
     if (options_.order == PoolOrder::kRecorded && cell.replicate > 0) {
       return fail(ErrorCode::kUsage,
@@ -161,19 +169,16 @@ class Runner {
     const std::uint64_t seed = mix(options_.seed, static_cast<std::uint64_t>(cell.replicate));
     SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, {options_.pieces_per_side,
                                                                  options_.order, seed, holdout}));
-    SPOOL_ASSIGN(SamplerFunction sampler, sources_.sampler(cell.sampler));
+    SPOOL_ASSIGN(ReadySampler sampler, ready);
     if (options_.decision_split) sampler = split_decisions(std::move(sampler));
     SamplingContext context;
     context.seed = seed;
-    context.progress = [&](double share) { report_progress(0.5 * share); };
+    context.progress = [&](double share) { report(0.5 * share); };
     context.cancelled = callbacks_.cancelled ? &callbacks_.cancelled : nullptr;
-    filter_in_loop_ = false;
-    context.filter = [&](const Selection& selection, const SamplePool& part) -> Result<RgbImage> {
-      filter_in_loop_ = true;
-      SPOOL_ASSIGN(const ReconstructorFunction reconstructor, sources_.filter(cell.filter));
-      SPOOL_ASSIGN(Reconstruction reconstruction, reconstructor(selection, part, {}));
-      return std::move(reconstruction.image);
-    };
+    if (sampler.needs.filter_in_loop) {
+      SPOOL_ASSIGN(const ReadyFilter filter, sources_.filter(cell.filter));
+      context.filter = loop_filter(filter);
+    }
     reset_peak_memory();
     SamplingRun run{{}, {}, kind};
     std::vector<SamplePool> pools = {pool};
@@ -213,15 +218,15 @@ class Runner {
     return fail(ErrorCode::kUsage, "unknown reference");
   }
 
-  CellResult filter(const Cell& cell, const Result<SamplingRun>& sampling) {
+  CellResult filter(const Cell& cell, const Result<SamplingRun>& sampling, const Share& report) {
     CellResult result;
     result.cell = cell;
     result.threads = static_cast<int>(oneapi::tbb::global_control::active_value(
         oneapi::tbb::global_control::max_allowed_parallelism));
-    if (fresh_) result.reading = dump_->reading;
-    fresh_ = false;
-    const Result<void> outcome = sampling ? guarded([&] { return judge(*sampling, result); })
-                                          : tl::unexpected<Error>(sampling.error());
+    if (dump_) result.reading = std::exchange(dump_->reading, StageTime{});
+    const Result<void> outcome = sampling
+                                     ? guarded([&] { return judge(*sampling, result, report); })
+                                     : tl::unexpected<Error>(sampling.error());
     if (!outcome) {
       result.error = outcome.error();
       if (callbacks_.finished) callbacks_.finished(result, nullptr);
@@ -229,18 +234,18 @@ class Runner {
     return result;
   }
 
-  Result<void> judge(const SamplingRun& run, CellResult& result) const {
+  Result<void> judge(const SamplingRun& run, CellResult& result, const Share& report) const {
     const RecordedSamples& recording = run.parts.front().pool.recording();
-    SPOOL_ASSIGN(ReconstructorFunction reconstructor, sources_.filter(result.cell.filter));
-    reconstructor = average_halves(std::move(reconstructor));
-    ReconstructionContext context;
+    SPOOL_ASSIGN(const ReadyFilter chosen, sources_.filter(result.cell.filter));
+    const ReadyFilter filter = average_halves(chosen);
+    FilterContext context;
     context.reference = recording.reference() ? &*recording.reference() : nullptr;
-    context.progress = [&](double share) { report_progress(0.5 + 0.5 * share); };
+    context.progress = [&](double share) { report(0.5 + 0.5 * share); };
     std::vector<Reconstruction> images;
     std::vector<StageTime> times;
     for (const SampledPart& part : run.parts) {
       SPOOL_ASSIGN(Reconstruction image, timed(options_.repeats, times.emplace_back(), [&] {
-                     return reconstructor(part.sampled.selection, part.pool, context);
+                     return filter(part.sampled.selection, part.pool, context);
                    }));
       SPOOL_TRY(check_size(image.image, recording, result.cell));
       images.push_back(std::move(image));
@@ -312,10 +317,7 @@ class Runner {
   const ExperimentOptions& options_;
   const ExperimentSources& sources_;
   const ExperimentCallbacks& callbacks_;
-  std::optional<LoadedDump> dump_;
-  bool filter_in_loop_ = false;  // the last sampling run asked for its cell's filter
-  bool fresh_ = false;           // the recording was loaded for the cell at hand
-  std::size_t done_ = 0;
+  std::optional<LoadedDump> dump_;  // one at a time: they are large
 };
 
 }  // namespace

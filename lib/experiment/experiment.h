@@ -1,9 +1,9 @@
 // Runs cells - one recording, sampler, filter, budget and replicate each - and judges the images.
 //
-// Cells that differ in the filter only share one sampling run, unless the sampler uses the cell's
-// filter in its loop. The replay of replicate r shuffles
-// every pixel's samples by seed mix(seed, r), replicate 0 too, unless `order` is kRecorded. An
-// error in one cell is kept in its result; the others go on. Nothing is written here: finished
+// Cells that differ in the filter only share one sampling run, unless the sampler needs the cell's
+// filter in its loop. The replay of replicate r shuffles every pixel's samples by seed mix(seed,
+// r), replicate 0 too, unless `order` is kRecorded. An error in one cell is kept in its result; the
+// others go on. Nothing is written here: finished
 // cells and their images are handed to a callback. How methods and recordings are found is handed
 // in, so that evaluation knows no method.
 #pragma once
@@ -20,23 +20,14 @@
 #include "lib/core/guards.h"
 #include "lib/experiment/reference.h"
 #include "lib/experiment/stage_clock.h"
-#include "lib/filters/reconstructor.h"
+#include "lib/filters/filter.h"
+#include "lib/methods/method_text.h"
 #include "lib/metrics/energy_masks.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/sampling/sampler.h"
 
 namespace spool {
-
-struct MethodChoice {
-  std::string name;
-  std::string preset;  // empty: the method's default
-  OptionValues set;    // on top of the preset, in order
-
-  // "NAME", "NAME:PRESET", "NAME:PRESET{a=1,b=2}": the name in every table.
-  std::string label() const;
-  friend bool operator==(const MethodChoice&, const MethodChoice&) = default;
-};
 
 struct Cell {
   std::string dump;  // as the loader knows it
@@ -69,8 +60,8 @@ struct ExperimentOptions {
 // Where recordings and methods come from.
 struct ExperimentSources {
   std::function<Result<std::shared_ptr<const RecordedSamples>>(const std::string&)> load;
-  std::function<Result<SamplerFunction>(const MethodChoice&)> sampler;
-  std::function<Result<ReconstructorFunction>(const MethodChoice&)> filter;
+  std::function<Result<ReadySampler>(const MethodChoice&)> sampler;
+  std::function<Result<ReadyFilter>(const MethodChoice&)> filter;
 };
 
 struct CellResult {

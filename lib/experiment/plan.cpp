@@ -15,16 +15,6 @@
 namespace spool {
 namespace {
 
-template <class Entry, class Function>
-struct MethodKind {
-  std::string list_key;   // "samplers"
-  std::string table_key;  // "sampler"
-  const std::vector<Entry>& entries;
-  const std::function<Result<Function>(const MethodChoice&)>& make;  // of names with a colon
-};
-using SamplerKind = MethodKind<SamplerEntry, SamplerFunction>;
-using FilterKind = MethodKind<ReconstructorEntry, ReconstructorFunction>;
-
 class PlanReader {
  public:
   PlanReader(const toml::table& root, std::string name, std::filesystem::path folder)
@@ -40,10 +30,8 @@ class PlanReader {
     SPOOL_TRY(read_experiment(plan));
     SPOOL_TRY(read_options("pool", sanitise_option_table(), plan.rules));
     SPOOL_TRY(read_options("metrics", metric_option_table(), plan.experiment.metrics));
-    SPOOL_ASSIGN(plan.samplers, read_methods(SamplerKind{"samplers", "sampler", vocabulary.samplers,
-                                                         vocabulary.make_sampler}));
-    SPOOL_ASSIGN(plan.filters, read_methods(FilterKind{"filters", "filter", vocabulary.filters,
-                                                       vocabulary.make_filter}));
+    SPOOL_ASSIGN(plan.samplers, read_methods(vocabulary.samplers));
+    SPOOL_ASSIGN(plan.filters, read_methods(vocabulary.filters));
     SPOOL_TRY(read_masks(plan));
     SPOOL_TRY(check_recording_names(plan));
     return plan;
@@ -57,9 +45,11 @@ class PlanReader {
                 fmt::format(format, std::forward<Args>(args)...));
   }
 
-  static std::string hint(std::string_view word, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(word, known);
-    return near.empty() ? std::string() : fmt::format(", did you mean '{}'?", near);
+  // The same result, or its error with the line of the plan before it.
+  template <class T>
+  Result<T> at(const toml::node& where, Result<T> result) const {
+    if (result) return result;
+    return refuse(where, "{}", result.error().message);
   }
 
   Result<void> check_keys() const {
@@ -71,10 +61,8 @@ class PlanReader {
                                             "threads",    "repeats",       "pictures",
                                             "mask",       "decision_split"};
     for (const auto& [key, node] : root_) {
-      bool found = false;
-      for (const std::string& k : known)
-        found = found || k == key.str();
-      if (!found) return refuse(node, "unknown key '{}'{}", key.str(), hint(key.str(), known));
+      if (std::ranges::find(known, key.str()) != known.end()) continue;
+      return refuse(node, "{}", unknown_name("key", key.str(), known));
     }
     return {};
   }
@@ -205,7 +193,8 @@ class PlanReader {
         } else if (key.str() == "recording") {
           mask.recording = std::filesystem::path(text).filename().string();
         } else {
-          return refuse(value, "unknown key '{}' of a mask{}", key.str(), hint(key.str(), known));
+          return refuse(value, "unknown key '{}' of a mask{}", key.str(),
+                        did_you_mean(key.str(), known));
         }
       }
       if (mask.name.find_first_of(" =") != std::string::npos || mask.name.empty() ||
@@ -232,48 +221,51 @@ class PlanReader {
     return {};
   }
 
-  template <class Kind>
-  Result<std::vector<MethodChoice>> read_methods(const Kind& kind) const {
+  // Methods by name under the kind's plural ("samplers"), in full in tables under the kind itself.
+  template <class Function>
+  Result<std::vector<MethodChoice>> read_methods(const MethodList<Function>& known) const {
     std::vector<MethodChoice> choices;
-    if (const toml::node* list = root_.get(kind.list_key)) {
+    if (const toml::node* list = root_.get(known.kind + "s")) {
       for (const toml::node* value : values_of(*list)) {
-        SPOOL_ASSIGN(const std::string name, text_of(*value));
-        SPOOL_TRY(add_checked(kind, {name, "", {}}, *value, choices));
+        SPOOL_ASSIGN(const std::string text, text_of(*value));
+        SPOOL_ASSIGN(MethodChoice choice, at(*value, choose_method(known, text)));
+        SPOOL_TRY(add_checked(known, std::move(choice), *value, choices));
       }
     }
-    if (const toml::node* tables = root_.get(kind.table_key)) {
+    if (const toml::node* tables = root_.get(known.kind)) {
       for (const toml::node* node : values_of(*tables)) {
         const toml::table* table = node->as_table();
-        if (!table) return refuse(*node, "write [[{}]] and below it name = ...", kind.table_key);
-        SPOOL_TRY(add_swept(kind, *table, choices));
+        if (!table) return refuse(*node, "write [[{}]] and below it name = ...", known.kind);
+        SPOOL_TRY(add_swept(known, *table, choices));
       }
     }
     if (choices.empty()) {
-      return fail(ErrorCode::kUsage, "{}: no {}: write {} = [\"NAME\"] or [[{}]]", name_,
-                  kind.list_key, kind.list_key, kind.table_key);
+      return fail(ErrorCode::kUsage, "{}: no {}s: write {}s = [\"NAME\"] or [[{}]]", name_,
+                  known.kind, known.kind, known.kind);
     }
     return choices;
   }
 
   // Every combination of the values of a table's keys, the last key (by alphabet) fastest.
-  template <class Kind>
-  Result<void> add_swept(const Kind& kind, const toml::table& table,
+  template <class Function>
+  Result<void> add_swept(const MethodList<Function>& known, const toml::table& table,
                          std::vector<MethodChoice>& choices) const {
     const toml::node* name = table.get("name");
-    if (!name) return refuse(table, "this {} has no name", kind.table_key);
-    std::vector<MethodChoice> combinations(1);
-    SPOOL_ASSIGN(combinations[0].name, text_of(*name));
+    if (!name) return refuse(table, "this {} has no name", known.kind);
+    SPOOL_ASSIGN(const std::string text, text_of(*name));
+    SPOOL_ASSIGN(MethodChoice named, at(table, choose_method(known, text)));
+    std::vector<MethodChoice> combinations = {std::move(named)};
     for (const auto& [key, node] : table) {
       if (key.str() == "name") continue;
       std::vector<MethodChoice> grown;
       for (const MethodChoice& choice : combinations) {
         for (const toml::node* value : values_of(node)) {
-          SPOOL_ASSIGN(const std::string text, text_of(*value));
+          SPOOL_ASSIGN(const std::string chosen, text_of(*value));
           grown.push_back(choice);
           if (key.str() == "preset") {
-            grown.back().preset = text;
+            grown.back().preset = chosen;
           } else {
-            grown.back().set.emplace_back(key.str(), text);
+            grown.back().set.emplace_back(key.str(), chosen);
           }
         }
       }
@@ -281,29 +273,16 @@ class PlanReader {
       combinations = std::move(grown);
     }
     for (MethodChoice& choice : combinations)
-      SPOOL_TRY(add_checked(kind, std::move(choice), table, choices));
+      SPOOL_TRY(add_checked(known, std::move(choice), table, choices));
     return {};
   }
 
-  template <class Kind>
-  Result<void> add_checked(const Kind& kind, MethodChoice choice, const toml::node& where,
-                           std::vector<MethodChoice>& choices) const {
-    std::vector<std::string> names;
-    for (const auto& entry : kind.entries)
-      names.push_back(entry.name);
-    const auto named = std::ranges::find(names, choice.name);
-    const bool described = choice.name.find(':') != std::string::npos && kind.make;
-    if (named == names.end() && !described) {
-      return refuse(where, "unknown {} '{}'{}", kind.table_key, choice.name,
-                    hint(choice.name, names));
-    }
-    const auto made = named == names.end()
-                          ? kind.make(choice)
-                          : kind.entries[static_cast<std::size_t>(named - names.begin())].make(
-                                choice.preset, choice.set);
-    if (!made) return refuse(where, "{} {}: {}", kind.table_key, choice.name, made.error().message);
+  template <class Function>
+  Result<void> add_checked(const MethodList<Function>& known, MethodChoice choice,
+                           const toml::node& where, std::vector<MethodChoice>& choices) const {
+    SPOOL_TRY(at(where, make_method(known, choice)));
     if (std::ranges::find(choices, choice) != choices.end()) {
-      return refuse(where, "{} {} is there twice", kind.table_key, choice.label());
+      return refuse(where, "{} {} is there twice", known.kind, choice.label());
     }
     choices.push_back(std::move(choice));
     return {};

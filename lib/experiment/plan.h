@@ -33,13 +33,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lib/core/error.h"
 #include "lib/experiment/experiment.h"
+#include "lib/methods/method_list.h"
 #include "lib/pool/sanitise.h"
 
 namespace spool {
@@ -60,13 +60,10 @@ struct Plan {
   }
 };
 
-// The methods that a plan may name: those in the lists, and what the functions can make of a name
-// with a colon in it ("exec:COMMAND"), where there are such.
+// The methods that a plan may name.
 struct PlanVocabulary {
-  const std::vector<SamplerEntry>& samplers;
-  const std::vector<ReconstructorEntry>& filters;
-  std::function<Result<SamplerFunction>(const MethodChoice&)> make_sampler = nullptr;
-  std::function<Result<ReconstructorFunction>(const MethodChoice&)> make_filter = nullptr;
+  const MethodList<SamplerFunction>& samplers;
+  const MethodList<FilterFunction>& filters;
 };
 
 // Errors: kIo when the file cannot be read, kUsage for everything that is wrong in it.

@@ -128,14 +128,11 @@ std::string_view reference_name(ReferenceKind kind) {
 }
 
 Result<ReferenceKind> parse_reference_kind(std::string_view name) {
-  std::vector<std::string> names;
   for (const ReferenceDescription& description : reference_kinds()) {
     if (description.name == name) return description.kind;
-    names.push_back(description.name);
   }
-  const std::string near = nearest_name(name, names);
-  return fail(ErrorCode::kUsage, "unknown reference '{}'{}", name,
-              near.empty() ? std::string() : fmt::format(": did you mean '{}'?", near));
+  return fail(ErrorCode::kUsage, "{}",
+              unknown_name("reference", name, names_of(reference_kinds())));
 }
 
 int default_holdout(const RecordedSamples& recording) {

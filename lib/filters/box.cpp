@@ -15,7 +15,7 @@ OptionTable<BoxOptions> box_option_table() {
 }
 
 Result<Reconstruction> reconstruct_box(const Selection& selection, const SamplePool&,
-                                       const ReconstructionContext&, const BoxOptions& options) {
+                                       const BoxOptions& options, const FilterContext&) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
   const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
@@ -28,10 +28,12 @@ Result<Reconstruction> reconstruct_box(const Selection& selection, const SampleP
   return result;
 }
 
-ReconstructorMethod<BoxOptions> box_method() {
-  return {"box",      "mean of each pixel's samples, no filter",
-          false,      box_option_table(),
-          {{"", {}}}, reconstruct_box};
+Filter box_filter() {
+  return make_value<FilterFunction, BoxOptions>(
+      {.name = "box",
+       .summary = "mean of each pixel's samples, no filter",
+       .options = box_option_table(),
+       .run = reconstruct_box});
 }
 
 }  // namespace spool

@@ -4,7 +4,7 @@
 // mean of its pieces.
 #pragma once
 
-#include "lib/filters/reconstructor_entry.h"
+#include "lib/filters/filter.h"
 #include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
@@ -18,9 +18,8 @@ struct BoxOptions {
 OptionTable<BoxOptions> box_option_table();
 
 Result<Reconstruction> reconstruct_box(const Selection& selection, const SamplePool& pool,
-                                       const ReconstructionContext& context,
-                                       const BoxOptions& options);
+                                       const BoxOptions& options, const FilterContext& context);
 
-ReconstructorMethod<BoxOptions> box_method();
+Filter box_filter();
 
 }  // namespace spool

@@ -8,8 +8,8 @@ namespace spool {
 
 Result<Reconstruction> reconstruct_cross_bilateral(const Selection& selection,
                                                    const SamplePool& pool,
-                                                   const ReconstructionContext& context,
-                                                   const CrossBilateralOptions& options) {
+                                                   const CrossBilateralOptions& options,
+                                                   const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
   const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
@@ -27,13 +27,15 @@ Result<Reconstruction> reconstruct_cross_bilateral(const Selection& selection,
   return result;
 }
 
-ReconstructorMethod<CrossBilateralOptions> cross_bilateral_method() {
-  return {"cross_bilateral",
-          "pixels of like normal, albedo and depth are averaged, over the scale of least risk",
-          false,
-          cross_bilateral_option_table(),
-          {{"", {}}},
-          reconstruct_cross_bilateral};
+Filter cross_bilateral_filter() {
+  return make_value<FilterFunction, CrossBilateralOptions>(
+      {.name = "cross_bilateral",
+       .summary =
+           "pixels of like normal, albedo and depth are averaged, over the scale of least risk",
+       .options = cross_bilateral_option_table(),
+       .views = {{"risk.s", "smoothed estimate of the risk of scale s"}},
+       .needs = [](const auto&) { return Needs{.features = Use::kRequired}; },
+       .run = reconstruct_cross_bilateral});
 }
 
 }  // namespace spool

@@ -1,8 +1,8 @@
 // The feature-guided filter whose scale minimises an unbiased estimate of the risk, as a
-// reconstructor [LiWuChuang12]; lib/kernels/cross_bilateral.h.
+// filter [LiWuChuang12]; lib/kernels/cross_bilateral.h.
 #pragma once
 
-#include "lib/filters/reconstructor_entry.h"
+#include "lib/filters/filter.h"
 #include "lib/kernels/cross_bilateral.h"
 
 namespace spool {
@@ -10,9 +10,9 @@ namespace spool {
 // Errors: those of cross_bilateral().
 Result<Reconstruction> reconstruct_cross_bilateral(const Selection& selection,
                                                    const SamplePool& pool,
-                                                   const ReconstructionContext& context,
-                                                   const CrossBilateralOptions& options);
+                                                   const CrossBilateralOptions& options,
+                                                   const FilterContext& context);
 
-ReconstructorMethod<CrossBilateralOptions> cross_bilateral_method();
+Filter cross_bilateral_filter();
 
 }  // namespace spool

@@ -18,11 +18,11 @@ OptionTable<GaussianOptions> gaussian_option_table() {
 }
 
 Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const SamplePool& pool,
-                                            const ReconstructionContext& context,
-                                            const GaussianOptions& options) {
+                                            const GaussianOptions& options,
+                                            const FilterContext& context) {
   SPOOL_ASSIGN(
       Reconstruction result,
-      reconstruct_box(selection, pool, context, {options.var_mode, options.nu0, options.key}));
+      reconstruct_box(selection, pool, {options.var_mode, options.nu0, options.key}, context));
   const Taps taps = gaussian_taps(options.sigma);
   Taps squares = taps;
   for (double& tap : squares.values)
@@ -34,10 +34,12 @@ Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const Sa
   return result;
 }
 
-ReconstructorMethod<GaussianOptions> gaussian_method() {
-  return {"gaussian", "pixel means blurred with a Gaussian",
-          false,      gaussian_option_table(),
-          {{"", {}}}, reconstruct_gaussian};
+Filter gaussian_filter() {
+  return make_value<FilterFunction, GaussianOptions>(
+      {.name = "gaussian",
+       .summary = "pixel means blurred with a Gaussian",
+       .options = gaussian_option_table(),
+       .run = reconstruct_gaussian});
 }
 
 }  // namespace spool

@@ -8,7 +8,7 @@
 // Slow twin: tests/reference/gaussian_reference.h.
 #pragma once
 
-#include "lib/filters/reconstructor_entry.h"
+#include "lib/filters/filter.h"
 #include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
@@ -23,9 +23,9 @@ struct GaussianOptions {
 OptionTable<GaussianOptions> gaussian_option_table();
 
 Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const SamplePool& pool,
-                                            const ReconstructionContext& context,
-                                            const GaussianOptions& options);
+                                            const GaussianOptions& options,
+                                            const FilterContext& context);
 
-ReconstructorMethod<GaussianOptions> gaussian_method();
+Filter gaussian_filter();
 
 }  // namespace spool

@@ -16,10 +16,10 @@ Result<Reconstruction> own_image(RgbImage image, const SamplePool& pool, const s
   return result;
 }
 
-ReconstructorFunction given_image(RgbImage image, std::string name) {
+FilterFunction given_image(RgbImage image, std::string name) {
   return [image = std::move(image), name = std::move(name)](
              const Selection&, const SamplePool& pool,
-             const ReconstructionContext&) -> Result<Reconstruction> {
+             const FilterContext&) -> Result<Reconstruction> {
     if (pool.is_half()) {
       return fail(ErrorCode::kUsage,
                   "{}: is the same for any samples: a sampler with it in its loop learns nothing, "

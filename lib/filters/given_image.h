@@ -1,9 +1,9 @@
-// An image somebody else made, as a reconstructor: for filters outside this program.
+// An image somebody else made, as a filter: for filters outside this program.
 #pragma once
 
 #include <string>
 
-#include "lib/filters/reconstructor.h"
+#include "lib/filters/filter.h"
 
 namespace spool {
 
@@ -12,6 +12,6 @@ Result<Reconstruction> own_image(RgbImage image, const SamplePool& pool, const s
 
 // Hands `image` back for any selection of its size. Refuses half pools: a sampler that compares the
 // images of two halves would see no difference.
-ReconstructorFunction given_image(RgbImage image, std::string name);
+FilterFunction given_image(RgbImage image, std::string name);
 
 }  // namespace spool

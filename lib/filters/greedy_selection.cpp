@@ -43,8 +43,8 @@ OptionTable<GreedySelectionOptions> greedy_selection_option_table() {
 
 Result<Reconstruction> reconstruct_greedy_selection(const Selection& selection,
                                                     const SamplePool& pool,
-                                                    const ReconstructionContext& context,
-                                                    const GreedySelectionOptions& options) {
+                                                    const GreedySelectionOptions& options,
+                                                    const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
   const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
@@ -90,13 +90,21 @@ Result<Reconstruction> reconstruct_greedy_selection(const Selection& selection,
   return result;
 }
 
-ReconstructorMethod<GreedySelectionOptions> greedy_selection_method() {
-  return {"greedy_selection",
-          "each pixel's best Gaussian by incremental bias and variance",
-          false,
-          greedy_selection_option_table(),
-          {{"", {}}},
-          reconstruct_greedy_selection};
+Filter greedy_selection_filter() {
+  return make_value<FilterFunction, GreedySelectionOptions>(
+      {.name = "greedy_selection",
+       .summary = "each pixel's best Gaussian by incremental bias and variance",
+       .options = greedy_selection_option_table(),
+       .views = {{"stop.s", "1 where scale s stops, after the vote"},
+                 {"level", "chosen scale; 0: the base image"}},
+       .needs =
+           [](const GreedySelectionOptions& options) {
+             return Needs{.film_positions = options.grid == GreedyGrid::kPixel ? Use::kNone
+                                            : options.grid == GreedyGrid::kSubpixel
+                                                ? Use::kRequired
+                                                : Use::kWhenRecorded};
+           },
+       .run = reconstruct_greedy_selection});
 }
 
 }  // namespace spool

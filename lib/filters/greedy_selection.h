@@ -14,7 +14,7 @@
 // Slow twin: tests/reference/greedy_selection_reference.h.
 #pragma once
 
-#include "lib/filters/reconstructor_entry.h"
+#include "lib/filters/filter.h"
 #include "lib/kernels/scale_ladder.h"
 #include "lib/statistics/variance_of_mean.h"
 
@@ -37,9 +37,9 @@ double greedy_scale(int s);
 
 Result<Reconstruction> reconstruct_greedy_selection(const Selection& selection,
                                                     const SamplePool& pool,
-                                                    const ReconstructionContext& context,
-                                                    const GreedySelectionOptions& options);
+                                                    const GreedySelectionOptions& options,
+                                                    const FilterContext& context);
 
-ReconstructorMethod<GreedySelectionOptions> greedy_selection_method();
+Filter greedy_selection_filter();
 
 }  // namespace spool

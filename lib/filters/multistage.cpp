@@ -105,9 +105,9 @@ void filter_band(const PieceStatistics& statistics, const SamplePool& pool, std:
 }  // namespace
 
 Result<Reconstruction> reconstruct_multistage(const Selection& selection, const SamplePool& pool,
-                                              const ReconstructionContext& context,
-                                              const MultistageOptions&) {
-  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, context, {}));
+                                              const MultistageOptions&,
+                                              const FilterContext& context) {
+  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, {}, context));
   if (!pool.recording().has_film()) {
     result.notes.push_back(
         "multistage: film positions were not recorded, so this is the box filter");
@@ -129,10 +129,13 @@ Result<Reconstruction> reconstruct_multistage(const Selection& selection, const 
   return result;
 }
 
-ReconstructorMethod<MultistageOptions> multistage_method() {
-  return {"multistage", "box filters of growing width over quarter pixels",
-          true,         {},
-          {{"", {}}},   reconstruct_multistage};
+Filter multistage_filter() {
+  return make_value<FilterFunction, MultistageOptions>(
+      {.name = "multistage",
+       .summary = "box filters of growing width over quarter pixels",
+       .source = Source::kDescriptions,
+       .needs = [](const auto&) { return Needs{.film_positions = Use::kWhenRecorded}; },
+       .run = reconstruct_multistage});
 }
 
 }  // namespace spool

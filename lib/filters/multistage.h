@@ -10,16 +10,16 @@
 // Slow twin: tests/reference/multistage_reference.h.
 #pragma once
 
-#include "lib/filters/reconstructor_entry.h"
+#include "lib/filters/filter.h"
 
 namespace spool {
 
 struct MultistageOptions {};
 
 Result<Reconstruction> reconstruct_multistage(const Selection& selection, const SamplePool& pool,
-                                              const ReconstructionContext& context,
-                                              const MultistageOptions& options);
+                                              const MultistageOptions& options,
+                                              const FilterContext& context);
 
-ReconstructorMethod<MultistageOptions> multistage_method();
+Filter multistage_filter();
 
 }  // namespace spool

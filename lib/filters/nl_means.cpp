@@ -33,8 +33,7 @@ OptionTable<NlMeansOptions> nl_means_option_table() {
 }
 
 Result<Reconstruction> reconstruct_nl_means(const Selection& selection, const SamplePool& pool,
-                                            const ReconstructionContext&,
-                                            const NlMeansOptions& options) {
+                                            const NlMeansOptions& options, const FilterContext&) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
   if (!any_sample(statistics.n)) {
@@ -71,13 +70,13 @@ Result<Reconstruction> reconstruct_nl_means(const Selection& selection, const Sa
   return result;
 }
 
-ReconstructorMethod<NlMeansOptions> nl_means_method() {
-  return {"nl_means",
-          "patches that look alike are averaged, weights from the other half of the samples",
-          false,
-          nl_means_option_table(),
-          {{"", {}}},
-          reconstruct_nl_means};
+Filter nl_means_filter() {
+  return make_value<FilterFunction, NlMeansOptions>(
+      {.name = "nl_means",
+       .summary =
+           "patches that look alike are averaged, weights from the other half of the samples",
+       .options = nl_means_option_table(),
+       .run = reconstruct_nl_means});
 }
 
 }  // namespace spool

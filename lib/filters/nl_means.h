@@ -6,7 +6,7 @@
 // Slow twin: tests/reference/nl_means_reference.h.
 #pragma once
 
-#include "lib/filters/reconstructor_entry.h"
+#include "lib/filters/filter.h"
 #include "lib/kernels/patch_filter.h"
 #include "lib/statistics/variance_of_mean.h"
 
@@ -23,9 +23,9 @@ struct NlMeansOptions {
 OptionTable<NlMeansOptions> nl_means_option_table();
 
 Result<Reconstruction> reconstruct_nl_means(const Selection& selection, const SamplePool& pool,
-                                            const ReconstructionContext& context,
-                                            const NlMeansOptions& options);
+                                            const NlMeansOptions& options,
+                                            const FilterContext& context);
 
-ReconstructorMethod<NlMeansOptions> nl_means_method();
+Filter nl_means_filter();
 
 }  // namespace spool

@@ -21,9 +21,9 @@ OptionTable<OracleScaleOptions> oracle_scale_option_table() {
 }
 
 Result<Reconstruction> reconstruct_oracle_scale(const Selection& selection, const SamplePool& pool,
-                                                const ReconstructionContext& context,
-                                                const OracleScaleOptions& options) {
-  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, context, {}));
+                                                const OracleScaleOptions& options,
+                                                const FilterContext& context) {
+  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, {}, context));
   const RgbImage mean = result.image;
   const int width = mean[0].width(), height = mean[0].height();
   if (!context.reference || !context.reference->mean[0].same_size(mean[0])) {
@@ -64,10 +64,13 @@ Result<Reconstruction> reconstruct_oracle_scale(const Selection& selection, cons
   return result;
 }
 
-ReconstructorMethod<OracleScaleOptions> oracle_scale_method() {
-  return {"oracle_scale", "the Gaussian nearest to the reference at each pixel (an oracle)",
-          false,          oracle_scale_option_table(),
-          {{"", {}}},     reconstruct_oracle_scale};
+Filter oracle_scale_filter() {
+  return make_value<FilterFunction, OracleScaleOptions>(
+      {.name = "oracle_scale",
+       .summary = "the Gaussian nearest to the reference at each pixel (an oracle)",
+       .options = oracle_scale_option_table(),
+       .needs = [](const auto&) { return Needs{.reference = true}; },
+       .run = reconstruct_oracle_scale});
 }
 
 }  // namespace spool

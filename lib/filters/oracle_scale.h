@@ -7,7 +7,7 @@
 // Slow twin: tests/reference/oracle_scale_reference.h.
 #pragma once
 
-#include "lib/filters/reconstructor_entry.h"
+#include "lib/filters/filter.h"
 
 namespace spool {
 
@@ -20,9 +20,9 @@ OptionTable<OracleScaleOptions> oracle_scale_option_table();
 
 // Error kData without a reference of the image's size.
 Result<Reconstruction> reconstruct_oracle_scale(const Selection& selection, const SamplePool& pool,
-                                                const ReconstructionContext& context,
-                                                const OracleScaleOptions& options);
+                                                const OracleScaleOptions& options,
+                                                const FilterContext& context);
 
-ReconstructorMethod<OracleScaleOptions> oracle_scale_method();
+Filter oracle_scale_filter();
 
 }  // namespace spool

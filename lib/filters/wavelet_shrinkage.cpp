@@ -67,8 +67,8 @@ OptionTable<WaveletShrinkageOptions> wavelet_shrinkage_option_table() {
 }
 
 Result<Reconstruction> reconstruct_wavelet_shrinkage(const Selection& selection, const SamplePool&,
-                                                     const ReconstructionContext&,
-                                                     const WaveletShrinkageOptions& options) {
+                                                     const WaveletShrinkageOptions& options,
+                                                     const FilterContext&) {
   const PieceStatistics& statistics = selection.statistics;
   const int q = statistics.pieces_per_side;
   Reconstruction result;
@@ -98,13 +98,13 @@ Result<Reconstruction> reconstruct_wavelet_shrinkage(const Selection& selection,
   return result;
 }
 
-ReconstructorMethod<WaveletShrinkageOptions> wavelet_shrinkage_method() {
-  return {"wavelet_shrinkage",
-          "wavelet coefficients reduced by an estimate of their error",
-          true,
-          wavelet_shrinkage_option_table(),
-          {{"", {}}},
-          reconstruct_wavelet_shrinkage};
+Filter wavelet_shrinkage_filter() {
+  return make_value<FilterFunction, WaveletShrinkageOptions>(
+      {.name = "wavelet_shrinkage",
+       .summary = "wavelet coefficients reduced by an estimate of their error",
+       .source = Source::kDescriptions,
+       .options = wavelet_shrinkage_option_table(),
+       .run = reconstruct_wavelet_shrinkage});
 }
 
 }  // namespace spool

@@ -14,7 +14,7 @@
 // Slow twin: tests/reference/wavelet_transform_reference.h.
 #pragma once
 
-#include "lib/filters/reconstructor_entry.h"
+#include "lib/filters/filter.h"
 #include "lib/filters/wavelet_transform.h"
 #include "lib/statistics/variance_of_mean.h"
 
@@ -36,9 +36,9 @@ OptionTable<WaveletShrinkageOptions> wavelet_shrinkage_option_table();
 
 Result<Reconstruction> reconstruct_wavelet_shrinkage(const Selection& selection,
                                                      const SamplePool& pool,
-                                                     const ReconstructionContext& context,
-                                                     const WaveletShrinkageOptions& options);
+                                                     const WaveletShrinkageOptions& options,
+                                                     const FilterContext& context);
 
-ReconstructorMethod<WaveletShrinkageOptions> wavelet_shrinkage_method();
+Filter wavelet_shrinkage_filter();
 
 }  // namespace spool

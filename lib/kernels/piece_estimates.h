@@ -1,4 +1,4 @@
-// What every reconstructor starts from: the mean of each piece, with empty pieces filled, and the
+// What every filter starts from: the mean of each piece, with empty pieces filled, and the
 // variance of that mean, per channel and for the analysis signal.
 //
 // An empty piece takes its neighbours' mean and variance (piece_statistics.h); it is counted once,

@@ -10,6 +10,7 @@
 #include "lib/sampling/piece_choice.h"
 #include "lib/sampling/region_queue.h"
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 #include "lib/sampling/uniform.h"
 
 namespace spool {
@@ -179,35 +180,39 @@ const OptionTable<AdaptiveWaveletOptions>& adaptive_wavelet_option_table() {
 Result<SamplingResult> sample_adaptive_wavelet(const SamplePool& pool, long long budget,
                                                const AdaptiveWaveletOptions& options,
                                                const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
-  SamplingLog log;
-  log.budget = budget;
-  log.samples_of_level.assign(static_cast<std::size_t>(options.levels) + 1, 0);
   const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
-  PieceStatistics statistics =
-      prefix_statistics(pool, initial_counts(pool, budget, each, context.seed));
-  log.initial = count_samples(statistics.n);
-  expose(statistics, pool, options.key, log.guards);
+  Spending spending =
+      begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed), options.key);
+  const PieceStatistics& statistics = spending.statistics;
+  const long long& left = spending.left;
+  SamplingLog& log = spending.log;
+  log.samples_of_level.assign(static_cast<std::size_t>(options.levels) + 1, 0);
 
-  long long left = std::min(budget, pool.total_capacity()) - log.initial;
   const long long share = (left + options.epochs - 1) / options.epochs;
   for (std::uint64_t epoch = 0; left > 0; ++epoch) {
     CountImage extra = choose_epoch(statistics, pool, std::min(share, left), left,
                                     mix(context.seed, epoch), options, log);
-    long long taken = count_samples(extra);
-    if (taken == 0) {  // no priority anywhere: the rest is spent uniformly
+    if (count_samples(extra) == 0) {  // no priority anywhere: the rest is spent uniformly
       extra = raise_least_sampled(statistics.n, pool, statistics.n.bounds(), left, context.seed);
       for (std::size_t i = 0; i < extra.size(); ++i)
         extra[i] -= statistics.n[i];
-      taken = count_samples(extra);
+      const long long taken = count_samples(extra);
       log.uniform_remainder += taken;
       log.samples_of_level[0] += taken;
     }
-    take_extra(statistics, pool, extra);
-    left -= taken;
+    spend(spending, pool, extra);
     SPOOL_TRY(report_progress(context, "adaptive_wavelet", budget - left, budget));
   }
-  return finished(std::move(log), std::move(statistics), pool);
+  return end_spending(std::move(spending), pool);
+}
+
+Sampler adaptive_wavelet_sampler() {
+  return make_value<SamplerFunction, AdaptiveWaveletOptions>(
+      {.name = "adaptive_wavelet",
+       .summary = "dyadic blocks by the variance and energy of their Haar coefficients",
+       .source = Source::kDescriptions,
+       .options = adaptive_wavelet_option_table(),
+       .run = sample_adaptive_wavelet});
 }
 
 }  // namespace spool

@@ -39,4 +39,6 @@ Result<SamplingResult> sample_adaptive_wavelet(const SamplePool& pool, long long
                                                const AdaptiveWaveletOptions& options,
                                                const SamplingContext& context);
 
+Sampler adaptive_wavelet_sampler();
+
 }  // namespace spool

@@ -5,6 +5,7 @@
 
 #include "lib/sampling/apportion.h"
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 
 namespace spool {
 
@@ -45,33 +46,27 @@ Result<SamplingResult> sample_asked_counts(const SamplePool& pool, long long bud
                                            const AskedCountsOptions& options,
                                            const AskForCounts& ask,
                                            const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
-  SamplingLog log;
-  log.budget = budget;
   const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
-  PieceStatistics statistics =
-      prefix_statistics(pool, initial_counts(pool, budget, each, context.seed));
-  log.initial = count_samples(statistics.n);
-  expose(statistics, pool, options.key, log.guards);
-  long long left = std::min(budget, pool.total_capacity()) - log.initial;
-  for (int round = 0; round < options.rounds && left > 0; ++round) {
+  Spending spending =
+      begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed), options.key);
+  const PieceStatistics& statistics = spending.statistics;
+  for (int round = 0; round < options.rounds && spending.left > 0; ++round) {
     const int to_come = options.rounds - round;
-    SPOOL_ASSIGN(const CountImage wanted, ask({statistics, pool, round, options.rounds, left,
-                                               (left + to_come - 1) / to_come, context.seed}));
+    const long long share = (spending.left + to_come - 1) / to_come;
+    SPOOL_ASSIGN(const CountImage wanted, ask({statistics, pool, round, options.rounds,
+                                               spending.left, share, context.seed}));
     if (!wanted.same_size(statistics.n)) {
       return fail(ErrorCode::kData,
                   "{} x {} counts answered for {} x {} pieces: answer with an image of the size of "
                   "the statistics",
                   wanted.width(), wanted.height(), pool.width(), pool.height());
     }
-    const CountImage granted = grant_wants(wanted, statistics.n, pool, left, log.guards);
-    const long long taken = count_samples(granted);
-    if (taken == 0) break;
-    take_extra(statistics, pool, granted);
-    left -= taken;
-    SPOOL_TRY(report_progress(context, "exec", budget - left, budget));
+    const CountImage granted =
+        grant_wants(wanted, statistics.n, pool, spending.left, spending.log.guards);
+    if (spend(spending, pool, granted) == 0) break;
+    SPOOL_TRY(report_progress(context, "exec", budget - spending.left, budget));
   }
-  return finished(std::move(log), std::move(statistics), pool);
+  return end_spending(std::move(spending), pool);
 }
 
 }  // namespace spool

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 
 namespace spool {
 namespace {
@@ -46,27 +47,31 @@ Result<Plane> cross_bilateral_density(const PieceStatistics& statistics, const S
 Result<SamplingResult> sample_cross_bilateral(const SamplePool& pool, long long budget,
                                               const CrossBilateralSamplingOptions& options,
                                               const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
-  SamplingLog log;
-  log.budget = budget;
   const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
-  PieceStatistics statistics =
-      prefix_statistics(pool, initial_counts(pool, budget, each, context.seed));
-  log.initial = count_samples(statistics.n);
-  expose(statistics, pool, options.filter.key, log.guards);
-  const long long left = std::min(budget, pool.total_capacity()) - log.initial;
-  for (const long long share : equal_shares(left, options.iterations)) {
-    if (share == 0) continue;
+  Spending spending = begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed),
+                                     options.filter.key);
+  const auto choose = [&](long long share) -> Result<CountImage> {
     GuardCounts guards;  // of copies; what decides here and nowhere else is counted, each round
     SPOOL_ASSIGN(const Plane density,
-                 cross_bilateral_density(statistics, pool, options.filter, guards));
+                 cross_bilateral_density(spending.statistics, pool, options.filter, guards));
     for (const Guard decides : {Guard::kNegativeError, Guard::kFeatureNotFinite})
-      log.guards.add(decides, guards[decides]);
+      spending.log.guards.add(decides, guards[decides]);
     if (context.views != nullptr) context.views->add_next("density", density);
-    take_extra(statistics, pool, hand_out(density, statistics.n, pool, share));
-    SPOOL_TRY(report_progress(context, "cross_bilateral", count_samples(statistics.n), budget));
-  }
-  return finished(std::move(log), std::move(statistics), pool);
+    return hand_out(density, spending.statistics.n, pool, share);
+  };
+  SPOOL_TRY(
+      spend_in_rounds(spending, pool, options.iterations, "cross_bilateral", context, choose));
+  return end_spending(std::move(spending), pool);
+}
+
+Sampler cross_bilateral_sampler() {
+  return make_value<SamplerFunction, CrossBilateralSamplingOptions>(
+      {.name = "cross_bilateral",
+       .summary = "where a filter guided by recorded features expects the largest risk",
+       .options = cross_bilateral_sampling_option_table(),
+       .views = {{"density.i", "what iteration i is apportioned over"}},
+       .needs = [](const auto&) { return Needs{.features = Use::kRequired}; },
+       .run = sample_cross_bilateral});
 }
 
 }  // namespace spool

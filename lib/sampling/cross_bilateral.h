@@ -33,4 +33,6 @@ Result<SamplingResult> sample_cross_bilateral(const SamplePool& pool, long long 
 Result<Plane> cross_bilateral_density(const PieceStatistics& statistics, const SamplePool& pool,
                                       const CrossBilateralOptions& options, GuardCounts& guards);
 
+Sampler cross_bilateral_sampler();
+
 }  // namespace spool

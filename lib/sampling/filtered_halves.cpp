@@ -7,6 +7,7 @@
 #include "lib/core/parallel.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 
 namespace spool {
 namespace {
@@ -76,26 +77,21 @@ Plane pixels_to_pieces(const Plane& pixels, int pieces_per_side) {
 Result<SamplingResult> sample_filtered_halves(const SamplePool& pool, long long budget,
                                               const FilteredHalvesOptions& options,
                                               const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
   if (!context.filter) {
     return fail(ErrorCode::kUsage,
                 "sampler filtered_halves: needs the filter of the final image in its loop: name "
                 "it with --filter");
   }
-  SamplingLog log;
-  log.budget = budget;
   const long long pieces = static_cast<long long>(pool.width()) * pool.height();
   const auto start = std::llround(options.start * static_cast<double>(budget));
   const long long first = std::min(budget, std::max(start, 2 * pieces));
-  PieceStatistics statistics = prefix_statistics(
-      pool, initial_counts(pool, first, std::numeric_limits<int>::max(), context.seed));
-  log.initial = count_samples(statistics.n);
-  expose(statistics, pool, options.key, log.guards);
+  Spending spending = begin_spending(
+      pool, budget, initial_counts(pool, first, std::numeric_limits<int>::max(), context.seed),
+      options.key);
 
   const std::array<SamplePool, 2> halves = {pool.half(0), pool.half(1)};
-  const long long left = std::min(budget, pool.total_capacity()) - log.initial;
-  for (const long long share : equal_shares(left, options.rounds)) {
-    if (share == 0) continue;
+  const auto choose = [&](long long share) -> Result<CountImage> {
+    const PieceStatistics& statistics = spending.statistics;
     std::array<RgbImage, 2> filtered;
     for (int parity = 0; parity < 2; ++parity) {
       const auto i = static_cast<std::size_t>(parity);
@@ -108,12 +104,21 @@ Result<SamplingResult> sample_filtered_halves(const SamplePool& pool, long long 
     weight = gaussian_blur(weight, options.blur);
     for (double& value : weight.pixels())
       value = std::sqrt(std::max(value, 0.0));
-    take_extra(statistics, pool,
-               hand_out_deficits(pixels_to_pieces(weight, pool.pieces_per_side()), statistics.n,
-                                 pool, share));
-    SPOOL_TRY(report_progress(context, "filtered_halves", count_samples(statistics.n), budget));
-  }
-  return finished(std::move(log), std::move(statistics), pool);
+    return hand_out_deficits(pixels_to_pieces(weight, pool.pieces_per_side()), statistics.n, pool,
+                             share);
+  };
+  SPOOL_TRY(spend_in_rounds(spending, pool, options.rounds, "filtered_halves", context, choose));
+  return end_spending(std::move(spending), pool);
+}
+
+Sampler filtered_halves_sampler() {
+  return make_value<SamplerFunction, FilteredHalvesOptions>(
+      {.name = "filtered_halves",
+       .summary = "where the filter in the loop disagrees on two halves of the samples",
+       .options = filtered_halves_option_table(),
+       .views = {{"error.i", "relative difference of the two filtered halves, round i"}},
+       .needs = [](const auto&) { return Needs{.filter_in_loop = true}; },
+       .run = sample_filtered_halves});
 }
 
 }  // namespace spool

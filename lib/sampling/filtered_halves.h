@@ -1,7 +1,7 @@
 // Samples where the filter of the final image is unsure of itself.
 //
 // Each pixel's samples so far are split in halves A, B (even and odd ones); both are filtered with
-// the reconstructor F that will make the image:
+// the filter F that will make the image:
 //
 //   e = mean_c (F(A) - F(B))^2 / (F^2 + 0.01),  F = (F(A) + F(B)) / 2,  smoothed with a Gaussian
 //
@@ -40,5 +40,7 @@ CountImage hand_out_deficits(const Plane& weight, const CountImage& n, const Sam
 
 // A value per pixel, split evenly over its pieces.
 Plane pixels_to_pieces(const Plane& pixels, int pieces_per_side);
+
+Sampler filtered_halves_sampler();
 
 }  // namespace spool

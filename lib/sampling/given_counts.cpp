@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 
 namespace spool {
 
@@ -22,12 +22,10 @@ Result<SamplingResult> sample_given_counts(const SamplePool& pool, long long bud
                   name, counts(x, y), x, y, pool.capacity(x, y));
     }
   }
-  SamplingLog log;
-  log.budget = budget;
-  PieceStatistics statistics = prefix_statistics(pool, counts);
-  expose(statistics, pool, 1.0, log.guards);
+  Spending spending = begin_spending(pool, budget, counts, 1.0);
+  spending.log.initial = 0;  // every sample follows a decision, made elsewhere
   SPOOL_TRY(report_progress(context, "counts", 1, 1));
-  return finished(std::move(log), std::move(statistics), pool);
+  return end_spending(std::move(spending), pool);
 }
 
 SamplerFunction given_counts_sampler(CountImage counts, std::string name) {

@@ -9,6 +9,7 @@
 #include "lib/kernels/truncated_filter.h"
 #include "lib/sampling/greedy_placement.h"
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 #include "lib/statistics/variance_option.h"
 
 namespace spool {
@@ -93,30 +94,38 @@ Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const
 Result<SamplingResult> sample_greedy_error(const SamplePool& pool, long long budget,
                                            const GreedyErrorOptions& options,
                                            const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
-  SamplingLog log;
-  log.budget = budget;
-  PieceStatistics statistics =
-      prefix_statistics(pool, initial_counts(pool, budget, options.init_spp, context.seed));
-  log.initial = count_samples(statistics.n);
-  expose(statistics, pool, options.key, log.guards);
+  Spending spending = begin_spending(
+      pool, budget, initial_counts(pool, budget, options.init_spp, context.seed), options.key);
   const long long pixels =
       static_cast<long long>(pool.recording().width()) * pool.recording().height();
   const double average = static_cast<double>(budget) / static_cast<double>(pixels);
   const long long per_pixel = std::max(1LL, std::llround(average));
-  const long long left = std::min(budget, pool.total_capacity()) - log.initial;
   std::uint64_t iteration = 0;
-  for (const long long share : equal_shares(left, options.iterations)) {
-    if (share == 0) continue;
-    SPOOL_ASSIGN(const GreedyErrorMap map,
-                 greedy_error_map(statistics, pool, average, options, log.guards));
+  const auto choose = [&](long long share) -> Result<CountImage> {
+    SPOOL_ASSIGN(const GreedyErrorMap map, greedy_error_map(spending.statistics, pool, average,
+                                                            options, spending.log.guards));
     if (context.views != nullptr) context.views->add_next("error", map.error);
-    take_extra(statistics, pool,
-               hand_out_greedily(map, statistics, pool, share, per_pixel,
-                                 mix(context.seed, iteration++), options));
-    SPOOL_TRY(report_progress(context, "greedy_error", count_samples(statistics.n), budget));
-  }
-  return finished(std::move(log), std::move(statistics), pool);
+    return hand_out_greedily(map, spending.statistics, pool, share, per_pixel,
+                             mix(context.seed, iteration++), options);
+  };
+  SPOOL_TRY(spend_in_rounds(spending, pool, options.iterations, "greedy_error", context, choose));
+  return end_spending(std::move(spending), pool);
+}
+
+Sampler greedy_error_sampler() {
+  return make_value<SamplerFunction, GreedyErrorOptions>(
+      {.name = "greedy_error",
+       .summary = "where each pixel's best Gaussian still has the largest relative error",
+       .options = greedy_error_option_table(),
+       .views = {{"error.i", "relative error that more samples remove, iteration i"}},
+       .needs =
+           [](const GreedyErrorOptions& options) {
+             return Needs{.film_positions = options.grid == GreedyGrid::kPixel ? Use::kNone
+                                            : options.grid == GreedyGrid::kSubpixel
+                                                ? Use::kRequired
+                                                : Use::kWhenRecorded};
+           },
+       .run = sample_greedy_error});
 }
 
 }  // namespace spool

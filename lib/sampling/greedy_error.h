@@ -53,4 +53,6 @@ Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const
                                         double per_pixel, const GreedyErrorOptions& options,
                                         GuardCounts& guards);
 
+Sampler greedy_error_sampler();
+
 }  // namespace spool

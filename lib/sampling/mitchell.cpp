@@ -12,6 +12,7 @@
 #include "lib/core/parallel.h"
 #include "lib/core/parallel_sort.h"
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 #include "lib/statistics/contrast.h"
 
 namespace spool {
@@ -91,11 +92,10 @@ std::vector<int> room_of(const CountImage& n, const SamplePool& pool) {
   return room;
 }
 
-Result<void> run_rounds(PieceStatistics& statistics, const SamplePool& pool, long long left,
-                        const Thresholds& tau, const MitchellOptions& options,
-                        const SamplingContext& context) {
-  const long long budget = left + count_samples(statistics.n);
-  for (long long share : equal_shares(left, options.rounds)) {
+Result<void> run_rounds(Spending& spending, const SamplePool& pool, const Thresholds& tau,
+                        const MitchellOptions& options, const SamplingContext& context) {
+  const auto choose = [&](long long share) -> Result<CountImage> {
+    const PieceStatistics& statistics = spending.statistics;
     const Plane ratio = contrast_ratio(statistics, tau, options.window);
     const std::vector<int> room = room_of(statistics.n, pool);
     // Flagged first, least-sampled first, largest ratio first; where nothing is flagged the largest
@@ -113,15 +113,16 @@ Result<void> run_rounds(PieceStatistics& statistics, const SamplePool& pool, lon
       if (used == 0) break;  // all saturated
       share -= used;
     }
-    take_extra(statistics, pool, extra);
-    SPOOL_TRY(report_progress(context, "mitchell", count_samples(statistics.n), budget));
-  }
-  return {};
+    return extra;
+  };
+  return spend_in_rounds(spending, pool, options.rounds, "mitchell", context, choose);
 }
 
 // The two-level modes: one look at the base samples, one hand-out.
-void run_two_levels(PieceStatistics& statistics, const SamplePool& pool, long long left,
-                    const Thresholds& tau, const MitchellOptions& options) {
+void run_two_levels(Spending& spending, const SamplePool& pool, const Thresholds& tau,
+                    const MitchellOptions& options) {
+  const PieceStatistics& statistics = spending.statistics;
+  long long left = spending.left;
   const Plane ratio = contrast_ratio(statistics, tau, options.window);
   const std::vector<int> room = room_of(statistics.n, pool);
   const bool only_flagged = options.mode == MitchellMode::kTwoLevel;
@@ -144,7 +145,7 @@ void run_two_levels(PieceStatistics& statistics, const SamplePool& pool, long lo
       left -= used;
     }
   }
-  take_extra(statistics, pool, extra);
+  spend(spending, pool, extra);
 }
 
 }  // namespace
@@ -183,30 +184,34 @@ const OptionTable<MitchellOptions>& mitchell_option_table() {
 Result<SamplingResult> sample_mitchell(const SamplePool& pool, long long budget,
                                        const MitchellOptions& options,
                                        const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
-  SamplingLog log;
-  log.budget = budget;
   const bool rounds = options.mode == MitchellMode::kMultiRound;
   const int each =
       rounds ? options.init_spp.value_or(default_initial_samples(budget, pool)) : options.n_base;
-  PieceStatistics statistics =
-      prefix_statistics(pool, initial_counts(pool, budget, each, context.seed), {}, true);
-  log.initial = count_samples(statistics.n);
-  expose(statistics, pool, options.key, log.guards);
-  const Thresholds tau = is_grey(statistics)
+  Spending spending = begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed),
+                                     options.key, ChannelRange::kKept);
+  const Thresholds tau = is_grey(spending.statistics)
                              ? Thresholds{options.tau_grey, options.tau_grey, options.tau_grey}
                              : Thresholds{options.tau_red, options.tau_green, options.tau_blue};
-  const long long left = std::min(budget, pool.total_capacity()) - log.initial;
   if (rounds) {
-    SPOOL_TRY(run_rounds(statistics, pool, left, tau, options, context));
+    SPOOL_TRY(run_rounds(spending, pool, tau, options, context));
   } else {
-    run_two_levels(statistics, pool, left, tau, options);
+    run_two_levels(spending, pool, tau, options);
   }
   if (context.views != nullptr && context.views->wants("ratio")) {
-    context.views->add("ratio", contrast_ratio(statistics, tau, options.window));
+    context.views->add("ratio", contrast_ratio(spending.statistics, tau, options.window));
   }
   SPOOL_TRY(report_progress(context, "mitchell", budget, budget));
-  return finished(std::move(log), std::move(statistics), pool);
+  return end_spending(std::move(spending), pool);
+}
+
+Sampler mitchell_sampler() {
+  return make_value<SamplerFunction, MitchellOptions>(
+      {.name = "mitchell",
+       .summary = "pixels whose neighbourhood has a high contrast",
+       .source = Source::kDescriptions,
+       .options = mitchell_option_table(),
+       .views = {{"ratio", "largest contrast over its threshold, at the end"}},
+       .run = sample_mitchell});
 }
 
 }  // namespace spool

@@ -38,4 +38,6 @@ Result<SamplingResult> sample_mitchell(const SamplePool& pool, long long budget,
                                        const MitchellOptions& options,
                                        const SamplingContext& context);
 
+Sampler mitchell_sampler();
+
 }  // namespace spool

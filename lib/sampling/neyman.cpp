@@ -6,6 +6,7 @@
 
 #include "lib/core/parallel.h"
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 
 namespace spool {
 namespace {
@@ -43,26 +44,32 @@ const OptionTable<NeymanOptions>& neyman_option_table() {
 
 Result<SamplingResult> sample_neyman(const SamplePool& pool, long long budget,
                                      const NeymanOptions& options, const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
-  SamplingLog log;
-  log.budget = budget;
   CountImage n = initial_counts(pool, budget, options.init_spp, context.seed);
-  log.initial = count_samples(n);
+  const long long initial = count_samples(n);
   const Plane deviation = pool_deviation(pool);
   const CountImage none(pool.width(), pool.height());
   const CountImage ideal = hand_out(deviation, none, pool, budget);
   Plane missing(n.width(), n.height());
   for (std::size_t i = 0; i < n.size(); ++i)
     missing[i] = std::max(ideal[i] - n[i], 0);
-  const long long left = std::min(budget, pool.total_capacity()) - log.initial;
+  const long long left = std::min(budget, pool.total_capacity()) - initial;
   const CountImage extra = hand_out(missing, n, pool, left);
   for (std::size_t i = 0; i < n.size(); ++i)
     n[i] += extra[i];
   if (context.views != nullptr) context.views->add("deviation", deviation);
-  PieceStatistics statistics = prefix_statistics(pool, n);
-  expose(statistics, pool, options.key, log.guards);
+  Spending spending = begin_spending(pool, budget, n, options.key);
+  spending.log.initial = initial;
   SPOOL_TRY(report_progress(context, "neyman", budget, budget));
-  return finished(std::move(log), std::move(statistics), pool);
+  return end_spending(std::move(spending), pool);
+}
+
+Sampler neyman_sampler() {
+  return make_value<SamplerFunction, NeymanOptions>(
+      {.name = "neyman",
+       .summary = "oracle: by the deviation of everything recorded",
+       .options = neyman_option_table(),
+       .views = {{"deviation", "deviation of everything recorded"}},
+       .run = sample_neyman});
 }
 
 }  // namespace spool

@@ -17,4 +17,6 @@ const OptionTable<NeymanOptions>& neyman_option_table();
 Result<SamplingResult> sample_neyman(const SamplePool& pool, long long budget,
                                      const NeymanOptions& options, const SamplingContext& context);
 
+Sampler neyman_sampler();
+
 }  // namespace spool

@@ -10,6 +10,7 @@
 #include "lib/pyramid/convolution.h"
 #include "lib/sampling/apportion.h"
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 #include "lib/statistics/variance_option.h"
 
 namespace spool {
@@ -114,26 +115,28 @@ Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool
 Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
                                        const NlMeansSamplingOptions& options,
                                        const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
-  SamplingLog log;
-  log.budget = budget;
-  PieceStatistics statistics =
-      prefix_statistics(pool, initial_counts(pool, budget, options.init_spp, context.seed));
-  log.initial = count_samples(statistics.n);
-  expose(statistics, pool, options.key, log.guards);
+  Spending spending = begin_spending(
+      pool, budget, initial_counts(pool, budget, options.init_spp, context.seed), options.key);
   const long long pieces = static_cast<long long>(pool.width()) * pool.height();
   const long long most = std::max(1LL, budget / pieces);
-
-  const long long left = std::min(budget, pool.total_capacity()) - log.initial;
-  for (const long long share : equal_shares(left, options.iterations)) {
-    if (share == 0) continue;
-    SPOOL_ASSIGN(Plane error, nl_means_error(statistics, pool, options, log.guards));
+  const auto choose = [&](long long share) -> Result<CountImage> {
+    SPOOL_ASSIGN(Plane error,
+                 nl_means_error(spending.statistics, pool, options, spending.log.guards));
     if (context.views != nullptr) context.views->add_next("error", error);
     error = gaussian_blur(error, options.blur);
-    take_extra(statistics, pool, hand_out_limited(error, statistics.n, pool, share, most));
-    SPOOL_TRY(report_progress(context, "nl_means", count_samples(statistics.n), budget));
-  }
-  return finished(std::move(log), std::move(statistics), pool);
+    return hand_out_limited(error, spending.statistics.n, pool, share, most);
+  };
+  SPOOL_TRY(spend_in_rounds(spending, pool, options.iterations, "nl_means", context, choose));
+  return end_spending(std::move(spending), pool);
+}
+
+Sampler nl_means_sampler() {
+  return make_value<SamplerFunction, NlMeansSamplingOptions>(
+      {.name = "nl_means",
+       .summary = "where NL-means disagrees on two halves of the samples",
+       .options = nl_means_sampling_option_table(),
+       .views = {{"error.i", "error before its smoothing, iteration i"}},
+       .run = sample_nl_means});
 }
 
 }  // namespace spool

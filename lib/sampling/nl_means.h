@@ -37,4 +37,6 @@ Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
 Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
                              const NlMeansSamplingOptions& options, GuardCounts& guards);
 
+Sampler nl_means_sampler();
+
 }  // namespace spool

@@ -1,6 +1,5 @@
 #include "lib/sampling/rounds.h"
 
-#include "lib/core/parallel.h"
 #include "lib/sampling/apportion.h"
 #include "lib/sampling/uniform.h"
 
@@ -41,41 +40,17 @@ CountImage hand_out(const Plane& weights, const CountImage& n, const SamplePool&
   return extra;
 }
 
-void take_extra(PieceStatistics& statistics, const SamplePool& pool, const CountImage& extra) {
-  SPOOL_CHECK(extra.same_size(statistics.n));
-  parallel_rows(0, extra.height(), [&](int y) {
-    for (int x = 0; x < extra.width(); ++x)
-      take(statistics, pool, x, y, extra(x, y));
-  });
-}
-
-Result<void> report_progress(const SamplingContext& context, std::string_view sampler,
-                             long long spent, long long budget) {
-  if (context.progress && budget > 0) {
-    context.progress(static_cast<double>(spent) / static_cast<double>(budget));
-  }
-  if (context.cancelled != nullptr && (*context.cancelled)()) {
-    return fail(ErrorCode::kData, "{}: cancelled", sampler);
+Result<void> spend_in_rounds(Spending& spending, const SamplePool& pool, int rounds,
+                             std::string_view sampler, const SamplingContext& context,
+                             const std::function<Result<CountImage>(long long share)>& choose) {
+  for (const long long share : equal_shares(spending.left, rounds)) {
+    if (share == 0) continue;
+    SPOOL_ASSIGN(const CountImage extra, choose(share));
+    spend(spending, pool, extra);
+    SPOOL_TRY(report_progress(context, sampler, count_samples(spending.statistics.n),
+                              spending.log.budget));
   }
   return {};
-}
-
-void expose(PieceStatistics& statistics, const SamplePool& pool, double key, GuardCounts& guards) {
-  AnalysisSignal signal;
-  signal.exposure = exposure_of(statistics, key, guards);
-  set_signal(statistics, pool, signal);
-}
-
-SamplingResult finished(SamplingLog log, PieceStatistics statistics, const SamplePool& pool) {
-  log.spent = count_samples(statistics.n);
-  finish_log(log, pool, statistics.n);
-  // What a sampler kept for itself; a selection is what its counts say.
-  statistics.channel_minimum.reset();
-  statistics.channel_maximum.reset();
-  SamplingResult result;
-  result.log = std::move(log);
-  result.selection.statistics = std::move(statistics);
-  return result;
 }
 
 }  // namespace spool

@@ -3,13 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lib/core/image.h"
 #include "lib/core/option_table.h"
-#include "lib/sampling/sampler.h"
+#include "lib/sampling/spending.h"
 
 namespace spool {
 
@@ -29,18 +31,10 @@ std::vector<long long> equal_shares(long long total, int rounds);
 CountImage hand_out(const Plane& weights, const CountImage& n, const SamplePool& pool,
                     long long share);
 
-// Takes `extra` samples of every piece, in parallel.
-void take_extra(PieceStatistics& statistics, const SamplePool& pool, const CountImage& extra);
-
-// Tells the context how far a sampler is; an error when the caller wants to stop.
-Result<void> report_progress(const SamplingContext& context, std::string_view sampler,
-                             long long spent, long long budget);
-
-// Exposes the statistics' luminance to mean `key`, frozen from then on.
-void expose(PieceStatistics& statistics, const SamplePool& pool, double key, GuardCounts& guards);
-
-// Closes a run: counts what was spent and saturated. `log.budget` and `log.initial` are set before.
-SamplingResult finished(SamplingLog log, PieceStatistics statistics, const SamplePool& pool);
+// Spends what is left in equal shares: `choose` says where each goes, by what was taken before.
+Result<void> spend_in_rounds(Spending& spending, const SamplePool& pool, int rounds,
+                             std::string_view sampler, const SamplingContext& context,
+                             const std::function<Result<CountImage>(long long share)>& choose);
 
 // An option that is a whole number or a word that stands for "decide yourself".
 template <class Options>

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lib/core/random.h"
+#include "lib/sampling/spending.h"
 
 namespace spool {
 
@@ -14,7 +15,7 @@ const OptionTable<UniformOptions>& uniform_option_table() {
       choice_option<O, ExposureMode>(
           "exposure", &O::exposure,
           {{"normalise", ExposureMode::kNormalise}, {"none", ExposureMode::kNone}},
-          "scale of the analysis signal that reconstructors see"),
+          "scale of the analysis signal that filters see"),
       number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised analysis signal"),
   };
   return table;
@@ -66,22 +67,21 @@ CountImage raise_least_sampled(const CountImage& n, const SamplePool& pool, cons
 Result<SamplingResult> sample_uniform(const SamplePool& pool, long long budget,
                                       const UniformOptions& options,
                                       const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
-  SamplingResult result;
-  result.log.budget = budget;
   const CountImage none(pool.width(), pool.height());
-  PieceStatistics& statistics = result.selection.statistics;
-  statistics =
-      prefix_statistics(pool, raise_least_sampled(none, pool, none.bounds(), budget, context.seed));
-  result.log.spent = count_samples(statistics.n);
-  result.log.initial = result.log.spent;
-  if (options.exposure == ExposureMode::kNormalise) {
-    AnalysisSignal signal;
-    signal.exposure = exposure_of(statistics, options.key, result.log.guards);
-    set_signal(statistics, pool, signal);
-  }
-  finish_log(result.log, pool, statistics.n);
-  return result;
+  const bool exposed = options.exposure == ExposureMode::kNormalise;
+  return end_spending(
+      begin_spending(pool, budget,
+                     raise_least_sampled(none, pool, none.bounds(), budget, context.seed),
+                     exposed ? std::optional(options.key) : std::nullopt),
+      pool);
+}
+
+Sampler uniform_sampler() {
+  return make_value<SamplerFunction, UniformOptions>(
+      {.name = "uniform",
+       .summary = "the same number of samples in every piece",
+       .options = uniform_option_table(),
+       .run = sample_uniform});
 }
 
 }  // namespace spool

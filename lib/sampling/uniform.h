@@ -33,4 +33,6 @@ CountImage raise_least_sampled(const CountImage& n, const SamplePool& pool, cons
                                long long budget, std::uint64_t seed,
                                int limit = std::numeric_limits<int>::max());
 
+Sampler uniform_sampler();
+
 }  // namespace spool

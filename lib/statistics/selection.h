@@ -1,4 +1,4 @@
-// What a sampler hands to a reconstructor: the statistics of every prefix it took, and the
+// What a sampler hands to a filter: the statistics of every prefix it took, and the
 // attenuation of each level where it kept one.
 //
 // A replay always takes a prefix of each pool, so the counts say everything: statistics can be

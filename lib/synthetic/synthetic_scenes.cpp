@@ -237,7 +237,6 @@ Result<AnalyticScene> synthetic_scene(std::string_view name, int width, int heig
     return fail(ErrorCode::kUsage, "a picture of {} x {} pixels: give at least 1 x 1", width,
                 height);
   }
-  std::vector<std::string> names;
   for (const SyntheticEntry& entry : synthetic_scenes()) {
     if (entry.name == name) {
       AnalyticScene scene = entry.make(width, height, options);
@@ -246,12 +245,9 @@ Result<AnalyticScene> synthetic_scene(std::string_view name, int width, int heig
       scene.height = height;
       return scene;
     }
-    names.push_back(entry.name);
   }
-  const std::string near = nearest_name(name, names);
-  return fail(ErrorCode::kUsage, "unknown scene '{}'{}", name,
-              near.empty() ? std::string(": see spool synth --help")
-                           : fmt::format(": did you mean '{}'?", near));
+  return fail(ErrorCode::kUsage, "{}",
+              unknown_name("scene", name, names_of(synthetic_scenes()), ": see spool list scenes"));
 }
 
 }  // namespace spool

@@ -8,6 +8,7 @@
 #include "lib/directions/directional_filter_bank.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/pyramid/laplacian_pyramid.h"
+#include "lib/sampling/spending.h"
 #include "tests/hard_cases/moved_world.h"
 #include "tests/support/every_method.h"
 
@@ -46,7 +47,7 @@ void print(const std::string& name, const Hash& hash) {
 void print_methods(const test::World& world, const std::string& where) {
   const SamplePool pool = test::record(world);
   const Reference reference = test::mean_of_everything(pool);
-  const auto filters = test::every_reconstructor(false);
+  const auto filters = test::every_filter(false);
   for (const auto& sampler : test::every_sampler(false)) {
     const auto sampled =
         sampler.run(pool, sample_budget(4, pool.recording()), test::sampling_context());
@@ -61,7 +62,7 @@ void print_methods(const test::World& world, const std::string& where) {
     print(fmt::format("{} sampler {}", where, sampler.label()), hash);
     if (sampler.name != "uniform" && sampler.name != "multiscale") continue;
     for (const auto& filter : filters) {
-      ReconstructionContext context;
+      FilterContext context;
       context.reference = &reference;
       const auto result = filter.run(selection, pool, context);
       SPOOL_CHECK(result.has_value());

@@ -1,12 +1,12 @@
-// Every sampler and every reconstructor of the lists, in each of its presets, gives the same bits
+// Every sampler and every filter of the lists, in each of its presets, gives the same bits
 // with 1, 2, 3, 5 and 8 threads, three times each. A method that joins a list joins this test.
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "lib/core/random.h"
-#include "lib/filters/reconstructor.h"
-#include "lib/sampling/sampler.h"
+#include "lib/filters/filters.h"
+#include "lib/sampling/samplers.h"
 #include "tests/support/memory_pool.h"
 #include "tests/support/thread_count.h"
 
@@ -65,9 +65,9 @@ TEST(EveryMethodDeterminism, BitsOfSamplersDoNotDependOnThreads) {
     return pixel_means(selection.statistics, guards);
   };
   const long long budget = 3LL * kWidth * kHeight + 7;
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     for (const std::string& preset : presets_of(entry)) {
-      const auto sampler = make_sampler(entry.name, preset, {});
+      const auto sampler = make_method(samplers(), {entry.name, preset, {}});
       ASSERT_TRUE(sampler.has_value()) << sampler.error().message;
       expect_same_bits(
           entry.name + ":" + preset, [&] { return (*sampler)(pool, budget, context); },
@@ -81,17 +81,17 @@ TEST(EveryMethodDeterminism, BitsOfSamplersDoNotDependOnThreads) {
   }
 }
 
-TEST(EveryMethodDeterminism, BitsOfReconstructorsDoNotDependOnThreads) {
+TEST(EveryMethodDeterminism, BitsOfFiltersDoNotDependOnThreads) {
   const SamplePool pool = noisy_pool();
-  const auto sampler = make_sampler("multiscale", "", {{"epochs", "8"}});
+  const auto sampler = make_method(samplers(), {"multiscale", "", {{"epochs", "8"}}});
   const auto sampled = (*sampler)(pool, 4LL * kWidth * kHeight, {});
   ASSERT_TRUE(sampled.has_value());
   const Reference reference{sampled->selection.statistics.mean, std::nullopt};
-  ReconstructionContext context;
+  FilterContext context;
   context.reference = &reference;  // for oracles
-  for (const ReconstructorEntry& entry : reconstructors()) {
+  for (const Filter& entry : filters()) {
     for (const std::string& preset : presets_of(entry)) {
-      const auto filter = make_reconstructor(entry.name, preset, {});
+      const auto filter = make_method(filters(), {entry.name, preset, {}});
       ASSERT_TRUE(filter.has_value()) << filter.error().message;
       expect_same_bits(
           entry.name + ":" + preset, [&] { return (*filter)(sampled->selection, pool, context); },

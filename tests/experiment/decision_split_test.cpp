@@ -5,8 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/filters/reconstructor.h"
-#include "lib/sampling/sampler.h"
+#include "lib/filters/filters.h"
+#include "lib/sampling/samplers.h"
+#include "lib/sampling/spending.h"
 #include "tests/support/memory_pool.h"
 
 namespace spool {
@@ -29,13 +30,13 @@ double mean_of(const RgbImage& image) {
   return sum / static_cast<double>(image[1].size());
 }
 
-const ReconstructorFunction& box() {
-  static const ReconstructorFunction filter = average_halves(*make_reconstructor("box", "", {}));
+const ReadyFilter& box() {
+  static const ReadyFilter filter = average_halves(*make_method(filters(), {"box", "", {}}));
   return filter;
 }
 
 TEST(DecisionSplit, IsUnbiasedWhereTheAdaptiveMeanLosesEnergy) {
-  const auto ordinary = *make_sampler("multiscale", "", {{"epochs", "24"}});
+  const auto ordinary = *make_method(samplers(), {"multiscale", "", {{"epochs", "24"}}});
   const auto split = split_decisions(ordinary);
   constexpr int kRuns = 6;
   double ordinary_mean = 0.0, split_mean = 0.0, square = 0.0;
@@ -60,7 +61,7 @@ TEST(DecisionSplit, IsUnbiasedWhereTheAdaptiveMeanLosesEnergy) {
 
 TEST(DecisionSplit, EachHalfIsCountedByTheOther) {
   const SamplePool pool = rare_events(3);
-  const auto sampler = *make_sampler("multiscale", "", {{"epochs", "8"}});
+  const auto sampler = *make_method(samplers(), {"multiscale", "", {{"epochs", "8"}}});
   SamplingContext context;
   context.seed = 5;
   const auto sampled = split_decisions(sampler)(pool, kBudget + 1, context);
@@ -95,7 +96,8 @@ TEST(DecisionSplit, NoSampleOfAHalfChangesItsOwnCount) {
       return Rgb{value, value, value};
     }));
   };
-  const auto split = split_decisions(*make_sampler("multiscale", "", {{"epochs", "8"}}));
+  const auto split =
+      split_decisions(*make_method(samplers(), {"multiscale", "", {{"epochs", "8"}}}));
   const auto a = split(pool_with(1.0f), 32 * 32 * 8, {});
   const auto b = split(pool_with(9.0f), 32 * 32 * 8, {});
   EXPECT_EQ(a->selection.halves[1].statistics.n, b->selection.halves[1].statistics.n);
@@ -104,7 +106,7 @@ TEST(DecisionSplit, NoSampleOfAHalfChangesItsOwnCount) {
 
 TEST(DecisionSplit, OfUniformCountsTheImageIsTheOrdinaryOne) {
   const SamplePool pool = rare_events(1);
-  const auto uniform = *make_sampler("uniform", "", {});
+  const auto uniform = *make_method(samplers(), {"uniform", "", {}});
   const auto split = split_decisions(uniform)(pool, kBudget, {});
   EXPECT_EQ(split->log.spent, kBudget);
   const auto image = box()(split->selection, pool, {})->image;
@@ -118,7 +120,8 @@ TEST(DecisionSplit, PoolsOfOddLengthAreAveragedAsFarAsTheyGo) {
     const auto value = static_cast<float>(unit_double(mix(4, x, y, s)));
     return Rgb{value, value, value};
   }));
-  const auto sampled = split_decisions(*make_sampler("uniform", "", {}))(pool, 9 * 7 * 5, {});
+  const auto sampled =
+      split_decisions(*make_method(samplers(), {"uniform", "", {}}))(pool, 9 * 7 * 5, {});
   ASSERT_TRUE(sampled.has_value());
   for (int h = 0; h < 2; ++h) {
     const CountImage& n = sampled->selection.halves[static_cast<std::size_t>(h)].statistics.n;

@@ -32,9 +32,9 @@ struct Laboratory {
             [](const MethodChoice& choice) { return filter(choice); }};
   }
 
-  Result<SamplerFunction> sampler(const MethodChoice& choice) {
-    return SamplerFunction([this, choice](const SamplePool& pool, long long budget,
-                                          const SamplingContext&) -> Result<SamplingResult> {
+  Result<ReadySampler> sampler(const MethodChoice& choice) {
+    const SamplerFunction run = [this, choice](const SamplePool& pool, long long budget,
+                                               const SamplingContext&) -> Result<SamplingResult> {
       ++sampled[choice.name];
       if (choice.name == "broken") return fail(ErrorCode::kData, "broken on purpose");
       SamplingResult result;
@@ -44,19 +44,21 @@ struct Laboratory {
       result.log.spent =
           take_everywhere(result.selection.statistics, pool, static_cast<int>(budget / pieces));
       return result;
-    });
+    };
+    return ReadySampler{run, {.filter_in_loop = choice.name == "by_filter"}};
   }
 
-  static Result<ReconstructorFunction> filter(const MethodChoice& choice) {
+  static Result<ReadyFilter> filter(const MethodChoice& choice) {
     if (choice.name == "unknown") return fail(ErrorCode::kUsage, "unknown filter 'unknown'");
-    return ReconstructorFunction([choice](const Selection& selection, const SamplePool&,
-                                          const ReconstructionContext&) -> Result<Reconstruction> {
+    const FilterFunction run = [choice](const Selection& selection, const SamplePool&,
+                                        const FilterContext&) -> Result<Reconstruction> {
       Reconstruction result;
       result.image = pixel_means(selection.statistics, result.guards);
       if (choice.name == "zero") result.image = make_rgb(40, 30);
       if (choice.name == "nan") result.image[0](0, 0) = std::nan("");
       return result;
-    });
+    };
+    return ReadyFilter{run, {}};
   }
 };
 
@@ -234,11 +236,13 @@ TEST(EnergyMasks, AreTheRatioOfSumsInsideThem) {
 TEST(Experiment, AnExceptionIsTheErrorOfItsCell) {
   Laboratory laboratory;
   ExperimentSources sources = laboratory.sources();
-  sources.filter = [](const MethodChoice& choice) -> Result<ReconstructorFunction> {
+  sources.filter = [](const MethodChoice& choice) -> Result<ReadyFilter> {
     if (choice.name == "mean") return Laboratory::filter(choice);
-    return ReconstructorFunction(
-        [](const Selection&, const SamplePool&,
-           const ReconstructionContext&) -> Result<Reconstruction> { throw std::bad_alloc(); });
+    return ReadyFilter{
+        [](const Selection&, const SamplePool&, const FilterContext&) -> Result<Reconstruction> {
+          throw std::bad_alloc();
+        },
+        {}};
   };
   const auto results = run_experiment(
       all_cells({"one"}, {method("uniform")}, {method("huge"), method("mean")}, {4}, 1), {},

@@ -17,26 +17,25 @@ const OptionTable<ToyOptions> kToyTable = {
     switch_option("fast", &ToyOptions::fast, "quickly")};
 
 // An entry that knows the toy options and the preset "robust".
-template <class Entry, class Function>
-Entry toy(const std::string& name) {
-  Entry entry;
+template <class Function>
+Method<Function> toy(const std::string& name) {
+  Method<Function> entry;
   entry.name = name;
   entry.presets = {"robust"};
-  entry.make = [](std::string_view preset, const OptionValues& set) -> Result<Function> {
+  entry.make = [](std::string_view preset, const OptionValues& set) -> Result<Ready<Function>> {
     if (!preset.empty() && preset != "robust") {
       return fail(ErrorCode::kUsage, "unknown preset '{}'", preset);
     }
     SPOOL_ASSIGN(const ToyOptions options, with_options(kToyTable, ToyOptions{}, set));
     static_cast<void>(options);
-    return Function{};
+    return Ready<Function>{};
   };
   return entry;
 }
 
-const std::vector<SamplerEntry> kSamplers = {toy<SamplerEntry, SamplerFunction>("uniform"),
-                                             toy<SamplerEntry, SamplerFunction>("multiscale")};
-const std::vector<ReconstructorEntry> kFilters = {
-    toy<ReconstructorEntry, ReconstructorFunction>("box")};
+const MethodList<SamplerFunction> kSamplers = {
+    "sampler", {toy<SamplerFunction>("uniform"), toy<SamplerFunction>("multiscale")}};
+const MethodList<FilterFunction> kFilters = {"filter", {toy<FilterFunction>("box")}};
 
 Result<Plan> parse(std::string_view text) {
   return parse_plan(text, "plan.toml", "lab", {kSamplers, kFilters});
@@ -104,12 +103,12 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
       {"replicate = 3", "plan.toml:5: unknown key 'replicate', did you mean 'replicates'?"},
       {"replicates = 0", "plan.toml:5: option replicates: 0 is outside"},
       {"replicates = 2.5", "plan.toml:5: option replicates: '2.5' is not a whole number"},
-      {"reference = 'holdut'", "plan.toml:5: unknown reference 'holdut': did you mean 'holdout'?"},
+      {"reference = 'holdut'", "plan.toml:5: unknown reference 'holdut', did you mean 'holdout'?"},
       {"order = 'random'", "plan.toml:5: order is shuffled or recorded"},
       {"[[sampler]]\nname = 'multiscal'",
        "plan.toml:5: unknown sampler 'multiscal', did you mean 'multiscale'?"},
       {"[[sampler]]\nname = 'multiscale'\nalhpa = 0.5",
-       "plan.toml:5: sampler multiscale: unknown option 'alhpa': did you mean 'alpha'?"},
+       "plan.toml:5: sampler multiscale: unknown option 'alhpa', did you mean 'alpha'?"},
       {"[[sampler]]\nname = 'multiscale'\nalpha = [0.5, 7]", "option alpha: 7 is outside"},
       {"[[sampler]]\nname = 'multiscale'\npreset = 'x'", "unknown preset 'x'"},
       {"[[sampler]]\nname = 'multiscale'\nalpha = []", "'alpha' has no value"},
@@ -147,21 +146,27 @@ TEST(Plan, RecordingsWithOneNameAreRefused) {
       parse("recordings = 'a'\nspp = [4, 4]\nsamplers = 'uniform'\nfilters = 'box'").has_value());
 }
 
-TEST(Plan, MethodsWithAColonAreMadeByWhoeverCan) {
+TEST(Plan, MethodsWithAnArgumentAreWrittenInFull) {
   const std::string text =
-      "recordings = 'a.spool'\nspp = 4\nsamplers = 'exec:python3 mine.py'\nfilters = 'box'\n";
+      "recordings = 'a.spool'\nspp = 4\nsamplers = 'exec:python3 mine.py {a=1}'\nfilters = 'box'\n";
   EXPECT_FALSE(parse(text).has_value());
+  MethodList<SamplerFunction> samplers = kSamplers;
   std::string asked;
-  const PlanVocabulary vocabulary{kSamplers, kFilters,
-                                  [&](const MethodChoice& choice) -> Result<SamplerFunction> {
-                                    asked = choice.name;
-                                    return SamplerFunction{};
-                                  },
-                                  nullptr};
-  const auto plan = parse_plan(text, "plan.toml", "lab", vocabulary);
+  Method<SamplerFunction> exec;
+  exec.name = "exec";
+  exec.argument = "COMMAND";
+  exec.make = [&](std::string_view argument, const OptionValues&) -> Result<ReadySampler> {
+    asked = argument;
+    return ReadySampler{};
+  };
+  samplers.methods.push_back(exec);
+  const auto plan = parse_plan(text, "plan.toml", "lab", {samplers, kFilters});
   ASSERT_TRUE(plan.has_value()) << plan.error().message;
-  EXPECT_EQ(asked, "exec:python3 mine.py");
-  EXPECT_EQ(plan->samplers[0].label(), "exec:python3 mine.py");
+  EXPECT_EQ(asked, "python3 mine.py {a=1}");
+  EXPECT_EQ(plan->samplers[0].label(), "exec:python3 mine.py {a=1}");
+  const auto again = parse_plan(plan_text(*plan), "plan.toml", "lab", {samplers, kFilters});
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(again->samplers, plan->samplers);
 }
 
 TEST(Plan, ItsTextReadsBackToTheSameCells) {

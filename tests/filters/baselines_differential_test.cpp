@@ -43,7 +43,7 @@ TEST(GreedySelectionDifferential, ImagesVariancesAndScalesAgree) {
       GreedySelectionOptions options;
       options.grid = subpixel ? GreedyGrid::kSubpixel : GreedyGrid::kPixel;
       options.scales = 6;
-      const auto result = reconstruct_greedy_selection(selection, pool, {}, options);
+      const auto result = reconstruct_greedy_selection(selection, pool, options, {});
       ASSERT_TRUE(result.has_value());
 
       const PieceStatistics& statistics = selection.statistics;

@@ -1,8 +1,9 @@
-// Laws of the reconstructors that the directional one is compared with.
+// Laws of the filters that the directional one is compared with.
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "lib/filters/filters.h"
 #include "lib/filters/given_image.h"
 #include "lib/filters/greedy_selection.h"
 #include "lib/filters/multistage.h"
@@ -54,12 +55,12 @@ TEST(Baselines, AllFiltersBeatTheBoxOnANoisyPicture) {
   const Selection selection = select_uniform(pool, 4);
   const RgbImage truth = clean_picture(size, size, 99);
   const Reference reference{truth, std::nullopt};
-  ReconstructionContext context;
+  FilterContext context;
   context.reference = &reference;
-  const auto box = (*make_reconstructor("box", "", {}))(selection, pool, context);
+  const auto box = (*make_method(filters(), {"box", "", {}}))(selection, pool, context);
   for (const char* name :
        {"greedy_selection", "nl_means", "wavelet_shrinkage", "oracle_scale", "directional"}) {
-    const auto result = (*make_reconstructor(name, "", {}))(selection, pool, context);
+    const auto result = (*make_method(filters(), {name, "", {}}))(selection, pool, context);
     ASSERT_TRUE(result.has_value()) << name;
     EXPECT_LT(error_against(result->image, truth), 0.6 * error_against(box->image, truth)) << name;
   }
@@ -70,7 +71,7 @@ TEST(Baselines, ConstantsArePreserved) {
       21, 18, 6, [](int, int, int) { return Rgb{0.1f, 0.7f, 1234.5f}; }, {}, random_film(6));
   const Selection selection = select_counts(pool, [](int x, int y) { return 1 + (x + y) % 6; });
   for (const char* name : {"greedy_selection", "nl_means", "wavelet_shrinkage", "multistage"}) {
-    const auto result = (*make_reconstructor(name, "", {}))(selection, pool, {});
+    const auto result = (*make_method(filters(), {name, "", {}}))(selection, pool, {});
     ASSERT_TRUE(result.has_value()) << name;
     // The taps of the 9-7 filters are known to 15 digits.
     for (const double v : result->image[1].pixels())
@@ -93,7 +94,7 @@ TEST(Baselines, ExposureByAPowerOfTwoScalesExactly) {
       },
       {}, random_film(4));
   for (const char* name : {"greedy_selection", "nl_means", "wavelet_shrinkage", "multistage"}) {
-    const auto make = make_reconstructor(name, "", {});
+    const auto make = make_method(filters(), {name, "", {}});
     const auto a = (*make)(select_uniform(pool, 4), pool, {});
     const auto b = (*make)(select_uniform(scaled, 4), scaled, {});
     for (std::size_t i = 0; i < a->image[0].size(); ++i)
@@ -117,7 +118,7 @@ TEST(GreedySelection, SubpixelGridNeedsFilmPositions) {
   const SamplePool pool = make_pool(5, 5, 4, noisy_picture(5, 5, 1));
   GreedySelectionOptions options;
   options.grid = GreedyGrid::kSubpixel;
-  const auto result = reconstruct_greedy_selection(select_uniform(pool, 4), pool, {}, options);
+  const auto result = reconstruct_greedy_selection(select_uniform(pool, 4), pool, options, {});
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::kData);
 }
@@ -155,7 +156,7 @@ TEST(WaveletShrinkage, LambdaZeroReturnsTheInput) {
       WaveletShrinkageOptions options;
       options.wavelet = wavelet;
       options.lambda = 0.0;
-      const auto result = reconstruct_wavelet_shrinkage(selection, pool, {}, options);
+      const auto result = reconstruct_wavelet_shrinkage(selection, pool, options, {});
       EXPECT_LT(reference::max_difference(result->image[0], selection.statistics.mean[0]), 1e-12);
     }
   }
@@ -202,12 +203,12 @@ TEST(OracleScale, IsNeverWorseThanTheBoxWhenEveryPixelChooses) {
   const int size = 32;
   const SamplePool pool = make_pool(size, size, 4, noisy_picture(size, size, 3));
   const Reference reference{clean_picture(size, size, 98), std::nullopt};
-  ReconstructionContext context;
+  FilterContext context;
   context.reference = &reference;
   OracleScaleOptions options;
   options.error_smoothing = 0.0;
   const Selection selection = select_uniform(pool, 4);
-  const auto result = reconstruct_oracle_scale(selection, pool, context, options);
+  const auto result = reconstruct_oracle_scale(selection, pool, options, context);
   for (int i = 0; i < size * size; ++i) {
     double mine = 0.0, box = 0.0;
     for (std::size_t c = 0; c < 3; ++c) {

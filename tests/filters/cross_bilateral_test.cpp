@@ -83,7 +83,7 @@ TEST(CrossBilateral, WithTheInputAloneReturnsIt) {
   CrossBilateralOptions options;
   options.scales = {0};
   const Selection selection = select_uniform(pool, 5);
-  EXPECT_EQ(reconstruct_cross_bilateral(selection, pool, {}, options)->image,
+  EXPECT_EQ(reconstruct_cross_bilateral(selection, pool, options, {})->image,
             selection.statistics.mean);
 }
 

@@ -7,7 +7,7 @@
 
 #include "lib/filters/box.h"
 #include "lib/filters/directional/part.h"
-#include "lib/filters/reconstructor.h"
+#include "lib/filters/filters.h"
 #include "tests/filters/directional_cases.h"
 #include "tests/filters/small_pools.h"
 #include "tests/reference/test_images.h"
@@ -25,9 +25,9 @@ using testing::select_uniform;
 
 Reconstruction run(const Selection& selection, const SamplePool& pool,
                    const DirectionalOptions& options = {}, Views* views = nullptr) {
-  ReconstructionContext context;
+  FilterContext context;
   context.views = views;
-  auto result = reconstruct_directional(selection, pool, context, options);
+  auto result = reconstruct_directional(selection, pool, options, context);
   EXPECT_TRUE(result.has_value());
   return std::move(*result);
 }
@@ -267,7 +267,8 @@ TEST(Directional, AnEdgeOfColourAloneIsSeenByTheChannels) {
   const SamplePool pool = equal_luminance();
   const Selection selection = testing::select_uniform(pool, 8);
   const auto by = [&](const char* channel) {
-    const auto filter = *make_reconstructor("directional", "", {{"analysis_channel", channel}});
+    const auto filter =
+        *make_method(filters(), {"directional", "", {{"analysis_channel", channel}}});
     return *filter(selection, pool, {});
   };
   const Reconstruction luminance = by("luminance"), channels = by("per_channel");
@@ -286,9 +287,9 @@ TEST(Directional, GreySamplesHaveTheSizesOfLuminanceInEveryChannel) {
   });
   const Selection selection = testing::select_uniform(pool, 6);
   for (const char* preset : {"robust", "paper"}) {
-    const auto luminance = *make_reconstructor("directional", preset, {});
+    const auto luminance = *make_method(filters(), {"directional", preset, {}});
     const auto channels =
-        *make_reconstructor("directional", preset, {{"analysis_channel", "per_channel"}});
+        *make_method(filters(), {"directional", preset, {{"analysis_channel", "per_channel"}}});
     const Reconstruction a = *luminance(selection, pool, {}), b = *channels(selection, pool, {});
     std::size_t differ = 0;
     for (std::size_t i = 0; i < a.level->size(); ++i)

@@ -16,7 +16,7 @@ TEST(GaussianDifferential, ImageAndVarianceAgreeWithTheDoubleSum) {
     const Selection selection = testing::select_uniform(pool, 4);
     const auto box = reconstruct_box(selection, pool, {}, {});
     for (const double sigma : {0.0, 0.5, 1.0, 2.7}) {
-      const auto result = reconstruct_gaussian(selection, pool, {}, {.sigma = sigma});
+      const auto result = reconstruct_gaussian(selection, pool, {.sigma = sigma}, {});
       ASSERT_TRUE(result.has_value());
       for (std::size_t c = 0; c < 3; ++c) {
         EXPECT_LT(reference::max_difference(result->image[c],

@@ -1,8 +1,8 @@
-// Every reconstructor gives the same bits for any number of threads.
+// Every filter gives the same bits for any number of threads.
 #include <gtest/gtest.h>
 
 #include "lib/core/parallel.h"
-#include "lib/filters/reconstructor.h"
+#include "lib/filters/filters.h"
 #include "tests/filters/small_pools.h"
 
 namespace spool {
@@ -19,13 +19,13 @@ TEST(ReconstructionDeterminism, BitsDoNotDependOnThreads) {
   const Selection selection =
       testing::select_counts(pool, [](int x, int y) { return 1 + (5 * x + 3 * y) % 8; });
   const Reference reference{selection.statistics.mean, std::nullopt};
-  ReconstructionContext context;
+  FilterContext context;
   context.reference = &reference;  // for oracles
-  for (const ReconstructorEntry& entry : reconstructors()) {
+  for (const Filter& entry : filters()) {
     std::vector<std::string> presets = entry.presets;
     if (presets.empty()) presets.push_back("");
     for (const std::string& preset : presets) {
-      const auto filter = make_reconstructor(entry.name, preset, {});
+      const auto filter = make_method(filters(), {entry.name, preset, {}});
       std::optional<Reconstruction> first;
       for (const int threads : {1, 2, 3, 8}) {
         const ThreadLimit limit(threads);

@@ -54,10 +54,10 @@ TEST(OracleScaleDifferential, TheChosenScaleHasTheLeastErrorOfTheSlowTwin) {
     for (std::size_t c = 0; c < 3; ++c)
       truth[c] = reference::noise_image(width, height, 20 + c);
     const Reference reference{truth, std::nullopt};
-    ReconstructionContext context;
+    FilterContext context;
     context.reference = &reference;
     for (const double smoothing : {0.0, 1.0}) {
-      const auto result = reconstruct_oracle_scale(selection, pool, context, {6, smoothing});
+      const auto result = reconstruct_oracle_scale(selection, pool, {6, smoothing}, context);
       ASSERT_TRUE(result.has_value());
       const auto twin = reference::oracle_scale(selection.statistics.mean, truth, 6, smoothing);
       for (std::size_t i = 0; i < truth[0].size(); ++i) {
@@ -153,7 +153,7 @@ TEST(WaveletShrinkageDifferential, CoefficientsOfTheResultAreTheShrunkOnes) {
       options.levels = levels;
       options.shrink = rule;
       options.lambda = 1.3;
-      const auto result = reconstruct_wavelet_shrinkage(selection, pool, {}, options);
+      const auto result = reconstruct_wavelet_shrinkage(selection, pool, options, {});
       ASSERT_TRUE(result.has_value());
       for (std::size_t c = 0; c < 3; ++c) {
         const Plane w = transform(pieces->mean[c], 1), v = transform(pieces->variance[c], 2);

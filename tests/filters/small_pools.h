@@ -1,4 +1,4 @@
-// Small pools in memory for the tests of reconstructors.
+// Small pools in memory for the tests of filters.
 #pragma once
 
 #include <algorithm>

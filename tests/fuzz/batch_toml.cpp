@@ -17,16 +17,16 @@ const OptionTable<ToyOptions>& toy_table() {
   return table;
 }
 
-template <class Entry, class Function>
-Entry toy(const char* name) {
-  Entry entry;
+template <class Function>
+Method<Function> toy(const char* name) {
+  Method<Function> entry;
   entry.name = name;
   entry.presets = {"robust"};
-  entry.make = [](std::string_view preset, const OptionValues& set) -> Result<Function> {
+  entry.make = [](std::string_view preset, const OptionValues& set) -> Result<Ready<Function>> {
     if (!preset.empty() && preset != "robust")
       return fail(ErrorCode::kUsage, "unknown preset '{}'", preset);
     SPOOL_TRY(with_options(toy_table(), ToyOptions{}, set));
-    return Function{};
+    return Ready<Function>{};
   };
   return entry;
 }
@@ -36,11 +36,9 @@ Entry toy(const char* name) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace spool;
-  static const std::vector<SamplerEntry> samplers = {
-      toy<SamplerEntry, SamplerFunction>("uniform"),
-      toy<SamplerEntry, SamplerFunction>("multiscale")};
-  static const std::vector<ReconstructorEntry> filters = {
-      toy<ReconstructorEntry, ReconstructorFunction>("box")};
+  static const MethodList<SamplerFunction> samplers = {
+      "sampler", {toy<SamplerFunction>("uniform"), toy<SamplerFunction>("multiscale")}};
+  static const MethodList<FilterFunction> filters = {"filter", {toy<FilterFunction>("box")}};
   const PlanVocabulary vocabulary{samplers, filters};
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto plan = parse_plan(text, "plan.toml", "/lab", vocabulary);

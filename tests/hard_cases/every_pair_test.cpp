@@ -1,4 +1,4 @@
-// Every sampler and every reconstructor on every hard case.
+// Every sampler and every filter on every hard case.
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/metrics/error_metrics.h"
+#include "lib/sampling/spending.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/support/every_method.h"
 #include "tests/support/memory_pool.h"
@@ -17,13 +18,8 @@ namespace {
 using test::HardCase;
 
 // Not weighted means: a band that is made smaller may leave the range of the samples.
-bool stays_between_its_samples(const std::string& reconstructor) {
-  return reconstructor != "wavelet_shrinkage";
-}
-
-// These refuse a recording without albedo, normal and depth; every other method does without.
-bool wants_features(const std::string& method) {
-  return method == "cross_bilateral";
+bool stays_between_its_samples(const std::string& filter) {
+  return filter != "wavelet_shrinkage";
 }
 
 template <class Outcome>
@@ -54,10 +50,10 @@ Range range_of_taken(const SamplePool& pool, const CountImage& n, std::size_t c)
 }
 
 // Units in the last place within which a constant picture comes out constant.
-double units_for_constants(const std::string& reconstructor) {
+double units_for_constants(const std::string& filter) {
   // Sums over hundreds of taps, divided by the sum of the taps.
-  const bool many = reconstructor == "greedy_selection" || reconstructor == "oracle_scale" ||
-                    reconstructor == "cross_bilateral";
+  const bool many =
+      filter == "greedy_selection" || filter == "oracle_scale" || filter == "cross_bilateral";
   return many ? 16 : 4;
 }
 
@@ -110,9 +106,9 @@ void expect_sound_selection(const SamplePool& pool, long long budget, const Samp
 }
 
 void expect_sound_image(const HardCase& hard, const SamplePool& pool, const Selection& selection,
-                        const test::NamedMethod<ReconstructorFunction>& filter,
-                        const Reference& reference, const std::string& who) {
-  ReconstructionContext context;
+                        const test::NamedMethod<FilterFunction>& filter, const Reference& reference,
+                        const std::string& who) {
+  FilterContext context;
   context.reference = &reference;
   const auto result = filter.run(selection, pool, context);
   if (test::total(selection.statistics.n) == 0) {
@@ -120,7 +116,7 @@ void expect_sound_image(const HardCase& hard, const SamplePool& pool, const Sele
     EXPECT_EQ(result.error().code, ErrorCode::kData) << who;
     return;
   }
-  if (hard.featureless && wants_features(filter.name)) {
+  if (hard.featureless && filter.run.needs.features == Use::kRequired) {
     expect_refused_for_features(result, who);
     return;
   }
@@ -165,26 +161,26 @@ TEST_P(EveryHardCase, EveryPairOfMethodsKeepsItsPromise) {
   const Reference reference = test::mean_of_everything(pool);
   const bool whole = test::whole_hard_cases();
   const auto samplers = test::every_sampler(!whole || hard.heavy);
-  const auto reconstructors = test::every_reconstructor(!whole || hard.heavy);
+  const auto filters = test::every_filter(!whole || hard.heavy);
   for (const double spp : hard.spp) {
     const long long budget = sample_budget(spp, pool.recording());
     for (std::size_t s = 0; s < samplers.size(); ++s) {
       const std::string with =
           hard.name + ", " + std::to_string(spp) + " spp, " + samplers[s].label();
       const auto sampled = samplers[s].run(pool, budget, test::sampling_context());
-      if (hard.featureless && wants_features(samplers[s].name)) {
+      if (hard.featureless && samplers[s].run.needs.features == Use::kRequired) {
         expect_refused_for_features(sampled, with);
         continue;
       }
       ASSERT_TRUE(sampled.has_value()) << with << ": " << sampled.error().message;
       expect_sound_selection(pool, budget, *sampled, with);
       expect_sound_statistics(pool, sampled->selection.statistics, with);
-      for (std::size_t r = 0; r < reconstructors.size(); ++r) {
-        // Without `whole`, every reconstructor sees the first sampler and one other.
+      for (std::size_t r = 0; r < filters.size(); ++r) {
+        // Without `whole`, every filter sees the first sampler and one other.
         if (!whole && s != 0 && s != 1 + r % (samplers.size() - 1)) continue;
         if (!whole && s != 0 && spp != hard.spp.back()) continue;
-        expect_sound_image(hard, pool, sampled->selection, reconstructors[r], reference,
-                           with + " + " + reconstructors[r].label());
+        expect_sound_image(hard, pool, sampled->selection, filters[r], reference,
+                           with + " + " + filters[r].label());
         if (HasFatalFailure()) return;
       }
       if (HasFatalFailure()) return;

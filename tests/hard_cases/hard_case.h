@@ -1,7 +1,7 @@
 // Recordings that break careless code, as one table: what docs/hard_cases.md lists, tests run.
 //
 // A case says how to make its pool, how many samples a pixel are worth replaying, and what may be
-// promised beyond "finite and inside the pool". Every sampler and every reconstructor of the lists
+// promised beyond "finite and inside the pool". Every sampler and every filter of the lists
 // in lib/ is run on each of them, so a method that is added is covered without a line here.
 #pragma once
 

@@ -27,7 +27,7 @@ struct LawException {
   std::string_view why;
 };
 
-inline constexpr std::array kReconstructorExceptions = {
+inline constexpr std::array kFilterExceptions = {
     LawException{Law::kMirror, "directional robust",
                  "regions R_k are 2^k wide, an even number: they have no middle piece"},
     LawException{Law::kMirror, "directional paper", "regions R_k as above"},

@@ -8,6 +8,7 @@
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
+#include "lib/sampling/spending.h"
 #include "tests/hard_cases/law_table.h"
 #include "tests/hard_cases/moved_world.h"
 #include "tests/support/every_method.h"
@@ -17,8 +18,8 @@ namespace {
 
 using test::Law;
 using test::World;
-using Filter = test::NamedMethod<ReconstructorFunction>;
-using Sampler = test::NamedMethod<SamplerFunction>;
+using NamedFilter = test::NamedMethod<FilterFunction>;
+using NamedSampler = test::NamedMethod<SamplerFunction>;
 
 World drawn_world(int least = 6, int most = 34) {
   const int width = *rc::gen::inRange(least, most), height = *rc::gen::inRange(least, most);
@@ -80,12 +81,12 @@ Moved if_shifted(const World& w, int dx, int dy) {
           [=](const RgbImage& was, std::size_t c, int x, int y) { return was[c](x - dx, y - dy); }};
 }
 
-// --- reconstructors ----------------------------------------------------------------------------
+// --- filters ----------------------------------------------------------------------------
 
-Reconstruction image_of(const Filter& filter, const World& world) {
+Reconstruction image_of(const NamedFilter& filter, const World& world) {
   const SamplePool pool = test::record(world);
   const Reference reference = test::mean_of_everything(pool);
-  ReconstructionContext context;
+  FilterContext context;
   context.reference = &reference;
   auto result = filter.run(test::select(world, pool), pool, context);
   SPOOL_CHECK(result.has_value());
@@ -109,16 +110,16 @@ double distance(const Reconstruction& was, const Moved& moved, const Reconstruct
 }
 
 // Directions are computed and features compared in float, the rest in double.
-double tolerance_of(const Filter& filter, const Moved& moved) {
+double tolerance_of(const NamedFilter& filter, const Moved& moved) {
   const bool in_float = filter.name == "directional" || filter.name == "cross_bilateral";
   return in_float && moved.tolerance > 0.0 ? 1e3 * moved.tolerance : moved.tolerance;
 }
 
-Filter drawn_filter(Law law, Law other) {
-  std::vector<Filter> candidates;
-  for (Filter& filter : test::every_reconstructor()) {
-    if (test::keeps(test::kReconstructorExceptions, law, filter.label()) &&
-        test::keeps(test::kReconstructorExceptions, other, filter.label())) {
+NamedFilter drawn_filter(Law law, Law other) {
+  std::vector<NamedFilter> candidates;
+  for (NamedFilter& filter : test::every_filter()) {
+    if (test::keeps(test::kFilterExceptions, law, filter.label()) &&
+        test::keeps(test::kFilterExceptions, other, filter.label())) {
       candidates.push_back(std::move(filter));
     }
   }
@@ -126,7 +127,7 @@ Filter drawn_filter(Law law, Law other) {
 }
 
 void expect_law(Law law, const World& world, const Moved& moved, Law other) {
-  const Filter filter = drawn_filter(law, other);
+  const NamedFilter filter = drawn_filter(law, other);
   RC_LOG() << filter.label() << " " << world.width << " x " << world.height << "\n";
   const double d = distance(image_of(filter, world), moved, image_of(filter, moved.world));
   RC_LOG() << "differs by " << d << "\n";
@@ -137,58 +138,58 @@ void expect_law(Law law, const World& world, const Moved& moved) {
   expect_law(law, world, moved, law);
 }
 
-RC_GTEST_PROP(LawsOfReconstructors, AMirroredPictureGivesTheMirroredImage, ()) {
+RC_GTEST_PROP(LawsOfFilters, AMirroredPictureGivesTheMirroredImage, ()) {
   const World world = drawn_world();
   expect_law(Law::kMirror, world, if_mirrored(world));
 }
 
-RC_GTEST_PROP(LawsOfReconstructors, ATransposedPictureGivesTheTransposedImage, ()) {
+RC_GTEST_PROP(LawsOfFilters, ATransposedPictureGivesTheTransposedImage, ()) {
   const World world = drawn_world();
   expect_law(Law::kTranspose, world, if_transposed(world));
 }
 
-RC_GTEST_PROP(LawsOfReconstructors, APictureTurnedBy90DegreesGivesTheTurnedImage, ()) {
+RC_GTEST_PROP(LawsOfFilters, APictureTurnedBy90DegreesGivesTheTurnedImage, ()) {
   const World world = drawn_world();
   expect_law(Law::kTranspose, world, if_turned(world), Law::kMirror);
 }
 
-RC_GTEST_PROP(LawsOfReconstructors, APowerOfTwoScalesEveryBit, ()) {
+RC_GTEST_PROP(LawsOfFilters, APowerOfTwoScalesEveryBit, ()) {
   const World world = drawn_world();
   const int k = *rc::gen::inRange(-100, 41);
   expect_law(Law::kPowerOfTwo, world, if_times(world, std::ldexp(1.0f, k), 0.0));
 }
 
-RC_GTEST_PROP(LawsOfReconstructors, AFactorScalesToRounding, ()) {
+RC_GTEST_PROP(LawsOfFilters, AFactorScalesToRounding, ()) {
   const World world = drawn_world();
   const float factor =
       *rc::gen::elementOf(std::vector<float>{3.0f, 5.0f, 1000.0f, 15.0f * 0x1p20f});
   expect_law(Law::kFactor, world, if_times(world, factor, 1e-9));
 }
 
-RC_GTEST_PROP(LawsOfReconstructors, AConstantAddedIsAddedToTheImage, ()) {
+RC_GTEST_PROP(LawsOfFilters, AConstantAddedIsAddedToTheImage, ()) {
   const World world = drawn_world();
   Moved moved = if_lifted(world, *rc::gen::elementOf(std::vector<float>{0.25f, 1.0f, 2.0f}));
   moved.tolerance = 1e-6;  // the floors of the variance follow the mean
   expect_law(Law::kConstant, world, moved);
 }
 
-RC_GTEST_PROP(LawsOfReconstructors, PermutedChannelsArePermutedInTheImage, ()) {
+RC_GTEST_PROP(LawsOfFilters, PermutedChannelsArePermutedInTheImage, ()) {
   const World world = drawn_world();
   Moved moved = if_with_channels(world);
   moved.tolerance = 1e-6;  // the floors of the variance follow the luminance
   expect_law(Law::kChannels, world, moved);
 }
 
-RC_GTEST_PROP(LawsOfReconstructors, TheOrderOfThePrefixDoesNotMatter, ()) {
+RC_GTEST_PROP(LawsOfFilters, TheOrderOfThePrefixDoesNotMatter, ()) {
   World world = drawn_world();
   world.film.clear();
   expect_law(Law::kPrefixOrder, world, if_with_prefix_turned(world));
 }
 
-TEST(LawsOfReconstructors, AShiftedPictureGivesTheShiftedImageFarFromTheBorder) {
+TEST(LawsOfFilters, AShiftedPictureGivesTheShiftedImageFarFromTheBorder) {
   const World world = test::any_world(88, 86, 4, 3);
-  for (const Filter& filter : test::every_reconstructor()) {
-    if (!test::keeps(test::kReconstructorExceptions, Law::kShift, filter.label())) continue;
+  for (const NamedFilter& filter : test::every_filter()) {
+    if (!test::keeps(test::kFilterExceptions, Law::kShift, filter.label())) continue;
     for (const auto& [dx, dy] : {std::pair{1, 0}, {0, -1}, {3, 2}}) {
       const Moved moved = if_shifted(world, dx, dy);
       EXPECT_LE(distance(image_of(filter, world), moved, image_of(filter, moved.world), 36),
@@ -198,9 +199,9 @@ TEST(LawsOfReconstructors, AShiftedPictureGivesTheShiftedImageFarFromTheBorder) 
   }
 }
 
-TEST(LawsOfReconstructors, ATransposedPictureHasItsDirectionsMapped) {
+TEST(LawsOfFilters, ATransposedPictureHasItsDirectionsMapped) {
   const World world = test::any_world(40, 31, 6, 8);
-  for (const Filter& filter : test::every_reconstructor()) {
+  for (const NamedFilter& filter : test::every_filter()) {
     const Reconstruction was = image_of(filter, world);
     if (!was.dominant_direction) continue;
     const Reconstruction is = image_of(filter, test::transposed(world));
@@ -220,10 +221,10 @@ TEST(LawsOfReconstructors, ATransposedPictureHasItsDirectionsMapped) {
   }
 }
 
-TEST(LawsOfReconstructors, OnlySamplesBehindTheCursorAreRead) {
+TEST(LawsOfFilters, OnlySamplesBehindTheCursorAreRead) {
   const World world = test::any_world(21, 18, 8, 77);
   const CountImage n = test::counts_of(world);
-  for (const Filter& filter : test::every_reconstructor()) {
+  for (const NamedFilter& filter : test::every_filter()) {
     const std::size_t plane = static_cast<std::size_t>(world.width) * world.height * world.spp;
     auto values = std::make_shared<std::vector<float>>(3 * plane);
     const auto write = [&](int from_cursor, float poison) {
@@ -252,7 +253,7 @@ TEST(LawsOfReconstructors, OnlySamplesBehindTheCursorAreRead) {
     const SamplePool pool =
         test::pool_of(std::make_shared<const RecordedSamples>(std::move(*recording)));
     const Reference reference = test::mean_of_everything(pool);
-    ReconstructionContext context;
+    FilterContext context;
     context.reference = &reference;
     const Selection selection = test::select(world, pool);
     const auto clean = filter.run(selection, pool, context);
@@ -270,7 +271,7 @@ TEST(LawsOfReconstructors, OnlySamplesBehindTheCursorAreRead) {
 // --- samplers ----------------------------------------------------------------------------------
 
 // A budget that is a whole number of samples a pixel leaves no remainder to spread by index.
-CountImage counts_by(const Sampler& sampler, const World& world, double spp = 3) {
+CountImage counts_by(const NamedSampler& sampler, const World& world, double spp = 3) {
   const SamplePool pool = test::record(world);
   const auto result =
       sampler.run(pool, sample_budget(spp, pool.recording()), test::sampling_context());
@@ -299,12 +300,12 @@ Moved with_counts_as_they_were(Moved moved) {
 }
 
 void expect_sampler_law(Law law, const World& world, const Moved& moved) {
-  std::vector<Sampler> candidates;
-  for (Sampler& sampler : test::every_sampler()) {
+  std::vector<NamedSampler> candidates;
+  for (NamedSampler& sampler : test::every_sampler()) {
     if (test::keeps(test::kSamplerExceptions, law, sampler.label()))
       candidates.push_back(std::move(sampler));
   }
-  const Sampler sampler = candidates[*rc::gen::inRange<std::size_t>(0, candidates.size())];
+  const NamedSampler sampler = candidates[*rc::gen::inRange<std::size_t>(0, candidates.size())];
   RC_LOG() << sampler.label() << " " << world.width << " x " << world.height << "\n";
   RC_ASSERT(misplaced(counts_by(sampler, world), moved, counts_by(sampler, moved.world)) == 0);
 }
@@ -319,7 +320,7 @@ RC_GTEST_PROP(LawsOfSamplers, APowerOfTwoChangesNoCount, ()) {
 TEST(LawsOfSamplers, AnExactFactorChangesNoCount) {
   // Not a property of every world: priorities that differ in the last bit may change places.
   const World world = test::any_world(33, 24, 9, 5);
-  for (const Sampler& sampler : test::every_sampler()) {
+  for (const NamedSampler& sampler : test::every_sampler()) {
     if (!test::keeps(test::kSamplerExceptions, Law::kFactor, sampler.label())) continue;
     const CountImage was = counts_by(sampler, world);
     for (const float factor : {3.0f, 1e-6f, 1e6f}) {
@@ -331,7 +332,7 @@ TEST(LawsOfSamplers, AnExactFactorChangesNoCount) {
 
 TEST(LawsOfSamplers, ReplicasAreIdenticalAndWorldsOfEqualSamplesToo) {
   const World world = test::any_world(26, 23, 9, 6);
-  for (const Sampler& sampler : test::every_sampler())
+  for (const NamedSampler& sampler : test::every_sampler())
     EXPECT_EQ(counts_by(sampler, world), counts_by(sampler, world)) << sampler.label();
 }
 
@@ -359,10 +360,10 @@ Moved by_law(Law law, const World& w) {
   return {};
 }
 
-TEST(LawTable, EveryReconstructorNamedBreaksItsLaw) {
-  for (const test::LawException& named : test::kReconstructorExceptions) {
+TEST(LawTable, EveryFilterNamedBreaksItsLaw) {
+  for (const test::LawException& named : test::kFilterExceptions) {
     bool known = false, broken = false;
-    for (const Filter& filter : test::every_reconstructor()) {
+    for (const NamedFilter& filter : test::every_filter()) {
       if (filter.label() != named.method) continue;
       known = true;
       World world =
@@ -372,7 +373,7 @@ TEST(LawTable, EveryReconstructorNamedBreaksItsLaw) {
       broken = distance(image_of(filter, world), moved, image_of(filter, moved.world),
                         named.law == Law::kShift ? 36 : 0) > tolerance_of(filter, moved);
     }
-    EXPECT_TRUE(known) << named.method << " is not a reconstructor any more";
+    EXPECT_TRUE(known) << named.method << " is not a filter any more";
     EXPECT_TRUE(broken) << named.method << " keeps law " << static_cast<int>(named.law);
   }
 }
@@ -380,7 +381,7 @@ TEST(LawTable, EveryReconstructorNamedBreaksItsLaw) {
 TEST(LawTable, EverySamplerKeepsItsLawOrIsNamed) {
   for (const Law law : {Law::kMirror, Law::kTranspose, Law::kPowerOfTwo, Law::kFactor,
                         Law::kConstant, Law::kChannels}) {
-    for (const Sampler& sampler : test::every_sampler()) {
+    for (const NamedSampler& sampler : test::every_sampler()) {
       long long wrong = 0;
       for (const int seed : {5, 6}) {
         const World world = test::any_world(33, 24, 12, static_cast<std::uint64_t>(seed));
@@ -403,7 +404,7 @@ TEST(LawTable, EverySamplerKeepsItsLawOrIsNamed) {
 TEST(LawTable, NamesOnlySamplersThatExist) {
   for (const test::LawException& named : test::kSamplerExceptions) {
     bool known = false;
-    for (const Sampler& sampler : test::every_sampler())
+    for (const NamedSampler& sampler : test::every_sampler())
       known = known || sampler.label() == named.method;
     EXPECT_TRUE(known) << named.method;
   }

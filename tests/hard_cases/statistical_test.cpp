@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/experiment/reference.h"
+#include "lib/filters/filters.h"
 #include "lib/inference/intervals.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/statistics/variance_of_mean.h"
@@ -72,7 +73,7 @@ std::vector<double> as_vector(const Plane& plane) {
 
 TEST(Unbiased, BoxReconstructionForCountsThatDoNotFollowTheSamples) {
   const int side = 160;
-  const auto box = make_reconstructor("box", "", {});
+  const auto box = make_method(filters(), {"box", "", {}});
   const double bound = sidak_quantile(9, side * side - 1);
   std::uint64_t seed = 100;
   for (const Distribution& d : distributions()) {

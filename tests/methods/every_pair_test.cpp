@@ -1,11 +1,15 @@
-// Every sampler with every reconstructor, on a synthetic dump and on recorded ones.
+// Every sampler with every filter, on a synthetic dump and on recorded ones.
 #include <cmath>
 #include <optional>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "lib/experiment/loop_filter.h"
+#include "lib/filters/filters.h"
 #include "lib/pool/load_recording.h"
+#include "lib/sampling/samplers.h"
+#include "lib/sampling/spending.h"
 #include "lib/synthetic/write_synthetic.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/source_directory.h"
@@ -20,56 +24,52 @@ OptionValues fast(const std::string& name) {
   return {};
 }
 
-// Synthetic scenes have no features; what needs them must say so.
-bool refused_without_features(const RecordedSamples& recording, const std::string& method,
-                              const Error& error) {
-  return method == "cross_bilateral" && recording.features().empty() &&
-         error.message.find("needs albedo, normal or depth") != std::string::npos;
+// What a method needs and this recording does not have.
+bool lacks_features(const RecordedSamples& recording, const Needs& needs) {
+  return needs.features == Use::kRequired && recording.features().empty();
+}
+
+void expect_refused(const Error& error, const std::string& who) {
+  EXPECT_TRUE(error.code == ErrorCode::kData || error.code == ErrorCode::kUsage) << who;
+  EXPECT_NE(error.message.find("need"), std::string::npos) << who << ": " << error.message;
 }
 
 void run_every_pair(const SamplePool& pool, double spp, const std::set<std::string>& only = {}) {
   const RecordedSamples& recording = pool.recording();
   const long long budget = sample_budget(spp, recording);
-  for (const SamplerEntry& sampler : samplers()) {
+  for (const Sampler& sampler : samplers()) {
     if (!only.empty() && !only.contains(sampler.name)) continue;
+    const auto sample = *make_method(samplers(), {sampler.name, "", fast(sampler.name)});
     std::optional<Selection> shared;  // of samplers that do not care for the filter
-    for (const ReconstructorEntry& reconstructor : reconstructors()) {
-      const std::string pair = sampler.name + " + " + reconstructor.name;
-      const auto filter = reconstructor.make("", fast(reconstructor.name));
-      ASSERT_TRUE(filter.has_value()) << pair;
-      bool filter_in_loop = false;
-      if (!shared) {
+    for (const Filter& named : filters()) {
+      const std::string pair = sampler.name + " + " + named.name;
+      const auto filter = *make_method(filters(), {named.name, "", fast(named.name)});
+      if (!shared || sample.needs.filter_in_loop) {
         SamplingContext context;
         context.seed = 3;
-        context.filter = [&](const Selection& half, const SamplePool& part) -> Result<RgbImage> {
-          filter_in_loop = true;
-          SPOOL_ASSIGN(Reconstruction image, (*filter)(half, part, {}));
-          return std::move(image.image);
-        };
-        auto sampled = (*sampler.make("", fast(sampler.name)))(pool, budget, context);
-        if (!sampled) {  // refused, with the reason
-          if (refused_without_features(recording, sampler.name, sampled.error())) break;
-          if (sampler.name == "filtered_halves" &&
-              refused_without_features(recording, reconstructor.name, sampled.error()))
-            continue;
-          EXPECT_EQ(pair, "filtered_halves + oracle_scale") << sampled.error().message;
-          EXPECT_NE(sampled.error().message.find("reference"), std::string::npos);
+        if (sample.needs.filter_in_loop) context.filter = loop_filter(filter);
+        auto sampled = sample(pool, budget, context);
+        // A filter in the loop must not see the reference.
+        const bool refused = lacks_features(recording, sample.needs) ||
+                             (sample.needs.filter_in_loop &&
+                              (filter.needs.reference || lacks_features(recording, filter.needs)));
+        ASSERT_EQ(!sampled.has_value(), refused)
+            << pair << (sampled ? "" : ": " + sampled.error().message);
+        if (refused) {
+          expect_refused(sampled.error(), pair);
           continue;
         }
         EXPECT_EQ(sampled->log.spent, budget) << pair;
-        if (!filter_in_loop) shared = sampled->selection;
-        if (filter_in_loop) {
-          ReconstructionContext of_image;
-          of_image.reference = &*recording.reference();
-          ASSERT_TRUE((*filter)(sampled->selection, pool, of_image).has_value()) << pair;
-          continue;
-        }
+        shared = sampled->selection;
       }
-      ReconstructionContext context;
+      FilterContext context;
       context.reference = &*recording.reference();
-      const auto result = (*filter)(*shared, pool, context);
-      if (!result && refused_without_features(recording, reconstructor.name, result.error()))
+      const auto result = filter(*shared, pool, context);
+      if (lacks_features(recording, filter.needs)) {
+        ASSERT_FALSE(result.has_value()) << pair;
+        expect_refused(result.error(), pair);
         continue;
+      }
       ASSERT_TRUE(result.has_value()) << pair << ": " << result.error().message;
       double sum = 0.0;
       for (std::size_t c = 0; c < 3; ++c) {

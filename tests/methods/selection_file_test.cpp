@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "lib/experiment/decision_split.h"
-#include "lib/filters/reconstructor.h"
-#include "lib/sampling/sampler.h"
+#include "lib/filters/filters.h"
+#include "lib/sampling/samplers.h"
 #include "tests/sampling/multiscale_cases.h"
 #include "tests/support/scratch_folder.h"
 
@@ -26,12 +26,12 @@ TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
     return pixel_means(selection.statistics, guards);
   };
   std::vector<std::pair<std::string, OptionValues>> methods;
-  for (const SamplerEntry& entry : samplers())
+  for (const Sampler& entry : samplers())
     methods.emplace_back(entry.name, OptionValues{});
   methods.push_back({"multiscale", {{"analysis_channel", "max_rgb"}}});
   methods.push_back({"multiscale", {{"decision_map", "log1p"}, {"decision_clamp", "3.7"}}});
   for (const auto& [name, set] : methods) {
-    const auto sampled = (*make_sampler(name, "", set))(pool, 19 * 14 * 6, context);
+    const auto sampled = (*make_method(samplers(), {name, "", set}))(pool, 19 * 14 * 6, context);
     ASSERT_TRUE(sampled.has_value()) << name << ": " << sampled.error().message;
     const auto path = folder / "selection.exr";
     ASSERT_TRUE(write_selection(path, sampled->selection, {name, "noisy", options}, true));
@@ -42,7 +42,7 @@ TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
     ASSERT_TRUE(selection.has_value()) << selection.error().message;
     EXPECT_EQ(selection->statistics, sampled->selection.statistics) << name;
     EXPECT_EQ(selection->attenuation, sampled->selection.attenuation) << name;
-    const auto filter = *make_reconstructor("directional", "", {{"size_factor", "literal"}});
+    const auto filter = *make_method(filters(), {"directional", "", {{"size_factor", "literal"}}});
     EXPECT_EQ(filter(*selection, again, {})->image, filter(sampled->selection, pool, {})->image);
   }
 }
@@ -50,7 +50,7 @@ TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
 TEST(SelectionFile, HoldsASplitDecisionToTheLastBit) {
   const test::ScratchFolder folder;
   const SamplePool pool = test::noisy_pool(19, 14, 32);
-  const auto sampler = split_decisions(*make_sampler("multiscale", "", {}));
+  const auto sampler = split_decisions(*make_method(samplers(), {"multiscale", "", {}}));
   const auto sampled = sampler(pool, 19 * 14 * 8, {});
   const auto path = folder / "selection.exr";
   ASSERT_TRUE(write_selection(path, sampled->selection, {"multiscale", "noisy", {}}, false));
@@ -64,7 +64,7 @@ TEST(SelectionFile, HoldsASplitDecisionToTheLastBit) {
     EXPECT_EQ(selection->halves[h].attenuation, sampled->selection.halves[h].attenuation);
   }
   const auto filter =
-      average_halves(*make_reconstructor("directional", "", {{"size_factor", "literal"}}));
+      average_halves(*make_method(filters(), {"directional", "", {{"size_factor", "literal"}}}));
   EXPECT_EQ(filter(*selection, pool, {})->image, filter(sampled->selection, pool, {})->image);
 
   auto cut = read_exr(path);
@@ -77,7 +77,7 @@ TEST(SelectionFile, HoldsASplitDecisionToTheLastBit) {
 TEST(SelectionFile, AnAttenuationThatSomebodyChangedIsTaken) {
   const test::ScratchFolder folder;
   const SamplePool pool = test::noisy_pool(8, 8, 16);
-  const auto sampled = (*make_sampler("multiscale", "", {}))(pool, 8 * 8 * 6, {});
+  const auto sampled = (*make_method(samplers(), {"multiscale", "", {}}))(pool, 8 * 8 * 6, {});
   const auto path = folder / "selection.exr";
   ASSERT_TRUE(write_selection(path, sampled->selection, {"multiscale", "noisy", {}}, false));
   auto file = read_exr(path);

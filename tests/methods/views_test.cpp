@@ -5,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/sampling/sampler.h"
+#include "lib/filters/filters.h"
+#include "lib/sampling/samplers.h"
 #include "tests/sampling/multiscale_cases.h"
 #include "tests/support/scratch_folder.h"
 
@@ -33,7 +34,7 @@ OptionValues fast(const std::string& name) {
 
 TEST(Views, OfSamplersAreThoseListedAndComeOnce) {
   const SamplePool pool = test::noisy_pool(21, 18, 16);
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     Views views({"all"});
     SamplingContext context;
     context.views = &views;
@@ -43,7 +44,7 @@ TEST(Views, OfSamplersAreThoseListedAndComeOnce) {
     };
     const auto result = (*entry.make("", fast(entry.name)))(pool, 21 * 18 * 8, context);
     ASSERT_TRUE(result.has_value()) << entry.name;
-    EXPECT_EQ(families(views), families(sampler_views(entry.name))) << entry.name;
+    EXPECT_EQ(families(views), families(entry.views)) << entry.name;
     std::set<std::string> names;
     for (const View& view : views.collected()) {
       EXPECT_TRUE(names.insert(view.name).second) << entry.name << " " << view.name;
@@ -52,18 +53,18 @@ TEST(Views, OfSamplersAreThoseListedAndComeOnce) {
   }
 }
 
-TEST(Views, OfReconstructorsAreThoseListedAndComeOnce) {
+TEST(Views, OfFiltersAreThoseListedAndComeOnce) {
   const SamplePool pool = test::noisy_pool(21, 18, 8);
   const Selection selection{prefix_statistics(pool, CountImage(21, 18, 6)), {}};
   const Reference reference{selection.statistics.mean, std::nullopt};
-  for (const ReconstructorEntry& entry : reconstructors()) {
+  for (const Filter& entry : filters()) {
     Views views({"all"});
-    ReconstructionContext context;
+    FilterContext context;
     context.views = &views;
     context.reference = &reference;
     const auto result = (*entry.make("", fast(entry.name)))(selection, pool, context);
     ASSERT_TRUE(result.has_value()) << entry.name;
-    EXPECT_EQ(families(views), families(reconstructor_views(entry.name))) << entry.name;
+    EXPECT_EQ(families(views), families(entry.views)) << entry.name;
     add_selection_views(selection, views);
     add_image_views(*result, views);
     std::set<std::string> names;
@@ -74,8 +75,8 @@ TEST(Views, OfReconstructorsAreThoseListedAndComeOnce) {
 
 TEST(Views, ChangeNoBit) {
   const SamplePool pool = test::noisy_pool(21, 18, 16);
-  const auto sampler = *make_sampler("multiscale", "", {});
-  const auto filter = *make_reconstructor("directional", "", {});
+  const auto sampler = *make_method(samplers(), {"multiscale", "", {}});
+  const auto filter = *make_method(filters(), {"directional", "", {}});
   Views views({"all"});
   SamplingContext watched;
   watched.views = &views;
@@ -83,7 +84,7 @@ TEST(Views, ChangeNoBit) {
   const auto seen = sampler(pool, 21 * 18 * 8, watched);
   EXPECT_EQ(plain->selection.statistics, seen->selection.statistics);
   Views image_views({"all"});
-  ReconstructionContext context;
+  FilterContext context;
   context.views = &image_views;
   EXPECT_EQ(filter(plain->selection, pool, {})->image,
             filter(plain->selection, pool, context)->image);

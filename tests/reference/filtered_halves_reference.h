@@ -35,7 +35,7 @@ inline Plane blurred(const Plane& image, double sigma) {
 
 // Weights of the next round: sqrt of the smoothed relative difference of the filtered halves.
 inline Plane halves_weight(const SamplePool& pool, const CountImage& n, double exposure,
-                           double sigma, const FilterFunction& filter) {
+                           double sigma, const LoopFilter& filter) {
   RgbImage image[2];
   for (int parity = 0; parity < 2; ++parity) {
     const SamplePool half_pool = pool.half(parity);
@@ -67,7 +67,7 @@ inline Plane halves_weight(const SamplePool& pool, const CountImage& n, double e
 // All rounds: counts after `left` more samples than `n`, in `rounds` shares.
 inline CountImage filtered_halves(const SamplePool& pool, CountImage n, double exposure,
                                   long long left, int rounds, double sigma,
-                                  const FilterFunction& filter) {
+                                  const LoopFilter& filter) {
   for (int round = 0; round < rounds; ++round) {
     const long long share = left / rounds + (round < left % rounds ? 1 : 0);
     if (share == 0) continue;

@@ -4,7 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "lib/core/parallel.h"
-#include "lib/sampling/sampler.h"
+#include "lib/sampling/samplers.h"
+#include "lib/sampling/spending.h"
 #include "tests/sampling/multiscale_cases.h"
 
 namespace spool {
@@ -20,16 +21,16 @@ SamplingContext context_with_filter() {
   return context;
 }
 
-SamplerFunction sampler_of(const std::string& name) {
+ReadySampler sampler_of(const std::string& name) {
   OptionValues set;
   if (name == "nl_means") set = {{"window", "3"}, {"patch", "1"}};  // fast enough for tests
-  return *make_sampler(name, "", set);
+  return *make_method(samplers(), {name, "", set});
 }
 
 TEST(EverySampler, SpendsTheBudgetExactlyInsideThePool) {
   const SamplingContext context = context_with_filter();
-  for (const SamplerEntry& entry : samplers()) {
-    const SamplerFunction sampler = sampler_of(entry.name);
+  for (const Sampler& entry : samplers()) {
+    const ReadySampler sampler = sampler_of(entry.name);
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {17, 16}, {23, 11}}) {
       const SamplePool pool = test::noisy_pool(width, height, 9);
       const long long pieces = width * height;
@@ -54,7 +55,7 @@ TEST(EverySampler, SpendsTheBudgetExactlyInsideThePool) {
 TEST(EverySampler, StatisticsAreThoseOfThePrefixes) {
   const SamplingContext context = context_with_filter();
   const SamplePool pool = test::noisy_pool(14, 12, 9);
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     const auto result = sampler_of(entry.name)(pool, 14 * 12 * 6, context);
     ASSERT_TRUE(result.has_value());
     const PieceStatistics& s = result->selection.statistics;
@@ -67,7 +68,7 @@ TEST(EverySampler, StatisticsAreThoseOfThePrefixes) {
 TEST(EverySampler, ButTheOracleLooksOnlyBehindTheCursor) {
   const int width = 13, height = 11, spp = 12;
   const SamplingContext context = context_with_filter();
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     if (entry.name == "neyman") continue;
     auto values = std::make_shared<std::vector<float>>(3u * width * height * spp);
     const std::size_t plane = static_cast<std::size_t>(width) * height * spp;
@@ -103,7 +104,7 @@ TEST(EverySampler, ButTheOracleLooksOnlyBehindTheCursor) {
 
 TEST(EverySampler, ExposureByPowersOfTwoChangesNoCount) {
   const SamplingContext context = context_with_filter();
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     CountImage expected;
     for (const float factor : {1.0f, 0x1p-20f, 0x1p13f}) {
       const SamplePool pool = test::memory_pool(15, 12, 9, [&](int x, int y, int s) {
@@ -135,7 +136,7 @@ TEST(EverySampler, BlackAndSparsePoolsAreSpentToo) {
         return value;
       },
       rules);
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     for (const SamplePool* pool : {&black, &sparse}) {
       const auto result = sampler_of(entry.name)(*pool, 12 * 9 * 5, context);
       ASSERT_TRUE(result.has_value()) << entry.name << ": " << result.error().message;
@@ -147,7 +148,7 @@ TEST(EverySampler, BlackAndSparsePoolsAreSpentToo) {
 TEST(EverySamplerDeterminism, ThreadsDoNotChangeABit) {
   const SamplingContext context = context_with_filter();
   const SamplePool pool = test::noisy_pool(96, 90, 12);
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     if (entry.name == "multiscale") continue;  // has its own test
     SamplingResult expected;
     for (const int threads : {1, 2, 8}) {

@@ -9,6 +9,7 @@
 #include "lib/sampling/greedy_error.h"
 #include "lib/sampling/nl_means.h"
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 #include "tests/reference/cross_bilateral_reference.h"
 #include "tests/reference/greedy_error_reference.h"
 #include "tests/reference/nl_means_reference.h"

@@ -5,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/sampling/sampler.h"
+#include "lib/sampling/samplers.h"
+#include "lib/sampling/spending.h"
 #include "tests/sampling/multiscale_cases.h"
 #include "tests/support/scene_s.h"
 
@@ -159,7 +160,7 @@ TEST(Multiscale, BeatsUniformSamplingOnSceneS) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const SamplePool pool = test::scene_s_pool(64, 64, seed);
     const Plane reference = test::scene_s_reference(64, 512, seed);
-    const auto uniform = make_sampler("uniform", "", {});
+    const auto uniform = make_method(samplers(), {"uniform", "", {}});
     const auto error = [&](const SamplingResult& result) {
       return test::mean_squared_error(result.selection.statistics.mean[0], reference);
     };

@@ -4,7 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lib/sampling/sampler.h"
+#include "lib/sampling/samplers.h"
+#include "lib/sampling/spending.h"
 #include "tests/support/memory_pool.h"
 
 namespace spool {
@@ -15,7 +16,7 @@ using ::testing::HasSubstr;
 
 TEST(SamplerList, NamesAreUniqueAndDescribed) {
   std::set<std::string> names;
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     EXPECT_TRUE(names.insert(entry.name).second) << entry.name;
     EXPECT_FALSE(entry.summary.empty()) << entry.name;
     for (const OptionDescription& option : entry.describe("")) {
@@ -27,9 +28,9 @@ TEST(SamplerList, NamesAreUniqueAndDescribed) {
 
 TEST(SamplerList, HoldsEverySamplerInReadingOrder) {
   std::vector<std::string> names, by_description;
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     names.push_back(entry.name);
-    if (entry.by_description) by_description.push_back(entry.name);
+    if (entry.source == Source::kDescriptions) by_description.push_back(entry.name);
   }
   EXPECT_THAT(names,
               ElementsAre("uniform", "multiscale", "mitchell", "adaptive_wavelet", "greedy_error",
@@ -38,31 +39,31 @@ TEST(SamplerList, HoldsEverySamplerInReadingOrder) {
 }
 
 TEST(SamplerList, EveryDefaultOptionCanBeSetToItsOwnValue) {
-  for (const SamplerEntry& entry : samplers()) {
+  for (const Sampler& entry : samplers()) {
     std::vector<std::string> presets = entry.presets;
     presets.push_back("");
     for (const std::string& preset : presets) {
       OptionValues values;
       for (const OptionDescription& option : entry.describe(preset))
         values.emplace_back(option.name, option.value);
-      const auto sampler = make_sampler(entry.name, preset, values);
+      const auto sampler = make_method(samplers(), {entry.name, preset, values});
       EXPECT_TRUE(sampler.has_value()) << entry.name << ": " << sampler.error().message;
     }
   }
 }
 
 TEST(SamplerList, UnknownNamesAreUsageErrorsThatNameTheNearest) {
-  const auto sampler = make_sampler("unifrom", "", {});
+  const auto sampler = make_method(samplers(), {"unifrom", "", {}});
   ASSERT_FALSE(sampler.has_value());
   EXPECT_EQ(sampler.error().code, ErrorCode::kUsage);
   EXPECT_THAT(sampler.error().message, HasSubstr("uniform"));
 
-  const auto option = make_sampler("uniform", "", {{"kee", "2"}});
+  const auto option = make_method(samplers(), {"uniform", "", {{"kee", "2"}}});
   ASSERT_FALSE(option.has_value());
   EXPECT_EQ(option.error().code, ErrorCode::kUsage);
   EXPECT_THAT(option.error().message, HasSubstr("key"));
 
-  const auto preset = make_sampler("uniform", "paper", {});
+  const auto preset = make_method(samplers(), {"uniform", "paper", {}});
   ASSERT_FALSE(preset.has_value());
   EXPECT_EQ(preset.error().code, ErrorCode::kUsage);
 }

@@ -1,4 +1,4 @@
-// Every sampler and every reconstructor of the lists, with every preset, ready to run in a test.
+// Every sampler and every filter of the lists, with every preset, ready to run in a test.
 #pragma once
 
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "lib/filters/reconstructor.h"
-#include "lib/sampling/sampler.h"
+#include "lib/filters/filters.h"
+#include "lib/sampling/samplers.h"
 
 namespace spool::test {
 
@@ -15,13 +15,13 @@ template <class Function>
 struct NamedMethod {
   std::string name;    // of the list
   std::string preset;  // "" where the method has none
-  Function run;
+  Ready<Function> run;
   std::string label() const { return preset.empty() ? name : name + " " + preset; }
 };
 
 // Radii of patch filters that make a method fast on small images without changing what it does.
-template <class Entry>
-OptionValues fast_options(const Entry& entry, const std::string& preset) {
+template <class Function>
+OptionValues fast_options(const Method<Function>& entry, const std::string& preset) {
   OptionValues set;
   const auto options = entry.describe(preset);
   const auto has = [&](std::string_view name) {
@@ -32,10 +32,10 @@ OptionValues fast_options(const Entry& entry, const std::string& preset) {
   return set;
 }
 
-template <class Function, class Entry>
-std::vector<NamedMethod<Function>> every_method(const std::vector<Entry>& entries, bool fast) {
+template <class Function>
+std::vector<NamedMethod<Function>> every_method(const MethodList<Function>& entries, bool fast) {
   std::vector<NamedMethod<Function>> methods;
-  for (const Entry& entry : entries) {
+  for (const Method<Function>& entry : entries) {
     const std::vector<std::string> presets =
         entry.presets.empty() ? std::vector<std::string>{""} : entry.presets;
     for (const std::string& preset : presets) {
@@ -48,11 +48,11 @@ std::vector<NamedMethod<Function>> every_method(const std::vector<Entry>& entrie
 }
 
 inline std::vector<NamedMethod<SamplerFunction>> every_sampler(bool fast = true) {
-  return every_method<SamplerFunction>(samplers(), fast);
+  return every_method(samplers(), fast);
 }
 
-inline std::vector<NamedMethod<ReconstructorFunction>> every_reconstructor(bool fast = true) {
-  return every_method<ReconstructorFunction>(reconstructors(), fast);
+inline std::vector<NamedMethod<FilterFunction>> every_filter(bool fast = true) {
+  return every_method(filters(), fast);
 }
 
 // Hands the pixel means to samplers that filter in their loop.

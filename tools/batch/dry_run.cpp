@@ -10,7 +10,7 @@
 #include "tools/batch/cell_store.h"
 #include "tools/batch/evaluation_run.h"
 #include "tools/batch/time_estimate.h"
-#include "tools/methods/method_settings.h"
+#include "tools/methods/external_methods.h"
 
 namespace spool::tools {
 namespace {
@@ -32,8 +32,8 @@ void try_methods(const Plan& plan, TimeEstimate& estimate) {
       make_scene_s(kTrialSide, kTrialSide, kTrialSamples, 1));
   const ExperimentSources sources{
       [&](const std::string&) { return Result<std::shared_ptr<const RecordedSamples>>(recording); },
-      [](const MethodChoice& choice) { return make_sampler(choice); },
-      [](const MethodChoice& choice) { return make_filter(choice); }};
+      [](const MethodChoice& choice) { return make_method(known_samplers(), choice); },
+      [](const MethodChoice& choice) { return make_method(known_filters(), choice); }};
   const auto start = std::chrono::steady_clock::now();
   ExperimentOptions options = plan.experiment;
   options.pieces_per_side = 1;

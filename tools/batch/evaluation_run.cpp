@@ -22,8 +22,8 @@
 #include "tools/batch/statistics.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/interrupt.h"
+#include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
-#include "tools/methods/method_settings.h"
 #include "tools/progress.h"
 
 namespace spool::tools {
@@ -74,8 +74,8 @@ class PlanRun {
           if (loaded) recording = *loaded;
           return loaded;
         },
-        [](const MethodChoice& choice) { return make_sampler(choice); },
-        [](const MethodChoice& choice) { return make_filter(choice); }};
+        [](const MethodChoice& choice) { return make_method(known_samplers(), choice); },
+        [](const MethodChoice& choice) { return make_method(known_filters(), choice); }};
     Result<void> written;  // the first failure to write ends the run
     const ExperimentCallbacks callbacks{
         .finished =

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/experiment/baseline.h"
 #include "lib/experiment/reference.h"
 #include "lib/inference/intervals.h"
 #include "tools/console.h"
@@ -27,11 +28,16 @@ double ratio(const std::vector<double>& values, const std::vector<double>& basel
   return mean_of(values) / mean_of(baseline);
 }
 
+bool is_made_elsewhere(const MethodChoice& filter) {
+  const Filter* method = find_method(known_filters(), filter.name);
+  return method != nullptr && !method->needs.samples;
+}
+
 // Replicates of one image (made elsewhere, or of samples in recorded order) do not say how exact
 // their mean is. Errors of one image differ by the samples held out to judge it.
 bool replicates_are_alike(const std::vector<double>& errors, const Cell& cell) {
   return errors.size() > 1 &&
-         (cell.filter.name == "image" ||
+         (is_made_elsewhere(cell.filter) ||
           std::ranges::all_of(errors, [&](double error) { return error == errors[0]; }));
 }
 
@@ -79,7 +85,7 @@ void EvaluationSummary::add(const Cell& cell, const ResultRecord& record) {
   if (fresh) {
     groups_.push_back({cell, reference, {}, {}, {}, {}, {}, {}});
     conditions_.try_emplace(condition, conditions_.size());
-    if (cell.sampler.name == "uniform" && cell.filter.name == "box") {
+    if (is_baseline(cell.sampler, cell.filter)) {
       baselines_.try_emplace(condition, place->second);
     }
   }
@@ -136,8 +142,8 @@ std::string EvaluationSummary::text() const {
     biased = biased || is_biased_text(group->reference);
     const bool alike = replicates_are_alike(group->mse, cell);
     repeated = repeated || alike;
-    const bool described_sampler = sampler_by_description(cell.sampler.name);
-    const bool described_filter = filter_by_description(cell.filter.name);
+    const bool described_sampler = is_by_description(known_samplers(), cell.sampler.name);
+    const bool described_filter = is_by_description(known_filters(), cell.filter.name);
     described = described || described_sampler || described_filter;
     rows.push_back(
         {std::filesystem::path(cell.dump).stem().string(),
@@ -178,8 +184,8 @@ std::string EvaluationSummary::json() const {
         {"dump", cell.dump},
         {"sampler", cell.sampler.label()},
         {"filter", cell.filter.label()},
-        {"sampler_by_description", sampler_by_description(cell.sampler.name)},
-        {"filter_by_description", filter_by_description(cell.filter.name)},
+        {"sampler_by_description", is_by_description(known_samplers(), cell.sampler.name)},
+        {"filter_by_description", is_by_description(known_filters(), cell.filter.name)},
         {"spp", cell.spp},
         {"threads", cell.threads},
         {"replicates", group->mse.size()},

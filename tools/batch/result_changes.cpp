@@ -107,8 +107,7 @@ Result<ResultFolder> read_result_folder(const fs::path& path) {
                 "{}: no plan.toml in it: give a folder that spool evaluate -o wrote",
                 path.string());
   }
-  SPOOL_ASSIGN(folder.plan, read_plan(path / "plan.toml", {known_samplers(), known_filters(),
-                                                           &make_sampler, &make_filter}));
+  SPOOL_ASSIGN(folder.plan, read_plan(path / "plan.toml", {known_samplers(), known_filters()}));
   for (const DumpIdentity& dump : known_dumps(path))
     folder.sha256[dump.path.filename().string()] = dump.sha256;
   const CellStore store(path);

@@ -67,19 +67,18 @@ ordered_json machine() {
 }
 
 // Every option as it was, those that nobody set too.
-template <class Entry>
+template <class Function>
 ordered_json methods_json(const std::vector<MethodChoice>& methods,
-                          const std::vector<Entry>& entries) {
+                          const MethodList<Function>& known) {
   ordered_json list = ordered_json::array();
   for (const MethodChoice& method : methods) {
     ordered_json json = {{"name", method.name}, {"label", method.label()}};
-    for (const Entry& entry : entries) {
-      if (entry.name != method.name) continue;
-      json["by_description"] = entry.by_description;
-      const std::string first = entry.presets.empty() ? "" : entry.presets.front();
+    if (const Method<Function>* entry = find_method(known, method.name)) {
+      json["by_description"] = entry->source == Source::kDescriptions;
+      const std::string first = entry->presets.empty() ? "" : entry->presets.front();
       const std::string preset = method.preset.empty() ? first : method.preset;
       if (!preset.empty()) json["preset"] = preset;
-      for (const OptionDescription& option : entry.describe(preset))
+      for (const OptionDescription& option : entry->describe(preset))
         json["options"][option.name] = option.value;
     }
     for (const auto& [name, value] : method.set)

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/experiment/baseline.h"
 #include "lib/inference/budget_curve.h"
 #include "lib/inference/comparison.h"
 #include "lib/inference/intervals.h"
@@ -147,10 +148,8 @@ class RecordingStudy {
 
   std::optional<std::size_t> baseline() const {
     for (std::size_t m = 0; m < methods_.size(); ++m) {
-      if (plan_.samplers[methods_[m].sampler].name == "uniform" &&
-          plan_.filters[methods_[m].filter].name == "box") {
+      if (is_baseline(plan_.samplers[methods_[m].sampler], plan_.filters[methods_[m].filter]))
         return m;
-      }
     }
     return std::nullopt;
   }

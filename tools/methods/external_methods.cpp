@@ -1,6 +1,5 @@
 #include "tools/methods/external_methods.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include "lib/sampling/asked_counts.h"
 #include "lib/sampling/given_counts.h"
 #include "lib/sampling/rounds.h"
+#include "lib/sampling/spending.h"
 #include "tools/methods/external_process.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/statistics_file.h"
@@ -56,6 +56,12 @@ const OptionTable<ExecSamplerOptions>& exec_sampler_option_table() {
   return table;
 }
 
+Needs needs_of(const ExecOptions& options) {
+  return {.features = options.features ? Use::kWhenRecorded : Use::kNone};
+}
+
+constexpr Needs kMadeElsewhere{.samples = false};
+
 // One call: the statistics go out, the answer comes back as the EXR that the command wrote.
 Result<ExrFile> call(const std::string& command, const PieceStatistics& statistics,
                      const SamplePool& pool, const ExecOptions& options,
@@ -85,11 +91,11 @@ Result<ExrFile> call(const std::string& command, const PieceStatistics& statisti
   return fail(ErrorCode::kData, "exec:{}: {}", command, message);
 }
 
-Result<SamplerFunction> make_exec_sampler(const std::string& command, const OptionValues& set) {
+Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionValues& set) {
   SPOOL_ASSIGN(const ExecSamplerOptions options,
                with_options(exec_sampler_option_table(), ExecSamplerOptions{}, set));
-  return SamplerFunction([command, options](const SamplePool& pool, long long budget,
-                                            const SamplingContext& context) {
+  const SamplerFunction run = [command, options](const SamplePool& pool, long long budget,
+                                                 const SamplingContext& context) {
     const AskForCounts ask = [&](const CountQuestion& question) -> Result<CountImage> {
       SPOOL_ASSIGN(const ExrFile answer,
                    call(command, question.statistics, question.pool, options.exec,
@@ -107,39 +113,39 @@ Result<SamplerFunction> make_exec_sampler(const std::string& command, const Opti
           fail(result.error().code, "exec:{}: {}", command, result.error().message));
     }
     return result;
-  });
+  };
+  return ReadySampler{run, needs_of(options.exec)};
 }
 
-Result<ReconstructorFunction> make_exec_filter(const std::string& command,
-                                               const OptionValues& set) {
+Result<ReadyFilter> make_exec_filter(const std::string& command, const OptionValues& set) {
   SPOOL_ASSIGN(const ExecOptions options, with_options(exec_option_table(), ExecOptions{}, set));
-  return ReconstructorFunction(
-      [command, options](const Selection& selection, const SamplePool& pool,
-                         const ReconstructionContext&) -> Result<Reconstruction> {
-        const std::string name = fmt::format("exec:{}: answer", command);
-        SPOOL_ASSIGN(const ExrFile answer,
-                     call(command, selection.statistics, pool, options, {}, nullptr));
-        SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(answer, name));
-        for (std::size_t c = 0; c < 3; ++c) {
-          for (int y = 0; y < image[c].height(); ++y) {
-            for (int x = 0; x < image[c].width(); ++x) {
-              if (std::isfinite(image[c](x, y))) continue;
-              return fail(ErrorCode::kData,
-                          "{}: holds {} in channel {} (pixel {}, {}): every value must be finite",
-                          name, image[c](x, y), "RGB"[c], x, y);
-            }
-          }
+  const FilterFunction run = [command, options](const Selection& selection, const SamplePool& pool,
+                                                const FilterContext&) -> Result<Reconstruction> {
+    const std::string name = fmt::format("exec:{}: answer", command);
+    SPOOL_ASSIGN(const ExrFile answer,
+                 call(command, selection.statistics, pool, options, {}, nullptr));
+    SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(answer, name));
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int y = 0; y < image[c].height(); ++y) {
+        for (int x = 0; x < image[c].width(); ++x) {
+          if (std::isfinite(image[c](x, y))) continue;
+          return fail(ErrorCode::kData,
+                      "{}: holds {} in channel {} (pixel {}, {}): every value must be finite", name,
+                      image[c](x, y), "RGB"[c], x, y);
         }
-        return own_image(image, pool, name);
-      });
+      }
+    }
+    return own_image(image, pool, name);
+  };
+  return ReadyFilter{run, needs_of(options)};
 }
 
-Result<SamplerFunction> make_counts_sampler(const std::string& path, const OptionValues& set) {
+Result<ReadySampler> make_counts_sampler(const std::string& path, const OptionValues& set) {
   SPOOL_TRY(with_options(OptionTable<NoOptions>{}, NoOptions{}, set));
   SPOOL_ASSIGN(SelectionFile file, read_selection(path));
-  return SamplerFunction([file = std::move(file), path](
-                             const SamplePool& pool, long long budget,
-                             const SamplingContext& context) -> Result<SamplingResult> {
+  const SamplerFunction run = [file = std::move(file), path](
+                                  const SamplePool& pool, long long budget,
+                                  const SamplingContext& context) -> Result<SamplingResult> {
     if (const long long counts = count_samples(file.n); counts > budget) {
       return fail(ErrorCode::kData,
                   "counts:{}: {} samples, the budget has {}: give --spp {} or take fewer", path,
@@ -152,74 +158,66 @@ Result<SamplerFunction> make_counts_sampler(const std::string& path, const Optio
     result.selection.attenuation = file.attenuation;
     if (file.signal) set_signal(result.selection.statistics, pool, *file.signal);
     return result;
-  });
+  };
+  return ReadySampler{run, {}};
 }
 
-Result<ReconstructorFunction> make_image_filter(const std::string& path, const OptionValues& set) {
+Result<ReadyFilter> make_image_filter(const std::string& path, const OptionValues& set) {
   SPOOL_TRY(with_options(OptionTable<NoOptions>{}, NoOptions{}, set));
   SPOOL_ASSIGN(const ExrFile file, read_exr(path));
   SPOOL_ASSIGN(RgbImage image, rgb_from_exr(file, path));
-  return given_image(std::move(image), "image:" + path);
+  return ReadyFilter{given_image(std::move(image), "image:" + path), kMadeElsewhere};
 }
 
-// An entry whose argument stands where others have a preset.
-template <class Entry, class Table, class Make>
-Entry entry_with_argument(std::string name, std::string argument, std::string summary,
-                          const Table& table, Make make) {
-  Entry entry;
-  entry.name = name;
-  entry.argument = argument;
-  entry.summary = std::move(summary);
-  entry.describe = [table](std::string_view) { return describe_options(table, {}); };
-  entry.make = [=](std::string_view given, const OptionValues& set) -> decltype(make("", set)) {
+// A method whose argument stands where others have a preset.
+template <class Function, class Options>
+Method<Function> method_with_argument(std::string name, std::string argument, std::string summary,
+                                      const OptionTable<Options>& table, Needs needs,
+                                      Result<Ready<Function>> (*make)(const std::string&,
+                                                                      const OptionValues&)) {
+  Method<Function> method;
+  method.name = name;
+  method.argument = argument;
+  method.summary = std::move(summary);
+  method.needs = needs;
+  method.describe = [table](std::string_view) { return describe_options(table, Options{}); };
+  method.make = [=](std::string_view given, const OptionValues& set) -> Result<Ready<Function>> {
     if (given.empty()) {
-      return fail(ErrorCode::kUsage, "{}: write {}:{}", name, name, argument);
+      return fail(ErrorCode::kUsage, "write {}:{}", name, argument);
     }
     return make(std::string(given), set);
   };
-  return entry;
+  return method;
 }
 
 }  // namespace
 
-const std::vector<SamplerEntry>& known_samplers() {
-  static const std::vector<SamplerEntry> all = [] {
-    std::vector<SamplerEntry> list = samplers();
-    list.push_back(entry_with_argument<SamplerEntry>(
+const SamplerList& known_samplers() {
+  static const SamplerList all = [] {
+    SamplerList list = samplers();
+    list.methods.push_back(method_with_argument(
         "counts", "FILE.exr", "your own: an image that says how many samples each piece gets",
-        OptionTable<NoOptions>{}, make_counts_sampler));
-    list.push_back(entry_with_argument<SamplerEntry>(
+        OptionTable<NoOptions>{}, Needs{}, &make_counts_sampler));
+    list.methods.push_back(method_with_argument(
         "exec", "COMMAND", "your own: a command that is asked for counts, round after round",
-        exec_sampler_option_table(), make_exec_sampler));
+        exec_sampler_option_table(), Needs{}, &make_exec_sampler));
     return list;
   }();
   return all;
 }
 
-const std::vector<ReconstructorEntry>& known_filters() {
-  static const std::vector<ReconstructorEntry> all = [] {
-    std::vector<ReconstructorEntry> list = reconstructors();
-    list.push_back(entry_with_argument<ReconstructorEntry>(
-        "image", "FILE.exr", "your own: an image that was made elsewhere", OptionTable<NoOptions>{},
-        make_image_filter));
-    list.push_back(entry_with_argument<ReconstructorEntry>(
+const FilterList& known_filters() {
+  static const FilterList all = [] {
+    FilterList list = filters();
+    list.methods.push_back(
+        method_with_argument("image", "FILE.exr", "your own: an image that was made elsewhere",
+                             OptionTable<NoOptions>{}, kMadeElsewhere, &make_image_filter));
+    list.methods.push_back(method_with_argument(
         "exec", "COMMAND", "your own: a command that makes the image from the statistics",
-        exec_option_table(), make_exec_filter));
+        exec_option_table(), Needs{}, &make_exec_filter));
     return list;
   }();
   return all;
-}
-
-bool sampler_by_description(std::string_view name) {
-  return std::ranges::any_of(samplers(), [&](const SamplerEntry& entry) {
-    return entry.name == name && entry.by_description;
-  });
-}
-
-bool filter_by_description(std::string_view name) {
-  return std::ranges::any_of(reconstructors(), [&](const ReconstructorEntry& entry) {
-    return entry.name == name && entry.by_description;
-  });
 }
 
 }  // namespace spool::tools

@@ -12,21 +12,23 @@
 #pragma once
 
 #include <string_view>
-#include <vector>
 
-#include "lib/filters/reconstructor.h"
-#include "lib/sampling/sampler.h"
+#include "lib/filters/filters.h"
+#include "lib/sampling/samplers.h"
 
 namespace spool::tools {
 
-const std::vector<SamplerEntry>& known_samplers();
-const std::vector<ReconstructorEntry>& known_filters();
+const SamplerList& known_samplers();
+const FilterList& known_filters();
 
 // What stands beside the name of a method that is re-implemented by description, and what it means.
 inline constexpr const char* kByDescriptionMark = " [R]";
 inline constexpr const char* kByDescription =
     "[R]: re-implementation by description, not from the primary text";
-bool sampler_by_description(std::string_view name);
-bool filter_by_description(std::string_view name);
+template <class Function>
+bool is_by_description(const MethodList<Function>& list, std::string_view name) {
+  const Method<Function>* method = find_method(list, name);
+  return method != nullptr && method->source == Source::kDescriptions;
+}
 
 }  // namespace spool::tools

@@ -96,9 +96,8 @@ Result<void> check_views(const std::vector<std::string>& wanted,
   for (const std::string& name : wanted) {
     const std::string family(family_of(name));
     if (std::ranges::find(families, family) != families.end()) continue;
-    const std::string near = nearest_name(family, families);
     return fail(ErrorCode::kUsage, "--views {}: no such view here{}: see spool list views", name,
-                near.empty() ? "" : fmt::format(", did you mean '{}'?", near));
+                did_you_mean(family, families));
   }
   return {};
 }

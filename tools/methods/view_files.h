@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lib/core/view.h"
-#include "lib/filters/reconstructor.h"
+#include "lib/filters/filter.h"
 #include "lib/image_io/exr_image.h"
 
 namespace spool::tools {

@@ -187,8 +187,8 @@ FilteredPart filter_tiles(const Part& whole, const SamplePool& pool,
 }  // namespace
 
 Result<Reconstruction> reconstruct_directional(const Selection& selection, const SamplePool& pool,
-                                               const ReconstructionContext& context,
-                                               const DirectionalOptions& options) {
+                                               const DirectionalOptions& options,
+                                               const FilterContext& context) {
   const PieceStatistics& taken = selection.statistics;
   for (const Plane& a : selection.attenuation) {
     if (!a.same_size(taken.n)) {
@@ -242,13 +242,34 @@ Result<Reconstruction> reconstruct_directional(const Selection& selection, const
   return result;
 }
 
-ReconstructorMethod<DirectionalOptions> directional_method() {
-  return {"directional",
-          "anisotropic mean over a neighbourhood sized by bias and variance",
-          false,
-          directional_option_table(),
-          {{"robust", robust_directional_options()}, {"paper", paper_directional_options()}},
-          reconstruct_directional};
+Filter directional_filter() {
+  return make_value<FilterFunction, DirectionalOptions>(
+      {.name = "directional",
+       .summary = "anisotropic mean over a neighbourhood sized by bias and variance",
+       .options = directional_option_table(),
+       .presets = {{"robust", robust_directional_options()},
+                   {"paper", paper_directional_options()}},
+       .views =
+           {
+               {"f.k", "coarse images (eqs 1-3)"},
+               {"d.k", "detail images (eq 4)"},
+               {"S.k", "variance (or contrast) of the mean over regions of level k (eq 9)"},
+               {"q.k", "value of regions of level k (eq 9)"},
+               {"w.k", "weight of the squared difference (eq 9)"},
+               {"T.k", "criterion of the size; positive stops (eq 9)"},
+               {"stop.k", "1 where the size stops at level k, after the vote"},
+               {"base_variance", "variance of the base image, analysis signal"},
+               {"level", "chosen size: 2^level pieces"},
+               {"band_energy.k.i", "energy of direction i at level k"},
+               {"delta.i", "width of the filter along direction i, pieces (eq 12)"},
+               {"dominant_direction", "direction of the widest extent, degrees; NaN where round"},
+           },
+       .needs =
+           [](const DirectionalOptions& options) {
+             const bool inside = options.filter.granularity == FilterGranularity::kSample;
+             return Needs{.film_positions = inside ? Use::kWhenRecorded : Use::kNone};
+           },
+       .run = reconstruct_directional});
 }
 
 }  // namespace spool

@@ -4,20 +4,18 @@
 // Works on any selection; without attenuation the literal forms of eq 9's factor use 0.10. Level 0
 // is no filter: the base image. With recon_scope = tile each tile is analysed and filtered as if it
 // were the whole image, which shows at its borders.
-// Views: level, dominant_direction, base_variance, f.k, d.k, S.k, q.k, w.k, T.k, stop.k,
-// band_energy.k.i, delta.i.
 #pragma once
 
 #include "lib/filters/directional/options.h"
-#include "lib/filters/reconstructor_entry.h"
+#include "lib/filters/filter.h"
 
 namespace spool {
 
 // Errors kData: no sample at all; attenuation of another size than the selection.
 Result<Reconstruction> reconstruct_directional(const Selection& selection, const SamplePool& pool,
-                                               const ReconstructionContext& context,
-                                               const DirectionalOptions& options);
+                                               const DirectionalOptions& options,
+                                               const FilterContext& context);
 
-ReconstructorMethod<DirectionalOptions> directional_method();
+Filter directional_filter();
 
 }  // namespace spool

@@ -12,6 +12,7 @@
 #include "lib/sampling/multiscale/board_views.h"
 #include "lib/sampling/multiscale/sampling_loop.h"
 #include "lib/sampling/multiscale/tile_budgets.h"
+#include "lib/sampling/spending.h"
 #include "lib/sampling/tile_plan.h"
 
 namespace spool {
@@ -187,9 +188,31 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
     level_views.hand_over(*context.views);
   }
   result.selection.statistics = std::move(samples.statistics);
-  log.spent = count_samples(result.selection.statistics.n);
   finish_log(log, pool, result.selection.statistics.n);
   return result;
+}
+
+Sampler multiscale_sampler() {
+  return make_value<SamplerFunction, MultiscaleOptions>(
+      {.name = "multiscale",
+       .summary = "regions of many sizes, by contrast, lost detail and change",
+       .options = multiscale_option_table(),
+       .presets = multiscale_presets(),
+       .views =
+           {
+               {"f.k", "coarse images at the end (eqs 1-3)"},
+               {"d.k", "detail images at the end (eq 4)"},
+               {"V.k", "contrast of the regions at the end (eq 6)"},
+               {"A.k", "attenuation at the end (eqs 7, 8)"},
+               {"P.k", "priorities at the end (eq 5)"},
+               {"f_initial.k", "coarse images after the first samples"},
+               {"d_initial.k", "detail images after the first samples"},
+               {"V_initial.k", "contrast after the first samples"},
+               {"A_initial.k", "attenuation after the first samples"},
+               {"P_initial.k", "priorities after the first samples"},
+               {"samples.k", "samples that regions of level k took; 0: uniformly spent"},
+           },
+       .run = sample_multiscale});
 }
 
 }  // namespace spool

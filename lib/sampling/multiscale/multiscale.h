@@ -12,4 +12,6 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
                                          const MultiscaleOptions& options,
                                          const SamplingContext& context);
 
+Sampler multiscale_sampler();
+
 }  // namespace spool

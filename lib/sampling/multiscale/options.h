@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "lib/core/option_table.h"
+#include "lib/methods/method.h"
 #include "lib/pyramid/laplacian_pyramid.h"
 #include "lib/sampling/rounds.h"
-#include "lib/sampling/sampler_entry.h"
 #include "lib/sampling/uniform.h"
 #include "lib/statistics/contrast.h"
 

@@ -18,13 +18,14 @@
 #include "lib/core/check.h"
 #include "lib/core/parallel.h"
 #include "lib/experiment/reference.h"
-#include "lib/filters/reconstructor.h"
+#include "lib/filters/filters.h"
 #include "lib/inference/budget_curve.h"
 #include "lib/inference/comparison.h"
 #include "lib/inference/intervals.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/pool/sample_pool.h"
-#include "lib/sampling/sampler.h"
+#include "lib/sampling/samplers.h"
+#include "lib/sampling/spending.h"
 #include "lib/synthetic/scene_s.h"
 
 namespace spool::bench {
@@ -121,12 +122,12 @@ Trial run_trial(const World& world, std::uint64_t trial) {
         const auto [found, is_new] = taken.try_emplace({sampler, spp});
         if (is_new) {
           found->second =
-              or_exit(or_exit(make_sampler(sampler, "", {}))(pool, sample_budget(spp, *recording),
-                                                             with_seed(options.seed)))
+              or_exit(or_exit(make_method(samplers(), {sampler, "", {}}))(
+                          pool, sample_budget(spp, *recording), with_seed(options.seed)))
                   .selection;
         }
         const Reconstruction made =
-            or_exit(or_exit(make_reconstructor(filter, "", {}))(found->second, pool, {}));
+            or_exit(or_exit(make_method(filters(), {filter, "", {}}))(found->second, pool, {}));
         SquaredError error = squared_error(made.image, reference, bootstrap);
         MethodSeries& one = series[{{sampler, filter}, spp}];
         one.blocks = bootstrap.blocks();

@@ -1,4 +1,4 @@
-// Time and memory of every sampler and reconstructor of the lists, on one recording.
+// Time and memory of every sampler and filter of the lists, on one recording.
 //
 //   bench_methods RECORDING [--spp=8] [--threads=1,2] [--presets=all] [--benchmark_filter=REGEX
 //   ...]
@@ -18,9 +18,11 @@
 
 #include "lib/core/heap_policy.h"
 #include "lib/core/parallel.h"
-#include "lib/filters/reconstructor.h"
+#include "lib/experiment/loop_filter.h"
+#include "lib/filters/filters.h"
 #include "lib/pool/load_recording.h"
-#include "lib/sampling/sampler.h"
+#include "lib/sampling/samplers.h"
+#include "lib/sampling/spending.h"
 #include "tools/bench/methods/heap_peak.h"
 
 namespace spool::bench {
@@ -57,17 +59,12 @@ void measure(benchmark::State& state, const Subject& subject, int threads, long 
   state.counters["threads"] = threads;
 }
 
-FilterFunction filter_in_loop() {
-  const auto filter = make_reconstructor("directional", "", {});
-  if (!filter) return {};
-  return
-      [filter = *filter](const Selection& selection, const SamplePool& pool) -> Result<RgbImage> {
-        SPOOL_ASSIGN(Reconstruction result, filter(selection, pool, {}));
-        return std::move(result.image);
-      };
+LoopFilter filter_in_loop() {
+  const auto filter = make_method(filters(), {"directional", "", {}});
+  return filter ? loop_filter(*filter) : LoopFilter{};
 }
 
-void measure_sampler(benchmark::State& state, Subject& subject, const SamplerFunction& sample,
+void measure_sampler(benchmark::State& state, Subject& subject, const ReadySampler& sample,
                      int threads) {
   subject.selection.reset();
   SamplingContext context;
@@ -76,11 +73,11 @@ void measure_sampler(benchmark::State& state, Subject& subject, const SamplerFun
           [&] { return sample(*subject.pool, subject.budget, context); });
 }
 
-void measure_filter(benchmark::State& state, Subject& subject, const ReconstructorFunction& filter,
+void measure_filter(benchmark::State& state, Subject& subject, const ReadyFilter& filter,
                     int threads) {
   if (!subject.selection) {
     subject.heap_before_selection = heap_bytes();
-    const auto sampler = make_sampler("multiscale", "", {});
+    const auto sampler = make_method(samplers(), {"multiscale", "", {}});
     auto sampled = (*sampler)(*subject.pool, subject.budget, {});
     if (!sampled) {
       state.SkipWithError(sampled.error().message.c_str());
@@ -89,23 +86,23 @@ void measure_filter(benchmark::State& state, Subject& subject, const Reconstruct
     subject.selection = std::move(sampled->selection);
   }
   const auto& reference = subject.pool->recording().reference();
-  const ReconstructionContext context{nullptr, reference ? &*reference : nullptr, {}};
+  const FilterContext context{nullptr, reference ? &*reference : nullptr, {}};
   measure(state, subject, threads, subject.heap_before_selection,
           [&] { return filter(*subject.selection, *subject.pool, context); });
 }
 
 // One benchmark for each preset of each entry and each number of threads.
-template <class Entry, class Measure>
-void register_entries(const std::vector<Entry>& entries, const std::string& kind, Subject& subject,
+template <class Function, class Measure>
+void register_entries(const MethodList<Function>& entries, Subject& subject,
                       const std::vector<int>& threads, bool all_presets, Measure measure_one) {
-  for (const Entry& entry : entries) {
+  for (const Method<Function>& entry : entries) {
     std::vector<std::string> presets = entry.presets;
     if (presets.empty()) presets.emplace_back();
     if (!all_presets) presets.resize(1);
     for (std::size_t i = 0; i < presets.size(); ++i) {
       const auto method = entry.make(presets[i], {});
       if (!method) continue;
-      const std::string name = kind + "/" + entry.name + (i == 0 ? "" : ":" + presets[i]);
+      const std::string name = entries.kind + "/" + entry.name + (i == 0 ? "" : ":" + presets[i]);
       for (const int t : threads) {
         benchmark::RegisterBenchmark(
             (name + "/t" + std::to_string(t)).c_str(),
@@ -168,8 +165,8 @@ int run(int argc, char** argv) {
     return 1;
   }
   Subject subject{&*pool, sample_budget(spp, **recording), {}};
-  register_entries(samplers(), "sampler", subject, threads, all_presets, measure_sampler);
-  register_entries(reconstructors(), "filter", subject, threads, all_presets, measure_filter);
+  register_entries(samplers(), subject, threads, all_presets, measure_sampler);
+  register_entries(filters(), subject, threads, all_presets, measure_filter);
   benchmark::AddCustomContext("recording", path.substr(path.find_last_of('/') + 1));
   benchmark::AddCustomContext("spp", std::to_string(spp));
   benchmark::RunSpecifiedBenchmarks();

@@ -1,0 +1,24 @@
+#include "lib/filters/filters.h"
+
+#include "lib/filters/box.h"
+#include "lib/filters/cross_bilateral.h"
+#include "lib/filters/directional/directional.h"
+#include "lib/filters/gaussian.h"
+#include "lib/filters/greedy_selection.h"
+#include "lib/filters/multistage.h"
+#include "lib/filters/nl_means.h"
+#include "lib/filters/oracle_scale.h"
+#include "lib/filters/wavelet_shrinkage.h"
+
+namespace spool {
+
+const FilterList& filters() {
+  static const FilterList list = {
+      "filter",
+      {box_filter(), gaussian_filter(), directional_filter(), greedy_selection_filter(),
+       nl_means_filter(), cross_bilateral_filter(), multistage_filter(), wavelet_shrinkage_filter(),
+       oracle_scale_filter()}};
+  return list;
+}
+
+}  // namespace spool

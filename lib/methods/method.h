@@ -1,0 +1,132 @@
+// A method - a sampler, a filter - as one value: its name, where it comes from, its presets and
+// options, the images it can show, what it needs, and how it is made.
+//
+// The file of a method ends with its value; lib/sampling/samplers.cpp and lib/filters/filters.cpp
+// are the only lists. Whoever wants to know something about a method reads it here.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/option_table.h"
+#include "lib/core/view.h"
+
+namespace spool {
+
+enum class Source {
+  kPrimaryText,   // the paper itself
+  kDescriptions,  // what others say of it: "[R]" in every list
+};
+
+enum class Use { kNone, kWhenRecorded, kRequired };
+
+// What a method asks for beyond the radiance of its samples.
+struct Needs {
+  Use features = Use::kNone;        // albedo, normal or depth of each sample
+  Use film_positions = Use::kNone;  // where in its pixel each sample fell
+  bool reference = false;           // an oracle: it knows the answer
+  bool filter_in_loop = false;      // a sampler that asks for the image of the filter beside it
+  bool samples = true;              // false: an image made elsewhere, the same for any samples
+  friend bool operator==(const Needs&, const Needs&) = default;
+};
+
+// A method with its options chosen. It is called as its function is.
+template <class Function>
+struct Ready {
+  Function run;
+  Needs needs;
+
+  template <class... Arguments>
+  auto operator()(Arguments&&... arguments) const {
+    return run(std::forward<Arguments>(arguments)...);
+  }
+};
+
+template <class Function>
+struct Method {
+  std::string name;
+  std::string summary;
+  Source source = Source::kPrimaryText;
+  std::vector<std::string> presets;  // the first is the default; empty: no presets
+  std::string argument;              // "FILE.exr": what NAME:... takes where others have a preset
+  std::vector<ViewDescription> views;
+  Needs needs;  // with the default options
+  std::function<std::vector<OptionDescription>(std::string_view preset)> describe;
+  // An empty preset is the default. Errors kUsage: an unknown preset or option, a wrong value.
+  std::function<Result<Ready<Function>>(std::string_view preset, const OptionValues& set)> make;
+};
+
+// The presets by name, the default first. One preset named "" means that the method has none.
+template <class Options>
+using Presets = std::vector<std::pair<std::string, Options>>;
+
+// The type behind a method's function: the same arguments, with its options before the context.
+template <class Function, class Options>
+struct WithOptions;
+
+template <class R, class A, class B, class Context, class Options>
+struct WithOptions<std::function<R(A, B, Context)>, Options> {
+  using Type = R (*)(A, B, const Options&, Context);
+
+  static std::function<R(A, B, Context)> bind(Type run, Options options) {
+    return [run, options = std::move(options)](A a, B b, Context context) {
+      return run(a, b, options, context);
+    };
+  }
+};
+
+// What the file of a method says about it.
+template <class Function, class Options>
+struct MethodParts {
+  std::string name;
+  std::string summary;
+  Source source = Source::kPrimaryText;
+  OptionTable<Options> options = {};
+  Presets<Options> presets = {{"", {}}};
+  std::vector<ViewDescription> views = {};
+  std::function<Needs(const Options&)> needs = nullptr;  // none: nothing but samples
+  typename WithOptions<Function, Options>::Type run = nullptr;
+
+  Result<Options> preset(std::string_view wanted) const {
+    if (wanted.empty()) return presets.front().second;
+    std::vector<std::string> names;
+    for (const auto& [known, values] : presets) {
+      if (known == wanted) return values;
+      if (!known.empty()) names.push_back(known);
+    }
+    return fail(ErrorCode::kUsage, "{}",
+                unknown_name("preset", wanted, names, names.empty() ? ": it has none" : ""));
+  }
+  Needs needs_of(const Options& values) const { return needs ? needs(values) : Needs{}; }
+};
+
+template <class Function, class Options>
+Method<Function> make_value(MethodParts<Function, Options> parts) {
+  Method<Function> method;
+  method.name = parts.name;
+  method.summary = parts.summary;
+  method.source = parts.source;
+  method.views = parts.views;
+  method.needs = parts.needs_of(parts.presets.front().second);
+  for (const auto& preset : parts.presets) {
+    if (!preset.first.empty()) method.presets.push_back(preset.first);
+  }
+  method.describe = [parts](std::string_view preset) {
+    return describe_options(parts.options,
+                            parts.preset(preset).value_or(parts.presets.front().second));
+  };
+  method.make = [parts](std::string_view preset,
+                        const OptionValues& set) -> Result<Ready<Function>> {
+    SPOOL_ASSIGN(const Options start, parts.preset(preset));
+    SPOOL_ASSIGN(const Options options, with_options(parts.options, start, set));
+    return Ready<Function>{WithOptions<Function, Options>::bind(parts.run, options),
+                           parts.needs_of(options)};
+  };
+  return method;
+}
+
+}  // namespace spool

@@ -1,0 +1,68 @@
+// Lists of methods, and the one way to find a method in them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/methods/method.h"
+#include "lib/methods/method_text.h"
+
+namespace spool {
+
+template <class Function>
+struct MethodList {
+  std::string kind;                       // "sampler", "filter"
+  std::vector<Method<Function>> methods;  // in the order in which people should read them
+
+  auto begin() const { return methods.begin(); }
+  auto end() const { return methods.end(); }
+  std::size_t size() const { return methods.size(); }
+};
+
+// The method of a name; null when there is none.
+template <class Function>
+const Method<Function>* find_method(const MethodList<Function>& list, std::string_view name) {
+  for (const Method<Function>& method : list) {
+    if (method.name == name) return &method;
+  }
+  return nullptr;
+}
+
+// Error kUsage, with the nearest known name.
+template <class Function>
+Result<const Method<Function>*> known_method(const MethodList<Function>& list,
+                                             std::string_view name) {
+  if (const Method<Function>* method = find_method(list, name)) return method;
+  return fail(ErrorCode::kUsage, "{}",
+              unknown_name(list.kind, name, names_of(list),
+                           fmt::format(": see spool list {}s", list.kind)));
+}
+
+// Reads a method as method_text.h says; error kUsage when there is none of that name, or its
+// argument is missing.
+template <class Function>
+Result<MethodChoice> choose_method(const MethodList<Function>& list, std::string_view text) {
+  std::vector<std::string> takes_argument;
+  for (const Method<Function>& method : list) {
+    if (!method.argument.empty()) takes_argument.push_back(method.name);
+  }
+  SPOOL_ASSIGN(MethodChoice choice, parse_method(text, takes_argument));
+  SPOOL_ASSIGN(const Method<Function>* method, known_method(list, choice.name));
+  if (!method->argument.empty() && choice.preset.empty()) {
+    return fail(ErrorCode::kUsage, "{}: write {}:{}", text, method->name, method->argument);
+  }
+  return choice;
+}
+
+// The method of a choice, ready to run. Errors kUsage, with the nearest known name, when there is
+// no such method, preset or option.
+template <class Function>
+Result<Ready<Function>> make_method(const MethodList<Function>& list, const MethodChoice& choice) {
+  SPOOL_ASSIGN(const Method<Function>* method, known_method(list, choice.name));
+  Result<Ready<Function>> ready = method->make(choice.preset, choice.set);
+  if (ready || ready.error().code != ErrorCode::kUsage) return ready;
+  return fail(ready.error().code, "{} {}: {}", list.kind, choice.name, ready.error().message);
+}
+
+}  // namespace spool

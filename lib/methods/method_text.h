@@ -1,0 +1,37 @@
+// How methods are written: on a command line, in a plan, and in every table.
+//
+//   NAME   NAME:PRESET   NAME{a=1,b=2}   NAME:PRESET{a=1,b=2}   LABEL=any of these
+//   NAME:ARGUMENT   of methods that take an argument, whatever it holds
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/option_table.h"
+
+namespace spool {
+
+// A method, its preset and its options, as somebody chose them.
+struct MethodChoice {
+  std::string name;
+  std::string preset;          // empty: the method's default; or the argument of methods with one
+  OptionValues set;            // on top of the preset, in order
+  std::string own_label = {};  // empty: what is chosen, in full
+
+  // The name in every table: the own label, else "NAME:PRESET{a=1,b=2}".
+  std::string label() const;
+  // As it is written on a command line: label() that says the own label too.
+  std::string text() const;
+  friend bool operator==(const MethodChoice&, const MethodChoice&) = default;
+};
+
+// `takes_argument`: the names of methods that take one.
+Result<MethodChoice> parse_method(std::string_view text,
+                                  const std::vector<std::string>& takes_argument);
+
+// The parts of "a,b:paper,c{x=1,y=2}": commas in braces and in quotes do not part.
+std::vector<std::string> split_methods(std::string_view text);
+
+}  // namespace spool
