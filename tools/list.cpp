@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/exchange/import_formats.h"
 #include "lib/experiment/result_table.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/synthetic/synthetic_scenes.h"
@@ -61,13 +62,13 @@ ordered_json describe(const MethodList<Function>& entries) {
 
 void print_methods(const ordered_json& list, const std::string& part) {
   for (const auto& method : list) {
-    const auto argument = method["argument"].get<std::string>();
-    const bool by_description = method["by_description"].get<bool>();
+    const std::string argument = method.value("argument", "");
+    const bool by_description = method.value("by_description", false);
     print(fmt::format(
         "{}{}{}: {}\n", method["name"].get<std::string>(), argument.empty() ? "" : ":" + argument,
         by_description ? kByDescriptionMark : "", method["summary"].get<std::string>()));
     if (by_description) print(fmt::format("  {}\n", kByDescription));
-    if (const auto needs = method["needs"].get<std::vector<std::string>>(); !needs.empty()) {
+    if (const auto needs = method.value("needs", std::vector<std::string>()); !needs.empty()) {
       print(fmt::format("  needs {}\n", fmt::join(needs, ", ")));
     }
     std::vector<std::vector<std::string>> rows;
@@ -89,6 +90,21 @@ void print_methods(const ordered_json& list, const std::string& part) {
     if (!rows.empty()) print(format_columns(rows, 100));
     print("\n");
   }
+}
+
+ordered_json describe_imports() {
+  ordered_json list = ordered_json::array();
+  for (const interchange::ImportFormat& format : exchange::import_formats()) {
+    ordered_json options = ordered_json::array();
+    for (const OptionDescription& option : format.describe()) {
+      options.push_back({{"name", option.name},
+                         {"allowed", option.allowed},
+                         {"help", option.help},
+                         {"defaults", {{"default", option.value}}}});
+    }
+    list.push_back({{"name", format.name}, {"summary", format.summary}, {"options", options}});
+  }
+  return list;
 }
 
 ordered_json describe_presets() {
@@ -206,6 +222,11 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   if (options.what == "metrics" || options.what == "columns") {
     const ordered_json list = options.what == "metrics" ? describe_metrics() : describe_columns();
     common.json ? print(list.dump(2) + "\n") : print_table(list);
+    return {};
+  }
+  if (options.what == "imports") {
+    const ordered_json list = describe_imports();
+    common.json ? print(list.dump(2) + "\n") : print_methods(list, "import");
     return {};
   }
   if (options.what == "scenes") {

@@ -8,7 +8,7 @@
 namespace spool::tools {
 
 struct ListOptions {
-  std::string what;  // samplers, filters, presets, views, metrics, columns or scenes
+  std::string what;  // samplers, filters, presets, views, metrics, columns, scenes or imports
 };
 
 Result<void> run_list(const ListOptions& options, const CommonOptions& common);

@@ -2,6 +2,7 @@
 //
 // The only file that includes CLI11, which costs seconds per translation unit; every verb is a
 // function with a plain struct of options.
+#include <algorithm>
 #include <exception>
 #include <functional>
 #include <map>
@@ -14,6 +15,7 @@
 #include "lib/core/heap_policy.h"
 #include "lib/core/option_table.h"
 #include "lib/core/parallel.h"
+#include "lib/exchange/import_formats.h"
 #include "lib/experiment/reference.h"
 #include "lib/experiment/result_record.h"
 #include "tools/check.h"
@@ -126,7 +128,7 @@ void add_pack(Program& program) {
   verb.add_option("SOURCES", program.pack.sources,
                   "folders that a recorder wrote, joined in this order; or a foreign file")
       ->required();
-  std::vector<std::string> kinds = foreign_formats();
+  std::vector<std::string> kinds = names_of(exchange::import_formats());
   kinds.insert(kinds.begin(), "passes");
   verb.add_option("--from", program.pack.from,
                   fmt::format("what SOURCES are: {} (default passes)", fmt::join(kinds, ", ")))
@@ -136,22 +138,10 @@ void add_pack(Program& program) {
   verb.add_flag("--compress", pack.compress, "zstd, where it saves 5 % or more");
   verb.add_flag("--half-radiance", pack.radiance_f16, "radiance as 16-bit floats (32)");
   verb.add_flag("--full-features", pack.features_f32, "features as 32-bit floats (16)");
-  verb.add_flag("--exchangeable", program.pack.exchangeable,
-                "of bcd, exr-folder and npz: the samples of a pixel come in no meaningful order");
-  verb.add_option("--layout", program.pack.layout,
-                  "axes of npz arrays without `meta`: HWSC or SHWC (S: sample, C: channel)")
-      ->check(CLI::IsMember({"HWSC", "SHWC"}));
-  verb.add_flag("--narrow", program.pack.narrow, "round 64-bit floats of npz to 32 bits");
-  verb.add_option("--sbmc-scale", program.pack.sbmc_scale,
-                  "whether distances of sbmc were divided by the scene's size: normalised or raw")
-      ->check(CLI::IsMember({"normalised", "raw"}));
-  verb.add_option("--frame", program.pack.frame, "of a noisebase sequence");
-  verb.add_option("--map", program.pack.layer_map,
-                  "OURS=LAYER: which layer of an exr-folder is, say, the albedo; several times")
+  verb.add_option("--set", program.pack.settings,
+                  "import.OPTION=VALUE, an option of the foreign format: see spool list imports")
       ->take_all()
       ->allow_extra_args(false);
-  verb.add_flag("--deep-samples", program.pack.deep_samples,
-                "of deep-exr: the deep samples of another tool are Monte Carlo samples");
   verb.add_option("--max-expansion", program.pack.max_expansion,
                   "of foreign files: how many times larger than its source the dump may be (100)")
       ->check(CLI::Range(uint64_t{1}, interchange::kMaxExpansionTimes));
@@ -161,8 +151,9 @@ void add_pack(Program& program) {
       "Examples:\n"
       "  spool pack chess.passes -o chess.spool\n"
       "  spool pack machine1.passes machine2.passes --compress -o chess.spool\n"
-      "  spool pack --from npz samples.npz --layout HWSC -o mine.spool\n"
-      "  spool pack --from exr-folder renders --map albedo=DiffCol -o mine.spool");
+      "  spool pack --from npz samples.npz --set import.layout=HWSC -o mine.spool\n"
+      "  spool pack --from exr-folder renders --set import.map=albedo=DiffCol \\\n"
+      "    -o mine.spool");
   verb.callback([&] { program.chosen = [&] { return run_pack(program.pack, program.common); }; });
 }
 
@@ -462,10 +453,10 @@ void add_list(Program& program) {
   CLI::App& verb =
       *program.app.add_subcommand("list", "what there is, with every option explained");
   verb.add_option("WHAT", program.list.what,
-                  "samplers, filters, presets, views, metrics, columns or scenes")
+                  "samplers, filters, presets, views, metrics, columns, scenes or imports")
       ->required()
       ->check(CLI::IsMember(
-          {"samplers", "filters", "presets", "views", "metrics", "columns", "scenes"}));
+          {"samplers", "filters", "presets", "views", "metrics", "columns", "scenes", "imports"}));
   add_common(verb, program.common, true, false);
   verb.footer(
       "Examples:\n"
@@ -489,6 +480,19 @@ std::vector<std::string> known_words(const CLI::App& app, bool options) {
   return words;
 }
 
+// "import.layout=VALUE" for "--layout", or nothing: options of foreign formats are no options of
+// the verb.
+std::string import_option_of(std::string flag) {
+  std::ranges::replace(flag, '-', '_');
+  for (const interchange::ImportFormat& format : exchange::import_formats()) {
+    for (const OptionDescription& option : format.describe()) {
+      if (flag == "__" + option.name || flag.ends_with("_" + option.name))
+        return fmt::format("import.{}={}", option.name, option.allowed);
+    }
+  }
+  return "";
+}
+
 // CLI11's complaints in one line, with the nearest known name where a word is unknown.
 std::string explain(const CLI::App& app, const CLI::ParseError& error, int count,
                     char** arguments) {
@@ -504,6 +508,12 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error, int count
   for (const std::string& word : app.remaining(true)) {
     if (word.rfind("--", 0) != 0) continue;
     const std::string name = word.substr(0, word.find('='));
+    if (verb && verb->get_name() == "pack") {
+      if (const std::string now = import_option_of(name); !now.empty()) {
+        return fmt::format("unknown option '{}': write --set {}: see spool list imports", word,
+                           now);
+      }
+    }
     return fmt::format("{}: see {}", unknown_name("option", name, known_words(at, true)), help);
   }
   return fmt::format("{}: see {}", error.what(), help);

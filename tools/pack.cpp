@@ -1,15 +1,10 @@
 #include "tools/pack.h"
 
-#include <map>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
-#include "formats/interchange/bcd_raw.h"
-#include "formats/interchange/noisebase.h"
-#include "formats/interchange/npz.h"
-#include "formats/interchange/sbmc.h"
-#include "lib/exchange/deep_exr.h"
-#include "lib/exchange/exr_folder.h"
+#include "lib/exchange/import_formats.h"
 
 namespace spool::tools {
 namespace {
@@ -24,79 +19,34 @@ std::string first_line(const PackVerbOptions& options, unsigned width, unsigned 
 
 using interchange::ImportReport;
 
-// What every importer is told.
-template <class Options>
-Options import_options(const PackVerbOptions& options, const CommonOptions& common) {
-  Options import;
-  import.compress = options.pack.compress;
-  import.force = common.force;
-  import.expansion.times = options.max_expansion;
-  if (options.exchangeable) import.sample_order = format::SampleOrder::kExchangeable;
-  return import;
-}
-
-using Importer = Result<ImportReport> (*)(const PackVerbOptions&, const CommonOptions&);
-
-Result<ImportReport> from_npz(const PackVerbOptions& options, const CommonOptions& common) {
-  auto import = import_options<interchange::NpzImportOptions>(options, common);
-  import.narrow = options.narrow;
-  if (options.layout == "HWSC") import.layout = interchange::NpzLayout::kHWSC;
-  if (options.layout == "SHWC") import.layout = interchange::NpzLayout::kSHWC;
-  return interchange::import_npz(options.sources[0], options.output, import);
-}
-
-Result<ImportReport> from_bcd(const PackVerbOptions& options, const CommonOptions& common) {
-  return interchange::import_bcd_raw(options.sources[0], options.output,
-                                     import_options<interchange::ImportOptions>(options, common));
-}
-
-Result<ImportReport> from_sbmc(const PackVerbOptions& options, const CommonOptions& common) {
-  auto import = import_options<interchange::SbmcImportOptions>(options, common);
-  if (options.sbmc_scale == "normalised") import.scale = interchange::SbmcScale::kNormalised;
-  if (options.sbmc_scale == "raw") import.scale = interchange::SbmcScale::kRaw;
-  return interchange::import_sbmc(options.sources[0], options.output, import);
-}
-
-Result<ImportReport> from_noisebase(const PackVerbOptions& options, const CommonOptions& common) {
-  auto import = import_options<interchange::NoisebaseImportOptions>(options, common);
-  import.frame = options.frame;
-  return interchange::import_noisebase(options.sources[0], options.output, import);
-}
-
-Result<ImportReport> from_exr_folder(const PackVerbOptions& options, const CommonOptions& common) {
-  auto import = import_options<exchange::ExrFolderImportOptions>(options, common);
-  for (const std::string& entry : options.layer_map) {
-    const size_t equals = entry.find('=');
-    if (equals == std::string::npos)
-      return fail(ErrorCode::kUsage, "--map {}: give OURS=LAYER, e.g. albedo=DiffCol", entry);
-    import.map[entry.substr(0, equals)] = entry.substr(equals + 1);
+// The options of "import.OPTION=VALUE".
+Result<OptionValues> import_settings(const std::vector<std::string>& settings) {
+  constexpr std::string_view kPart = "import.";
+  OptionValues values;
+  for (const std::string& text : settings) {
+    const std::size_t equals = text.find('=');
+    if (!text.starts_with(kPart) || equals == std::string::npos || equals <= kPart.size()) {
+      return fail(ErrorCode::kUsage,
+                  "--set {}: write import.OPTION=VALUE, for example import.layout=HWSC", text);
+    }
+    values.emplace_back(text.substr(kPart.size(), equals - kPart.size()), text.substr(equals + 1));
   }
-  return exchange::import_exr_folder(options.sources[0], options.output, import);
+  return values;
 }
 
-Result<ImportReport> from_deep_exr(const PackVerbOptions& options, const CommonOptions& common) {
-  auto import = import_options<exchange::DeepImportOptions>(options, common);
-  import.foreign_samples = options.deep_samples;
-  return exchange::import_deep_exr(options.sources[0], options.output, import);
-}
-
-const std::map<std::string, Importer>& importers() {
-  static const std::map<std::string, Importer> doors = {{"npz", from_npz},
-                                                        {"bcd", from_bcd},
-                                                        {"sbmc", from_sbmc},
-                                                        {"noisebase", from_noisebase},
-                                                        {"exr-folder", from_exr_folder},
-                                                        {"deep-exr", from_deep_exr}};
-  return doors;
-}
-
-Result<void> pack_foreign(Importer importer, const PackVerbOptions& options,
+Result<void> pack_foreign(const interchange::ImportFormat& format, const PackVerbOptions& options,
                           const CommonOptions& common) {
   if (options.sources.size() != 1) {
     return fail(ErrorCode::kUsage, "--from {}: give one source, not {}", options.from,
                 options.sources.size());
   }
-  SPOOL_ASSIGN(const ImportReport report, importer(options, common));
+  SPOOL_ASSIGN(const OptionValues set, import_settings(options.settings));
+  interchange::ImportOptions import;
+  import.compress = options.pack.compress;
+  import.force = common.force;
+  import.expansion.times = options.max_expansion;
+  SPOOL_ASSIGN(const ImportReport report,
+               format.import(options.sources[0], options.output, import, set));
   if (common.json) {
     const ordered_json out = {{"file", options.output.string()}, {"width", report.width},
                               {"height", report.height},         {"samples_per_pixel", report.spp},
@@ -137,20 +87,15 @@ Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& c
 
 }  // namespace
 
-const std::vector<std::string>& foreign_formats() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> keys;
-    for (const auto& [name, importer] : importers())
-      keys.push_back(name);
-    return keys;
-  }();
-  return names;
-}
-
 Result<void> run_pack(const PackVerbOptions& options, const CommonOptions& common) {
-  const auto door = importers().find(options.from);
-  return door == importers().end() ? pack_folders(options, common)
-                                   : pack_foreign(door->second, options, common);
+  for (const interchange::ImportFormat& format : exchange::import_formats()) {
+    if (format.name == options.from) return pack_foreign(format, options, common);
+  }
+  if (!options.settings.empty()) {
+    return fail(ErrorCode::kUsage, "--set {}: folders of passes have no options: name a --from",
+                options.settings[0]);
+  }
+  return pack_folders(options, common);
 }
 
 }  // namespace spool::tools

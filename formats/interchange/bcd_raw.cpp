@@ -110,4 +110,9 @@ Result<ExportReport> export_bcd_raw(const std::filesystem::path& in,
   return report;
 }
 
+ImportFormat bcd_format() {
+  return import_format<ImportOptions>("bcd", "BCD's raw samples: radiance only",
+                                      {exchangeable_option<ImportOptions>()}, import_bcd_raw);
+}
+
 }  // namespace spool::interchange

@@ -7,8 +7,8 @@
 
 #include <filesystem>
 
-#include "formats/interchange/dump_import.h"
 #include "formats/interchange/export_file.h"
+#include "formats/interchange/import_format.h"
 #include "lib/core/error.h"
 
 namespace spool::interchange {
@@ -26,5 +26,7 @@ struct BcdRawExportOptions {
 Result<ExportReport> export_bcd_raw(const std::filesystem::path& in,
                                     const std::filesystem::path& out,
                                     const BcdRawExportOptions& options = {});
+
+ImportFormat bcd_format();
 
 }  // namespace spool::interchange

@@ -57,7 +57,8 @@ Result<Taken> take(const ZarrZip& zip, const std::string& name, size_t axes,
     return fail(ErrorCode::kData, "{}: {} is {} {}: not a Noisebase sample set", file, name,
                 taken.array.type, shape_text(taken.array.shape));
   if (!frame)
-    return fail(ErrorCode::kUsage, "{}: a sequence of {} frames: choose one with --frame", file,
+    return fail(ErrorCode::kUsage,
+                "{}: a sequence of {} frames: choose one with --set import.frame=N", file,
                 taken.array.shape[0]);
   if (*frame >= taken.array.shape[0])
     return fail(ErrorCode::kUsage, "{}: {} has {} frames, no frame {}: choose another", file, name,
@@ -298,6 +299,22 @@ Result<ImportReport> import_noisebase(const std::filesystem::path& in,
   report.notes.push_back(
       "radiance was stored with 8 bits and random rounding: its variance includes that");
   return report;
+}
+
+ImportFormat noisebase_format() {
+  using O = NoisebaseImportOptions;
+  return import_format<O>(
+      "noisebase", "a Zarr v2 zip of one frame, or of a sequence",
+      {{"frame", "none|0 .. 2147483647", "which frame of a sequence",
+        [](O& options, std::string_view text) -> Result<void> {
+          options.frame.reset();
+          if (text == "none") return {};
+          SPOOL_ASSIGN(const int frame, parse_integer("frame", text, 0, 2147483647));
+          options.frame = static_cast<uint64_t>(frame);
+          return {};
+        },
+        [](const O& options) { return options.frame ? std::to_string(*options.frame) : "none"; }}},
+      import_noisebase);
 }
 
 }  // namespace spool::interchange

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "formats/interchange/dump_import.h"
+#include "formats/interchange/import_format.h"
 #include "lib/core/error.h"
 
 namespace spool::interchange {
@@ -28,5 +28,7 @@ Result<ImportReport> import_noisebase(const std::filesystem::path& in,
 
 // Linear R, G, B of one stored sample; `exposure`: lowest and highest natural logarithm.
 std::array<float, 3> decode_rgbe(std::array<uint8_t, 4> rgbe, std::array<float, 2> exposure);
+
+ImportFormat noisebase_format();
 
 }  // namespace spool::interchange

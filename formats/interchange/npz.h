@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "formats/interchange/dump_import.h"
+#include "formats/interchange/import_format.h"
 #include "lib/core/error.h"
 
 namespace spool::interchange {
@@ -34,5 +34,7 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
 // Layout HWSC, members stored; bit-exact. Errors: kData when blocks are missing in the dump.
 Result<void> export_npz(const std::filesystem::path& in, const std::filesystem::path& out,
                         const NpzExportOptions& options = {});
+
+ImportFormat npz_format();
 
 }  // namespace spool::interchange

@@ -86,8 +86,8 @@ Result<ForeignLayer> plan_layer(const NpzMember& member, const json& meta, bool 
     return fail(ErrorCode::kData, "{}: dtype {}: save with astype('<f4')", name,
                 member.header.type);
   if (*type == ElementType::kFloat64 && !narrow)
-    return fail(ErrorCode::kData, "{}: dtype <f8: save with astype('<f4') or import with --narrow",
-                name);
+    return fail(ErrorCode::kData,
+                "{}: dtype <f8: save with astype('<f4') or --set import.narrow=on", name);
   if (member.layer == "radiance" && stored_type(*type) == format::DataType::kUint32)
     return fail(ErrorCode::kData, "{}: dtype {}: save with astype('<f4')", name,
                 member.header.type);
@@ -213,9 +213,10 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
   if (has_meta) {
     SPOOL_ASSIGN(meta, read_npz_meta(file, *named("meta")));
   } else if (!options.layout) {
-    return fail(ErrorCode::kUsage,
-                "{}: no array meta, so the order of axes is unknown: give --layout HWSC or SHWC",
-                name);
+    return fail(
+        ErrorCode::kUsage,
+        "{}: no array meta, so the order of axes is unknown: give --set import.layout=HWSC or SHWC",
+        name);
   }
   SPOOL_ASSIGN(const auto layout, text_of(meta, "layout", {"HWSC", "SHWC"}, name));
   SPOOL_ASSIGN(const auto order, text_of(meta, "sample_order", {"renderer", "exchangeable"}, name));
@@ -223,7 +224,7 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
   SPOOL_TRY(text_of(meta, "colour_space", {"linear_rec709"}, name).map([](const auto&) {}));
   const bool sample_major = options.layout ? *options.layout == NpzLayout::kSHWC : layout == "SHWC";
   if (options.layout && layout && sample_major != (*layout == "SHWC"))
-    return fail(ErrorCode::kUsage, "{}: meta.layout is {}: leave --layout out", name, *layout);
+    return fail(ErrorCode::kUsage, "{}: meta.layout is {}: leave import.layout out", name, *layout);
 
   for (const NpzMember& member : members) {
     if (member.layer == "meta") continue;
@@ -252,6 +253,18 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
   for (ForeignLayer& layer : plan.layers)
     if (layer.array.file == nullptr) layer.array.file = &inflated;
   return write_dump(out, std::move(plan), options);
+}
+
+ImportFormat npz_format() {
+  using O = NpzImportOptions;
+  return import_format<O>(
+      "npz", "numpy arrays: radiance [y][x][s][3], other layers, reference, meta",
+      {exchangeable_option<O>(),
+       open_choice_option<O, NpzLayout>("layout", &O::layout, "meta",
+                                        {{"HWSC", NpzLayout::kHWSC}, {"SHWC", NpzLayout::kSHWC}},
+                                        "axes of arrays without `meta`: S sample, C channel"),
+       switch_option<O>("narrow", &O::narrow, "round 64-bit floats to 32 bits")},
+      import_npz);
 }
 
 }  // namespace spool::interchange

@@ -110,7 +110,7 @@ Result<SbmcScale> find_scale(const std::filesystem::path& in,
   if (zero) return SbmcScale::kRaw;
   return fail(ErrorCode::kUsage,
               "{}: cannot tell whether distances were divided by the scene's size: give "
-              "--sbmc-scale normalised or raw",
+              "--set import.scale=normalised or raw",
               in.string());
 }
 
@@ -343,6 +343,17 @@ Result<ImportReport> import_sbmc(const std::filesystem::path& in, const std::fil
   report.notes.push_back(
       "the samples of a pixel are stratified: their variance overestimates that of the mean");
   return report;
+}
+
+ImportFormat sbmc_format() {
+  using O = SbmcImportOptions;
+  return import_format<O>(
+      "sbmc", "a folder of *.bin tiles, or a .txt that lists them",
+      {open_choice_option<O, SbmcScale>(
+          "scale", &O::scale, "auto",
+          {{"normalised", SbmcScale::kNormalised}, {"raw", SbmcScale::kRaw}},
+          "whether distances were divided by the scene's size; auto: by the light pdfs")},
+      import_sbmc);
 }
 
 }  // namespace spool::interchange

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "formats/interchange/dump_import.h"
+#include "formats/interchange/import_format.h"
 #include "lib/core/error.h"
 
 namespace spool::interchange {
@@ -26,5 +26,7 @@ struct SbmcImportOptions : ImportOptions {
 // headers that do not belong together and sub-pixel positions outside their pixel.
 Result<ImportReport> import_sbmc(const std::filesystem::path& in, const std::filesystem::path& out,
                                  const SbmcImportOptions& options = {});
+
+ImportFormat sbmc_format();
 
 }  // namespace spool::interchange

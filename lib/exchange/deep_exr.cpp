@@ -276,7 +276,8 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
   SPOOL_ASSIGN(auto told, told_dump(reader.header().attributes, name));
   if (!told && !options.foreign_samples)
     return fail(ErrorCode::kUsage,
-                "{}: not written by spool: give --deep-samples if its samples are Monte Carlo "
+                "{}: not written by spool: give --set import.deep_samples=on if its samples are "
+                "Monte Carlo "
                 "samples",
                 name);
   DeepInput input{name, std::move(reader), std::move(told), {}, 0};
@@ -329,6 +330,15 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
   SPOOL_ASSIGN(ImportReport report, write_dump(out, std::move(plan), options));
   report.notes.insert(report.notes.begin(), notes.begin(), notes.end());
   return report;
+}
+
+interchange::ImportFormat deep_exr_format() {
+  using O = DeepImportOptions;
+  return interchange::import_format<O>(
+      "deep-exr", "one deep sample per Monte Carlo sample",
+      {switch_option<O>("deep_samples", &O::foreign_samples,
+                        "take another tool's deep samples for Monte Carlo samples")},
+      import_deep_exr);
 }
 
 }  // namespace spool::exchange

@@ -9,8 +9,8 @@
 
 #include <filesystem>
 
-#include "formats/interchange/dump_import.h"
 #include "formats/interchange/export_file.h"
+#include "formats/interchange/import_format.h"
 #include "lib/core/error.h"
 
 namespace spool::exchange {
@@ -33,5 +33,7 @@ Result<interchange::ExportReport> export_deep_exr(const std::filesystem::path& i
 
 // "a/b.exr" -> "a/b.pixel.exr"
 std::filesystem::path pixel_file_of(const std::filesystem::path& deep);
+
+interchange::ImportFormat deep_exr_format();
 
 }  // namespace spool::exchange

@@ -6,8 +6,8 @@
 
 #include <filesystem>
 
-#include "formats/interchange/dump_import.h"
 #include "formats/interchange/export_file.h"
+#include "formats/interchange/import_format.h"
 #include "lib/core/error.h"
 #include "lib/exchange/exr_names.h"
 
@@ -34,5 +34,7 @@ enum class ExrNames {
 Result<interchange::ExportReport> export_exr_folder(const std::filesystem::path& in,
                                                     const std::filesystem::path& out,
                                                     ExrNames names, bool force);
+
+interchange::ImportFormat exr_folder_format();
 
 }  // namespace spool::exchange

@@ -228,11 +228,35 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
         fmt::format("the data window began at {},{} and was moved to 0,0", first.x0, first.y0));
   std::vector<std::string> notes = plan.record.converted;
   if (!mapping.dropped.empty())
-    notes.push_back(fmt::format("not taken over: {} (--map OURS=LAYER takes a layer)",
+    notes.push_back(fmt::format("not taken over: {} (--set import.map=OURS=LAYER takes a layer)",
                                 fmt::join(mapping.dropped, ", ")));
   SPOOL_ASSIGN(ImportReport report, write_dump(out, std::move(plan), options));
   report.notes.insert(report.notes.begin(), notes.begin(), notes.end());
   return report;
+}
+
+interchange::ImportFormat exr_folder_format() {
+  using O = ExrFolderImportOptions;
+  return interchange::import_format<O>(
+      "exr-folder", "one EXR image per sample, ordered by the last number in the name",
+      {interchange::exchangeable_option<O>(),
+       {"map", "OURS=LAYER", "which layer is, say, the albedo: map=albedo=DiffCol; several times",
+        [](O& options, std::string_view text) -> Result<void> {
+          const std::size_t equals = text.find('=');
+          if (equals == std::string_view::npos || equals == 0) {
+            return fail(ErrorCode::kUsage, "option map: '{}' is no OURS=LAYER, e.g. albedo=DiffCol",
+                        text);
+          }
+          options.map[std::string(text.substr(0, equals))] = text.substr(equals + 1);
+          return {};
+        },
+        [](const O& options) {
+          std::string text;
+          for (const auto& [ours, theirs] : options.map)
+            text += (text.empty() ? "" : " ") + ours + "=" + theirs;
+          return text.empty() ? "none" : text;
+        }}},
+      import_exr_folder);
 }
 
 }  // namespace spool::exchange

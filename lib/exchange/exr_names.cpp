@@ -183,8 +183,9 @@ Result<ExrMapping> map_exr_layers(const ExrPlanes& image, const LayerMap& map,
     const auto found = theirs.find(name);
     if (found == theirs.end() || !interchange::is_layer_name(ours) ||
         !mapper.add(ours, found->second))
-      return fail(ErrorCode::kData, "{}: --map {}={}: there is no such layer with fitting channels",
-                  file, ours, name);
+      return fail(ErrorCode::kData,
+                  "{}: import.map={}={}: there is no such layer with fitting channels", file, ours,
+                  name);
   }
   map_blender(mapper, theirs);
   map_others(mapper, theirs);
@@ -193,8 +194,8 @@ Result<ExrMapping> map_exr_layers(const ExrPlanes& image, const LayerMap& map,
                    [](const MappedLayer& layer) { return layer.name == "radiance"; });
   if (radiance == mapper.mapping.layers.end())
     return fail(ErrorCode::kData,
-                "{}: no channels R, G, B and no pass Combined: name the layer with --map "
-                "radiance=LAYER",
+                "{}: no channels R, G, B and no pass Combined: name the layer with "
+                "--set import.map=radiance=LAYER",
                 file);
   std::rotate(mapper.mapping.layers.begin(), radiance, radiance + 1);
   for (size_t i = 0; i < image.planes.size(); ++i)

@@ -6,14 +6,13 @@
 #include <sstream>
 
 #include "formats/interchange/bcd_raw.h"
-#include "formats/interchange/noisebase.h"
 #include "formats/interchange/npz.h"
-#include "formats/interchange/sbmc.h"
 #include "formats/interchange/zip_directory.h"
 #include "formats/interchange/zip_writer.h"
 #include "lib/exchange/bcd_statistics.h"
 #include "lib/exchange/deep_exr.h"
 #include "lib/exchange/exr_folder.h"
+#include "lib/exchange/import_formats.h"
 #include "lib/exchange/oidn_set.h"
 
 namespace {
@@ -42,17 +41,24 @@ Job parse(const std::string& line) {
   return job;
 }
 
-template <class Options>
-Options common(const Job& job) {
-  Options options;
-  options.force = job.has("force");
-  options.compress = job.has("compress");
-  if (job.has("tile"))
-    options.tile_size = static_cast<uint32_t>(std::stoul(job.options.at("tile")));
-  if (job.has("block"))
-    options.block_spp = static_cast<uint32_t>(std::stoul(job.options.at("block")));
-  if (job.has("exchangeable")) options.sample_order = format::SampleOrder::kExchangeable;
-  return options;
+// "import FORMAT": the options are those of the format, and of all formats force, compress, tile,
+// block.
+Result<ImportReport> run_import(const Job& job) {
+  const std::string name = job.verb.substr(std::string_view("import ").size());
+  ImportOptions common;
+  common.force = job.has("force");
+  common.compress = job.has("compress");
+  OptionValues set;
+  for (const auto& [key, value] : job.options) {
+    if (key == "tile") common.tile_size = static_cast<uint32_t>(std::stoul(value));
+    if (key == "block") common.block_spp = static_cast<uint32_t>(std::stoul(value));
+    if (key == "force" || key == "compress" || key == "tile" || key == "block") continue;
+    set.emplace_back(key, value.empty() ? "on" : value);
+  }
+  for (const ImportFormat& format : exchange::import_formats()) {
+    if (format.name == name) return format.import(job.in, job.out, common, set);
+  }
+  return fail(ErrorCode::kUsage, "no format {}", name);
 }
 
 template <class Report>
@@ -66,19 +72,8 @@ Result<std::string> notes_of(const Result<Report>& report) {
 
 Result<std::string> run_exchange(const Job& job) {
   const bool force = job.has("force");
-  if (job.verb == "import_deep_exr") {
-    auto options = common<exchange::DeepImportOptions>(job);
-    options.foreign_samples = job.has("deep_samples");
-    return notes_of(exchange::import_deep_exr(job.in, job.out, options));
-  }
   if (job.verb == "export_deep_exr")
     return notes_of(exchange::export_deep_exr(job.in, job.out, force));
-  if (job.verb == "import_exr_folder") {
-    auto options = common<exchange::ExrFolderImportOptions>(job);
-    for (const auto& [key, value] : job.options)
-      if (key.starts_with("map.")) options.map[key.substr(4)] = value;
-    return notes_of(exchange::import_exr_folder(job.in, job.out, options));
-  }
   if (job.verb == "export_exr_folder") {
     const auto names = job.has("blender") ? exchange::ExrNames::kBlender
                        : job.has("rgb")   ? exchange::ExrNames::kRgb
@@ -102,30 +97,11 @@ Result<std::string> run_exchange(const Job& job) {
 }
 
 Result<std::string> run(const Job& job) {
-  if (job.verb == "import_sbmc") {
-    auto options = common<SbmcImportOptions>(job);
-    if (job.has("scale"))
-      options.scale = job.options.at("scale") == "raw" ? SbmcScale::kRaw : SbmcScale::kNormalised;
-    return notes_of(import_sbmc(job.in, job.out, options));
-  }
-  if (job.verb == "import_noisebase") {
-    auto options = common<NoisebaseImportOptions>(job);
-    if (job.has("frame")) options.frame = std::stoull(job.options.at("frame"));
-    return notes_of(import_noisebase(job.in, job.out, options));
-  }
-  if (job.verb == "import_npz") {
-    auto options = common<NpzImportOptions>(job);
-    options.narrow = job.has("narrow");
-    if (job.has("layout"))
-      options.layout = job.options.at("layout") == "SHWC" ? NpzLayout::kSHWC : NpzLayout::kHWSC;
-    return notes_of(import_npz(job.in, job.out, options));
-  }
+  if (job.verb.starts_with("import ")) return notes_of(run_import(job));
   if (job.verb == "export_npz") {
     SPOOL_TRY(export_npz(job.in, job.out, {.force = job.has("force")}));
     return std::string();
   }
-  if (job.verb == "import_bcd_raw")
-    return notes_of(import_bcd_raw(job.in, job.out, common<ImportOptions>(job)));
   if (job.verb == "export_bcd_raw")
     return notes_of(export_bcd_raw(job.in, job.out, {.force = job.has("force")}));
   if (job.verb == "sparse_zip") {  // 5 GiB of zeros, then three bytes: sizes and offsets past 4 GiB

@@ -27,7 +27,7 @@ def test_samples_are_bit_exact_both_ways(tmp_path, seed):
     source, dump_path, target = tmp_path / "a.raw", tmp_path / "a.spool", tmp_path / "b.raw"
     source.write_bytes(raw(samples))
     options = ["exchangeable"] if seed % 3 == 0 else []
-    results = run_jobs(("import_bcd_raw", source, dump_path, "tile=8", f"block={rng.integers(0, 9)}", *options),
+    results = run_jobs(("import bcd", source, dump_path, "tile=8", f"block={rng.integers(0, 9)}", *options),
                        ("export_bcd_raw", dump_path, target))
     assert [code for code, _ in results] == [0, 0]
     assert spool.check(dump_path).ok
@@ -59,7 +59,7 @@ SAMPLES = np.random.default_rng(2).random((4, 3, 2, 3), np.float32)
 def test_other_files_are_refused(tmp_path, code, words, data):
     path = tmp_path / "a.raw"
     path.write_bytes(data)
-    found, message = run("import_bcd_raw", path, tmp_path / "a.spool")
+    found, message = run("import bcd", path, tmp_path / "a.spool")
     assert found == code and words in message and message.startswith(str(path))
     assert not (tmp_path / "a.spool").exists()
 
@@ -70,7 +70,7 @@ def test_every_header_field_is_bounded(tmp_path):
         for value in (0, 1, -1, 2, 5, 65537, 2**31 - 1, -2**31):
             path = tmp_path / f"{len(jobs)}.raw"
             path.write_bytes(raw(SAMPLES, **{field: value}))
-            jobs.append(("import_bcd_raw", path, path.with_suffix(".spool")))
+            jobs.append(("import bcd", path, path.with_suffix(".spool")))
     for (_, path, _), (code, message) in zip(jobs, run_jobs(*jobs)):
         expected = struct.unpack("<5i", path.read_bytes()[:20])
         assert code in (0, 1, 4)
@@ -83,7 +83,7 @@ def test_no_truncation_is_taken(tmp_path):
     for size in range(len(good)):
         path = tmp_path / f"{size}.raw"
         path.write_bytes(good[:size])
-        jobs.append(("import_bcd_raw", path, path.with_suffix(".spool")))
+        jobs.append(("import bcd", path, path.with_suffix(".spool")))
     for (_, path, _), (code, message) in zip(jobs, run_jobs(*jobs)):
         assert code == 4
         size = path.stat().st_size
@@ -95,7 +95,7 @@ def test_no_truncation_is_taken(tmp_path):
 def test_version_is_checked_by_nobody(tmp_path):
     path = tmp_path / "a.raw"
     path.write_bytes(raw(SAMPLES, version=7))
-    assert run("import_bcd_raw", path, tmp_path / "a.spool")[0] == 0
+    assert run("import bcd", path, tmp_path / "a.spool")[0] == 0
 
 
 def test_holes_and_existing_files(tmp_path):

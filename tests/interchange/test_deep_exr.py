@@ -37,7 +37,7 @@ def write_deep(path, channels, values, counts=None):
 def test_every_layer_comes_back_bit_for_bit(tmp_path, seed):
     arrays = sample_dumps.rich(tmp_path / "a.spool", seed, size=(1 + seed, 9), spp=1 + 2 * seed)
     results = run_jobs(("export_deep_exr", tmp_path / "a.spool", tmp_path / "a.exr"),
-                       ("import_deep_exr", tmp_path / "a.exr", tmp_path / "b.spool", "tile=16", "block=3"))
+                       ("import deep-exr", tmp_path / "a.exr", tmp_path / "b.spool", "tile=16", "block=3"))
     assert [code for code, _ in results] == [0, 0], results
     names = sample_dumps.assert_same(tmp_path / "b.spool", arrays)
     assert names == set(arrays)
@@ -71,7 +71,7 @@ def test_reordered_samples_are_refused(tmp_path):
     deep.set_deep_value_uint(4, index, 2, 5)
     out = oiio.ImageOutput.create(str(tmp_path / "b.exr"))
     assert out.open(str(tmp_path / "b.exr"), spec) and out.write_deep_image(deep) and out.close()
-    code, message = run_jobs(("import_deep_exr", tmp_path / "b.exr", tmp_path / "b.spool"))[0]
+    code, message = run_jobs(("import deep-exr", tmp_path / "b.exr", tmp_path / "b.spool"))[0]
     assert code == 1 and "sample 2 of pixel 4,0 has index 5: a tool reordered the samples" in message
 
 
@@ -79,9 +79,9 @@ def test_files_of_other_tools(tmp_path):
     values = np.random.default_rng(1).random((4, 3, 5, 8), np.float32)
     values[3].sort(axis=-1)  # Z, as a tool would sort it
     write_deep(tmp_path / "a.exr", ["R", "G", "B", "Z"], values)
-    refused, taken = run_jobs(("import_deep_exr", tmp_path / "a.exr", tmp_path / "a.spool"),
-                              ("import_deep_exr", tmp_path / "a.exr", tmp_path / "a.spool", "deep_samples"))
-    assert refused[0] == 2 and "--deep-samples" in refused[1]
+    refused, taken = run_jobs(("import deep-exr", tmp_path / "a.exr", tmp_path / "a.spool"),
+                              ("import deep-exr", tmp_path / "a.exr", tmp_path / "a.spool", "deep_samples"))
+    assert refused[0] == 2 and "import.deep_samples" in refused[1]
     assert taken[0] == 0 and "shuffled" in taken[1]
     with spool.open(tmp_path / "a.spool") as dump:
         assert dump.sample_order == "exchangeable"
@@ -108,6 +108,6 @@ def test_what_is_no_sample_record_is_refused(tmp_path, channels, change, words):
     if change == "back":
         values[4] = values[3] + 1
     write_deep(tmp_path / "a.exr", channels, values, counts)
-    code, message = run_jobs(("import_deep_exr", tmp_path / "a.exr", tmp_path / "a.spool", "deep_samples"))[0]
+    code, message = run_jobs(("import deep-exr", tmp_path / "a.exr", tmp_path / "a.spool", "deep_samples"))[0]
     assert code == 1 and words in message
     assert not (tmp_path / "a.spool").exists()

@@ -32,7 +32,7 @@ def folder(tmp_path, channels, arrays, **options):
 
 
 def imported(tmp_path, source, *options):
-    code, message = run_jobs(("import_exr_folder", source, tmp_path / "a.spool", *options))[0]
+    code, message = run_jobs(("import exr-folder", source, tmp_path / "a.spool", *options))[0]
     return code, message, tmp_path / "a.spool"
 
 
@@ -40,7 +40,7 @@ def imported(tmp_path, source, *options):
 def test_our_own_folder_comes_back_bit_for_bit(tmp_path, seed):
     arrays = sample_dumps.rich(tmp_path / "a.spool", seed, size=(3 + seed, 10), spp=2 + 3 * seed)
     results = run_jobs(("export_exr_folder", tmp_path / "a.spool", tmp_path / "out"),
-                       ("import_exr_folder", tmp_path / "out", tmp_path / "b.spool", "tile=8", "block=5"))
+                       ("import exr-folder", tmp_path / "out", tmp_path / "b.spool", "tile=8", "block=5"))
     assert [code for code, _ in results] == [0, 0], results
     assert sample_dumps.assert_same(tmp_path / "b.spool", arrays) == set(arrays)
     with spool.open(tmp_path / "b.spool") as dump:
@@ -80,7 +80,7 @@ def test_names_with_layers_half_floats_and_a_moved_window(tmp_path):
 def test_a_layer_can_be_named(tmp_path):
     channels = ["beauty.red", "beauty.green", "beauty.blue", "my stuff.R", "my stuff.G", "my stuff.B"]
     pixels = RNG.random((2, 3, 4, 6), np.float32)
-    code, message, path = imported(tmp_path, folder(tmp_path, channels, list(pixels)), "map.albedo=my stuff")
+    code, message, path = imported(tmp_path, folder(tmp_path, channels, list(pixels)), "map=albedo=my stuff")
     assert code == 0, message
     at = pixels.transpose(1, 2, 0, 3)
     sample_dumps.assert_same(path, {"radiance": at[..., :3].copy(), "albedo": at[..., 3:].copy()})
@@ -90,7 +90,7 @@ def test_a_layer_can_be_named(tmp_path):
 def test_export_under_other_names(tmp_path, names, layers):
     arrays = sample_dumps.rich(tmp_path / "a.spool", 2)
     results = run_jobs(("export_exr_folder", tmp_path / "a.spool", tmp_path / "out", names),
-                       ("import_exr_folder", tmp_path / "out", tmp_path / "b.spool"))
+                       ("import exr-folder", tmp_path / "out", tmp_path / "b.spool"))
     assert [code for code, _ in results] == [0, 0], results
     assert "path is not written" in results[0][1] and "film is not written" in results[0][1]
     assert sample_dumps.assert_same(tmp_path / "b.spool", arrays, layers) >= set(layers)
@@ -119,9 +119,9 @@ def test_folders_that_are_no_record_are_refused(tmp_path):
                 assert out.open(str(path / name), spec) and out.write_image(pixels) and out.close()
             else:
                 write_image(path / name, "RGB", pixels, **options)
-        code, message = run_jobs(("import_exr_folder", path, tmp_path / "a.spool"))[0]
+        code, message = run_jobs(("import exr-folder", path, tmp_path / "a.spool"))[0]
         assert code == 1 and words in message, (words, message)
         assert not (tmp_path / "a.spool").exists()
     write_image(tmp_path / "gap" / "a2.exr", ["R", "G", "X"], SAMPLES[2])
-    code, message = run_jobs(("import_exr_folder", tmp_path / "gap", tmp_path / "a.spool"))[0]
+    code, message = run_jobs(("import exr-folder", tmp_path / "gap", tmp_path / "a.spool"))[0]
     assert code == 1 and "other channels" in message

@@ -18,23 +18,23 @@ def small_files(tmp_path):
     sbmc_files.write_set(tmp_path / "scene", made, 4)
     test_noisebase.write_store(tmp_path / "a.zip", {name: array for name, array in test_noisebase.sample_set(np.random.default_rng(1), 3, 4, 2).items()
                                                     if name in ("color", "exposure", "normal")})
-    return {"deep_exr": (tmp_path / "a.exr",) * 2, "exr_folder": (tmp_path / "folder" / "sample_0001.exr", tmp_path / "folder"),
+    return {"deep-exr": (tmp_path / "a.exr",) * 2, "exr-folder": (tmp_path / "folder" / "sample_0001.exr", tmp_path / "folder"),
             "sbmc": (tmp_path / "scene" / "0000_0000.bin", tmp_path / "scene"), "noisebase": (tmp_path / "a.zip",) * 2,
-            "npz": (tmp_path / "a.npz",) * 2, "bcd_raw": (tmp_path / "a.raw",) * 2}
+            "npz": (tmp_path / "a.npz",) * 2, "bcd": (tmp_path / "a.raw",) * 2}
 
 
-@pytest.mark.parametrize("door", ["deep_exr", "exr_folder", "sbmc", "noisebase", "npz", "bcd_raw"])
+@pytest.mark.parametrize("door", ["deep-exr", "exr-folder", "sbmc", "noisebase", "npz", "bcd"])
 def test_damage_is_one_line_and_a_code(tmp_path, door):
     damaged, source = small_files(tmp_path)[door]
     whole = damaged.read_bytes()
     target = tmp_path / "out.spool"
     rng = np.random.default_rng(7)
-    assert run_jobs((f"import_{door}", source, target))[0][0] == 0
+    assert run_jobs((f"import {door}", source, target))[0][0] == 0
     target.unlink()
 
     def verdict(data):
         damaged.write_bytes(data)
-        code, message = run_jobs((f"import_{door}", source, target))[0]
+        code, message = run_jobs((f"import {door}", source, target))[0]
         assert code in (0, 1, 2, 3, 4) and (code == 0) == target.exists(), message
         if code != 0:
             assert str(tmp_path) in message and ": " in message

@@ -62,7 +62,7 @@ def assert_imported(path, arrays, frame=None):
 def test_stores_of_zarr_itself(tmp_path, name, compressor, rows):
     arrays = sample_set(np.random.default_rng(len(name)), 7, 10, 6)
     write_store(tmp_path / "a.zip", arrays, compressor, **({"rows": rows} if rows else {}))
-    code, notes = run_jobs(("import_noisebase", tmp_path / "a.zip", tmp_path / "a.spool", "tile=8"))[0]
+    code, notes = run_jobs(("import noisebase", tmp_path / "a.zip", tmp_path / "a.spool", "tile=8"))[0]
     assert code == 0 and "8 bits" in notes, notes
     assert_imported(tmp_path / "a.spool", arrays)
 
@@ -71,17 +71,17 @@ def test_stores_of_zarr_itself(tmp_path, name, compressor, rows):
 def test_a_frame_of_a_sequence(tmp_path, per_chunk):
     arrays = sample_set(np.random.default_rng(5), 4, 6, 3, frames=3)
     write_store(tmp_path / "a.zip", arrays, frames=3, frames_per_chunk=per_chunk)
-    asked, beyond, taken = run_jobs(("import_noisebase", tmp_path / "a.zip", tmp_path / "a.spool"),
-                                    ("import_noisebase", tmp_path / "a.zip", tmp_path / "a.spool", "frame=3"),
-                                    ("import_noisebase", tmp_path / "a.zip", tmp_path / "a.spool", "frame=2"))
-    assert asked[0] == 2 and "--frame" in asked[1] and beyond[0] == 2 and taken[0] == 0, taken
+    asked, beyond, taken = run_jobs(("import noisebase", tmp_path / "a.zip", tmp_path / "a.spool"),
+                                    ("import noisebase", tmp_path / "a.zip", tmp_path / "a.spool", "frame=3"),
+                                    ("import noisebase", tmp_path / "a.zip", tmp_path / "a.spool", "frame=2"))
+    assert asked[0] == 2 and "import.frame" in asked[1] and beyond[0] == 2 and taken[0] == 0, taken
     assert_imported(tmp_path / "a.spool", arrays, frame=2)
 
 
 def test_rgbe_of_known_values(tmp_path):
     color = np.array([[255, 128, 0, 255], [255, 255, 255, 0], [255, 255, 255, 127]], np.uint8).T.reshape(4, 1, 3, 1)
     write_store(tmp_path / "a.zip", {"color": color, "exposure": np.array([-2, 3], "f4")})
-    assert run_jobs(("import_noisebase", tmp_path / "a.zip", tmp_path / "a.spool"))[0][0] == 0
+    assert run_jobs(("import noisebase", tmp_path / "a.zip", tmp_path / "a.spool"))[0][0] == 0
     with spool.open(tmp_path / "a.spool") as dump:
         assert np.allclose(dump.read("radiance")[0, :, 0], [[20.085537, 10.082152, 0], [0.138005] * 3, [1.648721] * 3], rtol=5e-6)
 
@@ -94,7 +94,7 @@ def test_stores_that_are_no_sample_set_are_refused(tmp_path):
         arrays = {name: array for name, array in {**good, **changes}.items() if array is not None}
         (tmp_path / "a.zip").unlink(missing_ok=True)
         write_store(tmp_path / "a.zip", arrays)
-        got, message = run_jobs(("import_noisebase", tmp_path / "a.zip", tmp_path / "a.spool"))[0]
+        got, message = run_jobs(("import noisebase", tmp_path / "a.zip", tmp_path / "a.spool"))[0]
         assert got == code and words in message, message
         assert not (tmp_path / "a.spool").exists()
 
@@ -116,6 +116,6 @@ def test_missing_chunks_and_zarr_3(tmp_path):
                 target.writestr(name, source.read(name))
     with zipfile.ZipFile(tmp_path / "c.zip", "w") as target:
         target.writestr("zarr.json", "{}")
-    missing, newer = run_jobs(("import_noisebase", tmp_path / "b.zip", tmp_path / "a.spool"), ("import_noisebase", tmp_path / "c.zip", tmp_path / "a.spool"))
+    missing, newer = run_jobs(("import noisebase", tmp_path / "b.zip", tmp_path / "a.spool"), ("import noisebase", tmp_path / "c.zip", tmp_path / "a.spool"))
     assert missing[0] == 4 and "color/0.0.0.1 missing" in missing[1]
     assert newer[0] == 1 and "zarr 2" in newer[1]

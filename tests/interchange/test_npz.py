@@ -46,7 +46,7 @@ def test_numpy_to_spool_to_numpy_is_bit_exact(tmp_path, seed):
     source, dump_path, target = tmp_path / "a.npz", tmp_path / "a.spool", tmp_path / "b.npz"
     save(source, meta=meta, **arrays)
     block = int(rng.integers(0, 9))
-    jobs = run_jobs(("import_npz", source, dump_path, "tile=8", f"block={block}", *(["compress"] if rng.integers(2) else [])),
+    jobs = run_jobs(("import npz", source, dump_path, "tile=8", f"block={block}", *(["compress"] if rng.integers(2) else [])),
                     ("export_npz", dump_path, target))
     assert [code for code, _ in jobs] == [0, 0], jobs
     assert spool.check(dump_path).ok
@@ -79,7 +79,7 @@ def test_numpy_to_spool_to_numpy_is_bit_exact(tmp_path, seed):
     assert zipfile.ZipFile(target).testzip() is None
     # and once more through the exported file
     again = tmp_path / "c.spool"
-    assert run("import_npz", target, again, "tile=8")[0] == 0
+    assert run("import npz", target, again, "tile=8")[0] == 0
     with spool.open(dump_path) as first, spool.open(again) as second:
         for name, entry in first.layers.items():
             read = {"sample": "read", "pixel": "pixel", "pass": "passes"}[entry.scope]
@@ -91,7 +91,7 @@ def test_remarks_about_layers_survive(tmp_path):
     samples = radiance(np.random.default_rng(1))
     source, dump_path, target = tmp_path / "a.npz", tmp_path / "a.spool", tmp_path / "b.npz"
     np.savez(source, radiance=samples, normal=samples, meta=meta_array(channels={"normal": {"space": "camera"}}))
-    assert [code for code, _ in run_jobs(("import_npz", source, dump_path), ("export_npz", dump_path, target))] == [0, 0]
+    assert [code for code, _ in run_jobs(("import npz", source, dump_path), ("export_npz", dump_path, target))] == [0, 0]
     assert spool.open(dump_path).meta["channels"] == {"normal": {"space": "camera"}}
     channels = json.loads(np.load(target)["meta"].tobytes())["channels"]
     assert channels["normal"] == {"space": "camera", "components": ["X", "Y", "Z"]}
@@ -102,7 +102,7 @@ def test_meta_may_be_a_string_array(tmp_path):
     for number, meta in enumerate((json.dumps({"scene": "\u00e4\u20ac\U0001F600"}, ensure_ascii=False), b'{"scene":"x"}')):
         source, out = tmp_path / f"{number}.npz", tmp_path / f"{number}.spool"
         np.savez(source, radiance=samples, meta=np.array(meta))
-        assert run("import_npz", source, out) == (0, "")
+        assert run("import npz", source, out) == (0, "")
         assert spool.open(out).meta["scene"] == json.loads(meta)["scene"]
 
 
@@ -112,7 +112,7 @@ def test_more_layers_than_groups_share_groups(tmp_path):
     arrays.update({f"r{number}": (samples[..., 0] * number).astype("f2") for number in range(5)})
     source, out = tmp_path / "a.npz", tmp_path / "a.spool"
     np.savez(source, radiance=samples, **arrays, meta=meta_array(channels={name: ["V"] for name in arrays}))
-    assert run("import_npz", source, out, "tile=8", "block=3") == (0, "")
+    assert run("import npz", source, out, "tile=8", "block=3") == (0, "")
     with spool.open(out) as dump:
         assert dump.geometry.group_count == 3
         for name, array in arrays.items():
@@ -123,14 +123,14 @@ def test_f8_needs_narrow(tmp_path):
     samples = np.random.default_rng(3).random((4, 4, 2, 3))
     source, out = tmp_path / "a.npz", tmp_path / "a.spool"
     np.savez(source, radiance=samples)
-    code, message = run("import_npz", source, out, "layout=HWSC")
-    assert code == 1 and "--narrow" in message
-    assert run("import_npz", source, out, "layout=HWSC", "narrow")[0] == 0
+    code, message = run("import npz", source, out, "layout=HWSC")
+    assert code == 1 and "import.narrow" in message
+    assert run("import npz", source, out, "layout=HWSC", "narrow")[0] == 0
     with spool.open(out) as dump:
         assert (dump.read("radiance") == samples.astype("f4")).all()
         assert dump.meta["import"]["converted"] == ["radiance: f8 to f4"]
     np.savez(source, radiance=samples * 1e39)
-    code, message = run("import_npz", source, out, "layout=HWSC", "narrow", "force")
+    code, message = run("import npz", source, out, "layout=HWSC", "narrow", "force")
     assert code == 1 and "beyond float32" in message
 
 
@@ -141,7 +141,7 @@ def test_unusual_values_are_stored_counted_and_told(tmp_path):
     half[1, 1, 1, 0] = 65504
     source, out = tmp_path / "a.npz", tmp_path / "a.spool"
     np.savez(source, radiance=samples, albedo=half, meta=meta_array())
-    code, notes = run("import_npz", source, out)
+    code, notes = run("import npz", source, out)
     assert code == 0 and "4 values are not finite" in notes and "2 values at the half-float limit" in notes
     assert spool.open(out).read("radiance").tobytes() == samples.tobytes()
 
@@ -150,8 +150,8 @@ def test_existing_files_are_kept(tmp_path):
     source, out = tmp_path / "a.npz", tmp_path / "a.spool"
     np.savez(source, radiance=radiance(np.random.default_rng(1)), meta=meta_array())
     out.write_bytes(b"precious")
-    assert run("import_npz", source, out)[0] == 2 and out.read_bytes() == b"precious"
-    assert run("import_npz", source, out, "force")[0] == 0
+    assert run("import npz", source, out)[0] == 2 and out.read_bytes() == b"precious"
+    assert run("import npz", source, out, "force")[0] == 0
     back = tmp_path / "b.npz"
     back.write_bytes(b"precious")
     assert run("export_npz", out, back)[0] == 2 and back.read_bytes() == b"precious"
@@ -170,7 +170,7 @@ def refused(tmp_path, data, *options):
     """Code and message; nothing but the input may remain."""
     source, out = tmp_path / "bad.npz", tmp_path / "bad.spool"
     source.write_bytes(data)
-    code, message = run("import_npz", source, out, *options)
+    code, message = run("import npz", source, out, *options)
     assert message.startswith(str(source)) and "\n" not in message
     assert [path.name for path in tmp_path.iterdir() if path.name != "bad.spool.partial"] == ["bad.npz"]
     return code, message
@@ -219,9 +219,9 @@ def test_unusable_arrays_are_named(tmp_path, code, words, arrays):
 
 def test_layout_is_never_guessed(tmp_path):
     code, message = refused(tmp_path, savez(radiance=SAMPLES))
-    assert code == 2 and "--layout" in message
+    assert code == 2 and "import.layout" in message
     code, message = refused(tmp_path, savez(radiance=SAMPLES, meta=meta_array(layout="HWSC")), "layout=SHWC")
-    assert code == 2 and "leave --layout out" in message
+    assert code == 2 and "leave import.layout out" in message
 
 
 def zipped(header, payload=SAMPLES.tobytes(), length="<H"):
@@ -243,7 +243,7 @@ def test_header_variants_numpy_may_write(tmp_path):
             zipped(GOOD), zipped(GOOD + "\n"), zipped('{"shape":(3,2,2,3),"descr":"<f4","fortran_order":False}'),
             zipped("{'descr': '<f4', 'fortran_order': False, 'shape': (3L, 2L, 2L, 3L)}"), zipped(version2, length="<I"))):
         (tmp_path / f"{number}.npz").write_bytes(data)
-        assert run("import_npz", tmp_path / f"{number}.npz", tmp_path / f"{number}.spool", "layout=HWSC") == (0, "")
+        assert run("import npz", tmp_path / f"{number}.npz", tmp_path / f"{number}.spool", "layout=HWSC") == (0, "")
         assert spool.open(tmp_path / f"{number}.spool").read("radiance").tobytes() == SAMPLES.tobytes()
 
 
@@ -276,7 +276,7 @@ def test_no_truncation_is_taken(tmp_path):
         for size in range(len(good)):
             path = tmp_path / f"{size}.npz"
             path.write_bytes(good[:size])
-            jobs.append(("import_npz", path, tmp_path / f"{size}.spool"))
+            jobs.append(("import npz", path, tmp_path / f"{size}.spool"))
         assert {code for code, _ in run_jobs(*jobs)} == {4}
         assert not list(tmp_path.glob("*.spool*"))
 
@@ -294,7 +294,7 @@ def test_flipped_bits_never_change_a_sample(tmp_path):
             bad[at] ^= 1 << int(rng.integers(8))
             path = tmp_path / f"{number}_{at}.npz"
             path.write_bytes(bad)
-            jobs.append(("import_npz", path, path.with_suffix(".spool"), "tile=8"))
+            jobs.append(("import npz", path, path.with_suffix(".spool"), "tile=8"))
         taken = 0
         for (_, _, out, _), (code, message) in zip(jobs, run_jobs(*jobs)):
             assert code in (0, 1, 4), message
@@ -385,7 +385,7 @@ def test_archives_of_more_than_numpy_writes(tmp_path):
             member.write(array.getvalue())
     path = tmp_path / "a.npz"
     path.write_bytes(file.getvalue())
-    assert run("import_npz", path, tmp_path / "a.spool", "layout=HWSC") == (0, "")
+    assert run("import npz", path, tmp_path / "a.spool", "layout=HWSC") == (0, "")
     assert spool.open(tmp_path / "a.spool").read("radiance").tobytes() == SAMPLES.tobytes()
 
 

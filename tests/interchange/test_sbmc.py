@@ -7,7 +7,7 @@ from conftest import run_jobs
 
 
 def imported(tmp_path, source, *options):
-    return (*run_jobs(("import_sbmc", source, tmp_path / "a.spool", "tile=8", *options))[0], tmp_path / "a.spool")
+    return (*run_jobs(("import sbmc", source, tmp_path / "a.spool", "tile=8", *options))[0], tmp_path / "a.spool")
 
 
 @pytest.mark.parametrize("scaled, ts, spp", [(True, 8, 4), (False, 4, 1), (True, 16, 3)])
@@ -66,7 +66,7 @@ def test_scale_that_cannot_be_told_is_asked_for(tmp_path):
     finally:
         sbmc_files.ZERO_PDF = zero
     code, message, path = imported(tmp_path, source)
-    assert code == 2 and "--sbmc-scale" in message
+    assert code == 2 and "import.scale" in message
     assert imported(tmp_path, source, "scale=raw")[0] == 0
 
 

@@ -178,11 +178,24 @@ def test_pack_refuses_what_is_no_folder_of_passes(run, tmp_path):
 def test_pack_takes_numpy_archives(good, run, tmp_path):
     radiance, _ = samples(6, 5, 4)
     np.savez(tmp_path / "mine.npz", radiance=radiance)
-    run("pack", "--from", "npz", "mine.npz", "-o", "mine.spool").failed_with(2, "--layout HWSC")
-    good("pack", "--from", "npz", "mine.npz", "--layout", "HWSC", "-o", "mine.spool")
+    run("pack", "--from", "npz", "mine.npz", "-o", "mine.spool").failed_with(2, "import.layout=HWSC")
+    good("pack", "--from", "npz", "mine.npz", "--set", "import.layout=HWSC", "-o", "mine.spool")
     with spool.open(tmp_path / "mine.spool") as packed:
         assert (packed.read("radiance") == radiance).all()
     run("pack", "--from", "npz", "a.npz", "b.npz", "-o", "c.spool").failed_with(2, "one source")
+
+
+def test_options_of_foreign_formats_are_settings(run, good, tmp_path):
+    np.savez(tmp_path / "mine.npz", radiance=samples(6, 5, 4)[0])
+    pack = ("pack", "--from", "npz", "mine.npz", "-o", "mine.spool")
+    run(*pack, "--layout", "HWSC").failed_with(2, "--set import.layout=")
+    run(*pack, "--set", "import.laiout=HWSC").failed_with(2, "import npz", "did you mean 'layout'")
+    run(*pack, "--set", "import.layout=WHSC").failed_with(2, "'WHSC' is not one of meta|HWSC|SHWC")
+    run(*pack, "--set", "layout=HWSC").failed_with(2, "import.OPTION=VALUE")
+    run("pack", "passes", "-o", "p.spool", "--set", "import.layout=HWSC").failed_with(2, "no options")
+    formats = good("list", "imports", "--json").json
+    assert [f["name"] for f in formats] == ["npz", "exr-folder", "deep-exr", "bcd", "sbmc", "noisebase"]
+    assert all(f["summary"] and all(o["help"] for o in f["options"]) for f in formats)
 
 
 def test_existing_targets_are_kept_without_force(run, good, dump, tmp_path):

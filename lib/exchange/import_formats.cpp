@@ -1,0 +1,19 @@
+#include "lib/exchange/import_formats.h"
+
+#include "formats/interchange/bcd_raw.h"
+#include "formats/interchange/noisebase.h"
+#include "formats/interchange/npz.h"
+#include "formats/interchange/sbmc.h"
+#include "lib/exchange/deep_exr.h"
+#include "lib/exchange/exr_folder.h"
+
+namespace spool::exchange {
+
+const std::vector<interchange::ImportFormat>& import_formats() {
+  static const std::vector<interchange::ImportFormat> list = {
+      interchange::npz_format(), exr_folder_format(),        deep_exr_format(),
+      interchange::bcd_format(), interchange::sbmc_format(), interchange::noisebase_format()};
+  return list;
+}
+
+}  // namespace spool::exchange
