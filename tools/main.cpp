@@ -318,8 +318,8 @@ void add_evaluate(Program& program) {
   EvaluateOptions& options = program.evaluate;
   verb.add_option("FILES", options.files, "recorded dumps; or one PLAN.toml that says everything")
       ->required();
-  verb.add_option("--samplers", options.samplers, "a,b,c (uniform)");
-  verb.add_option("--filters", options.filters, "a,b,c (box)");
+  verb.add_option("--samplers", options.samplers, "a,b:PRESET,LABEL=c{OPTION=VALUE} (uniform)");
+  verb.add_option("--filters", options.filters, "the same of filters (box)");
   verb.add_option("--spp", options.spp, "budgets in samples per pixel: 4,8,16");
   verb.add_option("--replicates", options.replicates,
                   "repetitions, each with the samples of every pixel in another order (5)")

@@ -15,6 +15,18 @@
 namespace spool {
 namespace {
 
+// "{a=1,b=2}": what of a choice is its own in a sweep; nothing outside of one.
+std::string swept_values(const MethodChoice& choice, const std::vector<std::string>& swept) {
+  std::string text;
+  for (const std::string& key : swept) {
+    const auto set =
+        std::ranges::find(choice.set, key, [](const auto& option) { return option.first; });
+    text += (text.empty() ? "" : ",") + key + "=" +
+            (key == "preset" || set == choice.set.end() ? choice.preset : set->second);
+  }
+  return text.empty() ? text : "{" + text + "}";
+}
+
 class PlanReader {
  public:
   PlanReader(const toml::table& root, std::string name, std::filesystem::path folder)
@@ -254,9 +266,15 @@ class PlanReader {
     if (!name) return refuse(table, "this {} has no name", known.kind);
     SPOOL_ASSIGN(const std::string text, text_of(*name));
     SPOOL_ASSIGN(MethodChoice named, at(table, choose_method(known, text)));
+    if (const toml::node* label = table.get("label")) {
+      SPOOL_ASSIGN(named.own_label, text_of(*label));
+      if (named.own_label.empty()) return refuse(*label, "a label is empty: leave it out");
+    }
     std::vector<MethodChoice> combinations = {std::move(named)};
+    std::vector<std::string> swept;
     for (const auto& [key, node] : table) {
-      if (key.str() == "name") continue;
+      if (key.str() == "name" || key.str() == "label") continue;
+      if (values_of(node).size() > 1) swept.emplace_back(key.str());
       std::vector<MethodChoice> grown;
       for (const MethodChoice& choice : combinations) {
         for (const toml::node* value : values_of(node)) {
@@ -272,8 +290,10 @@ class PlanReader {
       if (grown.empty()) return refuse(node, "'{}' has no value to sweep over", key.str());
       combinations = std::move(grown);
     }
-    for (MethodChoice& choice : combinations)
+    for (MethodChoice& choice : combinations) {
+      if (!choice.own_label.empty()) choice.own_label += swept_values(choice, swept);
       SPOOL_TRY(add_checked(known, std::move(choice), table, choices));
+    }
     return {};
   }
 
@@ -281,11 +301,9 @@ class PlanReader {
   Result<void> add_checked(const MethodList<Function>& known, MethodChoice choice,
                            const toml::node& where, std::vector<MethodChoice>& choices) const {
     SPOOL_TRY(at(where, make_method(known, choice)));
-    if (std::ranges::find(choices, choice) != choices.end()) {
-      return refuse(where, "{} {} is there twice", known.kind, choice.label());
-    }
+    SPOOL_TRY(at(where, check_own_label(known, choice)));
     choices.push_back(std::move(choice));
-    return {};
+    return at(where, check_distinct(known.kind, choices));
   }
 
   const toml::table& root_;

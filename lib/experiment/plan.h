@@ -18,6 +18,7 @@
 //   name = "multiscale"
 //   preset = "robust"
 //   alpha = [0.3, 0.4, 0.5]       # a list of values is a sweep: every combination
+//   label = "ours"                # its name in every table and file; of a sweep "ours{alpha=0.3}"
 //   [[filter]]
 //   name = "box"
 //   [[mask]]                      # a part of the image whose energy is looked at

@@ -24,7 +24,7 @@ std::uint64_t hash_options(std::uint64_t seed, const OptionValues& values) {
 std::uint64_t hash_sampling(const Cell& cell, const Plan& plan) {
   const ExperimentOptions& e = plan.experiment;
   std::uint64_t state = hash_text(1, std::filesystem::path(cell.dump).filename().string());
-  state = hash_text(state, cell.sampler.label());
+  state = hash_text(state, cell.sampler.text());
   state = hash_text(state, format_number(cell.spp));
   state = mix(state, cell.replicate, e.seed, static_cast<int>(e.order), e.pieces_per_side,
               e.reference ? static_cast<int>(*e.reference) : -1, e.holdout.value_or(-1),
@@ -52,7 +52,7 @@ Result<void> check_recording_names(const Plan& plan) {
 }
 
 std::string cell_id(const Cell& cell, const Plan& plan) {
-  std::uint64_t state = hash_text(hash_sampling(cell, plan), cell.filter.label());
+  std::uint64_t state = hash_text(hash_sampling(cell, plan), cell.filter.text());
   state = hash_options(state, option_values(metric_option_table(), plan.experiment.metrics));
   for (const EnergyMask& mask : plan.experiment.masks) {
     for (const std::string& text :

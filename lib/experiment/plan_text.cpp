@@ -20,6 +20,7 @@ toml::array method_tables(const std::vector<MethodChoice>& methods) {
   toml::array tables;
   for (const MethodChoice& method : methods) {
     toml::table table{{"name", method.name}};
+    if (!method.own_label.empty()) table.insert("label", method.own_label);
     if (!method.preset.empty()) table.insert("preset", method.preset);
     for (const auto& [name, value] : method.set)
       table.insert_or_assign(name, value);

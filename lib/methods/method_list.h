@@ -39,6 +39,16 @@ Result<const Method<Function>*> known_method(const MethodList<Function>& list,
                            fmt::format(": see spool list {}s", list.kind)));
 }
 
+// A label that is the name of a method would say that it is that one.
+template <class Function>
+Result<void> check_own_label(const MethodList<Function>& list, const MethodChoice& choice) {
+  if (choice.own_label.empty()) return {};
+  SPOOL_TRY(check_label(choice));
+  if (find_method(list, choice.own_label) == nullptr) return {};
+  return fail(ErrorCode::kUsage, "label '{}': is the name of a {}: choose another",
+              choice.own_label, list.kind);
+}
+
 // Reads a method as method_text.h says; error kUsage when there is none of that name, or its
 // argument is missing.
 template <class Function>
@@ -49,6 +59,7 @@ Result<MethodChoice> choose_method(const MethodList<Function>& list, std::string
   }
   SPOOL_ASSIGN(MethodChoice choice, parse_method(text, takes_argument));
   SPOOL_ASSIGN(const Method<Function>* method, known_method(list, choice.name));
+  SPOOL_TRY(check_own_label(list, choice));
   if (!method->argument.empty() && choice.preset.empty()) {
     return fail(ErrorCode::kUsage, "{}: write {}:{}", text, method->name, method->argument);
   }

@@ -5,16 +5,19 @@
 namespace spool {
 namespace {
 
+// ",a=1,b=2"
+std::string settings_of(const OptionValues& set) {
+  std::string text;
+  for (const auto& [name, value] : set)
+    text += "," + name + "=" + value;
+  return text;
+}
+
 std::string in_full(const MethodChoice& choice) {
   std::string text = choice.name;
   if (!choice.preset.empty()) text += ":" + choice.preset;
-  if (choice.set.empty()) return text;
-  text += "{";
-  for (std::size_t i = 0; i < choice.set.size(); ++i) {
-    if (i > 0) text += ',';
-    text += choice.set[i].first + "=" + choice.set[i].second;
-  }
-  return text + "}";
+  const std::string set = settings_of(choice.set);
+  return set.empty() ? text : text + "{" + set.substr(1) + "}";
 }
 
 }  // namespace
@@ -27,11 +30,58 @@ std::string MethodChoice::text() const {
   return own_label.empty() ? in_full(*this) : own_label + "=" + in_full(*this);
 }
 
+Result<void> check_label(const MethodChoice& choice) {
+  constexpr std::size_t kLongest = 64;
+  const std::string_view label = choice.own_label;
+  const std::string_view word = label.substr(0, label.find('{'));
+  const auto fit = [](unsigned char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' ||
+           c == '_' || c == '-';
+  };
+  if (word.empty() || word.size() > kLongest || !std::ranges::all_of(word, fit) ||
+      word.starts_with('.') || word.starts_with('-')) {
+    return fail(ErrorCode::kUsage,
+                "label '{}': write 1 to {} letters, digits, '.', '_' or '-', a letter or digit "
+                "first: it names files too",
+                label, kLongest);
+  }
+  if (word.size() == label.size()) return {};
+  std::string_view swept = label.substr(word.size() + 1);
+  if (swept.ends_with('}')) swept.remove_suffix(1);
+  const std::string chosen = fmt::format(",preset={}{}", choice.preset, settings_of(choice.set));
+  while (!swept.empty()) {
+    const std::string_view part = swept.substr(0, swept.find(','));
+    swept.remove_prefix(std::min(swept.size(), part.size() + 1));
+    if ((chosen + ",").find(fmt::format(",{},", part)) == std::string::npos) {
+      return fail(ErrorCode::kUsage, "label '{}': '{}' was not chosen: leave the braces out", label,
+                  part);
+    }
+  }
+  return {};
+}
+
+Result<void> check_distinct(std::string_view kind, const std::vector<MethodChoice>& choices) {
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (choices[i].label() != choices[j].label()) continue;
+      return fail(ErrorCode::kUsage, "{} {} is there twice: {} and {}: give one another label",
+                  kind, choices[i].label(), choices[j].text(), choices[i].text());
+    }
+  }
+  return {};
+}
+
 Result<MethodChoice> parse_method(std::string_view text,
                                   const std::vector<std::string>& takes_argument) {
   MethodChoice choice;
-  choice.name = text.substr(0, text.find_first_of(":{"));
-  std::string_view rest = text.substr(choice.name.size());
+  std::string_view rest = text;
+  if (const std::size_t end = rest.find_first_of("=:{"); end < rest.size() && rest[end] == '=') {
+    choice.own_label = rest.substr(0, end);
+    rest.remove_prefix(end + 1);
+    SPOOL_TRY(check_label(choice));
+  }
+  choice.name = rest.substr(0, rest.find_first_of(":{"));
+  rest.remove_prefix(choice.name.size());
   if (std::ranges::find(takes_argument, choice.name) != takes_argument.end()) {
     if (rest.starts_with(':')) choice.preset = rest.substr(1);
     return choice;

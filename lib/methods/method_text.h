@@ -18,14 +18,22 @@ struct MethodChoice {
   std::string name;
   std::string preset;          // empty: the method's default; or the argument of methods with one
   OptionValues set;            // on top of the preset, in order
-  std::string own_label = {};  // empty: what is chosen, in full
+  std::string own_label = {};  // "ours"; empty: what is chosen, in full
 
   // The name in every table: the own label, else "NAME:PRESET{a=1,b=2}".
   std::string label() const;
-  // As it is written on a command line: label() that says the own label too.
+  // Who it is: as it is written on a command line, the own label too.
   std::string text() const;
   friend bool operator==(const MethodChoice&, const MethodChoice&) = default;
 };
+
+// Whether an own label names a method in every table, chart and file. Error kUsage where it does
+// not: letters, digits, '.', '_' and '-' only, at most 64; what a sweep adds to it, "{a=1}", has
+// to be what was chosen.
+Result<void> check_label(const MethodChoice& choice);
+
+// Error kUsage when two methods have one label.
+Result<void> check_distinct(std::string_view kind, const std::vector<MethodChoice>& choices);
 
 // `takes_argument`: the names of methods that take one.
 Result<MethodChoice> parse_method(std::string_view text,

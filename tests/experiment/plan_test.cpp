@@ -95,6 +95,76 @@ TEST(Plan, SweepsAreWrittenOut) {
   EXPECT_EQ(plan->cells().size(), 2u * 7 * 2 * 3 * 1);
 }
 
+constexpr std::string_view kLabelled = R"(
+recordings = ["a.spool"]
+spp = [2]
+samplers = ["uniform"]
+filters = "box"
+[[sampler]]
+name = "multiscale"
+label = "ours"
+preset = "robust"
+alpha = 0.25
+[[sampler]]
+name = "multiscale"
+label = "swept"
+alpha = [0.5, 1]
+preset = ["robust", ""]
+)";
+
+std::vector<std::string> labels_of(const std::vector<MethodChoice>& choices) {
+  std::vector<std::string> labels;
+  for (const MethodChoice& choice : choices)
+    labels.push_back(choice.label());
+  return labels;
+}
+
+TEST(Plan, LabelsNameTheirMethodsAndSweepsStayApart) {
+  const auto plan = parse(kLabelled);
+  ASSERT_TRUE(plan.has_value()) << plan.error().message;
+  EXPECT_EQ(labels_of(plan->samplers),
+            (std::vector<std::string>{"uniform", "ours", "swept{alpha=0.5,preset=robust}",
+                                      "swept{alpha=0.5,preset=}", "swept{alpha=1,preset=robust}",
+                                      "swept{alpha=1,preset=}"}));
+  EXPECT_EQ(plan->samplers[1].text(), "ours=multiscale:robust{alpha=0.25}");
+  const auto again = parse(plan_text(*plan));
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(again->samplers, plan->samplers);
+}
+
+TEST(Plan, ALabelIsPartOfACellAndNoLabelChangesNone) {
+  Plan plan = *parse(kLabelled);
+  Cell cell = plan.cells()[1];
+  ASSERT_EQ(cell.sampler.label(), "ours");
+  const std::string labelled = cell_id(cell, plan);
+  cell.sampler.own_label = "theirs";
+  EXPECT_NE(cell_id(cell, plan), labelled);
+  // An id that results written without labels are kept under.
+  const Cell plain = plan.cells()[0];
+  EXPECT_EQ(cell_id(plain, plan), "PLAIN_ID");
+}
+
+TEST(Plan, LabelsThatNameNothingOrTwoThingsAreRefused) {
+  const auto refused = [](const std::string& label, const std::string& more = "") {
+    const std::string text =
+        "recordings = 'a'\nspp = 4\nsamplers = 'uniform'\nfilters = 'box'\n[[sampler]]\n"
+        "name = 'multiscale'\nlabel = '" +
+        label + "'\n" + more;
+    const auto plan = parse(text);
+    return plan ? std::string() : plan.error().message;
+  };
+  EXPECT_EQ(refused("ours"), "");
+  EXPECT_NE(refused("").find("a label is empty"), std::string::npos) << refused("");
+  for (const char* label : {"a b", "a/b", "a=b", "a,b", "-a", ".a", "a:b", "\u00e4", "a{b", "{a}"})
+    EXPECT_NE(refused(label).find("label '"), std::string::npos) << label << refused(label);
+  EXPECT_NE(refused(std::string(65, 'a')).find("1 to 64"), std::string::npos);
+  EXPECT_NE(refused("ours{alpha=0.5}", "alpha = 0.25\n").find("was not chosen"), std::string::npos);
+  EXPECT_NE(refused("uniform").find("is the name of a sampler"), std::string::npos);
+  const std::string twice =
+      refused("ours", "[[sampler]]\nname = 'multiscale'\nalpha = 1\nlabel = 'ours'\n");
+  EXPECT_NE(twice.find("sampler ours is there twice"), std::string::npos) << twice;
+}
+
 TEST(Plan, MistakesAreNamedWithTheirLine) {
   const std::string good =
       "recordings = 'a.spool'\nspp = 4\nsamplers = 'uniform'\nfilters = 'box'\n";

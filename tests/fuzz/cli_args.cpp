@@ -14,8 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     else
       lines.back() += static_cast<char>(data[i]);
   }
-  std::vector<std::string> samplers = tools::split_methods(lines[0]), filters;
-  if (lines.size() > 1) filters = tools::split_methods(lines[1]);
+  std::vector<std::string> samplers = split_methods(lines[0]), filters;
+  if (lines.size() > 1) filters = split_methods(lines[1]);
   tools::MethodOptions options;
   if (lines.size() > 2 && (data[0] & 1) != 0) options.preset = lines[2];
   for (size_t i = 3; i < lines.size(); ++i)
@@ -27,10 +27,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   }
   format::demand(methods->samplers.size() == samplers.size(), "every sampler is chosen");
   format::demand(methods->filters.size() == filters.size(), "every filter is chosen");
-  for (const MethodChoice& choice : methods->samplers) {
-    const auto again = tools::choose_methods({choice.label()}, {}, {});
-    format::demand(again && again->samplers[0].label() == choice.label(),
-                   "a label names its method");
+  for (const auto& sampler : methods->samplers) {
+    const auto again = tools::choose_methods({sampler.choice.text()}, {}, {});
+    format::demand(again && again->samplers[0].choice == sampler.choice,
+                   "a method's text names it");
   }
   return 0;
 }

@@ -54,6 +54,51 @@ def test_sweeps_become_rows_and_both_tables_say_the_same(good, plan, tmp_path):
                 text == "" if value is None else float(text) == value)
 
 
+LABELLED = """
+recordings = ["scene.spool"]
+spp = [2]
+replicates = 2
+samplers = ["uniform"]
+filters = ["box"]
+[[sampler]]
+name = "multiscale"
+alpha = [0.3, 0.5]
+label = "swept"
+[[filter]]
+name = "gaussian"
+sigma = 2
+label = "ours"
+"""
+
+
+def test_labels_name_methods_in_tables_pictures_and_reports(good, plan, tmp_path):
+    plan.write_text(LABELLED)
+    table = good("evaluate", plan, "-o", "out", "--json").json
+    rows = rows_of(tmp_path / "out")
+    assert {r["sampler"] for r in rows} == {"uniform", "swept{alpha=0.3}", "swept{alpha=0.5}"}
+    assert {r["filter"] for r in rows} == {e["filter"] for e in table} == {"box", "ours"}
+    assert all("mse_to_uniform_box" in entry for entry in table)
+    names = {p.name for p in (tmp_path / "out").iterdir()}
+    assert {"scene_uniform_ours_2spp.png", "scene_swept_alpha_0.3_box_2spp.png"} <= names
+    statistics = json.loads((tmp_path / "out" / "statistics.json").read_text())
+    assert "ours" in {e["filter"] for c in statistics["conditions"] for e in c["ranking"]}
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    assert {"name": "gaussian", "label": "ours"}.items() <= manifest["plan"]["filters"][1].items()
+    good("evaluate", tmp_path / "out" / "plan.toml", "-o", "again", "--no-pictures")
+    assert_same_results(tmp_path / "out", tmp_path / "again", apart=("dump",))
+
+
+def test_labels_on_a_command_line(good, run, dump, tmp_path):
+    evaluate = ("evaluate", dump, "--spp", 2, "--replicates", 1, "--no-pictures", "-o", "out")
+    good(*evaluate, "--samplers", "uniform,ours=multiscale:paper{alpha=0.3}", "--filters", "box,soft=gaussian")
+    rows = rows_of(tmp_path / "out")
+    assert {(r["sampler"], r["filter"]) for r in rows} == {(s, f) for s in ("uniform", "ours") for f in ("box", "soft")}
+    for samplers, reason in (("=multiscale", "label ''"), ("a b=multiscale", "letters"), ("a/b=multiscale", "letters"),
+                             ("box=multiscale,uniform=multiscale", "is the name of a sampler"),
+                             ("a=uniform,a=multiscale", "sampler a is there twice")):
+        run(*evaluate, "--samplers", samplers).failed_with(2, reason)
+
+
 def test_the_manifest_says_how_it_was_made(good, plan, tmp_path):
     good("evaluate", plan, "-o", "out", "--no-pictures")
     manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())

@@ -65,6 +65,14 @@ struct Choices {
   }
 };
 
+template <class Function>
+std::vector<MethodChoice> choices_of(const std::vector<ChosenMethod<Function>>& chosen) {
+  std::vector<MethodChoice> choices;
+  for (const ChosenMethod<Function>& method : chosen)
+    choices.push_back(method.choice);
+  return choices;
+}
+
 // A method's own preset goes before the command's; its own options stand last and win.
 template <class Function>
 Result<std::vector<ChosenMethod<Function>>> choose(const MethodList<Function>& known,
@@ -83,6 +91,7 @@ Result<std::vector<ChosenMethod<Function>>> choose(const MethodList<Function>& k
     SPOOL_ASSIGN(Ready<Function> ready, make_method(known, choice));
     chosen.push_back({std::move(choice), &method, std::move(ready)});
   }
+  SPOOL_TRY(check_distinct(known.kind, choices_of(chosen)));
   return chosen;
 }
 

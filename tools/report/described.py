@@ -12,9 +12,10 @@ class Described:
     def __init__(self, manifest):
         plan = manifest.get("plan")
         plan = plan if isinstance(plan, dict) else {}
-        self._names = {kind: {str(m.get("name")) for m in plan.get(kind) or []
-                              if isinstance(m, dict) and m.get("by_description")}
-                       for kind in ("samplers", "filters")}
+        described = {kind: [m for m in plan.get(kind) or [] if isinstance(m, dict) and m.get("by_description")]
+                     for kind in ("samplers", "filters")}
+        self._names = {kind: {str(m.get("name")) for m in methods} for kind, methods in described.items()}
+        self._labels = {kind: {str(m.get("label")) for m in methods} for kind, methods in described.items()}
 
     def sampler(self, label):
         return self._marked(label, "samplers")
@@ -41,4 +42,5 @@ class Described:
         return f"<p>[R] {escape(', '.join(names))}: re-implementation by description, not from the primary text.</p>"
 
     def _marked(self, label, kind):
-        return label + MARK if re.split(r"[:{ ]", label, maxsplit=1)[0] in self._names[kind] else label
+        named = re.split(r"[:{ ]", label, maxsplit=1)[0] in self._names[kind]
+        return label + MARK if named or label in self._labels[kind] else label
