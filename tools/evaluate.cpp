@@ -28,10 +28,8 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
                choose_methods(or_default(options.samplers, "uniform"),
                               or_default(options.filters, "box"), options.methods));
   Plan plan;
-  for (const auto& sampler : methods.samplers)
-    plan.samplers.push_back(sampler.choice);
-  for (const auto& filter : methods.filters)
-    plan.filters.push_back(filter.choice);
+  plan.samplers = choices_of(methods.samplers);
+  plan.filters = choices_of(methods.filters);
   plan.rules = methods.rules;
   plan.experiment.metrics = methods.metrics;
   for (const auto& file : options.files)

@@ -122,9 +122,9 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   known.insert(known.end(), selection_views().begin(), selection_views().end());
   known.insert(known.end(), image_views().begin(), image_views().end());
   SPOOL_TRY(check_views(wanted, known));
-  SPOOL_ASSIGN(const Input input,
-               load_input(options, methods.rules,
-                          filtering_memory(methods.filters[0], options.pool.pieces_per_side)));
+  SPOOL_ASSIGN(const Input input, load_input(options, methods.rules,
+                                             filtering_memory(methods.filters[0].choice,
+                                                              options.pool.pieces_per_side)));
   Progress progress("reconstruct " + options.filter, common.quiet);
   Views views(wanted);
   const auto& reference = input.pool.recording().reference();

@@ -64,7 +64,7 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   Views views(wanted);
   SPOOL_ASSIGN(const auto recording,
                load_recording(options.dump, methods.rules,
-                              sampling_memory(methods.samplers[0], methods.filters,
+                              sampling_memory(chosen.choice, choices_of(methods.filters),
                                               options.pool.pieces_per_side)));
   SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, options.pool));
   SPOOL_ASSIGN(const long long budget, checked_budget(pool, options.spp));

@@ -27,8 +27,8 @@ bool same_sampling(const Cell& a, const Cell& b) {
 
 // Equal for cells of one sampling run.
 std::string sampling_key(const Cell& cell) {
-  return fmt::format("{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.text(), cell.spp,
-                     cell.replicate, cell.threads);
+  return fmt::format("{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.text(), cell.spp, cell.replicate,
+                     cell.threads);
 }
 
 // A recording in use, loaded once for all neighbouring cells that want it.

@@ -49,8 +49,8 @@ Result<void> check_own_label(const MethodList<Function>& list, const MethodChoic
               choice.own_label, list.kind);
 }
 
-// Reads a method as method_text.h says; error kUsage when there is none of that name, or its
-// argument is missing.
+// Reads a method as method_text.h says; error kUsage when there is none of that name. Whether it
+// has its argument, preset and options is found when it is made.
 template <class Function>
 Result<MethodChoice> choose_method(const MethodList<Function>& list, std::string_view text) {
   std::vector<std::string> takes_argument;
@@ -58,11 +58,8 @@ Result<MethodChoice> choose_method(const MethodList<Function>& list, std::string
     if (!method.argument.empty()) takes_argument.push_back(method.name);
   }
   SPOOL_ASSIGN(MethodChoice choice, parse_method(text, takes_argument));
-  SPOOL_ASSIGN(const Method<Function>* method, known_method(list, choice.name));
+  SPOOL_TRY(known_method(list, choice.name));
   SPOOL_TRY(check_own_label(list, choice));
-  if (!method->argument.empty() && choice.preset.empty()) {
-    return fail(ErrorCode::kUsage, "{}: write {}:{}", text, method->name, method->argument);
-  }
   return choice;
 }
 

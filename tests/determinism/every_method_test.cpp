@@ -84,7 +84,7 @@ TEST(EveryMethodDeterminism, BitsOfSamplersDoNotDependOnThreads) {
 TEST(EveryMethodDeterminism, BitsOfFiltersDoNotDependOnThreads) {
   const SamplePool pool = noisy_pool();
   const auto sampler = make_method(samplers(), {"multiscale", "", {{"epochs", "8"}}});
-  const auto sampled = (*sampler)(pool, 4LL * kWidth * kHeight, {});
+  const auto sampled = (*sampler)(pool, 4LL * kWidth * kHeight, SamplingContext{});
   ASSERT_TRUE(sampled.has_value());
   const Reference reference{sampled->selection.statistics.mean, std::nullopt};
   FilterContext context;

@@ -42,10 +42,11 @@ TEST(DecisionSplit, IsUnbiasedWhereTheAdaptiveMeanLosesEnergy) {
   double ordinary_mean = 0.0, split_mean = 0.0, square = 0.0;
   for (int r = 0; r < kRuns; ++r) {
     const SamplePool pool = rare_events(static_cast<std::uint64_t>(r));
-    ordinary_mean += mean_of(box()(ordinary(pool, kBudget, {})->selection, pool, {})->image);
-    const auto sampled = split(pool, kBudget, {});
+    ordinary_mean += mean_of(
+        box()(ordinary(pool, kBudget, SamplingContext{})->selection, pool, FilterContext{})->image);
+    const auto sampled = split(pool, kBudget, SamplingContext{});
     ASSERT_TRUE(sampled.has_value()) << sampled.error().message;
-    const RgbImage image = box()(sampled->selection, pool, {})->image;
+    const RgbImage image = box()(sampled->selection, pool, FilterContext{})->image;
     split_mean += mean_of(image);
     for (const double v : image[1].pixels())
       square += (v - 1.0) * (v - 1.0);
@@ -98,8 +99,8 @@ TEST(DecisionSplit, NoSampleOfAHalfChangesItsOwnCount) {
   };
   const auto split =
       split_decisions(*make_method(samplers(), {"multiscale", "", {{"epochs", "8"}}}));
-  const auto a = split(pool_with(1.0f), 32 * 32 * 8, {});
-  const auto b = split(pool_with(9.0f), 32 * 32 * 8, {});
+  const auto a = split(pool_with(1.0f), 32 * 32 * 8, SamplingContext{});
+  const auto b = split(pool_with(9.0f), 32 * 32 * 8, SamplingContext{});
   EXPECT_EQ(a->selection.halves[1].statistics.n, b->selection.halves[1].statistics.n);
   EXPECT_NE(a->selection.halves[1].statistics.mean, b->selection.halves[1].statistics.mean);
 }
@@ -107,10 +108,11 @@ TEST(DecisionSplit, NoSampleOfAHalfChangesItsOwnCount) {
 TEST(DecisionSplit, OfUniformCountsTheImageIsTheOrdinaryOne) {
   const SamplePool pool = rare_events(1);
   const auto uniform = *make_method(samplers(), {"uniform", "", {}});
-  const auto split = split_decisions(uniform)(pool, kBudget, {});
+  const auto split = split_decisions(uniform)(pool, kBudget, SamplingContext{});
   EXPECT_EQ(split->log.spent, kBudget);
-  const auto image = box()(split->selection, pool, {})->image;
-  const auto ordinary = box()(uniform(pool, kBudget, {})->selection, pool, {})->image;
+  const auto image = box()(split->selection, pool, FilterContext{})->image;
+  const auto ordinary =
+      box()(uniform(pool, kBudget, SamplingContext{})->selection, pool, FilterContext{})->image;
   for (std::size_t i = 0; i < image[0].size(); ++i)
     ASSERT_NEAR(image[0][i], ordinary[0][i], 1e-12);
 }
@@ -120,8 +122,8 @@ TEST(DecisionSplit, PoolsOfOddLengthAreAveragedAsFarAsTheyGo) {
     const auto value = static_cast<float>(unit_double(mix(4, x, y, s)));
     return Rgb{value, value, value};
   }));
-  const auto sampled =
-      split_decisions(*make_method(samplers(), {"uniform", "", {}}))(pool, 9 * 7 * 5, {});
+  const auto sampled = split_decisions(*make_method(samplers(), {"uniform", "", {}}))(
+      pool, 9 * 7 * 5, SamplingContext{});
   ASSERT_TRUE(sampled.has_value());
   for (int h = 0; h < 2; ++h) {
     const CountImage& n = sampled->selection.halves[static_cast<std::size_t>(h)].statistics.n;
@@ -129,7 +131,7 @@ TEST(DecisionSplit, PoolsOfOddLengthAreAveragedAsFarAsTheyGo) {
       EXPECT_LE(count, 3 - h);
   }
   EXPECT_LE(count_samples(sampled->selection.statistics.n), 9 * 7 * 5);
-  EXPECT_TRUE(box()(sampled->selection, pool, {}).has_value());
+  EXPECT_TRUE(box()(sampled->selection, pool, FilterContext{}).has_value());
 }
 
 }  // namespace

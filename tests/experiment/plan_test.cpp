@@ -134,14 +134,16 @@ TEST(Plan, LabelsNameTheirMethodsAndSweepsStayApart) {
 
 TEST(Plan, ALabelIsPartOfACellAndNoLabelChangesNone) {
   Plan plan = *parse(kLabelled);
-  Cell cell = plan.cells()[1];
+  Cell cell = plan.cells()[5];
   ASSERT_EQ(cell.sampler.label(), "ours");
   const std::string labelled = cell_id(cell, plan);
   cell.sampler.own_label = "theirs";
   EXPECT_NE(cell_id(cell, plan), labelled);
-  // An id that results written without labels are kept under.
+  // Ids are made of these texts: results kept before there were labels are found again.
   const Cell plain = plan.cells()[0];
-  EXPECT_EQ(cell_id(plain, plan), "PLAIN_ID");
+  EXPECT_EQ(plain.sampler.text(), plain.sampler.label());
+  cell.sampler.own_label.clear();
+  EXPECT_EQ(cell.sampler.text(), "multiscale:robust{alpha=0.25}");
 }
 
 TEST(Plan, LabelsThatNameNothingOrTwoThingsAreRefused) {

@@ -71,7 +71,7 @@ TEST(Baselines, ConstantsArePreserved) {
       21, 18, 6, [](int, int, int) { return Rgb{0.1f, 0.7f, 1234.5f}; }, {}, random_film(6));
   const Selection selection = select_counts(pool, [](int x, int y) { return 1 + (x + y) % 6; });
   for (const char* name : {"greedy_selection", "nl_means", "wavelet_shrinkage", "multistage"}) {
-    const auto result = (*make_method(filters(), {name, "", {}}))(selection, pool, {});
+    const auto result = (*make_method(filters(), {name, "", {}}))(selection, pool, FilterContext{});
     ASSERT_TRUE(result.has_value()) << name;
     // The taps of the 9-7 filters are known to 15 digits.
     for (const double v : result->image[1].pixels())
@@ -95,8 +95,8 @@ TEST(Baselines, ExposureByAPowerOfTwoScalesExactly) {
       {}, random_film(4));
   for (const char* name : {"greedy_selection", "nl_means", "wavelet_shrinkage", "multistage"}) {
     const auto make = make_method(filters(), {name, "", {}});
-    const auto a = (*make)(select_uniform(pool, 4), pool, {});
-    const auto b = (*make)(select_uniform(scaled, 4), scaled, {});
+    const auto a = (*make)(select_uniform(pool, 4), pool, FilterContext{});
+    const auto b = (*make)(select_uniform(scaled, 4), scaled, FilterContext{});
     for (std::size_t i = 0; i < a->image[0].size(); ++i)
       ASSERT_EQ(a->image[0][i] * 0x1p-10, b->image[0][i]) << name;
   }

@@ -269,7 +269,7 @@ TEST(Directional, AnEdgeOfColourAloneIsSeenByTheChannels) {
   const auto by = [&](const char* channel) {
     const auto filter =
         *make_method(filters(), {"directional", "", {{"analysis_channel", channel}}});
-    return *filter(selection, pool, {});
+    return *filter(selection, pool, FilterContext{});
   };
   const Reconstruction luminance = by("luminance"), channels = by("per_channel");
   EXPECT_EQ(luminance.image, by("of_selection").image);
@@ -290,7 +290,8 @@ TEST(Directional, GreySamplesHaveTheSizesOfLuminanceInEveryChannel) {
     const auto luminance = *make_method(filters(), {"directional", preset, {}});
     const auto channels =
         *make_method(filters(), {"directional", preset, {{"analysis_channel", "per_channel"}}});
-    const Reconstruction a = *luminance(selection, pool, {}), b = *channels(selection, pool, {});
+    const Reconstruction a = *luminance(selection, pool, FilterContext{}),
+                         b = *channels(selection, pool, FilterContext{});
     std::size_t differ = 0;
     for (std::size_t i = 0; i < a.level->size(); ++i)
       differ += (*a.level)[i] != (*b.level)[i];

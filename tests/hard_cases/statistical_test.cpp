@@ -82,7 +82,7 @@ TEST(Unbiased, BoxReconstructionForCountsThatDoNotFollowTheSamples) {
       CountImage n(side, side);
       for (std::size_t p = 0; p < n.size(); ++p)
         n[p] = 1 + static_cast<int>(mix(seed, p, 1) % static_cast<std::uint64_t>(most));
-      const auto result = (*box)({prefix_statistics(pool, n), {}}, pool, {});
+      const auto result = (*box)(Selection{prefix_statistics(pool, n), {}}, pool, FilterContext{});
       ASSERT_TRUE(result.has_value());
       EXPECT_LT(std::abs(t_of(as_vector(result->image[1]), d.mean)), bound)
           << d.name << " up to " << most;

@@ -114,8 +114,8 @@ TEST(EveryPair, RunsOnASyntheticDump) {
   ASSERT_TRUE(write_synthetic("scene_s", 33, 25, 32, 1, path).has_value());
   const auto recording = load(path);
   ASSERT_NE(recording, nullptr);
-  for (const int pieces_per_side : {1, 2})
-    run_every_pair(pool_of(recording, pieces_per_side), 8);
+  for (const int pieces_per_side : {1, 2})  // more than filtered_halves spends before it filters
+    run_every_pair(pool_of(recording, pieces_per_side), 8 * pieces_per_side);
 }
 
 TEST(EveryPair, RunsOnARecordedDump) {

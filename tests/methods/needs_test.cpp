@@ -105,7 +105,7 @@ TEST(Needs, OfFiltersAreWhatTheyUse) {
     const auto with = of(whole);
     expect_use(needs.film_positions, with, of(no_film), filter.label() + " without film positions");
     expect_use(needs.features, with, of(no_features), filter.label() + " without features");
-    const auto unaided = filter.run(test::select_uniform(whole, 6), whole, {});
+    const auto unaided = filter.run(test::select_uniform(whole, 6), whole, FilterContext{});
     EXPECT_EQ(unaided.has_value(), !needs.reference) << filter.label();
     if (!needs.reference) {
       EXPECT_TRUE(same(*with, *unaided)) << filter.label();

@@ -17,13 +17,13 @@ TEST(OwnMethods, TheFilterOfThePageIsAMedian) {
   const Selection all = test::select_uniform(pool, 2);
   const Filter filter = median_filter();
   EXPECT_EQ(filter.needs, Needs{});
-  const auto removed = (*filter.make("", {}))(all, pool, {});
+  const auto removed = (*filter.make("", {}))(all, pool, FilterContext{});
   ASSERT_TRUE(removed.has_value()) << removed.error().message;
   for (std::size_t c = 0; c < 3; ++c) {
     for (const double value : removed->image[c].pixels())
       EXPECT_EQ(value, static_cast<double>(c + 1));
   }
-  const auto kept = (*filter.make("", {{"radius", "0"}}))(all, pool, {});
+  const auto kept = (*filter.make("", {{"radius", "0"}}))(all, pool, FilterContext{});
   ASSERT_TRUE(kept.has_value());
   EXPECT_EQ(kept->image[0](4, 3), 100.0);
   EXPECT_FALSE(filter.make("", {{"radius", "17"}}).has_value());

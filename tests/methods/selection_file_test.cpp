@@ -43,7 +43,8 @@ TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
     EXPECT_EQ(selection->statistics, sampled->selection.statistics) << name;
     EXPECT_EQ(selection->attenuation, sampled->selection.attenuation) << name;
     const auto filter = *make_method(filters(), {"directional", "", {{"size_factor", "literal"}}});
-    EXPECT_EQ(filter(*selection, again, {})->image, filter(sampled->selection, pool, {})->image);
+    EXPECT_EQ(filter(*selection, again, FilterContext{})->image,
+              filter(sampled->selection, pool, FilterContext{})->image);
   }
 }
 
@@ -51,7 +52,7 @@ TEST(SelectionFile, HoldsASplitDecisionToTheLastBit) {
   const test::ScratchFolder folder;
   const SamplePool pool = test::noisy_pool(19, 14, 32);
   const auto sampler = split_decisions(*make_method(samplers(), {"multiscale", "", {}}));
-  const auto sampled = sampler(pool, 19 * 14 * 8, {});
+  const auto sampled = sampler(pool, 19 * 14 * 8, SamplingContext{});
   const auto path = folder / "selection.exr";
   ASSERT_TRUE(write_selection(path, sampled->selection, {"multiscale", "noisy", {}}, false));
   const auto file = read_selection(path);
@@ -65,7 +66,8 @@ TEST(SelectionFile, HoldsASplitDecisionToTheLastBit) {
   }
   const auto filter =
       average_halves(*make_method(filters(), {"directional", "", {{"size_factor", "literal"}}}));
-  EXPECT_EQ(filter(*selection, pool, {})->image, filter(sampled->selection, pool, {})->image);
+  EXPECT_EQ(filter(*selection, pool, FilterContext{})->image,
+            filter(sampled->selection, pool, FilterContext{})->image);
 
   auto cut = read_exr(path);
   std::erase_if(cut->channels, [](const NamedPlane& plane) { return plane.name == "odd.n"; });
@@ -77,7 +79,8 @@ TEST(SelectionFile, HoldsASplitDecisionToTheLastBit) {
 TEST(SelectionFile, AnAttenuationThatSomebodyChangedIsTaken) {
   const test::ScratchFolder folder;
   const SamplePool pool = test::noisy_pool(8, 8, 16);
-  const auto sampled = (*make_method(samplers(), {"multiscale", "", {}}))(pool, 8 * 8 * 6, {});
+  const auto sampled =
+      (*make_method(samplers(), {"multiscale", "", {}}))(pool, 8 * 8 * 6, SamplingContext{});
   const auto path = folder / "selection.exr";
   ASSERT_TRUE(write_selection(path, sampled->selection, {"multiscale", "noisy", {}}, false));
   auto file = read_exr(path);

@@ -80,13 +80,13 @@ TEST(Views, ChangeNoBit) {
   Views views({"all"});
   SamplingContext watched;
   watched.views = &views;
-  const auto plain = sampler(pool, 21 * 18 * 8, {});
+  const auto plain = sampler(pool, 21 * 18 * 8, SamplingContext{});
   const auto seen = sampler(pool, 21 * 18 * 8, watched);
   EXPECT_EQ(plain->selection.statistics, seen->selection.statistics);
   Views image_views({"all"});
   FilterContext context;
   context.views = &image_views;
-  EXPECT_EQ(filter(plain->selection, pool, {})->image,
+  EXPECT_EQ(filter(plain->selection, pool, FilterContext{})->image,
             filter(plain->selection, pool, context)->image);
 }
 

@@ -1,6 +1,7 @@
 // Options and pools shared by the tests of the multiscale sampler.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -28,8 +29,11 @@ inline SamplePool noisy_pool(int width, int height, int spp) {
 }
 
 inline MultiscaleOptions multiscale_options(const std::string& preset, const OptionValues& set) {
-  const auto base = find_preset(multiscale_presets(), "multiscale", preset);
-  const auto options = with_options(multiscale_option_table(), *base, set);
+  const auto& presets = multiscale_presets();
+  const auto base = std::ranges::find(presets, preset.empty() ? presets.front().first : preset,
+                                      [](const auto& named) { return named.first; });
+  SPOOL_CHECK(base != presets.end());
+  const auto options = with_options(multiscale_option_table(), base->second, set);
   if (!options) {
     ADD_FAILURE() << options.error().message;
     return {};

@@ -165,7 +165,7 @@ TEST(Multiscale, BeatsUniformSamplingOnSceneS) {
       return test::mean_squared_error(result.selection.statistics.mean[0], reference);
     };
     ratio += error(run_multiscale(pool, 64 * 64 * 4, multiscale_options("robust", {}))) /
-             error(*(*uniform)(pool, 64 * 64 * 4, {})) / 4.0;
+             error(*(*uniform)(pool, 64 * 64 * 4, SamplingContext{})) / 4.0;
   }
   EXPECT_LT(ratio, 0.90);
   EXPECT_GT(ratio, 0.60);

@@ -53,7 +53,7 @@ def exr_doors(path, dump, folder):
             "image": ("reconstruct", dump, "--filter", f"image:{path}", "-o", f"{out}.exr"),
             "counts": ("replay", dump, "--sampler", f"counts:{path}", "--spp", 2, "-o", f"{out}.exr"),
             "deep-exr": ("pack", "--from", "deep-exr", path, "-o", f"{out}.spool"),
-            "deep samples": ("pack", "--from", "deep-exr", "--deep-samples", path, "-o", f"{out}.spool"),
+            "deep samples": ("pack", "--from", "deep-exr", "--set", "import.deep_samples=on", path, "-o", f"{out}.spool"),
             "exr-folder": ("pack", "--from", "exr-folder", path.parent, "-o", f"{out}.spool"),
             "bcd-stats": ("convert", dump, "--to", "bcd-stats", "--selection", path, "-o", out)}
 
@@ -74,7 +74,7 @@ def test_no_exr_takes_memory_on_its_headers_word(tmp_path, small, door):
 def test_no_zarr_store_becomes_much_larger_than_it_is(tmp_path):
     for name, path in hostile_files.zarr_bombs(tmp_path).items():
         assert path.stat().st_size < 16384, name
-        refused("pack", "--from", "noisebase", path, "-o", "out.spool", *(("--frame", 0) if "frames" in name else ()), cwd=tmp_path)
+        refused("pack", "--from", "noisebase", path, "-o", "out.spool", *(("--set", "import.frame=0") if "frames" in name else ()), cwd=tmp_path)
     assert not list(tmp_path.glob("out*"))
 
 

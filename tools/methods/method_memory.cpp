@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "tools/methods/external_methods.h"
+
 namespace spool::tools {
 namespace {
 
@@ -58,7 +60,8 @@ WorkingMemory filtering_memory(const MethodChoice& filter, int pieces_per_side) 
 
 WorkingMemory sampling_memory(const MethodChoice& sampler, const std::vector<MethodChoice>& filters,
                               int pieces_per_side) {
-  if (sampler.name != "filtered_halves") {
+  const Sampler* known = find_method(known_samplers(), sampler.name);
+  if (known == nullptr || !known->needs.filter_in_loop) {
     return on_pieces(find(kSamplers, sampler), pieces_per_side);
   }
   WorkingMemory loop;

@@ -65,14 +65,6 @@ struct Choices {
   }
 };
 
-template <class Function>
-std::vector<MethodChoice> choices_of(const std::vector<ChosenMethod<Function>>& chosen) {
-  std::vector<MethodChoice> choices;
-  for (const ChosenMethod<Function>& method : chosen)
-    choices.push_back(method.choice);
-  return choices;
-}
-
 // A method's own preset goes before the command's; its own options stand last and win.
 template <class Function>
 Result<std::vector<ChosenMethod<Function>>> choose(const MethodList<Function>& known,

@@ -31,6 +31,14 @@ struct ChosenMethod {
   Ready<Function> ready;
 };
 
+template <class Function>
+std::vector<MethodChoice> choices_of(const std::vector<ChosenMethod<Function>>& chosen) {
+  std::vector<MethodChoice> choices;
+  for (const ChosenMethod<Function>& method : chosen)
+    choices.push_back(method.choice);
+  return choices;
+}
+
 // Everything that the settings of one command speak of. Errors are kUsage and name the nearest
 // known word. A preset must be known to at least one of the methods; the others keep their default.
 struct Methods {

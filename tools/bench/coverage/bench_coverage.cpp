@@ -126,8 +126,8 @@ Trial run_trial(const World& world, std::uint64_t trial) {
                           pool, sample_budget(spp, *recording), with_seed(options.seed)))
                   .selection;
         }
-        const Reconstruction made =
-            or_exit(or_exit(make_method(filters(), {filter, "", {}}))(found->second, pool, {}));
+        const Reconstruction made = or_exit(or_exit(make_method(filters(), {filter, "", {}}))(
+            found->second, pool, FilterContext{}));
         SquaredError error = squared_error(made.image, reference, bootstrap);
         MethodSeries& one = series[{{sampler, filter}, spp}];
         one.blocks = bootstrap.blocks();

@@ -78,7 +78,7 @@ void measure_filter(benchmark::State& state, Subject& subject, const ReadyFilter
   if (!subject.selection) {
     subject.heap_before_selection = heap_bytes();
     const auto sampler = make_method(samplers(), {"multiscale", "", {}});
-    auto sampled = (*sampler)(*subject.pool, subject.budget, {});
+    auto sampled = (*sampler)(*subject.pool, subject.budget, SamplingContext{});
     if (!sampled) {
       state.SkipWithError(sampled.error().message.c_str());
       return;
