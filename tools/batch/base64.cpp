@@ -33,7 +33,8 @@ std::string from_base64(std::string_view text) {
   const auto padding =
       std::count(text.end() - std::min<std::ptrdiff_t>(2, std::ssize(text)), text.end(), '=');
   bytes.resize(static_cast<std::size_t>(length - padding));
-  return bytes;
+  // libcrypto reads past padding in the middle and white space at the end.
+  return to_base64(bytes) == text ? bytes : std::string();
 }
 
 }  // namespace spool::tools
