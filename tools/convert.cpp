@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/interchange/bcd_raw.h"
-#include "formats/interchange/npz.h"
+#include "formats/interchange/npz_export.h"
 #include "lib/exchange/bcd_statistics.h"
 #include "lib/exchange/deep_exr.h"
-#include "lib/exchange/exr_folder.h"
+#include "lib/exchange/exr_folder_export.h"
 #include "lib/exchange/oidn_set.h"
 
 namespace spool::tools {

@@ -1,7 +1,8 @@
+#include "formats/interchange/npz_export.h"
+
 #include "formats/bounded_json.h"
 #include "formats/interchange/export_file.h"
 #include "formats/interchange/npy_header.h"
-#include "formats/interchange/npz.h"
 #include "formats/interchange/zip_writer.h"
 #include "formats/spool_reader.h"
 

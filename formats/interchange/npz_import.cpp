@@ -1,8 +1,9 @@
+#include "formats/interchange/npz_import.h"
+
 #include <algorithm>
 #include <map>
 
 #include "formats/interchange/layer_names.h"
-#include "formats/interchange/npz.h"
 #include "formats/interchange/npz_members.h"
 #include "formats/interchange/scratch_file.h"
 

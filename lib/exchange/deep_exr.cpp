@@ -10,7 +10,7 @@
 #include "formats/interchange/scratch_file.h"
 #include "lib/core/random.h"
 #include "lib/exchange/dump_layers.h"
-#include "lib/image_io/exr_planes.h"
+#include "lib/image_io/deep_exr_file.h"
 
 namespace spool::exchange {
 
@@ -320,7 +320,7 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
     layer.array.file = &scratch;
   if (!input.told) {
     plan.record.converted = {"the samples of each pixel were shuffled"};
-    for (const DeepChannel& channel : header.channels)
+    for (const ExrChannel& channel : header.channels)
       if (std::string_view("RGBZ").find(channel.name) == std::string::npos)
         plan.record.dropped.push_back(shown(channel.name));
   }

@@ -1,9 +1,11 @@
+#include "lib/exchange/exr_folder_export.h"
+
 #include <cstring>
 #include <map>
 
 #include "formats/byte_io.h"
 #include "formats/interchange/scratch_file.h"
-#include "lib/exchange/exr_folder.h"
+#include "lib/exchange/exr_names.h"
 
 namespace spool::exchange {
 

@@ -1,10 +1,11 @@
+#include "lib/exchange/exr_folder_import.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cstring>
 
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/scratch_file.h"
-#include "lib/exchange/exr_folder.h"
 
 namespace spool::exchange {
 

@@ -2,10 +2,10 @@
 
 #include "formats/interchange/bcd_raw.h"
 #include "formats/interchange/noisebase.h"
-#include "formats/interchange/npz.h"
+#include "formats/interchange/npz_import.h"
 #include "formats/interchange/sbmc.h"
 #include "lib/exchange/deep_exr.h"
-#include "lib/exchange/exr_folder.h"
+#include "lib/exchange/exr_folder_import.h"
 
 namespace spool::exchange {
 

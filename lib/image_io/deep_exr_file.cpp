@@ -1,3 +1,5 @@
+#include "lib/image_io/deep_exr_file.h"
+
 #include <cstring>
 #include <exception>
 #include <numeric>
@@ -13,7 +15,6 @@
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_geometry.h"
 #include "lib/image_io/exr_header_scan.h"
-#include "lib/image_io/exr_planes.h"
 
 namespace spool {
 namespace {
@@ -56,7 +57,7 @@ struct DeepExrReader::State {
     std::uint64_t samples = 0, sample_bytes = 0;  // 2^20 pixels of 2^32 samples fit
     for (const std::uint32_t count : row.counts)
       samples += count;
-    for (const DeepChannel& channel : header.channels)
+    for (const ExrChannel& channel : header.channels)
       sample_bytes += bytes_per_value(channel.type);
     if (samples > limits.max_row_bytes / sample_bytes ||
         samples * sample_bytes / exr::kMaxExpansion > file_bytes)
@@ -138,7 +139,7 @@ struct DeepExrWriter::State {
     Imf::Header made(header.width, header.height);
     made.setType(Imf::DEEPSCANLINE);
     made.compression() = Imf::ZIPS_COMPRESSION;
-    for (const DeepChannel& channel : header.channels)
+    for (const ExrChannel& channel : header.channels)
       made.channels().insert(channel.name, Imf::Channel(exr::imf_type(channel.type)));
     exr::write_attributes(header.attributes, made);
     return made;

@@ -34,9 +34,9 @@ Result<Window> checked_window(const std::string& name, const Imf::Header& header
   return Window{static_cast<int>(width), static_cast<int>(height)};
 }
 
-Result<std::vector<DeepChannel>> checked_channels(const std::string& name,
-                                                  const Imf::Header& header) {
-  std::vector<DeepChannel> channels;
+Result<std::vector<ExrChannel>> checked_channels(const std::string& name,
+                                                 const Imf::Header& header) {
+  std::vector<ExrChannel> channels;
   for (auto i = header.channels().begin(); i != header.channels().end(); ++i) {
     if (i.channel().xSampling != 1 || i.channel().ySampling != 1) {
       return fail(ErrorCode::kData, "{}: channel {} is subsampled: write it at full size", name,

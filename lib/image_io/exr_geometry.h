@@ -4,12 +4,13 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfPixelType.h>
 
 #include "lib/core/error.h"
-#include "lib/image_io/exr_planes.h"
+#include "lib/image_io/exr_types.h"
 
 namespace spool::exr {
 
@@ -30,8 +31,8 @@ void cap_sizes();
 Result<Window> checked_window(const std::string& name, const Imf::Header& header,
                               std::uint64_t max_pixels);
 // Channels of full size.
-Result<std::vector<DeepChannel>> checked_channels(const std::string& name,
-                                                  const Imf::Header& header);
+Result<std::vector<ExrChannel>> checked_channels(const std::string& name,
+                                                 const Imf::Header& header);
 // `claimed` bytes of pixels against the cap and the length of the file.
 Result<void> check_claim(const std::string& name, const Window& window, std::size_t channels,
                          std::uint64_t claimed, std::uint64_t max_bytes, std::uint64_t file_bytes);

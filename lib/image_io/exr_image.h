@@ -6,7 +6,6 @@
 // length of the file before anything is allocated.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -15,10 +14,9 @@
 
 #include "lib/core/error.h"
 #include "lib/core/image.h"
+#include "lib/image_io/exr_types.h"
 
 namespace spool {
-
-enum class PixelType { kHalf, kFloat, kUint };
 
 struct NamedPlane {
   std::string name;
@@ -34,16 +32,6 @@ struct ExrFile {
   std::map<std::string, double> number_attributes = {};
 
   const Plane* find(std::string_view name) const;  // nullptr when absent
-};
-
-struct ExrReadLimits {
-  std::uint64_t max_pixels = std::uint64_t{1} << 28;
-  std::uint64_t max_bytes = std::uint64_t{4} << 30;  // of all channels, as doubles
-  int max_parts = 1;                                 // later ones are not looked at
-};
-
-struct ExrWriteOptions {
-  bool overwrite = false;
 };
 
 // Reads part 0. kIo when the file cannot be opened, kData when it is no flat EXR

@@ -45,7 +45,7 @@ Result<std::vector<ExrPlane>> plan_part(const std::string& name, const Imf::Head
   const std::uint64_t claimed = pixels * channels.size() * sizeof(double);  // as the cap counts
   SPOOL_TRY(exr::check_claim(name, window, channels.size(), claimed, max_bytes, file_bytes));
   std::vector<ExrPlane> planes;
-  for (const DeepChannel& channel : channels)
+  for (const ExrChannel& channel : channels)
     planes.push_back({channel.name, channel.type,
                       std::vector<std::byte>(pixels * bytes_per_value(channel.type))});
   return planes;

@@ -3,6 +3,7 @@
 // same attributes at the same places.
 #include <fstream>
 
+#include "lib/image_io/deep_exr_file.h"
 #include "lib/image_io/exr_planes.h"
 #include "tests/fuzz/fuzz_input.h"
 

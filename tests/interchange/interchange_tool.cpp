@@ -6,12 +6,12 @@
 #include <sstream>
 
 #include "formats/interchange/bcd_raw.h"
-#include "formats/interchange/npz.h"
+#include "formats/interchange/npz_export.h"
 #include "formats/interchange/zip_directory.h"
 #include "formats/interchange/zip_writer.h"
 #include "lib/exchange/bcd_statistics.h"
 #include "lib/exchange/deep_exr.h"
-#include "lib/exchange/exr_folder.h"
+#include "lib/exchange/exr_folder_export.h"
 #include "lib/exchange/import_formats.h"
 #include "lib/exchange/oidn_set.h"
 

@@ -1,4 +1,4 @@
-// numpy's .npz: a zip of arrays, one per layer, import and export.
+// numpy's .npz: a zip of arrays, one per layer; npz_export.h writes it.
 //
 // `radiance` [y][x][s][3] is mandatory; other sample layers are [y][x][s][c] or [y][x][s], layers
 // of scope pixel [y][x][c], of scope pass [s][c]; `meta` is UTF-8 JSON in a u1 array and says
@@ -24,16 +24,8 @@ struct NpzImportOptions : ImportOptions {
   bool narrow = false;  // take f8 and round it to f4
 };
 
-struct NpzExportOptions {
-  bool force = false;  // replace OUT
-};
-
 Result<ImportReport> import_npz(const std::filesystem::path& in, const std::filesystem::path& out,
                                 const NpzImportOptions& options = {});
-
-// Layout HWSC, members stored; bit-exact. Errors: kData when blocks are missing in the dump.
-Result<void> export_npz(const std::filesystem::path& in, const std::filesystem::path& out,
-                        const NpzExportOptions& options = {});
 
 ImportFormat npz_format();
 

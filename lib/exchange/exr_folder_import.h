@@ -1,4 +1,4 @@
-// A folder of EXR images, one sample of every pixel each: import and export.
+// A folder of EXR images, one sample of every pixel each; exr_folder_export.h writes it.
 //
 // Names of channels: exr_names.h. Files are ordered by the last number in their name; a gap is an
 // error. pixel_layers.exr in the folder holds what has one value per pixel (a reference).
@@ -6,7 +6,6 @@
 
 #include <filesystem>
 
-#include "formats/interchange/export_file.h"
 #include "formats/interchange/import_format.h"
 #include "lib/core/error.h"
 #include "lib/exchange/exr_names.h"
@@ -22,18 +21,6 @@ struct ExrFolderImportOptions : interchange::ImportOptions {
 Result<interchange::ImportReport> import_exr_folder(const std::filesystem::path& in,
                                                     const std::filesystem::path& out,
                                                     const ExrFolderImportOptions& options = {});
-
-enum class ExrNames {
-  kPlain,    // R, G, B and LAYER.COMPONENT, as OpenImageIO names them; comes back as it was
-  kBlender,  // ViewLayer.Combined.R, ViewLayer.DiffCol.R, ...
-  kRgb,      // R, G, B only
-};
-
-// sample_0000.exr, ... into the new folder `out`, channels in the dump's own types. What the names
-// cannot say is dropped and reported.
-Result<interchange::ExportReport> export_exr_folder(const std::filesystem::path& in,
-                                                    const std::filesystem::path& out,
-                                                    ExrNames names, bool force);
 
 interchange::ImportFormat exr_folder_format();
 
