@@ -29,7 +29,7 @@ int samples_needed(const SamplePool& pool, const CountImage& n, const Rectangle&
 
 // Welford over the samples taken of every piece in a square of pixels.
 Result<void> accumulate_square(const SamplePool& pool, const CountImage& n, const Rectangle& square,
-                               FeatureStatistics& feature, GuardCounts& guards) {
+                               double largest, FeatureStatistics& feature, GuardCounts& guards) {
   const RecordedSamples& recording = pool.recording();
   const int q = pool.pieces_per_side();
   const int needed = samples_needed(pool, n, square);
@@ -52,10 +52,11 @@ Result<void> accumulate_square(const SamplePool& pool, const CountImage& n, cons
         const std::size_t s = pixel + static_cast<std::size_t>(pool.recorded_index(x, y, i));
         for (std::size_t c = 0; c < feature.mean.size(); ++c) {
           double value = static_cast<double>(values[c * plane + s]);
-          if (!std::islessequal(std::abs(value), static_cast<double>(kLargestRadiance))) {
+          if (!std::islessequal(std::abs(value), kLargestFeatureValue)) {
             value = 0.0;
             guards.add(Guard::kFeatureNotFinite);
           }
+          value = std::clamp(value, -largest, largest);
           double& mean = feature.mean[c](x, y);
           const double delta = value - mean;
           mean += delta / (i + 1);
@@ -81,7 +82,8 @@ void normalise_depth(FeatureStatistics& depth) {
 }  // namespace
 
 Result<FeatureStatistics> feature_statistics(const SamplePool& pool, const CountImage& n,
-                                             const FeatureLayer& layer, GuardCounts& guards) {
+                                             const FeatureLayer& layer, GuardCounts& guards,
+                                             double largest) {
   const RecordedSamples& recording = pool.recording();
   const int q = pool.pieces_per_side();
   const int across = (recording.width() + kSquare - 1) / kSquare;
@@ -98,7 +100,7 @@ Result<FeatureStatistics> feature_statistics(const SamplePool& pool, const Count
     const int y0 = static_cast<int>(i) / across * kSquare;
     const Rectangle square = intersect({x0, y0, x0 + kSquare, y0 + kSquare},
                                        {0, 0, recording.width(), recording.height()});
-    const Result<void> read = accumulate_square(pool, n, square, feature, caught[i]);
+    const Result<void> read = accumulate_square(pool, n, square, largest, feature, caught[i]);
     if (!read) errors[i] = read.error();
   });
   for (std::size_t i = 0; i < squares; ++i) {

@@ -23,9 +23,13 @@ struct FeatureStatistics {
   std::vector<Plane> variance;  // [channel][y][x] of `mean`
 };
 
-// Of one layer of the recording. Errors: those of reading.
+inline constexpr double kLargestFeatureValue = 1e15;  // beyond it is no feature
+
+// Of one layer of the recording, every sample clipped to [-largest, largest]. Errors: those of
+// reading.
 Result<FeatureStatistics> feature_statistics(const SamplePool& pool, const CountImage& n,
-                                             const FeatureLayer& layer, GuardCounts& guards);
+                                             const FeatureLayer& layer, GuardCounts& guards,
+                                             double largest = kLargestFeatureValue);
 // One entry per layer of the recording, in its order; none where none were recorded.
 Result<std::vector<FeatureStatistics>> feature_statistics(const SamplePool& pool,
                                                           const CountImage& n, GuardCounts& guards);
