@@ -8,6 +8,7 @@
 #include "lib/filters/multistage.h"
 #include "lib/filters/nl_means.h"
 #include "lib/filters/oracle_scale.h"
+#include "lib/filters/twin_guides/twin_guides.h"
 #include "lib/filters/wavelet_shrinkage.h"
 
 namespace spool {
@@ -17,7 +18,7 @@ const FilterList& filters() {
       "filter",
       {box_filter(), gaussian_filter(), directional_filter(), greedy_selection_filter(),
        nl_means_filter(), cross_bilateral_filter(), multistage_filter(), wavelet_shrinkage_filter(),
-       oracle_scale_filter()}};
+       oracle_scale_filter(), twin_guides_filter()}};
   return list;
 }
 

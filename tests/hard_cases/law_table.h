@@ -38,6 +38,8 @@ inline constexpr std::array kFilterExceptions = {
                  "the literal text has a contrast beside squared radiance and no exposure"},
     LawException{Law::kFactor, "directional paper", "no exposure, as above"},
     LawException{Law::kConstant, "directional paper", "contrast is relative to the mean"},
+    LawException{Law::kConstant, "twin_guides", "compares logarithms"},
+    LawException{Law::kChannels, "twin_guides", "clamps and limits by luminance"},
     LawException{Law::kChannels, "directional robust", "decides by luminance, of unequal weights"},
     LawException{Law::kChannels, "directional paper", "decides by luminance"},
     LawException{Law::kPrefixOrder, "nl_means", "compares even samples with odd ones"},

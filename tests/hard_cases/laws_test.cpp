@@ -109,10 +109,12 @@ double distance(const Reconstruction& was, const Moved& moved, const Reconstruct
   return largest;
 }
 
-// Directions are computed and features compared in float, the rest in double.
+// Directions are computed and features compared in float, the rest in double; twin_guides is float
+// throughout, with a fit of ten coefficients.
 double tolerance_of(const NamedFilter& filter, const Moved& moved) {
   const bool in_float = filter.name == "directional" || filter.name == "cross_bilateral";
-  return in_float && moved.tolerance > 0.0 ? 1e3 * moved.tolerance : moved.tolerance;
+  const bool all_in_float = filter.name == "twin_guides";
+  return (all_in_float ? 1e5 : in_float ? 1e3 : 1.0) * moved.tolerance;
 }
 
 NamedFilter drawn_filter(Law law, Law other) {
@@ -193,7 +195,8 @@ TEST(LawsOfFilters, AShiftedPictureGivesTheShiftedImageFarFromTheBorder) {
     for (const auto& [dx, dy] : {std::pair{1, 0}, {0, -1}, {3, 2}}) {
       const Moved moved = if_shifted(world, dx, dy);
       EXPECT_LE(distance(image_of(filter, world), moved, image_of(filter, moved.world), 36),
-                moved.tolerance)
+                // The others add the same numbers in the same order.
+                filter.name == "twin_guides" ? tolerance_of(filter, moved) : moved.tolerance)
           << filter.label() << " by " << dx << "," << dy;
     }
   }

@@ -1,0 +1,73 @@
+#include "lib/filters/twin_guides/clean_features.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lib/core/parallel.h"
+#include "lib/filters/twin_guides/tiles.h"
+#include "lib/kernels/truncated_filter.h"
+#include "lib/pyramid/convolution.h"
+#include "lib/statistics/feature_statistics.h"
+
+namespace spool {
+namespace {
+
+constexpr double kLargestFeature = 4.0;  // albedos and normals beyond are no surface's
+constexpr BlendOptions kCleaning = {1e-3f, 1, 5, 4.0};
+
+Image<float> to_float(const Plane& plane) {
+  Image<float> image(plane.width(), plane.height());
+  for (std::size_t i = 0; i < plane.size(); ++i)
+    image[i] = static_cast<float>(plane[i]);
+  return image;
+}
+
+}  // namespace
+
+Result<CleanFeatures> clean_features(const SamplePool& pool, const CountImage& n,
+                                     GuardCounts& guards) {
+  FeatureImages raw;
+  for (const FeatureLayer& layer : pool.recording().features()) {
+    const double largest = layer.name == "depth" ? kLargestFeatureValue : kLargestFeature;
+    SPOOL_ASSIGN(const FeatureStatistics feature,
+                 feature_statistics(pool, n, layer, guards, largest));
+    for (std::size_t c = 0; c < feature.mean.size(); ++c) {
+      raw.value.push_back(to_float(feature.mean[c]));
+      raw.variance.push_back(convolve(to_float(feature.variance[c]), four_sigma_taps(1.0)));
+    }
+  }
+  if (raw.value.size() > kMostFeatureChannels) {
+    return fail(ErrorCode::kData,
+                "{}: has {} channels of albedo, normal and depth; twin_guides takes {}",
+                pool.recording().name(), raw.value.size(), kMostFeatureChannels);
+  }
+  return clean_features(std::move(raw));
+}
+
+CleanFeatures clean_features(FeatureImages raw) {
+  if (raw.value.empty()) return {};
+  const int width = raw.value[0].width(), height = raw.value[0].height();
+  const auto images = [&] {
+    return std::vector<Image<float>>(raw.value.size(), Image<float>(width, height));
+  };
+  FeatureImages clean{images(), images()};
+  std::vector<const Image<float>*> values, variances;
+  for (std::size_t c = 0; c < raw.value.size(); ++c) {
+    values.push_back(&raw.value[c]);
+    variances.push_back(&raw.variance[c]);
+  }
+  parallel_tiles(width, height, [&](const Rectangle& tile) {
+    const Blend blend = feature_blend(tile, values, variances, raw, kCleaning);
+    for (std::size_t c = 0; c < values.size(); ++c) {
+      for (int y = tile.y0; y < tile.y1; ++y) {
+        std::copy_n(blend.mean[c].row(y - tile.y0).data(), tile.width(),
+                    &clean.value[c](tile.x0, y));
+        std::copy_n(blend.variance[c].row(y - tile.y0).data(), tile.width(),
+                    &clean.variance[c](tile.x0, y));
+      }
+    }
+  });
+  return {std::move(raw.value), std::move(clean)};
+}
+
+}  // namespace spool

@@ -1,0 +1,33 @@
+// Recorded features, and the same cleaned by themselves: each piece's mean becomes a mean over the
+// pieces whose features look alike (feature_blend.h), which takes the noise of lens and motion off
+// and leaves edges.
+//
+// Channels are those of albedo, normal and depth, as many as were recorded; none is allowed. Values
+// are clipped to [-4, 4], depth is divided by its largest mean. A piece without samples has its
+// neighbours' features. Slow twin: tests/reference/twin_guides_reference.h.
+#pragma once
+
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/guards.h"
+#include "lib/filters/twin_guides/feature_blend.h"
+#include "lib/pool/sample_pool.h"
+
+namespace spool {
+
+inline constexpr std::size_t kMostFeatureChannels = 7;
+
+struct CleanFeatures {
+  std::vector<Image<float>> raw;  // [channel][y][x] means over the samples taken
+  FeatureImages clean;            // and variances of the cleaned means
+};
+
+// Errors: those of reading; kData when a recording has more channels than kMostFeatureChannels.
+Result<CleanFeatures> clean_features(const SamplePool& pool, const CountImage& n,
+                                     GuardCounts& guards);
+
+// The same for features at hand; `raw.variance` is blurred already.
+CleanFeatures clean_features(FeatureImages raw);
+
+}  // namespace spool

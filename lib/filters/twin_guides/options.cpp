@@ -1,0 +1,34 @@
+#include "lib/filters/twin_guides/options.h"
+
+#include <cmath>
+
+#include "lib/kernels/scene_luminance.h"
+
+namespace spool {
+
+OptionTable<TwinGuidesOptions> twin_guides_option_table() {
+  using O = TwinGuidesOptions;
+  return {
+      integer_option("radius", &O::radius, 1, 24, "of the window, pixels"),
+      number_option("sigma", &O::sigma, 0.1, 100.0, "of the window's Gaussian, pixels"),
+      number_option("guide_sigma", &O::guide_sigma, 0.1, 4.0,
+                    "blur of the finer guides, pixels; the coarser have twice that"),
+      number_option("slack", &O::slack, 0.0, 100.0, "factor on the noise of the guides"),
+      number_option("tau", &O::tau, 1e-3, 10.0,
+                    "difference of the guides that counts, without noise"),
+      number_option("feature_gain", &O::feature_gain, 0.0, 100.0,
+                    "weight of the distance of features"),
+      number_option("cut", &O::cut, 0.1, 50.0, "distance at which a weight is 0"),
+      number_option("ridge", &O::ridge, 1e-3, 1e3, "on the slopes of the fit"),
+      number_option("limit", &O::limit, 1.0, 1e12,
+                    "of a neighbour's luminance, times the window's"),
+  };
+}
+
+RadianceScale radiance_scale(const PieceStatistics& statistics, GuardCounts& guards) {
+  const double luminance = scene_luminance(statistics, guards);
+  const double unit = std::ldexp(1.0, -std::ilogb(luminance));
+  return {unit, luminance * unit};
+}
+
+}  // namespace spool

@@ -1,0 +1,40 @@
+// Options of the filter twin_guides and what they are measured in.
+//
+// Radiance-scaled constants are multiples of L, the scene's luminance
+// (lib/kernels/scene_luminance.h). docs/twin_guides.md says what each option means.
+#pragma once
+
+#include "lib/core/guards.h"
+#include "lib/core/option_table.h"
+#include "lib/statistics/piece_statistics.h"
+
+namespace spool {
+
+struct TwinGuidesOptions {
+  int radius = 6;             // of the window, pieces
+  double sigma = 4.0;         // of the window's Gaussian, pieces
+  double guide_sigma = 0.5;   // of the finer pyramid level, pieces; the coarser has twice that
+  double slack = 2.0;         // factor on the estimated noise of the guides
+  double tau = 0.10;          // difference of logarithms that tells two pieces apart
+  double feature_gain = 0.1;  // weight of the distance of features
+  double cut = 4.0;           // distance at which a weight is 0
+  double ridge = 0.20;        // on every coefficient of the fit but the constant
+  double limit = 20.0;        // of a piece's luminance, times what its window says
+};
+
+OptionTable<TwinGuidesOptions> twin_guides_option_table();
+
+// What the specification of the filter fixes.
+inline constexpr double kLogFloor = 0.10;    // log(max(x, 0) + kLogFloor L) of a sample
+inline constexpr double kPilotFloor = 0.05;  // log(max(P, 0) + kPilotFloor L) of the pilot
+
+// Everything is computed on radiance * unit, which is near 1 and may be float. The unit is a power
+// of two: it costs no digit, and a recording twice as bright gives the same bits.
+struct RadianceScale {
+  double unit = 1.0;
+  double mean = 1.0;  // L * unit, 1 .. 2
+};
+
+RadianceScale radiance_scale(const PieceStatistics& statistics, GuardCounts& guards);
+
+}  // namespace spool

@@ -1,0 +1,133 @@
+#include "lib/filters/twin_guides/sample_moments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "lib/core/parallel.h"
+#include "lib/kernels/truncated_filter.h"
+#include "lib/pyramid/convolution.h"
+#include "lib/statistics/piece_statistics.h"
+#include "lib/statistics/variance_of_mean.h"
+
+namespace spool {
+namespace {
+
+// In units; squares and products of a few of them stay finite in float.
+constexpr double kLargestValue = 1e12;
+
+using Triple = std::array<double, 3>;
+
+struct Moments {
+  RgbImage mean, m2;
+};
+
+double in_units(double value, const RadianceScale& scale) {
+  return std::clamp(value * scale.unit, -kLargestValue, kLargestValue);
+}
+
+double luminance_of(const Rgb& x) {
+  return luminance(x[0], x[1], x[2]);
+}
+
+// Welford's recurrence over value(sample) of every piece; use(piece, sample) sees them, too.
+template <class Value, class Use>
+Moments moments_of(const SamplePool& pool, const CountImage& n, Value value, Use use) {
+  Moments moments{make_rgb(n.width(), n.height()), make_rgb(n.width(), n.height())};
+  parallel_rows(0, n.height(), [&](int y) {
+    for (int x = 0; x < n.width(); ++x) {
+      const std::size_t piece = n.index(x, y);
+      for (int i = 0; i < n[piece]; ++i) {
+        const Rgb sample = pool.sample(x, y, i);
+        const Triple values = value(piece, sample);
+        for (std::size_t c = 0; c < 3; ++c) {
+          double& mean = moments.mean[c][piece];
+          const double delta = values[c] - mean;
+          mean += delta / (i + 1);
+          moments.m2[c][piece] += delta * (values[c] - mean);
+        }
+        use(piece, i, sample);
+      }
+    }
+  });
+  return moments;
+}
+
+Image<float> to_float(const Plane& plane) {
+  Image<float> image(plane.width(), plane.height());
+  for (std::size_t i = 0; i < plane.size(); ++i)
+    image[i] = static_cast<float>(plane[i]);
+  return image;
+}
+
+class Filling {
+ public:
+  Filling(const CountImage& n, int pieces_per_side) : n_(n), pieces_per_side_(pieces_per_side) {}
+  Image<float> filled(Plane plane) const {
+    GuardCounts counted_by_the_caller;
+    return to_float(
+        fill_empty_pieces(std::move(plane), n_, pieces_per_side_, counted_by_the_caller));
+  }
+  // Mean and blurred variance; the moments are used up.
+  void finish(Moments moments, double key, FloatRgb& mean, FloatRgb& variance,
+              GuardCounts& guards) const {
+    for (std::size_t c = 0; c < 3; ++c) {
+      GuardCounts of_channel;
+      Plane v = variance_of_mean(n_, moments.mean[c], moments.m2[c],
+                                 {VarianceMode::kAuto, 2.0, key}, of_channel);
+      if (c == 1) guards += of_channel;
+      moments.m2[c] = {};
+      mean[c] = filled(std::move(moments.mean[c]));
+      variance[c] = convolve(filled(std::move(v)), four_sigma_taps(1.0));
+    }
+  }
+
+ private:
+  const CountImage& n_;
+  int pieces_per_side_;
+};
+
+}  // namespace
+
+SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
+                             const RadianceScale& scale, GuardCounts& guards) {
+  const Filling filling(n, pool.pieces_per_side());
+  SampleMoments result;
+  const int q = pool.pieces_per_side(), width = n.width();
+  std::vector<std::uint64_t> above(static_cast<std::size_t>(n.height()), 0);
+  const auto clamped = [&](std::size_t piece, const Rgb& x) {
+    const int at = static_cast<int>(piece);
+    const double most = limit(at % width / q, at / width / q);
+    const double l = luminance_of(x);
+    const double factor = l > most ? most / l : 1.0;
+    above[static_cast<std::size_t>(at / width)] += l > most ? 1 : 0;  // a row belongs to one thread
+    return Triple{in_units(x[0] * factor, scale), in_units(x[1] * factor, scale),
+                  in_units(x[2] * factor, scale)};
+  };
+  filling.finish(moments_of(pool, n, clamped, [](std::size_t, int, const Rgb&) {}), scale.mean,
+                 result.mean, result.variance, guards);
+  for (const std::uint64_t of_row : above)
+    guards.add(Guard::kClampedSample, of_row);
+
+  const double floor = kLogFloor * scale.mean;
+  const auto log_of =
+      [&](double x) -> double {  // in float: the guides are, and it takes half the time
+    return std::log(static_cast<float>(std::max(in_units(x, scale), 0.0) + floor));
+  };
+  const auto logs = [&](std::size_t, const Rgb& x) {
+    return Triple{log_of(x[0]), log_of(x[1]), log_of(x[2])};
+  };
+  Plane log_luminance(n.width(), n.height());
+  const auto add_luminance = [&](std::size_t piece, int i, const Rgb& x) {
+    log_luminance[piece] += (log_of(luminance_of(x)) - log_luminance[piece]) / (i + 1);
+  };
+  GuardCounts of_logarithms;  // a floor that no radiance meets
+  filling.finish(moments_of(pool, n, logs, add_luminance), 1.0, result.log_mean,
+                 result.log_variance, of_logarithms);
+  result.log_luminance = filling.filled(std::move(log_luminance));
+  return result;
+}
+
+}  // namespace spool

@@ -1,0 +1,31 @@
+// Means and variances of the clamped samples, and of the logarithms of the samples: what the two
+// guides are made of.
+//
+// All in units (RadianceScale), so float holds it. Variances are those of the mean
+// (variance_of_mean.h, mode auto), blurred with a Gaussian of one piece. A piece without samples
+// takes its neighbours' values. Slow twin: tests/reference/twin_guides_reference.h.
+#pragma once
+
+#include <array>
+
+#include "lib/core/guards.h"
+#include "lib/core/image.h"
+#include "lib/filters/twin_guides/options.h"
+#include "lib/pool/sample_pool.h"
+
+namespace spool {
+
+using FloatRgb = std::array<Image<float>, 3>;
+
+struct SampleMoments {
+  FloatRgb mean, variance;          // of the clamped samples
+  FloatRgb log_mean, log_variance;  // of log(max(x, 0) + kLogFloor L), x not clamped
+  Image<float> log_luminance;       // mean of the same of the luminance
+};
+
+// `limit`: luminance [y][x] of pixels, in radiance, that a sample is scaled down to
+// (lib/kernels/sample_clamp.h).
+SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
+                             const RadianceScale& scale, GuardCounts& guards);
+
+}  // namespace spool

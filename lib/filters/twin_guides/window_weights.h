@@ -1,0 +1,44 @@
+// Weights between every two pieces of one another's windows, on one tile.
+//
+//   z(p, q) = |p - q|^2 / (2 sigma^2) + feature_gain max(0, max_c ((F_p - F_q)^2 - V) / (V + 0.01))
+//             + mean over the guides' channels of max(0, (g_p - g_q)^2 - U) / (U + tau^2)
+//   w       = max(0, exp(-z) - exp(-cut)),      V, U: sums of both variances
+//
+// z is symmetric, so half of the offsets are computed. Taking exp(-cut) off lets a neighbour fade
+// out instead of leaving with a jump, which rounding could decide. w is 0 where p or q is outside
+// the image. Slow twin: tests/reference/twin_guides_reference.h.
+#pragma once
+
+#include <vector>
+
+#include "lib/filters/twin_guides/feature_blend.h"
+#include "lib/filters/twin_guides/options.h"
+#include "lib/filters/twin_guides/tile_planes.h"
+
+namespace spool {
+
+class WindowWeights {
+ public:
+  // `guides` covers the tile and its windows.
+  WindowWeights(const Rectangle& tile, const TilePlanes& guides, const FeatureImages& features,
+                const Rectangle& image, const TwinGuidesOptions& options);
+
+  // The window, row by row: offsets, and of each the row of weights of the pieces (x .., y) of the
+  // tile with those at the offset.
+  struct Offset {
+    int dx, dy;
+  };
+  const std::vector<Offset>& offsets() const { return offsets_; }
+  int radius() const { return radius_; }
+  const float* row(std::size_t offset, int x, int y) const;
+
+ private:
+  void compute(const Rectangle& tile, const TilePlanes& guides, const TilePlanes& features,
+               std::size_t channels, const Rectangle& image, const TwinGuidesOptions& options);
+
+  int radius_;
+  std::vector<Offset> offsets_;
+  TilePlanes planes_;  // of (0, 0) and the offsets after it, for the tile and what lies before it
+};
+
+}  // namespace spool

@@ -1,0 +1,216 @@
+// Every stage of twin_guides, and the whole of it, against the slow twin.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lib/filters/twin_guides/clean_features.h"
+#include "lib/filters/twin_guides/guides.h"
+#include "lib/filters/twin_guides/twin_guides.h"
+#include "lib/filters/twin_guides/window_weights.h"
+#include "lib/kernels/sample_clamp.h"
+#include "tests/filters/small_pools.h"
+#include "tests/reference/sample_clamp_reference.h"
+#include "tests/reference/test_images.h"
+#include "tests/reference/twin_guides_reference.h"
+#include "tests/support/sizes.h"
+
+namespace spool {
+namespace {
+
+using testing::make_pool;
+using testing::noisy_picture;
+using testing::select_counts;
+
+Image<float> to_float(const Plane& plane) {
+  Image<float> image(plane.width(), plane.height());
+  for (std::size_t i = 0; i < plane.size(); ++i)
+    image[i] = static_cast<float>(plane[i]);
+  return image;
+}
+
+Plane to_double(const Image<float>& image) {
+  Plane plane(image.width(), image.height());
+  for (std::size_t i = 0; i < plane.size(); ++i)
+    plane[i] = image[i];
+  return plane;
+}
+
+reference::Planes to_double(const std::vector<Image<float>>& images) {
+  reference::Planes planes;
+  for (const Image<float>& image : images)
+    planes.push_back(to_double(image));
+  return planes;
+}
+
+// Features with an edge and noise of an unequal, known size.
+FeatureImages noisy_features(int width, int height, std::size_t channels) {
+  FeatureImages features;
+  for (std::size_t c = 0; c < channels; ++c) {
+    Plane value = reference::noise_image(width, height, 10 + c);
+    Plane variance = reference::noise_image(width, height, 20 + c);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        value(x, y) = 0.1 * value(x, y) + (2 * x + y > width ? 0.5 : 0.0);
+        variance(x, y) = 0.02 * variance(x, y) * variance(x, y);
+      }
+    }
+    features.value.push_back(to_float(value));
+    features.variance.push_back(to_float(variance));
+  }
+  return features;
+}
+
+void blend_agrees(int width, int height, std::size_t channels, const BlendOptions& options) {
+  const FeatureImages f = noisy_features(width, height, channels);
+  std::vector<Image<float>> values, variances;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    values.push_back(to_float(reference::noise_image(width, height, 30 + i)));
+    Plane v = reference::noise_image(width, height, 40 + i);
+    for (double& value : v.pixels())
+      value *= value;
+    variances.push_back(to_float(v));
+  }
+  const auto twin = reference::blend(to_double(values), to_double(variances), to_double(f.value),
+                                     to_double(f.variance), static_cast<double>(options.tau),
+                                     options.patch, options.radius, options.sigma);
+  // Two tiles, so that one of them has a neighbour.
+  const int half = width / 2;
+  for (const Rectangle& tile : {Rectangle{0, 0, half, height}, Rectangle{half, 0, width, height}}) {
+    if (tile.empty()) continue;
+    const Blend blend = feature_blend(
+        tile, std::vector<const Image<float>*>{&values[0], &values[1], &values[2]},
+        std::vector<const Image<float>*>{&variances[0], &variances[1], &variances[2]}, f, options);
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          ASSERT_NEAR(blend.mean[i](x - tile.x0, y), twin.mean[i](x, y), 2e-6);
+          ASSERT_NEAR(blend.variance[i](x - tile.x0, y), twin.variance[i](x, y), 2e-6);
+        }
+      }
+    }
+  }
+}
+
+TEST(TwinGuidesDifferential, MeansUnderTheFeaturesWeights) {
+  for (const auto& [width, height] : test::twin_sizes()) {
+    blend_agrees(width, height, 7, {1e-3f, 1, 5, 4.0});
+    blend_agrees(width, height, 1, {1e-2f, 0, 2, 0.7});
+    blend_agrees(width, height, 0, {1e-2f, 0, 2, 0.7});
+  }
+  blend_agrees(43, 21, 3, {1e-3f, 2, 3, 1.5});
+}
+
+// Pool with noisy features, counts from 1 or 2 to 8, and what both sides make of it.
+struct Compared {
+  SamplePool pool;
+  CountImage n;
+  Plane limit;
+  RadianceScale scale;
+};
+
+Compared compared(const SamplePool& pool, int least) {
+  const Selection selection =
+      select_counts(pool, [=](int x, int y) { return least + (3 * x + y) % (9 - least); });
+  GuardCounts guards;
+  const RadianceScale scale = radiance_scale(selection.statistics, guards);
+  const CountImage& n = selection.statistics.n;
+  // The twin of the limits wants samples in every pixel.
+  return {pool, n,
+          least > 0 ? reference::sample_limits(pool, n, 16.0, 2.0, 0.005)
+                    : sample_limits(pool, n, scale.mean / scale.unit),
+          scale};
+}
+
+TEST(TwinGuidesDifferential, GuidesAndWeights) {
+  for (const auto& [width, height] : {std::pair{23, 17}, {9, 30}, {3, 2}}) {
+    const Compared in = compared(make_pool(width, height, 8, noisy_picture(width, height, 7)), 2);
+    GuardCounts guards;
+    const TwinGuidesOptions options;
+    const SampleMoments moments = sample_moments(in.pool, in.n, in.limit, in.scale, guards);
+    const FeatureImages f = noisy_features(width, height, 7);
+    const reference::Planes clean = to_double(f.value), clean_variance = to_double(f.variance);
+    const reference::Moments m = reference::moments(in.pool, in.n, in.limit, in.scale);
+    const reference::Guides twin = reference::guides(m, clean, clean_variance, in.scale, options);
+    const Rectangle tile = {width / 3, 0, width, height / 2 + 1};
+    const Rectangle around = {tile.x0 - 6, tile.y0 - 6, tile.x1 + 6, tile.y1 + 6};
+    const TilePlanes guides = guides_around(around, moments, f, in.scale, options);
+    for (std::size_t c = 0; c < kGuideChannels; ++c) {
+      for (int y = around.y0; y < around.y1; ++y) {
+        for (int x = around.x0; x < around.x1; ++x) {
+          const int ix = std::clamp(x, 0, width - 1), iy = std::clamp(y, 0, height - 1);
+          ASSERT_NEAR(*guides.at(2 * c, x, y), twin.value[c](ix, iy), 5e-6) << c;
+          ASSERT_NEAR(*guides.at(2 * c + 1, x, y), twin.variance[c](ix, iy),
+                      1e-5 * (1.0 + twin.variance[c](ix, iy)));
+        }
+      }
+    }
+    const WindowWeights weights(tile, guides, f, {0, 0, width, height}, options);
+    for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
+      const auto [dx, dy] = weights.offsets()[o];
+      for (int y = tile.y0; y < tile.y1; ++y) {
+        for (int x = tile.x0; x < tile.x1; ++x) {
+          const bool inside = x + dx >= 0 && x + dx < width && y + dy >= 0 && y + dy < height;
+          const double expected = inside ? reference::window_weight(twin, clean, clean_variance,
+                                                                    options, x, y, x + dx, y + dy)
+                                         : 0.0;
+          ASSERT_NEAR(weights.row(o, tile.x0, y)[x - tile.x0], expected, 2e-5) << dx << " " << dy;
+        }
+      }
+    }
+  }
+}
+
+void whole_agrees(const SamplePool& pool, int least, const TwinGuidesOptions& options = {}) {
+  const Compared in = compared(pool, least);
+  const Selection selection{prefix_statistics(pool, in.n), {}};
+  const auto result = reconstruct_twin_guides(selection, pool, options, {});
+  ASSERT_TRUE(result.has_value()) << result.error().message;
+  const RgbImage twin = reference::twin_guides(pool, in.n, in.limit, in.scale, options);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < twin[c].size(); ++i) {
+      ASSERT_NEAR(result->image[c][i], twin[c][i], 1e-4 * (0.1 + std::abs(twin[c][i])))
+          << in.n.width() << "x" << in.n.height() << " " << i;
+    }
+  }
+}
+
+TEST(TwinGuidesDifferential, TheWholeFilter) {
+  for (const auto& [width, height] : test::twin_sizes()) {
+    const auto picture = noisy_picture(width, height, 7);
+    whole_agrees(make_pool(width, height, 8, picture), 2);
+  }
+  whole_agrees(make_pool(60, 47, 8, noisy_picture(60, 47, 8)), 2);  // four tiles
+  whole_agrees(make_pool(20, 13, 8, noisy_picture(20, 13, 9)), 0);  // pixels without samples
+  TwinGuidesOptions options;
+  options.radius = 3, options.sigma = 1.5, options.guide_sigma = 1.0, options.slack = 1.0;
+  options.tau = 0.2, options.feature_gain = 0.5, options.cut = 2.0, options.ridge = 0.5;
+  options.limit = 2.0;
+  whole_agrees(make_pool(31, 12, 8, noisy_picture(31, 12, 10)), 2, options);
+}
+
+TEST(TwinGuidesDifferential, TheWholeFilterWithFirefliesAndALamp) {
+  const auto bright = [picture = noisy_picture(30, 20, 3)](int x, int y, int s) {
+    Rgb value = picture(x, y, s);
+    const float factor = x == 12 && y > 3 && y < 8   ? 900.0f
+                         : mix(5, x, y, s) % 97 == 0 ? 80.0f
+                                                     : 1.0f;
+    for (float& v : value)
+      v *= factor;
+    return value;
+  };
+  whole_agrees(make_pool(30, 20, 8, bright), 2);
+  TwinGuidesOptions options;
+  options.slack = 20.0, options.limit = 1.0;  // windows that hold fireflies, and a limit below them
+  whole_agrees(make_pool(30, 20, 8, bright), 2, options);
+}
+
+TEST(TwinGuidesDifferential, TheWholeFilterWithoutFeatures) {
+  RecordedSamples recording = make_pool(19, 14, 8, noisy_picture(19, 14, 4)).recording();
+  recording.set_features({}, {});
+  const auto pool =
+      SamplePool::create(std::make_shared<const RecordedSamples>(std::move(recording)), {});
+  whole_agrees(*pool, 1);
+}
+
+}  // namespace
+}  // namespace spool
