@@ -51,7 +51,7 @@ def test_the_plans_of_all_methods_name_every_method(plans, kind, flag):
     listed = json.loads(subprocess.run([PROGRAM, "list", kind, "--json"], text=True,
                                        capture_output=True, check=True).stdout)
     names = {m["name"] for m in listed} - MADE_ELSEWHERE
-    text = "".join((plans / name).read_text() for name in ("methods.toml", "features.toml"))
+    text = "".join((plans / name).read_text() for name in ("methods.toml", "features.toml", "filters.toml"))
     assert {n for n in names if f'"{n}"' not in text} == set(), f"tools/plans/methods.toml: add this {flag}"
 
 
