@@ -33,6 +33,7 @@ Filter box_filter() {
       {.name = "box",
        .summary = "mean of each pixel's samples, no filter",
        .options = box_option_table(),
+       .memory = {188, 2e6},
        .run = reconstruct_box});
 }
 

@@ -35,6 +35,7 @@ Filter cross_bilateral_filter() {
        .options = cross_bilateral_option_table(),
        .views = {{"risk.s", "smoothed estimate of the risk of scale s"}},
        .needs = [](const auto&) { return Needs{.features = Use::kRequired}; },
+       .memory = {232, 3.8e6},
        .run = reconstruct_cross_bilateral});
 }
 

@@ -39,6 +39,7 @@ Filter gaussian_filter() {
       {.name = "gaussian",
        .summary = "pixel means blurred with a Gaussian",
        .options = gaussian_option_table(),
+       .memory = {188, 2e6},
        .run = reconstruct_gaussian});
 }
 

@@ -104,6 +104,7 @@ Filter greedy_selection_filter() {
                                                 ? Use::kRequired
                                                 : Use::kWhenRecorded};
            },
+       .memory = {284, 2e6},
        .run = reconstruct_greedy_selection});
 }
 

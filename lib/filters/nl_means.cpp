@@ -76,6 +76,7 @@ Filter nl_means_filter() {
        .summary =
            "patches that look alike are averaged, weights from the other half of the samples",
        .options = nl_means_option_table(),
+       .memory = {215, 4.7e6},
        .run = reconstruct_nl_means});
 }
 

@@ -70,6 +70,7 @@ Filter oracle_scale_filter() {
        .summary = "the Gaussian nearest to the reference at each pixel (an oracle)",
        .options = oracle_scale_option_table(),
        .needs = [](const auto&) { return Needs{.reference = true}; },
+       .memory = {220, 2e6},
        .run = reconstruct_oracle_scale});
 }
 

@@ -104,6 +104,7 @@ Filter wavelet_shrinkage_filter() {
        .summary = "wavelet coefficients reduced by an estimate of their error",
        .source = Source::kDescriptions,
        .options = wavelet_shrinkage_option_table(),
+       .memory = {180, 2e6},
        .run = reconstruct_wavelet_shrinkage});
 }
 

@@ -14,6 +14,7 @@
 #include "lib/core/error.h"
 #include "lib/core/option_table.h"
 #include "lib/core/view.h"
+#include "lib/core/working_memory.h"
 
 namespace spool {
 
@@ -46,6 +47,9 @@ struct Ready {
   }
 };
 
+// Of methods of other people, and of those that nobody has measured.
+inline constexpr WorkingMemory kUnmeasuredMemory = {400, 5e6};
+
 template <class Function>
 struct Method {
   std::string name;
@@ -54,7 +58,8 @@ struct Method {
   std::vector<std::string> presets;  // the first is the default; empty: no presets
   std::string argument;              // "FILE.exr": what NAME:... takes where others have a preset
   std::vector<ViewDescription> views;
-  Needs needs;  // with the default options
+  Needs needs;                               // with the default options
+  WorkingMemory memory = kUnmeasuredMemory;  // its own; a filter in its loop takes more
   std::function<std::vector<OptionDescription>(std::string_view preset)> describe;
   // An empty preset is the default. Errors kUsage: an unknown preset or option, a wrong value.
   std::function<Result<Ready<Function>>(std::string_view preset, const OptionValues& set)> make;
@@ -89,6 +94,7 @@ struct MethodParts {
   Presets<Options> presets = {{"", {}}};
   std::vector<ViewDescription> views = {};
   std::function<Needs(const Options&)> needs = nullptr;  // none: nothing but samples
+  WorkingMemory memory = kUnmeasuredMemory;
   typename WithOptions<Function, Options>::Type run = nullptr;
 
   Result<Options> preset(std::string_view wanted) const {
@@ -112,6 +118,7 @@ Method<Function> make_value(MethodParts<Function, Options> parts) {
   method.source = parts.source;
   method.views = parts.views;
   method.needs = parts.needs_of(parts.presets.front().second);
+  method.memory = parts.memory;
   for (const auto& preset : parts.presets) {
     if (!preset.first.empty()) method.presets.push_back(preset.first);
   }

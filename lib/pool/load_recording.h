@@ -10,14 +10,10 @@
 #include <memory>
 
 #include "lib/core/error.h"
+#include "lib/core/working_memory.h"
 #include "lib/pool/recorded_samples.h"
 
 namespace spool {
-
-// Memory that will be wanted for work on a recording, beside its samples and its reference.
-struct WorkingMemory {
-  double per_pixel = 0.0, fixed = 0.0;  // bytes
-};
 
 // Errors: those of format::SpoolReader; kDamage when a block of the radiance is missing, naming its
 // tile and samples; those of RecordedSamples::create. The seconds a sample took come from the

@@ -212,6 +212,7 @@ Sampler adaptive_wavelet_sampler() {
        .summary = "dyadic blocks by the variance and energy of their Haar coefficients",
        .source = Source::kDescriptions,
        .options = adaptive_wavelet_option_table(),
+       .memory = {132, 2e6},
        .run = sample_adaptive_wavelet});
 }
 

@@ -118,6 +118,7 @@ Sampler filtered_halves_sampler() {
        .options = filtered_halves_option_table(),
        .views = {{"error.i", "relative difference of the two filtered halves, round i"}},
        .needs = [](const auto&) { return Needs{.filter_in_loop = true}; },
+       .memory = {128, 2e6},
        .run = sample_filtered_halves});
 }
 

@@ -211,6 +211,7 @@ Sampler mitchell_sampler() {
        .source = Source::kDescriptions,
        .options = mitchell_option_table(),
        .views = {{"ratio", "largest contrast over its threshold, at the end"}},
+       .memory = {172, 2e6},
        .run = sample_mitchell});
 }
 

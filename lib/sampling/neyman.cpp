@@ -69,6 +69,7 @@ Sampler neyman_sampler() {
        .summary = "oracle: by the deviation of everything recorded",
        .options = neyman_option_table(),
        .views = {{"deviation", "deviation of everything recorded"}},
+       .memory = {156, 2e6},
        .run = sample_neyman});
 }
 

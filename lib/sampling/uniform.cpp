@@ -81,6 +81,7 @@ Sampler uniform_sampler() {
       {.name = "uniform",
        .summary = "the same number of samples in every piece",
        .options = uniform_option_table(),
+       .memory = {128, 2e6},
        .run = sample_uniform});
 }
 

@@ -269,6 +269,7 @@ Filter directional_filter() {
              const bool inside = options.filter.granularity == FilterGranularity::kSample;
              return Needs{.film_positions = inside ? Use::kWhenRecorded : Use::kNone};
            },
+       .memory = {370, 2.6e6},
        .run = reconstruct_directional});
 }
 
