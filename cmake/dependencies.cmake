@@ -9,6 +9,7 @@ find_package(fmt 9.1 CONFIG REQUIRED)
 find_package(nlohmann_json 3.11 CONFIG REQUIRED)
 find_package(tomlplusplus 3.3 CONFIG REQUIRED)
 find_package(tl-expected 1.0 CONFIG REQUIRED)
+find_package(Boost 1.74 REQUIRED)  # headers: Boost.Math
 find_package(OpenImageIO 2.4 CONFIG REQUIRED)
 # Debian 12's target lists an OpenCV folder that only libopencv-core-dev would bring.
 get_target_property(spool_oiio_dirs OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -14,11 +13,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-bool has_failed(const Combination& combination) {
-  return std::ranges::any_of(combination.replicates,
-                             [](const ResultRecord& record) { return record.failed(); });
-}
-
 std::string shown(double value) {
   return std::isfinite(value) ? fmt::format("{:.4g}", value) : "n/a";
 }
@@ -27,24 +21,32 @@ ordered_json number(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
 
+// after / before with its interval; the means alone where errors have no logarithm.
+std::string ratio_text(const Change& change) {
+  const Interval ratio = change.difference.ratio();
+  if (!std::isfinite(ratio.mean)) return shown(change.after / change.before);
+  return fmt::format("{} [{}, {}]", shown(ratio.mean), shown(ratio.low), shown(ratio.high));
+}
+
 struct Outcome {
   std::vector<Change> changes;
+
+  long long count(Verdict verdict) const {
+    return std::ranges::count(changes, verdict, &Change::verdict);
+  }
   std::vector<std::string> only_before, only_after, newly_failed;
 };
 
 std::string text_of(const Outcome& outcome, bool all) {
   std::vector<std::vector<std::string>> rows = {
-      {"", "metric", "before", "after", "ratio", "difference (95 %)", "p (Holm)", "verdict"}};
-  std::map<std::string, int> count;
+      {"", "metric", "before", "after", "ratio (95 %)", "p (Holm)", "verdict"}};
   bool biased = false;
   for (const Change& c : outcome.changes) {
-    ++count[c.verdict];
     biased = biased || c.biased;
-    if (!all && c.verdict != "better" && c.verdict != "worse") continue;
-    rows.push_back({c.key, c.metric, shown(c.before), shown(c.after), shown(c.after / c.before),
-                    fmt::format("{} [{}, {}]", shown(c.difference.difference),
-                                shown(c.difference.low), shown(c.difference.high)),
-                    fmt::format("{:.2g}", c.p), c.verdict});
+    if (!all && c.verdict != Verdict::kBetter && c.verdict != Verdict::kWorse) continue;
+    rows.push_back({c.key, c.metric, shown(c.before), shown(c.after), ratio_text(c),
+                    std::isnan(c.p) ? "n/a" : fmt::format("{:.2g}", c.p),
+                    std::string(verdict_name(c.verdict))});
   }
   std::string text = rows.size() > 1 ? format_columns(rows, 2) + "\n" : "";
   const auto list = [&](const char* what, const std::vector<std::string>& keys) {
@@ -56,9 +58,12 @@ std::string text_of(const Outcome& outcome, bool all) {
   list("only after", outcome.only_after);
   const bool paired = std::ranges::any_of(outcome.changes, &Change::paired);
   text += fmt::format(
-      "{} comparisons ({}): {} better, {} worse, {} not told apart, {} identical.\n",
-      outcome.changes.size(), paired ? "paired by replicate and pixel block" : "independent",
-      count["better"], count["worse"], count["same"], count["identical"]);
+      "{} comparisons ({}, on logarithms, all together): {} better, {} worse, {} not told apart, "
+      "{} identical, {} not compared.\n",
+      outcome.changes.size(), paired ? "paired by replicate" : "independent",
+      outcome.count(Verdict::kBetter), outcome.count(Verdict::kWorse),
+      outcome.count(Verdict::kUndecided), outcome.count(Verdict::kIdentical),
+      outcome.count(Verdict::kUnknown));
   if (biased) text += "BIASED: judged by the samples that images were made of.\n";
   return text;
 }
@@ -70,13 +75,13 @@ std::string json_of(const Outcome& outcome) {
                     {"metric", c.metric},
                     {"before", number(c.before)},
                     {"after", number(c.after)},
-                    {"difference", number(c.difference.difference)},
-                    {"low", number(c.difference.low)},
-                    {"high", number(c.difference.high)},
-                    {"p_holm", c.p},
+                    {"ratio", number(c.difference.ratio().mean)},
+                    {"low", number(c.difference.ratio().low)},
+                    {"high", number(c.difference.ratio().high)},
+                    {"p_holm", number(c.p)},
                     {"paired", c.paired},
                     {"biased", c.biased},
-                    {"verdict", c.verdict}});
+                    {"verdict", verdict_name(c.verdict)}});
   }
   const ordered_json root = {{"comparisons", list},
                              {"newly_failed", outcome.newly_failed},
@@ -102,21 +107,23 @@ Result<std::vector<std::string>> chosen_metrics(const CompareOptions& options) {
 
 Result<void> run_compare(const CompareOptions& options, const CommonOptions& common) {
   SPOOL_ASSIGN(const std::vector<std::string> metrics, chosen_metrics(options));
-  SPOOL_ASSIGN(const ResultFolder before, read_result_folder(options.before));
-  SPOOL_ASSIGN(const ResultFolder after, read_result_folder(options.after));
+  const MatchBy match = options.match_name ? MatchBy::kName : MatchBy::kLabel;
+  SPOOL_ASSIGN(const ResultFolder before, read_result_folder(options.before, match));
+  SPOOL_ASSIGN(const ResultFolder after, read_result_folder(options.after, match));
   Outcome outcome;
   for (const auto& [key, combination] : before.combinations) {
     const auto found = after.combinations.find(key);
     if (found == after.combinations.end()) {
-      outcome.only_before.push_back(key);
+      outcome.only_before.push_back(combination.key);
       continue;
     }
-    if (has_failed(found->second) && !has_failed(combination)) outcome.newly_failed.push_back(key);
+    if (found->second.results.failed > 0 && combination.results.failed == 0)
+      outcome.newly_failed.push_back(found->second.key);
     for (const std::string& metric : metrics)
       outcome.changes.push_back(compare_one(before, after, combination, found->second, metric));
   }
   for (const auto& [key, combination] : after.combinations) {
-    if (!before.combinations.contains(key)) outcome.only_after.push_back(key);
+    if (!before.combinations.contains(key)) outcome.only_after.push_back(combination.key);
   }
   if (outcome.changes.empty()) {
     return fail(ErrorCode::kData, "{} and {}: have no result in common", options.before.string(),
@@ -124,7 +131,7 @@ Result<void> run_compare(const CompareOptions& options, const CommonOptions& com
   }
   judge(outcome.changes, options.significance, options.tolerance);
   print(common.json ? json_of(outcome) : text_of(outcome, options.all));
-  const auto worse = std::ranges::count(outcome.changes, "worse", &Change::verdict);
+  const long long worse = outcome.count(Verdict::kWorse);
   if (worse == 0 && outcome.newly_failed.empty() && outcome.only_before.empty()) return {};
   return fail(ErrorCode::kData, "{}: {} worse, {} failed, {} missing against {}",
               options.after.string(), worse, outcome.newly_failed.size(),

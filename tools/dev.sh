@@ -5,7 +5,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 build_packages=(g++ cmake ninja-build pkg-config python3
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libzstd-dev zlib1g-dev
-  libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libexpected-dev libssl-dev liblz4-dev libblosc-dev libgtest-dev libgmock-dev librapidcheck-dev)
+  libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libexpected-dev libboost-dev libssl-dev liblz4-dev libblosc-dev libgtest-dev libgmock-dev librapidcheck-dev)
 test_packages=(blender chromium libatomic1 libllvm19 python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
   python3-zarr python3-zstandard)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
@@ -188,7 +188,7 @@ demo() {
   rm -rf demo-output
   say "evaluating dumps/tiny/chess.spool"
   ./build/release/spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \
-    --filters box,gaussian,directional --spp 4,8,16 --replicates 5 -o demo-output "$@"
+    --filters box,gaussian,directional --spp 4,8,16 -o demo-output "$@"
 }
 
 pool_names() { sed -n 's/^name = "\(.*\)"$/\1/p' dumps/POOLS.toml; }

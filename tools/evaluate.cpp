@@ -49,7 +49,8 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
   plan.experiment.repeats = options.repeats.value_or(1);
   plan.experiment.seed = options.seed.value_or(plan.experiment.seed);
   plan.experiment.holdout = options.holdout;
-  plan.experiment.order = options.recorded_order ? PoolOrder::kRecorded : PoolOrder::kShuffled;
+  plan.experiment.order =
+      options.recorded_order ? ReplicateOrder::kRecorded : ReplicateOrder::kDisjoint;
   plan.experiment.pieces_per_side = options.pieces_per_side.value_or(1);
   plan.experiment.decision_split = options.decision_split;
   plan.pictures = !options.no_pictures;
@@ -98,9 +99,25 @@ Result<Plan> plan_of_file(const EvaluateOptions& options) {
   return plan;
 }
 
+Result<void> compute_statistics(const EvaluateOptions& options, const CommonOptions& common) {
+  for (const auto& folder : options.files) {
+    std::error_code status;
+    if (!std::filesystem::is_regular_file(folder / "plan.toml", status)) {
+      return fail(ErrorCode::kIo,
+                  "{}: no plan.toml in it: give a folder that spool evaluate -o wrote",
+                  folder.string());
+    }
+    SPOOL_ASSIGN(const Plan plan,
+                 read_plan(folder / "plan.toml", {known_samplers(), known_filters()}));
+    SPOOL_TRY(write_statistics(folder, plan, common));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& common) {
+  if (options.statistics_only) return compute_statistics(options, common);
   bool has_plan = false;
   for (const auto& file : options.files)
     has_plan = has_plan || file.extension() == ".toml";

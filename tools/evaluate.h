@@ -2,8 +2,8 @@
 //
 // What to do is a plan file or options; the folder DIR gets results.csv and results.jsonl (one row
 // per cell; `spool list columns`), pictures of replicate 0 of every cell, a sheet of all results
-// per recording and budget, manifest.json, plan.toml, and the finished cells from which a run that
-// was interrupted goes on.
+// per recording and budget, statistics.json, manifest.json, plan.toml, and the finished cells from
+// which a run that was interrupted goes on.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct EvaluateOptions {
   std::string filters;                       // empty: box
   std::string spp;                           // "4,8,16"
   std::string cell_threads;                  // "1,2": a sweep; empty: --threads
-  std::optional<int> replicates;             // 5
+  std::optional<int> replicates;             // 8
   std::optional<int> repeats;                // 1
   MethodOptions methods;
   std::string reference;  // empty: the best there is
@@ -36,6 +36,7 @@ struct EvaluateOptions {
   bool dry_run = false;
   std::string shard;  // "i/N"
   bool merge = false;
+  bool statistics_only = false;  // files: folders of results
   std::vector<std::filesystem::path> merge_from;
   std::filesystem::path output;  // DIR
 };

@@ -316,13 +316,15 @@ void add_evaluate(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
       "evaluate", "every sampler with every filter at every budget: error, time, pictures");
   EvaluateOptions& options = program.evaluate;
-  verb.add_option("FILES", options.files, "recorded dumps; or one PLAN.toml that says everything")
+  verb.add_option("FILES", options.files,
+                  "recorded dumps; one PLAN.toml that says everything; or, with --statistics-only, "
+                  "folders of results")
       ->required();
   verb.add_option("--samplers", options.samplers, "a,b:PRESET,LABEL=c{OPTION=VALUE} (uniform)");
   verb.add_option("--filters", options.filters, "the same of filters (box)");
   verb.add_option("--spp", options.spp, "budgets in samples per pixel: 4,8,16");
   verb.add_option("--replicates", options.replicates,
-                  "repetitions, each with the samples of every pixel in another order (5)")
+                  "repetitions, with samples that no other has as far as they reach (8)")
       ->check(CLI::Range(1, 100000));
   verb.add_option("--repeats", options.repeats,
                   "times each stage is run for the median of its time (1)")
@@ -347,6 +349,8 @@ void add_evaluate(Program& program) {
                   "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
   verb.add_flag("--merge", options.merge,
                 "run nothing: make the results of the cells that are done");
+  verb.add_flag("--statistics-only", options.statistics_only,
+                "run nothing: compute statistics.json of these folders of results anew");
   verb.add_option("--from", options.merge_from,
                   "with --merge: folders whose cells are taken over first; may be given several "
                   "times")
@@ -367,6 +371,7 @@ void add_evaluate(Program& program) {
       "    --filters box,directional --spp 4,8,16 -o results\n"
       "  spool evaluate tools/plans/quick.toml -o results\n"
       "  spool evaluate plan.toml --dry-run\n"
+      "  spool evaluate --statistics-only results\n"
       "  spool evaluate plan.toml --shard 3/16 -o shared/results       (on machine 3 of 16)\n"
       "  spool evaluate plan.toml --merge -o shared/results            (when all are done)");
   verb.callback(
@@ -412,6 +417,10 @@ void add_compare(Program& program) {
   verb.add_option("--significance", options.significance,
                   "chance of a claim where nothing changed, of all comparisons together (0.05)")
       ->check(CLI::Range(0.0, 1.0));
+  verb.add_option("--match", options.match_name,
+                  "label: methods with the same options; name: whatever their options (label)")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, bool>{{"label", false}, {"name", true}}));
   verb.add_option("--tolerance", options.tolerance,
                   "relative changes up to this are let pass: 0.01 (0)")
       ->check(CLI::Range(0.0, 1e6));
@@ -422,7 +431,8 @@ void add_compare(Program& program) {
       "machine. Differences are paired where both drew the same samples.\n"
       "Examples:\n"
       "  spool evaluate plan.toml -o new && spool compare accepted new\n"
-      "  spool compare accepted new --metric relmse,cpu --tolerance 0.02");
+      "  spool compare accepted new --metric relmse,cpu --tolerance 0.02\n"
+      "  spool compare alpha_03 alpha_04 --match name");
   verb.callback(
       [&] { program.chosen = [&] { return run_compare(program.compare, program.common); }; });
 }

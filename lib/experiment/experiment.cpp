@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <numeric>
 #include <tuple>
 #include <unordered_map>
@@ -11,6 +12,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "lib/core/parallel.h"
+#include "lib/core/radical_inverse.h"
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/experiment/peak_memory.h"
@@ -69,6 +71,30 @@ MetricTable mean_table(MetricTable a, const MetricTable& b) {
   a.failed = a.failed || b.failed;
   a.guards += b.guards;
   return a;
+}
+
+PoolOptions pool_options(const ExperimentOptions& options, int replicate, int holdout) {
+  PoolOptions pool{options.pieces_per_side, PoolOrder::kShuffled,
+                   mix(options.seed, static_cast<std::uint64_t>(replicate)), holdout};
+  if (options.order == ReplicateOrder::kRecorded) pool.order = PoolOrder::kRecorded;
+  if (options.order == ReplicateOrder::kDisjoint) {
+    pool.seed = mix(options.seed, std::uint64_t{0});
+    pool.start = radical_inverse(static_cast<unsigned>(replicate));
+  }
+  return pool;
+}
+
+// How many pieces gave how many samples, as of a list of a whole pixel: a half of the recording
+// and a quarter of a pixel have lists that are shorter by as much.
+std::vector<std::pair<int, long long>> counts_of(const std::vector<SampledPart>& parts) {
+  std::map<int, long long> pieces;
+  for (const SampledPart& part : parts) {
+    const int q = part.pool.pieces_per_side();
+    const int scale = static_cast<int>(parts.size()) * q * q;
+    for (const int n : part.sampled.selection.statistics.n.pixels())
+      ++pieces[n * scale];
+  }
+  return {pieces.begin(), pieces.end()};
 }
 
 class Runner {
@@ -157,18 +183,18 @@ class Runner {
   Result<SamplingRun> sample(const Cell& cell, const Result<ReadySampler>& ready,
                              const Share& report) {
     SPOOL_ASSIGN(const auto recording, load(cell.dump));
-    if (options_.order == PoolOrder::kRecorded && cell.replicate > 0) {
+    if (options_.order == ReplicateOrder::kRecorded && cell.replicate > 0) {
       return fail(ErrorCode::kUsage,
-                  "pool.order=recorded gives every replicate the same samples: use shuffled, or "
-                  "one replicate");
+                  "order=recorded gives every replicate the same samples: use disjoint, or one "
+                  "replicate");
     }
     const ReferenceKind kind = options_.reference.value_or(default_reference_kind(*recording));
     const bool holds_out = kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair;
     int holdout = options_.holdout.value_or(0);
     if (!options_.holdout && holds_out) holdout = default_holdout(*recording);
     const std::uint64_t seed = mix(options_.seed, static_cast<std::uint64_t>(cell.replicate));
-    SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, {options_.pieces_per_side,
-                                                                 options_.order, seed, holdout}));
+    SPOOL_ASSIGN(SamplePool pool,
+                 SamplePool::create(recording, pool_options(options_, cell.replicate, holdout)));
     SPOOL_ASSIGN(ReadySampler sampler, ready);
     if (options_.decision_split) sampler = split_decisions(std::move(sampler));
     SamplingContext context;
@@ -264,6 +290,8 @@ class Runner {
     result.width = recording.width();
     result.height = recording.height();
     result.pieces_per_side = run.parts.front().pool.pieces_per_side();
+    result.recorded_spp = recording.spp();
+    result.counts = counts_of(run.parts);
     result.sampling = run.time;
     result.cost_per_sample = recording.cost_per_sample();
     result.log = run.parts.front().sampled.log;
@@ -321,6 +349,18 @@ class Runner {
 };
 
 }  // namespace
+
+std::string_view order_name(ReplicateOrder order) {
+  switch (order) {
+    case ReplicateOrder::kRecorded:
+      return "recorded";
+    case ReplicateOrder::kShuffled:
+      return "shuffled";
+    case ReplicateOrder::kDisjoint:
+      return "disjoint";
+  }
+  return "";
+}
 
 std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
                                        const ExperimentOptions& options,

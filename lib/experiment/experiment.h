@@ -1,9 +1,8 @@
 // Runs cells - one recording, sampler, filter, budget and replicate each - and judges the images.
 //
 // Cells that differ in the filter only share one sampling run, unless the sampler needs the cell's
-// filter in its loop. The replay of replicate r shuffles every pixel's samples by seed mix(seed,
-// r), replicate 0 too, unless `order` is kRecorded. An error in one cell is kept in its result; the
-// others go on. Nothing is written here: finished
+// filter in its loop. An error in one cell is kept in its result; the others go on. Nothing is
+// written here: finished
 // cells and their images are handed to a callback. How methods and recordings are found is handed
 // in, so that evaluation knows no method.
 #pragma once
@@ -13,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -45,9 +45,19 @@ std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
                             const std::vector<double>& spp, int replicates,
                             const std::vector<int>& threads = {0});
 
+// Which samples the replicates of a recording take.
+enum class ReplicateOrder {
+  kRecorded,  // as they were recorded: one replicate only
+  kShuffled,  // every replicate shuffles the samples of each pixel anew: the same ones in part
+  // One shuffled order for all, which replicate r enters at radical_inverse(r) of its length and
+  // goes around: no sample is taken twice as long as the replicates fit in beside each other.
+  kDisjoint
+};
+std::string_view order_name(ReplicateOrder order);
+
 struct ExperimentOptions {
   std::uint64_t seed = 1;  // of replicate r: mix(seed, r), for the pool's order and the method
-  PoolOrder order = PoolOrder::kShuffled;
+  ReplicateOrder order = ReplicateOrder::kDisjoint;
   int pieces_per_side = 1;
   bool decision_split = false;  // no sample decides about its own half (decision_split.h)
   std::optional<ReferenceKind> reference;  // absent: default_reference_kind of each recording
@@ -79,6 +89,9 @@ struct CellResult {
   StageTime writing;                         // images; for the callback to fill in
   std::optional<std::uint64_t> peak_memory;  // bytes of the process while it sampled and filtered
   std::optional<double> cost_per_sample;     // seconds, as recorded
+  int recorded_spp = 0;                      // samples per pixel of the recording
+  // Samples taken (of a list as long as a pixel's) and the number of pieces that gave so many.
+  std::vector<std::pair<int, long long>> counts;
   int threads = 0;
   SamplingLog log;
   GuardCounts guards;                                      // of all stages

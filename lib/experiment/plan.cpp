@@ -38,6 +38,7 @@ class PlanReader {
     SPOOL_TRY(read_value("title", plan.title,
                          [](const std::string& text) -> Result<std::string> { return text; }));
     SPOOL_TRY(read_recordings(plan));
+    SPOOL_TRY(read_energy_band(plan));
     SPOOL_TRY(read_budgets(plan));
     SPOOL_TRY(read_experiment(plan));
     SPOOL_TRY(read_options("pool", sanitise_option_table(), plan.rules));
@@ -65,13 +66,14 @@ class PlanReader {
   }
 
   Result<void> check_keys() const {
-    const std::vector<std::string> known = {"title",      "recordings",    "spp",
-                                            "replicates", "seed",          "order",
-                                            "reference",  "holdout",       "pieces_per_side",
-                                            "samplers",   "filters",       "sampler",
-                                            "filter",     "pool",          "metrics",
-                                            "threads",    "repeats",       "pictures",
-                                            "mask",       "decision_split"};
+    const std::vector<std::string> known = {"title",      "recordings",     "spp",
+                                            "replicates", "seed",           "order",
+                                            "reference",  "holdout",        "pieces_per_side",
+                                            "samplers",   "filters",        "sampler",
+                                            "filter",     "pool",           "metrics",
+                                            "threads",    "repeats",        "pictures",
+                                            "mask",       "decision_split", "dump",
+                                            "energy_band"};
     for (const auto& [key, node] : root_) {
       if (std::ranges::find(known, key.str()) != known.end()) continue;
       return refuse(node, "{}", unknown_name("key", key.str(), known));
@@ -112,14 +114,60 @@ class PlanReader {
 
   Result<void> read_recordings(Plan& plan) const {
     const toml::node* node = root_.get("recordings");
-    if (!node || values_of(*node).empty()) {
+    if (node) {
+      for (const toml::node* value : values_of(*node)) {
+        SPOOL_ASSIGN(const std::string text, text_of(*value));
+        plan.recordings.push_back((folder_ / text).lexically_normal().string());
+      }
+    }
+    SPOOL_TRY(read_dumps(plan));
+    if (plan.recordings.empty()) {
       return fail(ErrorCode::kUsage, "{}: no recordings: write recordings = [\"FILE.spool\"]",
                   name_);
     }
-    for (const toml::node* value : values_of(*node)) {
-      SPOOL_ASSIGN(const std::string text, text_of(*value));
-      plan.recordings.push_back((folder_ / text).lexically_normal().string());
+    return {};
+  }
+
+  Result<void> read_dumps(Plan& plan) const {
+    const toml::node* tables = root_.get("dump");
+    if (!tables) return {};
+    for (const toml::node* node : values_of(*tables)) {
+      const toml::table* table = node->as_table();
+      if (!table) return refuse(*node, "write [[dump]] and below it file = ... and group = ...");
+      std::string file, group;
+      for (const auto& [key, value] : *table) {
+        SPOOL_ASSIGN(const std::string text, text_of(value));
+        if (key.str() == "file") {
+          file = text;
+        } else if (key.str() == "group") {
+          group = text;
+        } else {
+          return refuse(value, "unknown key '{}' of a dump{}", key.str(),
+                        did_you_mean(key.str(), {"file", "group"}));
+        }
+      }
+      if (file.empty()) return refuse(*table, "this dump has no file");
+      plan.groups.resize(plan.recordings.size());
+      plan.recordings.push_back((folder_ / file).lexically_normal().string());
+      plan.groups.push_back(group);
     }
+    return {};
+  }
+
+  Result<void> read_energy_band(Plan& plan) const {
+    const toml::node* node = root_.get("energy_band");
+    if (!node) return {};
+    const std::vector<const toml::node*> values = values_of(*node);
+    if (values.size() != 2) return refuse(*node, "energy_band is two ratios: [0.98, 1.02]");
+    std::vector<double> ends;
+    for (const toml::node* value : values) {
+      SPOOL_ASSIGN(const std::string text, text_of(*value));
+      const auto end = parse_number("energy_band", text, 0.0, 1e6);
+      if (!end) return refuse(*value, "{}", end.error().message);
+      ends.push_back(*end);
+    }
+    if (!(ends[0] < ends[1])) return refuse(*node, "energy_band: the lower ratio comes first");
+    plan.energy_band = {ends[0], ends[1]};
     return {};
   }
 
@@ -164,10 +212,12 @@ class PlanReader {
                          }));
     SPOOL_TRY(read_value("reference", plan.experiment.reference, parse_reference_kind));
     return read_value(
-        "order", plan.experiment.order, [](const std::string& text) -> Result<PoolOrder> {
-          if (text == "shuffled") return PoolOrder::kShuffled;
-          if (text == "recorded") return PoolOrder::kRecorded;
-          return fail(ErrorCode::kUsage, "order is shuffled or recorded, not '{}'", text);
+        "order", plan.experiment.order, [](const std::string& text) -> Result<ReplicateOrder> {
+          for (const ReplicateOrder order :
+               {ReplicateOrder::kDisjoint, ReplicateOrder::kShuffled, ReplicateOrder::kRecorded}) {
+            if (text == order_name(order)) return order;
+          }
+          return fail(ErrorCode::kUsage, "order is disjoint, shuffled or recorded, not '{}'", text);
         });
   }
 

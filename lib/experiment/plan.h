@@ -3,9 +3,9 @@
 //   title = "attenuation"
 //   recordings = ["chess.spool", "../blinds.spool"]    # relative to the plan
 //   spp = [2, 4, 8]
-//   replicates = 5
+//   replicates = 8
 //   seed = 1
-//   order = "shuffled"            # or "recorded"
+//   order = "disjoint"            # or "shuffled", "recorded": which samples replicates take
 //   reference = "independent"     # absent: the best there is
 //   holdout = 16                  # samples per pixel, absent: what the reference wants
 //   pieces_per_side = 1
@@ -21,6 +21,10 @@
 //   label = "ours"                # its name in every table and file; of a sweep "ours{alpha=0.3}"
 //   [[filter]]
 //   name = "box"
+//   energy_band = [0.98, 1.02]    # ranks among methods that keep the energy so far; absent: all
+//   [[dump]]                      # a recording, where several are of one scene
+//   file = "chess_2.spool"
+//   group = "chess"               # their replicates are counted together
 //   [[mask]]                      # a part of the image whose energy is looked at
 //   name = "bulbs"
 //   file = "bulbs.exr"            # pixels above 0.5; relative to the plan
@@ -34,8 +38,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lib/core/error.h"
@@ -47,19 +53,32 @@ namespace spool {
 
 struct Plan {
   std::string title;
-  std::vector<std::string> recordings;          // paths, joined with the plan's folder
+  std::vector<std::string> recordings;  // paths, joined with the plan's folder
+  std::vector<std::string> groups;      // [recording] of one scene; empty, or "": one of its own
   std::vector<MethodChoice> samplers, filters;  // sweeps written out
   std::vector<double> spp;
-  int replicates = 5;
+  int replicates = 8;
   std::vector<int> threads = {0};
   bool pictures = true;
   ExperimentOptions experiment;  // masks: names and paths only, until somebody reads the files
   SanitiseRules rules;
+  // Energy ratio, lowest and highest, of the methods that are ranked.
+  std::optional<std::pair<double, double>> energy_band;
 
+  std::string group_of(std::size_t recording) const {
+    return recording < groups.size() ? groups[recording] : std::string();
+  }
   std::vector<Cell> cells() const {
     return all_cells(recordings, samplers, filters, spp, replicates, threads);
   }
 };
+
+// The recordings of one scene: those of a group, or one alone.
+struct PlanScene {
+  std::string group;  // empty: one recording alone
+  std::vector<std::string> recordings;
+};
+std::vector<PlanScene> scenes_of(const Plan& plan);  // in the order of their first recordings
 
 // The methods that a plan may name.
 struct PlanVocabulary {

@@ -1,4 +1,5 @@
 // Names of a plan's cells, and which machine does them.
+#include <algorithm>
 #include <map>
 
 #include "lib/core/random.h"
@@ -49,6 +50,20 @@ Result<void> check_recording_names(const Plan& plan) {
                 place->second, recording);
   }
   return {};
+}
+
+std::vector<PlanScene> scenes_of(const Plan& plan) {
+  std::vector<PlanScene> scenes;
+  for (std::size_t i = 0; i < plan.recordings.size(); ++i) {
+    const std::string group = plan.group_of(i);
+    const auto found = std::ranges::find(scenes, group, &PlanScene::group);
+    if (group.empty() || found == scenes.end()) {
+      scenes.push_back({group, {plan.recordings[i]}});
+    } else {
+      found->recordings.push_back(plan.recordings[i]);
+    }
+  }
+  return scenes;
 }
 
 std::string cell_id(const Cell& cell, const Plan& plan) {

@@ -29,6 +29,20 @@ toml::array method_tables(const std::vector<MethodChoice>& methods) {
   return tables;
 }
 
+std::string absolute_path(const std::string& path) {
+  return std::filesystem::absolute(path).lexically_normal().string();
+}
+
+toml::array dump_tables(const Plan& plan) {
+  toml::array tables;
+  for (std::size_t i = 0; i < plan.recordings.size(); ++i) {
+    toml::table table{{"file", absolute_path(plan.recordings[i])}};
+    if (!plan.group_of(i).empty()) table.insert("group", plan.group_of(i));
+    tables.push_back(table);
+  }
+  return tables;
+}
+
 template <class Value>
 toml::array list_of(const std::vector<Value>& values) {
   toml::array list;
@@ -41,28 +55,34 @@ toml::array list_of(const std::vector<Value>& values) {
 
 std::string plan_text(const Plan& plan) {
   const ExperimentOptions& e = plan.experiment;
-  std::vector<std::string> recordings;
-  for (const std::string& recording : plan.recordings)
-    recordings.push_back(std::filesystem::absolute(recording).lexically_normal().string());
   toml::table root{{"title", plan.title},
-                   {"recordings", list_of(recordings)},
                    {"spp", list_of(plan.spp)},
                    {"replicates", plan.replicates},
                    {"threads", list_of(plan.threads)},
                    {"repeats", e.repeats},
                    {"pictures", plan.pictures},
                    {"seed", static_cast<std::int64_t>(e.seed)},
-                   {"order", e.order == PoolOrder::kShuffled ? "shuffled" : "recorded"},
+                   {"order", std::string(order_name(e.order))},
                    {"pieces_per_side", e.pieces_per_side},
                    {"decision_split", e.decision_split},
                    {"sampler", method_tables(plan.samplers)},
                    {"filter", method_tables(plan.filters)},
                    {"pool", options_table(sanitise_option_table(), plan.rules)},
                    {"metrics", options_table(metric_option_table(), e.metrics)}};
+  if (plan.groups.empty()) {
+    std::vector<std::string> recordings;
+    for (const std::string& recording : plan.recordings)
+      recordings.push_back(absolute_path(recording));
+    root.insert("recordings", list_of(recordings));
+  } else {
+    root.insert("dump", dump_tables(plan));
+  }
+  if (plan.energy_band) {
+    root.insert("energy_band", toml::array{plan.energy_band->first, plan.energy_band->second});
+  }
   toml::array masks;
   for (const EnergyMask& mask : e.masks) {
-    toml::table table{{"name", mask.name},
-                      {"file", std::filesystem::absolute(mask.path).lexically_normal().string()}};
+    toml::table table{{"name", mask.name}, {"file", absolute_path(mask.path)}};
     if (!mask.recording.empty()) table.insert("recording", mask.recording);
     masks.push_back(table);
   }

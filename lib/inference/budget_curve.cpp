@@ -2,116 +2,119 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
-#include <utility>
 
 #include "lib/core/check.h"
+#include "lib/inference/student.h"
 
 namespace spool {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kStepsPerBudget = 64;  // of the search for the ends of an interval
 
-double mean_of_finite(std::span<const double> values) {
-  double sum = 0.0;
-  int n = 0;
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    sum += value;
-    ++n;
-  }
-  return n > 0 ? sum / n : kNaN;
+double log_or_nan(double value) {
+  return value > 0.0 && std::isfinite(value) ? std::log(value) : kNaN;
 }
 
-// 2.5 and 97.5 % of the values that are numbers; infinite ones count as the ends they are.
-std::pair<double, double> percentile_interval(std::vector<double> values) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.size() < 40) return {kNaN, kNaN};
-  std::ranges::sort(values);
-  const auto at = [&](double share) {
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-  };
-  return {at(0.025), at(0.975)};
+// Error less target, both logarithms, at a place between the budgets: one value per replicate.
+Series gap_at(const BudgetCurve& curve, const Series& target, std::size_t left, double share) {
+  const Series& a = curve.series[left];
+  const Series& b = curve.series[left + 1];
+  Series gap{{}, std::max({a.shared, b.shared, target.shared})};
+  for (std::size_t r = 0; r < target.values.size(); ++r) {
+    const double from = log_or_nan(a.values[r]), to = log_or_nan(b.values[r]);
+    gap.values.push_back((1.0 - share) * from + share * to - log_or_nan(target.values[r]));
+  }
+  return gap;
 }
 
-// -inf: reached at the first budget already; +inf: not reached at the last.
-double crossing(std::span<const double> spp, std::span<const double> errors, double target) {
-  if (!std::isfinite(target)) return kNaN;
-  double last_spp = kNaN, last_error = kNaN;
-  for (std::size_t i = 0; i < spp.size(); ++i) {
-    if (!std::isfinite(errors[i])) continue;
-    if (errors[i] <= target) {
-      if (std::isnan(last_spp)) return -std::numeric_limits<double>::infinity();
-      // An error that is not positive has no logarithm: the step is taken whole.
-      if (!(errors[i] > 0.0)) return spp[i];
-      const double share = std::log(last_error / target) / std::log(last_error / errors[i]);
-      return last_spp * std::pow(spp[i] / last_spp, share);
-    }
-    last_spp = spp[i];
-    last_error = errors[i];
-  }
-  return std::isnan(last_spp) ? kNaN : std::numeric_limits<double>::infinity();
-}
-
-struct ResampledCurve {
-  std::vector<std::vector<double>> means;  // [budget][resample]
-  std::size_t resamples = 0;
-
-  explicit ResampledCurve(const BudgetCurve& curve, std::uint64_t seed) {
-    for (const MethodSeries& series : curve.series) {
-      means.push_back(stretched_means(resampled_mean(series, seed)));
-      resamples =
-          means.size() == 1 ? means.back().size() : std::min(resamples, means.back().size());
-    }
-  }
-  std::vector<double> at(std::size_t resample) const {
-    std::vector<double> errors;
-    for (const std::vector<double>& budget : means)
-      errors.push_back(budget[resample]);
-    return errors;
-  }
+// Budgets from the smallest to the largest at which the gap is looked at, each with its gap.
+struct Place {
+  double spp;
+  Interval gap;
 };
+std::vector<Place> places_of(const BudgetCurve& curve, const Series& target) {
+  std::vector<Place> places;
+  for (std::size_t left = 0; left + 1 < curve.spp.size(); ++left) {
+    const double from = std::log(curve.spp[left]), to = std::log(curve.spp[left + 1]);
+    const bool last = left + 2 == curve.spp.size();
+    for (int step = 0; step < kStepsPerBudget + (last ? 1 : 0); ++step) {
+      const double share = static_cast<double>(step) / kStepsPerBudget;
+      const double spp = step == kStepsPerBudget ? curve.spp.back()
+                         : step == 0             ? curve.spp[left]
+                                                 : std::exp(from + share * (to - from));
+      places.push_back({spp, mean_interval(gap_at(curve, target, left, share))});
+    }
+  }
+  return places;
+}
 
-std::vector<double> means_of(const BudgetCurve& curve) {
-  std::vector<double> errors;
-  for (const MethodSeries& series : curve.series)
-    errors.push_back(mean_of_finite(series.values));
-  return errors;
+// Where a line through two places reaches zero; straight over log spp.
+double crossing(const Place& above, const Place& below, double from, double to) {
+  const double share = from / (from - to);
+  return above.spp * std::pow(below.spp / above.spp, share);
 }
 
 }  // namespace
 
-ErrorSlope error_slope(const BudgetCurve& curve, std::uint64_t seed) {
-  SPOOL_CHECK_EQ(curve.spp.size(), curve.series.size());
-  ErrorSlope slope{fit_error_over_budget(curve.spp, means_of(curve)), kNaN, kNaN};
-  const ResampledCurve resampled(curve, seed);
-  std::vector<double> slopes;
-  for (std::size_t s = 0; s < resampled.resamples; ++s)
-    slopes.push_back(fit_error_over_budget(curve.spp, resampled.at(s)).slope);
-  std::tie(slope.low, slope.high) = percentile_interval(std::move(slopes));
-  return slope;
+double log_slope(std::span<const double> budget, std::span<const double> error) {
+  SPOOL_CHECK_EQ(budget.size(), error.size());
+  double n = 0.0, mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0;
+  for (std::size_t i = 0; i < budget.size(); ++i) {
+    const double x = log_or_nan(budget[i]), y = log_or_nan(error[i]);
+    if (std::isnan(x) || std::isnan(y)) continue;
+    n += 1.0;
+    const double dx = x - mx;
+    mx += dx / n;
+    my += (y - my) / n;
+    xx += dx * (x - mx);
+    xy += dx * (y - my);
+  }
+  return xx > 0.0 ? xy / xx : kNaN;
 }
 
-SamplesNeeded samples_needed(const BudgetCurve& curve, const MethodSeries& target,
-                             std::uint64_t seed) {
+Interval error_slope(const BudgetCurve& curve) {
   SPOOL_CHECK_EQ(curve.spp.size(), curve.series.size());
-  const double found = crossing(curve.spp, means_of(curve), mean_of_finite(target.values));
-  if (std::isnan(found)) return {kNaN, kNaN, kNaN, false, false};
-  SamplesNeeded needed{kNaN, kNaN, kNaN, found < 0.0, found > 0.0 && std::isinf(found)};
-  const auto in_range = [&](double spp) {
-    return std::clamp(spp, curve.spp.front(), curve.spp.back());
-  };
-  needed.spp = in_range(found);
-  const ResampledCurve resampled(curve, seed);
-  const std::vector<double> targets = stretched_means(resampled_mean(target, seed));
-  std::vector<double> crossings;
-  for (std::size_t s = 0; s < std::min(resampled.resamples, targets.size()); ++s)
-    crossings.push_back(crossing(curve.spp, resampled.at(s), targets[s]));
-  const auto [low, high] = percentile_interval(std::move(crossings));
-  if (!std::isnan(low)) {
-    needed.low = in_range(low);
-    needed.high = in_range(high);
+  Series slopes;
+  for (const Series& series : curve.series)
+    slopes.shared = std::max(slopes.shared, series.shared);
+  const std::size_t replicates = curve.series.empty() ? 0 : curve.series.front().values.size();
+  for (std::size_t r = 0; r < replicates; ++r) {
+    std::vector<double> errors;
+    for (const Series& series : curve.series)
+      errors.push_back(series.values[r]);
+    slopes.values.push_back(log_slope(curve.spp, errors));
   }
+  return mean_interval(slopes);
+}
+
+SamplesNeeded samples_needed(const BudgetCurve& curve, const Series& target) {
+  SPOOL_CHECK_EQ(curve.spp.size(), curve.series.size());
+  SamplesNeeded needed;
+  if (curve.spp.size() < 2) return needed;
+  const std::vector<Place> places = places_of(curve, target);
+  if (!std::isfinite(places.front().gap.mean)) return needed;
+  const auto reached = std::ranges::find_if(places, [](const Place& p) { return p.gap.mean <= 0; });
+  needed.at_most = reached == places.begin();
+  needed.more_than = reached == places.end();
+  if (needed.at_most || needed.more_than) {
+    needed.spp = needed.at_most ? curve.spp.front() : curve.spp.back();
+  } else {
+    const Place& above = *std::prev(reached);
+    needed.spp = crossing(above, *reached, above.gap.mean, reached->gap.mean);
+  }
+  if (!std::isfinite(places.front().gap.low)) return needed;
+  // The first place that may be it, and the first after which none may.
+  const auto first = std::ranges::find_if(places, [](const Place& p) { return p.gap.low <= 0; });
+  const auto last = std::ranges::find_if(places, [](const Place& p) { return p.gap.high < 0; });
+  const auto end = [&](auto found, double Interval::* side) {
+    if (found == places.begin()) return curve.spp.front();
+    if (found == places.end()) return curve.spp.back();
+    const Place& above = *std::prev(found);
+    return crossing(above, *found, above.gap.*side, (*found).gap.*side);
+  };
+  needed.low = end(first, &Interval::low);
+  needed.high = end(last, &Interval::high);
   return needed;
 }
 

@@ -1,36 +1,40 @@
 // The error of one method over budgets: its slope, and how many samples it needs for a given error.
 //
-// Intervals are 95 % percentiles of the bootstrap of comparison.h: every resample draws replicates
-// and pixel blocks, the same ones at all budgets and for all methods [EfronTibshirani93, 13].
+// Both work on logarithms, and on replicates: replicate r of all budgets and methods belongs
+// together. Intervals are 95 %, Student's over the replicates (intervals.h).
 #pragma once
 
-#include <cstdint>
+#include <limits>
+#include <span>
 #include <vector>
 
-#include "lib/inference/comparison.h"
+#include "lib/inference/intervals.h"
 
 namespace spool {
 
 struct BudgetCurve {
-  std::vector<double> spp;           // ascending
-  std::vector<MethodSeries> series;  // [budget]
+  std::vector<double> spp;     // ascending
+  std::vector<Series> series;  // [budget]; the same replicates
 };
 
-struct ErrorSlope {
-  BudgetFit fit;  // of the means
-  double low = 0, high = 0;
-};
-ErrorSlope error_slope(const BudgetCurve& curve, std::uint64_t seed = 1);
+// Mean over replicates of the slope of log error over log budget by least squares; unfiltered
+// estimates have slope -1 until adaptive bias or the noise of the reference shows. Values that are
+// not positive are left out; a replicate with fewer than two left has no slope.
+Interval error_slope(const BudgetCurve& curve);
+
+// Slope of log(error) over log(budget) by least squares; NaN with fewer than two positive points.
+double log_slope(std::span<const double> budget, std::span<const double> error);
 
 // Where the curve, straight between its points on logarithmic axes, first reaches the mean of
-// `target`. Outside the measured budgets nothing is extrapolated: the end is given, with a mark.
+// `target`; `low` to `high` are the budgets at which the two are not told apart. Outside the
+// measured budgets nothing is extrapolated: the end is given, with a mark.
 struct SamplesNeeded {
-  double spp = 0;  // NaN where nothing is known
-  double low = 0, high = 0;
+  double spp = std::numeric_limits<double>::quiet_NaN();  // where nothing is known
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();
   bool at_most = false;    // reached at the smallest budget already
   bool more_than = false;  // not reached at the largest
 };
-SamplesNeeded samples_needed(const BudgetCurve& curve, const MethodSeries& target,
-                             std::uint64_t seed = 1);
+SamplesNeeded samples_needed(const BudgetCurve& curve, const Series& target);
 
 }  // namespace spool

@@ -1,57 +1,59 @@
-// Which of several methods is better, and whether that can be said: paired differences over pixels
-// and replicates, ranks with ties, and how fast errors fall with the budget.
+// Whether one method's error is lower than another's, and what may be said of it.
 //
-// Methods are compared on the same recording, budget and replicates, so what they share cancels.
-// The standard error of a difference comes from a bootstrap over replicates and 16x16 pixel blocks
-// at once (method_series.h), with the same draws for every method.
+// What lower is better in is compared by its logarithm where all values are positive, so a
+// difference is the logarithm of a ratio; else as it is. Ratios that should be 1 are compared by
+// |log|. Student's test of the differences of the same replicates, which had the same samples; of
+// folders that had not, Welch's [Welch47]. Correlation of replicates widens it as it widens means
+// (intervals.h).
 #pragma once
 
-#include <cstdint>
+#include <limits>
 #include <span>
-#include <string>
+#include <string_view>
 #include <vector>
 
-#include "lib/inference/method_series.h"
+#include "lib/inference/intervals.h"
 #include "lib/metrics/error_metrics.h"
 
 namespace spool {
 
-struct PairedComparison {
-  double difference = 0;      // mean of a - b
-  double standard_error = 0;  // NaN when it is not known
-  double low = 0, high = 0;   // 95 %, by Student's distribution
-  double p = 1;               // two-sided, of no difference
-};
-// Both series must have the same replicates. Pairs with a value that is not finite are left out.
-PairedComparison compare_paired(const MethodSeries& a, const MethodSeries& b,
-                                std::uint64_t seed = 1);
+struct Comparison {
+  int n = 0;                                                     // pairs of finite values
+  double difference = std::numeric_limits<double>::quiet_NaN();  // below 0: the first is better
+  double low = std::numeric_limits<double>::quiet_NaN();         // 95 %
+  double high = std::numeric_limits<double>::quiet_NaN();
+  double p = std::numeric_limits<double>::quiet_NaN();  // two-sided; NaN: cannot be compared
+  bool logarithmic = false;  // the exponential of difference, low and high is the ratio
+  bool identical = false;    // in every replicate
 
-// Family-wise p-values by Holm's step-down rule [Holm79], in the order given.
+  double standard_error = std::numeric_limits<double>::quiet_NaN();  // of difference
+  double freedom = 0;
+
+  bool known() const { return p == p; }
+  // first / second where logarithmic, else nothing.
+  Interval ratio() const;
+};
+
+// Series of the same replicates, in order. Not known with fewer than two pairs, or where one of
+// the two repeats one image while the other varies.
+Comparison compare_paired(const Series& a, const Series& b, Better better);
+// Series that have nothing in common.
+Comparison compare_independent(const Series& a, const Series& b, Better better);
+
+enum class Verdict {
+  kUnknown,    // not compared
+  kIdentical,  // the same values in all replicates
+  kUndecided,  // not told apart
+  kBetter,
+  kWorse
+};
+std::string_view verdict_name(Verdict verdict);
+
+// Of the first against the second; `p` adjusted for all comparisons that are made together.
+Verdict verdict_of(const Comparison& comparison, double p, double significance = 0.05);
+
+// Family-wise p-values by Holm's step-down rule [Holm79], in the order given. NaN stays NaN and is
+// no member of the family.
 std::vector<double> holm_adjusted(std::span<const double> p);
-
-struct RankedMethod {
-  std::size_t method = 0;  // index into the series
-  double mean = 0;
-  int rank = 1;               // 1 + the number of methods that are significantly better
-  double p_against_best = 1;  // Holm-adjusted
-};
-// Best mean first. Methods that no other beats significantly share rank 1, and so on: equal ranks
-// are ties. `better` says which way is better; kOne ranks by the distance from 1.
-std::vector<RankedMethod> rank_methods(std::span<const MethodSeries> methods, Better better,
-                                       double significance = 0.05, std::uint64_t seed = 1);
-
-// The same from the comparisons with the best mean alone: rank 1 for all that are not told apart
-// from it, 2 for the rest. For many methods, where all pairs are too many.
-std::vector<RankedMethod> rank_against_best(std::span<const MethodSeries> methods, Better better,
-                                            double significance = 0.05, std::uint64_t seed = 1);
-
-// log error = intercept + slope log budget by least squares; unfiltered estimates have slope -1
-// until adaptive bias or the noise of the reference shows. Points that are not positive are left
-// out; NaN with fewer than two left, and no standard error with fewer than three.
-struct BudgetFit {
-  int points = 0;
-  double slope = 0, intercept = 0, slope_standard_error = 0;
-};
-BudgetFit fit_error_over_budget(std::span<const double> budget, std::span<const double> error);
 
 }  // namespace spool

@@ -1,33 +1,70 @@
-// Mean, standard error and 95 % confidence interval of a few replicates, and of paired differences.
+// Mean and 95 % interval of one quantity over replicates, about another recording of the scene.
+//
+// A quantity whose values are all positive is averaged on its logarithm: the mean is the geometric
+// one, the interval is Student's of the logarithms, it stays above zero, and quotients of means are
+// means of quotients. Others (a debiased error at or below zero, decibels) are averaged as they
+// are.
+//
+// Replicates that share samples vary less among each other than recordings do. With m values of
+// variance s^2 and correlation c between any two, the mean has the variance
+//   s^2 / m (1 + (m - 1) c) / (1 - c),
+// as E s^2 is only 1 - c of the whole variance; c is `shared` (shared_samples.h). With c = 0 this
+// is the usual s^2 / m. The interval for c = 0 whatever was shared speaks of one recording whose
+// samples are put into other orders, and of nothing else.
 #pragma once
 
 #include <limits>
 #include <span>
+#include <vector>
 
 namespace spool {
+
+enum class Range {
+  kReal,
+  kPositive,  // an error, a time: never below zero
+  kShare,     // of a whole: 0 .. 1
+};
+
+struct Series {
+  std::vector<double> values;  // [replicate]; NaN: no result
+  double shared = 0;           // correlation of two replicates, 0 .. 1
+
+  // Several values, all the same: replicates of one image, which do not say how exact it is.
+  bool alike() const;
+  int known() const;  // finite values
+};
 
 struct Interval {
   int n = 0;  // finite values
   double mean = std::numeric_limits<double>::quiet_NaN();
-  double standard_error = std::numeric_limits<double>::quiet_NaN();  // NaN when n < 2
-  double low = std::numeric_limits<double>::quiet_NaN();
+  double low = std::numeric_limits<double>::quiet_NaN();  // 95 %; NaN when n < 2
   double high = std::numeric_limits<double>::quiet_NaN();
+  bool logarithmic = false;  // the mean is geometric
+  // Of the mean, of its logarithm where logarithmic; and the degrees of freedom it is known with.
+  double standard_error = std::numeric_limits<double>::quiet_NaN();
+  double freedom = 0;
 };
 
-// Over the finite values, at `level`: Student's t-interval with the skewness of the values taken
-// into account by Hall's cubic transformation [Hall92]; errors of renderings are skewed to the
-// right, and mean -+ t * standard_error then ends too low. Of two or three values, whose skewness
-// says nothing, Student's own. It is not symmetric: `high` lies further from a mean of values
-// skewed to the right.
-Interval mean_interval(std::span<const double> values, double level = 0.95);
-// Of a[i] - b[i], over the pairs that are both finite. Sizes must agree.
-Interval paired_difference(std::span<const double> a, std::span<const double> b,
-                           double level = 0.95);
+// Of the finite values. Ends are cut to `range`, which loses nothing that may be true.
+Interval mean_interval(const Series& series, Range range = Range::kReal, double level = 0.95);
 
-// Quantile of Student's distribution: P(T <= result) = probability, 0 < probability < 1,
-// freedom >= 1. Relative error below 1e-10.
-double student_quantile(double probability, double freedom);
-// P(T <= t).
-double student_cdf(double t, double freedom);
+// Of one value known with a standard error of its own (from blocks of pixels), normally
+// distributed.
+Interval single_interval(double value, double standard_error, Range range = Range::kReal);
+
+// Mean of the means: of logarithms where all of them are (a geometric mean of quantities measured
+// independently), else NaN where they mix. The quantities are taken as given, not as drawn
+// [Satterthwaite46].
+Interval mean_of_intervals(std::span<const Interval> intervals);
+
+// Mean, standard error of the mean and its degrees of freedom, of finite values as they are.
+struct MeanError {
+  int n = 0;
+  double mean = std::numeric_limits<double>::quiet_NaN();
+  double standard_error = std::numeric_limits<double>::quiet_NaN();
+};
+MeanError mean_error(std::span<const double> values, double shared);
+
+bool all_positive(std::span<const double> values);  // and one at least is finite
 
 }  // namespace spool

@@ -19,6 +19,7 @@ Result<SamplePool> SamplePool::create(std::shared_ptr<const RecordedSamples> rec
                                       const PoolOptions& options) {
   SPOOL_CHECK(recording != nullptr);
   SPOOL_CHECK_GE(options.holdout, 0);
+  SPOOL_CHECK(options.start >= 0.0 && options.start < 1.0);
   const int q = options.pieces_per_side;
   if (q != 1 && q != 2) {
     return fail(ErrorCode::kUsage, "pieces per pixel side: {} is not 1 or 2", q);
@@ -112,6 +113,11 @@ long long SamplePool::total_capacity() const {
 int SamplePool::recorded_index(int x, int y, int i) const {
   const std::size_t p = static_cast<std::size_t>(y) * width() + x;
   int j = stride_ * i + offset_;
+  if (options_.start > 0.0) {
+    const int all = whole_size(x, y);
+    j += static_cast<int>(options_.start * all);
+    if (j >= all) j -= all;
+  }
   if (options_.order == PoolOrder::kShuffled) {
     j = static_cast<int>(permute_index(static_cast<std::uint32_t>(j),
                                        static_cast<std::uint32_t>(whole_size(x, y)),

@@ -24,6 +24,8 @@ struct PoolOptions {
   PoolOrder order = PoolOrder::kRecorded;  // kShuffled: every pixel by its own permutation
   std::uint64_t seed = 0;                  // of the permutations; one per replicate
   int holdout = 0;                         // samples per pixel kept for the reference, at the end
+  // Where each list begins, as a share of it; what lies before comes after its end. 0 <= start < 1.
+  double start = 0;
 };
 
 // `value` scaled down to luminance `limit` where it exceeds it, all channels alike.

@@ -72,7 +72,7 @@ TEST(Plan, SaysEverything) {
   EXPECT_EQ(plan->spp, (std::vector<double>{2, 4.5}));
   EXPECT_EQ(plan->replicates, 3);
   EXPECT_EQ(plan->experiment.seed, 9u);
-  EXPECT_EQ(plan->experiment.order, PoolOrder::kRecorded);
+  EXPECT_EQ(plan->experiment.order, ReplicateOrder::kRecorded);
   EXPECT_EQ(plan->experiment.reference, ReferenceKind::kHoldout);
   EXPECT_EQ(plan->experiment.holdout, 12);
   EXPECT_EQ(plan->experiment.pieces_per_side, 2);
@@ -134,7 +134,7 @@ TEST(Plan, LabelsNameTheirMethodsAndSweepsStayApart) {
 
 TEST(Plan, ALabelIsPartOfACellAndNoLabelChangesNone) {
   Plan plan = *parse(kLabelled);
-  Cell cell = plan.cells()[5];
+  Cell cell = plan.cells()[static_cast<std::size_t>(plan.replicates)];
   ASSERT_EQ(cell.sampler.label(), "ours");
   const std::string labelled = cell_id(cell, plan);
   cell.sampler.own_label = "theirs";
@@ -167,6 +167,39 @@ TEST(Plan, LabelsThatNameNothingOrTwoThingsAreRefused) {
   EXPECT_NE(twice.find("sampler ours is there twice"), std::string::npos) << twice;
 }
 
+TEST(Plan, RecordingsOfOneSceneAreGrouped) {
+  const char* const text = R"(
+recordings = "alone.spool"
+spp = 4
+samplers = "uniform"
+filters = "box"
+energy_band = [0.98, 1.02]
+[[dump]]
+file = "a.spool"
+group = "chess"
+[[dump]]
+file = "apart.spool"
+[[dump]]
+file = "b.spool"
+group = "chess"
+)";
+  const auto plan = parse(text);
+  ASSERT_TRUE(plan.has_value()) << plan.error().message;
+  EXPECT_EQ(plan->experiment.order, ReplicateOrder::kDisjoint);
+  EXPECT_EQ(plan->replicates, 8);
+  EXPECT_EQ(plan->energy_band, (std::pair{0.98, 1.02}));
+  const std::vector<PlanScene> scenes = scenes_of(*plan);
+  ASSERT_EQ(scenes.size(), 3u);
+  EXPECT_EQ(scenes[1].group, "chess");
+  ASSERT_EQ(scenes[1].recordings.size(), 2u);
+  EXPECT_TRUE(scenes[1].recordings[1].ends_with("b.spool"));
+  EXPECT_TRUE(scenes[2].recordings[0].ends_with("apart.spool"));
+  const auto again = parse(plan_text(*plan).c_str());
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(again->groups, plan->groups);
+  EXPECT_EQ(again->energy_band, plan->energy_band);
+}
+
 TEST(Plan, MistakesAreNamedWithTheirLine) {
   const std::string good =
       "recordings = 'a.spool'\nspp = 4\nsamplers = 'uniform'\nfilters = 'box'\n";
@@ -176,7 +209,11 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
       {"replicates = 0", "plan.toml:5: option replicates: 0 is outside"},
       {"replicates = 2.5", "plan.toml:5: option replicates: '2.5' is not a whole number"},
       {"reference = 'holdut'", "plan.toml:5: unknown reference 'holdut', did you mean 'holdout'?"},
-      {"order = 'random'", "plan.toml:5: order is shuffled or recorded"},
+      {"energy_band = [1.02, 0.98]", "plan.toml:5: energy_band: the lower ratio comes first"},
+      {"energy_band = 0.9", "plan.toml:5: energy_band is two ratios"},
+      {"[[dump]]\ngroup = 'g'", "plan.toml:5: this dump has no file"},
+      {"[[dump]]\nfle = 'b.spool'", "plan.toml:6: unknown key 'fle' of a dump"},
+      {"order = 'random'", "plan.toml:5: order is disjoint, shuffled or recorded"},
       {"[[sampler]]\nname = 'multiscal'",
        "plan.toml:5: unknown sampler 'multiscal', did you mean 'multiscale'?"},
       {"[[sampler]]\nname = 'multiscale'\nalhpa = 0.5",

@@ -12,6 +12,7 @@
 #include "lib/experiment/reference.h"
 #include "lib/filters/filters.h"
 #include "lib/inference/intervals.h"
+#include "lib/inference/student.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/statistics/variance_of_mean.h"
 #include "tests/hard_cases/hard_case.h"
@@ -63,7 +64,7 @@ SamplePool pool_from(const Distribution& d, std::uint64_t seed, int width, int h
 
 // Student's t of the hypothesis that the mean of the values is `expected`.
 double t_of(const std::vector<double>& values, double expected) {
-  const Interval interval = mean_interval(values);
+  const Interval interval = mean_interval({values});
   return (interval.mean - expected) / interval.standard_error;
 }
 
@@ -255,7 +256,7 @@ TEST(AdaptiveBias, IsWhatTheFormulaSays) {
       residual.push_back(bias.back() + kShare * (s - p_chosen) * (first.mean[0][p] - d.mean));
     }
     EXPECT_LT(std::abs(t_of(residual, 0.0)), bound) << d.name;
-    const Interval found = mean_interval(bias);
+    const Interval found = mean_interval({bias});
     // The figure is known to its last printed digit.
     const double rounding = 0.01 * d.mean * (k == 2 ? 0.5 : 0.05);
     EXPECT_NEAR(found.mean, 0.01 * expected_percent[k] * d.mean,

@@ -85,6 +85,22 @@ TEST(SamplePool, ShufflingKeepsEverySampleAndDiffersBetweenPixelsAndSeeds) {
   EXPECT_EQ(orders.size(), 32u);
 }
 
+TEST(SamplePool, BeginsAnywhereOnTheRingOfItsOrder) {
+  PoolOptions options;
+  options.order = PoolOrder::kShuffled;
+  options.seed = 3;
+  const auto recording = memory_recording(4, 3, 10, labelled);
+  const SamplePool whole = pool_of(recording, options);
+  options.start = 0.75;  // 7.5 of 10 samples: from the seventh
+  options.holdout = 4;
+  const SamplePool turned = pool_of(recording, options);
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(turned.recorded_index(2, 1, i), whole.recorded_index(2, 1, (7 + i) % 10));
+  EXPECT_EQ(turned.capacity(2, 1), 6);
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(turned.half(1).recorded_index(2, 1, i), whole.recorded_index(2, 1, (8 + 2 * i) % 10));
+}
+
 TEST(SamplePool, HoldoutIsNeverOffered) {
   PoolOptions options;
   options.order = PoolOrder::kShuffled;

@@ -30,14 +30,18 @@ def test_mse_in_recorded_order_is_that_of_numpy(good, dump, tmp_path):
 def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
     result = good("evaluate", dump, "--filters", "box,gaussian", "--spp", 4, "-o", "out", "--json").json
     by_filter = {entry["filter"]: entry for entry in result}
-    assert by_filter["box"]["mse_to_uniform_box"] == 1.0
-    ratio = by_filter["gaussian"]["mse"]["mean"] / by_filter["box"]["mse"]["mean"]
-    assert np.isclose(by_filter["gaussian"]["mse_to_uniform_box"], ratio)
-    rows = [float(r["mse"]) for r in rows_of(tmp_path / "out") if r["filter"] == "box"]
-    assert np.isclose(by_filter["box"]["mse"]["mean"], np.mean(rows))
-    assert np.isclose(by_filter["box"]["mse"]["standard_error"], np.std(rows, ddof=1) / 5**0.5)
+    mean, low, high = by_filter["box"]["quantities"]["mse"]
+    ratio = by_filter["gaussian"]["ranks"]["mse"]["ratio"]
+    assert np.isclose(ratio[0], by_filter["gaussian"]["quantities"]["mse"][0] / mean)
+    logs = np.log([float(r["mse"]) for r in rows_of(tmp_path / "out") if r["filter"] == "box"])
+    assert len(logs) == 8 and np.isclose(np.log(mean), np.mean(logs))
+    # 16 samples hold four replicates of 4: as exact as four independent ones, of which another share is a quarter.
+    shared = by_filter["box"]["shared"]
+    assert np.isclose(shared, 1 / 7)
+    error = np.std(logs, ddof=1) / 8**0.5 * ((1 + 7 * shared) / (1 - shared))**0.5
+    assert np.isclose(np.log(high / mean), 2.364624 * error) and np.isclose(np.log(mean / low), 2.364624 * error)
     text = good("evaluate", dump, "--spp", 4, "-o", "text").out
-    assert "+-" in text and "1.000" in text and "results.csv" in text
+    assert f"{mean:.4g} [" in text and "results.csv" in text and "share up to 14 %" in text
 
 
 def test_pictures_stand_beside_the_numbers(good, dump, tmp_path):

@@ -1,13 +1,13 @@
 #include "tools/batch/cell_store.h"
 
-#include <cstring>
 #include <fstream>
 #include <iterator>
+#include <sstream>
+#include <utility>
 
 #include "formats/bounded_json.h"
 #include "lib/experiment/result_table.h"
 #include "lib/image_io/atomic_file.h"
-#include "tools/batch/base64.h"
 
 namespace spool::tools {
 namespace {
@@ -15,17 +15,25 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-std::string encode(const std::vector<float>& values) {
-  std::string bytes(values.size() * sizeof(float), '\0');
-  std::memcpy(bytes.data(), values.data(), bytes.size());
-  return to_base64(bytes);
+// "2:4000 5:96": samples taken, and the number of pieces that gave so many.
+std::string counts_text(const std::vector<std::pair<int, long long>>& counts) {
+  std::string text;
+  for (const auto& [samples, pieces] : counts)
+    text += fmt::format("{}{}:{}", text.empty() ? "" : " ", samples, pieces);
+  return text;
 }
 
-std::vector<float> decode(const std::string& text) {
-  const std::string bytes = from_base64(text);
-  std::vector<float> values(bytes.size() / sizeof(float));
-  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
-  return values;
+// What is no such text counts as not known.
+std::vector<std::pair<int, long long>> counts_of(const std::string& text) {
+  std::vector<std::pair<int, long long>> counts;
+  std::istringstream words(text);
+  int samples = 0;
+  long long pieces = 0;
+  char colon = 0;
+  while (words >> samples >> colon >> pieces)
+    counts.emplace_back(samples, pieces);
+  if (!words.eof()) counts.clear();
+  return counts;
 }
 
 ordered_json to_json(const ResultRecord& record) {
@@ -36,10 +44,7 @@ ordered_json to_json(const ResultRecord& record) {
       json["fields"][column.name] = record.fields[i];
     }
   }
-  for (std::size_t m = 0; m < record.deviations.size(); ++m) {
-    if (record.deviations[m].empty()) continue;
-    json["deviations"][compared_metrics()[m]] = encode(record.deviations[m]);
-  }
+  if (!record.counts.empty()) json["counts"] = counts_text(record.counts);
   return json;
 }
 
@@ -104,14 +109,8 @@ Result<ResultRecord> CellStore::read(const std::string& id, const Cell& cell) co
     }
     record.fields.push_back(std::move(field));
   }
-  record.deviations.resize(compared_metrics().size());
-  if (const auto kept = json.find("deviations"); kept != json.end() && kept->is_object()) {
-    for (std::size_t m = 0; m < compared_metrics().size(); ++m) {
-      const auto found = kept->find(compared_metrics()[m]);
-      if (found != kept->end() && found->is_string()) {
-        record.deviations[m] = decode(found->get<std::string>());
-      }
-    }
+  if (const auto kept = json.find("counts"); kept != json.end() && kept->is_string()) {
+    record.counts = counts_of(kept->get<std::string>());
   }
   return record;
 }

@@ -101,7 +101,6 @@ class PlanRun {
   // What is there becomes results.csv, results.jsonl, sheets and the printed summary.
   Result<void> collect() {
     SPOOL_ASSIGN(ResultsWriter writer, ResultsWriter::create(request_.folder));
-    EvaluationSummary summary;
     std::vector<PicturedResult> pictured;
     std::size_t missing = 0;
     for (std::size_t i = 0; i < named_.cells.size(); ++i) {
@@ -112,25 +111,17 @@ class PlanRun {
         continue;
       }
       writer.add(record->fields);
-      summary.add(cell, *record);
       judge(cell, *record);
       if (is_pictured(cell)) {
         pictured.push_back({cell, record->number("mse")});
       }
     }
     SPOOL_TRY(writer.finish());
-    SPOOL_TRY(write_text_file(request_.folder / "statistics.json",
-                              statistics_json(request_.plan,
-                                              [&](const Cell& cell) {
-                                                return store_.read(cell_id(cell, request_.plan),
-                                                                   cell);
-                                              }),
-                              true));
+    SPOOL_TRY(write_statistics(request_.folder, request_.plan, common_));
     std::string sheets = "none";
     if (request_.plan.pictures) {
       SPOOL_ASSIGN(sheets, pictures_.write_sheets(pictured));
     }
-    print(common_.json ? summary.json() : summary.text());
     if (!common_.json && !common_.quiet) {
       print(fmt::format("\nnumbers: {}\n", (request_.folder / "results.csv").string()));
       if (request_.plan.pictures) print(fmt::format("pictures: {}\n", sheets));
@@ -255,6 +246,19 @@ class PlanRun {
 };
 
 }  // namespace
+
+Result<void> write_statistics(const fs::path& folder, const Plan& plan,
+                              const CommonOptions& common) {
+  const CellStore store(folder);
+  const nlohmann::ordered_json statistics =
+      statistics_of(plan, [&](const Cell& cell) { return store.read(cell_id(cell, plan), cell); });
+  if (statistics["results"].empty()) {
+    return fail(ErrorCode::kData, "{}: no finished results in it", folder.string());
+  }
+  SPOOL_TRY(write_text_file(folder / "statistics.json", statistics_text(statistics), true));
+  print(common.json ? summary_json(statistics) : summary_text(statistics));
+  return {};
+}
 
 Result<Shard> parse_shard(const std::string& text) {
   const std::size_t slash = text.find('/');

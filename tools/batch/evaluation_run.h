@@ -30,6 +30,10 @@ struct RunRequest {
   std::vector<std::filesystem::path> merge_from;  // folders whose cells and images are copied first
 };
 
+// Computes DIR/statistics.json of the finished cells anew, and prints the table.
+Result<void> write_statistics(const std::filesystem::path& folder, const Plan& plan,
+                              const CommonOptions& common);
+
 // kData when cells are missing (merge), failed, or gave pixels that are no numbers.
 Result<void> run_plan(const RunRequest& request, const CommonOptions& common);
 

@@ -1,209 +1,216 @@
 #include "tools/batch/evaluation_summary.h"
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
+#include <set>
+#include <tuple>
+#include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "lib/experiment/baseline.h"
-#include "lib/experiment/reference.h"
-#include "lib/inference/intervals.h"
 #include "tools/console.h"
 #include "tools/methods/external_methods.h"
 
 namespace spool::tools {
 namespace {
 
+using nlohmann::ordered_json;
+
 constexpr std::size_t kLongestTable = 200;  // lines; beyond, the best of each condition
 constexpr std::size_t kBestShown = 5;
 
-double mean_of(const std::vector<double>& values) {
-  return mean_interval(values).mean;
+using Place = std::tuple<std::string, double, int>;                  // scene, spp, threads
+using Name = std::tuple<Place, std::string, std::string>;            // sampler, filter
+using Ranked = std::map<std::string, std::map<Name, ordered_json>>;  // by metric
+
+Place place_of(const ordered_json& entry) {
+  return {entry["dump"], entry["spp"], entry["threads"]};
 }
 
-double ratio(const std::vector<double>& values, const std::vector<double>& baseline) {
-  return mean_of(values) / mean_of(baseline);
+Name name_of(const Place& place, const ordered_json& entry) {
+  return {place, entry["sampler"], entry["filter"]};
 }
 
-bool is_made_elsewhere(const MethodChoice& filter) {
-  const Filter* method = find_method(known_filters(), filter.name);
-  return method != nullptr && !method->needs.samples;
+// "0.0123 [0.011, 0.014]"
+std::string value_text(const ordered_json& interval, const char* format = "{:.4g}") {
+  if (interval.empty()) return "n/a";
+  std::string text = fmt::format(fmt::runtime(format), interval[0].get<double>());
+  if (interval.size() < 3) return text;
+  return text +
+         fmt::format(" [{:.3g}, {:.3g}]", interval[1].get<double>(), interval[2].get<double>());
 }
 
-// Replicates of one image (made elsewhere, or of samples in recorded order) do not say how exact
-// their mean is. Errors of one image differ by the samples held out to judge it.
-bool replicates_are_alike(const std::vector<double>& errors, const Cell& cell) {
-  return errors.size() > 1 &&
-         (is_made_elsewhere(cell.filter) ||
-          std::ranges::all_of(errors, [&](double error) { return error == errors[0]; }));
+bool is_described_sampler(const ordered_json& result) {
+  return is_by_description(known_samplers(), result["sampler_name"].get<std::string>());
 }
 
-std::string with_error(const std::vector<double>& values, bool alike) {
-  const Interval interval = mean_interval(values);
-  if (!std::isfinite(interval.mean)) return "n/a";
-  if (!std::isfinite(interval.standard_error)) return fmt::format("{:.4g}", interval.mean);
-  if (alike) return fmt::format("{:.4g} (alike)", interval.mean);
-  return fmt::format("{:.4g} +- {:.2g}", interval.mean, interval.standard_error);
+bool is_described_filter(const ordered_json& result) {
+  return is_by_description(known_filters(), result["filter_name"].get<std::string>());
 }
 
-std::string factor(double value) {
-  return std::isfinite(value) ? fmt::format("{:.3f}", value) : "-";
+ordered_json quantity(const ordered_json& result, const char* name) {
+  const auto found = result.find("quantities");
+  return found != result.end() && found->contains(name) ? found->at(name) : ordered_json::array();
 }
 
-nlohmann::ordered_json json_of(const std::vector<double>& values, bool alike = false) {
-  const Interval interval = mean_interval(values);
-  if (alike) {
-    return {
-        {"mean", interval.mean}, {"standard_error", nullptr}, {"low", nullptr}, {"high", nullptr}};
+double mean_or(const ordered_json& interval, double other) {
+  return interval.empty() ? other : interval[0].get<double>();
+}
+
+class Summary {
+ public:
+  explicit Summary(const ordered_json& statistics) {
+    for (const ordered_json& condition : statistics["conditions"]) {
+      const Place place = place_of(condition);
+      const std::string metric = condition["metric"];
+      if (metric == "relmse") abouts_.emplace_back(condition["about"]["text"]);
+      biased_ = biased_ || condition["biased"].get<bool>();
+      std::size_t rank = 0;
+      for (const ordered_json& entry : condition["ranking"]) {
+        ordered_json& kept = ranked_[metric][name_of(place, entry)] = entry;
+        kept["place"] = rank++;
+      }
+    }
+    for (const ordered_json& result : statistics["results"]) {
+      if (result["replicates"] > 0) results_.push_back(&result);
+      if (result["threads"] != 0) threads_ = true;
+    }
+    std::map<Place, std::size_t> places;
+    for (const ordered_json* result : results_)
+      places.try_emplace(place_of(*result), places.size());
+    std::ranges::stable_sort(results_, {}, [&](const ordered_json* result) {
+      return std::pair(places.at(place_of(*result)), rank_of(*result));
+    });
   }
-  return {{"mean", interval.mean},
-          {"standard_error", interval.standard_error},
-          {"low", interval.low},
-          {"high", interval.high}};
+
+  bool empty() const { return results_.empty(); }
+  bool has_threads() const { return threads_; }
+  bool biased() const { return biased_; }
+  const std::vector<const ordered_json*>& results() const { return results_; }
+  std::set<std::string> abouts() const { return {abouts_.begin(), abouts_.end()}; }
+
+  // As the ranking of the metric has it; an empty object where it has not.
+  ordered_json ranked(const ordered_json& result, const char* metric) const {
+    const auto of_metric = ranked_.find(metric);
+    if (of_metric == ranked_.end()) return ordered_json::object();
+    const auto found = of_metric->second.find(name_of(place_of(result), result));
+    return found == of_metric->second.end() ? ordered_json::object() : found->second;
+  }
+
+ private:
+  std::size_t rank_of(const ordered_json& result) const {
+    return ranked(result, "relmse").value("place", std::size_t{1} << 40);
+  }
+
+  Ranked ranked_;
+  std::vector<std::string> abouts_;
+  std::vector<const ordered_json*> results_;
+  bool threads_ = false, biased_ = false;
+};
+
+std::string ratio_text(const ordered_json& ranked) {
+  const auto ratio = ranked.find("ratio");
+  if (ratio == ranked.end() || ratio->empty()) return "-";
+  return fmt::format("{:.3f}", (*ratio)[0].get<double>());
 }
 
-bool is_biased_text(const std::string& reference) {
-  return reference.ends_with("(biased)");
+// "ab, better": letters, and the verdict against uniform + box.
+std::string verdict_text(const ordered_json& ranked) {
+  std::string text = ranked.value("letters", std::string());
+  if (text.empty()) text = "-";
+  const std::string against = ranked.value("against_baseline", std::string());
+  return against.empty() ? text : text + " " + against;
+}
+
+std::string energy_text(const ordered_json& result, const ordered_json& ranked) {
+  const ordered_json energy = quantity(result, "energy_ratio");
+  if (energy.empty()) return "n/a";
+  const std::string text = fmt::format("{:.3f}", energy[0].get<double>());
+  return ranked.contains("loses_energy") ? text + " (loses)" : text;
+}
+
+std::vector<const ordered_json*> best_of_each(const std::vector<const ordered_json*>& results) {
+  std::map<Place, std::size_t> taken;
+  std::vector<const ordered_json*> best;
+  for (const ordered_json* result : results) {
+    if (++taken[place_of(*result)] <= kBestShown && best.size() < kLongestTable)
+      best.push_back(result);
+  }
+  return best;
 }
 
 }  // namespace
 
-std::string EvaluationSummary::condition_key(const Cell& cell) {
-  return fmt::format("{}\n{}\n{}", cell.dump, cell.spp, cell.threads);
-}
-
-void EvaluationSummary::add(const Cell& cell, const ResultRecord& record) {
-  const std::string& reference = record.text("reference");
-  if (reference.empty()) return;
-  const std::string condition = condition_key(cell);
-  const std::string key =
-      fmt::format("{}\n{}\n{}", condition, cell.sampler.label(), cell.filter.label());
-  const auto [place, fresh] = index_.try_emplace(key, groups_.size());
-  if (fresh) {
-    groups_.push_back({cell, reference, {}, {}, {}, {}, {}, {}});
-    conditions_.try_emplace(condition, conditions_.size());
-    if (is_baseline(cell.sampler, cell.filter)) {
-      baselines_.try_emplace(condition, place->second);
+std::string summary_text(const ordered_json& statistics) {
+  const Summary summary(statistics);
+  if (summary.empty()) return "no results\n";
+  const bool shortened = summary.results().size() > kLongestTable;
+  const auto shown = shortened ? best_of_each(summary.results()) : summary.results();
+  std::vector<std::vector<std::string>> rows = {
+      {"dump", "sampler", "filter", "spp", "spent", "relMSE", "x uniform+box", "verdict", "MSE",
+       "x uniform+box", "energy", "sampling", "filtering"}};
+  if (summary.has_threads()) rows.front().emplace_back("threads");
+  bool described = false, one_image = false;
+  for (const ordered_json* result : shown) {
+    const std::string sampler = (*result)["sampler"], filter = (*result)["filter"];
+    const bool of_sampler = is_described_sampler(*result);
+    const bool of_filter = is_described_filter(*result);
+    described = described || of_sampler || of_filter;
+    one_image = one_image || (*result)["one_image"].get<bool>();
+    const ordered_json relmse = summary.ranked(*result, "relmse");
+    const double seconds[] = {mean_or(quantity(*result, "seconds_sampling"), 0.0),
+                              mean_or(quantity(*result, "seconds_filtering"), 0.0)};
+    rows.push_back({std::filesystem::path((*result)["dump"].get<std::string>()).stem().string(),
+                    sampler + (of_sampler ? kByDescriptionMark : ""),
+                    filter + (of_filter ? kByDescriptionMark : ""),
+                    fmt::format("{:g}", (*result)["spp"].get<double>()),
+                    fmt::format("{:.4g}", mean_or(quantity(*result, "samples_per_pixel"), 0.0)),
+                    value_text(quantity(*result, "relmse")), ratio_text(relmse),
+                    verdict_text(relmse), value_text(quantity(*result, "mse")),
+                    ratio_text(summary.ranked(*result, "mse")), energy_text(*result, relmse),
+                    format_seconds(seconds[0]), format_seconds(seconds[1])});
+    if (summary.has_threads()) {
+      rows.back().push_back(std::to_string((*result)["threads"].get<int>()));
     }
-  }
-  Group& group = groups_[place->second];
-  group.mse.push_back(record.number("mse"));
-  group.relmse.push_back(record.number("relmse"));
-  group.energy.push_back(record.number("energy_ratio"));
-  group.sampling.push_back(record.number("seconds_sampling"));
-  group.filtering.push_back(record.number("seconds_filtering"));
-  group.spent.push_back(record.number("samples_spent") /
-                        (record.number("width") * record.number("height")));
-}
-
-std::vector<const EvaluationSummary::Group*> EvaluationSummary::sorted() const {
-  std::vector<const Group*> order;
-  order.reserve(groups_.size());
-  for (const Group& group : groups_)
-    order.push_back(&group);
-  std::ranges::stable_sort(
-      order, {}, [&](const Group* group) { return conditions_.at(condition_key(group->cell)); });
-  return order;
-}
-
-const EvaluationSummary::Group* EvaluationSummary::baseline_of(const Group& group) const {
-  const auto found = baselines_.find(condition_key(group.cell));
-  return found == baselines_.end() ? nullptr : &groups_[found->second];
-}
-
-std::string EvaluationSummary::text() const {
-  if (groups_.empty()) return "no results\n";
-  const bool threads = std::ranges::any_of(groups_, [](const Group& g) { return g.cell.threads; });
-  std::vector<const Group*> shown = sorted();
-  const bool shortened = shown.size() > kLongestTable;
-  if (shortened) {
-    std::ranges::stable_sort(shown, {}, [&](const Group* group) {
-      const double error = mean_of(group->relmse);
-      return std::pair(conditions_.at(condition_key(group->cell)),
-                       std::isnan(error) ? std::numeric_limits<double>::infinity() : error);
-    });
-    std::map<std::string, std::size_t> taken;
-    std::erase_if(shown, [&](const Group* group) {
-      return ++taken[condition_key(group->cell)] > kBestShown;
-    });
-    if (shown.size() > kLongestTable) shown.resize(kLongestTable);
-  }
-  std::vector<std::vector<std::string>> rows = {{"dump", "sampler", "filter", "spp", "spent", "MSE",
-                                                 "x uniform+box", "relMSE", "x uniform+box",
-                                                 "energy", "sampling", "filtering"}};
-  if (threads) rows.front().emplace_back("threads");
-  bool biased = false, described = false, repeated = false;
-  for (const Group* group : shown) {
-    const Cell& cell = group->cell;
-    const Group* baseline = baseline_of(*group);
-    biased = biased || is_biased_text(group->reference);
-    const bool alike = replicates_are_alike(group->mse, cell);
-    repeated = repeated || alike;
-    const bool described_sampler = is_by_description(known_samplers(), cell.sampler.name);
-    const bool described_filter = is_by_description(known_filters(), cell.filter.name);
-    described = described || described_sampler || described_filter;
-    rows.push_back(
-        {std::filesystem::path(cell.dump).stem().string(),
-         cell.sampler.label() + (described_sampler ? kByDescriptionMark : ""),
-         cell.filter.label() + (described_filter ? kByDescriptionMark : ""),
-         fmt::format("{:g}", cell.spp), fmt::format("{:.4g}", mean_of(group->spent)),
-         with_error(group->mse, alike), baseline ? factor(ratio(group->mse, baseline->mse)) : "-",
-         with_error(group->relmse, alike),
-         baseline ? factor(ratio(group->relmse, baseline->relmse)) : "-",
-         fmt::format("{:.3f}", mean_of(group->energy)), format_seconds(mean_of(group->sampling)),
-         format_seconds(mean_of(group->filtering))});
-    if (threads) rows.back().push_back(std::to_string(cell.threads));
   }
   std::string text = format_columns(rows, 3);
   if (shortened) {
     text += fmt::format("\nThe {} best by relMSE of each recording and budget, of {} in all.\n",
-                        kBestShown, groups_.size());
+                        kBestShown, summary.results().size());
   }
   if (described) text += fmt::format("\n{}.\n", kByDescription);
-  if (repeated) {
+  if (one_image) {
     text +=
-        "\n(alike): replicates of one image, which do not say how exact this is. An image made "
-        "elsewhere is judged beside methods that got the same samples with --recorded-order "
-        "--replicates 1; results.csv has the standard errors, estimated from blocks of pixels.\n";
+        "\nWhere all replicates are one image, the interval is that of its blocks of pixels and "
+        "nothing is compared. An image made elsewhere is judged beside methods that got the same "
+        "samples with --recorded-order --replicates 1.\n";
   }
-  text += fmt::format("\nMean +- standard error over {} replicates; judged by: {}{}.\n",
-                      groups_.front().mse.size(), groups_.front().reference,
-                      biased ? " (BIASED: see spool evaluate --help)" : "");
+  text +=
+      "\nMean [95 % interval], best relMSE first. Methods that share a letter are not told apart "
+      "(all pairs of a recording and budget together at 5 %); better, worse: than uniform + box.\n";
+  for (const std::string& about : summary.abouts())
+    text += fmt::format("About {}.\n", about);
+  const std::string reference = (*summary.results().front())["reference"];
+  text += fmt::format("Judged by: {}{}.\n", reference,
+                      summary.biased() ? " (BIASED: see spool evaluate --help)" : "");
   return text;
 }
 
-std::string EvaluationSummary::json() const {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Group* group : sorted()) {
-    const Cell& cell = group->cell;
-    const bool alike = replicates_are_alike(group->mse, cell);
-    nlohmann::ordered_json entry = {
-        {"dump", cell.dump},
-        {"sampler", cell.sampler.label()},
-        {"filter", cell.filter.label()},
-        {"sampler_by_description", is_by_description(known_samplers(), cell.sampler.name)},
-        {"filter_by_description", is_by_description(known_filters(), cell.filter.name)},
-        {"spp", cell.spp},
-        {"threads", cell.threads},
-        {"replicates", group->mse.size()},
-        {"reference", group->reference},
-        {"biased", is_biased_text(group->reference)},
-        {"spent_per_pixel", mean_of(group->spent)},
-        {"mse", json_of(group->mse, alike)},
-        {"relmse", json_of(group->relmse, alike)},
-        {"energy_ratio", json_of(group->energy, alike)},
-        {"seconds_sampling", json_of(group->sampling)},
-        {"seconds_filtering", json_of(group->filtering)}};
-    if (const Group* baseline = baseline_of(*group)) {
-      entry["mse_to_uniform_box"] = ratio(group->mse, baseline->mse);
-      entry["relmse_to_uniform_box"] = ratio(group->relmse, baseline->relmse);
+std::string summary_json(const ordered_json& statistics) {
+  const Summary summary(statistics);
+  ordered_json list = ordered_json::array();
+  for (const ordered_json* result : summary.results()) {
+    ordered_json entry = *result;
+    entry["sampler_by_description"] = is_described_sampler(entry);
+    entry["filter_by_description"] = is_described_filter(entry);
+    entry["biased"] = entry["reference"].get<std::string>().ends_with("(biased)");
+    for (const char* metric : {"relmse", "mse"}) {
+      const ordered_json ranked = summary.ranked(*result, metric);
+      for (const char* key : {"letters", "ratio", "against_baseline", "against_best"}) {
+        if (ranked.contains(key)) entry["ranks"][metric][key] = ranked[key];
+      }
     }
-    list.push_back(entry);
+    list.push_back(std::move(entry));
   }
-  return list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return list.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace spool::tools

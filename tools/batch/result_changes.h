@@ -8,41 +8,46 @@
 
 #include "lib/core/error.h"
 #include "lib/experiment/plan.h"
-#include "lib/experiment/result_record.h"
 #include "lib/inference/comparison.h"
+#include "tools/batch/method_results.h"
 
 namespace spool::tools {
 
 // Beside the metrics: processor seconds of sampling and filtering.
 inline constexpr const char* kCpuTime = "cpu";
 
-// One combination of recording, budget, threads, sampler and filter in one folder.
+// What makes two results of two folders the same: the methods' labels, or their names and presets
+// whatever their options.
+enum class MatchBy { kLabel, kName };
+
+// One scene, budget, number of threads, sampler and filter in one folder.
 struct Combination {
-  Cell cell;  // of replicate 0
-  std::vector<ResultRecord> replicates;
+  std::string key;  // as it is printed
+  MethodResults results;
+  std::vector<std::string> files;  // names of the scene's recordings
 };
 
 struct ResultFolder {
   std::filesystem::path path;
   Plan plan;
   std::map<std::string, std::string> sha256;        // by file name of the recording
-  std::map<std::string, Combination> combinations;  // by key
+  std::map<std::string, Combination> combinations;  // by what they are matched by
 };
 
-// kIo when `path` is not what spool evaluate wrote, kData when nothing in it is finished.
-Result<ResultFolder> read_result_folder(const std::filesystem::path& path);
+// kIo when `path` is not what spool evaluate wrote, kData when nothing in it is finished, kUsage
+// when two of its results would be matched by the same name.
+Result<ResultFolder> read_result_folder(const std::filesystem::path& path, MatchBy match);
 
 struct Change {
   std::string key, metric;
-  double before = 0, after = 0;
-  PairedComparison difference;  // after less before
-  double p = 1;                 // adjusted
+  double before = 0, after = 0;  // means
+  Comparison difference;         // after against before
+  double p = 1;                  // adjusted
   bool paired = false, biased = false;
-  std::string verdict;  // identical, same, better, worse
+  Verdict verdict = Verdict::kUndecided;
 };
 
-// One metric of one combination; `verdict` and `p` are those of this comparison alone until
-// judge().
+// One metric of one combination; `verdict` and `p` hold after judge().
 Change compare_one(const ResultFolder& a, const ResultFolder& b, const Combination& before,
                    const Combination& after, const std::string& metric);
 

@@ -106,7 +106,7 @@ ordered_json plan_json(const Plan& plan) {
           {"threads", plan.threads},
           {"repeats", e.repeats},
           {"seed", e.seed},
-          {"order", e.order == PoolOrder::kShuffled ? "shuffled" : "recorded"},
+          {"order", std::string(order_name(e.order))},
           {"reference", e.reference ? std::string(reference_name(*e.reference)) : "best available"},
           {"pieces_per_side", e.pieces_per_side},
           {"decision_split", e.decision_split},

@@ -1,23 +1,26 @@
-// What the results of a plan say about its methods: DIR/statistics.json.
+// What the results of a plan say about its methods: DIR/statistics.json, the one place where
+// means, intervals, ratios, ranks and verdicts come from. Everything that prints them prints these.
 //
-// Per recording, budget and number of threads: ranks with ties and paired differences with 95 %
-// intervals, p-values adjusted by Holm's rule. Per recording and method: the slope of error over
-// budget, and how many samples it needs for the error of uniform with box.
+//   rules       what an interval and a verdict are about, in words
+//   scenes      recordings, those of one scene together
+//   results     per scene, budget, number of threads and method: every quantity, [mean, low, high]
+//   conditions  per scene, budget, threads and metric: methods by mean, with letters, ratio to
+//               uniform + box, verdicts; for mse and relmse all pairs
+//   curves      per scene and method: slope of error over budget; samples that it needs for the
+//               error of uniform + box
+//   overall     per budget, threads and method: geometric means over the scenes
 #pragma once
 
-#include <filesystem>
-#include <functional>
-#include <string>
-#include <vector>
+#include <nlohmann/json.hpp>
 
-#include "lib/core/error.h"
 #include "lib/experiment/plan.h"
-#include "lib/experiment/result_record.h"
+#include "tools/batch/method_results.h"
 
 namespace spool::tools {
 
-// Reads the records of one recording at a time. `record` may fail: that cell has no result.
-std::string statistics_json(const Plan& plan,
-                            const std::function<Result<ResultRecord>(const Cell&)>& record);
+nlohmann::ordered_json statistics_of(const Plan& plan, const ReadRecord& read);
+
+// As it is written. Numbers that are not finite are null.
+std::string statistics_text(const nlohmann::ordered_json& statistics);
 
 }  // namespace spool::tools

@@ -1,0 +1,98 @@
+#include "lib/inference/ranking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lib/inference/letter_groups.h"
+
+namespace spool {
+namespace {
+
+// Smaller is better; a mean that is not known comes last.
+double order_of(const RankedMethod& ranked, Better better) {
+  const double mean = ranked.mean.mean;
+  if (std::isnan(mean)) return std::numeric_limits<double>::infinity();
+  if (better == Better::kHigher) return -mean;
+  return better == Better::kOne && mean > 0.0 ? std::abs(std::log(mean)) : mean;
+}
+
+// Places in the sorted list that are compared.
+std::vector<std::pair<std::size_t, std::size_t>> wanted_pairs(const Ranking& ranking,
+                                                              std::size_t compared,
+                                                              const RankOptions& options) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  const bool all = compared <= options.most_paired;
+  for (std::size_t i = 0; i < compared; ++i) {
+    for (std::size_t j = i + 1; j < compared; ++j) {
+      const bool with_baseline = options.baseline == ranking.methods[i].method ||
+                                 options.baseline == ranking.methods[j].method;
+      if (all || i == 0 || with_baseline) pairs.emplace_back(i, j);
+    }
+  }
+  return pairs;
+}
+
+void set_letters(Ranking& ranking, std::size_t compared) {
+  std::vector<std::vector<bool>> apart(compared, std::vector<bool>(compared, false));
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < compared; ++i) {
+    for (std::size_t j = i + 1; j < compared; ++j) {
+      const Verdict verdict = ranking.pairs[k++].verdict;
+      apart[i][j] = verdict == Verdict::kBetter || verdict == Verdict::kWorse;
+    }
+  }
+  const std::vector<std::string> letters =
+      letter_groups(compared, [&](std::size_t i, std::size_t j) { return apart[i][j]; });
+  for (std::size_t i = 0; i < compared; ++i)
+    ranking.methods[i].letters = letters[i];
+}
+
+}  // namespace
+
+const PairVerdict* Ranking::pair(std::size_t a, std::size_t b) const {
+  for (const PairVerdict& one : pairs) {
+    if ((one.a == a && one.b == b) || (one.a == b && one.b == a)) return &one;
+  }
+  return nullptr;
+}
+
+Verdict Ranking::between(std::size_t a, std::size_t b) const {
+  const PairVerdict* found = pair(a, b);
+  if (!found) return Verdict::kUnknown;
+  if (found->a == a) return found->verdict;
+  if (found->verdict == Verdict::kBetter) return Verdict::kWorse;
+  return found->verdict == Verdict::kWorse ? Verdict::kBetter : found->verdict;
+}
+
+Ranking rank_methods(const std::vector<Series>& methods, Better better,
+                     const RankOptions& options) {
+  Ranking ranking;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    const bool left_out = m < options.left_out.size() && options.left_out[m];
+    const bool compared = !left_out && methods[m].known() >= 2 && !methods[m].alike();
+    ranking.methods.push_back({m, mean_interval(methods[m], options.range), "", compared});
+  }
+  std::ranges::stable_sort(ranking.methods, {}, [&](const RankedMethod& ranked) {
+    return std::pair(!ranked.compared, order_of(ranked, better));
+  });
+  const auto compared =
+      static_cast<std::size_t>(std::ranges::count(ranking.methods, true, &RankedMethod::compared));
+  std::vector<double> p;
+  for (const auto& [i, j] : wanted_pairs(ranking, compared, options)) {
+    const std::size_t a = ranking.methods[i].method, b = ranking.methods[j].method;
+    ranking.pairs.push_back({a, b, compare_paired(methods[a], methods[b], better)});
+    p.push_back(ranking.pairs.back().comparison.p);
+  }
+  const std::vector<double> adjusted = holm_adjusted(p);
+  for (std::size_t k = 0; k < adjusted.size(); ++k) {
+    PairVerdict& pair = ranking.pairs[k];
+    pair.p = adjusted[k];
+    pair.verdict = verdict_of(pair.comparison, pair.p, options.significance);
+  }
+  if (compared <= options.most_paired) set_letters(ranking, compared);
+  return ranking;
+}
+
+}  // namespace spool

@@ -1,0 +1,190 @@
+#include "lib/inference/ranking.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lib/inference/letter_groups.h"
+#include "tests/support/random_images.h"
+
+namespace spool {
+namespace {
+
+// Errors around `error` with `noise` of their logarithms, own and shared by all.
+Series noisy(double error, double noise, std::uint64_t seed, double shared = 0.0, int n = 8) {
+  Series series;
+  for (int r = 0; r < n; ++r) {
+    const auto word = static_cast<std::uint64_t>(r);
+    series.values.push_back(
+        error * std::exp(noise * test::normal(seed, word) + shared * test::normal(99, word)));
+  }
+  return series;
+}
+
+TEST(ComparePaired, SeesReplicatesThatAllLieFarApart) {
+  const Series a{{0.1, 0.02, 0.5, 0.04}}, b{{0.7, 0.62, 3.6, 0.9}};  // 7, 31, 7.2, 22.5 times
+  const Comparison found = compare_paired(a, b, Better::kLower);
+  EXPECT_LT(found.p, 0.05);
+  EXPECT_EQ(verdict_of(found, found.p), Verdict::kBetter);
+  EXPECT_NEAR(found.ratio().mean, 1.0 / std::pow(7.0 * 31 * 7.2 * 22.5, 0.25), 1e-12);
+  EXPECT_LT(found.ratio().high, 1.0);
+}
+
+TEST(ComparePaired, WhatBothShareCancels) {
+  const Comparison alone = compare_paired(noisy(1.0, 0.01, 1), noisy(1.1, 0.01, 2), Better::kLower);
+  const Comparison shared =
+      compare_paired(noisy(1.0, 0.01, 1, 1.0), noisy(1.1, 0.01, 2, 1.0), Better::kLower);
+  EXPECT_NEAR(shared.p, alone.p, 1e-9);
+  EXPECT_LT(shared.p, 0.001);
+}
+
+TEST(ComparePaired, NoDifferenceAndOneImage) {
+  const Series a = noisy(1.0, 0.1, 1);
+  const Comparison same = compare_paired(a, a, Better::kLower);
+  EXPECT_TRUE(same.identical);
+  EXPECT_EQ(same.p, 1.0);
+  EXPECT_EQ(verdict_of(same, same.p), Verdict::kIdentical);
+  const Series one_image{std::vector<double>(8, 2.0)};
+  EXPECT_FALSE(compare_paired(a, one_image, Better::kLower).known());
+  EXPECT_FALSE(compare_paired({{1.0}}, {{2.0}}, Better::kLower).known());
+}
+
+TEST(ComparePaired, WhereAnErrorIsNotPositiveDifferencesAreTakenAsTheyAre) {
+  const Series a{{-0.1, 0.1, 0.0, 0.2}}, b{{1.0, 1.1, 1.2, 0.9}};
+  const Comparison found = compare_paired(a, b, Better::kLower);
+  EXPECT_FALSE(found.logarithmic);
+  EXPECT_DOUBLE_EQ(found.difference, -1.0);
+  EXPECT_TRUE(std::isnan(found.ratio().mean));
+  EXPECT_EQ(verdict_of(found, found.p), Verdict::kBetter);
+}
+
+TEST(ComparePaired, ReplicatesWithoutValueAreLeftOut) {
+  Series a{{1.0, std::nan(""), 4.0}}, b{{2.0, 5.0, 8.0}};
+  const Comparison found = compare_paired(a, b, Better::kLower);
+  EXPECT_EQ(found.n, 2);
+  EXPECT_NEAR(found.ratio().mean, 0.5, 1e-12);
+  EXPECT_EQ(found.p, 0.0);  // no spread
+}
+
+// Welch's freedom by hand: variances 1/2 and 8/2 of two logarithms each: 4.5^2 / (0.25 + 16).
+TEST(CompareIndependent, HasWelchsFreedom) {
+  const Series a{{std::exp(0.0), std::exp(std::sqrt(2.0))}};
+  const Series b{{std::exp(9.0), std::exp(13.0)}};
+  const Comparison found = compare_independent(a, b, Better::kLower);
+  EXPECT_NEAR(found.freedom, 4.5 * 4.5 / 16.25, 1e-9);
+  EXPECT_NEAR(found.standard_error, std::sqrt(4.5), 1e-9);
+  EXPECT_NEAR(found.difference, std::sqrt(0.5) - 11.0, 1e-9);
+}
+
+// Equal methods: 5 % of the comparisons find a difference; 1000 trials, 4 standard deviations.
+TEST(ComparePaired, RarelyFindsADifferenceWhereThereIsNone) {
+  int found = 0;
+  for (std::uint64_t trial = 0; trial < 1000; ++trial) {
+    found += compare_paired(noisy(1.0, 0.7, mix(trial, 1), 0.3),
+                            noisy(1.0, 0.2, mix(trial, 2), 0.3), Better::kLower)
+                 .p < 0.05;
+  }
+  EXPECT_NEAR(found, 50, 4 * 6.9);
+}
+
+TEST(Holm, ByHand) {
+  const double p[] = {0.01, 0.04, std::nan(""), 0.03, 0.005};
+  // Sorted .005 .01 .03 .04 times 4 3 2 1 = .02 .03 .06 .04 -> never falling.
+  const std::vector<double> adjusted = holm_adjusted(p);
+  EXPECT_DOUBLE_EQ(adjusted[4], 0.02);
+  EXPECT_DOUBLE_EQ(adjusted[0], 0.03);
+  EXPECT_DOUBLE_EQ(adjusted[3], 0.06);
+  EXPECT_DOUBLE_EQ(adjusted[1], 0.06);
+  EXPECT_TRUE(std::isnan(adjusted[2]));
+}
+
+TEST(LetterGroups, ByHand) {
+  // 0-1 and 1-2 alike, 0-2 apart, 3 apart from all: a, ab, b, c.
+  const auto apart = [](std::size_t i, std::size_t j) { return j == 3 || (i == 0 && j == 2); };
+  EXPECT_EQ(letter_groups(4, apart), (std::vector<std::string>{"a", "ab", "b", "c"}));
+  EXPECT_EQ(letter_groups(0, apart).size(), 0u);
+  EXPECT_EQ(letter_groups(3, [](auto, auto) { return false; }),
+            (std::vector<std::string>{"a", "a", "a"}));
+}
+
+// Random graphs: two share a letter exactly where they are not apart.
+TEST(LetterGroups, ShareALetterExactlyWhereNotApart) {
+  for (std::uint64_t trial = 0; trial < 200; ++trial) {
+    const std::size_t count = 2 + trial % 12;
+    const double density = test::uniform(5, trial);
+    const auto apart = [&](std::size_t i, std::size_t j) {
+      return test::uniform(mix(6, trial), i, j) < density;
+    };
+    const std::vector<std::string> letters = letter_groups(count, apart);
+    for (std::size_t j = 0; j < count; ++j) {
+      EXPECT_FALSE(letters[j].empty());
+      for (std::size_t i = 0; i < j; ++i) {
+        const bool share = letters[i].find_first_of(letters[j]) != std::string::npos;
+        // Letters beyond z are followed by a digit, which twelve items do not reach.
+        ASSERT_EQ(letters[i].find_first_of("0123456789"), std::string::npos);
+        EXPECT_EQ(share, !apart(i, j)) << trial << ": " << i << ", " << j;
+      }
+    }
+  }
+}
+
+TEST(LetterGroups, OfTooManyGroupsNamesNone) {
+  // A cocktail party of 2 * 8 people: 2^8 maximal sets.
+  const auto apart = [](std::size_t i, std::size_t j) { return i / 2 == j / 2; };
+  EXPECT_EQ(letter_groups(16, apart, 255)[0], "");
+  EXPECT_NE(letter_groups(16, apart, 256)[0], "");
+}
+
+TEST(RankMethods, SortsByMeanAndGivesLetters) {
+  const std::vector<Series> methods = {noisy(1.5, 0.01, 1), noisy(1.001, 0.02, 22),
+                                       noisy(1.0, 0.02, 23), noisy(2.0, 0.01, 4)};
+  const Ranking ranking = rank_methods(methods, Better::kLower, {.baseline = 3});
+  ASSERT_EQ(ranking.methods.size(), 4u);
+  EXPECT_EQ(ranking.methods[2].method, 0u);
+  EXPECT_EQ(ranking.methods[3].method, 3u);
+  EXPECT_EQ(ranking.methods[0].letters, "a");
+  EXPECT_EQ(ranking.methods[1].letters, "a");
+  EXPECT_EQ(ranking.methods[2].letters, "b");
+  EXPECT_EQ(ranking.methods[3].letters, "c");
+  EXPECT_EQ(ranking.pairs.size(), 6u);
+  EXPECT_EQ(ranking.between(3, 0), Verdict::kWorse);
+  EXPECT_EQ(ranking.between(0, 3), Verdict::kBetter);
+  EXPECT_EQ(ranking.between(1, 2), Verdict::kUndecided);
+}
+
+TEST(RankMethods, OfManyComparesWithTheBestAndTheBaseline) {
+  std::vector<Series> methods;
+  for (std::uint64_t m = 0; m < 10; ++m)
+    methods.push_back(noisy(1.0 + 0.5 * static_cast<double>(m), 0.01, m));
+  const Ranking ranking = rank_methods(methods, Better::kLower, {.baseline = 5, .most_paired = 9});
+  EXPECT_EQ(ranking.pairs.size(), 9u + 8u);
+  EXPECT_EQ(ranking.methods[3].letters, "");
+  EXPECT_EQ(ranking.between(7, 5), Verdict::kWorse);
+  EXPECT_EQ(ranking.between(7, 6), Verdict::kUnknown);
+}
+
+TEST(RankMethods, WhatIsLeftOutOrOneImageIsListedLastAndNotCompared) {
+  const std::vector<Series> methods = {noisy(3.0, 0.01, 1), noisy(1.0, 0.01, 2),
+                                       Series{std::vector<double>(8, 0.5)}, noisy(2.0, 0.01, 3),
+                                       Series{std::vector<double>(8, std::nan(""))}};
+  const Ranking ranking =
+      rank_methods(methods, Better::kLower, {.left_out = {false, true, false, false, false}});
+  EXPECT_EQ(ranking.methods[0].method, 3u);
+  EXPECT_EQ(ranking.methods[1].method, 0u);
+  EXPECT_EQ(ranking.pairs.size(), 1u);
+  for (std::size_t i = 2; i < 5; ++i)
+    EXPECT_FALSE(ranking.methods[i].compared);
+  EXPECT_EQ(ranking.methods[4].method, 4u);
+}
+
+TEST(RankMethods, OtherDirections) {
+  const std::vector<Series> methods = {noisy(30.0, 0.001, 1), noisy(40.0, 0.001, 2)};
+  EXPECT_EQ(rank_methods(methods, Better::kHigher).methods[0].method, 1u);
+  const std::vector<Series> energies = {noisy(1.3, 0.001, 1), noisy(0.9, 0.001, 2)};
+  const Ranking ranking = rank_methods(energies, Better::kOne);
+  EXPECT_EQ(ranking.methods[0].method, 1u);
+  EXPECT_EQ(ranking.between(1, 0), Verdict::kBetter);
+}
+
+}  // namespace
+}  // namespace spool

@@ -1,0 +1,201 @@
+#include "tools/batch/condition_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lib/experiment/baseline.h"
+
+namespace spool::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kEnergyLoss = 0.02;
+
+bool has_pairs(const std::string& metric) {
+  return metric == "relmse" || metric == "mse";
+}
+
+// Methods outside the plan's energy band are listed and not compared.
+std::vector<bool> outside_band(const Plan& plan, const std::vector<MethodResults>& methods) {
+  std::vector<bool> outside;
+  if (!plan.energy_band) return outside;
+  const auto& [low, high] = *plan.energy_band;
+  for (const MethodResults& method : methods) {
+    const double energy = method.interval(quantity_index("energy_ratio")).mean;
+    outside.push_back(!(energy >= low && energy <= high));
+  }
+  return outside;
+}
+
+// What the intervals and verdicts of a condition are about.
+ordered_json about(const Plan& plan, const PlanScene& scene,
+                   const std::vector<MethodResults>& methods) {
+  double shared = 0.0;
+  bool known = true, one_image = true;
+  for (const MethodResults& method : methods) {
+    if (method.done == 0) continue;
+    shared = std::max(shared, method.shared);
+    known = known && method.shared_known;
+    one_image = one_image && method.one_image();
+  }
+  const auto said = [&](const char* kind, std::string text) {
+    return ordered_json{{"kind", kind}, {"shared", shared}, {"text", std::move(text)}};
+  };
+  if (one_image) {
+    return said(
+        "one image",
+        "these images: one replicate, intervals from blocks of pixels, nothing is compared");
+  }
+  if (!known) {
+    return said("order",
+                "this recording in another order of its samples: how many it has is not known");
+  }
+  if (shared > 0.0) {
+    return said("shared",
+                fmt::format("another recording of the scene; replicates of one method share up to "
+                            "{:.2g} % of their samples{}, and intervals are widened for it",
+                            100.0 * shared,
+                            plan.experiment.order == ReplicateOrder::kShuffled
+                                ? " (each shuffles the same ones)"
+                                : ""));
+  }
+  if (scene.recordings.size() > 1) {
+    return said("recordings", fmt::format("another recording of the scene, of which {} were given",
+                                          scene.recordings.size()));
+  }
+  return said("disjoint", "another recording of the scene; replicates have no sample in common");
+}
+
+struct Places {
+  const std::vector<RankedMethod>& ranked;
+
+  std::size_t of(std::size_t method) const {
+    return static_cast<std::size_t>(std::ranges::find(ranked, method, &RankedMethod::method) -
+                                    ranked.begin());
+  }
+};
+
+ordered_json pairs_json(const Condition& condition) {
+  const Places places{condition.ranking.methods};
+  ordered_json list = ordered_json::array();
+  for (const PairVerdict& pair : condition.ranking.pairs) {
+    const Interval ratio = pair.comparison.ratio();
+    list.push_back({places.of(pair.a), places.of(pair.b), json_number(ratio.mean),
+                    json_number(ratio.low), json_number(ratio.high), json_number(pair.p),
+                    verdict_name(pair.verdict)});
+  }
+  return list;
+}
+
+ordered_json ranked_json(const Plan& plan, const std::vector<MethodResults>& methods,
+                         const Condition& condition, const RankedMethod& ranked) {
+  const MethodResults& method = methods[ranked.method];
+  ordered_json entry = names_of(method);
+  const std::size_t quantity = quantity_index(condition.metric);
+  entry["value"] = interval_json(method.interval(quantity));
+  if (plan.experiment.order == ReplicateOrder::kShuffled && !method.one_image()) {
+    const Interval order = mean_interval({method.values[quantity], 0.0}, Range::kPositive);
+    entry["order_low"] = json_number(order.low);
+    entry["order_high"] = json_number(order.high);
+  }
+  entry["letters"] = ranked.letters;
+  entry["compared"] = ranked.compared;
+  const std::size_t best = condition.ranking.methods.front().method;
+  if (ranked.compared && ranked.method != best) {
+    const PairVerdict* pair = condition.ranking.pair(ranked.method, best);
+    entry["against_best"] = verdict_name(condition.ranking.between(ranked.method, best));
+    if (pair) entry["p_against_best"] = json_number(pair->p);
+  }
+  if (condition.baseline && ranked.method != *condition.baseline) {
+    const PairVerdict* pair = condition.ranking.pair(ranked.method, *condition.baseline);
+    entry["against_baseline"] =
+        verdict_name(condition.ranking.between(ranked.method, *condition.baseline));
+    if (pair) entry["ratio"] = interval_json(ratio_of(*pair, ranked.method));
+  }
+  const Interval energy = method.interval(quantity_index("energy_ratio"));
+  entry["energy"] = interval_json(energy);
+  if (energy.high < 1.0 - kEnergyLoss) entry["loses_energy"] = 1.0 - energy.mean;
+  return entry;
+}
+
+}  // namespace
+
+ordered_json json_number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json interval_json(const Interval& interval) {
+  ordered_json list = ordered_json::array();
+  if (!std::isfinite(interval.mean)) return list;
+  list.push_back(interval.mean);
+  if (std::isfinite(interval.low) && std::isfinite(interval.high)) {
+    list.push_back(interval.low);
+    list.push_back(interval.high);
+  }
+  return list;
+}
+
+ordered_json names_of(const MethodResults& method) {
+  return {{"sampler", method.sampler.label()}, {"filter", method.filter.label()}};
+}
+
+Interval ratio_of(const PairVerdict& pair, std::size_t method) {
+  Interval ratio = pair.comparison.ratio();
+  if (pair.a == method) return ratio;
+  ratio.mean = 1.0 / ratio.mean;
+  std::swap(ratio.low, ratio.high);
+  ratio.low = 1.0 / ratio.low;
+  ratio.high = 1.0 / ratio.high;
+  return ratio;
+}
+
+std::optional<std::size_t> baseline_of(const std::vector<MethodResults>& methods) {
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    if (is_baseline(methods[m].sampler, methods[m].filter)) return m;
+  }
+  return std::nullopt;
+}
+
+std::optional<Condition> rank_condition(const Plan& plan, const std::vector<MethodResults>& methods,
+                                        const std::string& metric) {
+  const std::size_t quantity = quantity_index(metric);
+  std::vector<Series> series;
+  std::vector<bool> outside = outside_band(plan, methods);
+  bool any = false;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    series.push_back(methods[m].series(quantity));
+    any = any || series.back().known() > 0;
+    if (methods[m].one_image()) {
+      outside.resize(methods.size(), false);
+      outside[m] = true;
+    }
+  }
+  if (!any) return std::nullopt;
+  const Better better = metrics()[static_cast<std::size_t>(metric_index(metric))].better;
+  RankOptions options;
+  options.range = quantities()[quantity].range;
+  options.baseline = baseline_of(methods);
+  options.left_out = std::move(outside);
+  return Condition{metric, rank_methods(series, better, options), options.baseline};
+}
+
+ordered_json condition_json(const Plan& plan, const PlanScene& scene,
+                            const std::vector<MethodResults>& methods, const Condition& condition) {
+  bool biased = false;
+  for (const MethodResults& method : methods)
+    biased = biased || method.biased;
+  ordered_json entry = {{"metric", condition.metric},
+                        {"biased", biased},
+                        {"about", about(plan, scene, methods)},
+                        {"ranking", ordered_json::array()}};
+  for (const RankedMethod& ranked : condition.ranking.methods) {
+    if (methods[ranked.method].done > 0)
+      entry["ranking"].push_back(ranked_json(plan, methods, condition, ranked));
+  }
+  if (has_pairs(condition.metric)) entry["pairs"] = pairs_json(condition);
+  return entry;
+}
+
+}  // namespace spool::tools

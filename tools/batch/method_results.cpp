@@ -1,0 +1,148 @@
+#include "tools/batch/method_results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "formats/spool_reader.h"
+#include "lib/core/check.h"
+#include "lib/inference/shared_samples.h"
+#include "lib/metrics/error_metrics.h"
+#include "tools/methods/external_methods.h"
+
+namespace spool::tools {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<Quantity> make_quantities() {
+  std::vector<Quantity> list;
+  for (const MetricDescription& metric : metrics()) {
+    const Range range = metric.better == Better::kHigher ? Range::kReal : Range::kPositive;
+    list.push_back({metric.name, range, true});
+  }
+  for (const char* name : {"seconds_total", "seconds_sampling", "seconds_filtering", "cpu_sampling",
+                           "cpu_filtering", "seconds_reading", "seconds_judging", "seconds_writing",
+                           "peak_memory_mb", "samples_per_pixel", "efficiency"})
+    list.push_back({name});
+  list.push_back({"saturated_share", Range::kShare});
+  return list;
+}
+
+double value_of(const ResultRecord& record, const std::string& quantity) {
+  if (quantity != "samples_per_pixel") return record.number(quantity);
+  return record.number("samples_spent") / (record.number("width") * record.number("height"));
+}
+
+// Of a recording by its results, by its file where they are of an older program.
+double recorded_spp(const ResultRecord& record, const std::string& dump) {
+  const double said = record.number("recorded_spp");
+  if (std::isfinite(said)) return said;
+  const auto reader = format::SpoolReader::open(dump);
+  return reader ? static_cast<double>(reader->header().spp) : kNaN;
+}
+
+// Counts of all replicates together; where an older program kept none, the mean stands for all.
+class Shares {
+ public:
+  void add(const ResultRecord& record, const std::string& dump) {
+    if (!(recorded_ > 0.0)) recorded_ = recorded_spp(record, dump);
+    if (record.counts.empty()) {
+      mean_ = record.number("samples_spent") / (record.number("width") * record.number("height"));
+    }
+    for (const auto& [samples, pieces] : record.counts)
+      pieces_[samples] += pieces;
+  }
+
+  bool known() const { return recorded_ > 0.0 && (!pieces_.empty() || std::isfinite(mean_)); }
+
+  double share(const Plan& plan, std::size_t recordings) const {
+    std::vector<std::pair<int, long long>> counts(pieces_.begin(), pieces_.end());
+    if (counts.empty()) counts.emplace_back(static_cast<int>(std::lround(mean_)), 1);
+    const bool ring = plan.experiment.order == ReplicateOrder::kDisjoint;
+    const double shared = shared_share(counts, recorded_, plan.replicates,
+                                       ring ? Taking::kOneAround : Taking::kOwnOrder);
+    return over_recordings(shared, plan.replicates, static_cast<int>(recordings));
+  }
+
+ private:
+  std::map<int, long long> pieces_;
+  double recorded_ = kNaN, mean_ = kNaN;
+};
+
+void add_record(MethodResults& method, const Result<ResultRecord>& found) {
+  const std::vector<Quantity>& list = quantities();
+  const bool usable = found && !found->failed();
+  method.failed += found && found->failed();
+  for (std::size_t q = 0; q < list.size(); ++q)
+    method.values[q].push_back(usable ? value_of(*found, list[q].name) : kNaN);
+  if (!usable) return;
+  if (++method.done == 1) {
+    for (std::size_t q = 0; q < list.size(); ++q) {
+      if (list[q].is_metric) method.pixel_errors[q] = found->number(list[q].name + "_se");
+    }
+  }
+  method.reference = found->text("reference");
+  method.biased = method.biased || method.reference.ends_with("(biased)");
+}
+
+}  // namespace
+
+const std::vector<Quantity>& quantities() {
+  static const std::vector<Quantity> list = make_quantities();
+  return list;
+}
+
+std::size_t quantity_index(const std::string& name) {
+  const auto found = std::ranges::find(quantities(), name, &Quantity::name);
+  SPOOL_CHECK(found != quantities().end());
+  return static_cast<std::size_t>(found - quantities().begin());
+}
+
+Series MethodResults::series(std::size_t quantity) const {
+  return {values[quantity], quantities()[quantity].is_metric ? shared : 0.0};
+}
+
+bool MethodResults::one_image() const {
+  const Filter* method = find_method(known_filters(), filter.name);
+  const bool made_elsewhere = method != nullptr && !method->needs.samples;
+  return done == 1 || made_elsewhere || Series{values[quantity_index("mse")], 0.0}.alike();
+}
+
+Interval MethodResults::interval(std::size_t quantity) const {
+  const Quantity& kind = quantities()[quantity];
+  const Series all = series(quantity);
+  if (!kind.is_metric || !one_image()) return mean_interval(all, kind.range);
+  const auto first =
+      std::ranges::find_if(all.values, [](double value) { return std::isfinite(value); });
+  return single_interval(first == all.values.end() ? kNaN : *first, pixel_errors[quantity],
+                         kind.range);
+}
+
+std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene, double spp,
+                                        int threads, const ReadRecord& read) {
+  std::vector<MethodResults> methods;
+  for (const MethodChoice& sampler : plan.samplers) {
+    for (const MethodChoice& filter : plan.filters) {
+      MethodResults method;
+      method.sampler = sampler;
+      method.filter = filter;
+      method.values.resize(quantities().size());
+      method.pixel_errors.resize(quantities().size(), kNaN);
+      Shares shares;
+      for (const std::string& dump : scene.recordings) {
+        for (int r = 0; r < plan.replicates; ++r) {
+          const Result<ResultRecord> found = read({dump, sampler, filter, spp, r, threads});
+          if (found && !found->failed()) shares.add(*found, dump);
+          add_record(method, found);
+        }
+      }
+      method.shared_known = shares.known();
+      if (shares.known()) method.shared = shares.share(plan, scene.recordings.size());
+      methods.push_back(std::move(method));
+    }
+  }
+  return methods;
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,50 @@
+// What one method gave on one scene at one budget: the values of every quantity over its
+// replicates, those of all recordings of the scene together.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/experiment/plan.h"
+#include "lib/experiment/result_record.h"
+#include "lib/inference/intervals.h"
+
+namespace spool::tools {
+
+using ReadRecord = std::function<Result<ResultRecord>(const Cell&)>;
+
+// A column of results, or one made of several.
+struct Quantity {
+  std::string name;
+  Range range = Range::kPositive;
+  bool is_metric = false;
+};
+const std::vector<Quantity>& quantities();
+std::size_t quantity_index(const std::string& name);
+
+struct MethodResults {
+  MethodChoice sampler, filter;
+  std::vector<std::vector<double>> values;  // [quantity][replicate]; NaN: none
+  std::vector<double> pixel_errors;         // [quantity] of replicate 0, from blocks of pixels
+  int done = 0, failed = 0;
+  bool biased = false;
+  std::string reference;
+  double shared = 0;         // correlation of the replicates of a metric (shared_samples.h)
+  bool shared_known = true;  // false: the size of the recording is not known
+
+  std::string name() const { return sampler.label() + " + " + filter.label(); }
+  Series series(std::size_t quantity) const;
+  // One image, or replicates of one: intervals are those of blocks of pixels.
+  bool one_image() const;
+  Interval interval(std::size_t quantity) const;
+};
+
+// All methods of a plan on one scene, in the order samplers, then filters. `read` may fail: that
+// replicate has no result.
+std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene, double spp,
+                                        int threads, const ReadRecord& read);
+
+}  // namespace spool::tools
