@@ -381,8 +381,8 @@ TEST(ResultTable, JsonLinesHaveNumbersNullsAndEscapedText) {
 
 TEST(ResultRecord, KeepsWhatPixelsTook) {
   Laboratory laboratory;
-  const auto results = run_experiment({{"one", method("uniform"), method("mean"), 4, 0}}, {},
-                                      laboratory.sources());
+  const auto results =
+      run_experiment({{"one", method("uniform"), method("mean"), 4, 0}}, {}, laboratory.sources());
   const ResultRecord record = record_of(results[0]);
   long long pieces = 0, samples = 0;
   for (const auto& [count, number] : record.counts) {

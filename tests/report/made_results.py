@@ -7,6 +7,7 @@ import csv
 
 import numpy as np
 from exr_writing import write_exr
+from made_statistics import write_statistics
 
 METRICS = ["mse", "mse_r", "rmse", "relmse", "relmse_trimmed", "relmse_dropped", "mae", "psnr_tm", "energy_ratio",
            "energy_ratio_d1"]
@@ -62,6 +63,7 @@ def write_results(folder, rows):
         writer = csv.DictWriter(file, HEADER, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
+    write_statistics(folder, rows)
 
 
 def scene(size):

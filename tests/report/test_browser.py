@@ -10,9 +10,10 @@ from collections import defaultdict
 import pytest
 from playwright.sync_api import sync_playwright
 
-from intervals import mean_interval
+from made_statistics import made_interval
 from made_results import make_rows, write_results
 from report import main
+from statistics_file import Interval
 
 WIDE, PHONE = {"width": 1400, "height": 900}, {"width": 390, "height": 844}
 
@@ -73,7 +74,7 @@ def test_it_opens_without_errors_network_or_sideways_scrolling(browser, report, 
     assert opened.page.locator(".warning", has_text="cannot be shown").count() == 0
 
 
-def test_the_figures_are_those_of_results_csv(opened, made_folder):
+def test_the_figures_are_those_of_statistics_json(opened, made_folder):
     values = defaultdict(list)
     with (made_folder / "results.csv").open(newline="") as file:
         for row in csv.DictReader(file):
@@ -84,7 +85,7 @@ def test_the_figures_are_those_of_results_csv(opened, made_folder):
     assert len(rows) == len(values) == 54
     for row in rows:
         cells = row.locator("td").all_text_contents()
-        expected = mean_interval(values[tuple(cells[:4])])
+        expected = Interval(*made_interval(values[tuple(cells[:4])]))
         mean, interval = cells[column].rstrip("]").split("[")
         low, high = interval.split(", ")
         for text, value in ((mean, expected.mean), (low, expected.low), (high, expected.high)):

@@ -110,10 +110,11 @@ def test_counts_are_exact():
 def made_sets(tmp_path, size):
     from aggregate import aggregate
     from results_table import read_results
+    from statistics_file import read_statistics
     rows = make_rows(samplers=("uniform",), budgets=(4, 8), size=size)
     write_results(tmp_path, rows)
     write_images(tmp_path, rows, dump_names(dict.fromkeys(r["dump"] for r in rows)), file_name_of)
-    return find_images(tmp_path, aggregate(read_results(tmp_path / "results.csv")))
+    return find_images(tmp_path, aggregate(read_results(tmp_path / "results.csv"), read_statistics(tmp_path)))
 
 
 @pytest.mark.parametrize("megabytes", [10.0, 2.0, 0.2, 0.0])
@@ -144,9 +145,6 @@ def test_re_implementations_are_marked_beside_every_name(tmp_path, assets_cache)
     manifest = {"plan": {"samplers": [{"name": "mitchell", "label": "mitchell", "by_description": True},
                                       {"name": "mitchells_own"}], "filters": [{"name": "box", "by_description": False}]}}
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
-    ranking = [{"rank": 1, "sampler": "mitchell", "filter": "box", "mean": 1.0, "p_against_best": 1.0}]
-    (tmp_path / "statistics.json").write_text(json.dumps({"conditions": [
-        {"metric": "relmse", "dump": "x", "spp": 8, "ranking": ranking}], "curves": []}))
     page = tmp_path / "report.html"
     assert main([str(tmp_path), "-o", str(page)]) == 0
     text = page.read_text()

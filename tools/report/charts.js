@@ -34,13 +34,16 @@ function logRange(points) {
 }
 
 function hoverText(c) {
-  const lines = [methodOf(c), `${c.spp} spp, ${c.replicates} replicates`];
+  const lines = [methodOf(c), `${c.spp} spp${c.replicates ? `, ${c.replicates} replicates` : ''}`];
   for (const name of [shown.metric, 'energy_ratio', 'seconds_total']) {
     if (!quantityIndex.has(name)) continue;
     const {mean, low, high} = interval(c, name);
     lines.push(`${name} ${numberText(mean)}` +
       (Number.isFinite(low) ? ` [${numberText(low)}, ${numberText(high)}]` : ''));
   }
+  const [letters, against] = c.ranks[shown.metric] ?? ['', ''];
+  if (letters) lines.push(`group ${letters}`);
+  if (against) lines.push(`${against} than uniform + box`.replace('undecided than', 'not told apart from'));
   return lines.map(plotText).join('<br>');
 }
 

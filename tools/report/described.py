@@ -29,10 +29,8 @@ class Described:
             c.sampler, c.filter = self.sampler(c.sampler), self.filter(c.filter)
 
     def mark_statistics(self, statistics):
-        entries = [entry for c in statistics.get("conditions", []) for entry in c.get("ranking", [])]
-        for entry in [*entries, *statistics.get("curves", [])]:
+        for entry in statistics.methods():
             entry["sampler"], entry["filter"] = self.sampler(entry["sampler"]), self.filter(entry["filter"])
-        return statistics
 
     def note(self):
         """What the mark means, beside every table that names such methods."""

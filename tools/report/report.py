@@ -67,7 +67,8 @@ def make_report(options):
     from result_images import dump_names, find_images, pack_images
     from results_table import read_results
     from sections import guards_html, quantities_html, run_html, summary_html
-    from statistics_section import read_statistics, statistics_html
+    from statistics_file import read_statistics
+    from statistics_section import statistics_html
     from summary import is_biased, summarise
     from vocabulary import read_manifest, read_vocabulary
 
@@ -78,22 +79,25 @@ def make_report(options):
     table = read_results(options.folder / "results.csv")
     metric = choose_metric(options.metric, table)
     vocabulary, manifest = read_vocabulary(options.vocabulary), read_manifest(options.folder)
-    combinations = aggregate(table)
+    statistics = read_statistics(options.folder)
+    combinations = aggregate(table, statistics)
     labels = dump_names(dict.fromkeys(c.dump for c in combinations))
+    labels.update({s["dump"]: s["group"] for s in statistics.scenes if s["group"]})
     images = pack_images(find_images(options.folder, combinations),
                          options.output.resolve().parent, options.max_image_mb)
     described = Described(manifest)
     described.mark(combinations)
+    described.mark_statistics(statistics)
     names = quantity_names(combinations, table.metrics)
     title = options.title or f"Spool report: {', '.join(list(labels.values())[:4])}"
     biased = BIASED if is_biased(combinations) else ""
-    statistics = statistics_html(described.mark_statistics(read_statistics(options.folder)), labels, metric)
+    ranks = statistics_html(statistics, labels, metric)
     sections = [
         ("summary", "Summary",
-         summary_html(summarise(combinations, metric, labels), combinations, metric, len(labels))
+         summary_html(summarise(combinations, statistics, metric, labels), statistics, metric)
          + described.note()),
         ("charts", "Error, time and budget", biased + '<div id="chart-area"></div>'),
-        *([("statistics", "Ranks and differences", biased + statistics)] if statistics else []),
+        *([("statistics", "Ranks and differences", biased + ranks)] if ranks else []),
         ("table", "All results",
          biased + described.note() + '<div id="table-area"></div>'
          + quantities_html(names, vocabulary, OWN_MEANINGS)),
@@ -101,7 +105,7 @@ def make_report(options):
         ("guards", "Saturated, rejected, clamped", guards_html(combinations, labels, vocabulary)),
         ("run", "The run", run_html(manifest, combinations, labels, vocabulary.version)),
     ]
-    data = report_data(combinations, table.metrics, metric, labels, vocabulary, images)
+    data = report_data(combinations, statistics, table.metrics, metric, labels, vocabulary, images)
     html = build_page(title, sections, data, images.packed)
     write(options.output, html)
     size = options.output.stat().st_size / 1e6

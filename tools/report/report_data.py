@@ -5,8 +5,9 @@ Only sums over replicates go in: a page stays usable with ten thousand results.
 
 import math
 
-from aggregate import RATIO_METRICS, TIMES, over_recordings
+from aggregate import RATIO_METRICS, TIMES
 from result_images import exposure_of
+from statistics_file import Interval, interval_of
 
 QUANTITIES_LAST = TIMES + ("samples_per_pixel", "saturated_share", "efficiency")
 OWN_MEANINGS = {
@@ -21,11 +22,11 @@ def quantity_names(combinations, metrics):
     ordered = []
     for name in metrics:
         ordered += [name, name + "_ratio"] if name in RATIO_METRICS else [name]
-    known = {name for c in combinations for name, q in c.quantities.items() if q.n > 0}
+    known = {name for c in combinations for name, q in c.quantities.items() if q.mean == q.mean}
     return [name for name in ordered + list(QUANTITIES_LAST) if name in known]
 
 
-def report_data(combinations, metrics, metric, labels, vocabulary, images):
+def report_data(combinations, statistics, metrics, metric, labels, vocabulary, images):
     names = quantity_names(combinations, metrics)
     dumps = list(dict.fromkeys(c.dump for c in combinations))
     samplers = list(dict.fromkeys(c.sampler for c in combinations))
@@ -42,17 +43,27 @@ def report_data(combinations, metrics, metric, labels, vocabulary, images):
         "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names)
                          for c in combinations],
         # For the charts only: the recording after the last one.
-        "overall": [_combination(c, len(dumps), samplers, filters, names)
-                    for c in over_recordings(combinations, names)],
+        "overall": [_overall(entry, len(dumps), samplers, filters, names) for entry in statistics.overall],
         "pictures": _pictures(images, combinations, dumps),
     }
 
 
 def _combination(c, dump, samplers, filters, names):
     return {"dump": dump, "sampler": samplers.index(c.sampler), "filter": filters.index(c.filter),
-            "spp": c.spp, "replicates": c.independent_replicates or c.replicates,
-            "failed": len(c.failures),
-            "values": [_interval(c.quantities.get(name)) for name in names]}
+            "spp": c.spp, "replicates": c.replicates, "failed": len(c.failures),
+            "values": [_interval(c.quantity(name)) for name in names],
+            # By metric: letters of its group, and the verdict against uniform + box.
+            "ranks": {metric: [entry["letters"], entry.get("against_baseline", "")]
+                      for metric, entry in c.ranks.items()}}
+
+
+def _overall(entry, dump, samplers, filters, names):
+    found = {name: interval_of(value) for name, value in entry["quantities"].items()}
+    for metric in RATIO_METRICS:
+        found[metric + "_ratio"] = interval_of(entry.get("against_baseline", {}).get(metric, {}).get("ratio"))
+    return {"dump": dump, "sampler": samplers.index(entry["sampler"]), "filter": filters.index(entry["filter"]),
+            "spp": entry["spp"], "replicates": 0, "failed": 0, "ranks": {},
+            "values": [_interval(found.get(name, Interval())) for name in names]}
 
 
 def _better(name, metrics, vocabulary):
@@ -63,7 +74,7 @@ def _better(name, metrics, vocabulary):
 
 def _interval(interval):
     """[mean, low, high], [mean] without bounds, nothing when unknown."""
-    if interval is None or math.isnan(interval.mean):
+    if math.isnan(interval.mean):
         return []
     if math.isinf(interval.mean):
         return ["Infinity" if interval.mean > 0 else "-Infinity"]

@@ -4,14 +4,14 @@ import math
 from collections import Counter, defaultdict
 from html import escape
 
-from number_text import number_text
+from number_text import interval_text
 from page import licences_html
 from summary import verdicts
 
 LONGEST_VERDICTS = 60
 
 
-def summary_html(sentences, combinations, metric, dumps):
+def summary_html(sentences, statistics, metric):
     parts = [f"<p>{escape(s.text)}</p>" for s in sentences if s.kind == "scope"]
     for s in sentences:
         if s.kind == "warning":
@@ -22,24 +22,26 @@ def summary_html(sentences, combinations, metric, dumps):
                      f"</summary><ul>{''.join(findings[8:])}</ul></details>")
     else:
         parts.append(f"<ul>{''.join(findings)}</ul>")
-    parts.append(_verdict_table(combinations, metric, dumps))
+    if metric not in statistics.metrics():
+        parts.append(f"<p>Methods are not ranked by {escape(metric)}, but by {escape(', '.join(statistics.metrics()))}.</p>")
+    parts.append(_verdict_table(statistics, metric))
     parts.append(HOW_TO_READ)
     return "".join(parts)
 
 
 HOW_TO_READ = (
     "<details><summary>How to read this</summary><p>Values are means over replicates with their 95 % "
-    "interval in brackets (Student's, the skewness of the values taken into account); each replicate shuffles the recorded samples. With one replicate the "
-    "interval is a bootstrap over blocks of pixels. Intervals say how much a figure depends on the "
-    "samples drawn from these recordings; they do not say how another scene would come out. Methods "
-    "are compared replicate by replicate; the comparison of one recording and budget holds at 95 % "
-    "for all its pairs together. Ratios are ratios of means. Errors are "
-    "debiased by the variance of the reference, so a very good image may come out at or below zero: "
-    "such an error is not resolved.</p></details>")
+    "interval in brackets, each for itself. Where all values are positive the mean is geometric, so that a "
+    "ratio is the quotient of two means. An interval says where the mean of another recording of the scene "
+    "would lie; it does not say how another scene would come out. With one replicate it is a bootstrap over "
+    "blocks of pixels. Whether two methods differ is decided for all pairs of a scene and budget together at "
+    "5 %; words and letters are these verdicts, so an interval that excludes 1 may stand beside "
+    "\"undecided\". Errors are debiased by the variance of the reference, so a very good image may come out "
+    "at or below zero: such an error is not resolved.</p></details>")
 
 
-def _verdict_table(combinations, metric, dumps):
-    table = verdicts(combinations, metric)
+def _verdict_table(statistics, metric):
+    table, dumps = verdicts(statistics, metric), len(statistics.scenes)
     if not table:
         return ""
     methods = list(dict.fromkeys(method for method, _ in table))
@@ -51,9 +53,9 @@ def _verdict_table(combinations, metric, dumps):
         rows.append(f'<tr><th scope="row">{escape(method)}</th>{cells}</tr>')
     rest = len(methods) - LONGEST_VERDICTS
     more = f"<p>{rest} further methods: see the table.</p>" if rest > 0 else ""
-    over = ("with its 95 % interval" if dumps == 1 else
-            f"geometric mean over {dumps} recordings; below it, on how many the 95 % interval lies "
-            "below 1 (better), above 1 (worse) or holds 1 (undecided)")
+    over = ("with its 95 % interval, and the verdict" if dumps == 1 else
+            f"geometric mean over {dumps} scenes with its interval; below it, on how many the method is "
+            "better, worse or not told apart (undecided)")
     return (f"<p>{escape(metric)} relative to uniform + box at the same budget: {over}.</p>"
             '<div class="scroll" tabindex="0"><table class="verdicts"><thead><tr>'
             f'<th scope="col">method</th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
@@ -65,13 +67,11 @@ def _verdict_cell(verdict):
         return "<td></td>"
     word = "better" if not verdict.worse and not verdict.undecided else (
         "worse" if not verdict.better and not verdict.undecided else "undecided")
-    if verdict.interval is not None:
-        low, high = verdict.interval.low, verdict.interval.high
-        note = word if math.isnan(low) else f"[{number_text(low, 3)}, {number_text(high, 3)}] {word}"
-    else:
-        note = (f"{verdict.better} better, {verdict.worse} worse, {verdict.undecided} undecided")
-    value = "not resolved" if math.isnan(verdict.ratio) else number_text(verdict.ratio, 3)
-    return f'<td class="{word}">{value}<small>{note}</small></td>'
+    note = (word if verdict.better + verdict.worse + verdict.undecided == 1 else
+            f"{verdict.better} better, {verdict.worse} worse, {verdict.undecided} undecided")
+    if math.isnan(verdict.ratio.mean):
+        return f'<td class="{word}">not resolved<small>{note}</small></td>'
+    return f'<td class="{word}">{interval_text(verdict.ratio, 3)}<small>{note}</small></td>'
 
 
 def guards_html(combinations, labels, vocabulary):
@@ -83,7 +83,7 @@ def guards_html(combinations, labels, vocabulary):
             caught[name].add(id(c))
             if name not in worst or count > worst[name][0]:
                 worst[name] = (count, c)
-    excluded = sum(row.get("excluded_image", 0) or 0 for c in combinations for row in c.rows.values())
+    excluded = sum(row.get("excluded_image", 0) or 0 for c in combinations for row in c.rows)
     parts = []
     if excluded > 0:
         parts.append(f'<p class="warning">{excluded:,.0f} pixels of images are not finite and were '
@@ -111,9 +111,9 @@ def run_html(manifest, combinations, labels, version):
             ("machine", _text(manifest.get("machine"))),
             ("started", _text(manifest.get("started"))),
             ("report by", f"spool {version}" if version else "")]
-    first = next((row for c in combinations for row in c.rows.values()), {})
+    first = next((row for c in combinations for row in c.rows), {})
     rows.append(("judged by", ", ".join(sorted({
-        row.get("reference", "") for c in combinations for row in c.rows.values()} - {""}))))
+        row.get("reference", "") for c in combinations for row in c.rows} - {""}))))
     threads = first.get("threads_used", math.nan)
     rows.append(("threads", "" if math.isnan(threads) else f"{threads:g}"))
     html = "".join(f"<dt>{escape(name)}</dt><dd>{_value_html(name, value)}</dd>"
@@ -121,7 +121,7 @@ def run_html(manifest, combinations, labels, version):
     hashes = {str(d.get("path", "")): d for d in manifest.get("dumps", []) if isinstance(d, dict)}
     body = []
     for dump, label in labels.items():
-        row = next((r for c in combinations if c.dump == dump for r in c.rows.values()), {})
+        row = next((r for c in combinations if c.dump == dump for r in c.rows), {})
         size = (f"{row['width']:g} x {row['height']:g}"
                 if math.isfinite(row.get("width", math.nan)) else "")
         digest = _text(hashes.get(dump, {}).get("sha256")) or "not recorded"

@@ -1,19 +1,15 @@
-"""What the figures say, in sentences; a difference inside the noise is said to be undecided.
-
-Within one recording and budget the combination with the lowest mean error is compared with each
-other one, replicate by replicate, at a level of 95 % for all comparisons together (Bonferroni).
-"""
+"""What statistics.json says, in sentences. A verdict in a sentence is one of the file's; none is made here."""
 
 import math
 from typing import NamedTuple
 
-from aggregate import BASELINE, baseline_of
-from intervals import paired_difference
 from number_text import count_text, factor_text, interval_text, list_text, number_text
+from statistics_file import interval_of
 
 ENERGY_TOLERANCE = 0.01
 SATURATION_LIMIT = 0.01
 LONGEST_LIST = 6
+BASELINE = "uniform + box"
 
 
 class Sentence(NamedTuple):
@@ -21,27 +17,15 @@ class Sentence(NamedTuple):
     kind: str = "finding"  # scope, finding, warning
 
 
-class Contest(NamedTuple):
-    """The combinations of one recording and budget."""
-    best: object
-    worse: list  # told apart from the best
-    undecided: list
-
-
-def summarise(combinations, metric, labels):
-    """Sentences; `labels` gives each recording's short name."""
-    sentences = [scope(combinations, labels)]
+def summarise(combinations, statistics, metric, labels):
+    """Sentences; `labels` gives each scene's short name."""
+    sentences = [scope(combinations, labels), *abouts(statistics, metric)]
     sentences += failures(combinations, labels)
-    for dump, spp in conditions(combinations):
-        field = [c for c in combinations if (c.dump, c.spp) == (dump, spp)]
-        sentences.append(best_of(field, metric, labels))
+    for condition in statistics.of_metric(metric):
+        sentences.append(best_of(condition, metric, labels))
     sentences += energy(combinations, labels)
     sentences += cautions(combinations, metric, labels)
-    return [sentence for sentence in sentences if sentence is not None]
-
-
-def conditions(combinations):
-    return list(dict.fromkeys((c.dump, c.spp) for c in combinations))
+    return sentences
 
 
 def scope(combinations, labels):
@@ -53,11 +37,20 @@ def scope(combinations, labels):
                else f"{replicates[0]:g} to {replicates[-1]:g}")
     named = list_text([labels[d] for d in dumps], LONGEST_LIST)
     return Sentence(
-        f"{count_text(len(dumps), 'recording')} ({named}), "
+        f"{count_text(len(dumps), 'scene')} ({named}), "
         f"{count_text(len(methods), 'combination')} of sampler and filter, "
         f"{list_text([f'{b:g}' for b in budgets], LONGEST_LIST)} samples per pixel, "
         f"{several} {'replicate' if several == '1' else 'replicates'} each: "
         f"{count_text(sum(c.replicates for c in combinations), 'result')}.", "scope")
+
+
+def abouts(statistics, metric):
+    """What the intervals and verdicts are about, once where it is the same everywhere."""
+    texts = dict.fromkeys((c["spp"], c["about"]["text"]) for c in statistics.of_metric(metric))
+    if len({text for _, text in texts}) == 1:
+        return [Sentence(f"Intervals and verdicts are about {next(iter(texts))[1]}.", "scope")]
+    return [Sentence(f"At {spp:g} samples per pixel, intervals and verdicts are about {text}.", "scope")
+            for spp, text in texts]
 
 
 def failures(combinations, labels):
@@ -70,104 +63,89 @@ def failures(combinations, labels):
                      f"{first.failures[0]}.", "warning")]
 
 
-def contest(field, metric):
-    """None where no combination has a finite error."""
-    known = [c for c in field if math.isfinite(c.quantities[metric].mean)]
-    if not known:
-        return None
-    best = min(known, key=lambda c: c.quantities[metric].mean)
-    rivals = [c for c in known if c is not best]
-    worse, undecided = [], []
-    for rival in rivals:
-        (worse if _larger(rival, best, metric, len(rivals)) else undecided).append(rival)
-    return Contest(best, worse, undecided)
+def name_of(entry):
+    return f"{entry['sampler']} + {entry['filter']}"
 
 
-def _larger(rival, best, metric, comparisons):
-    if rival.alike or best.alike:
-        return False
-    difference = paired_difference(rival.pairs(best, metric), 1.0 - 0.05 / comparisons)
-    return difference.low > 0.0  # false where fewer than two replicates leave it unknown
-
-
-def best_of(field, metric, labels):
-    where = f"{labels[field[0].dump]} at {field[0].spp:g} spp"
-    outcome = contest(field, metric)
-    if outcome is None:
-        return Sentence(f"{where}: no combination has a finite {metric}.", "warning")
-    best, worse, undecided = outcome
-    value = f"{metric} {interval_text(best.quantities[metric])}"
-    if not worse and not undecided:
-        return Sentence(f"{where}: {best.method}, alone, has {value}.")
-    if max(c.independent_replicates for c in field) < 2:
-        return Sentence(f"{where}: {best.method} has the smallest mean, {value}; without independent "
+def best_of(condition, metric, labels):
+    where = f"{labels[condition['dump']]} at {condition['spp']:g} spp"
+    field = condition["ranking"]
+    best, rest = field[0], field[1:]
+    value = f"{metric} {interval_text(interval_of(best['value']))}{_lost(best)}"
+    if not rest:
+        return Sentence(f"{where}: {name_of(best)}, alone, has {value}.")
+    if not best["compared"] or condition["about"]["kind"] == "one image":
+        return Sentence(f"{where}: {name_of(best)} has the smallest mean, {value}; without independent "
                         "replicates nothing can be said about differences.")
+    compared = [e for e in rest if e["compared"]]
+    worse = [e for e in compared if e["against_best"] == "worse"]
+    level = [e for e in compared if e["against_best"] != "worse"]
     if not worse:
-        return Sentence(f"{where}: no difference is resolved between the {len(field)} combinations; "
-                        f"the smallest mean is that of {best.method}, {value}.")
-    text = f"{where}: {best.method} has the lowest error, {value}"
-    if undecided:
-        text = (f"{where}: {best.method} has the smallest mean, {value}, but is not told apart from "
-                + list_text([c.method for c in undecided], LONGEST_LIST))
-    return Sentence(f"{text}{_against_baseline(best, worse, metric)}.")
+        return Sentence(f"{where}: {name_of(best)} has the smallest mean, {value}; none of the other "
+                        f"{len(compared)} is told apart from it.")
+    if level:
+        text = (f"{where}: {name_of(best)} has the smallest mean, {value}, but is not told apart from "
+                + list_text([name_of(e) for e in level], LONGEST_LIST))
+    else:
+        text = f"{where}: {name_of(best)} has the lowest error, {value}"
+    return Sentence(f"{text}{_against_baseline(best)}.")
 
 
-def _against_baseline(best, worse, metric):
-    ratio = best.quantities.get(metric + "_ratio")
-    if ratio is None or (best.sampler, best.filter) == BASELINE:
+def _lost(entry):
+    return f" (it loses {100 * entry['loses_energy']:.2g} % of the energy)" if "loses_energy" in entry else ""
+
+
+def _against_baseline(entry):
+    verdict = entry.get("against_baseline")
+    if verdict is None:
         return ""
-    baseline = " + ".join(BASELINE)
-    if any((c.sampler, c.filter) == BASELINE for c in worse):
-        if not math.isfinite(ratio.low):
-            return f"; it is lower than {baseline} by a ratio that is not resolved"
-        return f"; it has {factor_text(ratio)} times the error of {baseline}"
-    if not ratio.excludes(1.0):
-        return f"; its ratio to {baseline} is not resolved"
-    # One comparison is easier to decide than all of a field together: say which one this is.
-    return f"; compared with {baseline} alone, it has {factor_text(ratio)} times its error"
+    ratio = interval_of(entry.get("ratio"))
+    if verdict != "better":
+        return f"; it is not told apart from {BASELINE}"
+    if math.isnan(ratio.mean):
+        return f"; it is lower than {BASELINE} by a ratio that is not resolved"
+    return f"; it has {factor_text(ratio)} times the error of {BASELINE}"
 
 
 class Verdict(NamedTuple):
-    """A method against uniform + box at one budget, over all recordings."""
-    ratio: float  # geometric mean of the ratios of means
+    """A method against uniform + box at one budget: on how many scenes which."""
+    ratio: object  # Interval
     better: int
     worse: int
     undecided: int
-    interval: object  # of the ratio, where there is one recording only
 
 
-def verdicts(combinations, metric):
+def verdicts(statistics, metric):
     """{(method, spp): Verdict} for the methods with a baseline beside them."""
-    baselines = baseline_of(combinations)
-    grouped = {}
-    for c in combinations:
-        ratio = c.quantities.get(metric + "_ratio")
-        if ratio is None or baselines.get((c.dump, c.spp)) is c or not math.isfinite(ratio.mean):
-            continue
-        grouped.setdefault((c.method, c.spp), []).append(ratio)
     result = {}
-    for key, ratios in grouped.items():
-        positive = all(r.mean > 0.0 for r in ratios)
-        mean = (math.exp(sum(math.log(r.mean) for r in ratios) / len(ratios)) if positive
-                else float("nan"))
-        better, worse = sum(r.high < 1.0 for r in ratios), sum(r.low > 1.0 for r in ratios)
-        result[key] = Verdict(mean, better, worse, len(ratios) - better - worse,
-                              ratios[0] if len(ratios) == 1 else None)
+    if len(statistics.scenes) > 1:
+        for entry in statistics.overall:
+            found = entry.get("against_baseline", {}).get(metric)
+            if found:
+                result[name_of(entry), entry["spp"]] = Verdict(
+                    interval_of(found["ratio"]), found["better"], found["worse"], found["undecided"])
+        return result
+    for condition in statistics.of_metric(metric):
+        for entry in condition["ranking"]:
+            said = entry.get("against_baseline")
+            if said is not None:
+                result[name_of(entry), condition["spp"]] = Verdict(
+                    interval_of(entry.get("ratio")), said == "better", said == "worse",
+                    said not in ("better", "worse"))
     return result
 
 
 def energy(combinations, labels):
-    known = [c for c in combinations if math.isfinite(
-        c.quantities.get("energy_ratio", (0, float("nan")))[1])]
-    off = [c for c in known if c.quantities["energy_ratio"].excludes(1.0)
-           and abs(c.quantities["energy_ratio"].mean - 1.0) > ENERGY_TOLERANCE]
+    known = [c for c in combinations if math.isfinite(c.quantity("energy_ratio").mean)]
+    off = [c for c in known if c.quantity("energy_ratio").high < 1.0 - ENERGY_TOLERANCE
+           or c.quantity("energy_ratio").low > 1.0 + ENERGY_TOLERANCE]
     if not known:
         return []
     if not off:
         return [Sentence("Energy: no combination is shown to miss the reference's mean by more than "
                          f"{100 * ENERGY_TOLERANCE:g} %.")]
-    worst = max(off, key=lambda c: abs(c.quantities["energy_ratio"].mean - 1.0))
-    ratio = worst.quantities["energy_ratio"]
+    worst = max(off, key=lambda c: abs(c.quantity("energy_ratio").mean - 1.0))
+    ratio = worst.quantity("energy_ratio")
     verb = "loses" if ratio.mean < 1.0 else "adds"
     return [Sentence(f"Energy: {len(off)} of {count_text(len(known), 'combination')} differ from the "
                      f"reference's mean by more than {100 * ENERGY_TOLERANCE:g} %; the furthest, "
@@ -177,7 +155,7 @@ def energy(combinations, labels):
 
 
 def is_biased(combinations):
-    return any("biased" in row.get("reference", "") for c in combinations for row in c.rows.values())
+    return any("biased" in row.get("reference", "") for c in combinations for row in c.rows)
 
 
 def cautions(combinations, metric, labels):
@@ -186,33 +164,31 @@ def cautions(combinations, metric, labels):
         sentences.append(Sentence(
             "Judged by the pool that the images were made of: every error here is too small, and by "
             "a different factor for each method. Do not compare methods by it.", "warning"))
-    saturated = [c for c in combinations
-                 if c.quantities["saturated_share"].mean > SATURATION_LIMIT]
+    saturated = [c for c in combinations if c.quantity("saturated_share").mean > SATURATION_LIMIT]
     if saturated:
-        worst = max(saturated, key=lambda c: c.quantities["saturated_share"].mean)
+        worst = max(saturated, key=lambda c: c.quantity("saturated_share").mean)
         sentences.append(Sentence(
             f"{count_text(len(saturated), 'combination')} ran out of recorded samples in more than "
             f"{100 * SATURATION_LIMIT:g} % of the pieces (most: {worst.method} on "
             f"{labels[worst.dump]} at {worst.spp:g} spp, "
-            f"{100 * worst.quantities['saturated_share'].mean:.1f} %): a longer recording may change "
+            f"{100 * worst.quantity('saturated_share').mean:.1f} %): a longer recording may change "
             "their order.", "warning"))
-    short = [c for c in combinations
-             if c.quantities["samples_per_pixel"].mean < 0.999 * c.spp]
+    short = [c for c in combinations if c.quantity("samples_per_pixel").mean < 0.999 * c.spp]
     if short:
         sentences.append(Sentence(
             f"{count_text(len(short), 'combination')} spent less than the budget, first "
             f"{short[0].method} on {labels[short[0].dump]}: "
-            f"{number_text(short[0].quantities['samples_per_pixel'].mean)} of {short[0].spp:g} "
+            f"{number_text(short[0].quantity('samples_per_pixel').mean)} of {short[0].spp:g} "
             "samples per pixel.", "warning"))
-    unresolved = [c for c in combinations if c.quantities[metric].low <= 0.0]
+    unresolved = [c for c in combinations if c.quantity(metric).low <= 0.0]
     if unresolved:
         sentences.append(Sentence(
             f"{count_text(len(unresolved), 'combination')} have a {metric} whose interval reaches "
-            "zero: their error is at the noise of the reference.", "warning"))
-    alike = sum(c.alike for c in combinations)
+            "zero: the error is not resolved.", "warning"))
+    alike = sum(c.one_image and c.replicates > 1 for c in combinations)
     if alike:
         sentences.append(Sentence(
-            f"The replicates of {count_text(alike, 'combination')} repeat each other exactly (taken "
-            "in recorded order?): their intervals are those of the pixels, and they are not compared.",
+            f"The replicates of {count_text(alike, 'combination')} are one image: "
+            "their intervals are those of its blocks of pixels, and they are not compared.",
             "warning"))
     return sentences

@@ -1,0 +1,74 @@
+"""statistics.json of `spool evaluate`: every mean, interval and verdict of a report is read from it.
+
+Nothing here or elsewhere in the report computes one.
+"""
+
+from pathlib import PurePath
+from typing import NamedTuple
+
+from failure import Failure
+from vocabulary import read_json
+
+NAN = float("nan")
+VERSION = 1
+
+
+class Interval(NamedTuple):
+    mean: float = NAN
+    low: float = NAN
+    high: float = NAN
+
+
+def interval_of(numbers):
+    """Of [mean, low, high], [mean] or nothing."""
+    numbers = [NAN if n is None else float(n) for n in numbers or []]
+    return Interval(*numbers) if len(numbers) in (1, 3) else Interval()
+
+
+class Statistics:
+    def __init__(self, data):
+        self.rules = data.get("rules", {})
+        self.scenes = data["scenes"]
+        self.results = data["results"]
+        self.conditions = data["conditions"]
+        self.curves = data["curves"]
+        self.overall = data["overall"]
+        self._name_threads()
+
+    def scene_of(self):
+        """{file name of a recording: the recording that its scene is named by}; no two have one file name."""
+        return {PurePath(recording).name: scene["dump"] for scene in self.scenes for recording in scene["recordings"]}
+
+    def metrics(self):
+        """Those that methods are ranked by."""
+        return list(dict.fromkeys(c["metric"] for c in self.conditions))
+
+    def of_metric(self, metric):
+        return [c for c in self.conditions if c["metric"] == metric]
+
+    def methods(self):
+        """Every entry that names a sampler and a filter."""
+        yield from self.results
+        yield from (entry for condition in self.conditions for entry in condition["ranking"])
+        yield from self.curves
+        yield from self.overall
+
+    def _name_threads(self):
+        """As results_table does: where numbers of threads are swept over, they are part of the sampler's name."""
+        if len({entry["threads"] for entry in self.results}) < 2:
+            return
+        for entries, threads in [*((c["ranking"], c["threads"]) for c in self.conditions),
+                                 *(([e], e["threads"]) for e in (*self.results, *self.curves, *self.overall))]:
+            for entry in entries:
+                entry["sampler"] += f" [{threads:g} threads]"
+
+
+def read_statistics(folder):
+    path = folder / "statistics.json"
+    again = f"run spool evaluate --statistics-only {folder} first"
+    if not path.exists():
+        raise Failure(f"{path}: is not there: {again}", 3)
+    data = read_json(path)
+    if not isinstance(data, dict) or data.get("version") != VERSION:
+        raise Failure(f"{path}: of another version of spool: {again}")
+    return Statistics(data)
