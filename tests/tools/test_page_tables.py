@@ -21,14 +21,14 @@ table, mse:
 
 | at samples per pixel | 2 | 4 |
 |---|---|---|
-| *uniform + box, MSE* | 1.69 ± 0.06 | 0.76 |
-| multiscale{a=1\\|2} | 0.50 | 0.25 ± 0.01 |
+| *uniform + box, MSE* | 1.69 [1.60, 1.80] | 0.76 |
+| multiscale{a=1\\|2} | 0.50 | 0.25 [0.24, 0.26] |
 
 chess, mse:
 
 | at samples per pixel | 2 | 4 |
 |---|---|---|
-| multiscale{a=1\\|2} | 0.9 ± 0.1 | – |
+| multiscale{a=1\\|2} | 0.9 [0.8, 1.0] | – |
 
 - multiscale is below: agrees.
 """
@@ -39,14 +39,14 @@ def rows_of(path):
         return list(csv.DictReader(file))
 
 
-def test_tables_of_one_header_share_a_file_and_errors_have_their_own_column(tmp_path):
+def test_tables_of_one_header_share_a_file_and_ends_have_columns_of_their_own(tmp_path):
     text = take_apart(BUDGETS, "experiments", tmp_path / "results")
     rows = rows_of(tmp_path / "results/experiments/e3.csv")
     assert [row["of"] for row in rows] == ["table, mse", "table, mse", "chess, mse"]
-    assert rows[0] == {"of": "table, mse", "at samples per pixel": "uniform + box, MSE", "2": "1.69", "2 ±": "0.06",
-                       "4": "0.76", "4 ±": ""}
-    assert rows[1]["at samples per pixel"] == "multiscale{a=1|2}" and rows[1]["4 ±"] == "0.01"
-    assert rows[2]["2 ±"] == "0.1" and rows[2]["4"] == "–"
+    assert rows[0] == {"of": "table, mse", "at samples per pixel": "uniform + box, MSE", "2": "1.69", "2 low": "1.60",
+                       "2 high": "1.80", "4": "0.76", "4 low": "", "4 high": ""}
+    assert rows[1]["at samples per pixel"] == "multiscale{a=1|2}" and rows[1]["4 high"] == "0.26"
+    assert rows[2]["2 low"] == "0.8" and rows[2]["4"] == "–"
     assert "| 2 |" not in text and "table, mse" not in text
     assert "[e3.csv](results/experiments/e3.csv)" in text
     assert text.index("*Asked:*") < text.index("e3.csv") < text.index("- multiscale is below: agrees.")
@@ -74,7 +74,7 @@ def test_a_plot_draws_ratios_over_budgets_and_says_so(tmp_path):
     assert "![e3: error over budget](" in text
     assert "relative to uniform + box" in (tmp_path / "page/e3.svg").read_text(encoding="utf-8")
     lines, base = series_of(parse(BUDGETS.split("\n\n")[5], "table, mse"))
-    assert base == "uniform + box" and lines == {"multiscale{a=1|2}": [(2.0, 0.5, 0.0), (4.0, 0.25, 0.01)]}
+    assert base == "uniform + box" and lines == {"multiscale{a=1|2}": [(2.0, 0.5, 0.5, 0.5), (4.0, 0.25, 0.24, 0.26)]}
 
 
 def test_the_same_table_gives_the_same_bytes(tmp_path):

@@ -1,7 +1,7 @@
 """A1 to A12: one part of the method at a time."""
 from chapter import Chapter
-from results import mean, ratio
-from tables import curves, finding, mean_text, pool_title, ratio_text, table, with_error
+from inference import ratio_of
+from tables import curves, finding, pool_title, table, with_interval
 
 M = "multiscale"
 
@@ -50,8 +50,8 @@ def pool_size(m):
         row, share = [sampler], [sampler]
         for pool in r.pools:
             cell = (pool, sampler, "box", 16)
-            row.append(ratio_text(r.values("mse", *cell), r.values("mse", pool, "uniform", "box", 16)))
-            share.append(f"{100 * mean(r.values('saturated_share', *cell)):.1f} %" if r.rows(*cell) else "–")
+            row.append(with_interval(r.ratio("mse", pool, 16, (sampler, "box"), ("uniform", "box"))))
+            share.append(f"{100 * r.figure('saturated_share', *cell).mean:.1f} %" if r.rows(*cell) else "–")
         rows.append(row)
         shares.append(share)
     header = ["samples per pixel recorded", *(p.rsplit("_n")[-1] for p in r.pools)]
@@ -67,22 +67,22 @@ def references(m):
         rows = []
         for sampler in truth.samplers:
             for f in truth.filters:
-                true = truth.values("mse", pool, sampler, f, 16)
-                rows.append([f"{sampler} + {f}", mean_text(true),
-                             *(ratio_text(r.values("mse", pool, sampler, f, 16), true)
+                cell = ("mse", pool, sampler, f, 16)
+                rows.append([f"{sampler} + {f}", with_interval(truth.figure(*cell)),
+                             *(with_interval(ratio_of(r.values(*cell), truth.values(*cell)))
                                for kind, r in kinds.items() if kind != "independent")])
         blocks.append(f"{pool_title(pool)}, MSE at 16 of 48 samples per pixel, and what each reference makes of it:\n\n"
                       + table(["method", "independent", *(f"{k} / independent" for k in kinds if k != "independent")], rows))
     found = {}
     for kind, r in kinds.items():
-        values = [ratio(r.values("mse", p, s, f, 16), truth.values("mse", p, s, f, 16))
+        values = [ratio_of(r.values("mse", p, s, f, 16), truth.values("mse", p, s, f, 16)).mean
                   for p in truth.pools for s in truth.samplers for f in truth.filters]
-        values = [v[0] for v in values if v]
+        values = [v for v in values if v == v]
         found[kind] = f"{min(values):.2f} to {max(values):.2f}"
-    uniform = ratio(kinds["pool"].values("mse", "scene_s", "uniform", "box", 16),
+    uniform = ratio_of(kinds["pool"].values("mse", "scene_s", "uniform", "box", 16),
                     truth.values("mse", "scene_s", "uniform", "box", 16))
     blocks.append(f"- Expected for fixed counts and no filter when judged by the pool: 1 - 16/48 = 0.667 or 1 - 16/64 = 0.75, "
-                  f"as the judged pool holds what is held out or not. Scene S, uniform, box: {with_error(*uniform)}.\n"
+                  f"as the judged pool holds what is held out or not. Scene S, uniform, box: {with_interval(uniform)}.\n"
                   f"- Over all methods and pools the ratio to the true error goes from {found['pool']} when judged by the pool, "
                   f"{found['holdout']} by samples held out, {found['leave_selected_out']} by samples not selected: the first "
                   "is a bias that differs from method to method, the other two are noise.")

@@ -21,15 +21,15 @@ plt.rcParams.update({
 
 
 def value(cell):
-    """(value, error) of "0.12 ± 0.03"; None for what is no positive number."""
-    match = re.match(r"([-+.\deE]+)(?: ± ([-+.\deE]+))?$", cell.strip("* "))
+    """(value, low, high) of "0.12 [0.10, 0.15]"; None for what is no positive number."""
+    match = re.match(r"([-+.\deE]+)(?: \[([-+.\deE]+), ([-+.\deE]+)\])?$", cell.strip("* "))
     if not match or float(match[1]) <= 0:
         return None
-    return float(match[1]), float(match[2] or 0)
+    return float(match[1]), float(match[2] or match[1]), float(match[3] or match[1])
 
 
 def series_of(table):
-    """{method: [(budget, value, error)]}, and the row that the others are ratios to, if there is one."""
+    """{method: [(budget, value, low, high)]}, and the row that the others are ratios to, if there is one."""
     budgets = [float(text) for text in table.header[1:]]
     lines, base = {}, None
     for name, *row in table.rows:
@@ -54,10 +54,11 @@ def best_of(panels):
 
 def draw(axes, lines, base, named):
     for name, points in lines.items():
-        x, y, e = zip(*points)
+        x, y, low, high = zip(*points)
         if name in named:
             colour, marker = STYLES[named.index(name)]
-            axes.errorbar(x, y, e, color=colour, marker=marker, ms=4, lw=1.4, capsize=2, label=name)
+            ends = [[max(v - a, 0.0) for v, a in zip(y, low)], [max(b - v, 0.0) for v, b in zip(y, high)]]
+            axes.errorbar(x, y, ends, color=colour, marker=marker, ms=4, lw=1.4, capsize=2, label=name)
         else:
             axes.plot(x, y, color=INK, lw=0.6, alpha=0.5)
     if base:

@@ -1,24 +1,14 @@
 """Every sampler with every filter, and the comparison with the figures of independent prototypes."""
-import math
-
 from chapter import Chapter
-from results import mean, order, ratio
-from tables import curves, finding, mean_text, number, pool_title, ratio_text, table, with_error
+from inference import mean_of
+from tables import curves, finding, number, pool_title, table, with_interval
 
 BASE = ("uniform", "box")
 
 
-def geometric(r, sampler, filter_name, spp, column):
-    """Geometric mean over pools of the ratio to uniform with box, with its standard error."""
-    logs, variance = [], 0.0
-    for pool in r.pools:
-        found = ratio(r.values(column, pool, sampler, filter_name, spp), r.values(column, pool, *BASE, spp))
-        if not found or found[0] <= 0:
-            return None
-        logs.append(math.log(found[0]))
-        variance += (found[1] / found[0]) ** 2
-    middle = math.exp(mean(logs))
-    return middle, middle * math.sqrt(variance) / len(logs)
+def milliseconds(values):
+    """Mean over all replicates of the pools."""
+    return f"{1000 * mean_of([v for one in values for v in one]).mean:.1f} ms"
 
 
 def matrix(r, cell, corner):
@@ -29,33 +19,34 @@ def overview(m):
     r = m.results
     blocks = []
     for spp in r.budgets:
-        found = {(s, f): geometric(r, s, f, spp, "relmse") for s in r.samplers for f in r.filters}
-        blocks.append(f"relMSE relative to uniform with box at {spp:g} samples per pixel, geometric mean over "
-                      f"{len(r.pools)} pools:\n\n"
-                      + matrix(r, lambda s, f: with_error(*found[s, f]) if found[s, f] else "–", "sampler \\ filter"))  # noqa: B023
+        def over_pools(s, f):
+            found = r.overall("relmse", s, f, spp)  # noqa: B023
+            return "; ".join(map(with_interval, found)) if found else "–"
+        blocks.append(f"relMSE relative to uniform with box at {spp:g} samples per pixel, geometric mean over the pools"
+                      f"{' of each plan' if len(r.folders) > 1 else ''}:\n\n"
+                      + matrix(r, over_pools, "sampler \\ filter"))
     rows = []
-    real = [(s, f) for s in r.samplers for f in r.filters if s != "neyman" and f != "oracle_scale"]
     for pool in r.pools:
         for spp in r.budgets:
-            values = {c: r.values("relmse", pool, *c, spp) for c in real}
-            best = min((c for c in real if values[c]), key=lambda c: mean(values[c]))
-            level = [f"{s} + {f}" for s, f in real
-                     if (s, f) != best and values[s, f] and order(values[best], values[s, f]) == 0]
-            rows.append([pool_title(pool), f"{spp:g}", " + ".join(best), mean_text(values[best]),
-                         f"{r and mean(r.values('energy_ratio', pool, *best, spp)):.3f}", ", ".join(level[:4]) or "none"])
-    blocks.append("Best in relMSE without oracles, and what is level with it within the noise (at most four shown):\n\n"
-                  + table(["pool", "spp", "best", "relMSE", "energy", "level"], rows))
+            real = [(m, v) for m, v in r.ranked("relmse", pool, spp) if m[0] != "neyman" and m[1] != "oracle_scale"]
+            if not real:
+                continue
+            best = real[0][0]
+            level = [" + ".join(m) for m, _ in real[1:] if r.order("relmse", pool, spp, best, m) == 0]
+            rows.append([pool_title(pool), f"{spp:g}", " + ".join(best), with_interval(r.figure("relmse", pool, *best, spp)),
+                         f"{r.figure('energy_ratio', pool, *best, spp).mean:.3f}",
+                         ", ".join(level[:4]) + (f" and {len(level) - 4} more" if len(level) > 4 else "") or "none"])
+    blocks.append("Best in relMSE without oracles, and what is not told apart from it (at most four named):\n\n"
+                  + table(["pool", "spp", "best", "relMSE", "energy", "not told apart"], rows))
     ours = ("multiscale", "directional")
     said = [finding(f"multiscale + directional is below {s} + {f} in relMSE", r, ours, (s, f), "relmse")
             for s, f in (("uniform", "gaussian"), ("uniform", "directional"), ("greedy_error", "greedy_selection"),
                          ("nl_means", "nl_means"))]
     times = []
     for s in r.samplers:
-        cpu = [1000 * mean(r.values("cpu_sampling", p, s, "box", 8)) for p in r.pools]
-        times.append([s, "", f"{mean(cpu):.1f} ms"])
+        times.append([s, "", milliseconds(r.values("cpu_sampling", p, s, "box", 8) for p in r.pools)])
     for f in r.filters:
-        cpu = [1000 * mean(r.values("cpu_filtering", p, "uniform", f, 8)) for p in r.pools]
-        times.append(["", f, f"{mean(cpu):.1f} ms"])
+        times.append(["", f, milliseconds(r.values("cpu_filtering", p, "uniform", f, 8) for p in r.pools)])
     blocks += ["\n".join(said), "CPU time at 8 samples per pixel, 64 x 64 pixels, mean over the pools (samplers without a "
                "filter in the loop):\n\n" + table(["sampler", "filter", "CPU"], times)]
     if r.failed:
@@ -75,9 +66,9 @@ def all_cells(r):
         for spp in r.budgets:
             for column, title in titles:
                 lines.append(f"{title} at {spp:g} samples per pixel:\n\n" + matrix(
-                    r, lambda s, f: mean_text(r.values(column, pool, s, f, spp)), "sampler \\ filter"))  # noqa: B023
+                    r, lambda s, f: with_interval(r.figure(column, pool, s, f, spp)), "sampler \\ filter"))  # noqa: B023
         lines.append("CPU milliseconds of sampling and filtering at 8 samples per pixel:\n\n" + matrix(
-            r, lambda s, f: number(1000 * mean([a["cpu_sampling"] + a["cpu_filtering"] for a in r.rows(pool, s, f, 8)]))  # noqa: B023
+            r, lambda s, f: number(1000 * mean_of([a["cpu_sampling"] + a["cpu_filtering"] for a in r.rows(pool, s, f, 8)]).mean)  # noqa: B023
             if r.rows(pool, s, f, 8) else "–", "sampler \\ filter"))  # noqa: B023
     return lines
 
@@ -111,8 +102,8 @@ def prototypes(m):
     for pool, what, sampler, filter_name, figures in FIGURES:
         row = [pool_title(pool), what]
         for spp, figure in zip((4, 8, 16), figures):
-            found = ratio(r.values("mse", pool, sampler, filter_name, spp), r.values("mse", pool, *BASE, spp))
-            row.append("–" if not found else f"{with_error(*found)}" + (f" ({figure:g})" if figure else ""))
+            found = with_interval(r.ratio("mse", pool, spp, (sampler, filter_name), BASE))
+            row.append(found + (f" ({figure:g})" if figure and found != "–" else ""))
         rows.append(row)
     return ["MSE relative to uniform with box; the prototype's figure in brackets:\n\n"
             + table(["pool", "method", "4 spp", "8 spp", "16 spp"], rows)]

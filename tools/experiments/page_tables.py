@@ -1,7 +1,7 @@
 """Takes the tables of a generated page apart: figures go to CSV files and plots, verdicts stay on the page.
 
 A table is a block of markdown rows; the paragraph before it says what it shows and becomes the column `of`. Tables of one
-chapter with the same header share a file. A cell "0.12 ± 0.03" becomes two columns, the second named "... ±".
+chapter with the same header share a file. A cell "0.12 [0.10, 0.15]" becomes three columns: "...", "... low", "... high".
 """
 import csv
 import re
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 # A table of that many rows or fewer can be read where it stands.
 SHORT = 8
-ERROR = " ± "
+INTERVAL = re.compile(r"(.*?) \[([^,\]]+), ([^\]]+)\]$")
 
 
 @dataclass
@@ -40,17 +40,17 @@ def is_caption(block):
     return not block.startswith(("#", "|", "-", "    ")) and block.endswith(":") and "\n" not in block
 
 
-def with_errors_apart(table):
-    """(header, rows) in which an error has a column of its own."""
-    split = [any(ERROR in row[i] for row in table.rows if i < len(row)) for i in range(len(table.header))]
+def with_ends_apart(table):
+    """(header, rows) in which the ends of an interval have columns of their own."""
+    split = [any(INTERVAL.match(plain(row[i])) for row in table.rows if i < len(row)) for i in range(len(table.header))]
     header, rows = [], []
-    for name, two in zip(table.header, split):
-        header += [plain(name), f"{plain(name)} ±"] if two else [plain(name)]
+    for name, three in zip(table.header, split):
+        header += [plain(name) + end for end in ("", " low", " high")] if three else [plain(name)]
     for row in table.rows:
         values = []
-        for cell, two in zip(row, split):
-            value, _, error = plain(cell).partition(ERROR)
-            values += [value, error] if two else [plain(cell)]
+        for cell, three in zip(row, split):
+            found = INTERVAL.match(plain(cell))
+            values += ([*found.groups()] if found else [plain(cell), "", ""]) if three else [plain(cell)]
         rows.append(values)
     return header, rows
 
@@ -63,15 +63,15 @@ def chapter_name(heading):
 
 
 def write_csv(path, tables):
-    header, _ = with_errors_apart(tables[0])
-    # Errors may be missing in one table and present in the next: all columns that any of them has.
+    header, _ = with_ends_apart(tables[0])
+    # Intervals may be missing in one table and present in the next: all columns that any of them has.
     for table in tables[1:]:
-        header += [name for name in with_errors_apart(table)[0] if name not in header]
+        header += [name for name in with_ends_apart(table)[0] if name not in header]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, ["of", *header], lineterminator="\n")
         writer.writeheader()
         for table in tables:
-            names, rows = with_errors_apart(table)
+            names, rows = with_ends_apart(table)
             for row in rows:
                 writer.writerow({"of": table.caption, **dict(zip(names, row))})
 

@@ -1,7 +1,7 @@
 """E1 to E10: the paper's table and figures on the pools of the tree."""
 from chapter import Chapter
-from results import mean, order
-from tables import compared, curves, finding, mean_text, pool_title, ratio_text, table
+from inference import mean_of, order_of, ratio_of
+from tables import compared, curves, finding, mean_text, pool_title, table, with_interval
 
 MULTISCALE = "multiscale"
 FILTERS = ("haar", "5-3", "9-7", "db3")
@@ -35,9 +35,9 @@ def pyramid_filters(m):
                 key = lambda f: (pool, options(MULTISCALE + preset, f"filter={f}"), 4)  # noqa: E731
                 high, low = ("db3", "5-3") if b is None else ("5-3", b)
                 a_values, b_values = (m.density.get(key(f), {}).get(column, []) for f in (high, low))
-                found = order(b_values, a_values)
+                found = order_of(b_values, a_values)
                 if found is not None:
-                    word = {-1: "yes", 0: "within the noise", 1: "**no**"}[found]
+                    word = {-1: "yes", 0: "not told apart", 1: "**no**"}[found]
                     verdicts.append(f"{pool_title(pool)}, {preset[1:] or 'robust'}: {word}")
         said.append(f"- {statement}: {'; '.join(verdicts)}.")
     return blocks + ["\n".join(said)]
@@ -61,7 +61,7 @@ def samplers_over_budget(m):
     said += [finding(f"multiscale is below {name} in MSE", r, ours, (name, "box"), budgets=budgets)
              for name in ("mitchell", "adaptive_wavelet", "greedy_error")]
     said.append(finding("mitchell is below uniform in relMSE", r, ("mitchell", "box"), uniform, "relmse", budgets=budgets))
-    energy = [[pool_title(pool), *(mean_text(r.values("energy_ratio", pool, s, "box", 8)) for s in r.samplers)]
+    energy = [[pool_title(pool), *(with_interval(r.figure("energy_ratio", pool, s, "box", 8)) for s in r.samplers)]
               for pool in r.pools]
     return [*(curves(r, pool, column) for pool in r.pools for column in ("mse", "relmse")),
             "Energy ratio at 8 samples per pixel (below 1: bright events that were missed are not looked for again):\n\n"
@@ -86,8 +86,8 @@ def density(m):
         rows.append([sampler, *(mean_text(found.get(c, [])) for c in ("correlation", "block_index", "near_edges"))])
     blocks = next(iter(m.density.values()))["edge_area"][0]
     wavelet = {k[1]: v for k, v in m.density.items()}
-    index = mean(wavelet["adaptive_wavelet"]["block_index"])
-    ours = mean(wavelet[MULTISCALE]["block_index"])
+    index = mean_of(wavelet["adaptive_wavelet"]["block_index"]).mean
+    ours = mean_of(wavelet[MULTISCALE]["block_index"]).mean
     return [f"chess at 16 samples per pixel; edges are {100 * blocks:.0f} % of the image:\n\n"
             + table(["sampler", "correlation of the count with the pool's deviation", "block artefact index (16 pixels)",
                      "adaptive samples near edges"], rows),
@@ -104,7 +104,7 @@ def threads(m):
             wall = [a["seconds_sampling"] + a["seconds_filtering"]
                     for a in r.rows(r.pools[0], sampler, "directional", 4, count)]
             single = single or wall
-            row.append(f"{mean_text(wall)} s (x {ratio_text(single, wall)})" if wall else "–")
+            row.append(f"{mean_text(wall)} s (x {with_interval(ratio_of(single, wall))})" if wall else "–")
         rows.append(row)
     same = all(len({tuple(r.values("mse", r.pools[0], s, "directional", 4, t)) for t in r.threads}) == 1 for s in r.samplers)
     cost = r.rows(r.pools[0], r.samplers[0], "directional", 4)[0]["seconds_per_sample"]
@@ -152,7 +152,7 @@ def every_method(m):
         cell = (pool, sampler, filter_name, 8)
         time = [a["cpu_sampling"] + a["cpu_filtering"] for a in r.rows(*cell)]
         rows.append([f"{sampler} + {filter_name}",
-                     *(mean_text(r.values(c, *cell)) for c in ("mse", "relmse", "flip_ldr", "ssim", "energy_ratio")),
+                     *(with_interval(r.figure(c, *cell)) for c in ("mse", "relmse", "flip_ldr", "ssim", "energy_ratio")),
                      f"{mean_text([1000 * t for t in time])} ms" if time else "–"])
     best = (options(MULTISCALE, "update=epoch"), "directional")
     said = [finding(f"multiscale + directional is below {s} + {f} in {c}", r, best, (s, f), c.lower())

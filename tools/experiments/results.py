@@ -1,13 +1,15 @@
-"""Reads the results of `spool evaluate` and compares methods over replicates.
+"""Reads what `spool evaluate` wrote: figures and verdicts of statistics.json, and the rows of single replicates.
 
-A replicate is the same order of samples for every method, so differences are taken within replicates.
+A verdict between two methods of one plan is that of statistics.json, which decides all pairs of a recording and budget
+together. No figure is computed here.
 """
 import json
-import math
+import sys
 from pathlib import PurePosixPath
 
-# Two-sided 95 % quantile of Student's t by degrees of freedom.
-T_QUANTILE = {1: 12.706, 2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571, 6: 2.447, 7: 2.365, 8: 2.306, 9: 2.262}
+from inference import ORDER, Interval, interval_of
+
+VERSION = 1
 
 
 def canonical(label):
@@ -16,25 +18,60 @@ def canonical(label):
     return name + (brace + ",".join(sorted(options.removesuffix("}").split(","))) + "}" if brace else "")
 
 
+def _pool(path):
+    return PurePosixPath(path).stem
+
+
+def _name(entry):
+    return canonical(entry["sampler"]), canonical(entry["filter"])
+
+
+def read_statistics(folder):
+    data = json.loads((folder / "statistics.json").read_text())
+    if data.get("version") != VERSION:
+        sys.exit(f"{folder}: statistics.json is of another version: run spool evaluate --statistics-only {folder}")
+    return data
+
+
 class Results:
-    """The rows of one folder or several, by (pool, sampler, filter, spp, threads)."""
+    """The results of one folder or several, by (pool, sampler, filter, spp, threads)."""
 
     def __init__(self, folders):
         self.folders = list(folders)
-        self._rows, self.failed = {}, {}
+        self._rows, self._figures, self.failed = {}, {}, {}
+        self._pairs = {}  # (pool, spp, threads, metric): {(method, method): (verdict of the first, ratio)}
+        self._overall = {}  # (sampler, filter, spp, threads, metric): [ratio of each folder]
+        self._best = {}   # (pool, spp, threads, metric): methods by mean with (letters, against the best)
         for folder in self.folders:
             for line in (folder / "results.jsonl").read_text().splitlines():
                 self._add(json.loads(line))
+            self._add_statistics(read_statistics(folder))
         for rows in self._rows.values():
             rows.sort(key=lambda row: row["replicate"])
 
     def _add(self, row):
-        key = (PurePosixPath(row["dump"]).stem, canonical(row["sampler"]), canonical(row["filter"]),
-               row["spp"], row["threads"])
+        key = (_pool(row["dump"]), *_name(row), row["spp"], row["threads"])
         if row["error"]:
             self.failed[key] = row["error"]
         else:
             self._rows.setdefault(key, []).append(row)
+
+    def _add_statistics(self, statistics):
+        for entry in statistics["results"]:
+            key = (_pool(entry["dump"]), *_name(entry), entry["spp"], entry["threads"])
+            self._figures[key] = {name: interval_of(v) for name, v in entry.get("quantities", {}).items()}
+        for condition in statistics["conditions"]:
+            key = (_pool(condition["dump"]), condition["spp"], condition["threads"], condition["metric"])
+            methods = [_name(entry) for entry in condition["ranking"]]
+            self._best[key] = [(name, entry.get("against_best", "best" if entry["compared"] else "not compared"))
+                               for name, entry in zip(methods, condition["ranking"])]
+            pairs = self._pairs.setdefault(key, {})
+            for a, b, *ratio, _, verdict in condition.get("pairs", []):
+                pairs[methods[a], methods[b]] = verdict, interval_of(ratio if ratio[0] is not None else [])
+        for entry in statistics["overall"]:
+            for metric, found in entry.get("against_baseline", {}).items():
+                key = (*_name(entry), entry["spp"], entry["threads"], metric)
+                self._overall.setdefault(key, []).append(interval_of(found["ratio"]))
 
     def _names(self, index):
         return list(dict.fromkeys(key[index] for key in self._rows))
@@ -63,49 +100,50 @@ class Results:
         """The part with these methods."""
         part = Results([])
         part.folders = self.folders
-        for kept, all_of_them in ((part._rows, self._rows), (part.failed, self.failed)):
+        for kept, all_of_them in ((part._rows, self._rows), (part._figures, self._figures), (part.failed, self.failed)):
             kept.update((k, v) for k, v in all_of_them.items() if k[1] in samplers and k[2] in filters)
+        part._pairs, part._best, part._overall = self._pairs, self._best, self._overall
         return part
 
+    def _threads(self, threads):
+        return self.threads[0] if threads is None else threads
+
     def rows(self, pool, sampler, filter_name, spp, threads=None):
-        sampler, filter_name = canonical(sampler), canonical(filter_name)
-        if threads is None:
-            threads = self.threads[0]
-        return self._rows.get((pool, sampler, filter_name, spp, threads), [])
+        return self._rows.get((pool, canonical(sampler), canonical(filter_name), spp, self._threads(threads)), [])
 
     def values(self, column, *cell):
         """One number per replicate; empty where the cell failed or was not run."""
         values = [row[column] for row in self.rows(*cell)]
         return [] if None in values else [float(value) for value in values]
 
+    def figure(self, column, pool, sampler, filter_name, spp, threads=None):
+        """Mean and 95 % interval of a quantity."""
+        key = (pool, canonical(sampler), canonical(filter_name), spp, self._threads(threads))
+        return self._figures.get(key, {}).get(column, Interval())
 
-def mean(values):
-    return sum(values) / len(values)
+    def _pair(self, column, pool, spp, a, b, threads):
+        pairs = self._pairs.get((pool, spp, self._threads(threads), column), {})
+        a, b = (tuple(map(canonical, method)) for method in (a, b))
+        if (a, b) in pairs:
+            return pairs[a, b]
+        verdict, ratio = pairs.get((b, a), ("not compared", Interval()))
+        swapped = {"better": "worse", "worse": "better"}
+        turned = [1.0 / r for r in (ratio.mean, ratio.high, ratio.low)] if ratio.mean == ratio.mean else []
+        return swapped.get(verdict, verdict), interval_of(turned)
 
+    def ratio(self, column, pool, spp, a, b, threads=None):
+        """Error of method a over that of b."""
+        return self._pair(column, pool, spp, a, b, threads)[1]
 
-def standard_error(values):
-    n, middle = len(values), mean(values)
-    return math.sqrt(sum((v - middle) ** 2 for v in values) / (n - 1) / n) if n > 1 else math.nan
+    def order(self, column, pool, spp, a, b, threads=None):
+        """-1 where a is below b, 1 above, 0 not told apart, None not compared: the verdict of statistics.json."""
+        return ORDER[self._pair(column, pool, spp, a, b, threads)[0]]
 
+    def overall(self, column, sampler, filter_name, spp, threads=None):
+        """Ratio to uniform + box, geometric mean over the recordings of each folder: [Interval]."""
+        key = (canonical(sampler), canonical(filter_name), spp, self._threads(threads), column)
+        return self._overall.get(key, [])
 
-def ratio(a, b):
-    """Ratio of the means and its standard error: jackknife over replicates that both have."""
-    n = len(a)
-    if n == 0 or len(b) != n or sum(b) == 0:
-        return None
-    whole = sum(a) / sum(b)
-    if n == 1:
-        return whole, math.nan
-    left_out = [(sum(a) - a[i]) / (sum(b) - b[i]) for i in range(n)]
-    middle = mean(left_out)
-    return whole, math.sqrt((n - 1) / n * sum((x - middle) ** 2 for x in left_out))
-
-
-def order(a, b):
-    """-1 where a is below b beyond the noise (95 %, paired), 1 above, 0 neither, None unknown."""
-    if len(a) < 2 or len(a) != len(b):
-        return None
-    differences = [x - y for x, y in zip(a, b, strict=True)]
-    reach = T_QUANTILE[min(len(a) - 1, max(T_QUANTILE))] * standard_error(differences)
-    middle = mean(differences)
-    return -1 if middle + reach < 0 else 1 if middle - reach > 0 else 0
+    def ranked(self, column, pool, spp, threads=None):
+        """[((sampler, filter), verdict against the best)], best mean first."""
+        return self._best.get((pool, spp, self._threads(threads), column), [])

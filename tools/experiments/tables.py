@@ -1,7 +1,7 @@
 """Markdown tables and sentences from results."""
 import math
 
-from results import mean, order, ratio, standard_error
+from inference import mean_of
 
 POOL_TITLES = {
     "scene_s": "scene S", "scene_s_fireflies": "scene S with fireflies", "scene_s_128": "scene S, 128 x 128",
@@ -25,25 +25,18 @@ def number(value, digits=3):
     return f"{value:.{places}f}"
 
 
-def with_error(value, error):
-    """The value with as many places as its error needs: 0.1234 +- 0.0021."""
-    if math.isnan(error):
-        return number(value)
-    if error <= 0 or not math.isfinite(error):
-        return number(value, 4)
-    if abs(value) < 1e-3 or abs(value) >= 1e4:
-        return f"{value:.3g} ± {error:.1g}"
-    places = min(6, max(0, 1 - math.floor(math.log10(error))))
-    return f"{value:.{places}f} ± {error:.{places}f}"
+def with_interval(found):
+    """0.123 [0.110, 0.138]"""
+    if math.isnan(found.mean):
+        return "–"
+    if math.isnan(found.low) or found.low == found.high:
+        return number(found.mean)
+    return f"{number(found.mean)} [{number(found.low)}, {number(found.high)}]"
 
 
 def mean_text(values):
-    return with_error(mean(values), standard_error(values)) if values else "–"
-
-
-def ratio_text(a, b):
-    found = ratio(a, b)
-    return with_error(*found) if found else "–"
+    """Of a series that statistics.json does not hold."""
+    return with_interval(mean_of(values))
 
 
 def table(header, rows):
@@ -60,15 +53,14 @@ def curves(results, pool, column="mse", base=("uniform", "box"), methods=None):
     budgets = results.budgets
     methods = methods or [(s, f) for s in results.samplers for f in results.filters]
     rows = [[f"*{' + '.join(base)}, {column.upper()}*",
-             *(mean_text(results.values(column, pool, *base, spp)) for spp in budgets)]] if base else []
+             *(with_interval(results.figure(column, pool, *base, spp)) for spp in budgets)]] if base else []
     for sampler, filter_name in methods:
         if (sampler, filter_name) == base:
             continue
         row = [method(results, sampler, filter_name)]
         for spp in budgets:
-            values = results.values(column, pool, sampler, filter_name, spp)
-            row.append(ratio_text(values, results.values(column, pool, *base, spp)) if base
-                       else mean_text(values))
+            row.append(with_interval(results.ratio(column, pool, spp, (sampler, filter_name), base) if base
+                                     else results.figure(column, pool, sampler, filter_name, spp)))
         if any(cell != "–" for cell in row[1:]):
             rows.append(row)
     return f"{pool_title(pool)}, {column}:\n\n" + table(
@@ -76,24 +68,24 @@ def curves(results, pool, column="mse", base=("uniform", "box"), methods=None):
 
 
 def compared(results, a, b, column="mse", pools=None, budgets=None):
-    """'on table below at 4, 8 and above at 16 spp, ...': a against b, beyond the noise."""
+    """'on table below at 4, 8 and above at 16 spp, ...': a against b."""
     parts = []
     for pool in pools or results.pools:
         words = {-1: [], 0: [], 1: []}
         for spp in budgets or results.budgets:
-            found = order(results.values(column, pool, *a, spp), results.values(column, pool, *b, spp))
+            found = results.order(column, pool, spp, a, b)
             if found is not None:
                 words[found].append(f"{spp:g}")
         said = [f"{name} at {', '.join(words[key])}" for key, name in
-                ((-1, "below"), (0, "level within the noise"), (1, "above")) if words[key]]
+                ((-1, "below"), (0, "not told apart"), (1, "above")) if words[key]]
         if said:
             parts.append(f"{pool_title(pool)}: {'; '.join(said)} spp")
     return ". ".join(parts) + "." if parts else "not measured."
 
 
 def tally(results, a, b, column="mse", pools=None, budgets=None):
-    """How often a is below, level with and above b."""
-    found = [order(results.values(column, pool, *a, spp), results.values(column, pool, *b, spp))
+    """How often a is below, not told apart from and above b."""
+    found = [results.order(column, pool, spp, a, b)
              for pool in pools or results.pools for spp in budgets or results.budgets]
     return found.count(-1), found.count(0), found.count(1)
 
@@ -109,11 +101,11 @@ def finding(statement, results, a, b, column="mse", pools=None, budgets=None):
     elif above == total:
         verdict = "**disagrees**"
     elif above == 0 and below > 0:
-        verdict = "agrees, partly within the noise"
+        verdict = "agrees, in part not told apart"
     elif below == 0 and above == 0:
-        verdict = "undecided: within the noise"
+        verdict = "undecided: not told apart"
     elif below == 0:
-        verdict = "**disagrees**, partly within the noise"
+        verdict = "**disagrees**, in part not told apart"
     else:
         verdict = "**mixed**"
     return f"- {statement}: {verdict}. {compared(results, a, b, column, pools, budgets)[0].upper()}" \

@@ -19,6 +19,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from page_tables import take_apart  # noqa: E402
 from pools import PLANS, make_pools  # noqa: E402
+from inference import use_program  # noqa: E402
 from results import Results  # noqa: E402
 from tuning_choice import Candidate, Scores  # noqa: E402
 from tuning_page import page  # noqa: E402
@@ -111,7 +112,7 @@ def judging_plan(pools, candidates, folder, budgets=BUDGETS, rivals=(CONTROL, *R
     return "\n".join([
         f'title = "judged on {", ".join(pools)}"',
         f"recordings = {json.dumps([os.path.relpath(ROOT / recording(p), folder) for p in pools])}",
-        f"spp = {budgets}", "replicates = 5", "pictures = false",
+        f"spp = {budgets}", "replicates = 8", "pictures = false",
         f"samplers = {quoted(s for s, _ in rivals)}", f"filters = {quoted(f for _, f in rivals)}",
         *entries("sampler", SAMPLER, [c.sampler for c in candidates]),
         *entries("filter", FILTER, [c.filter for c in candidates])]) + "\n"
@@ -134,6 +135,7 @@ def choices(left_out, from_all):
 
 def main():
     arguments = parse()
+    use_program(arguments.program)
     make_pools(arguments.program, PLANS / "pools")
     folder = evaluate(PLANS / "tuning.toml", arguments.results / "candidates", arguments)
     if folder is None:

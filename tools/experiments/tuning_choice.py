@@ -1,13 +1,13 @@
 """Chooses among candidates of one method: by the pools that it is given, and by no other.
 
-Score of a candidate on a pool, lower is better: the mean over budgets of
+Score of a candidate on a pool, lower is better: the mean over budgets and replicates of
     ln(relMSE / relMSE of the defaults) + ENERGY_WEIGHT * (distance of the energy ratio from 0.97 .. 1.03).
 On several pools: the mean of theirs.
 """
 import math
 from dataclasses import dataclass
 
-from results import mean
+from inference import mean_of
 
 ENERGY_BAND = (0.97, 1.03)
 ENERGY_WEIGHT = 2.0  # 1 % of energy beyond the band counts as 2 % of relMSE
@@ -34,13 +34,18 @@ class Choice:
     default_score: float  # of the candidate without changes; NaN where it is not one
 
 
+def average(values):
+    values = list(values)
+    return sum(values) / len(values)
+
+
 def outside(energy):
     """How far an energy ratio is outside the band."""
     return max(0.0, ENERGY_BAND[0] - energy, energy - ENERGY_BAND[1])
 
 
 class Scores:
-    """Scores of candidates by pool, as a whole and with each replicate left out in turn.
+    """Scores of candidates by pool and replicate.
 
     `cells[candidate][pool]` is a list with, for each budget, (relMSE, energy, relMSE of the defaults), each a list of one
     number per replicate. A candidate that lacks a pool or a budget takes no part.
@@ -56,34 +61,37 @@ class Scores:
         self._scores = {c: {p: self._of_pool(by_pool[p]) for p in pools} for c, by_pool in complete.items()}
 
     def _of_pool(self, budgets):
-        replicates = len(budgets[0][0])
-        return [mean([self._of_cell(*cell, left_out=r) for cell in budgets]) for r in (None, *range(replicates))]
+        return [average(of_budgets) for of_budgets in zip(*(self._of_cell(*cell) for cell in budgets), strict=True)]
 
-    def _of_cell(self, error, energy, base, left_out):
-        kept = [r for r in range(len(error)) if r != left_out or len(error) == 1]
-        ratio = sum(error[r] for r in kept) / sum(base[r] for r in kept)
-        return math.log(max(ratio, LEAST_RATIO)) + self.energy_weight * outside(mean([energy[r] for r in kept]))
+    def _of_cell(self, error, energy, base):
+        return [math.log(max(e / b, LEAST_RATIO)) + self.energy_weight * outside(light)
+                for e, light, b in zip(error, energy, base, strict=True)]
 
     @property
     def candidates(self):
         return list(self._scores)
 
     def variants(self, candidate, pools):
-        """The score on these pools, then the same without each replicate."""
-        return [mean(values) for values in zip(*(self._scores[candidate][p] for p in pools), strict=True)]
+        """The score on these pools, one of each replicate."""
+        return [average(values) for values in zip(*(self._scores[candidate][p] for p in pools), strict=True)]
 
     def difference(self, a, b, pools):
-        """Score of a less score of b and its standard error: jackknife over replicates, paired."""
-        whole, *parts = [x - y for x, y in zip(self.variants(a, pools), self.variants(b, pools), strict=True)]
-        n, middle = len(parts), mean(parts)
-        return whole, math.sqrt((n - 1) / n * sum((x - middle) ** 2 for x in parts))
+        """Score of a less score of b and its standard error over replicates, paired."""
+        parts = [x - y for x, y in zip(self.variants(a, pools), self.variants(b, pools), strict=True)]
+        if not any(parts):
+            return 0.0, 0.0
+        found = mean_of(parts, positive=False)
+        return found.mean, found.standard_error
+
+    def score(self, candidate, pools):
+        return average(self.variants(candidate, pools))
 
     def choose(self, pools):
         """The best on these pools. Level with it is what lies within one standard error of the paired difference;
         of those the one that changes the fewest defaults is taken, then the one with the lower score, then the first of
         the plan."""
         pools = list(pools)
-        scores = {c: self.variants(c, pools)[0] for c in self.candidates}
+        scores = {c: self.score(c, pools) for c in self.candidates}
         best = min(self.candidates, key=lambda c: (scores[c], c.place))
         tied = []
         for c in self.candidates:

@@ -1,7 +1,7 @@
 """How much a choice changes the error, with the noise of the samples."""
 import math
 
-from results import T_QUANTILE, mean
+from inference import mean_of
 
 
 def percent(log_ratio):
@@ -9,23 +9,18 @@ def percent(log_ratio):
 
 
 def gain(judged, pool, chosen, defaults, budgets, column="relmse"):
-    """ln of the error of the choice over that of the defaults: mean over budgets, as a whole and without each replicate."""
-    cells = [(judged.values(column, pool, *chosen, b), judged.values(column, pool, *defaults, b)) for b in budgets]
-    replicates = len(cells[0][0])
-    def variant(left_out):
-        return mean([math.log(sum(x for r, x in enumerate(a) if r != left_out)
-                              / sum(x for r, x in enumerate(b) if r != left_out)) for a, b in cells])
-    return [variant(None), *(variant(r) for r in range(replicates))]
+    """ln of the error of the choice over that of the defaults, of each replicate: mean over budgets."""
+    cells = [zip(judged.values(column, pool, *chosen, b), judged.values(column, pool, *defaults, b), strict=True)
+             for b in budgets]
+    return [sum(math.log(x / y) for x, y in of_budgets) / len(budgets) for of_budgets in zip(*cells, strict=True)]
 
 
-def gain_text(variants):
-    """'-3.1 % (-6.0 .. -0.1)', and whether 0 is outside the interval."""
-    whole, *parts = variants
-    n, middle = len(parts), mean(parts)
-    error = math.sqrt((n - 1) / n * sum((x - middle) ** 2 for x in parts))
-    low, high = (whole + sign * T_QUANTILE[min(n - 1, max(T_QUANTILE))] * error for sign in (-1, 1))
-    return f"{percent(whole)} ({percent(low)} .. {percent(high)})", (high < 0) - (low > 0)
+def gain_text(replicates):
+    """'-3.1 % (-6.0 .. -0.1)', and 1 where all of the interval is below 0, -1 above."""
+    found = mean_of(replicates, positive=False)
+    return (f"{percent(found.mean)} ({percent(found.low)} .. {percent(found.high)})",
+            (found.high < 0) - (found.low > 0))
 
 
 def pooled(gains):
-    return [mean(values) for values in zip(*gains, strict=True)]
+    return [sum(values) / len(values) for values in zip(*gains, strict=True)]

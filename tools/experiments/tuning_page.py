@@ -1,10 +1,9 @@
 """docs/tuning.md: the candidates, the choices, and where the target is met and missed."""
-from results import mean, order
-from tables import mean_text, number, pool_title, ratio_text, table
-from tuning_choice import ENERGY_BAND, ENERGY_WEIGHT, Scores
+from tables import number, pool_title, table, with_interval
+from tuning_choice import ENERGY_BAND, ENERGY_WEIGHT, Scores, average
 from tuning_gain import gain, gain_text, pooled
 from tuning_pools import ALONE, APART_ANALYTIC, APART_RECORDED, CHOOSING, RECORDED, SECOND
-from tuning_verdict import MET, MISSED, NOISE, RIVALS, energy_parts, reasons, verdict, with_interval
+from tuning_verdict import MET, MISSED, NOISE, RIVALS, energy_parts, reasons, verdict
 
 HEAD = f"""# Tuning of `robust`
 
@@ -20,10 +19,10 @@ It runs `spool evaluate tools/plans/tuning.toml -o build/tuning/candidates`, cho
 took no part in it? **The target**, on each pool at 4, 8 and 16 samples per pixel: relMSE at or below that of
 {', '.join(' + '.join(r) for r in RIVALS)}; energy ratio within {ENERGY_BAND[0]} .. {ENERGY_BAND[1]}.
 
-**The rule of choice.** The score of a candidate on a pool is the mean over budgets of ln(relMSE / relMSE of today's
+**The rule of choice.** The score of a candidate on a pool is the mean over budgets and replicates of ln(relMSE / relMSE of today's
 defaults), plus {ENERGY_WEIGHT:g} times the distance of its energy ratio from the band: 1 % of energy outside counts as
 {ENERGY_WEIGHT:g} % of relMSE. On several pools it is the mean of theirs. Level with the best is what lies within one
-standard error of the paired difference (jackknife over replicates); of those the candidate that changes the fewest
+standard error of the paired difference over replicates; of those the candidate that changes the fewest
 defaults is taken, then the one with the lower score, then the first of the plan.
 
 **Who chooses.** {', '.join(CHOOSING)}: one recording per scene. Each is left out in turn: the other four choose, and
@@ -90,7 +89,7 @@ def choices_section(scores, left_out, from_all, judged, chosen, defaults, budget
 
 def energies(judged, chosen, defaults, budgets):
     def middle(methods):
-        return mean([abs(1 - mean(judged.values("energy_ratio", p, *methods[p], b))) for p in CHOOSING if p in chosen for b in budgets])
+        return average([abs(1 - judged.figure("energy_ratio", p, *methods[p], b).mean) for p in CHOOSING if p in chosen for b in budgets])
     return (f"Energy, mean distance from 1 over the five pools, left out, and budgets: {middle(chosen):.3f}; "
             f"the defaults {middle({p: defaults for p in CHOOSING}):.3f}; "
             + "; ".join(f"{' + '.join(r)} {middle({p: r for p in CHOOSING}):.3f}" for r in RIVALS) + ".")
@@ -98,11 +97,11 @@ def energies(judged, chosen, defaults, budgets):
 
 def leaders_section(scores, count=10):
     unchanged = next((c for c in scores.candidates if c.changes == 0), None)
-    ranked = sorted(scores.candidates, key=lambda c: (scores.variants(c, CHOOSING)[0], c.place))
+    ranked = sorted(scores.candidates, key=lambda c: (scores.score(c, CHOOSING), c.place))
     rows = []
     for candidate in [*ranked[:count], *([unchanged] if unchanged and unchanged not in ranked[:count] else [])]:
         difference, error = scores.difference(candidate, ranked[0], CHOOSING)
-        rows.append([str(ranked.index(candidate) + 1), options_text(candidate), number(scores.variants(candidate, CHOOSING)[0]),
+        rows.append([str(ranked.index(candidate) + 1), options_text(candidate), number(scores.score(candidate, CHOOSING)),
                      f"{difference:.3f} ± {error:.3f}"])
     blocks = ["## The best on all five pools", "A difference of 0.01 is 1 % of relMSE. These had their say: their scores flatter them.",
               table(["rank", "options", "score", "above the first"], rows)]
@@ -118,18 +117,18 @@ def target_table(judged, pools, methods, budgets):
     rows = []
     for pool in pools:
         for spp in budgets:
-            ours = judged.values("relmse", pool, *methods[pool], spp)
-            if not ours:
+            ours = judged.figure("relmse", pool, *methods[pool], spp)
+            if ours.mean != ours.mean:
                 continue
             said = verdict(judged, pool, spp, *methods[pool])
             cells = []
             for rival, word in zip(RIVALS, said.rivals):
-                ratio = with_interval(ours, judged.values("relmse", pool, *rival, spp))
+                ratio = with_interval(judged.ratio("relmse", pool, spp, methods[pool], rival))
                 cells.append({MISSED: f"**{ratio}**", NOISE: f"*{ratio}*"}.get(word, ratio))
-            energy = mean_text(judged.values("energy_ratio", pool, *methods[pool], spp))
+            energy = with_interval(judged.figure("energy_ratio", pool, *methods[pool], spp))
             cells.append({MISSED: f"**{energy}**", NOISE: f"*{energy}*"}.get(said.energy, energy))
             missed = (["relMSE"] if set(said.rivals) & {MISSED, NOISE} else []) + (["energy"] if said.energy in (MISSED, NOISE) else [])
-            rows.append([pool_title(pool), f"{spp:g}", mean_text(ours), *cells,
+            rows.append([pool_title(pool), f"{spp:g}", with_interval(ours), *cells,
                          MARKS.get(said.word, said.word) + (f" ({', '.join(missed)})" if missed else "")])
     return table(["pool", "spp", "relMSE", *(f"relMSE / {' + '.join(r)}" for r in RIVALS), "energy", "target"], rows)
 
@@ -204,10 +203,10 @@ def single_section(scores):
 
 def alone_section(alone, settings, defaults):
     """Each change of the choice alone, and all together, on pools that chose nothing, two of them at two sizes."""
-    rows = [[options_text(c), *(ratio_text(alone.values("relmse", p, *m, 8), alone.values("relmse", p, *defaults, 8)) for p in ALONE)]
+    rows = [[options_text(c), *(with_interval(alone.ratio("relmse", p, 8, m, defaults)) for p in ALONE)]
             for c, m in settings]
     def worse(methods):
-        return any(order(alone.values("relmse", p, *methods, 8), alone.values("relmse", p, *defaults, 8)) == 1 for p in ALONE)
+        return any(alone.order("relmse", p, 8, methods, defaults) == 1 for p in ALONE)
     harmful, harmless = ([options_text(c) for c, m in settings if worse(m) == sign] for sign in (True, False))
     return ["## The choice, change by change, on pools kept apart", "relMSE relative to the defaults at 8 samples per pixel. With twice "
             "the pixels a side, what helps because details are few pixels wide helps no more. Scene S is grey: deciding by channel "
