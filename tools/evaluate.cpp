@@ -1,4 +1,6 @@
 #include "tools/evaluate.h"
+#include "lib/experiment/plan_cells.h"
+#include "tools/batch/dry_run.h"
 
 #include <utility>
 

@@ -1,5 +1,4 @@
-// The cells of an experiment in order.
-#include "lib/experiment/experiment.h"
+#include "lib/experiment/cell.h"
 
 namespace spool {
 

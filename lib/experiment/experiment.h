@@ -18,6 +18,7 @@
 
 #include "lib/core/error.h"
 #include "lib/core/guards.h"
+#include "lib/experiment/cell.h"
 #include "lib/experiment/reference.h"
 #include "lib/experiment/stage_clock.h"
 #include "lib/filters/filter.h"
@@ -28,22 +29,6 @@
 #include "lib/sampling/sampler.h"
 
 namespace spool {
-
-struct Cell {
-  std::string dump;  // as the loader knows it
-  MethodChoice sampler, filter;
-  double spp = 0;  // budget, samples per pixel
-  int replicate = 0;
-  int threads = 0;  // 0: as many as the process may use
-  friend bool operator==(const Cell&, const Cell&) = default;
-};
-
-// Every combination, recordings outermost, then samplers, spp, replicates, threads, filters.
-std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
-                            const std::vector<MethodChoice>& samplers,
-                            const std::vector<MethodChoice>& filters,
-                            const std::vector<double>& spp, int replicates,
-                            const std::vector<int>& threads = {0});
 
 // Which samples the replicates of a recording take.
 enum class ReplicateOrder {

@@ -390,4 +390,20 @@ Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& 
   return parse_plan(text, path.string(), path.parent_path(), vocabulary);
 }
 
+Result<void> check_recording_names(const Plan& plan) {
+  std::map<std::string, std::string> paths;
+  for (const std::string& recording : plan.recordings) {
+    const std::string name = std::filesystem::path(recording).filename().string();
+    const auto [place, fresh] = paths.try_emplace(name, recording);
+    if (fresh) continue;
+    if (place->second == recording) {
+      return fail(ErrorCode::kUsage, "{}: is there twice: name it once", recording);
+    }
+    return fail(ErrorCode::kUsage,
+                "{} and {}: have the same file name, which names their results: rename one",
+                place->second, recording);
+  }
+  return {};
+}
+
 }  // namespace spool

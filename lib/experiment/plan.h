@@ -73,13 +73,6 @@ struct Plan {
   }
 };
 
-// The recordings of one scene: those of a group, or one alone.
-struct PlanScene {
-  std::string group;  // empty: one recording alone
-  std::vector<std::string> recordings;
-};
-std::vector<PlanScene> scenes_of(const Plan& plan);  // in the order of their first recordings
-
 // The methods that a plan may name.
 struct PlanVocabulary {
   const MethodList<SamplerFunction>& samplers;
@@ -92,18 +85,7 @@ Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& 
 Result<Plan> parse_plan(std::string_view text, const std::string& name,
                         const std::filesystem::path& folder, const PlanVocabulary& vocabulary);
 
-// The plan as TOML, in full: parse_plan reads it back to the same cells. Recordings by their
-// absolute paths.
-std::string plan_text(const Plan& plan);
-
 // kUsage when two of the recordings are the same or have the same file name: cells are named by it.
 Result<void> check_recording_names(const Plan& plan);
-
-// Names a cell among all cells of a plan and of what the plan says about all: 16 hexadecimal
-// digits, the same on every machine. Recordings count by their file name, not by their folder.
-std::string cell_id(const Cell& cell, const Plan& plan);
-
-// Which of `shards` machines does the cell: cells that share a sampling run go together.
-int shard_of(const Cell& cell, const Plan& plan, int shards);
 
 }  // namespace spool

@@ -1,9 +1,8 @@
-// Names of a plan's cells, and which machine does them.
+#include "lib/experiment/plan_cells.h"
+
 #include <algorithm>
-#include <map>
 
 #include "lib/core/random.h"
-#include "lib/experiment/plan.h"
 
 namespace spool {
 namespace {
@@ -35,22 +34,6 @@ std::uint64_t hash_sampling(const Cell& cell, const Plan& plan) {
 }
 
 }  // namespace
-
-Result<void> check_recording_names(const Plan& plan) {
-  std::map<std::string, std::string> paths;
-  for (const std::string& recording : plan.recordings) {
-    const std::string name = std::filesystem::path(recording).filename().string();
-    const auto [place, fresh] = paths.try_emplace(name, recording);
-    if (fresh) continue;
-    if (place->second == recording) {
-      return fail(ErrorCode::kUsage, "{}: is there twice: name it once", recording);
-    }
-    return fail(ErrorCode::kUsage,
-                "{} and {}: have the same file name, which names their results: rename one",
-                place->second, recording);
-  }
-  return {};
-}
 
 std::vector<PlanScene> scenes_of(const Plan& plan) {
   std::vector<PlanScene> scenes;

@@ -1,5 +1,4 @@
-// The plan as TOML.
-#include "lib/experiment/plan.h"
+#include "lib/experiment/plan_text.h"
 
 #include <sstream>
 

@@ -1,4 +1,6 @@
 #include "lib/experiment/plan.h"
+#include "lib/experiment/plan_cells.h"
+#include "lib/experiment/plan_text.h"
 
 #include <map>
 #include <set>

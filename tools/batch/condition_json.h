@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/experiment/plan_cells.h"
 #include "lib/inference/ranking.h"
 #include "tools/batch/method_results.h"
 

@@ -1,4 +1,6 @@
-// `spool evaluate --dry-run`: the cells of a plan and about how long they will take.
+#include "tools/batch/dry_run.h"
+#include "lib/experiment/plan_cells.h"
+
 #include <algorithm>
 #include <chrono>
 #include <set>
@@ -8,7 +10,6 @@
 #include "lib/experiment/result_table.h"
 #include "lib/synthetic/scene_s.h"
 #include "tools/batch/cell_store.h"
-#include "tools/batch/evaluation_run.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/methods/external_methods.h"
 

@@ -1,4 +1,6 @@
 #include "tools/batch/evaluation_run.h"
+#include "lib/experiment/plan_cells.h"
+#include "lib/experiment/plan_text.h"
 
 #include <atomic>
 #include <chrono>

@@ -12,23 +12,13 @@
 
 #include "lib/core/error.h"
 #include "lib/experiment/plan.h"
+#include "tools/batch/run_request.h"
 #include "tools/console.h"
 
 namespace spool::tools {
 
-struct Shard {
-  int index = 0, count = 1;
-};
 // "i/N", 0 <= i < N.
 Result<Shard> parse_shard(const std::string& text);
-
-struct RunRequest {
-  Plan plan;
-  std::filesystem::path folder;
-  std::optional<Shard> shard;  // only the cells of this one; results are then made by merging
-  bool merge = false;          // no cell is run; results of what is there
-  std::vector<std::filesystem::path> merge_from;  // folders whose cells and images are copied first
-};
 
 // Computes DIR/statistics.json of the finished cells anew, and prints the table.
 Result<void> write_statistics(const std::filesystem::path& folder, const Plan& plan,
@@ -36,9 +26,5 @@ Result<void> write_statistics(const std::filesystem::path& folder, const Plan& p
 
 // kData when cells are missing (merge), failed, or gave pixels that are no numbers.
 Result<void> run_plan(const RunRequest& request, const CommonOptions& common);
-
-// Prints the cells and about how long they will take, from the cells done in `request.folder`, else
-// from a small analytic scene on which every method is tried. Writes nothing.
-Result<void> print_dry_run(const RunRequest& request, const CommonOptions& common);
 
 }  // namespace spool::tools

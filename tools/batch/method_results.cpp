@@ -1,4 +1,5 @@
 #include "tools/batch/method_results.h"
+#include "lib/experiment/plan_cells.h"
 
 #include <algorithm>
 #include <cmath>

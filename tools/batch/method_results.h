@@ -9,6 +9,7 @@
 
 #include "lib/core/error.h"
 #include "lib/experiment/plan.h"
+#include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_record.h"
 #include "lib/inference/intervals.h"
 

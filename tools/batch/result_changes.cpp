@@ -1,4 +1,5 @@
 #include "tools/batch/result_changes.h"
+#include "lib/experiment/plan_cells.h"
 
 #include <algorithm>
 #include <cmath>

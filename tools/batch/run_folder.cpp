@@ -1,4 +1,5 @@
 #include "tools/batch/run_folder.h"
+#include "lib/experiment/plan_cells.h"
 
 #include <unordered_map>
 #include <unordered_set>

@@ -7,7 +7,7 @@
 #include "lib/core/error.h"
 #include "lib/experiment/plan.h"
 #include "tools/batch/dump_identity.h"
-#include "tools/batch/evaluation_run.h"
+#include "tools/batch/run_request.h"
 
 namespace spool::tools {
 

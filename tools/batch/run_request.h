@@ -1,0 +1,23 @@
+// What is asked of one run of a plan.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "lib/experiment/plan.h"
+
+namespace spool::tools {
+
+struct Shard {
+  int index = 0, count = 1;
+};
+struct RunRequest {
+  Plan plan;
+  std::filesystem::path folder;
+  std::optional<Shard> shard;  // only the cells of this one; results are then made by merging
+  bool merge = false;          // no cell is run; results of what is there
+  std::vector<std::filesystem::path> merge_from;  // folders whose cells and images are copied first
+};
+
+}  // namespace spool::tools
