@@ -21,7 +21,10 @@ ordered_json options_of(const Method<Function>& entry) {
   if (presets.empty()) presets.emplace_back();
   ordered_json options = ordered_json::array();
   for (const OptionDescription& option : entry.describe(presets.front())) {
-    options.push_back({{"name", option.name}, {"allowed", option.allowed}, {"help", option.help}});
+    options.push_back({{"name", option.name},
+                       {"allowed", option.allowed},
+                       {"help", option.help},
+                       {"expert", option.expert}});
   }
   for (const std::string& preset : presets) {
     const std::vector<OptionDescription> described = entry.describe(preset);
@@ -60,7 +63,7 @@ ordered_json describe(const MethodList<Function>& entries) {
   return list;
 }
 
-void print_methods(const ordered_json& list, const std::string& part) {
+void print_methods(const ordered_json& list, const std::string& part, bool all) {
   for (const auto& method : list) {
     const std::string argument = method.value("argument", "");
     const bool by_description = method.value("by_description", false);
@@ -73,7 +76,12 @@ void print_methods(const ordered_json& list, const std::string& part) {
     }
     std::vector<std::vector<std::string>> rows;
     std::vector<std::string> header = {"  --set " + part + ".", "allowed"};
+    std::size_t left_out = 0;
     for (const auto& option : method["options"]) {
+      if (!all && option["expert"].get<bool>()) {
+        ++left_out;
+        continue;
+      }
       std::vector<std::string> row = {"  " + option["name"].get<std::string>(),
                                       option["allowed"].get<std::string>()};
       for (const auto& [preset, value] : option["defaults"].items()) {
@@ -88,6 +96,7 @@ void print_methods(const ordered_json& list, const std::string& part) {
       rows.push_back(row);
     }
     if (!rows.empty()) print(format_columns(rows, 100));
+    if (left_out > 0) print(fmt::format("  {} more with --all\n", left_out));
     print("\n");
   }
 }
@@ -226,7 +235,7 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   }
   if (options.what == "imports") {
     const ordered_json list = describe_imports();
-    common.json ? print(list.dump(2) + "\n") : print_methods(list, "import");
+    common.json ? print(list.dump(2) + "\n") : print_methods(list, "import", true);
     return {};
   }
   if (options.what == "scenes") {
@@ -241,7 +250,8 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   }
   const bool filters = options.what == "filters";
   const ordered_json list = filters ? describe(known_filters()) : describe(known_samplers());
-  common.json ? print(list.dump(2) + "\n") : print_methods(list, filters ? "filter" : "sampler");
+  common.json ? print(list.dump(2) + "\n")
+              : print_methods(list, filters ? "filter" : "sampler", options.all);
   return {};
 }
 

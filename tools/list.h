@@ -9,6 +9,7 @@ namespace spool::tools {
 
 struct ListOptions {
   std::string what;  // samplers, filters, presets, views, metrics, columns, scenes or imports
+  bool all = false;  // also the options that few need
 };
 
 Result<void> run_list(const ListOptions& options, const CommonOptions& common);

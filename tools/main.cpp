@@ -467,6 +467,9 @@ void add_list(Program& program) {
       ->required()
       ->check(CLI::IsMember(
           {"samplers", "filters", "presets", "views", "metrics", "columns", "scenes", "imports"}));
+  verb.add_flag(
+      "--all", program.list.all,
+      "of samplers and filters also the options that few need: readings of a text, details");
   add_common(verb, program.common, true, false);
   verb.footer(
       "Examples:\n"

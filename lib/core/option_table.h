@@ -25,7 +25,14 @@ struct Option {
   std::string help;
   std::function<Result<void>(Options&, std::string_view)> set;
   std::function<std::string(const Options&)> get;
+  bool expert = false;  // a reading of the text, or a detail: shown where all are asked for
 };
+
+template <class Options>
+Option<Options> expert(Option<Options> option) {
+  option.expert = true;
+  return option;
+}
 
 template <class Options>
 using OptionTable = std::vector<Option<Options>>;
@@ -101,7 +108,8 @@ void append_options(OptionTable<Outer>& table, const OptionTable<Inner>& inner,
          [set = option.set, member](Outer& options, std::string_view text) {
            return set(options.*member, text);
          },
-         [get = option.get, member](const Outer& options) { return get(options.*member); }});
+         [get = option.get, member](const Outer& options) { return get(options.*member); },
+         option.expert});
   }
 }
 
@@ -128,6 +136,7 @@ OptionValues option_values(const OptionTable<Options>& table, const Options& opt
 // One option as people see it; `value` is that of the options described.
 struct OptionDescription {
   std::string name, allowed, help, value;
+  bool expert = false;
 };
 
 template <class Options>
@@ -135,7 +144,8 @@ std::vector<OptionDescription> describe_options(const OptionTable<Options>& tabl
                                                 const Options& options) {
   std::vector<OptionDescription> descriptions;
   for (const auto& option : table) {
-    descriptions.push_back({option.name, option.allowed, option.help, option.get(options)});
+    descriptions.push_back(
+        {option.name, option.allowed, option.help, option.get(options), option.expert});
   }
   return descriptions;
 }

@@ -1,11 +1,11 @@
-// The gains of directional_energy.h, by pushing a delta through pyramid and bank, or, for the usual
-// kinds of both, by summing the squares of their frequency responses: the same number.
+#include "lib/directions/band_noise_gains.h"
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
-#include "lib/directions/directional_energy.h"
+#include "lib/directions/band_response.h"
 #include "lib/pyramid/convolution.h"
 
 namespace spool {
@@ -44,11 +44,6 @@ std::vector<Complex> response(const Taps& taps, int dilation, int n) {
   return result;
 }
 
-bool has_simple_response(const PyramidOptions& pyramid, const BankOptions& bank) {
-  return pyramid.detail != LaplacianDetail::kPhase00 && pyramid.sign == LaplacianSign::kCorrected &&
-         bank.kind == BankKind::kNonsub && bank.pair == ChannelPair::kComplementary;
-}
-
 // Frequency response of d_{level-1}: before(wx) before(wy) (1 - lost(wx) lost(wy)).
 struct DetailResponse {
   std::vector<Complex> before, lost;
@@ -58,12 +53,12 @@ DetailResponse detail_response(const PyramidOptions& pyramid, int level, const T
                                int n) {
   DetailResponse result{response(prefilter, 1, n), {}};
   for (int k = 0; k < level; ++k) {
-    const FilterPair pair = filter_pair_at(pyramid.filter, pyramid.roles, pyramid.even_align, k);
-    const int dilation = pyramid_dilation(pyramid, k);
+    const FilterPair pair = filter_pair_at(pyramid.filter, pyramid.roles, k);
+    const int dilation = pyramid_dilation(k);
     std::vector<Complex> h = response(pair.analysis, dilation, n);
     for (std::size_t j = 0; k + 1 < level && j < h.size(); ++j)
       result.before[j] *= h[j];
-    if (k + 1 == level && pyramid.detail == LaplacianDetail::kCycleSpun) {
+    if (k + 1 == level) {
       const std::vector<Complex> g = response(pair.synthesis, dilation, n);
       for (std::size_t j = 0; j < h.size(); ++j)
         h[j] *= 0.5 * g[j];
@@ -120,20 +115,14 @@ std::vector<double> band_noise_gains(const PyramidOptions& pyramid_options,
   pyramid_influence({far, far, far + 1, far + 1}, {0, 0, 2 * far, 2 * far}, open, coarse, detail);
   const Rectangle reach = detail.back();
   const int pairs = static_cast<int>(sign_coefficients(bank.taps).size());
-  const int stages = bank.levels * (bank.pair == ChannelPair::kLadder ? 2 : 1);
-  const int bank_reach = stages * (2 * pairs - 1) * bank.dilation;
+  const int bank_reach = bank.levels * (2 * pairs - 1) * bank.dilation;
   const int prefilter_reach = static_cast<int>(prefilter.values.size());
-  const int cell = 2 * pyramid_dilation(pyramid, level - 1);  // period of the phases
+  const int cell = 2 * pyramid_dilation(level - 1);  // period of the phases
   const int n = (reach.width() + prefilter_reach + 2 * bank_reach + 3 * cell) / cell * cell;
 
-  if (has_simple_response(pyramid, bank)) {
+  if (pyramid.detail == LaplacianDetail::kCycleSpun)
     return gains_from_responses(pyramid, bank, level, prefilter, n);
-  }
   std::vector<double> gains(static_cast<std::size_t>(band_count(bank)), 0.0);
-  if (pyramid.detail != LaplacianDetail::kPhase00) {
-    add_response_energy(pyramid, bank, level, prefilter, n, n / 2, n / 2, 1.0, gains);
-    return gains;
-  }
   for (int j = 0; j < 2; ++j) {
     for (int i = 0; i < 2; ++i) {
       add_response_energy(pyramid, bank, level, prefilter, n, i * cell / 2, j * cell / 2, 0.25,

@@ -14,13 +14,13 @@ namespace spool {
 namespace {
 
 template <class T>
-SPOOL_VECTOR_CLONES void add_measure(const T* from, bool absolute, int width, T* __restrict to) {
+SPOOL_VECTOR_CLONES void measure_row(const T* from, bool absolute, int width, T* __restrict to) {
   if (absolute) {
     for (int x = 0; x < width; ++x)
-      to[x] += std::abs(from[x]);
+      to[x] = std::abs(from[x]);
   } else {
     for (int x = 0; x < width; ++x)
-      to[x] += from[x] * from[x];
+      to[x] = from[x] * from[x];
   }
 }
 
@@ -43,60 +43,51 @@ SPOOL_VECTOR_CLONES std::int64_t take_noise_off(const T* noise, double gain, boo
   return negative;
 }
 
-// G_s * (sum over sources of D^2, or |D|) for one band, in the place of the first source's.
+// G_s * D^2, or G_s * |D|, in the place of D.
 template <class T>
-Image<T> smoothed_measure(std::vector<NoisyBands<T>>& sources, std::size_t band,
-                          DirectionMeasure measure, const Taps& gaussian, Extension extension,
-                          Image<T>& scratch) {
+void smooth_measure(Image<T>& band, DirectionMeasure measure, const Taps& gaussian,
+                    Extension extension, Image<T>& scratch) {
   parallel_rows(0, scratch.height(), [&](int y) {
-    T* __restrict to = scratch.row(y).data();
-    std::fill_n(to, scratch.width(), T{});
-    for (const NoisyBands<T>& source : sources) {
-      add_measure(source.bands[band].row(y).data(), measure == DirectionMeasure::kAbs,
-                  scratch.width(), to);
-    }
+    measure_row(band.row(y).data(), measure == DirectionMeasure::kAbs, scratch.width(),
+                scratch.row(y).data());
   });
-  Image<T> out = std::move(sources[0].bands[band]);
-  convolve_box(scratch, gaussian, 1, extension, scratch.bounds(), out);
-  return out;
+  convolve_box(scratch, gaussian, 1, extension, scratch.bounds(), band);
+}
+
+template <class T>
+Image<T> smoothed_noise(const Plane& variance, const Taps& gaussian, Extension extension,
+                        Image<T>& scratch) {
+  parallel_rows(0, scratch.height(), [&](int y) {
+    for (int x = 0; x < scratch.width(); ++x)
+      scratch(x, y) = static_cast<T>(variance(x, y));
+  });
+  Image<T> noise(variance.width(), variance.height());
+  convolve_box(scratch, gaussian, 1, extension, scratch.bounds(), noise);
+  return noise;
 }
 
 }  // namespace
 
 template <class T>
-DirectionalEnergy<T> directional_energy(std::vector<NoisyBands<T>> sources, const Plane& variance,
-                                        int level, const EnergyOptions& options,
-                                        GuardCounts& guards) {
-  SPOOL_CHECK(!sources.empty());
+DirectionalEnergy<T> directional_energy(NoisyBands<T> source, const Plane& variance, int level,
+                                        const EnergyOptions& options, GuardCounts& guards) {
   SPOOL_CHECK_GE(level, 1);
-  const std::size_t bands = sources[0].bands.size();
-  std::vector<double> gains(bands, 0.0);
-  for (const NoisyBands<T>& source : sources) {
-    SPOOL_CHECK_EQ(source.bands.size(), bands);
-    SPOOL_CHECK_EQ(source.gains.size(), bands);
-    for (std::size_t i = 0; i < bands; ++i) {
-      SPOOL_CHECK(source.bands[i].same_size(variance));
-      gains[i] += source.gains[i];
-    }
-  }
+  const std::size_t bands = source.bands.size();
+  SPOOL_CHECK_EQ(source.gains.size(), bands);
   double mean_gain = 0.0;
-  for (const double gain : gains)
+  for (const double gain : source.gains)
     mean_gain += gain / static_cast<double>(bands);
 
   const int width = variance.width(), height = variance.height();
   const Taps gaussian = gaussian_taps(options.smoothing * std::ldexp(1.0, level));
-  Image<T> scratch(width, height), noise(width, height);
-  parallel_rows(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x)
-      scratch(x, y) = static_cast<T>(variance(x, y));
-  });
-  convolve_box(scratch, gaussian, 1, options.extension, scratch.bounds(), noise);
-
+  Image<T> scratch(width, height);
+  const Image<T> noise = smoothed_noise(variance, gaussian, options.extension, scratch);
   DirectionalEnergy<T> result;
   result.isotropic = Image<std::uint8_t>(width, height);
-  for (std::size_t i = 0; i < bands; ++i) {
-    result.energy.push_back(
-        smoothed_measure(sources, i, options.measure, gaussian, options.extension, scratch));
+  result.energy = std::move(source.bands);
+  for (Image<T>& band : result.energy) {
+    SPOOL_CHECK(band.same_size(variance));
+    smooth_measure(band, options.measure, gaussian, options.extension, scratch);
   }
 
   const bool is_abs = options.measure == DirectionMeasure::kAbs;
@@ -108,10 +99,10 @@ DirectionalEnergy<T> directional_energy(std::vector<NoisyBands<T>> sources, cons
     for (std::size_t i = 0; i < bands; ++i) {
       T* __restrict row = result.energy[i].row(y).data();
       const T* smooth_noise = noise.row(y).data();
-      const double gain = options.noise_correct ? noise_share * gains[i] : 0.0;
+      const double gain = options.noise_correct ? noise_share * source.gains[i] : 0.0;
       const auto negative = static_cast<std::uint64_t>(
           take_noise_off(smooth_noise, gain, is_abs, width, row, largest.data()));
-      if (options.measure != DirectionMeasure::kEnergy) {
+      if (is_abs) {
         for (int x = 0; x < width; ++x)
           row[x] = std::sqrt(row[x]);
       }
@@ -131,23 +122,22 @@ DirectionalEnergy<T> directional_energy(std::vector<NoisyBands<T>> sources, cons
   return result;
 }
 
-template DirectionalEnergy<double> directional_energy(std::vector<NoisyBands<double>>, const Plane&,
-                                                      int, const EnergyOptions&, GuardCounts&);
-template DirectionalEnergy<float> directional_energy(std::vector<NoisyBands<float>>, const Plane&,
-                                                     int, const EnergyOptions&, GuardCounts&);
+template DirectionalEnergy<double> directional_energy(NoisyBands<double>, const Plane&, int,
+                                                      const EnergyOptions&, GuardCounts&);
+template DirectionalEnergy<float> directional_energy(NoisyBands<float>, const Plane&, int,
+                                                     const EnergyOptions&, GuardCounts&);
 
 OptionTable<EnergyOptions> energy_option_table() {
   using O = EnergyOptions;
   return {
-      choice_option<O, DirectionMeasure>("dir_measure", &O::measure,
-                                         {{"energy", DirectionMeasure::kEnergy},
-                                          {"rms", DirectionMeasure::kRms},
-                                          {"abs", DirectionMeasure::kAbs}},
-                                         "measure of a direction's strength"),
-      switch_option<O>("noise_correct", &O::noise_correct,
-                       "subtract the noise that a band carries"),
-      number_option<O>("dir_smoothing", &O::smoothing, 0.0, 4.0,
-                       "smoothing of the band energies, in units of 2^k pieces"),
+      expert(choice_option<O, DirectionMeasure>(
+          "dir_measure", &O::measure,
+          {{"energy", DirectionMeasure::kEnergy}, {"abs", DirectionMeasure::kAbs}},
+          "measure of a direction's strength")),
+      expert(switch_option<O>("noise_correct", &O::noise_correct,
+                              "subtract the noise that a band carries")),
+      expert(number_option<O>("dir_smoothing", &O::smoothing, 0.0, 4.0,
+                              "smoothing of the band energies, in units of 2^k pieces")),
   };
 }
 

@@ -20,7 +20,6 @@ namespace spool {
 
 enum class DirectionMeasure {
   kEnergy,  // E_i
-  kRms,     // sqrt(E_i)
   kAbs,  // M_i = G_s * |D_i|; corrected: sqrt(max(M_i^2 - (2 / pi) N_i, 0)), as |normal| has mean
          // sqrt(2 / pi)
 };
@@ -47,20 +46,10 @@ struct DirectionalEnergy {
   Image<std::uint8_t> isotropic;  // 1 where no direction stands out: take every direction as equal
 };
 
-// Energies for pixels of `level` (k >= 1). Several sources have their energies and gains added,
-// band by band. Isotropic: max_i E_i <= 1e-3 mean_i N_i or <= 1e-20 (squares of the rms and abs
-// measures). The energies lie where the first source's bands lay.
+// Energies for pixels of `level` (k >= 1). Isotropic: max_i E_i <= 1e-3 mean_i N_i or <= 1e-20
+// (squares of the abs measure). The energies lie where the bands lay.
 template <class T>
-DirectionalEnergy<T> directional_energy(std::vector<NoisyBands<T>> sources, const Plane& variance,
-                                        int level, const EnergyOptions& options,
-                                        GuardCounts& guards);
-
-// g_i: sum of squares of the impulse response of "band i of d_{level-1}", by pushing a delta
-// through the pyramid and the bank (with the dilation of `bank`). phase00 is not shift-invariant:
-// the mean over deltas on its four phases. `prefilter` is what the image passed, rows and columns,
-// before it became f_0. A few milliseconds for the largest level; with the rarer kinds of pyramid
-// and bank, those of a bank on a few hundred pixels square.
-std::vector<double> band_noise_gains(const PyramidOptions& pyramid, const BankOptions& bank,
-                                     int level, const Taps& prefilter = {0, {1.0}});
+DirectionalEnergy<T> directional_energy(NoisyBands<T> source, const Plane& variance, int level,
+                                        const EnergyOptions& options, GuardCounts& guards);
 
 }  // namespace spool

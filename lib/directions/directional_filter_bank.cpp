@@ -1,14 +1,10 @@
 #include "lib/directions/directional_filter_bank.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <memory>
-#include <numbers>
 
 #include "lib/core/vector_clones.h"
 #include "lib/directions/bank_stages.h"
-#include "lib/directions/fourier_wedges.h"
 #include "lib/pyramid/row_loop.h"
 
 namespace spool {
@@ -122,28 +118,8 @@ class Bank {
 
   // y+ and y- of x; their pads are filled where they have any.
   void split(const Rows<T>& x, BankStage stage, const Rows<T>& plus, const Rows<T>& minus) {
-    const T half = T(0.5);
-    if (options_.pair == ChannelPair::kComplementary) {
-      for_each_product_row(x, stage, [&](int y, const T* z) {
-        half_sums(x.row(y), z, width_, plus.row(y), minus.row(y));
-        extend_row(plus, y, options_.extension);
-        extend_row(minus, y, options_.extension);
-      });
-      return;
-    }
-    // B y+ reads y+ beyond the border, which a band does not store: a padded copy serves.
-    const std::unique_ptr<T[]> copy = allocate();
-    const Rows<T> padded = {copy.get() + pad_, width_ + 2 * pad_, width_, height_, pad_};
     for_each_product_row(x, stage, [&](int y, const T* z) {
-      for (int i = 0; i < width_; ++i)
-        padded.row(y)[i] = half * (x.row(y)[i] - z[i]);
-      extend_row(padded, y, options_.extension);
-    });
-    for_each_product_row(padded, stage, [&](int y, const T* z) {
-      for (int i = 0; i < width_; ++i) {
-        plus.row(y)[i] = padded.row(y)[i];
-        minus.row(y)[i] = x.row(y)[i] + z[i];
-      }
+      half_sums(x.row(y), z, width_, plus.row(y), minus.row(y));
       extend_row(plus, y, options_.extension);
       extend_row(minus, y, options_.extension);
     });
@@ -206,10 +182,6 @@ class Bank {
   std::unique_ptr<T[]> t_;
 };
 
-double degrees(double radians) {
-  return radians * 180.0 / std::numbers::pi;
-}
-
 }  // namespace
 
 int detail_dilation(int k) {
@@ -218,7 +190,7 @@ int detail_dilation(int k) {
 }
 
 int band_count(const BankOptions& options) {
-  return options.kind == BankKind::kNone ? 1 : 1 << options.levels;
+  return 1 << options.levels;
 }
 
 template <class T>
@@ -243,11 +215,7 @@ void directional_bands(const Image<T>& image, const BankOptions& options,
   for (Image<T>& band : bands) {
     if (!band.same_size(image)) band = Image<T>(image.width(), image.height());
   }
-  if (options.kind == BankKind::kFftWedge) {
-    fourier_wedge_bands(image, options.levels, options.extension, bands);
-  } else {
-    Bank<T>(image, options, bands).run();
-  }
+  Bank<T>(image, options, bands).run();
 }
 
 template std::vector<Image<double>> directional_bands(const Image<double>&, const BankOptions&);
@@ -257,57 +225,14 @@ template void directional_bands(const Image<double>&, const BankOptions&,
 template void directional_bands(const Image<float>&, const BankOptions&,
                                 std::vector<Image<float>>&);
 
-std::vector<double> band_borders(int levels) {
-  const double low = degrees(std::atan(0.5)), high = degrees(std::atan(2.0));
-  switch (levels) {
-    case 0:
-      return {0.0};
-    case 1:
-      return {135.0, 45.0};
-    case 2:
-      return {0.0, 45.0, 90.0, 135.0};
-    default:
-      return {0.0, low, 45.0, high, 90.0, 180.0 - high, 135.0, 180.0 - low};
-  }
-}
-
-std::vector<double> band_frequency_angles(int levels) {
-  if (levels == 0) return {0.0};
-  const std::vector<double> borders = band_borders(levels);
-  std::vector<double> angles;
-  for (std::size_t i = 0; i < borders.size(); ++i) {
-    const double begin = borders[i];
-    double end = borders[(i + 1) % borders.size()];
-    if (end <= begin) end += 180.0;
-    angles.push_back(std::fmod(0.5 * (begin + end), 180.0));
-  }
-  return angles;
-}
-
-std::vector<double> band_tangents(int levels) {
-  std::vector<double> angles = band_frequency_angles(levels);
-  for (double& angle : angles)
-    angle = std::fmod(angle + 90.0, 180.0);
-  return angles;
-}
-
 OptionTable<BankOptions> bank_option_table() {
   using O = BankOptions;
   return {
-      choice_option<O, BankKind>("dfb", &O::kind,
-                                 {{"nonsub", BankKind::kNonsub},
-                                  {"fft_wedge", BankKind::kFftWedge},
-                                  {"none", BankKind::kNone}},
-                                 "directional filter bank"),
-      integer_option<O>("dfb_levels", &O::levels, 0, 3, "stages of the bank: 2^levels directions"),
-      choice_option<O, SignTaps>(
-          "dfb_taps", &O::taps,
+      integer_option<O>("bank_levels", &O::levels, 0, 3, "stages of the bank: 2^levels directions"),
+      expert(choice_option<O, SignTaps>(
+          "bank_taps", &O::taps,
           {{"pkva12", SignTaps::kPkva12}, {"pkva8", SignTaps::kPkva8}, {"pkva6", SignTaps::kPkva6}},
-          "sign filter of the bank"),
-      choice_option<O, ChannelPair>(
-          "dfb_pair", &O::pair,
-          {{"complementary", ChannelPair::kComplementary}, {"ladder", ChannelPair::kLadder}},
-          "the two channels of a stage"),
+          "sign filter of the bank")),
   };
 }
 

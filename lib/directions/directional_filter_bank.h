@@ -29,23 +29,11 @@
 
 namespace spool {
 
-enum class ChannelPair {
-  kComplementary,
-  kLadder,  // y- = x - B y+ [PhoongKimVaidyanathanAnsari95]: x = y- + B y+, energies uneven
-};
-enum class BankKind {
-  kNonsub,    // the tree above
-  kFftWedge,  // cos^2 wedges in the frequency plane: a cross-check, see fourier_wedges.h
-  kNone,      // one band, the image itself
-};
-
 struct BankOptions {
   int levels = 3;    // l, 0 .. 3
   int dilation = 1;  // D: every vector is multiplied by it
   SignTaps taps = SignTaps::kPkva12;
-  ChannelPair pair = ChannelPair::kComplementary;
-  BankKind kind = BankKind::kNonsub;
-  Extension extension = Extension::kSymmetric;  // kClamp not with kFftWedge
+  Extension extension = Extension::kSymmetric;
 };
 
 OptionTable<BankOptions> bank_option_table();  // all but dilation and extension
@@ -63,29 +51,5 @@ std::vector<Image<T>> directional_bands(const Image<T>& image, const BankOptions
 template <class T>
 void directional_bands(const Image<T>& image, const BankOptions& options,
                        std::vector<Image<T>>& bands);
-
-// Borders between the wedges in degrees, ascending in [0, 180): wedge i of 2^l lies between border
-// i and i + 1 (of l = 1: 135 .. 45 and 45 .. 135).
-std::vector<double> band_borders(int levels);
-
-// Mid angles of the wedges in frequency, degrees in [0, 180); and the spatial direction along which
-// such an image is constant, frequency angle + 90 modulo 180. Indexed by band.
-std::vector<double> band_frequency_angles(int levels);
-std::vector<double> band_tangents(int levels);
-
-// The frequency response of each band of a nonsub, complementary bank: real, on a grid of n x n
-// frequencies w = 2 pi (i, j) / n.
-class BankResponse {
- public:
-  BankResponse(const BankOptions& options, int n);
-  // bands[b] at frequency (i, j), 0 <= i, j < n.
-  void at(int i, int j, std::span<double> bands) const;
-
- private:
-  double split(int px, int py, int qx, int qy, int i, int j) const;  // sigma(p.w) sigma(q.w)
-
-  int levels_ = 0, n_ = 0, dilation_ = 1;
-  std::vector<double> sigma_;  // sigma(2 pi m / n), m < 2 n
-};
 
 }  // namespace spool

@@ -5,17 +5,10 @@
 #pragma once
 
 #include "lib/filters/filter.h"
-#include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
 
-struct BoxOptions {
-  VarianceMode var_mode = VarianceMode::kAuto;
-  double nu0 = 2.0;
-  double key = 1.0;  // mean that the variance's floor is written for
-};
-
-OptionTable<BoxOptions> box_option_table();
+struct BoxOptions {};
 
 Result<Reconstruction> reconstruct_box(const Selection& selection, const SamplePool& pool,
                                        const BoxOptions& options, const FilterContext& context);

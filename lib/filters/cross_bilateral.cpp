@@ -12,7 +12,7 @@ Result<Reconstruction> reconstruct_cross_bilateral(const Selection& selection,
                                                    const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
-  const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
+  const double exposure = analysis_exposure(statistics, result.guards);
   const bool shown = context.views != nullptr && context.views->wants("risk");
   SPOOL_ASSIGN(CrossBilateralImage filtered,
                cross_bilateral(statistics, pool, exposure, options, result.guards,

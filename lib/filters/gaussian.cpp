@@ -2,7 +2,6 @@
 
 #include "lib/filters/box.h"
 #include "lib/pyramid/convolution.h"
-#include "lib/statistics/variance_option.h"
 
 namespace spool {
 
@@ -10,19 +9,13 @@ OptionTable<GaussianOptions> gaussian_option_table() {
   return {
       number_option("sigma", &GaussianOptions::sigma, 0.0, 64.0,
                     "standard deviation in pixels; 0 is the box filter"),
-      var_mode_option(&GaussianOptions::var_mode),
-      nu0_option(&GaussianOptions::nu0),
-      number_option("key", &GaussianOptions::key, 1e-6, 1e6,
-                    "mean luminance that the floor of the variance is written for"),
   };
 }
 
 Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const SamplePool& pool,
                                             const GaussianOptions& options,
                                             const FilterContext& context) {
-  SPOOL_ASSIGN(
-      Reconstruction result,
-      reconstruct_box(selection, pool, {options.var_mode, options.nu0, options.key}, context));
+  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, {}, context));
   const Taps taps = gaussian_taps(options.sigma);
   Taps squares = taps;
   for (double& tap : squares.values)

@@ -9,15 +9,11 @@
 #pragma once
 
 #include "lib/filters/filter.h"
-#include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
 
 struct GaussianOptions {
   double sigma = 1.0;  // pixels
-  VarianceMode var_mode = VarianceMode::kAuto;
-  double nu0 = 2.0;
-  double key = 1.0;
 };
 
 OptionTable<GaussianOptions> gaussian_option_table();

@@ -26,18 +26,13 @@ double greedy_scale(int s) {
 OptionTable<GreedySelectionOptions> greedy_selection_option_table() {
   using O = GreedySelectionOptions;
   return {
-      choice_option<O, GreedyGrid>("gem_grid", &O::grid,
-                                   {{"auto", GreedyGrid::kAuto},
-                                    {"pixel", GreedyGrid::kPixel},
-                                    {"subpixel", GreedyGrid::kSubpixel}},
-                                   "cells that the base image starts from"),
-      integer_option<O>("scales", &O::scales, 1, 16, "Gaussians above the base image"),
+      expert(choice_option<O, GreedyGrid>("grid", &O::grid,
+                                          {{"auto", GreedyGrid::kAuto},
+                                           {"pixel", GreedyGrid::kPixel},
+                                           {"subpixel", GreedyGrid::kSubpixel}},
+                                          "cells that the base image starts from")),
       number_option<O>("gamma", &O::gamma, 0.0, 0.526, "caution: larger stops earlier"),
-      number_option<O>("alpha", &O::alpha, 0.0, 8.0, "blur of the stop maps, in units of sigma"),
-      var_mode_option(&O::var_mode),
-      nu0_option(&O::nu0),
-      number_option<O>("key", &O::key, 1e-6, 1e6,
-                       "mean luminance that the floor of the variance is written for"),
+      expert(var_mode_option(&O::var_mode)),
   };
 }
 
@@ -47,10 +42,10 @@ Result<Reconstruction> reconstruct_greedy_selection(const Selection& selection,
                                                     const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
-  const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
-  SPOOL_ASSIGN(const LadderBase base, make_ladder_base(statistics, pool, options.grid,
-                                                       {options.var_mode, options.nu0, options.key},
-                                                       exposure, result.guards));
+  const double exposure = analysis_exposure(statistics, result.guards);
+  SPOOL_ASSIGN(const LadderBase base,
+               make_ladder_base(statistics, pool, options.grid, {options.var_mode}, exposure,
+                                result.guards));
   Scale scale = base_scale(base);
   const int width = base.count.width(), height = base.count.height();
 

@@ -24,10 +24,8 @@ struct GreedySelectionOptions {
   GreedyGrid grid = GreedyGrid::kAuto;
   int scales = 8;  // S
   double gamma = 0.2;
-  double alpha = 2.0;
+  double alpha = 2.0;  // blur of the stop maps / sigma
   VarianceMode var_mode = VarianceMode::kAuto;
-  double nu0 = 2.0;
-  double key = 1.0;
 };
 
 OptionTable<GreedySelectionOptions> greedy_selection_option_table();

@@ -26,9 +26,7 @@ OptionTable<NlMeansOptions> nl_means_option_table() {
   using O = NlMeansOptions;
   OptionTable<O> table;
   append_options(table, patch_filter_option_table(), &O::filter);
-  table.push_back(var_mode_option(&O::var_mode));
-  table.push_back(nu0_option(&O::nu0));
-  table.push_back(number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the exposed luminance"));
+  table.push_back(expert(var_mode_option(&O::var_mode)));
   return table;
 }
 
@@ -42,8 +40,8 @@ Result<Reconstruction> reconstruct_nl_means(const Selection& selection, const Sa
   }
   for (const std::int32_t n : statistics.n.pixels())
     result.guards.add(Guard::kEmptyPiece, n == 0 ? 1 : 0);
-  const double exposure = analysis_exposure(statistics, options.key, true, result.guards);
-  const VarianceOptions variance{options.var_mode, options.nu0, options.key};
+  const double exposure = analysis_exposure(statistics, result.guards);
+  const VarianceOptions variance{options.var_mode};
   const bool crossed = std::any_of(statistics.n.pixels().begin(), statistics.n.pixels().end(),
                                    [](std::int32_t n) { return n > 1; });
   SPOOL_ASSIGN(const SampleHalf a, sample_half(statistics, pool, 0, variance, exposure));

@@ -16,8 +16,6 @@ struct NlMeansOptions {
   PatchFilterOptions filter;
   // A half of few samples often has variance 0 by chance, and distances are divided by it.
   VarianceMode var_mode = VarianceMode::kPooled;
-  double nu0 = 2.0;
-  double key = 1.0;
 };
 
 OptionTable<NlMeansOptions> nl_means_option_table();

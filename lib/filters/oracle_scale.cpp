@@ -14,7 +14,6 @@ namespace spool {
 OptionTable<OracleScaleOptions> oracle_scale_option_table() {
   using O = OracleScaleOptions;
   return {
-      integer_option<O>("scales", &O::scales, 1, 16, "Gaussians above the pixel mean"),
       number_option<O>("error_smoothing", &O::error_smoothing, 0.0, 16.0,
                        "blur of the squared error that decides, pixels"),
   };

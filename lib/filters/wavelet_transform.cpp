@@ -46,36 +46,19 @@ double filtered(const Taps& taps, const std::vector<double>& line, int centre, T
   return sum;
 }
 
-void split_line(std::vector<double>& line, std::vector<double>& out, TransformWavelet wavelet,
-                const Bank& bank, TransformOf of) {
+void split_line(std::vector<double>& line, std::vector<double>& out, const Bank& bank,
+                TransformOf of) {
   const int half = static_cast<int>(line.size()) / 2;
   for (int i = 0; i < half; ++i) {
     const auto low = static_cast<std::size_t>(i), high = static_cast<std::size_t>(half + i);
-    if (wavelet == TransformWavelet::kHaar) {
-      const double a = line[2 * low], b = line[2 * low + 1];
-      out[low] = of == TransformOf::kValues ? (a + b) / std::numbers::sqrt2 : 0.5 * (a + b);
-      out[high] = of == TransformOf::kValues ? (a - b) / std::numbers::sqrt2 : 0.5 * (a + b);
-    } else {
-      out[low] = filtered(bank.low, line, 2 * i, of);
-      out[high] = filtered(bank.high, line, 2 * i + 1, of);
-    }
+    out[low] = filtered(bank.low, line, 2 * i, of);
+    out[high] = filtered(bank.high, line, 2 * i + 1, of);
   }
   line.swap(out);
 }
 
-void join_line(std::vector<double>& line, std::vector<double>& out, TransformWavelet wavelet,
-               const Bank& bank) {
+void join_line(std::vector<double>& line, std::vector<double>& out, const Bank& bank) {
   const int n = static_cast<int>(line.size()), half = n / 2;
-  if (wavelet == TransformWavelet::kHaar) {
-    for (int i = 0; i < half; ++i) {
-      const double low = line[static_cast<std::size_t>(i)];
-      const double high = line[static_cast<std::size_t>(half + i)];
-      out[static_cast<std::size_t>(2 * i)] = (low + high) / std::numbers::sqrt2;
-      out[static_cast<std::size_t>(2 * i + 1)] = (low - high) / std::numbers::sqrt2;
-    }
-    line.swap(out);
-    return;
-  }
   for (int x = 0; x < n; ++x) {
     double sum = 0.0;
     // Position p of the zero-stuffed bands: low on even p, high on odd p.
@@ -132,26 +115,26 @@ Plane padded_for_transform(const Plane& image, int levels) {
   return result;
 }
 
-void forward_transform(Plane& image, TransformWavelet wavelet, int levels, TransformOf of) {
+void forward_transform(Plane& image, int levels, TransformOf of) {
   check_sides(image, levels);
   const Bank bank = cdf97_bank();
   for (int l = 0; l < levels; ++l) {
     const int w = image.width() >> l, h = image.height() >> l;
     const auto split = [&](std::vector<double>& line, std::vector<double>& out) {
-      split_line(line, out, wavelet, bank, of);
+      split_line(line, out, bank, of);
     };
     over_rows(image, w, h, split);
     over_columns(image, w, h, split);
   }
 }
 
-void inverse_transform(Plane& image, TransformWavelet wavelet, int levels) {
+void inverse_transform(Plane& image, int levels) {
   check_sides(image, levels);
   const Bank bank = cdf97_bank();
   for (int l = levels - 1; l >= 0; --l) {
     const int w = image.width() >> l, h = image.height() >> l;
     const auto join = [&](std::vector<double>& line, std::vector<double>& out) {
-      join_line(line, out, wavelet, bank);
+      join_line(line, out, bank);
     };
     over_columns(image, w, h, join);
     over_rows(image, w, h, join);

@@ -2,7 +2,7 @@
 //
 // Level after level the scale coefficients of the upper left corner are split along x, then y, into
 // low (first half) and high (second half): after L levels band (i, j) of level l lies at
-// [i n / 2^l, ...) x [j m / 2^l, ...). Orthonormal for haar, nearly so for cdf97
+// [i n / 2^l, ...) x [j m / 2^l, ...). The 9-7 wavelet, nearly orthonormal
 // [CohenDaubechiesFeauveau92]: h0 = sqrt 2 H, g0 = G / sqrt 2, high-pass h1(n) = (-1)^n g0(n) about
 // the odd samples, g1(n) = (-1)^n h0(n). Borders: whole-sample symmetry, which the odd filters
 // carry through decimation exactly. Perfect reconstruction to 1e-12 of the largest value.
@@ -12,7 +12,6 @@
 
 namespace spool {
 
-enum class TransformWavelet { kCdf97, kHaar };
 enum class TransformOf {
   kValues,
   kVariances,  // squared filters: variances of the coefficients of independent pixels
@@ -22,7 +21,7 @@ enum class TransformOf {
 Plane padded_for_transform(const Plane& image, int levels);
 
 // Sides must be multiples of 2^levels.
-void forward_transform(Plane& image, TransformWavelet wavelet, int levels, TransformOf of);
-void inverse_transform(Plane& image, TransformWavelet wavelet, int levels);
+void forward_transform(Plane& image, int levels, TransformOf of);
+void inverse_transform(Plane& image, int levels);
 
 }  // namespace spool

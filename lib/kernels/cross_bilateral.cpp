@@ -19,14 +19,13 @@ struct FilteredInput {
 };
 
 Result<FilteredInput> filter_input(const PieceStatistics& statistics, double exposure,
-                                   const CrossBilateralOptions& options, GuardCounts& guards) {
+                                   GuardCounts& guards) {
   const Taps taps = pixel_filter_taps();
   FilteredInput input;
   for (std::size_t c = 0; c < 3; ++c) {
     GuardCounts of_channel;
     SPOOL_ASSIGN(const ChannelEstimates pieces,
-                 estimate_channel(statistics, c, {options.var_mode, options.nu0, options.key},
-                                  exposure, of_channel));
+                 estimate_channel(statistics, c, {}, exposure, of_channel));
     if (c == 1) guards += of_channel;  // the channels share their empty pieces: count them once
     Plane &y = input.image[c], &v = input.variance[c];
     y = truncated_mean(pieces.mean, taps);
@@ -91,45 +90,13 @@ std::vector<Plane> estimate_risks(const FeatureGuide& guide, const FilteredInput
   return risk;
 }
 
-}  // namespace
-
-Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
-                                            const SamplePool& pool, double exposure,
-                                            const CrossBilateralOptions& options,
-                                            GuardCounts& guards, RisksKept kept) {
-  if (pool.recording().features().empty()) {
-    return fail(ErrorCode::kData,
-                "{}: cross_bilateral needs albedo, normal or depth of each sample, which were not "
-                "recorded: record them, or use a method without features",
-                pool.recording().name());
-  }
-  const int width = statistics.width(), height = statistics.height();
+// The scale of least risk, smoothed, and the means filtered with it: all scales of a tile are
+// computed, one is kept.
+void filter_with_least_risk(const FeatureGuide& guide, const RgbImage& mean,
+                            const std::vector<Plane>& risk, const CrossBilateralOptions& options,
+                            RisksKept kept, CrossBilateralImage& result) {
+  const int width = guide.width, height = guide.height;
   const auto none = static_cast<std::size_t>(options.scales.front() == 0.0);
-  CrossBilateralImage result;
-  std::vector<Plane> risk;
-  FeatureGuide guide;
-  {
-    SPOOL_ASSIGN(const FilteredInput input, filter_input(statistics, exposure, options, guards));
-    SPOOL_ASSIGN(guide, make_feature_guide(
-                            pool, statistics.n,
-                            [&](std::string_view layer) {
-                              return layer == "normal"   ? options.sigma_normal
-                                     : layer == "albedo" ? options.sigma_albedo
-                                                         : options.sigma_depth;
-                            },
-                            guards));
-    risk = estimate_risks(guide, input, options, none);
-    result.variance = Plane(width, height);
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t i = 0; i < result.variance.size(); ++i)
-        result.variance[i] += input.variance[c][i] / 3.0;
-    }
-  }
-
-  // The scale of least risk, smoothed, and the means filtered with it: all scales of a tile are
-  // computed, one is kept.
-  const FilledMeans filled(statistics);
-  const RgbImage& mean = *filled;
   std::vector<const Plane*> images;
   for (const Plane& plane : risk)
     images.push_back(&plane);
@@ -162,7 +129,55 @@ Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
       }
     }
   });
+}
+
+}  // namespace
+
+Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
+                                            const SamplePool& pool, double exposure,
+                                            const CrossBilateralOptions& options,
+                                            GuardCounts& guards, RisksKept kept) {
+  if (pool.recording().features().empty()) {
+    return fail(ErrorCode::kData,
+                "{}: cross_bilateral needs albedo, normal or depth of each sample, which were not "
+                "recorded: record them, or use a method without features",
+                pool.recording().name());
+  }
+  const int width = statistics.width(), height = statistics.height();
+  const auto none = static_cast<std::size_t>(options.scales.front() == 0.0);
+  CrossBilateralImage result;
+  std::vector<Plane> risk;
+  FeatureGuide guide;
+  {
+    SPOOL_ASSIGN(const FilteredInput input, filter_input(statistics, exposure, guards));
+    SPOOL_ASSIGN(guide, make_feature_guide(
+                            pool, statistics.n,
+                            [&](std::string_view layer) {
+                              return layer == "normal"   ? options.sigma_normal
+                                     : layer == "albedo" ? options.sigma_albedo
+                                                         : options.sigma_depth;
+                            },
+                            guards));
+    risk = estimate_risks(guide, input, options, none);
+    result.variance = Plane(width, height);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t i = 0; i < result.variance.size(); ++i)
+        result.variance[i] += input.variance[c][i] / 3.0;
+    }
+  }
+
+  filter_with_least_risk(guide, *FilledMeans(statistics), risk, options, kept, result);
   return result;
+}
+
+OptionTable<CrossBilateralOptions> cross_bilateral_option_table() {
+  using O = CrossBilateralOptions;
+  return {
+      number_option<O>("sigma_normal", &O::sigma_normal, 1e-3, 1e3, "tolerance for normals"),
+      number_option<O>("sigma_albedo", &O::sigma_albedo, 1e-3, 1e3, "tolerance for albedo"),
+      number_option<O>("sigma_depth", &O::sigma_depth, 1e-3, 1e3,
+                       "tolerance for depth, in units of the largest"),
+  };
 }
 
 }  // namespace spool

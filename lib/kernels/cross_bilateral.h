@@ -28,9 +28,6 @@ struct CrossBilateralOptions {
   std::vector<double> scales = {0, 1, 2, 4, 8};  // s, pieces; ascending
   double risk_scale = 8.0;                       // s of the smoothing of the risk
   double sigma_normal = 0.8, sigma_albedo = 0.25, sigma_depth = 0.6;
-  VarianceMode var_mode = VarianceMode::kAuto;
-  double nu0 = 2.0;
-  double key = 1.0;
 };
 
 OptionTable<CrossBilateralOptions> cross_bilateral_option_table();

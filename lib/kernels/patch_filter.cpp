@@ -49,9 +49,9 @@ OptionTable<PatchFilterOptions> patch_filter_option_table() {
   using O = PatchFilterOptions;
   return {
       integer_option<O>("window", &O::window, 1, 64, "radius searched, pixels"),
-      integer_option<O>("patch", &O::patch, 0, 16, "radius of the patches compared, pixels"),
+      expert(
+          integer_option<O>("patch", &O::patch, 0, 16, "radius of the patches compared, pixels")),
       number_option<O>("kappa", &O::kappa, 1e-3, 100.0, "damping: larger filters more"),
-      number_option<O>("alpha", &O::alpha, 0.0, 10.0, "share of the noise taken off a distance"),
   };
 }
 

@@ -23,7 +23,7 @@ struct PatchFilterOptions {
   int window = 10;  // r, pieces
   int patch = 3;    // f
   double kappa = 0.45;
-  double alpha = 1.0;
+  double alpha = 1.0;  // share of the noise taken off a distance
 };
 
 OptionTable<PatchFilterOptions> patch_filter_option_table();

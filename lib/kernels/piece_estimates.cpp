@@ -35,8 +35,7 @@ Result<ChannelEstimates> estimate_channel(const PieceStatistics& statistics, std
     return fail(ErrorCode::kData,
                 "selection: no piece has a sample: raise the budget or check the counts");
   }
-  VarianceOptions of_radiance = options;
-  of_radiance.key = options.key / exposure;
+  const VarianceOptions of_radiance{options.mode, options.scale / exposure};
   ChannelEstimates estimates;
   estimates.mean =
       fill_empty_pieces(statistics.mean[channel], statistics.n, statistics.pieces_per_side, guards);
@@ -62,18 +61,17 @@ Result<PieceEstimates> estimate_pieces(const PieceStatistics& statistics,
   return estimates;
 }
 
-double analysis_exposure(const PieceStatistics& statistics, double key, bool normalise,
-                         GuardCounts& guards) {
-  const AnalysisSignal& signal = statistics.signal;
-  if (!normalise || signal.exposure != 1.0 || !signal.is_linear()) return signal.exposure;
-  return exposure_of(statistics, key, guards);
+double analysis_exposure(const PieceStatistics& statistics, GuardCounts& guards) {
+  const double exposure = statistics.signal.exposure;
+  return exposure == 1.0 ? exposure_of(statistics, guards) : exposure;
 }
 
 AnalysisEstimates estimate_analysis(const PieceStatistics& statistics,
                                     const VarianceOptions& options, bool normalise,
                                     GuardCounts& guards) {
   AnalysisEstimates estimates;
-  estimates.exposure = analysis_exposure(statistics, options.key, normalise, guards);
+  estimates.exposure =
+      normalise ? analysis_exposure(statistics, guards) : statistics.signal.exposure;
   const double factor = estimates.exposure / statistics.signal.exposure;
   Plane mean = scaled(statistics.analysis.mean, factor);
   GuardCounts of_variance;

@@ -24,7 +24,7 @@ struct ChannelEstimates {
 };
 
 // Error kData when no piece has a sample. `exposure` brings radiance to the scale of the variance's
-// floor (VarianceOptions::key).
+// floor (VarianceOptions::scale).
 Result<PieceEstimates> estimate_pieces(const PieceStatistics& statistics,
                                        const VarianceOptions& options, double exposure,
                                        GuardCounts& guards);
@@ -40,14 +40,13 @@ struct AnalysisEstimates {
 };
 
 // Estimates of the analysis signal. With `normalise`, a signal nobody has exposed (exposure 1, the
-// mark of a bare selection) is brought to mean `key` first; a sampler's own exposure is kept.
+// mark of a bare selection) is brought to mean 1 first; a sampler's own exposure is kept.
 AnalysisEstimates estimate_analysis(const PieceStatistics& statistics,
                                     const VarianceOptions& options, bool normalise,
                                     GuardCounts& guards);
 
 // Exposure of the statistics' signal by the rule above.
-double analysis_exposure(const PieceStatistics& statistics, double key, bool normalise,
-                         GuardCounts& guards);
+double analysis_exposure(const PieceStatistics& statistics, GuardCounts& guards);
 
 // Pixels from pieces: means of q x q values; for variances also divided by q^2.
 Plane average_pieces(const Plane& pieces, int pieces_per_side);

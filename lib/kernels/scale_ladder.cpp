@@ -24,7 +24,7 @@ Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const Sam
   const bool film = pool.recording().has_film();
   if (grid == GreedyGrid::kSubpixel && !film) {
     return fail(ErrorCode::kData,
-                "{}: gem_grid=subpixel needs film positions, which were not recorded: use pixel",
+                "{}: grid=subpixel needs film positions, which were not recorded: use pixel",
                 pool.recording().name());
   }
   LadderBase base;

@@ -17,7 +17,7 @@ double scene_luminance(const PieceStatistics& statistics, GuardCounts& guards) {
         n(x, y) += statistics.n(x * q + piece % q, y * q + piece / q);
     }
   }
-  return 1.0 / exposure_scale(of_pixel, n, 1.0, guards);
+  return 1.0 / exposure_scale(of_pixel, n, guards);
 }
 
 }  // namespace spool

@@ -21,28 +21,15 @@
 
 namespace spool {
 
-enum class LaplacianIteration {
-  kAtrous,     // dilation 2^k: level k covers 2^k
-  kUndilated,  // the same filter again at each level: eqs 1-3 iterated on the recombined image
-};
-enum class LaplacianSign {
-  kCorrected,  // f^{ij}(x, y) = f(x + i, y + j)
-  kLiteral,    // eq 1 as printed, f(x - i, y - j): odd rows and columns are two pixels off
-               // (demonstration)
-};
 enum class LaplacianDetail {
-  kCycleSpun,   // d_k = f_k - (g/2) * f_{k+1}: the mean of eq 4 over its four phases,
-                // shift-invariant
-  kPhase00,     // d_k = f_k - g * (f_{k+1} on phase (0, 0)): eq 4 as printed, shift-variant
-  kAtrousDiff,  // d_k = f_k - f_{k+1}
+  kCycleSpun,  // d_k = f_k - (g/2) * f_{k+1}: the mean of eq 4 over its four phases,
+               // shift-invariant
+  kPhase00,    // d_k = f_k - g * (f_{k+1} on phase (0, 0)): eq 4 as printed, shift-variant
 };
 
 struct PyramidOptions {
   WaveletFilter filter = WaveletFilter::k53;
   FilterRoles roles = FilterRoles::kLongAnalysis;
-  EvenAlign even_align = EvenAlign::kAlternate;
-  LaplacianIteration iteration = LaplacianIteration::kAtrous;
-  LaplacianSign sign = LaplacianSign::kCorrected;
   LaplacianDetail detail = LaplacianDetail::kCycleSpun;
   int levels = 4;  // K, 0 .. 8
   Extension extension = Extension::kSymmetric;
@@ -89,13 +76,7 @@ void pyramid_influence(const Rectangle& changed, const Rectangle& bounds,
                        const PyramidOptions& options, std::vector<Rectangle>& coarse_boxes,
                        std::vector<Rectangle>& detail_boxes);
 
-// 2^k for a-trous, 1 for undilated.
-int pyramid_dilation(const PyramidOptions& options, int k);
-
-// Eqs 1-3 as the text writes them, on every polyphase component of step `dilation`: four shifted
-// copies, each filtered and decimated, then interleaved. Corrected, it equals convolve_box bit for
-// bit; literal, it shows the misprint. Direct sums, slow: for demonstration and sign = literal.
-void apply_eqs_1_to_3_box(const Plane& in, const Taps& analysis, int dilation, LaplacianSign sign,
-                          Extension extension, const Rectangle& box, Plane& out);
+// D = 2^k, between f_k and f_{k+1}.
+int pyramid_dilation(int k);
 
 }  // namespace spool

@@ -82,9 +82,9 @@ FilterPair filter_pair(WaveletFilter filter, FilterRoles roles) {
   return {scaled(pair.synthesis, 0.5), scaled(pair.analysis, 2.0)};
 }
 
-FilterPair filter_pair_at(WaveletFilter filter, FilterRoles roles, EvenAlign align, int k) {
+FilterPair filter_pair_at(WaveletFilter filter, FilterRoles roles, int k) {
   FilterPair pair = filter_pair(filter, roles);
-  if (align == EvenAlign::kCausal || k % 2 == 0) return pair;
+  if (k % 2 == 0) return pair;
   return {mirrored(pair.analysis), mirrored(pair.synthesis)};
 }
 

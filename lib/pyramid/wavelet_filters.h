@@ -16,10 +16,6 @@ enum class FilterRoles {
   kLongAnalysis,  // the longer filter analyses (contourlet convention)
   kSwapped,       // H = G / 2 and G = 2 H of the above
 };
-enum class EvenAlign {
-  kAlternate,  // offsets mirrored at odd k: even-length filters stay centred on the average
-  kCausal,     // offsets as tabulated at every k
-};
 
 // values[i] is the tap at offset first + i.
 struct Taps {
@@ -36,8 +32,9 @@ struct FilterPair {
 
 FilterPair filter_pair(WaveletFilter filter, FilterRoles roles = FilterRoles::kLongAnalysis);
 
-// The pair used between f_k and f_{k+1}, k = 0, 1, ...
-FilterPair filter_pair_at(WaveletFilter filter, FilterRoles roles, EvenAlign align, int k);
+// The pair used between f_k and f_{k+1}, k = 0, 1, ... At odd k the offsets are mirrored, so that
+// filters of even length stay centred on the average.
+FilterPair filter_pair_at(WaveletFilter filter, FilterRoles roles, int k);
 
 Taps mirrored(const Taps& taps);  // offset m -> -m
 Taps scaled(const Taps& taps, double factor);

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "lib/core/extend.h"
 #include "lib/core/parallel.h"
-#include "lib/core/random.h"
-#include "lib/sampling/block_order.h"
 #include "lib/sampling/piece_choice.h"
-#include "lib/sampling/region_queue.h"
+#include "lib/sampling/priority_order.h"
 #include "lib/sampling/rounds.h"
 #include "lib/sampling/spending.h"
 #include "lib/sampling/uniform.h"
+#include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
 namespace {
@@ -25,8 +25,7 @@ struct BlockLevel {
   Plane energy;    // w_H^2 + w_V^2 + w_D^2
 };
 
-BlockLevel pieces_as_blocks(const PieceStatistics& statistics, const Plane& v, int multiple,
-                            double key) {
+BlockLevel pieces_as_blocks(const PieceStatistics& statistics, const Plane& v, int multiple) {
   const int width = (v.width() + multiple - 1) / multiple * multiple;
   const int height = (v.height() + multiple - 1) / multiple * multiple;
   BlockLevel level{Plane(width, height), Plane(width, height), Plane(width, height)};
@@ -35,7 +34,7 @@ BlockLevel pieces_as_blocks(const PieceStatistics& statistics, const Plane& v, i
       const int px = extend_symmetric(x, v.width()), py = extend_symmetric(y, v.height());
       level.mean(x, y) = statistics.analysis.mean(px, py);
       // No reason to sample: a piece without samples has none to offer, a flat one only its floor.
-      const bool flat = v(px, py) <= variance_floor(level.mean(x, y), key);
+      const bool flat = v(px, py) <= variance_floor(level.mean(x, y));
       level.variance(x, y) = statistics.n(px, py) == 0 || flat ? 0.0 : v(px, py);
     }
   });
@@ -82,9 +81,8 @@ Rectangle block_of(const RegionEntry& entry, const Rectangle& grid) {
 // [level][y][x] of the blocks that lie in the grid.
 std::vector<Plane> block_priorities(const PieceStatistics& statistics,
                                     const AdaptiveWaveletOptions& options, GuardCounts& guards) {
-  const Plane v =
-      analysis_variance(statistics, {options.var_mode, options.nu0, options.key}, guards);
-  BlockLevel level = pieces_as_blocks(statistics, v, 1 << options.levels, options.key);
+  const Plane v = analysis_variance(statistics, {}, guards);
+  BlockLevel level = pieces_as_blocks(statistics, v, 1 << options.levels);
   std::vector<Plane> priorities;
   for (int k = 0; k <= options.levels; ++k) {
     if (k > 0) level = merge_blocks(level, k);
@@ -114,32 +112,30 @@ std::vector<OpenPiece> open_pieces(const Rectangle& block, const CountImage& n,
 // Samples of one epoch: the best blocks that do not overlap, until `share` is reached. Nothing when
 // no block has a priority.
 CountImage choose_epoch(const PieceStatistics& statistics, const SamplePool& pool, long long share,
-                        long long left, std::uint64_t seed, const AdaptiveWaveletOptions& options,
-                        SamplingLog& log) {
+                        long long left, const AdaptiveWaveletOptions& options, SamplingLog& log) {
   const Rectangle grid = statistics.n.bounds();
-  BlockOrder order(block_priorities(statistics, options, log.guards),
-                   static_cast<std::size_t>(share));
   CountImage extra(grid.x1, grid.y1), taken(grid.x1, grid.y1);
+  const auto is_free = [&](const RegionEntry& entry) {
+    const Rectangle block = block_of(entry, grid);
+    for (int y = block.y0; y < block.y1; ++y) {
+      const std::int32_t* row = &taken(0, y);
+      if (std::any_of(row + block.x0, row + block.x1, [](std::int32_t t) { return t != 0; }))
+        return false;
+    }
+    return true;
+  };
+  const std::vector<Plane> priorities = block_priorities(statistics, options, log.guards);
+  const PriorityMaxima maxima(priorities, 0);
+  PriorityOrder order(maxima, static_cast<std::size_t>(share) / 2, is_free);
   long long chosen = 0;
   while (chosen < share) {
-    const RegionEntry entry = order.next();
-    if (entry.level < 0) break;
+    const std::optional<RegionEntry> found = order.next();
+    if (!found) break;
+    const RegionEntry& entry = *found;
     const Rectangle block = block_of(entry, grid);
-    bool overlaps = false;
-    for (int y = block.y0; y < block.y1 && !overlaps; ++y) {
-      for (int x = block.x0; x < block.x1; ++x)
-        overlaps = overlaps || taken(x, y) != 0;
-    }
-    if (overlaps) continue;
     std::vector<OpenPiece> pieces = open_pieces(block, statistics.n, pool);
     if (pieces.empty()) continue;  // saturated
-    const std::vector<PieceShare> shares =
-        options.pop_samples
-            ? to_least_sampled(pieces, pool,
-                               std::min<long long>(*options.pop_samples, left - chosen),
-                               mix(seed, entry.level, entry.x, entry.y))
-            : one_each(std::move(pieces), left - chosen);
-    for (const PieceShare& piece : shares) {
+    for (const PieceShare& piece : one_each(std::move(pieces), left - chosen)) {
       extra(piece.x, piece.y) += piece.count;
       chosen += piece.count;
       log.samples_of_level[static_cast<std::size_t>(entry.level)] += piece.count;
@@ -158,21 +154,13 @@ const OptionTable<AdaptiveWaveletOptions>& adaptive_wavelet_option_table() {
   using O = AdaptiveWaveletOptions;
   static const OptionTable<O> table = {
       init_spp_option<O>(&O::init_spp),
-      integer_option<O>("awr_levels", &O::levels, 0, 8, "levels of the block tree"),
+      integer_option<O>("levels", &O::levels, 0, 8, "levels of the block tree"),
       choice_option<O, WaveletPriority>(
-          "awr_priority", &O::priority,
+          "priority", &O::priority,
           {{"relative", WaveletPriority::kRelative}, {"absolute", WaveletPriority::kAbsolute}},
           "error relative to the block's mean, or absolute"),
-      pop_option<O>("awr_pop", "per_pixel", &O::pop_samples),
       integer_option<O>("epochs", &O::epochs, 1, 1000000,
                         "steps; as many as there are samples: one block each"),
-      choice_option<O, VarianceMode>("var_mode", &O::var_mode,
-                                     {{"auto", VarianceMode::kAuto},
-                                      {"raw", VarianceMode::kRaw},
-                                      {"pooled", VarianceMode::kPooled}},
-                                     "estimate of the variance of a piece's mean"),
-      number_option<O>("nu0", &O::nu0, 0.0, 1e6, "weight of the neighbours in a pooled variance"),
-      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance"),
   };
   return table;
 }
@@ -182,16 +170,15 @@ Result<SamplingResult> sample_adaptive_wavelet(const SamplePool& pool, long long
                                                const SamplingContext& context) {
   const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
   Spending spending =
-      begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed), options.key);
+      begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed));
   const PieceStatistics& statistics = spending.statistics;
   const long long& left = spending.left;
   SamplingLog& log = spending.log;
   log.samples_of_level.assign(static_cast<std::size_t>(options.levels) + 1, 0);
 
   const long long share = (left + options.epochs - 1) / options.epochs;
-  for (std::uint64_t epoch = 0; left > 0; ++epoch) {
-    CountImage extra = choose_epoch(statistics, pool, std::min(share, left), left,
-                                    mix(context.seed, epoch), options, log);
+  while (left > 0) {
+    CountImage extra = choose_epoch(statistics, pool, std::min(share, left), left, options, log);
     if (count_samples(extra) == 0) {  // no priority anywhere: the rest is spent uniformly
       extra = raise_least_sampled(statistics.n, pool, statistics.n.bounds(), left, context.seed);
       for (std::size_t i = 0; i < extra.size(); ++i)

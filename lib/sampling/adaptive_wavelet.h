@@ -16,7 +16,6 @@
 #include <optional>
 
 #include "lib/sampling/sampler.h"
-#include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
 
@@ -26,11 +25,7 @@ struct AdaptiveWaveletOptions {
   std::optional<int> init_spp;
   int levels = 4;
   WaveletPriority priority = WaveletPriority::kRelative;
-  std::optional<int> pop_samples;  // fixed(m); empty: one sample for each piece of the block
   int epochs = 256;
-  VarianceMode var_mode = VarianceMode::kAuto;
-  double nu0 = 2.0;
-  double key = 1.0;
 };
 
 const OptionTable<AdaptiveWaveletOptions>& adaptive_wavelet_option_table();

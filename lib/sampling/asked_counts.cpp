@@ -48,7 +48,7 @@ Result<SamplingResult> sample_asked_counts(const SamplePool& pool, long long bud
                                            const SamplingContext& context) {
   const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
   Spending spending =
-      begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed), options.key);
+      begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed));
   const PieceStatistics& statistics = spending.statistics;
   for (int round = 0; round < options.rounds && spending.left > 0; ++round) {
     const int to_come = options.rounds - round;

@@ -33,7 +33,6 @@ using AskForCounts = std::function<Result<CountImage>(const CountQuestion&)>;
 struct AskedCountsOptions {
   std::optional<int> init_spp;  // per piece; empty: default_initial_samples()
   int rounds = 4;
-  double key = 1.0;
 };
 
 // Errors: those of `ask`; kData when its answer has another size than the grid of pieces.

@@ -48,8 +48,8 @@ Result<SamplingResult> sample_cross_bilateral(const SamplePool& pool, long long 
                                               const CrossBilateralSamplingOptions& options,
                                               const SamplingContext& context) {
   const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
-  Spending spending = begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed),
-                                     options.filter.key);
+  Spending spending =
+      begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed));
   const auto choose = [&](long long share) -> Result<CountImage> {
     GuardCounts guards;  // of copies; what decides here and nowhere else is counted, each round
     SPOOL_ASSIGN(const Plane density,

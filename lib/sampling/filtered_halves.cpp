@@ -35,11 +35,7 @@ Plane filtered_difference(const RgbImage& a, const RgbImage& b, double exposure)
 const OptionTable<FilteredHalvesOptions>& filtered_halves_option_table() {
   using O = FilteredHalvesOptions;
   static const OptionTable<O> table = {
-      number_option<O>("start", &O::start, 0.0, 1.0,
-                       "share of the budget spent uniformly first, at least 2 samples per piece"),
       integer_option<O>("rounds", &O::rounds, 1, 1000, "rounds that share the rest"),
-      number_option<O>("blur", &O::blur, 0.0, 64.0, "sigma of the smoothing of the error, pixels"),
-      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance"),
   };
   return table;
 }
@@ -86,8 +82,7 @@ Result<SamplingResult> sample_filtered_halves(const SamplePool& pool, long long 
   const auto start = std::llround(options.start * static_cast<double>(budget));
   const long long first = std::min(budget, std::max(start, 2 * pieces));
   Spending spending = begin_spending(
-      pool, budget, initial_counts(pool, first, std::numeric_limits<int>::max(), context.seed),
-      options.key);
+      pool, budget, initial_counts(pool, first, std::numeric_limits<int>::max(), context.seed));
 
   const std::array<SamplePool, 2> halves = {pool.half(0), pool.half(1)};
   const auto choose = [&](long long share) -> Result<CountImage> {

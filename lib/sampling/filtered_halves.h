@@ -6,7 +6,7 @@
 //   e = mean_c (F(A) - F(B))^2 / (F^2 + 0.01),  F = (F(A) + F(B)) / 2,  smoothed with a Gaussian
 //
 // The wanted count of a pixel is proportional to sqrt(e); a round hands its share out over
-// max(0, wanted - n). F comes in as SamplingContext::filter. Radiance is exposed to mean `key`.
+// max(0, wanted - n). F comes in as SamplingContext::filter. Radiance is exposed to mean 1.
 #pragma once
 
 #include "lib/sampling/sampler.h"
@@ -18,7 +18,6 @@ struct FilteredHalvesOptions {
       0.25;  // share of the budget that is spent uniformly first, at least 2 samples each
   int rounds = 4;
   double blur = 2.0;  // sigma of the smoothing of e, pixels
-  double key = 1.0;
 };
 
 const OptionTable<FilteredHalvesOptions>& filtered_halves_option_table();

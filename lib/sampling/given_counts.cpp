@@ -22,7 +22,7 @@ Result<SamplingResult> sample_given_counts(const SamplePool& pool, long long bud
                   name, counts(x, y), x, y, pool.capacity(x, y));
     }
   }
-  Spending spending = begin_spending(pool, budget, counts, 1.0);
+  Spending spending = begin_spending(pool, budget, counts);
   spending.log.initial = 0;  // every sample follows a decision, made elsewhere
   SPOOL_TRY(report_progress(context, "counts", 1, 1));
   return end_spending(std::move(spending), pool);

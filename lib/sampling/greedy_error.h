@@ -15,43 +15,14 @@
 // apportioned over e. Slow twin: tests/reference/greedy_error_reference.h.
 #pragma once
 
-#include "lib/kernels/scale_ladder.h"
+#include "lib/sampling/greedy_error_map.h"
 #include "lib/sampling/sampler.h"
 
 namespace spool {
 
-struct GreedyErrorOptions {
-  int init_spp = 4;  // fewer need the pooled variance
-  int iterations = 8;
-  int scales = 4;  // above the base image
-  double gamma = 0.2;
-  double alpha = 1.0;
-  GreedyGrid grid = GreedyGrid::kAuto;
-  VarianceMode var_mode = VarianceMode::kAuto;
-  double nu0 = 2.0;
-  double key = 1.0;
-};
-
-const OptionTable<GreedyErrorOptions>& greedy_error_option_table();
-
 Result<SamplingResult> sample_greedy_error(const SamplePool& pool, long long budget,
                                            const GreedyErrorOptions& options,
                                            const SamplingContext& context);
-
-// sigma_s of the sampling phase, s >= 1, pixels.
-inline double greedy_sampling_scale(int s) {
-  return static_cast<double>(1 << (s - 1));
-}
-
-struct GreedyErrorMap {
-  Plane error;       // e [y][x] of pixels, >= 0
-  CountImage scale;  // selected scale, 0: base image
-};
-
-// `per_pixel` is m.
-Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const SamplePool& pool,
-                                        double per_pixel, const GreedyErrorOptions& options,
-                                        GuardCounts& guards);
 
 Sampler greedy_error_sampler();
 

@@ -3,7 +3,8 @@
 
 #include <cstdint>
 
-#include "lib/sampling/greedy_error.h"
+#include "lib/pool/sample_pool.h"
+#include "lib/sampling/greedy_error_map.h"
 
 namespace spool {
 

@@ -24,15 +24,13 @@ bool is_grey(const PieceStatistics& statistics) {
   return statistics.mean[0] == statistics.mean[1] && statistics.mean[1] == statistics.mean[2];
 }
 
-// max_c C_c / tau_c of every piece, over the window.
-Plane contrast_ratio(const PieceStatistics& statistics, const Thresholds& tau, int window) {
-  const int reach = window / 2;
+// max_c C_c / tau_c of every piece, over its 3 x 3 neighbourhood.
+Plane contrast_ratio(const PieceStatistics& statistics, const Thresholds& tau) {
   const double exposure = statistics.signal.exposure;
   Plane ratio(statistics.width(), statistics.height());
   parallel_rows(0, ratio.height(), [&](int y) {
     for (int x = 0; x < ratio.width(); ++x) {
-      const Rectangle around =
-          intersect({x - reach, y - reach, x + reach + 1, y + reach + 1}, ratio.bounds());
+      const Rectangle around = intersect({x - 1, y - 1, x + 2, y + 2}, ratio.bounds());
       double largest = 0.0;
       for (std::size_t c = 0; c < 3; ++c) {
         const Plane& lows = (*statistics.channel_minimum)[c];
@@ -96,7 +94,7 @@ Result<void> run_rounds(Spending& spending, const SamplePool& pool, const Thresh
                         const MitchellOptions& options, const SamplingContext& context) {
   const auto choose = [&](long long share) -> Result<CountImage> {
     const PieceStatistics& statistics = spending.statistics;
-    const Plane ratio = contrast_ratio(statistics, tau, options.window);
+    const Plane ratio = contrast_ratio(statistics, tau);
     const std::vector<int> room = room_of(statistics.n, pool);
     // Flagged first, least-sampled first, largest ratio first; where nothing is flagged the largest
     // ratio alone decides.
@@ -109,7 +107,7 @@ Result<void> run_rounds(Spending& spending, const SamplePool& pool, const Thresh
     const std::vector<Turn> order = in_order(std::move(turns));
     CountImage extra(ratio.width(), ratio.height());
     while (share > 0) {  // a second pass only when every piece had its turn
-      const long long used = give_in_order(order, options.per, share, room, extra);
+      const long long used = give_in_order(order, kMitchellTurn, share, room, extra);
       if (used == 0) break;  // all saturated
       share -= used;
     }
@@ -118,65 +116,13 @@ Result<void> run_rounds(Spending& spending, const SamplePool& pool, const Thresh
   return spend_in_rounds(spending, pool, options.rounds, "mitchell", context, choose);
 }
 
-// The two-level modes: one look at the base samples, one hand-out.
-void run_two_levels(Spending& spending, const SamplePool& pool, const Thresholds& tau,
-                    const MitchellOptions& options) {
-  const PieceStatistics& statistics = spending.statistics;
-  long long left = spending.left;
-  const Plane ratio = contrast_ratio(statistics, tau, options.window);
-  const std::vector<int> room = room_of(statistics.n, pool);
-  const bool only_flagged = options.mode == MitchellMode::kTwoLevel;
-  std::vector<Turn> turns;
-  for (std::size_t i = 0; i < ratio.size(); ++i) {
-    if (!only_flagged || ratio[i] > 1.0)
-      turns.push_back({0, static_cast<std::uint32_t>(i), ratio[i]});
-  }
-  const std::vector<Turn> order = in_order(std::move(turns));
-  CountImage extra(ratio.width(), ratio.height());
-  const int per = std::max(options.n_high - options.n_base, 1);
-  if (only_flagged) {
-    give_in_order(order, per, left, room, extra);
-  } else {
-    const auto pieces = static_cast<long long>(order.size());
-    const long long raised = std::max<long long>(per, (left + pieces - 1) / pieces);
-    while (left > 0) {  // again only for the shares of saturated pieces
-      const long long used = give_in_order(order, static_cast<int>(raised), left, room, extra);
-      if (used == 0) break;
-      left -= used;
-    }
-  }
-  spend(spending, pool, extra);
-}
-
 }  // namespace
 
 const OptionTable<MitchellOptions>& mitchell_option_table() {
   using O = MitchellOptions;
   static const OptionTable<O> table = {
-      choice_option<O, MitchellMode>("mode", &O::mode,
-                                     {{"multi_round", MitchellMode::kMultiRound},
-                                      {"two_level_budget", MitchellMode::kTwoLevelBudget},
-                                      {"two_level", MitchellMode::kTwoLevel}},
-                                     "rounds, or two levels that meet the budget or do not"),
       init_spp_option<O>(&O::init_spp),
-      integer_option<O>("n_base", &O::n_base, 1, 65535, "first samples of the two-level modes"),
-      integer_option<O>("n_high", &O::n_high, 1, 65535,
-                        "samples of a flagged pixel in the two-level modes"),
-      integer_option<O>("rounds", &O::rounds, 1, 1000, "rounds of multi_round"),
-      integer_option<O>("per", &O::per, 1, 65535, "samples of a pixel and round in multi_round"),
-      {"window", "3|1", "pixels per side over which contrast is taken",
-       [](O& options, std::string_view text) -> Result<void> {
-         SPOOL_ASSIGN(const int value, parse_integer("window", text, 1, 3));
-         if (value == 2) return fail(ErrorCode::kUsage, "option window: 2 is not 3 or 1");
-         options.window = value;
-         return {};
-       },
-       [](const O& options) { return std::to_string(options.window); }},
-      number_option<O>("tau_red", &O::tau_red, 1e-6, 1e6, "threshold of the red contrast"),
-      number_option<O>("tau_green", &O::tau_green, 1e-6, 1e6, "threshold of the green contrast"),
-      number_option<O>("tau_blue", &O::tau_blue, 1e-6, 1e6, "threshold of the blue contrast"),
-      number_option<O>("tau_grey", &O::tau_grey, 1e-6, 1e6, "threshold where all samples are grey"),
-      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance"),
+      integer_option<O>("rounds", &O::rounds, 1, 1000, "rounds that share the rest"),
   };
   return table;
 }
@@ -184,21 +130,14 @@ const OptionTable<MitchellOptions>& mitchell_option_table() {
 Result<SamplingResult> sample_mitchell(const SamplePool& pool, long long budget,
                                        const MitchellOptions& options,
                                        const SamplingContext& context) {
-  const bool rounds = options.mode == MitchellMode::kMultiRound;
-  const int each =
-      rounds ? options.init_spp.value_or(default_initial_samples(budget, pool)) : options.n_base;
+  const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
   Spending spending = begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed),
-                                     options.key, ChannelRange::kKept);
-  const Thresholds tau = is_grey(spending.statistics)
-                             ? Thresholds{options.tau_grey, options.tau_grey, options.tau_grey}
-                             : Thresholds{options.tau_red, options.tau_green, options.tau_blue};
-  if (rounds) {
-    SPOOL_TRY(run_rounds(spending, pool, tau, options, context));
-  } else {
-    run_two_levels(spending, pool, tau, options);
-  }
+                                     ChannelRange::kKept);
+  const Thresholds& tau =
+      is_grey(spending.statistics) ? kMitchellGreyThresholds : kMitchellThresholds;
+  SPOOL_TRY(run_rounds(spending, pool, tau, options, context));
   if (context.views != nullptr && context.views->wants("ratio")) {
-    context.views->add("ratio", contrast_ratio(spending.statistics, tau, options.window));
+    context.views->add("ratio", contrast_ratio(spending.statistics, tau));
   }
   SPOOL_TRY(report_progress(context, "mitchell", budget, budget));
   return end_spending(std::move(spending), pool);

@@ -5,32 +5,26 @@
 //   C_c = (max_c - min_c) / (|max_c| + |min_c| + 1e-4),  ratio = max_c C_c / tau_c > 1
 //
 // Contrast is not a variance: a flagged pixel stays flagged, so rounds go to the least-sampled
-// first. Slow twin: tests/reference/mitchell_reference.h.
+// first, 4 samples each. Slow twin: tests/reference/mitchell_reference.h.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "lib/sampling/sampler.h"
 
 namespace spool {
 
-enum class MitchellMode {
-  kMultiRound,      // equal shares; in each the flagged, least-sampled pixels get `per` samples
-  kTwoLevelBudget,  // the largest ratios get n_high in all, as many as the budget pays
-  kTwoLevel,        // every flagged pixel gets n_high in all: may leave budget unspent
+struct MitchellOptions {
+  std::optional<int> init_spp;  // per piece; empty: default_initial_samples()
+  int rounds = 8;               // equal shares of the rest
 };
 
-struct MitchellOptions {
-  MitchellMode mode = MitchellMode::kMultiRound;
-  std::optional<int> init_spp;  // multi_round; the two-level modes start with n_base
-  int n_base = 1, n_high = 9;
-  int rounds = 8;
-  int per = 4;
-  int window = 3;  // 3 or 1 pieces
-  double tau_red = 0.4, tau_green = 0.3, tau_blue = 0.6;
-  double tau_grey = 0.4;  // where the initial samples are grey everywhere
-  double key = 1.0;
-};
+// Samples of a piece in its turn.
+inline constexpr int kMitchellTurn = 4;
+// Contrast that flags a piece: red, green, blue; and where the first samples are grey everywhere.
+inline constexpr std::array<double, 3> kMitchellThresholds = {0.4, 0.3, 0.6};
+inline constexpr std::array<double, 3> kMitchellGreyThresholds = {0.4, 0.4, 0.4};
 
 const OptionTable<MitchellOptions>& mitchell_option_table();
 

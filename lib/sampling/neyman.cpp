@@ -37,7 +37,6 @@ const OptionTable<NeymanOptions>& neyman_option_table() {
   using O = NeymanOptions;
   static const OptionTable<O> table = {
       integer_option<O>("init_spp", &O::init_spp, 1, 65535, "least samples of a piece"),
-      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance"),
   };
   return table;
 }
@@ -57,7 +56,7 @@ Result<SamplingResult> sample_neyman(const SamplePool& pool, long long budget,
   for (std::size_t i = 0; i < n.size(); ++i)
     n[i] += extra[i];
   if (context.views != nullptr) context.views->add("deviation", deviation);
-  Spending spending = begin_spending(pool, budget, n, options.key);
+  Spending spending = begin_spending(pool, budget, n);
   spending.log.initial = initial;
   SPOOL_TRY(report_progress(context, "neyman", budget, budget));
   return end_spending(std::move(spending), pool);

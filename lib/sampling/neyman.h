@@ -8,7 +8,6 @@ namespace spool {
 
 struct NeymanOptions {
   int init_spp = 1;  // every piece, whatever its deviation
-  double key = 1.0;
 };
 
 const OptionTable<NeymanOptions>& neyman_option_table();

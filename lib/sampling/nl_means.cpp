@@ -17,6 +17,7 @@ namespace spool {
 namespace {
 
 constexpr double kRelativeFloor = 1e-3;  // in squared units of the exposed radiance
+constexpr double kBlur = 0.8;            // sigma of the smoothing of the error, pieces
 constexpr double kLeastCount = 1e-3;     // a half without samples near a pixel
 
 // Apportions `share` over `error`, no piece beyond `most` in this iteration nor beyond its pool;
@@ -52,12 +53,7 @@ const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
         integer_option<O>("iterations", &O::iterations, 1, 1000, "iterations that share the rest"),
     };
     append_options(options, patch_filter_option_table(), &O::filter);
-    options.push_back(number_option<O>("blur", &O::blur, 0.0, 64.0,
-                                       "sigma of the smoothing of the error, pieces"));
-    options.push_back(var_mode_option(&O::var_mode));
-    options.push_back(nu0_option(&O::nu0));
-    options.push_back(
-        number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance"));
+    options.push_back(expert(var_mode_option(&O::var_mode)));
     return options;
   }();
   return table;
@@ -65,7 +61,7 @@ const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
 
 Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
                              const NlMeansSamplingOptions& options, GuardCounts& guards) {
-  const VarianceOptions variance{options.var_mode, options.nu0, options.key};
+  const VarianceOptions variance{options.var_mode};
   std::array<HalfImage, 2> images;
   std::array<Plane, 2> counts;
   for (std::size_t h = 0; h < 2; ++h) {
@@ -115,15 +111,15 @@ Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool
 Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
                                        const NlMeansSamplingOptions& options,
                                        const SamplingContext& context) {
-  Spending spending = begin_spending(
-      pool, budget, initial_counts(pool, budget, options.init_spp, context.seed), options.key);
+  Spending spending =
+      begin_spending(pool, budget, initial_counts(pool, budget, options.init_spp, context.seed));
   const long long pieces = static_cast<long long>(pool.width()) * pool.height();
   const long long most = std::max(1LL, budget / pieces);
   const auto choose = [&](long long share) -> Result<CountImage> {
     SPOOL_ASSIGN(Plane error,
                  nl_means_error(spending.statistics, pool, options, spending.log.guards));
     if (context.views != nullptr) context.views->add_next("error", error);
-    error = gaussian_blur(error, options.blur);
+    error = gaussian_blur(error, kBlur);
     return hand_out_limited(error, spending.statistics.n, pool, share, most);
   };
   SPOOL_TRY(spend_in_rounds(spending, pool, options.iterations, "nl_means", context, choose));

@@ -6,9 +6,9 @@
 //
 //   error = sum over both halves of mean_c 2 (F_A - F_B)^2 / (1e-3 + F^2) / N,  F of that half
 //
-// with N the half's sample count filtered by the same weights; blurred with a Gaussian. An
-// iteration apportions its share over the error, no pixel more than `spp` in one iteration. Slow
-// twin: tests/reference/nl_means_reference.h.
+// with N the half's sample count filtered by the same weights; blurred with a Gaussian of 0.8
+// pieces. An iteration apportions its share over the error, no pixel more than `spp` in one
+// iteration. Slow twin: tests/reference/nl_means_reference.h.
 #pragma once
 
 #include "lib/kernels/patch_filter.h"
@@ -21,10 +21,7 @@ struct NlMeansSamplingOptions {
   int init_spp = 4;
   int iterations = 8;
   PatchFilterOptions filter{7, 3, 0.45, 0.5};
-  double blur = 0.8;
   VarianceMode var_mode = VarianceMode::kAuto;
-  double nu0 = 2.0;
-  double key = 1.0;
 };
 
 const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table();

@@ -9,20 +9,20 @@
 namespace spool {
 
 Spending begin_spending(const SamplePool& pool, long long budget, const CountImage& first,
-                        std::optional<double> key, ChannelRange range) {
+                        ChannelRange range) {
   SPOOL_CHECK_GE(budget, 0);
   Spending spending;
   spending.statistics = prefix_statistics(pool, first, {}, range == ChannelRange::kKept);
   spending.log.budget = budget;
   spending.log.initial = count_samples(first);
   spending.left = std::max(0LL, std::min(budget, pool.total_capacity()) - spending.log.initial);
-  if (key) expose(spending.statistics, pool, *key, spending.log.guards);
+  expose(spending.statistics, pool, spending.log.guards);
   return spending;
 }
 
-void expose(PieceStatistics& statistics, const SamplePool& pool, double key, GuardCounts& guards) {
+void expose(PieceStatistics& statistics, const SamplePool& pool, GuardCounts& guards) {
   AnalysisSignal signal;
-  signal.exposure = exposure_of(statistics, key, guards);
+  signal.exposure = exposure_of(statistics, guards);
   set_signal(statistics, pool, signal);
 }
 

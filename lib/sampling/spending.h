@@ -1,7 +1,6 @@
 // How every sampler begins and ends: what it has spent, what is left, and the log of both.
 #pragma once
 
-#include <optional>
 #include <string_view>
 
 #include "lib/core/image.h"
@@ -19,12 +18,12 @@ struct Spending {
 enum class ChannelRange { kNone, kKept };  // least and largest sample of each channel
 
 // Takes the `first` samples of every piece [y][x], before any decision, and exposes their luminance
-// to mean `key`, if there is one.
+// to mean 1.
 Spending begin_spending(const SamplePool& pool, long long budget, const CountImage& first,
-                        std::optional<double> key, ChannelRange range = ChannelRange::kNone);
+                        ChannelRange range = ChannelRange::kNone);
 
-// Exposes the statistics' luminance to mean `key`, frozen from then on.
-void expose(PieceStatistics& statistics, const SamplePool& pool, double key, GuardCounts& guards);
+// Exposes the statistics' luminance to mean 1, frozen from then on.
+void expose(PieceStatistics& statistics, const SamplePool& pool, GuardCounts& guards);
 
 // Takes `extra` samples of every piece; how many they were.
 long long spend(Spending& spending, const SamplePool& pool, const CountImage& extra);

@@ -1,5 +1,11 @@
 #include "lib/sampling/tile_plan.h"
 
+#include <algorithm>
+#include <atomic>
+#include <numeric>
+
+#include "lib/core/parallel.h"
+
 #include "lib/core/check.h"
 
 namespace spool {
@@ -34,6 +40,21 @@ Result<std::vector<Rectangle>> plan_tiles(int width, int height, int tile_size, 
       tiles.push_back({xs[i], ys[j], xs[i + 1], ys[j + 1]});
   }
   return tiles;
+}
+
+void for_each_tile(const std::vector<long long>& budgets, bool parallel,
+                   const std::function<void(std::size_t)>& run) {
+  std::vector<std::size_t> order(budgets.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return budgets[a] > budgets[b]; });
+  if (parallel) {
+    std::atomic<std::size_t> next{0};
+    parallel_for(order.size(), [&](std::size_t) { run(order[next++]); });
+    return;
+  }
+  for (const std::size_t t : order)
+    run(t);
 }
 
 }  // namespace spool

@@ -9,18 +9,6 @@
 
 namespace spool {
 
-const OptionTable<UniformOptions>& uniform_option_table() {
-  using O = UniformOptions;
-  static const OptionTable<O> table = {
-      choice_option<O, ExposureMode>(
-          "exposure", &O::exposure,
-          {{"normalise", ExposureMode::kNormalise}, {"none", ExposureMode::kNone}},
-          "scale of the analysis signal that filters see"),
-      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised analysis signal"),
-  };
-  return table;
-}
-
 CountImage raise_least_sampled(const CountImage& n, const SamplePool& pool, const Rectangle& area,
                                long long budget, std::uint64_t seed, int limit) {
   SPOOL_CHECK_EQ(n.width(), pool.width());
@@ -65,14 +53,11 @@ CountImage raise_least_sampled(const CountImage& n, const SamplePool& pool, cons
 }
 
 Result<SamplingResult> sample_uniform(const SamplePool& pool, long long budget,
-                                      const UniformOptions& options,
-                                      const SamplingContext& context) {
+                                      const UniformOptions&, const SamplingContext& context) {
   const CountImage none(pool.width(), pool.height());
-  const bool exposed = options.exposure == ExposureMode::kNormalise;
   return end_spending(
       begin_spending(pool, budget,
-                     raise_least_sampled(none, pool, none.bounds(), budget, context.seed),
-                     exposed ? std::optional(options.key) : std::nullopt),
+                     raise_least_sampled(none, pool, none.bounds(), budget, context.seed)),
       pool);
 }
 
@@ -80,7 +65,6 @@ Sampler uniform_sampler() {
   return make_value<SamplerFunction, UniformOptions>(
       {.name = "uniform",
        .summary = "the same number of samples in every piece",
-       .options = uniform_option_table(),
        .memory = {128, 2e6},
        .run = sample_uniform});
 }

@@ -12,14 +12,7 @@
 
 namespace spool {
 
-enum class ExposureMode { kNormalise, kNone };
-
-struct UniformOptions {
-  ExposureMode exposure = ExposureMode::kNormalise;
-  double key = 1.0;  // mean of the exposed analysis signal
-};
-
-const OptionTable<UniformOptions>& uniform_option_table();
+struct UniformOptions {};
 
 Result<SamplingResult> sample_uniform(const SamplePool& pool, long long budget,
                                       const UniformOptions& options,

@@ -13,12 +13,10 @@ double AnalysisSignal::value(const Rgb& radiance) const {
   const double raw = channel == AnalysisChannel::kLuminance
                          ? luminance(radiance[0], radiance[1], radiance[2])
                          : std::max({radiance[0], radiance[1], radiance[2]});
-  const double exposed = std::min(exposure * raw, clamp);
-  if (map == DecisionMap::kLinear) return exposed;
-  return std::copysign(std::log1p(std::abs(exposed)), exposed);
+  return exposure * raw;
 }
 
-double exposure_scale(const Plane& values, const CountImage& n, double key, GuardCounts& guards) {
+double exposure_scale(const Plane& values, const CountImage& n, GuardCounts& guards) {
   SPOOL_CHECK(values.same_size(n));
   std::vector<std::size_t> order;
   order.reserve(values.size());
@@ -41,7 +39,7 @@ double exposure_scale(const Plane& values, const CountImage& n, double key, Guar
     guards.add(Guard::kExposureFallback);
     return 1.0;
   }
-  return key / mean;
+  return 1.0 / mean;
 }
 
 }  // namespace spool

@@ -140,9 +140,8 @@ void set_signal(PieceStatistics& statistics, const SamplePool& pool, const Analy
   });
 }
 
-double exposure_of(const PieceStatistics& statistics, double key, GuardCounts& guards) {
-  SPOOL_CHECK(statistics.signal.is_linear());
-  return exposure_scale(statistics.analysis.mean, statistics.n, key, guards) *
+double exposure_of(const PieceStatistics& statistics, GuardCounts& guards) {
+  return exposure_scale(statistics.analysis.mean, statistics.n, guards) *
          statistics.signal.exposure;
 }
 

@@ -63,8 +63,8 @@ PieceStatistics prefix_statistics(const SamplePool& pool, const CountImage& coun
 // selection depend on its counts and its signal alone, to the last bit, not on how they came to be.
 void set_signal(PieceStatistics& statistics, const SamplePool& pool, const AnalysisSignal& signal);
 
-// Exposure that brings the mean of the (unexposed, linear) analysis signal to `key`.
-double exposure_of(const PieceStatistics& statistics, double key, GuardCounts& guards);
+// Exposure that brings the mean of the (unexposed) analysis signal to 1.
+double exposure_of(const PieceStatistics& statistics, GuardCounts& guards);
 
 // Pixel estimate: the equal-weight mean of a pixel's pieces. An empty piece takes the mean of its
 // pixel's other pieces; an empty pixel the nearest non-empty piece (ring search, lowest index on

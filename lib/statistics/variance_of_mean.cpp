@@ -91,8 +91,8 @@ double neighbour_variance(const CountImage& n, const Plane& mean) {
 
 }  // namespace
 
-double variance_floor(double mean, double key) {
-  const double deviation = 1e-6 * (std::abs(mean) + 1e-3 * key);
+double variance_floor(double mean, double scale) {
+  const double deviation = 1e-6 * (std::abs(mean) + 1e-3 * scale);
   return deviation * deviation;
 }
 
@@ -119,11 +119,12 @@ Plane variance_of_mean(const CountImage& n, const Plane& mean, const Plane& m2,
       double value = 0.0;
       if (is_pooled(count, options.mode)) {
         const double own = count >= 2 ? m2(x, y) : 0.0;
-        value = (own + options.nu0 * v(x, y)) / (std::max(count - 1, 0) + options.nu0) / count;
+        const int freedom = count - 1;
+        value = (own + kNu0 * v(x, y)) / (freedom + kNu0) / count;
       } else if (count >= 2) {
         value = m2(x, y) / (count - 1) / count;
       }
-      const double floor = variance_floor(mean(x, y), options.key);
+      const double floor = variance_floor(mean(x, y), options.scale);
       if (!(value >= floor)) {
         rows[static_cast<std::size_t>(y)].add(Guard::kVarianceFloor);
         value = floor;

@@ -19,16 +19,19 @@ namespace spool {
 
 enum class VarianceMode { kAuto, kRaw, kPooled };
 
+// Weight of the neighbourhood in a pooled variance, in samples.
+inline constexpr double kNu0 = 2.0;
+
 struct VarianceOptions {
   VarianceMode mode = VarianceMode::kAuto;
-  double nu0 = 2.0;
-  // Floor: v >= (1e-6 (|mean| + 1e-3 key))^2, in the units of the mean; counted.
-  double key = 1.0;
+  // Mean luminance of the image in the units of the mean, 1 where it is exposed. Floor:
+  // v >= (1e-6 (|mean| + 1e-3 scale))^2; counted.
+  double scale = 1.0;
 };
 
 // The least variance that variance_of_mean gives: a piece that has exactly this is flat as far as
 // anyone can see.
-double variance_floor(double mean, double key);
+double variance_floor(double mean, double scale = 1.0);
 
 // Pieces with n = 0 get v = +infinity (nothing is known of them).
 Plane variance_of_mean(const CountImage& n, const Plane& mean, const Plane& m2,

@@ -1,4 +1,4 @@
-// The options of the variance of the mean, for the table of any method that holds them.
+// The option of the variance of the mean, for the table of any method that holds it.
 #pragma once
 
 #include "lib/core/option_table.h"
@@ -14,12 +14,6 @@ Option<Options> var_mode_option(VarianceMode Options::* member) {
        {"raw", VarianceMode::kRaw},
        {"pooled", VarianceMode::kPooled}},
       "variance of a piece's mean: auto pools below 4 samples");
-}
-
-template <class Options>
-Option<Options> nu0_option(double Options::* member) {
-  return number_option("nu0", member, 0.0, 1e3,
-                       "weight of the neighbourhood in a pooled variance, in samples");
 }
 
 }  // namespace spool

@@ -22,7 +22,7 @@ void expect_same_bits_for_any_threads() {
     const NoisyBands<T> noisy = {directional_bands(image, bank), std::vector<double>(8, 1e6)};
     GuardCounts guards;
     const auto result =
-        directional_energy<T>({noisy}, Plane(190, 143, 1.0), 3, EnergyOptions{}, guards);
+        directional_energy<T>(noisy, Plane(190, 143, 1.0), 3, EnergyOptions{}, guards);
     if (threads == 1) {
       expected_bands = noisy.bands;
       expected_energy = result.energy;

@@ -35,13 +35,11 @@ TEST(DirectionalFilterBankDifferential, EverySizeMatchesTheTwin) {
 TEST(DirectionalFilterBankDifferential, EveryOptionMatchesTheTwin) {
   const Plane image = firefly_image(23, 11, 72);
   for (const SignTaps taps : {SignTaps::kPkva6, SignTaps::kPkva8, SignTaps::kPkva12}) {
-    for (const ChannelPair pair : {ChannelPair::kComplementary, ChannelPair::kLadder}) {
-      for (const Extension extension :
-           {Extension::kSymmetric, Extension::kClamp, Extension::kPeriodic, Extension::kWhole}) {
-        for (int levels = 0; levels <= 3; ++levels) {
-          for (const int dilation : {1, 4}) {
-            expect_bands_match(image, {levels, dilation, taps, pair, BankKind::kNonsub, extension});
-          }
+    for (const Extension extension :
+         {Extension::kSymmetric, Extension::kClamp, Extension::kPeriodic, Extension::kWhole}) {
+      for (int levels = 0; levels <= 3; ++levels) {
+        for (const int dilation : {1, 4}) {
+          expect_bands_match(image, {levels, dilation, taps, extension});
         }
       }
     }
@@ -71,14 +69,13 @@ TEST(DirectionalEnergyDifferential, EveryOptionAndLevelMatchesTheTwin) {
       bank.dilation = detail_dilation(level - 1);
       const NoisyBands<double> noisy = {directional_bands(firefly_image(width, height, 74), bank),
                                         {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8}};
-      for (const auto measure :
-           {DirectionMeasure::kEnergy, DirectionMeasure::kRms, DirectionMeasure::kAbs}) {
+      for (const auto measure : {DirectionMeasure::kEnergy, DirectionMeasure::kAbs}) {
         for (const bool correct : {true, false}) {
           EnergyOptions options;
           options.measure = measure;
           options.noise_correct = correct;
           GuardCounts guards;
-          const auto fast = directional_energy<double>({noisy}, variance, level, options, guards);
+          const auto fast = directional_energy<double>(noisy, variance, level, options, guards);
           const auto slow = reference::directional_energy(noisy, variance, level, options);
           EXPECT_EQ(fast.isotropic, slow.isotropic);
           for (std::size_t i = 0; i < 8; ++i) {

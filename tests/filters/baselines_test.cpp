@@ -149,33 +149,19 @@ TEST(PixelBase, BandsOfRowsGiveTheBitsOfTheWholeImage) {
 }
 
 TEST(WaveletShrinkage, LambdaZeroReturnsTheInput) {
-  for (const auto wavelet : {TransformWavelet::kCdf97, TransformWavelet::kHaar}) {
-    for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {33, 20}, {64, 48}}) {
-      const SamplePool pool = make_pool(width, height, 4, noisy_picture(width, height, 5));
-      const Selection selection = select_uniform(pool, 4);
-      WaveletShrinkageOptions options;
-      options.wavelet = wavelet;
-      options.lambda = 0.0;
-      const auto result = reconstruct_wavelet_shrinkage(selection, pool, options, {});
-      EXPECT_LT(reference::max_difference(result->image[0], selection.statistics.mean[0]), 1e-12);
-    }
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {33, 20}, {64, 48}}) {
+    const SamplePool pool = make_pool(width, height, 4, noisy_picture(width, height, 5));
+    const Selection selection = select_uniform(pool, 4);
+    WaveletShrinkageOptions options;
+    options.lambda = 0.0;
+    const auto result = reconstruct_wavelet_shrinkage(selection, pool, options, {});
+    EXPECT_LT(reference::max_difference(result->image[0], selection.statistics.mean[0]), 1e-12);
   }
-}
-
-TEST(WaveletTransform, HaarKeepsTheEnergy) {
-  Plane image = reference::noise_image(32, 16, 3);
-  double before = 0.0, after = 0.0;
-  for (const double v : image.pixels())
-    before += v * v;
-  forward_transform(image, TransformWavelet::kHaar, 4, TransformOf::kValues);
-  for (const double v : image.pixels())
-    after += v * v;
-  EXPECT_NEAR(before, after, 1e-11);
 }
 
 TEST(WaveletTransform, NoBasisFunctionOfAConstantButTheCoarsest) {
   Plane image(32, 32, 3.0);
-  forward_transform(image, TransformWavelet::kCdf97, 3, TransformOf::kValues);
+  forward_transform(image, 3, TransformOf::kValues);
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 32; ++x)
       EXPECT_NEAR(image(x, y), x < 4 && y < 4 ? 24.0 : 0.0, 1e-13);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lib/core/random.h"
+#include "lib/directions/band_angles.h"
 #include "lib/filters/directional/anisotropic_filter.h"
 #include "lib/filters/directional/filter_size.h"
 
@@ -62,7 +63,7 @@ struct FilterCase {
   CountImage n, level;
   RgbImage mean, variance;
 
-  FilterInput input() const { return {n, level, mean, &variance}; }
+  FilterInput input() const { return {n, level, mean, variance}; }
 };
 
 inline FilterCase random_filter_case(int width, int height, std::uint64_t seed, int levels = 4) {

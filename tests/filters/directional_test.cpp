@@ -5,8 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/directions/band_angles.h"
 #include "lib/filters/box.h"
-#include "lib/filters/directional/part.h"
+#include "lib/filters/directional/tile.h"
 #include "lib/filters/filters.h"
 #include "tests/filters/directional_cases.h"
 #include "tests/filters/small_pools.h"
@@ -44,7 +45,7 @@ std::vector<DirectionalOptions> variants() {
   tensor.width.anisotropy = AnisotropySource::kStructureTensor;
   all.push_back(tensor);
   DirectionalOptions round = robust_directional_options();
-  round.width.anisotropy = AnisotropySource::kIsotropic;
+  round.width.anisotropy = AnisotropySource::kNone;
   all.push_back(round);
   return all;
 }
@@ -426,7 +427,7 @@ TEST(Directional, EstimatedVarianceIsTheSpreadOverIndependentImages) {
     DirectionalOptions options;
     options.base = base;
     options.size.factor.constant = 0.0;
-    options.width.anisotropy = AnisotropySource::kIsotropic;
+    options.width.anisotropy = AnisotropySource::kNone;
     Plane sum(size, size), squares(size, size);
     double estimated = 0.0, measured = 0.0;
     for (int r = 0; r < repeats; ++r) {

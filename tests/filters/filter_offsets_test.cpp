@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/directions/directional_filter_bank.h"
+#include "lib/directions/band_angles.h"
 
 namespace spool {
 namespace {
@@ -80,14 +80,14 @@ TEST(FilterOffsets, HalfPlaneAndItsMirrorMakeTheWholeWindow) {
   const std::vector<double> beta = sorted_tangents(2);
   for (int level = 1; level <= 4; ++level) {
     for (const auto window : {FilterWindow::kDisc, FilterWindow::kSquare}) {
-      const int radius = filter_radius(level, FilterReach::kHalf);
+      const int radius = filter_radius(level);
       std::size_t expected = 0;
       for (int dy = -radius; dy <= radius; ++dy) {
         for (int dx = -radius; dx <= radius; ++dx) {
           if (window == FilterWindow::kSquare || dx * dx + dy * dy <= radius * radius) ++expected;
         }
       }
-      const auto offsets = filter_offsets(level, beta, window, FilterReach::kHalf);
+      const auto offsets = filter_offsets(level, beta, window);
       EXPECT_EQ(2 * offsets.size() + 1, expected);
       for (const FilterOffset& o : offsets) {
         EXPECT_TRUE(o.dy > 0 || (o.dy == 0 && o.dx > 0));
@@ -101,8 +101,7 @@ TEST(FilterOffsets, HalfPlaneAndItsMirrorMakeTheWholeWindow) {
 }
 
 TEST(FilterOffsets, LargestDiscStaysBelow200Pieces) {
-  const auto offsets =
-      filter_offsets(4, sorted_tangents(3), FilterWindow::kDisc, FilterReach::kHalf);
+  const auto offsets = filter_offsets(4, sorted_tangents(3), FilterWindow::kDisc);
   EXPECT_LT(2 * offsets.size() + 1, 200u);
 }
 

@@ -29,7 +29,6 @@ TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
   for (const Sampler& entry : samplers())
     methods.emplace_back(entry.name, OptionValues{});
   methods.push_back({"multiscale", {{"analysis_channel", "max_rgb"}}});
-  methods.push_back({"multiscale", {{"decision_map", "log1p"}, {"decision_clamp", "3.7"}}});
   for (const auto& [name, set] : methods) {
     const auto sampled = (*make_method(samplers(), {name, "", set}))(pool, 19 * 14 * 6, context);
     ASSERT_TRUE(sampled.has_value()) << name << ": " << sampled.error().message;

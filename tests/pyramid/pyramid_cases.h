@@ -11,21 +11,14 @@ namespace spool {
 inline constexpr Extension kExtensions[] = {Extension::kSymmetric, Extension::kClamp,
                                             Extension::kPeriodic, Extension::kWhole};
 
-// Every filter, role, alignment, iteration, sign and detail; the extension is the caller's.
+// Every filter, role and detail; the extension is the caller's.
 inline std::vector<PyramidOptions> all_pyramid_options(Extension extension, int levels = 4) {
   std::vector<PyramidOptions> cases;
   for (const auto filter :
        {WaveletFilter::kHaar, WaveletFilter::k53, WaveletFilter::k97, WaveletFilter::kDb3}) {
     for (const auto roles : {FilterRoles::kLongAnalysis, FilterRoles::kSwapped}) {
-      for (const auto align : {EvenAlign::kAlternate, EvenAlign::kCausal}) {
-        for (const auto iteration : {LaplacianIteration::kAtrous, LaplacianIteration::kUndilated}) {
-          for (const auto sign : {LaplacianSign::kCorrected, LaplacianSign::kLiteral}) {
-            for (const auto detail : {LaplacianDetail::kCycleSpun, LaplacianDetail::kPhase00,
-                                      LaplacianDetail::kAtrousDiff}) {
-              cases.push_back({filter, roles, align, iteration, sign, detail, levels, extension});
-            }
-          }
-        }
+      for (const auto detail : {LaplacianDetail::kCycleSpun, LaplacianDetail::kPhase00}) {
+        cases.push_back({filter, roles, detail, levels, extension});
       }
     }
   }

@@ -7,7 +7,8 @@
 
 #include "lib/core/extend.h"
 #include "lib/sampling/adaptive_wavelet.h"
-#include "lib/sampling/region_queue.h"
+#include "lib/sampling/priority_maxima.h"
+#include "lib/statistics/variance_of_mean.h"
 
 namespace spool::reference {
 
@@ -22,7 +23,7 @@ inline CountImage adaptive_wavelet(const SamplePool& pool, CountImage n,
   while (left > 0) {
     GuardCounts guards;
     const PieceStatistics statistics = prefix_statistics(pool, n, signal);
-    const Plane v = analysis_variance(statistics, {o.var_mode, o.nu0, o.key}, guards);
+    const Plane v = analysis_variance(statistics, {}, guards);
     std::vector<RegionEntry> entries;
     for (int k = 0; k <= o.levels; ++k) {
       const int side = 1 << k;
@@ -39,7 +40,7 @@ inline CountImage adaptive_wavelet(const SamplePool& pool, CountImage n,
               h += left_half * m;
               w += top_half * m;
               d += left_half * top_half * m;
-              if (v(x, y) > variance_floor(statistics.analysis.mean(x, y), o.key)) {
+              if (v(x, y) > variance_floor(statistics.analysis.mean(x, y))) {
                 variance += v(x, y) / (side * side);
               }
             }

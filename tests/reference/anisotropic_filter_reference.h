@@ -7,7 +7,10 @@
 #include <numbers>
 #include <vector>
 
+#include "lib/directions/band_angles.h"
+#include "lib/directions/band_noise_gains.h"
 #include "lib/filters/directional/anisotropic_filter.h"
+#include "lib/filters/directional/base_image.h"
 #include "tests/reference/directional_energy_reference.h"
 #include "tests/reference/directional_filter_bank_reference.h"
 
@@ -37,7 +40,7 @@ template <class T>
 FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
                              const FilterOptions& options) {
   const int width = input.level.width(), height = input.level.height();
-  FilteredPieces out{input.mean, *input.variance};
+  FilteredPieces out{input.mean, input.variance};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const int k = input.level(x, y);
@@ -45,7 +48,7 @@ FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& wi
       std::vector<double> delta;
       for (const auto& plane : widths.delta)
         delta.push_back(static_cast<double>(plane(x, y)));
-      const int radius = options.reach == FilterReach::kHalf ? 1 << (k - 1) : 1 << k;
+      const int radius = 1 << (k - 1);
       double total = 0.0, value[3] = {}, variance[3] = {};
       for (int py = 0; py < height; ++py) {
         for (int px = 0; px < width; ++px) {
@@ -63,14 +66,14 @@ FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& wi
           total += omega;
           for (std::size_t c = 0; c < 3; ++c) {
             value[c] += omega * input.mean[c](px, py);
-            variance[c] += omega * omega * (*input.variance)[c](px, py);
+            variance[c] += omega * omega * input.variance[c](px, py);
           }
         }
       }
       if (total < 1e-300) continue;
       for (std::size_t c = 0; c < 3; ++c) {
         out.image[c](x, y) = value[c] / total;
-        (*out.variance)[c](x, y) = variance[c] / (total * total);
+        out.variance[c](x, y) = variance[c] / (total * total);
       }
     }
   }
@@ -90,7 +93,7 @@ RgbImage filter_samples(const FilterInput& input, const FilterWidths<T>& widths,
       std::vector<double> delta;
       for (const auto& plane : widths.delta)
         delta.push_back(static_cast<double>(plane(x, y)));
-      const int radius = options.reach == FilterReach::kHalf ? 1 << (k - 1) : 1 << k;
+      const int radius = 1 << (k - 1);
       double total = 0.0, value[3] = {};
       for (int py = 0; py < input.level.height(); ++py) {
         for (int px = 0; px < input.level.width(); ++px) {

@@ -1,4 +1,4 @@
-// Slow twin of lib/directions/directional_energy.h for one source, in plain loops.
+// Slow twin of lib/directions/directional_energy.h in plain loops.
 #pragma once
 
 #include <cmath>
@@ -36,7 +36,7 @@ inline DirectionalEnergy<double> directional_energy(const NoisyBands<double>& so
       if (options.noise_correct) e -= (is_abs ? 2.0 / std::numbers::pi : 1.0) * band_noise;
       e = std::max(e, 0.0);
       largest = std::max(largest, e);
-      if (options.measure != DirectionMeasure::kEnergy) e = std::sqrt(e);
+      if (is_abs) e = std::sqrt(e);
     }
     result.isotropic[p] = largest <= 1e-3 * mean_noise || largest <= 1e-20;
   }

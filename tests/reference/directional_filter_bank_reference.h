@@ -56,11 +56,6 @@ Channels<T> split(const Image<T>& image, Vector2 p, Vector2 q, const BankOptions
     channels.plus[i] = T{0.5} * (image[i] + product[i]);
     channels.minus[i] = T{0.5} * (image[i] - product[i]);
   }
-  if (options.pair == ChannelPair::kLadder) {
-    const Image<T> second = sign_product(channels.plus, p, q, options);
-    for (std::size_t i = 0; i < image.size(); ++i)
-      channels.minus[i] = image[i] - second[i];
-  }
   return channels;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "lib/core/extend.h"
@@ -32,7 +31,6 @@ inline FilterSizes filter_size(const FilterSizeInput& input, const FilterSizeOpt
   const auto region_of = [&](int x, int y, int k) {
     const int before = k == 0 ? 0 : 1 << (k - 1), size = 1 << k;
     double count = 0.0, v = 0.0, mean = 0.0, n = 0.0, c2 = 0.0;
-    double low = std::numeric_limits<double>::infinity(), high = -low;
     for (int py = y - before; py < y - before + size; ++py) {
       for (int px = x - before; px < x - before + size; ++px) {
         if (px < 0 || py < 0 || px >= width || py >= height) continue;
@@ -42,20 +40,16 @@ inline FilterSizes filter_size(const FilterSizeInput& input, const FilterSizeOpt
         n += input.n(px, py);
         if (options.variance == SizeVariance::kContrast) {
           c2 += contrast(input.minimum(px, py), input.maximum(px, py), input.n(px, py));
-          low = std::fmin(low, input.minimum(px, py));
-          high = std::fmax(high, input.maximum(px, py));
         }
       }
     }
     Region r;
     r.samples = n / count;
-    r.q = options.coarse == SizeCoarse::kLaplace && k > 0
+    r.q = options.coarse == SizeCoarse::kPyramid && k > 0
               ? input.coarse[static_cast<std::size_t>(k)](x, y)
               : mean / count;
     if (options.variance == SizeVariance::kCoarseVariance) {
       r.s = v / (count * count);
-    } else if (options.contrast_region == ContrastRegion::kRegionMinMax && k > 0) {
-      r.s = contrast(low, high, static_cast<long long>(n));
     } else {
       r.s = c2 / count;
     }
@@ -67,8 +61,7 @@ inline FilterSizes filter_size(const FilterSizeInput& input, const FilterSizeOpt
         return options.factor.constant;
       case SizeFactorRule::kGreedy: {
         const double n = k == 0 ? fine.samples : coarse.samples;
-        return (k == 0 ? 1.0 : 5.0 / 3.0) *
-               -std::log(1.0 - std::pow(1.9 * options.gamma, std::sqrt(0.5))) *
+        return (k == 0 ? 1.0 : 5.0 / 3.0) * -std::log(1.0 - std::pow(1.9 * 0.2, std::sqrt(0.5))) *
                (1.0 - 1.0 / std::fmax(n, 1.0001));
       }
       default:
@@ -82,7 +75,7 @@ inline FilterSizes filter_size(const FilterSizeInput& input, const FilterSizeOpt
     const double w = std::abs(a - b) / (a + b);
     if (options.factor.rule == SizeFactorRule::kInverse) return std::fmin(1.0 / w, 1e6);
     if (options.factor.rule == SizeFactorRule::kLiteral) return w;
-    return std::fmin(std::fmax(w, options.factor_min), options.factor_max);
+    return std::fmin(std::fmax(w, 0.05), 0.30);
   };
 
   FilterSizes result;

@@ -3,13 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "lib/core/random.h"
 #include "lib/sampling/multiscale/options.h"
-#include "lib/sampling/region_queue.h"
+#include "lib/sampling/priority_maxima.h"
 #include "tests/reference/laplacian_pyramid_reference.h"
 #include "tests/reference/region_mean_reference.h"
 
@@ -24,8 +24,7 @@ struct MultiscaleRun {
 
 class Multiscale {
  public:
-  Multiscale(const SamplePool& pool, const MultiscaleOptions& options, std::uint64_t seed)
-      : pool_(pool), o_(options), board_seed_(mix(seed, 3, 0)) {}
+  Multiscale(const SamplePool& pool, const MultiscaleOptions& options) : pool_(pool), o_(options) {}
 
   MultiscaleRun run(long long budget) {
     const int width = pool_.width(), height = pool_.height();
@@ -39,12 +38,12 @@ class Multiscale {
     const long long adaptive = std::min(budget, pool_.total_capacity()) - spent;
     exposure_ = o_.exposure == ExposureMode::kNormalise ? exposure() : 1.0;
     levels_.assign(static_cast<std::size_t>(o_.levels()) + 1, 0);
-    start_attenuation(first);
+    start_attenuation();
     const long long epochs = epoch_count(o_, width * height);
     const long long share = o_.update == UpdateMode::kExact ? 1 : (adaptive + epochs - 1) / epochs;
     long long left = adaptive;
-    for (std::uint64_t step = 0; left > 0; ++step)
-      left -= take_step(step, std::min(share, left), left);
+    while (left > 0)
+      left -= take_step(std::min(share, left), left);
     return {n_, attenuation_, priorities(analyse()), levels_};
   }
 
@@ -68,9 +67,7 @@ class Multiscale {
     double v = luminance(c[0], c[1], c[2]);
     if (o_.channels == AnalysedChannels::kMaxRgb) v = std::max({c[0], c[1], c[2]});
     if (o_.channels == AnalysedChannels::kPerChannel) v = c[i];
-    v = std::min(v * exposure_, o_.decision_clamp);
-    if (o_.decision_map == DecisionMap::kLog1p) v = v < 0 ? -std::log1p(-v) : std::log1p(v);
-    return v;
+    return v * exposure_;
   }
 
   double exposure() const {
@@ -88,16 +85,16 @@ class Multiscale {
     double sum = 0.0;
     for (const double mean : means)
       sum += mean;
-    return o_.key / (sum / static_cast<double>(means.size()));
+    return 1.0 / (sum / static_cast<double>(means.size()));
   }
 
-  Plane means(std::size_t i, int left_out) const {
+  Plane means(std::size_t i) const {
     Plane mean(pool_.width(), pool_.height());
     for_pieces([&](int x, int y) {
       double sum = 0.0;
-      for (int s = 0; s < n_(x, y) - left_out; ++s)
+      for (int s = 0; s < n_(x, y); ++s)
         sum += value(i, pool_.sample(x, y, s));
-      mean(x, y) = sum / (n_(x, y) - left_out);
+      mean(x, y) = sum / n_(x, y);
     });
     return mean;
   }
@@ -121,7 +118,7 @@ class Multiscale {
     std::vector<Analysis> result;
     for (std::size_t i = 0; i < scalars(); ++i) {
       Analysis a;
-      a.pyramid = reference::build_pyramid(means(i, 0), pyramid_options());
+      a.pyramid = reference::build_pyramid(means(i), pyramid_options());
       Plane low(n_.width(), n_.height()), high = low, contrast = low;
       for_pieces([&](int x, int y) {
         low(x, y) = std::numeric_limits<double>::infinity();
@@ -133,20 +130,8 @@ class Multiscale {
         }
         if (n_(x, y) >= 2) contrast(x, y) = squared_contrast_of(low(x, y), high(x, y));
       });
-      for (int k = 0; k <= o_.levels(); ++k) {
-        Plane v = reference::region_mean(contrast, k);
-        if (o_.variance_term == VarianceTerm::kRegionMinmax) {
-          for_pieces([&](int x, int y) {
-            double l = std::numeric_limits<double>::infinity(), h = -l;
-            for_region(k, x, y, [&](int u, int w) {
-              l = std::min(l, low(u, w));
-              h = std::max(h, high(u, w));
-            });
-            v(x, y) = squared_contrast_of(l, h);
-          });
-        }
-        a.variance.push_back(v);
-      }
+      for (int k = 0; k <= o_.levels(); ++k)
+        a.variance.push_back(reference::region_mean(contrast, k));
       result.push_back(std::move(a));
     }
     return result;
@@ -178,7 +163,7 @@ class Multiscale {
           d *= d;
           if (o_.detail_norm == DetailNorm::kRelative) d /= f * f + 0.01;
           if (o_.detail_norm == DetailNorm::kOff) d = 0.0;
-          const double a = std::max(attenuation_[i][l](x, y), o_.attenuation_floor);
+          const double a = attenuation_[i][l](x, y);
           p(x, y) = std::max(p(x, y), (analyses[i].variance[l](x, y) + d) * a);
         }
       });
@@ -187,22 +172,13 @@ class Multiscale {
     return result;
   }
 
-  void start_attenuation(int first) {
+  void start_attenuation() {
     const auto count = static_cast<std::size_t>(o_.levels()) + 1;
     attenuation_.assign(scalars(), std::vector<Plane>(count, Plane(n_.width(), n_.height(), 1.0)));
-    if (o_.attenuation_start == AttenuationStart::kOne || first < 2) return;
-    for (std::size_t i = 0; i < scalars(); ++i) {
-      const Pyramid now = reference::build_pyramid(means(i, 0), o_.pyramid);
-      const Pyramid before = reference::build_pyramid(means(i, 1), o_.pyramid);
-      for (std::size_t k = 0; k < count; ++k) {
-        for (std::size_t p = 0; p < n_.size(); ++p)
-          attenuation_[i][k][p] = std::abs(now.coarse[k][p] - before.coarse[k][p]);
-      }
-    }
   }
 
   // Pops until `share` samples are chosen, then updates A; returns the samples taken.
-  long long take_step(std::uint64_t step, long long share, long long left) {
+  long long take_step(long long share, long long left) {
     const std::vector<Analysis> before = analyse();
     const std::vector<Plane> priority = priorities(before);
     std::vector<RegionEntry> entries;
@@ -220,7 +196,7 @@ class Multiscale {
       bool free = true;
       for_region(entry.level, entry.x, entry.y, [&](int u, int v) { free = free && !taken(u, v); });
       if (!free) continue;
-      const long long got = choose(entry, step, left - chosen, taken, fresh);
+      const long long got = choose(entry, left - chosen, taken, fresh);
       levels_[static_cast<std::size_t>(entry.level)] += got;
       chosen += got;
       if (o_.update == UpdateMode::kExact || chosen >= share) break;
@@ -232,41 +208,17 @@ class Multiscale {
     return chosen;
   }
 
-  long long choose(const RegionEntry& entry, std::uint64_t step, long long left, CountImage& taken,
+  long long choose(const RegionEntry& entry, long long left, CountImage& taken,
                    CountImage& fresh) const {
-    struct Piece {
-      int n, y, x;
-      std::uint64_t tie;
-    };
-    const std::uint64_t seed = o_.update == UpdateMode::kExact
-                                   ? mix(board_seed_, step)
-                                   : mix(board_seed_, step, entry.level, entry.x, entry.y);
-    std::vector<Piece> pieces;
+    std::vector<std::array<int, 3>> pieces;  // n, y, x
     for_region(entry.level, entry.x, entry.y, [&](int u, int v) {
       taken(u, v) = 1;
-      if (n_(u, v) < pool_.capacity(u, v)) pieces.push_back({n_(u, v), v, u, mix(seed, u, v)});
+      if (n_(u, v) < pool_.capacity(u, v)) pieces.push_back({n_(u, v), v, u});
     });
+    std::sort(pieces.begin(), pieces.end());
     long long got = 0;
-    if (!o_.pop_samples) {
-      std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
-        return a.n != b.n ? a.n < b.n : a.y != b.y ? a.y < b.y : a.x < b.x;
-      });
-      for (std::size_t i = 0; i < pieces.size() && got < left; ++i, ++got)
-        fresh(pieces[i].x, pieces[i].y) = 1;
-      return got;
-    }
-    for (; got < std::min<long long>(*o_.pop_samples, left); ++got) {
-      Piece* best = nullptr;
-      for (Piece& piece : pieces) {
-        if (piece.n >= pool_.capacity(piece.x, piece.y)) continue;
-        if (best == nullptr || piece.n < best->n || (piece.n == best->n && piece.tie < best->tie)) {
-          best = &piece;
-        }
-      }
-      if (best == nullptr) break;
-      ++best->n;
-      ++fresh(best->x, best->y);
-    }
+    for (std::size_t i = 0; i < pieces.size() && got < left; ++i, ++got)
+      fresh(pieces[i][2], pieces[i][1]) = 1;
     return got;
   }
 
@@ -291,10 +243,7 @@ class Multiscale {
             case AttenuationUpdate::kFractional: {
               if (m == 0.0) break;
               const double w = 1.0 - std::pow(1.0 - o_.alpha, c);
-              double scaled = change;
-              if (o_.change_scale == ChangeScale::kPerPass) scaled /= c;
-              if (o_.change_scale == ChangeScale::kSqrt) scaled /= std::sqrt(c);
-              a = (1.0 - w) * a + w * scaled;
+              a = (1.0 - w) * a + w * change / c;
               break;
             }
             case AttenuationUpdate::kRegion:
@@ -316,7 +265,6 @@ class Multiscale {
 
   const SamplePool& pool_;
   const MultiscaleOptions& o_;
-  std::uint64_t board_seed_;
   double exposure_ = 1.0;
   CountImage n_;
   std::vector<std::vector<Plane>> attenuation_;

@@ -75,16 +75,16 @@ inline double variance_of_mean_at(const CountImage& n, const Plane& mean, const 
   double v = 0;
   if (pooled) {
     const double shared = pooled_variance(n, mean, m2, x, y);
-    v = (m2(x, y) + options.nu0 * shared) / (std::max(count - 1, 0) + options.nu0) / count;
+    v = (m2(x, y) + kNu0 * shared) / (std::max(count - 1, 0) + kNu0) / count;
   } else if (count > 1) {
     v = m2(x, y) / (count - 1) / count;
   }
-  const double floor = 1e-6 * (std::abs(mean(x, y)) + 1e-3 * options.key);
+  const double floor = 1e-6 * (std::abs(mean(x, y)) + 1e-3 * options.scale);
   return std::max(v, floor * floor);
 }
 
-// key / mean of the values left after the largest 1 % are dropped.
-inline double exposure(const Plane& values, const CountImage& n, double key) {
+// 1 / mean of the values left after the largest 1 % are dropped.
+inline double exposure(const Plane& values, const CountImage& n) {
   std::vector<double> taken;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (n[i] > 0) taken.push_back(values[i]);
@@ -95,7 +95,7 @@ inline double exposure(const Plane& values, const CountImage& n, double key) {
   for (std::size_t i = 0; i < kept; ++i)
     sum += taken[i];
   const double mean = kept > 0 ? static_cast<double>(sum / static_cast<long double>(kept)) : 0.0;
-  return std::isfinite(mean) && mean >= 0x1p-126 ? key / mean : 1.0;
+  return std::isfinite(mean) && mean >= 0x1p-126 ? 1.0 / mean : 1.0;
 }
 
 // Value of the nearest piece with n > 0: smallest ring, then smallest distance, then lowest index.

@@ -32,12 +32,7 @@ void expect_counts_of_the_mitchell_twin(int width, int height) {
   const SamplePool colour = test::noisy_pool(width, height, 14);
   const SamplePool grey = test::scene_s_pool(std::min(height, 12), 14, 5);
   for (const OptionValues& set :
-       std::vector<OptionValues>{{},
-                                 {{"rounds", "3"}, {"per", "1"}, {"init_spp", "2"}},
-                                 {{"window", "1"}, {"tau_green", "0.6"}, {"init_spp", "3"}},
-                                 {{"mode", "two_level"}},
-                                 {{"mode", "two_level_budget"}},
-                                 {{"mode", "two_level_budget"}, {"n_high", "4"}}}) {
+       std::vector<OptionValues>{{}, {{"rounds", "3"}, {"init_spp", "2"}}, {{"rounds", "1"}}}) {
     for (const SamplePool* pool : {&colour, &grey}) {
       const auto options = with_options(mitchell_option_table(), MitchellOptions{}, set);
       ASSERT_TRUE(options.has_value());
@@ -45,21 +40,15 @@ void expect_counts_of_the_mitchell_twin(int width, int height) {
       for (const long long budget : {3 * pieces + 5, 9 * pieces, 13 * pieces + 1}) {
         const auto result = sample_mitchell(*pool, budget, *options, {});
         ASSERT_TRUE(result.has_value());
-        const int each = options->mode == MitchellMode::kMultiRound
-                             ? options->init_spp.value_or(default_initial_samples(budget, *pool))
-                             : options->n_base;
+        const int each = options->init_spp.value_or(default_initial_samples(budget, *pool));
         const CountImage first(pool->width(), pool->height(), each);
-        const std::vector<double> tau =
-            pool == &grey
-                ? std::vector<double>{0.4, 0.4, 0.4}
-                : std::vector<double>{options->tau_red, options->tau_green, options->tau_blue};
+        const std::array<double, 3> tau =
+            pool == &grey ? std::array{0.4, 0.4, 0.4} : std::array{0.4, 0.3, 0.6};
         const CountImage expected =
             reference::mitchell(*pool, first, result->selection.statistics.signal.exposure,
-                                budget - each * pieces, tau, *options);
+                                budget - each * pieces, tau, options->rounds);
         EXPECT_EQ(result->selection.statistics.n, expected);
-        if (options->mode != MitchellMode::kTwoLevel) {
-          EXPECT_EQ(result->log.spent, std::min(budget, pool->total_capacity()));
-        }
+        EXPECT_EQ(result->log.spent, std::min(budget, pool->total_capacity()));
       }
     }
   }
@@ -72,27 +61,12 @@ TEST(Mitchell, CountsEqualThoseOfTheSlowTwin) {
   }
 }
 
-TEST(Mitchell, TwoLevelGivesFlaggedPixelsNineSamplesAndOthersOne) {
-  const SamplePool pool = test::memory_pool(12, 8, 16, [](int x, int, int) {
-    const float v = x < 6 ? 1.0f : 0.1f;
-    return Rgb{v, v, v};
-  });
-  MitchellOptions options;
-  options.mode = MitchellMode::kTwoLevel;
-  const auto result = sample_mitchell(pool, 12 * 8 * 16, options, {});
-  ASSERT_TRUE(result.has_value());
-  for (int y = 0; y < 8; ++y) {
-    for (int x = 0; x < 12; ++x)
-      EXPECT_EQ(result->selection.statistics.n(x, y), x == 5 || x == 6 ? 9 : 1) << x;
-  }
-}
-
 void expect_counts_of_the_wavelet_twin(int width, int height) {
-  for (const OptionValues& set : std::vector<OptionValues>{
-           {{"epochs", "7"}},
-           {{"epochs", "1000000"}, {"awr_levels", "2"}, {"init_spp", "2"}},
-           {{"epochs", "5"}, {"awr_priority", "absolute"}, {"var_mode", "raw"}, {"init_spp", "3"}},
-           {{"epochs", "4"}, {"awr_levels", "0"}}}) {
+  for (const OptionValues& set :
+       std::vector<OptionValues>{{{"epochs", "7"}},
+                                 {{"epochs", "1000000"}, {"levels", "2"}, {"init_spp", "2"}},
+                                 {{"epochs", "5"}, {"priority", "absolute"}, {"init_spp", "3"}},
+                                 {{"epochs", "4"}, {"levels", "0"}}}) {
     const auto options =
         with_options(adaptive_wavelet_option_table(), AdaptiveWaveletOptions{}, set);
     ASSERT_TRUE(options.has_value());
@@ -122,19 +96,13 @@ TEST(AdaptiveWavelet, CountsEqualThoseOfTheSlowTwin) {
   }
 }
 
-TEST(AdaptiveWavelet, BlackIsUniformAndFixedPopsSpendTheBudget) {
+TEST(AdaptiveWavelet, BlackIsUniform) {
   const SamplePool black = test::memory_pool(20, 11, 8, [](int, int, int) { return Rgb{0, 0, 0}; });
-  AdaptiveWaveletOptions options;
-  options.var_mode = VarianceMode::kRaw;
-  const auto dark = sample_adaptive_wavelet(black, 220 * 5, options, {});
+  const auto dark = sample_adaptive_wavelet(black, 220 * 5, {}, {});
   ASSERT_TRUE(dark.has_value());
   for (const auto n : dark->selection.statistics.n.pixels())
     ASSERT_EQ(n, 5);
   EXPECT_EQ(dark->log.uniform_remainder, 220 * 3);
-  options.pop_samples = 3;
-  const auto result =
-      sample_adaptive_wavelet(test::noisy_pool(20, 11, 8), 220 * 5 + 1, options, {});
-  EXPECT_EQ(result->log.spent, 220 * 5 + 1);
 }
 
 TEST(FilteredHalves, NeedsAFilterAndLooksAtNothingBeyondTheCursor) {

@@ -57,7 +57,7 @@ TEST(GreedyError, ErrorsAndScalesAgreeWithTheSlowTwin) {
       }
       PieceStatistics statistics = prefix_statistics(pool, counts);
       GuardCounts guards;
-      expose(statistics, pool, 1.0, guards);
+      expose(statistics, pool, guards);
       GreedyErrorOptions options;
       options.scales = 3;
       const auto map = greedy_error_map(statistics, pool, 8.0, options, guards);
@@ -113,7 +113,7 @@ void expect_the_error_of_the_twin(int width, int height) {
   }
   PieceStatistics statistics = prefix_statistics(pool, counts);
   GuardCounts guards;
-  expose(statistics, pool, 1.0, guards);
+  expose(statistics, pool, guards);
   NlMeansSamplingOptions options;
   options.filter.window = 2;
   options.filter.patch = 1;
@@ -193,7 +193,7 @@ void expect_the_density_of_the_twin(int width, int height) {
   }
   PieceStatistics statistics = prefix_statistics(pool, counts);
   GuardCounts guards;
-  expose(statistics, pool, 1.0, guards);
+  expose(statistics, pool, guards);
   CrossBilateralSamplingOptions options;
   options.filter.scales = {0, 1, 2};
   const auto density = cross_bilateral_density(statistics, pool, options.filter, guards);
@@ -256,7 +256,7 @@ TEST(CrossBilateralSampling, WorthsThatComeOutNegativeAreZeroAndCounted) {
   });
   PieceStatistics statistics = prefix_statistics(pool, CountImage(32, 32, 4));
   GuardCounts guards;
-  expose(statistics, pool, 1.0, guards);
+  expose(statistics, pool, guards);
   const auto density = cross_bilateral_density(statistics, pool, {}, guards);
   ASSERT_TRUE(density.has_value());
   std::uint64_t zeros = 0;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/sampling/multiscale/analysis.h"
 #include "lib/sampling/multiscale/board.h"
 #include "lib/sampling/multiscale/priority.h"
 #include "lib/sampling/sampler.h"
@@ -31,7 +32,6 @@ void expect_sound_everywhere(const SamplePool& pool, long long budget) {
   expect_sound(pool, budget, "robust", {});
   expect_sound(pool, budget, "robust", {{"update", "exact"}});
   expect_sound(pool, budget, "robust", {{"tile", "16"}});
-  expect_sound(pool, budget, "robust", {{"pop", "fixed(4)"}, {"A_init", "split"}});
 }
 
 // No sample in float makes a priority overflow, so the analysis is broken by hand.
@@ -43,10 +43,7 @@ TEST(MultiscaleHardCases, PrioritiesThatAreNotFiniteAreTheLargestAndCounted) {
     const Samples samples = make_samples(prefix_statistics(pool, counts), pool, 1.0, options);
     GuardCounts loading;
     Board board = load_board(samples, pool, {0, 0, 8, 6}, {0, 0, 8, 6}, options, loading);
-    std::vector<Plane> before_last;
-    if (options.attenuation_start == AttenuationStart::kSplit)
-      before_last.push_back(means_before_last(samples, pool, 0));
-    analyse(board, before_last, options, loading);
+    analyse(board, options, loading);
     EXPECT_EQ(loading[Guard::kPriorityNotFinite], 0u);
     board.scalars[0].variance[0](2, 3) = std::numeric_limits<double>::infinity();
     board.scalars[0].variance[0](4, 1) = std::numeric_limits<double>::quiet_NaN();

@@ -29,9 +29,9 @@ TEST(Multiscale, SpendsTheBudgetExactlyAndStaysInsideThePool) {
   for (const OptionValues& set : std::vector<OptionValues>{
            {{"update", "epoch"}},
            {{"update", "exact"}},
-           {{"update", "epoch"}, {"epochs", "3"}, {"pop", "fixed(5)"}},
+           {{"update", "epoch"}, {"epochs", "3"}},
            {{"update", "epoch"}, {"tile", "16"}, {"explore_fraction", "0.25"}},
-           {{"update", "exact"}, {"tile", "16"}, {"tile_halo", "none"}, {"pop", "fixed(3)"}},
+           {{"update", "exact"}, {"tile", "16"}, {"tile_halo", "none"}},
            {{"update", "epoch"}, {"tile", "16"}, {"budget_base", "total"}}}) {
     const MultiscaleOptions options = multiscale_options("robust", set);
     for (const long long budget :
@@ -69,10 +69,10 @@ TEST(Multiscale, StatisticsAreThoseOfThePrefixes) {
 // No decision and no estimate may look beyond the cursor.
 TEST(Multiscale, PoisonBeyondTheCursorChangesNothing) {
   const int width = 24, height = 19, spp = 12;
-  for (const OptionValues& set : std::vector<OptionValues>{
-           {{"update", "epoch"}},
-           {{"update", "exact"}, {"analysis_channel", "per_channel"}},
-           {{"tile", "16"}, {"decision_map", "log1p"}, {"A_init", "split"}}}) {
+  for (const OptionValues& set :
+       std::vector<OptionValues>{{{"update", "epoch"}},
+                                 {{"update", "exact"}, {"analysis_channel", "per_channel"}},
+                                 {{"tile", "16"}, {"A_update", "accumulate"}}}) {
     const MultiscaleOptions options = multiscale_options("robust", set);
     auto values = std::make_shared<std::vector<float>>(3u * width * height * spp);
     const std::size_t plane = static_cast<std::size_t>(width) * height * spp;
@@ -208,7 +208,7 @@ TEST(MultiscaleTiles, AFrozenHaloGivesThePrioritiesOfTheWholeImage) {
   for (const OptionValues& set :
        std::vector<OptionValues>{{},
                                  {{"filter", "9-7"}, {"K", "3"}},
-                                 {{"lp_detail", "phase00"}, {"d_index", "same_k"}, {"K", "3"}}}) {
+                                 {{"detail", "phase00"}, {"d_index", "same_k"}, {"K", "3"}}}) {
     MultiscaleOptions options = multiscale_options("robust", set);
     options.init_spp = 2;
     std::vector<std::vector<View>> collected;
@@ -253,18 +253,6 @@ TEST(MultiscaleViews, NamesAndImagesAreThoseOfTheMethod) {
   }
   EXPECT_EQ(by_name["f.0"], result.selection.statistics.analysis.mean);
   EXPECT_NE(by_name["P.1"], by_name["P_initial.1"]);
-}
-
-TEST(Multiscale, StopsWhenNoPriorityExceedsTheBound) {
-  const SamplePool pool = test::noisy_pool(16, 16, 32);
-  for (const char* mode : {"epoch", "exact"}) {
-    const SamplingResult result = run_multiscale(
-        pool, 16 * 16 * 30,
-        multiscale_options("robust", {{"update", mode}, {"P_stop", "0.05"}, {"init_spp", "2"}}));
-    EXPECT_LT(result.log.spent, result.log.budget) << mode;
-    EXPECT_GT(result.log.spent, 2 * 16 * 16) << mode;
-    EXPECT_EQ(result.log.uniform_remainder, 0) << mode;
-  }
 }
 
 TEST(Multiscale, CancellingIsAnErrorAndProgressRisesToOne) {

@@ -88,14 +88,12 @@ TEST(Uniform, BudgetBeyondThePoolIsReported) {
   EXPECT_EQ(result->log.saturated_pieces, 15);
 }
 
-TEST(Uniform, ExposureBringsTheMeanToTheKey) {
+TEST(Uniform, ExposureBringsTheMeanToOne) {
   const SamplePool pool = test::memory_pool(9, 9, 4, [](int, int, int) { return Rgb{4, 4, 4}; });
-  UniformOptions options;
-  options.key = 2.0;
-  const auto result = sample_uniform(pool, 81 * 2, options, {});
+  const auto result = sample_uniform(pool, 81 * 2, {}, {});
   ASSERT_TRUE(result.has_value());
-  EXPECT_NEAR(result->selection.statistics.signal.exposure, 0.5, 1e-15);
-  EXPECT_NEAR(result->selection.statistics.analysis.mean(4, 4), 2.0, 1e-14);
+  EXPECT_NEAR(result->selection.statistics.signal.exposure, 0.25, 1e-15);
+  EXPECT_NEAR(result->selection.statistics.analysis.mean(4, 4), 1.0, 1e-14);
   EXPECT_EQ(result->selection.statistics.mean[0](4, 4), 4.0);
 }
 

@@ -26,7 +26,7 @@ TEST(VarianceOfMean, EqualsTheTwinInEveryModeAndForSparseCounts) {
          {VarianceMode::kAuto, VarianceMode::kRaw, VarianceMode::kPooled}) {
       VarianceOptions options;
       options.mode = mode;
-      options.key = 0.5;
+      options.scale = 0.5;
       GuardCounts guards;
       const Plane v = variance_of_mean(s.n, s.mean[1], s.m2[1], options, guards);
       for (int y = 0; y < 19; ++y) {

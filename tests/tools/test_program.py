@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -40,7 +41,7 @@ def test_misuse_is_exit_code_2_with_the_nearest_word(run, dump):
     run("list", "samplings").failed_with(2, "samplings")
     run("replay", dump, "--sampler", "unifrm", "--spp", 2, "-o", "s.exr").failed_with(2, "uniform")
     run("reconstruct", dump, "--filter", "boxx", "-o", "i.exr").failed_with(2, "did you mean 'box'")
-    replay = ("replay", dump, "--sampler", "uniform", "--spp", 2, "-o", "s.exr")
+    replay = ("replay", dump, "--sampler", "multiscale", "--spp", 2, "-o", "s.exr")
     run(*replay, "--set", "sampler.exposur=none").failed_with(2, "exposure")
     run(*replay, "--set", "samplr.exposure=none").failed_with(2, "did you mean 'sampler'")
     run(*replay, "--set", "sampler.exposure=never").failed_with(2, "normalise|none")
@@ -300,6 +301,22 @@ def test_lists_name_every_option_with_defaults(good):
     assert "mse" in {m["name"] for m in good("list", "metrics", "--json").json}
     good("list", "presets")
     assert "samples_spent" in good("list", "columns").out
+
+
+def test_lists_leave_expert_options_to_all_and_the_page_of_the_method_names_every_option(good):
+    page = (Path(__file__).parents[2] / "docs" / "method.md").read_text()
+    tables = page[page.index("## 9. Options"):page.index("## Where things are")]
+    named = set(re.findall(r"`([A-Za-z_0-9]+)`", tables))
+    for what in ("samplers", "filters"):
+        few, all_of_them = good("list", what).out, good("list", what, "--all").out
+        assert "more with --all" in few and "more with --all" not in all_of_them
+        for method in good("list", what, "--json").json:
+            shown = re.search(rf"^{method['name']}\b.*?(\n\n|\Z)", few, re.M | re.S).group()
+            for option in method["options"]:
+                assert option["name"] in named, (method["name"], option["name"])
+                line = rf"^ +{re.escape(option['name'])} "
+                assert bool(re.search(line, shown, re.M)) != option["expert"], (method["name"], option["name"])
+                assert re.search(line, all_of_them, re.M)
 
 
 def test_output_does_not_depend_on_threads(good, dump, tmp_path):

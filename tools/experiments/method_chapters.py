@@ -75,7 +75,7 @@ def all_cells(r):
 
 MULTI, OLD = "multiscale{init_spp=2}", ("directional{size_factor=literal_clamped,size_smooth=on,"
                                         "weighting=per_sample,base=none}")
-RAW = ("greedy_error{gem_init=4,var_mode=raw}", "greedy_selection{var_mode=raw}")
+RAW = ("greedy_error{init_spp=4,var_mode=raw}", "greedy_selection{var_mode=raw}")
 QUIET, FLIES = "scene_s", "scene_s_fireflies"
 # (pool, what, sampler, filter, figures of the prototype at 4, 8 and 16 spp, MSE relative to uniform with box)
 FIGURES = [
@@ -92,7 +92,7 @@ FIGURES = [
     (QUIET, "GEM, 4 initial, raw", RAW[0], "box", (None, 1.01, 0.87)),
     (QUIET, "GEM, 4 initial, + selection", *RAW, (None, 0.125, 0.143)),
     (FLIES, "GEM + selection", *RAW, (None, 0.07, 0.10)),
-    (QUIET, "GEM, 2 initial, + selection", "greedy_error{gem_init=2,var_mode=raw}", RAW[1], (None, 0.262, 0.226)),
+    (QUIET, "GEM, 2 initial, + selection", "greedy_error{init_spp=2,var_mode=raw}", RAW[1], (None, 0.262, 0.226)),
 ]
 
 

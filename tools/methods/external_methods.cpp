@@ -43,13 +43,11 @@ const OptionTable<ExecSamplerOptions>& exec_sampler_option_table() {
   using O = AskedCountsOptions;
   static const OptionTable<ExecSamplerOptions> table = [] {
     OptionTable<ExecSamplerOptions> options;
-    append_options(
-        options,
-        OptionTable<O>{
-            init_spp_option<O>(&O::init_spp),
-            integer_option<O>("rounds", &O::rounds, 1, 1000, "times that the command is asked"),
-            number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised luminance")},
-        &ExecSamplerOptions::asked);
+    append_options(options,
+                   OptionTable<O>{init_spp_option<O>(&O::init_spp),
+                                  integer_option<O>("rounds", &O::rounds, 1, 1000,
+                                                    "times that the command is asked")},
+                   &ExecSamplerOptions::asked);
     append_options(options, exec_option_table(), &ExecSamplerOptions::exec);
     return options;
   }();

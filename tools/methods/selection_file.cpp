@@ -69,14 +69,11 @@ std::optional<AnalysisSignal> signal_of(const ExrFile& file, const std::string& 
   }
   AnalysisSignal signal;
   signal.exposure = exposure->second;
-  const auto clamp = file.number_attributes.find("spool.decision_clamp");
-  if (clamp != file.number_attributes.end() && clamp->second > 0.0) signal.clamp = clamp->second;
   const auto says = [&](const char* name, const char* word) {
     const auto attribute = file.text_attributes.find(name);
     return attribute != file.text_attributes.end() && attribute->second == word;
   };
   if (says("spool.analysis_channel", "max_rgb")) signal.channel = AnalysisChannel::kMaxRgb;
-  if (says("spool.decision_map", "log1p")) signal.map = DecisionMap::kLog1p;
   return signal;
 }
 
@@ -149,8 +146,7 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
   file.width = n.width();
   file.height = n.height();
   file.number_attributes = {{"spool.holdout", info.pool.holdout},
-                            {"spool.pieces_per_side", info.pool.pieces_per_side},
-                            {"spool.decision_clamp", signal.clamp}};
+                            {"spool.pieces_per_side", info.pool.pieces_per_side}};
   add_selection(file, "", selection);
   for (std::size_t h = 0; h < selection.halves.size(); ++h)
     add_selection(file, kHalves[h], selection.halves[h]);
@@ -160,8 +156,7 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
       {"spool.pool_order", info.pool.order == PoolOrder::kShuffled ? "shuffled" : "recorded"},
       {"spool.pool_seed", std::to_string(info.pool.seed)},
       {"spool.analysis_channel",
-       signal.channel == AnalysisChannel::kMaxRgb ? "max_rgb" : "luminance"},
-      {"spool.decision_map", signal.map == DecisionMap::kLog1p ? "log1p" : "linear"}};
+       signal.channel == AnalysisChannel::kMaxRgb ? "max_rgb" : "luminance"}};
   if (views != nullptr) add_view_layers(*views, file);
   return write_exr(path, file, {.overwrite = overwrite});
 }
@@ -211,7 +206,7 @@ Result<Selection> apply_selection(const SelectionFile& file, const std::filesyst
   selection.attenuation = file.attenuation;
   AnalysisSignal signal;
   GuardCounts guards;
-  signal.exposure = exposure_of(selection.statistics, 1.0, guards);
+  signal.exposure = exposure_of(selection.statistics, guards);
   if (file.signal) signal = *file.signal;
   set_signal(selection.statistics, pool, signal);
   for (std::size_t h = 0; h < file.halves.size(); ++h) {

@@ -40,7 +40,7 @@ template <class T>
 struct PaddedInput {
   int border = 0;
   Image<T> weight;
-  RgbImage mean, variance;  // variance may be empty
+  RgbImage mean, variance;
 };
 
 // Sums of one run of pieces of equal level in a row.
@@ -111,8 +111,7 @@ void filter_run(const PaddedInput<T>& input, const FilterWidths<T>& widths,
     sums.weight[at] = w;
     for (std::size_t c = 0; c < 3; ++c) {
       sums.value[c][at] = 0.0;
-      sums.variance[c][at] =
-          input.variance[c].empty() ? 0.0 : w * w * input.variance[c][centre + at];
+      sums.variance[c][at] = w * w * input.variance[c][centre + at];
     }
   }
   for (const FilterOffset& offset : offsets) {
@@ -129,7 +128,6 @@ void filter_run(const PaddedInput<T>& input, const FilterWidths<T>& widths,
       const Plane& mean = input.mean[c];
       add_neighbours(sums.before.data(), sums.after.data(), &mean[before], &mean[after],
                      &mean[centre], count, sums.value[c].data());
-      if (input.variance[c].empty()) continue;
       add_variances(sums.before.data(), sums.after.data(), &input.variance[c][before],
                     &input.variance[c][after], count, sums.variance[c].data());
     }
@@ -142,7 +140,7 @@ void filter_run(const PaddedInput<T>& input, const FilterWidths<T>& widths,
     for (std::size_t c = 0; c < 3; ++c) {
       if (vanished) continue;  // the filled mean, and its variance, are there already
       out.image[c](x0 + i, y) += sums.value[c][at] / total;  // (10)
-      if (out.variance) (*out.variance)[c](x0 + i, y) = sums.variance[c][at] / (total * total);
+      out.variance[c](x0 + i, y) = sums.variance[c][at] / (total * total);
     }
   }
 }
@@ -153,9 +151,7 @@ template <class T>
 FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
                              const FilterOptions& options, GuardCounts& guards) {
   const int width = input.level.width(), height = input.level.height();
-  FilteredPieces out;
-  out.image = input.mean;
-  if (input.variance) out.variance = *input.variance;
+  FilteredPieces out{input.mean, input.variance};
 
   int largest = 0;
   for (const int k : input.level.pixels())
@@ -163,14 +159,14 @@ FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& wi
   if (largest == 0) return out;
   std::vector<std::vector<FilterOffset>> offsets(1);
   for (int k = 1; k <= largest; ++k)
-    offsets.push_back(filter_offsets(k, widths.beta, options.window, options.reach));
+    offsets.push_back(filter_offsets(k, widths.beta, options.window));
 
   PaddedInput<T> from;
-  from.border = filter_radius(largest, options.reach);
+  from.border = filter_radius(largest);
   from.weight = padded<T>(piece_weights(input.n, options.weighting), from.border);
   for (std::size_t c = 0; c < 3; ++c) {
     from.mean[c] = padded<double>(input.mean[c], from.border);
-    if (input.variance) from.variance[c] = padded<double>((*input.variance)[c], from.border);
+    from.variance[c] = padded<double>(input.variance[c], from.border);
   }
 
   std::vector<GuardCounts> caught(static_cast<std::size_t>(height));
@@ -196,13 +192,12 @@ FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& wi
 double correlation_factor(const Taps& taps, int level, double sigma, const FilterOptions& options) {
   if (taps.values.size() == 1 || level == 0) return 1.0;
   const int reach = static_cast<int>(taps.values.size());
-  const int radius = filter_radius(level, options.reach);
+  const int radius = filter_radius(level);
   const int middle = radius + reach;
   Plane kernel(2 * middle + 1, 2 * middle + 1);
   kernel(middle, middle) = 1.0;
   const std::vector<double> any_direction = {0.0};
-  for (const FilterOffset& o :
-       filter_offsets(level, any_direction, options.window, options.reach)) {
+  for (const FilterOffset& o : filter_offsets(level, any_direction, options.window)) {
     const double omega = std::exp(-0.5 * o.squared_distance / (sigma * sigma));
     kernel(middle + o.dx, middle + o.dy) = omega;
     kernel(middle - o.dx, middle - o.dy) = omega;
@@ -217,6 +212,19 @@ double correlation_factor(const Taps& taps, int level, double sigma, const Filte
   for (const double tap : taps.values)
     tap_squares += tap * tap;
   return squares(convolve(kernel, taps)) / (squares(kernel) * tap_squares * tap_squares);
+}
+
+void correct_variance(const Taps& taps, const CountImage& level, double sigma_max,
+                      const FilterOptions& options, RgbImage& variance) {
+  std::vector<double> factors;  // by level
+  for (const int k : level.pixels()) {
+    for (int next = static_cast<int>(factors.size()); next <= k; ++next)
+      factors.push_back(correlation_factor(taps, next, std::ldexp(sigma_max, next), options));
+  }
+  for (Plane& channel : variance) {
+    for (std::size_t i = 0; i < channel.size(); ++i)
+      channel[i] *= factors[static_cast<std::size_t>(level[i])];
+  }
 }
 
 template FilteredPieces filter_pieces(const FilterInput&, const FilterWidths<double>&,

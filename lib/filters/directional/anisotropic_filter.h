@@ -11,13 +11,10 @@
 // Slow twin: tests/reference/anisotropic_filter_reference.h.
 #pragma once
 
-#include <optional>
-
 #include "lib/core/guards.h"
 #include "lib/core/image.h"
 #include "lib/filters/directional/filter_width.h"
 #include "lib/filters/directional/options.h"
-#include "lib/pool/sample_pool.h"
 
 namespace spool {
 
@@ -25,12 +22,12 @@ struct FilterInput {
   const CountImage& n;       // samples of each piece
   const CountImage& level;   // k: the filter's size is 2^k; 0 leaves the mean as it is
   const RgbImage& mean;      // L of each piece, empty pieces filled
-  const RgbImage* variance;  // of `mean`, or null when no variance is wanted
+  const RgbImage& variance;  // of `mean`
 };
 
 struct FilteredPieces {
-  RgbImage image;                    // [c][y][x]
-  std::optional<RgbImage> variance;  // of `image`
+  RgbImage image;     // [c][y][x]
+  RgbImage variance;  // of `image`
 };
 
 // Samples at the centres of their pieces: L is `mean`, a piece counts 1 or n.
@@ -38,16 +35,13 @@ template <class T>
 FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
                              const FilterOptions& options, GuardCounts& guards);
 
-// Single samples at their film positions; only those behind the cursor, i < n(x, y), are read. The
-// grid of `input` starts at piece (x0, y0) of the pool.
-template <class T>
-FilteredPieces filter_samples(const FilterInput& input, const FilterWidths<T>& widths,
-                              const SamplePool& pool, int x0, int y0, const FilterOptions& options,
-                              GuardCounts& guards);
-
 // By how much the variance grows when `mean` was filtered with taps x taps before: its neighbours
 // are then no longer independent. Exact for the round filter of size 2^level over even variance;
 // 1 for taps of length 1.
 double correlation_factor(const Taps& taps, int level, double sigma, const FilterOptions& options);
+
+// Multiplies the variance of filtered pieces by that factor, sigma = sigma_max 2^level.
+void correct_variance(const Taps& taps, const CountImage& level, double sigma_max,
+                      const FilterOptions& options, RgbImage& variance);
 
 }  // namespace spool

@@ -1,12 +1,14 @@
 // The reconstruction of [LiuZheng (section 4)], step by step in the order of the text.
 #include "lib/filters/directional/directional.h"
 
+#include <optional>
 #include <utility>
 
-#include "lib/core/parallel.h"
+#include "lib/filters/directional/base_image.h"
 #include "lib/filters/directional/filter_size.h"
 #include "lib/filters/directional/filter_width.h"
-#include "lib/filters/directional/part.h"
+#include "lib/filters/directional/sample_filter.h"
+#include "lib/filters/directional/tile.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/pyramid/laplacian_pyramid.h"
 
@@ -27,46 +29,40 @@ Plane scaled(const Plane& plane, double factor) {
   return result;
 }
 
-Taps squared(Taps taps) {
-  for (double& tap : taps.values)
-    tap *= tap;
-  return taps;
-}
-
-// The image that size 1 means: piece means, each mixed with its eight neighbours.
-void apply_base(const Taps& taps, RgbImage& mean, RgbImage* variance, Plane& analysis_mean,
-                Plane& analysis_variance) {
-  if (taps.values.size() == 1) return;
-  for (Plane& channel : mean)
+// Means and variances of the pieces, of the signals that decide too, pass the taps of the base
+// image.
+void apply_base(BaseImage base, Tile& tile) {
+  if (base == BaseImage::kNone) return;
+  const Taps taps = base_taps(base), squares = squared_base_taps(base);
+  for (Plane& channel : tile.pieces.mean)
     channel = convolve(channel, taps);
-  for (std::size_t c = 0; variance && c < 3; ++c)
-    (*variance)[c] = convolve((*variance)[c], squared(taps));
-  analysis_mean = convolve(analysis_mean, taps);
-  analysis_variance = convolve(analysis_variance, squared(taps));
+  for (Plane& channel : tile.pieces.variance)
+    channel = convolve(channel, squares);
+  tile.analysis.mean = convolve(tile.analysis.mean, taps);
+  tile.analysis.variance = convolve(tile.analysis.variance, squares);
+  for (SizeChannel& channel : tile.channels) {
+    channel.mean = convolve(channel.mean, taps);
+    channel.variance = convolve(channel.variance, squares);
+  }
 }
 
 // Filter size of each piece [LiuZheng (9)]
-CountImage sizes_of(Part& part, const Pyramid& pyramid, const Taps& base,
-                    const DirectionalOptions& options, Views* views, GuardCounts& guards) {
+CountImage sizes_of(const Tile& tile, const Pyramid& pyramid, const DirectionalOptions& options,
+                    Views* views, GuardCounts& guards) {
   const int levels = options.pyramid.levels;
-  if (part.channels.empty()) {
-    return filter_size({part.analysis.mean, part.analysis.variance, part.pieces.n, part.minimum,
-                        part.maximum, pyramid.coarse, part.attenuation, levels},
+  if (tile.channels.empty()) {
+    return filter_size({tile.analysis.mean, tile.analysis.variance, tile.pieces.n, tile.minimum,
+                        tile.maximum, pyramid.coarse, tile.attenuation, levels},
                        options.size, views, guards);
   }
-  std::vector<Pyramid> pyramids(part.channels.size());
+  std::vector<Pyramid> pyramids(tile.channels.size());
   std::vector<FilterSizeInput> inputs;
-  for (std::size_t c = 0; c < part.channels.size(); ++c) {
-    SizeChannel& channel = part.channels[c];
-    if (base.values.size() > 1) {
-      channel.mean = convolve(channel.mean, base);
-      channel.variance = convolve(channel.variance, squared(base));
-    }
-    if (options.size.coarse == SizeCoarse::kLaplace) {
+  for (std::size_t c = 0; c < tile.channels.size(); ++c) {
+    const SizeChannel& channel = tile.channels[c];
+    if (options.size.coarse == SizeCoarse::kPyramid)
       pyramids[c] = build_pyramid(channel.mean, options.pyramid);
-    }
-    inputs.push_back({channel.mean, channel.variance, part.pieces.n, channel.minimum,
-                      channel.maximum, pyramids[c].coarse, part.attenuation, levels});
+    inputs.push_back({channel.mean, channel.variance, tile.pieces.n, channel.minimum,
+                      channel.maximum, pyramids[c].coarse, tile.attenuation, levels});
   }
   return filter_size(inputs, options.size, views, guards);
 }
@@ -79,41 +75,49 @@ void add_pyramid_views(const Pyramid& pyramid, Views* views) {
     views->add(fmt::format("d.{}", k), pyramid.detail[k]);
 }
 
-// The variance of filtered pieces whose inputs the base image had made dependent.
-void correct_variance(const Taps& base, const CountImage& level, const DirectionalOptions& options,
-                      RgbImage& variance) {
-  std::vector<double> factors = {1.0};
-  for (int k = 1; k <= options.pyramid.levels; ++k) {
-    factors.push_back(
-        correlation_factor(base, k, options.width.sigma_max * std::ldexp(1.0, k), options.filter));
+// Eqs 10-12 over pieces, or over single samples where they are wanted and have positions.
+// `variance`: of the piece means before the base image.
+template <class T>
+FilteredPieces weighted_means(const Tile& tile, const CountImage& level,
+                              const FilterWidths<T>& widths, const RgbImage& variance,
+                              const SamplePool& pool, const DirectionalOptions& options,
+                              GuardCounts& guards) {
+  if (variance[0].empty()) {
+    const FilterInput input{tile.pieces.n, level, tile.pieces.mean, tile.pieces.variance};
+    FilteredPieces pieces = filter_pieces(input, widths, options.filter, guards);
+    correct_variance(base_taps(options.base), level, options.width.sigma_max, options.filter,
+                     pieces.variance);
+    return pieces;
   }
-  for (Plane& channel : variance) {
-    for (std::size_t i = 0; i < channel.size(); ++i)
-      channel[i] *= factors[static_cast<std::size_t>(level[i])];
+  const FilterInput input{tile.pieces.n, level, tile.pieces.mean, variance};
+  FilteredPieces pieces =
+      filter_samples(input, widths, pool, tile.x0, tile.y0, options.filter, guards);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      if (level[i] == 0) pieces.variance[c][i] = tile.pieces.variance[c][i];
+    }
   }
+  return pieces;
 }
 
 template <class T>
-FilteredPart filter_part(Part part, const SamplePool& pool, const DirectionalOptions& options,
+FilteredTile filter_tile(Tile tile, const SamplePool& pool, const DirectionalOptions& options,
                          Views* views) {
-  FilteredPart result;
-  const Plane raw_variance = part.analysis.variance;
-  const Taps base = base_taps(options.base);
+  FilteredTile result;
+  const Plane raw_variance = tile.analysis.variance;
   const bool by_sample =
       options.filter.granularity == FilterGranularity::kSample && pool.recording().has_film();
-  const RgbImage sample_variance =
-      by_sample && options.variance ? part.pieces.variance : RgbImage{};
-  apply_base(base, part.pieces.mean, options.variance ? &part.pieces.variance : nullptr,
-             part.analysis.mean, part.analysis.variance);
+  const RgbImage sample_variance = by_sample ? tile.pieces.variance : RgbImage{};
+  apply_base(options.base, tile);
 
   // Coarse and detail images of the final means [LiuZheng (1)-(4)]
-  Pyramid pyramid = build_pyramid(part.analysis.mean, options.pyramid);
+  Pyramid pyramid = build_pyramid(tile.analysis.mean, options.pyramid);
   add_pyramid_views(pyramid, views);
 
   // Filter size of each piece [LiuZheng (9)]
-  result.level = sizes_of(part, pyramid, base, options, views, result.guards);
-  part.channels.clear();
-  part.analysis.mean = {};
+  result.level = sizes_of(tile, pyramid, options, views, result.guards);
+  tile.channels.clear();
+  tile.analysis.mean = {};
   if (options.width.anisotropy == AnisotropySource::kFilterBank) pyramid.coarse.clear();
 
   // Directional energies, and from them the widths delta_i
@@ -121,66 +125,14 @@ FilteredPart filter_part(Part part, const SamplePool& pool, const DirectionalOpt
       filter_widths<T>(pyramid, raw_variance, result.level, options, views, result.guards);
 
   // Weighted mean over the region [LiuZheng (10)-(12)]
-  if (by_sample) {
-    const FilterInput input{part.pieces.n, result.level, part.pieces.mean,
-                            options.variance ? &sample_variance : nullptr};
-    result.pieces =
-        filter_samples(input, widths, pool, part.x0, part.y0, options.filter, result.guards);
-    for (std::size_t c = 0; options.variance && c < 3; ++c) {
-      for (std::size_t i = 0; i < result.level.size(); ++i) {
-        if (result.level[i] == 0) (*result.pieces.variance)[c][i] = part.pieces.variance[c][i];
-      }
-    }
-  } else {
-    const FilterInput input{part.pieces.n, result.level, part.pieces.mean,
-                            options.variance ? &part.pieces.variance : nullptr};
-    result.pieces = filter_pieces(input, widths, options.filter, result.guards);
-    if (options.variance) correct_variance(base, result.level, options, *result.pieces.variance);
-  }
+  result.pieces =
+      weighted_means(tile, result.level, widths, sample_variance, pool, options, result.guards);
   result.dominant = std::move(widths.dominant);
   if (views) {
-    views->add("base_variance", part.analysis.variance);
+    views->add("base_variance", tile.analysis.variance);
     views->add("level", as_plane(result.level));
     views->add("dominant_direction", result.dominant);
   }
-  return result;
-}
-
-FilteredPart filter_any(Part part, const SamplePool& pool, const DirectionalOptions& options,
-                        Views* views) {
-  return options.precision == Precision::kFloat32
-             ? filter_part<float>(std::move(part), pool, options, views)
-             : filter_part<double>(std::move(part), pool, options, views);
-}
-
-// Every tile as if it were the whole image.
-FilteredPart filter_tiles(const Part& whole, const SamplePool& pool,
-                          const DirectionalOptions& options, Views* views) {
-  const Rectangle bounds = whole.pieces.n.bounds();
-  const std::vector<Rectangle> tiles = cut_tiles(bounds, options.tile, 1 << options.pyramid.levels);
-  std::vector<FilteredPart> parts(tiles.size());
-  std::vector<Views> tile_views(tiles.size(), views ? Views(views->wanted()) : Views());
-  parallel_for(tiles.size(), [&](std::size_t t) {
-    parts[t] = filter_any(crop(whole, tiles[t]), pool, options, views ? &tile_views[t] : nullptr);
-  });
-  FilteredPart result;
-  const int width = bounds.width(), height = bounds.height();
-  result.pieces.image = make_rgb(width, height);
-  if (options.variance) result.pieces.variance = make_rgb(width, height);
-  result.level = CountImage(width, height);
-  result.dominant = Plane(width, height);
-  for (std::size_t t = 0; t < tiles.size(); ++t) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      paste(parts[t].pieces.image[c], tiles[t], result.pieces.image[c]);
-      if (options.variance) {
-        paste((*parts[t].pieces.variance)[c], tiles[t], (*result.pieces.variance)[c]);
-      }
-    }
-    paste(parts[t].level, tiles[t], result.level);
-    paste(parts[t].dominant, tiles[t], result.dominant);
-    result.guards += parts[t].guards;
-  }
-  if (views) join_views(tile_views, tiles, bounds, *views);
   return result;
 }
 
@@ -207,8 +159,8 @@ Result<Reconstruction> reconstruct_directional(const Selection& selection, const
   Reconstruction result;
 
   // Statistics of the selection, in units of the exposed signal where something is decided
-  const VarianceOptions variance{options.var_mode, options.nu0, options.key};
-  Part whole;
+  const VarianceOptions variance{options.var_mode};
+  Tile whole;
   GuardCounts counted_with_channels;
   whole.analysis =
       estimate_analysis(statistics, variance, options.normalise_exposure, counted_with_channels);
@@ -225,17 +177,21 @@ Result<Reconstruction> reconstruct_directional(const Selection& selection, const
   }
   whole.attenuation = selection.attenuation;
 
-  FilteredPart filtered = options.scope == ReconstructionScope::kTile
-                              ? filter_tiles(whole, pool, options, context.views)
-                              : filter_any(std::move(whole), pool, options, context.views);
+  const TileFilter filter = [&](Tile tile, Views* views) {
+    return options.precision == Precision::kFloat32
+               ? filter_tile<float>(std::move(tile), pool, options, views)
+               : filter_tile<double>(std::move(tile), pool, options, views);
+  };
+  FilteredTile filtered =
+      options.scope == ReconstructionScope::kTile
+          ? filter_tiles(whole, options.tile, 1 << options.pyramid.levels, filter, context.views)
+          : filter(std::move(whole), context.views);
   result.guards += filtered.guards;
 
   // A pixel is the mean of its pieces
   const int q = statistics.pieces_per_side;
   result.image = average_pieces(std::move(filtered.pieces.image), q);
-  if (filtered.pieces.variance) {
-    result.variance = average_piece_variance(std::move(*filtered.pieces.variance), q);
-  }
+  result.variance = average_piece_variance(std::move(filtered.pieces.variance), q);
   result.level = std::move(filtered.level);
   result.dominant_direction = std::move(filtered.dominant);
   if (context.progress) context.progress(1.0);

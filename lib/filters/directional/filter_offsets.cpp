@@ -35,14 +35,14 @@ double interpolated_width(const Sector& sector, std::span<const double> delta, E
          (1.0 - weight) * delta[static_cast<std::size_t>(sector.upper)];
 }
 
-int filter_radius(int level, FilterReach reach) {
-  return reach == FilterReach::kHalf ? 1 << (level - 1) : 1 << level;
+int filter_radius(int level) {
+  return 1 << (level - 1);
 }
 
 std::vector<FilterOffset> filter_offsets(int level, std::span<const double> beta,
-                                         FilterWindow window, FilterReach reach) {
+                                         FilterWindow window) {
   SPOOL_CHECK_GE(level, 1);
-  const int radius = filter_radius(level, reach);
+  const int radius = filter_radius(level);
   std::vector<FilterOffset> offsets;
   for (int dy = 0; dy <= radius; ++dy) {
     for (int dx = -radius; dx <= radius; ++dx) {

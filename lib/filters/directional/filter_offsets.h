@@ -38,8 +38,8 @@ struct FilterOffset {
 // Offsets of the upper half plane (dy > 0, or dy = 0 and dx > 0) in row-major order; -offset has
 // the same weight. level >= 1.
 std::vector<FilterOffset> filter_offsets(int level, std::span<const double> beta,
-                                         FilterWindow window, FilterReach reach);
+                                         FilterWindow window);
 
-int filter_radius(int level, FilterReach reach);
+int filter_radius(int level);  // of the region of diameter 2^level
 
 }  // namespace spool

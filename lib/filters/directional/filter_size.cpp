@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lib/core/parallel.h"
@@ -14,7 +14,9 @@
 namespace spool {
 namespace {
 
+constexpr double kLeastFactor = 0.05, kLargestFactor = 0.30;  // of literal_clamped
 constexpr double kLargestInverseFactor = 1e6;
+constexpr double kGreedyGamma = 0.2;
 constexpr double kLeastSamples = 1.0001;  // keeps 1 - 1/N above zero: else no size ever stops
 constexpr double kOwnVote = 0.01;         // weight that a piece keeps in its neighbours' vote
 constexpr double kHalf = 0.5 - 1e-9;      // a tie at a straight border must not hang on rounding
@@ -27,23 +29,13 @@ void for_rows(const Plane& like, GuardCounts& guards, Body&& body) {
     guards += row;
 }
 
-// Squared contrast of the extremes over R_k, and 0 where the region has fewer than two samples.
-Plane region_contrast(const FilterSizeInput& input, int level, ContrastForm form,
-                      GuardCounts& guards) {
+// Squared contrast of each piece's samples, and 0 where it has fewer than two.
+Plane piece_contrast(const FilterSizeInput& input, ContrastForm form, GuardCounts& guards) {
   Plane contrast(input.mean.width(), input.mean.height());
   for_rows(contrast, guards, [&](int y, GuardCounts& caught) {
     for (int x = 0; x < contrast.width(); ++x) {
-      const Rectangle r = region(x, y, level, contrast.bounds());
-      double low = std::numeric_limits<double>::infinity(), high = -low;
-      long long samples = 0;
-      for (int py = r.y0; py < r.y1; ++py) {
-        for (int px = r.x0; px < r.x1; ++px) {
-          low = std::min(low, input.minimum(px, py));
-          high = std::max(high, input.maximum(px, py));
-          samples += input.n(px, py);
-        }
-      }
-      if (samples >= 2) contrast(x, y) = squared_contrast(low, high, form, caught);
+      if (input.n(x, y) < 2) continue;
+      contrast(x, y) = squared_contrast(input.minimum(x, y), input.maximum(x, y), form, caught);
     }
   });
   return contrast;
@@ -51,12 +43,8 @@ Plane region_contrast(const FilterSizeInput& input, int level, ContrastForm form
 
 // S_k; `contrast` is that of the pieces, for the means of contrast.
 Plane size_variance(const FilterSizeInput& input, int k, const Plane& contrast,
-                    const FilterSizeOptions& options, GuardCounts& guards) {
-  if (options.variance == SizeVariance::kContrast) {
-    return k > 0 && options.contrast_region == ContrastRegion::kRegionMinMax
-               ? region_contrast(input, k, options.contrast, guards)
-               : region_mean(contrast, k);
-  }
+                    SizeVariance variance) {
+  if (variance == SizeVariance::kContrast) return region_mean(contrast, k);
   Plane sum = region_sum(input.variance, k);
   parallel_rows(0, sum.height(), [&](int y) {
     for (int x = 0; x < sum.width(); ++x) {
@@ -85,8 +73,8 @@ double attenuation_factor(double a_fine, double a_coarse, const FilterSizeOption
   }
   const double w = difference / sum;
   if (options.factor.rule == SizeFactorRule::kLiteral) return w;
-  if (w < options.factor_min || w > options.factor_max) caught.add(Guard::kSizeFactorClamped);
-  return std::clamp(w, options.factor_min, options.factor_max);
+  if (w < kLeastFactor || w > kLargestFactor) caught.add(Guard::kSizeFactorClamped);
+  return std::clamp(w, kLeastFactor, kLargestFactor);
 }
 
 Plane size_factors(const FilterSizeInput& input, int k, const FilterSizeOptions& options,
@@ -102,7 +90,7 @@ Plane size_factors(const FilterSizeInput& input, int k, const FilterSizeOptions&
     for (std::size_t i = 0; i < samples.size(); ++i)
       samples[i] = input.n[i];
     if (k > 0) samples = region_mean(samples, k + 1);
-    const double scale = (k > 0 ? 5.0 / 3.0 : 1.0) * greedy_caution(options.gamma);
+    const double scale = (k > 0 ? 5.0 / 3.0 : 1.0) * greedy_caution(kGreedyGamma);
     for (std::size_t i = 0; i < samples.size(); ++i)
       w[i] = scale * (1.0 - 1.0 / std::max(samples[i], kLeastSamples));
     return w;
@@ -157,8 +145,64 @@ CountImage limited_steps(const CountImage& level, int step) {
   return limited;
 }
 
-void add_view(Views* views, const char* family, int k, const Plane& image) {
-  if (views) views->add(fmt::format("{}.{}", family, k), image);
+// What one signal of the pieces says of T_k, level after level.
+class SizeSignal {
+ public:
+  // `name`: what its views end in, "" or ".i".
+  SizeSignal(const FilterSizeInput& input, const FilterSizeOptions& options, std::string name,
+             Views* views, GuardCounts& guards)
+      : input_(input), options_(options), name_(std::move(name)), views_(views) {
+    if (options.variance == SizeVariance::kContrast)
+      contrast_ = piece_contrast(input, options.contrast, guards);
+    s_ = size_variance(input, 0, contrast_, options.variance);
+    q_ = input.mean;
+    show(0);
+  }
+
+  // Adds S_{k+1} - S_k + w_k (q_{k+1} - q_k)^2 to t and goes on to level k + 1 [LiuZheng (9)]
+  void add_criterion(int k, const Plane& w, Plane& t) {
+    Plane s = size_variance(input_, k + 1, contrast_, options_.variance);
+    Plane q = options_.coarse == SizeCoarse::kPyramid
+                  ? input_.coarse[static_cast<std::size_t>(k) + 1]
+                  : region_mean(input_.mean, k + 1);
+    parallel_rows(0, t.height(), [&](int y) {
+      for (int x = 0; x < t.width(); ++x) {
+        const double dq = q(x, y) - q_(x, y);
+        t(x, y) += s(x, y) - s_(x, y) + w(x, y) * dq * dq;
+      }
+    });
+    s_ = std::move(s);
+    q_ = std::move(q);
+    show(k + 1);
+  }
+
+ private:
+  void show(int k) const {
+    if (!views_) return;
+    views_->add(fmt::format("S.{}{}", k, name_), s_);
+    views_->add(fmt::format("q.{}{}", k, name_), q_);
+  }
+
+  const FilterSizeInput& input_;
+  const FilterSizeOptions& options_;
+  std::string name_;
+  Views* views_;
+  Plane contrast_;  // of the pieces, where it is asked for
+  Plane s_, q_;     // S_k and q_k
+};
+
+// T_k, in place of the sum over `signals` signals; 1 where it wants to stop, else 0.
+Plane stops_of(Plane& t, std::size_t signals, GuardCounts& guards) {
+  Plane stop(t.width(), t.height());
+  for_rows(t, guards, [&](int y, GuardCounts& caught) {
+    for (int x = 0; x < t.width(); ++x) {
+      t(x, y) /= static_cast<double>(signals);
+      const bool finite = std::isfinite(t(x, y));
+      if (!finite) caught.add(Guard::kSizeNotFinite);
+      stop(x, y) = !finite || t(x, y) > 0.0 ? 1.0 : 0.0;
+    }
+  });
+  return stop;
 }
 
 }  // namespace
@@ -176,61 +220,28 @@ CountImage filter_size(std::span<const FilterSizeInput> inputs, const FilterSize
                        Views* views, GuardCounts& guards) {
   const FilterSizeInput& first = inputs.front();
   const int width = first.mean.width(), height = first.mean.height();
-  CountImage level(width, height, first.levels);
-  const auto view_name = [&](const char* family, int k, std::size_t i) {
-    return inputs.size() == 1 ? fmt::format("{}.{}", family, k)
-                              : fmt::format("{}.{}.{}", family, k, i);
-  };
-
-  std::vector<Plane> contrast(inputs.size());  // of the pieces, where it is asked for
-  std::vector<Plane> s, fine;                  // S_k and q_k of each signal
+  std::vector<SizeSignal> signals;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    if (options.variance == SizeVariance::kContrast) {
-      contrast[i] = region_contrast(inputs[i], 0, options.contrast, guards);
-    }
-    s.push_back(size_variance(inputs[i], 0, contrast[i], options, guards));
-    fine.push_back(inputs[i].mean);
-    if (views) views->add(view_name("S", 0, i), s[i]);
-    if (views) views->add(view_name("q", 0, i), fine[i]);
+    const std::string name = inputs.size() == 1 ? "" : fmt::format(".{}", i);
+    signals.emplace_back(inputs[i], options, name, views, guards);
   }
+  CountImage level(width, height, first.levels);
   for (int k = 0; k < first.levels; ++k) {
-    const auto next = static_cast<std::size_t>(k) + 1;
     const Plane w = size_factors(first, k, options, guards);
-
-    // T_k [LiuZheng (9)]
-    Plane t(width, height), stop(width, height);
-    for (std::size_t i = 0; i < inputs.size(); ++i) {
-      Plane s_next = size_variance(inputs[i], k + 1, contrast[i], options, guards);
-      Plane coarse = options.coarse == SizeCoarse::kLaplace ? inputs[i].coarse[next]
-                                                            : region_mean(inputs[i].mean, k + 1);
-      parallel_rows(0, height, [&](int y) {
-        for (int x = 0; x < width; ++x) {
-          const double dq = coarse(x, y) - fine[i](x, y);
-          t(x, y) += s_next(x, y) - s[i](x, y) + w(x, y) * dq * dq;
-        }
-      });
-      if (views) views->add(view_name("S", k + 1, i), s_next);
-      if (views) views->add(view_name("q", k + 1, i), coarse);
-      s[i] = std::move(s_next);
-      fine[i] = std::move(coarse);
-    }
-    for_rows(t, guards, [&](int y, GuardCounts& caught) {
-      for (int x = 0; x < width; ++x) {
-        t(x, y) /= static_cast<double>(inputs.size());
-        const bool finite = std::isfinite(t(x, y));
-        if (!finite) caught.add(Guard::kSizeNotFinite);
-        stop(x, y) = !finite || t(x, y) > 0.0 ? 1.0 : 0.0;
-      }
-    });
+    Plane t(width, height);
+    for (SizeSignal& signal : signals)
+      signal.add_criterion(k, w, t);
+    Plane stop = stops_of(t, signals.size(), guards);
     smooth_stops(stop, k, options.smooth);
     parallel_rows(0, height, [&](int y) {
       for (int x = 0; x < width; ++x) {
         if (stop(x, y) > 0.0) level(x, y) = std::min(level(x, y), k);
       }
     });
-    add_view(views, "w", k, w);
-    add_view(views, "T", k, t);
-    add_view(views, "stop", k, stop);
+    if (!views) continue;
+    views->add(fmt::format("w.{}", k), w);
+    views->add(fmt::format("T.{}", k), t);
+    views->add(fmt::format("stop.{}", k), stop);
   }
   return options.step > 0 ? limited_steps(level, options.step) : level;
 }

@@ -18,9 +18,6 @@
 
 namespace spool {
 
-// The base image's taps, or a single 1 without one.
-Taps base_taps(BaseImage base);
-
 template <class T>
 struct FilterWidths {
   std::vector<double> beta;     // spatial directions in degrees, ascending in [0, 180)

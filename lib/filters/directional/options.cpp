@@ -12,9 +12,9 @@ Option<FilterSizeOptions> size_factor_option() {
   static const std::vector<std::pair<std::string, SizeFactorRule>> rules = {
       {"literal_clamped", SizeFactorRule::kLiteralClamped},
       {"literal", SizeFactorRule::kLiteral},
-      {"gem", SizeFactorRule::kGreedy},
+      {"greedy", SizeFactorRule::kGreedy},
       {"inverse", SizeFactorRule::kInverse}};
-  static constexpr const char* kAllowed = "const(Z)|literal_clamped|literal|gem|inverse";
+  static constexpr const char* kAllowed = "const(Z)|literal_clamped|literal|greedy|inverse";
   return {
       "size_factor", kAllowed, "weight of the squared difference in eq 9",
       [](FilterSizeOptions& options, std::string_view text) -> Result<void> {
@@ -50,31 +50,22 @@ OptionTable<FilterSizeOptions> filter_size_option_table() {
            {"max_rgb", SizeChannels::kMaxRgb},
            {"per_channel", SizeChannels::kPerChannel}},
           "what decides: the sampler's signal, or another; per_channel: eq 9's mean over channels"),
-      choice_option<O, SizeVariance>(
+      expert(choice_option<O, SizeVariance>(
           "size_variance", &O::variance,
           {{"coarse_var", SizeVariance::kCoarseVariance}, {"contrast", SizeVariance::kContrast}},
-          "S of eq 9: variance of the mean, or the contrast of eq 6"),
-      choice_option<O, ContrastForm>(
+          "S of eq 9: variance of the mean, or the contrast of eq 6")),
+      expert(choice_option<O, ContrastForm>(
           "contrast", &O::contrast,
           {{"guarded", ContrastForm::kGuarded}, {"literal", ContrastForm::kLiteral}},
-          "contrast of a piece's samples"),
-      choice_option<O, ContrastRegion>(
-          "V_mode", &O::contrast_region,
-          {{"piece", ContrastRegion::kPiece}, {"region_minmax", ContrastRegion::kRegionMinMax}},
-          "contrast of a region"),
-      choice_option<O, SizeCoarse>("size_coarse", &O::coarse,
-                                   {{"box", SizeCoarse::kBox}, {"lp", SizeCoarse::kLaplace}},
-                                   "q of eq 9: mean over the region, or the pyramid's value"),
+          "contrast of a piece's samples")),
+      expert(choice_option<O, SizeCoarse>(
+          "size_coarse", &O::coarse, {{"box", SizeCoarse::kBox}, {"pyramid", SizeCoarse::kPyramid}},
+          "q of eq 9: mean over the region, or the pyramid's value")),
       size_factor_option(),
-      number_option<O>("size_factor_min", &O::factor_min, 0.0, kLargestFactor,
-                       "least value of literal_clamped"),
-      number_option<O>("size_factor_max", &O::factor_max, 0.0, kLargestFactor,
-                       "largest value of literal_clamped"),
-      number_option<O>("size_factor_fallback", &O::factor_fallback, 0.0, kLargestFactor,
-                       "value where the attenuation says nothing"),
-      switch_option<O>("size_azero", &O::track_a0,
-                       "use A_0 as the sampler tracked it instead of A_1"),
-      number_option<O>("size_gamma", &O::gamma, 0.0, 0.526, "gamma of size_factor=gem"),
+      expert(number_option<O>("size_factor_fallback", &O::factor_fallback, 0.0, kLargestFactor,
+                              "value where the attenuation says nothing")),
+      expert(switch_option<O>("track_a0", &O::track_a0,
+                              "use A_0 as the sampler tracked it instead of A_1")),
       choice_option<O, SizeSmooth>("size_smooth", &O::smooth,
                                    {{"opens_only", SizeSmooth::kOpensOnly},
                                     {"on", SizeSmooth::kOn},
@@ -88,21 +79,15 @@ OptionTable<FilterSizeOptions> filter_size_option_table() {
 OptionTable<FilterWidthOptions> filter_width_option_table() {
   using O = FilterWidthOptions;
   return {
-      choice_option<O, AnisotropySource>("aniso", &O::anisotropy,
-                                         {{"dfb", AnisotropySource::kFilterBank},
-                                          {"iso", AnisotropySource::kIsotropic},
+      choice_option<O, AnisotropySource>("anisotropy", &O::anisotropy,
+                                         {{"bank", AnisotropySource::kFilterBank},
+                                          {"none", AnisotropySource::kNone},
                                           {"structure_tensor", AnisotropySource::kStructureTensor}},
                                          "where directions come from"),
-      choice_option<O, BankSource>("dfb_source", &O::bank_source,
-                                   {{"matched", BankSource::kMatched},
-                                    {"sum", BankSource::kSum},
-                                    {"fixed", BankSource::kFixed}},
-                                   "details that the filter bank splits for size 2^k"),
-      integer_option<O>("dfb_detail", &O::bank_detail, 0, 5, "the detail of dfb_source=fixed"),
-      choice_option<O, FilterAngle>(
+      expert(choice_option<O, FilterAngle>(
           "angle", &O::angle,
           {{"tangent", FilterAngle::kTangent}, {"normal", FilterAngle::kNormal}},
-          "direction of a band: along its edges or across them"),
+          "direction of a band: along its edges or across them")),
       number_option<O>("sigma_max", &O::sigma_max, 0.0, 16.0,
                        "widest standard deviation, in units of the size 2^k"),
       number_option<O>("rho", &O::rho, 0.0, 1.0, "narrowest standard deviation / widest"),
@@ -113,23 +98,20 @@ OptionTable<FilterWidthOptions> filter_width_option_table() {
 OptionTable<FilterOptions> filter_option_table() {
   using O = FilterOptions;
   return {
-      choice_option<O, Eq12>("eq12", &O::eq12,
-                             {{"corrected", Eq12::kCorrected}, {"literal", Eq12::kLiteral}},
-                             "interpolation of the width; literal has its weights exchanged"),
-      choice_option<O, FilterWindow>(
+      expert(choice_option<O, Eq12>(
+          "eq12", &O::eq12, {{"corrected", Eq12::kCorrected}, {"literal", Eq12::kLiteral}},
+          "interpolation of the width; literal has its weights exchanged")),
+      expert(choice_option<O, FilterWindow>(
           "window", &O::window, {{"disc", FilterWindow::kDisc}, {"square", FilterWindow::kSquare}},
-          "shape of the filter's region"),
-      choice_option<O, FilterReach>("window_radius", &O::reach,
-                                    {{"half", FilterReach::kHalf}, {"full", FilterReach::kFull}},
-                                    "radius of the region: half the size 2^k, or all of it"),
-      choice_option<O, FilterWeighting>(
+          "shape of the filter's region")),
+      expert(choice_option<O, FilterWeighting>(
           "weighting", &O::weighting,
           {{"per_piece", FilterWeighting::kPerPiece}, {"per_sample", FilterWeighting::kPerSample}},
-          "each piece counts alike, or each sample"),
-      choice_option<O, FilterGranularity>(
+          "each piece counts alike, or each sample")),
+      expert(choice_option<O, FilterGranularity>(
           "recon_granularity", &O::granularity,
           {{"piece", FilterGranularity::kPiece}, {"sample", FilterGranularity::kSample}},
-          "distances to piece centres, or to film positions where they were recorded"),
+          "distances to piece centres, or to film positions where they were recorded")),
   };
 }
 
@@ -147,7 +129,7 @@ DirectionalOptions paper_directional_options() {
   options.pyramid.detail = LaplacianDetail::kPhase00;
   options.size.variance = SizeVariance::kContrast;
   options.size.contrast = ContrastForm::kLiteral;
-  options.size.coarse = SizeCoarse::kLaplace;
+  options.size.coarse = SizeCoarse::kPyramid;
   options.size.factor.rule = SizeFactorRule::kLiteral;
   options.size.factor_fallback = 0.0;
   options.size.track_a0 = true;
@@ -170,12 +152,10 @@ DirectionalOptions paper_directional_options() {
 OptionTable<DirectionalOptions> directional_option_table() {
   using O = DirectionalOptions;
   OptionTable<O> table = {
-      choice_option<O, bool>("exposure", &O::normalise_exposure,
-                             {{"normalise", true}, {"none", false}},
-                             "bring the mean luminance of a bare selection to key before deciding"),
-      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the exposed luminance"),
-      var_mode_option(&O::var_mode),
-      nu0_option(&O::nu0),
+      expert(choice_option<O, bool>(
+          "exposure", &O::normalise_exposure, {{"normalise", true}, {"none", false}},
+          "bring the mean luminance of a bare selection to 1 before deciding")),
+      expert(expert(expert(expert(var_mode_option(&O::var_mode))))),
       choice_option<O, BaseImage>(
           "base", &O::base,
           {{"pixel_gaussian", BaseImage::kPixelGaussian}, {"none", BaseImage::kNone}},
@@ -192,8 +172,6 @@ OptionTable<DirectionalOptions> directional_option_table() {
       {{"global", ReconstructionScope::kGlobal}, {"tile", ReconstructionScope::kTile}},
       "analyse and filter the whole image, or each tile alone"));
   table.push_back(integer_option<O>("tile", &O::tile, 16, 1 << 20, "pieces per side of a tile"));
-  table.push_back(
-      switch_option<O>("variance", &O::variance, "also estimate the output's variance"));
   table.push_back(choice_option<O, Precision>(
       "recon_precision", &O::precision,
       {{"float32", Precision::kFloat32}, {"float64", Precision::kFloat64}},

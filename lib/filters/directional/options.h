@@ -19,20 +19,16 @@ enum class SizeVariance {
   kCoarseVariance,  // variance of the mean over R_k
   kContrast,        // V_k of eq 6, as the text says
 };
-enum class ContrastRegion {
-  kPiece,         // mean over R_k of the pieces' squared contrasts
-  kRegionMinMax,  // squared contrast of the extremes over R_k
-};
 // q_k of eq 9.
 enum class SizeCoarse {
   kBox,      // mean over R_k
-  kLaplace,  // f_k of the pyramid
+  kPyramid,  // f_k of the pyramid
 };
 // w_k of eq 9.
 enum class SizeFactorRule {
   kConstant,        // `constant`
   kLiteral,         // |A_k - A_{k+1}| / (A_k + A_{k+1})
-  kLiteralClamped,  // the same, clamped to [factor_min, factor_max]
+  kLiteralClamped,  // the same, clamped to [0.05, 0.30]
   kInverse,         // (A_k + A_{k+1}) / |A_k - A_{k+1}|, at most 1e6
   kGreedy,          // beta_k z of the greedy selection: beta_0 = 1, beta_k = 5/3
 };
@@ -59,26 +55,18 @@ struct FilterSizeOptions {
   SizeChannels channels = SizeChannels::kOfSelection;
   SizeVariance variance = SizeVariance::kCoarseVariance;
   ContrastForm contrast = ContrastForm::kGuarded;
-  ContrastRegion contrast_region = ContrastRegion::kPiece;
   SizeCoarse coarse = SizeCoarse::kBox;
   SizeFactor factor;
-  double factor_min = 0.05, factor_max = 0.30;
   double factor_fallback = 0.10;  // where A_k + A_{k+1} = 0 or both were never updated
   bool track_a0 = false;          // A_0 as the sampler kept it; else A_0 := A_1
-  double gamma = 0.2;             // of `gem`
   SizeSmooth smooth = SizeSmooth::kOpensOnly;
   int step = 0;  // a piece is at most so many levels above its 8 neighbours' least; 0: any
 };
 
 enum class AnisotropySource {
   kFilterBank,       // energies of the directional filter bank
-  kIsotropic,        // no direction: round filters
+  kNone,             // no direction: round filters
   kStructureTensor,  // energies of the smoothed gradient tensor
-};
-enum class BankSource {
-  kMatched,  // d_{k-1} for size 2^k
-  kSum,      // energies of d_0 .. d_{k-1} added
-  kFixed,    // d_j for every size, j = bank_detail
 };
 enum class FilterAngle {
   kTangent,  // beta = wedge frequency angle + 90: along edges
@@ -86,8 +74,6 @@ enum class FilterAngle {
 };
 struct FilterWidthOptions {
   AnisotropySource anisotropy = AnisotropySource::kFilterBank;
-  BankSource bank_source = BankSource::kMatched;
-  int bank_detail = 0;
   FilterAngle angle = FilterAngle::kTangent;
   double sigma_max = 0.40;  // widest standard deviation / 2^k
   double rho = 0.10;        // narrowest / widest
@@ -96,7 +82,6 @@ struct FilterWidthOptions {
 
 enum class Eq12 { kCorrected, kLiteral };
 enum class FilterWindow { kDisc, kSquare };
-enum class FilterReach { kHalf, kFull };  // radius 2^{k-1} or 2^k
 enum class FilterWeighting { kPerPiece, kPerSample };
 enum class FilterGranularity {
   kPiece,   // samples stand at the centre of their piece
@@ -105,7 +90,6 @@ enum class FilterGranularity {
 struct FilterOptions {
   Eq12 eq12 = Eq12::kCorrected;
   FilterWindow window = FilterWindow::kDisc;
-  FilterReach reach = FilterReach::kHalf;
   FilterWeighting weighting = FilterWeighting::kPerPiece;
   FilterGranularity granularity = FilterGranularity::kPiece;
 };
@@ -119,9 +103,7 @@ enum class Precision { kFloat32, kFloat64 };  // of bands, energies and weights;
 
 struct DirectionalOptions {
   bool normalise_exposure = true;
-  double key = 1.0;
   VarianceMode var_mode = VarianceMode::kAuto;
-  double nu0 = 2.0;
   BaseImage base = BaseImage::kPixelGaussian;
   PyramidOptions pyramid;
   FilterSizeOptions size;
@@ -131,7 +113,6 @@ struct DirectionalOptions {
   FilterOptions filter;
   ReconstructionScope scope = ReconstructionScope::kGlobal;
   int tile = 64;
-  bool variance = true;  // also estimate the variance of the output
   Precision precision = Precision::kFloat32;
 };
 

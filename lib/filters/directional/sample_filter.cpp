@@ -1,11 +1,13 @@
-// Eqs 10-12 over single samples at their film positions (anisotropic_filter.h).
+#include "lib/filters/directional/sample_filter.h"
+
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "lib/core/exponential.h"
 #include "lib/core/parallel.h"
-#include "lib/filters/directional/anisotropic_filter.h"
 #include "lib/filters/directional/filter_offsets.h"
 
 namespace spool {
@@ -45,6 +47,50 @@ PlacedSamples place_samples(const CountImage& n, const SamplePool& pool, int x0,
   return placed;
 }
 
+// The sums of eq 10 for one piece.
+struct PieceSums {
+  double total = 0.0;
+  std::array<double, 3> value{}, variance{};
+};
+
+// A piece whose neighbourhood is summed: (x, y) of level k, its width along each direction.
+struct Centre {
+  int x, y, level;
+  std::span<const double> delta;
+};
+
+// Adds what the samples of piece (px, py) give to the centre's piece.
+void add_piece(const FilterInput& input, const PlacedSamples& placed, const Centre& centre, int px,
+               int py, std::span<const double> beta, const FilterOptions& options,
+               PieceSums& sums) {
+  const std::size_t p = input.n.index(px, py);
+  const double count = input.n[p], radius = filter_radius(centre.level);
+  const double share = options.weighting == FilterWeighting::kPerSample ? 1.0 : 1.0 / count;
+  for (std::size_t s = placed.begin[p]; s < placed.begin[p + 1]; ++s) {
+    const PlacedSample& sample = placed.samples[s];
+    const double dx = sample.x - (centre.x + 0.5), dy = sample.y - (centre.y + 0.5);
+    const double squared = dx * dx + dy * dy;
+    const bool inside = options.window == FilterWindow::kDisc
+                            ? squared <= radius * radius
+                            : std::abs(dx) <= radius && std::abs(dy) <= radius;
+    if (!inside) continue;
+    double omega = 1.0;
+    if (squared > 0.0) {
+      const double b = std::atan2(dy, dx) * (180.0 / std::numbers::pi);
+      const double along =
+          interpolated_width(sector_of(b, beta), centre.delta, options.eq12);  // (12)
+      omega = exp_negative(0.5 * squared / (along * along));                   // (11)
+    }
+    const double w = omega * share;
+    sums.total += w;
+    for (std::size_t c = 0; c < 3; ++c) {
+      sums.value[c] +=
+          w * (static_cast<double>(sample.radiance[c]) - input.mean[c](centre.x, centre.y));
+      sums.variance[c] += w * w * count * input.variance[c][p];
+    }
+  }
+}
+
 }  // namespace
 
 template <class T>
@@ -53,11 +99,8 @@ FilteredPieces filter_samples(const FilterInput& input, const FilterWidths<T>& w
                               GuardCounts& guards) {
   const int width = input.level.width(), height = input.level.height();
   const PlacedSamples placed = place_samples(input.n, pool, x0, y0);
-  FilteredPieces out;
-  out.image = input.mean;
-  if (input.variance) out.variance = *input.variance;
+  FilteredPieces out{input.mean, input.variance};
   std::vector<GuardCounts> caught(static_cast<std::size_t>(height));
-
   parallel_rows(0, height, [&](int y) {
     std::vector<double> delta(widths.beta.size());
     for (int x = 0; x < width; ++x) {
@@ -65,48 +108,23 @@ FilteredPieces filter_samples(const FilterInput& input, const FilterWidths<T>& w
       if (k == 0) continue;
       for (std::size_t i = 0; i < delta.size(); ++i)
         delta[i] = static_cast<double>(widths.delta[i](x, y));
-      const int radius = filter_radius(k, options.reach);
-      double total = 0.0;
-      std::array<double, 3> value{}, variance{};
+      const int radius = filter_radius(k);
       const Rectangle near =
           intersect({x - radius, y - radius, x + radius + 1, y + radius + 1}, input.level.bounds());
+      PieceSums sums;
       for (int py = near.y0; py < near.y1; ++py) {
         for (int px = near.x0; px < near.x1; ++px) {
-          const std::size_t p = input.n.index(px, py);
-          if (input.n[p] == 0) continue;
-          const double count = input.n[p];
-          const double share = options.weighting == FilterWeighting::kPerSample ? 1.0 : 1.0 / count;
-          for (std::size_t s = placed.begin[p]; s < placed.begin[p + 1]; ++s) {
-            const PlacedSample& sample = placed.samples[s];
-            const double dx = sample.x - (x + 0.5), dy = sample.y - (y + 0.5);
-            const double squared = dx * dx + dy * dy;
-            const bool inside = options.window == FilterWindow::kDisc
-                                    ? squared <= static_cast<double>(radius) * radius
-                                    : std::abs(dx) <= radius && std::abs(dy) <= radius;
-            if (!inside) continue;
-            double omega = 1.0;
-            if (squared > 0.0) {
-              const double b = std::atan2(dy, dx) * (180.0 / std::numbers::pi);
-              const double along =
-                  interpolated_width(sector_of(b, widths.beta), delta, options.eq12);  // (12)
-              omega = exp_negative(0.5 * squared / (along * along));                   // (11)
-            }
-            const double w = omega * share;
-            total += w;
-            for (std::size_t c = 0; c < 3; ++c) {
-              value[c] += w * (static_cast<double>(sample.radiance[c]) - input.mean[c](x, y));
-              if (input.variance) variance[c] += w * w * count * (*input.variance)[c][p];
-            }
-          }
+          if (input.n(px, py) == 0) continue;
+          add_piece(input, placed, {x, y, k, delta}, px, py, widths.beta, options, sums);
         }
       }
-      if (!(total >= 1e-300)) {
+      if (!(sums.total >= 1e-300)) {
         caught[static_cast<std::size_t>(y)].add(Guard::kZeroWeight);
         continue;
       }
       for (std::size_t c = 0; c < 3; ++c) {
-        out.image[c](x, y) += value[c] / total;  // (10)
-        if (out.variance) (*out.variance)[c](x, y) = variance[c] / (total * total);
+        out.image[c](x, y) += sums.value[c] / sums.total;  // (10)
+        out.variance[c](x, y) = sums.variance[c] / (sums.total * sums.total);
       }
     }
   });

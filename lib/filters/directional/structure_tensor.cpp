@@ -7,7 +7,7 @@
 
 #include "lib/core/extend.h"
 #include "lib/core/parallel.h"
-#include "lib/filters/directional/filter_width.h"
+#include "lib/filters/directional/base_image.h"
 #include "lib/pyramid/convolution.h"
 
 namespace spool {

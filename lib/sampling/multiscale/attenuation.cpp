@@ -11,26 +11,14 @@
 
 namespace spool {
 
-void start_attenuation(ScalarAnalysis& scalar, const Rectangle& window, const Plane* before_last,
+void start_attenuation(ScalarAnalysis& scalar, const Rectangle& window,
                        const MultiscaleOptions& options) {
   const auto count = static_cast<std::size_t>(options.levels()) + 1;
   scalar.attenuation.assign(count, Plane(window.width(), window.height(), 1.0));
-  if (before_last == nullptr) return;
-  Plane f0(window.width(), window.height());
-  for (int y = 0; y < f0.height(); ++y) {
-    for (int x = 0; x < f0.width(); ++x)
-      f0(x, y) = (*before_last)(x + window.x0, y + window.y0);
-  }
-  const Pyramid before = build_pyramid(f0, options.pyramid);
-  for (std::size_t k = 0; k < count; ++k) {
-    for (std::size_t i = 0; i < f0.size(); ++i)
-      scalar.attenuation[k][i] = std::abs(scalar.pyramid.coarse[k][i] - before.coarse[k][i]);
-  }
 }
 
 AttenuationStep::AttenuationStep(int level, const MultiscaleOptions& options)
     : update_(options.attenuation),
-      scale_(options.change_scale),
       alpha_(options.alpha),
       whole_region_(1 << (2 * level)),
       whole_kept_(static_cast<std::size_t>(whole_region_) + 1, -1.0) {}
@@ -49,10 +37,7 @@ double AttenuationStep::operator()(double attenuation, double change, int fresh,
       open = std::max(open, 1);
       const double c = static_cast<double>(fresh) / open;
       const double old_weight = kept(fresh, open);
-      double scaled = change;
-      if (scale_ == ChangeScale::kPerPass) scaled = change / c;
-      if (scale_ == ChangeScale::kSqrt) scaled = change / std::sqrt(c);
-      return old_weight * attenuation + (1.0 - old_weight) * scaled;
+      return old_weight * attenuation + (1.0 - old_weight) * (change / c);
     }
     case AttenuationUpdate::kRegion:
     case AttenuationUpdate::kAnyTouch:
@@ -74,8 +59,8 @@ Rectangle attenuation_box(const Board& board, int k, const Rectangle& changed,
 
 namespace {
 
-// Eq 7 for a row of entries whose regions are whole and open, with `fractional` and `per_pass`:
-// kept[m] and passes[m] for m fresh samples. Where none is fresh A stays.
+// Eq 7 for a row of entries whose regions are whole and open, with `fractional`: kept[m] and
+// passes[m] for m fresh samples. Where none is fresh A stays.
 SPOOL_VECTOR_CLONES
 void step_row(const std::int32_t* fresh, const double* kept, const double* passes, const double* f,
               const double* before, int width, double* __restrict attenuation) {
@@ -119,8 +104,8 @@ AttenuationRows::AttenuationRows(const Board& board, int k, const Rectangle& box
       any_touch_(options.attenuation == AttenuationUpdate::kAnyTouch),
       counts_(board, k, box),
       most_(counts_.largest_fresh()) {
-  const bool in_rows = options.attenuation == AttenuationUpdate::kFractional &&
-                       options.change_scale == ChangeScale::kPerPass && board.closed_pieces == 0;
+  const bool in_rows =
+      options.attenuation == AttenuationUpdate::kFractional && board.closed_pieces == 0;
   if (!in_rows) return;
   const int whole = 1 << (2 * k);
   AttenuationStep table(k, options);

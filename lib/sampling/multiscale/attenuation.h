@@ -19,9 +19,8 @@
 
 namespace spool {
 
-// A_0 .. A_K before the first step: 1, or |f_k - f_k before the last initial sample|. `before_last`
-// has the size of the grid and may be null.
-void start_attenuation(ScalarAnalysis& scalar, const Rectangle& window, const Plane* before_last,
+// A_0 .. A_K before the first step: 1.
+void start_attenuation(ScalarAnalysis& scalar, const Rectangle& window,
                        const MultiscaleOptions& options);
 
 // Eq 7 for one level: the new A of an entry whose region received `fresh` > 0 samples on `open` >=
@@ -35,7 +34,6 @@ class AttenuationStep {
 
  private:
   AttenuationUpdate update_;
-  ChangeScale scale_;
   double alpha_;
   int whole_region_;                // pieces of a region that no border cuts
   std::vector<double> whole_kept_;  // kept(m, whole_region_) at [m]; negative: not yet known

@@ -67,6 +67,14 @@ void BoardViews::hand_over(Views& views) const {
     views.add(view.name, view.image);
 }
 
+void add_board_views(const Board& board, std::string_view suffix, const MultiscaleOptions& options,
+                     Views* views) {
+  if (views == nullptr) return;
+  BoardViews all(views, suffix, board.window.width(), board.window.height(), options);
+  all.paste(board);
+  all.hand_over(*views);
+}
+
 LevelViews::LevelViews(const Views* wanted, int width, int height, int levels) {
   if (wanted == nullptr) return;
   bool any = false;

@@ -32,7 +32,11 @@ class BoardViews {
   std::vector<View> views_;
 };
 
-// The same for samples.0 .. samples.K; `level_of_samples` as in LoopLog.
+// Hands the views of a board of the whole grid over at once; `views` may be null.
+void add_board_views(const Board& board, std::string_view suffix, const MultiscaleOptions& options,
+                     Views* views);
+
+// The same for samples.0 .. samples.K; `level_of_samples` as in BoardLog.
 class LevelViews {
  public:
   LevelViews(const Views* wanted, int width, int height, int levels);

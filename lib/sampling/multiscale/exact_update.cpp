@@ -1,13 +1,13 @@
 #include "lib/sampling/multiscale/exact_update.h"
 
 #include <algorithm>
+#include <optional>
 
-#include "lib/core/random.h"
 #include "lib/pyramid/region_mean.h"
 #include "lib/sampling/multiscale/attenuation.h"
 #include "lib/sampling/multiscale/priority.h"
-#include "lib/sampling/multiscale/sampling_loop.h"
-#include "lib/sampling/region_queue.h"
+#include "lib/sampling/multiscale/region_sampling.h"
+#include "lib/sampling/priority_maxima.h"
 
 namespace spool {
 namespace {
@@ -42,15 +42,14 @@ BeforeStep remember(const Board& board, const Rectangle& changed,
   return step;
 }
 
-void update_analysis(Board& board, const BeforeStep& step, const MultiscaleOptions& options,
-                     GuardCounts& guards) {
+void update_analysis(Board& board, const BeforeStep& step, const MultiscaleOptions& options) {
   const PyramidOptions pyramid = board_pyramid(options);
   for (std::size_t i = 0; i < board.scalars.size(); ++i) {
     ScalarAnalysis& scalar = board.scalars[i];
     update_pyramid(scalar.pyramid, step.changed, pyramid);  // eqs 1-4
     for (int k = 1; k <= options.levels(); ++k) {           // eq 6
       const Rectangle box = region_influence(step.changed, k, board.bounds());
-      update_variance_term(scalar, k, box, options, guards);
+      update_variance_term(scalar, k, box);
     }
     for (std::size_t k = 0; k < step.attenuation_boxes.size(); ++k) {  // eqs 7, 8
       update_attenuation(board, scalar, static_cast<int>(k), step.attenuation_boxes[k],
@@ -73,41 +72,47 @@ std::vector<Rectangle> priority_boxes(const Board& board, const BeforeStep& step
   return boxes;
 }
 
-LoopLog run_exact(Board& board, Samples& samples, const SamplePool& pool, long long budget,
-                  const MultiscaleOptions& options, const LoopControl& control) {
-  LoopLog log = make_loop_log(board, options, control);
-  RegionQueue queue(board.window.width(), board.window.height(), options.levels());
-  for (int k = 1; k <= options.levels(); ++k)
-    queue.refresh(board.priority, k, board.area);
+namespace {
 
-  std::vector<Pick> picks;
-  for (std::uint64_t pop = 0; log.spent < budget; ++pop) {
-    const RegionEntry best = queue.best();
-    if (best.level == 0) break;  // everything is saturated
-    if (options.stop_priority && best.priority <= *options.stop_priority) break;
-    if (best.priority <= 0.0) {
-      spend_remainder(board, samples, pool, budget - log.spent, options, control, log);
-      break;
-    }
-    const Rectangle region = sampled_region(board, best);
-    const BeforeStep before = remember(board, region, options);
-    picks.clear();
-    const long long taken = choose_pieces(board, samples, pool, region, budget - log.spent,
-                                          mix(control.seed, pop), options, picks);
-    take_picks(board, samples, pool, picks, options, log.guards);
-    record_pop(log, best.level, picks);
+class ExactUpdate final : public Update {
+ public:
+  ExactUpdate(Board& board, const MultiscaleOptions& options)
+      : board_(board), options_(options), maxima_(board.priority, 1) {}
 
-    update_analysis(board, before, options, log.guards);
-    end_step(board, samples, pool, picks);
-    const std::vector<Rectangle> boxes = priority_boxes(board, before, options);
-    for (int k = 1; k <= options.levels(); ++k) {
-      const Rectangle& box = boxes[static_cast<std::size_t>(k - 1)];
-      update_priority(board, k, box, options, log.guards);  // eq 5
-      queue.refresh(board.priority, k, box);
-    }
-    if (control.report && !control.report(taken)) break;
+  const std::vector<Pick>& choose(const Samples& samples, long long left, BoardLog& log) override {
+    picks_.clear();
+    const std::optional<RegionEntry> best = maxima_.best();
+    if (!best || best->priority <= 0.0) return picks_;
+    const Rectangle region = sampled_region(board_, *best);
+    before_ = remember(board_, region, options_);
+    choose_pieces(board_, samples, region, left, picks_);
+    record_region(log, best->level, picks_);
+    return picks_;
   }
-  return log;
+
+  void update_images(GuardCounts&) override { update_analysis(board_, before_, options_); }
+
+  void update_priorities(GuardCounts& guards) override {
+    const std::vector<Rectangle> boxes = priority_boxes(board_, before_, options_);
+    for (int k = 1; k <= options_.levels(); ++k) {
+      const Rectangle& box = boxes[static_cast<std::size_t>(k - 1)];
+      update_priority(board_, k, box, options_, guards);
+      maxima_.refresh(k, box);
+    }
+  }
+
+ private:
+  Board& board_;
+  const MultiscaleOptions& options_;
+  PriorityMaxima maxima_;
+  std::vector<Pick> picks_;
+  BeforeStep before_;
+};
+
+}  // namespace
+
+std::unique_ptr<Update> exact_update(Board& board, const MultiscaleOptions& options) {
+  return std::make_unique<ExactUpdate>(board, options);
 }
 
 }  // namespace spool

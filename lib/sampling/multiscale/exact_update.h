@@ -1,11 +1,14 @@
-// Recomputes exactly what a step changed, and nothing else: bit for bit the full analysis.
+// update=exact: a step is one region, after which exactly what it changed is recomputed, and
+// nothing else: bit for bit the full analysis.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "lib/core/guards.h"
 #include "lib/core/rectangle.h"
 #include "lib/sampling/multiscale/board.h"
+#include "lib/sampling/multiscale/update.h"
 
 namespace spool {
 
@@ -21,11 +24,12 @@ struct BeforeStep {
 BeforeStep remember(const Board& board, const Rectangle& changed, const MultiscaleOptions& options);
 
 // After samples were taken and loaded inside step.changed: f, d, V and A.
-void update_analysis(Board& board, const BeforeStep& step, const MultiscaleOptions& options,
-                     GuardCounts& guards);
+void update_analysis(Board& board, const BeforeStep& step, const MultiscaleOptions& options);
 
 // Where P_1 .. P_K must be computed again after that.
 std::vector<Rectangle> priority_boxes(const Board& board, const BeforeStep& step,
                                       const MultiscaleOptions& options);
+
+std::unique_ptr<Update> exact_update(Board& board, const MultiscaleOptions& options);
 
 }  // namespace spool

@@ -1,88 +1,55 @@
 #include "lib/sampling/multiscale/options.h"
 
-#include "lib/sampling/piece_choice.h"
-
 namespace spool {
 namespace {
 
 using O = MultiscaleOptions;
 
-Option<O> stop_option() {
-  return {"P_stop", "off|0 .. inf", "stop, budget or not, when no priority exceeds this",
-          [](O& options, std::string_view text) -> Result<void> {
-            if (text == "off") {
-              options.stop_priority.reset();
-              return {};
-            }
-            SPOOL_ASSIGN(const double value, parse_number("P_stop", text, 0.0, 1e300));
-            options.stop_priority = value;
-            return {};
-          },
-          [](const O& options) {
-            return options.stop_priority ? format_number(*options.stop_priority)
-                                         : std::string("off");
-          }};
-}
-
-OptionTable<O> make_table() {
+// What is analysed: eqs 1-4 and 6.
+OptionTable<O> analysis_options() {
   OptionTable<O> table = {
       init_spp_option<O>(&O::init_spp),
-      choice_option<O, ExposureMode>(
+      expert(choice_option<O, ExposureMode>(
           "exposure", &O::exposure,
           {{"normalise", ExposureMode::kNormalise}, {"none", ExposureMode::kNone}},
-          "scale of the analysis signal, frozen after the initial samples"),
-      number_option<O>("key", &O::key, 1e-6, 1e6, "mean of the normalised analysis signal"),
+          "scale of the analysis signal, frozen after the initial samples")),
       choice_option<O, AnalysedChannels>(
           "analysis_channel", &O::channels,
           {{"luminance", AnalysedChannels::kLuminance},
            {"max_rgb", AnalysedChannels::kMaxRgb},
            {"per_channel", AnalysedChannels::kPerChannel}},
           "what is analysed; per_channel takes the largest priority"),
-      number_option<O>("decision_clamp", &O::decision_clamp, 1e-6,
-                       std::numeric_limits<double>::infinity(),
-                       "limit of the analysis signal; the estimate keeps every value"),
-      choice_option<O, DecisionMap>(
-          "decision_map", &O::decision_map,
-          {{"linear", DecisionMap::kLinear}, {"log1p", DecisionMap::kLog1p}},
-          "map of the analysis signal"),
-      choice_option<O, ContrastForm>(
+      expert(choice_option<O, ContrastForm>(
           "contrast", &O::contrast,
           {{"guarded", ContrastForm::kGuarded}, {"literal", ContrastForm::kLiteral}},
-          "contrast of eq 6"),
-      choice_option<O, VarianceTerm>(
-          "V_mode", &O::variance_term,
-          {{"piece", VarianceTerm::kPiece}, {"region_minmax", VarianceTerm::kRegionMinmax}},
-          "V of a region: the mean over its pieces, or from the extremes of the region"),
+          "contrast of eq 6")),
   };
   append_options(table, pyramid_option_table(), &O::pyramid);
-  const OptionTable<O> rest = {
-      choice_option<O, DetailIndex>("d_index", &O::detail_index,
-                                    {{"produced_with_level", DetailIndex::kProducedWithLevel},
-                                     {"same_k", DetailIndex::kSameK}},
-                                    "which detail image a level looks at: d_(k-1) or d_k"),
-      choice_option<O, DetailNorm>("d_norm", &O::detail_norm,
-                                   {{"absolute", DetailNorm::kAbsolute},
-                                    {"relative", DetailNorm::kRelative},
-                                    {"off", DetailNorm::kOff}},
-                                   "difference term of eq 5: d^2, d^2 / (f^2 + 0.01), or none"),
+  return table;
+}
+
+// Where the samples go: eqs 5, 7, 8 and 13.
+OptionTable<O> sampling_options() {
+  return {
+      expert(
+          choice_option<O, DetailIndex>("d_index", &O::detail_index,
+                                        {{"produced_with_level", DetailIndex::kProducedWithLevel},
+                                         {"same_k", DetailIndex::kSameK}},
+                                        "which detail image a level looks at: d_(k-1) or d_k")),
+      expert(choice_option<O, DetailNorm>(
+          "d_norm", &O::detail_norm,
+          {{"absolute", DetailNorm::kAbsolute},
+           {"relative", DetailNorm::kRelative},
+           {"off", DetailNorm::kOff}},
+          "difference term of eq 5: d^2, d^2 / (f^2 + 0.01), or none")),
       number_option<O>("alpha", &O::alpha, 0.0, 1.0, "weight of the newest change in eq 7"),
-      choice_option<O, AttenuationUpdate>("A_update", &O::attenuation,
-                                          {{"fractional", AttenuationUpdate::kFractional},
-                                           {"region", AttenuationUpdate::kRegion},
-                                           {"any_touch", AttenuationUpdate::kAnyTouch},
-                                           {"accumulate", AttenuationUpdate::kAccumulate},
-                                           {"none", AttenuationUpdate::kNone}},
-                                          "reading of eq 7"),
-      choice_option<O, AttenuationStart>(
-          "A_init", &O::attenuation_start,
-          {{"one", AttenuationStart::kOne}, {"split", AttenuationStart::kSplit}},
-          "attenuation before the first step; split needs two initial samples, else one"),
-      choice_option<O, ChangeScale>("F_scale", &O::change_scale,
-                                    {{"per_pass", ChangeScale::kPerPass},
-                                     {"sqrt", ChangeScale::kSqrt},
-                                     {"plain", ChangeScale::kPlain}},
-                                    "change of a step: F/c, F/sqrt(c) or F (A_update=fractional)"),
-      number_option<O>("A_min", &O::attenuation_floor, 0.0, 1e6, "floor of A in eq 5"),
+      expert(choice_option<O, AttenuationUpdate>("A_update", &O::attenuation,
+                                                 {{"fractional", AttenuationUpdate::kFractional},
+                                                  {"region", AttenuationUpdate::kRegion},
+                                                  {"any_touch", AttenuationUpdate::kAnyTouch},
+                                                  {"accumulate", AttenuationUpdate::kAccumulate},
+                                                  {"none", AttenuationUpdate::kNone}},
+                                                 "reading of eq 7")),
       number_option<O>("explore_fraction", &O::explore_fraction, 0.0, 1.0,
                        "share of the adaptive budget spent uniformly before the loop"),
       choice_option<O, UpdateMode>("update", &O::update,
@@ -91,23 +58,26 @@ OptionTable<O> make_table() {
       integer_or_word_option<O>(
           "epochs", &O::epochs, "auto", 1, 1000000,
           "steps of update=epoch; auto: 256 up to 256 x 256 pieces, 96 beyond"),
-      pop_option<O>("pop", "per_piece", &O::pop_samples),
-      stop_option(),
-      choice_option<O, ParallelOver>(
+      expert(choice_option<O, ParallelOver>(
           "parallel", &O::parallel,
           {{"rows", ParallelOver::kRows}, {"tiles", ParallelOver::kTiles}},
-          "what runs in parallel; never changes a result"),
+          "what runs in parallel; never changes a result")),
       integer_option<O>("tile", &O::tile, 0, 65536,
                         "pieces per tile side, a multiple of 2^K; 0: no tiles"),
-      choice_option<O, TileHalo>("tile_halo", &O::tile_halo,
-                                 {{"frozen", TileHalo::kFrozen}, {"none", TileHalo::kNone}},
-                                 "what a tile sees of its neighbours"),
-      choice_option<O, BudgetBase>(
+      expert(choice_option<O, TileHalo>("tile_halo", &O::tile_halo,
+                                        {{"frozen", TileHalo::kFrozen}, {"none", TileHalo::kNone}},
+                                        "what a tile sees of its neighbours")),
+      expert(choice_option<O, BudgetBase>(
           "budget_base", &O::budget_base,
           {{"adaptive", BudgetBase::kAdaptive}, {"total", BudgetBase::kTotal}},
-          "what eq 13 divides among the tiles"),
+          "what eq 13 divides among the tiles")),
   };
-  table.insert(table.end(), rest.begin(), rest.end());
+}
+
+OptionTable<O> make_table() {
+  OptionTable<O> table = analysis_options();
+  for (const Option<O>& option : sampling_options())
+    table.push_back(option);
   return table;
 }
 
@@ -118,7 +88,6 @@ O paper_preset() {
   options.contrast = ContrastForm::kLiteral;
   options.pyramid.detail = LaplacianDetail::kPhase00;
   options.attenuation = AttenuationUpdate::kRegion;
-  options.change_scale = ChangeScale::kPlain;
   options.update = UpdateMode::kExact;
   options.parallel = ParallelOver::kTiles;
   options.tile = 64;

@@ -3,7 +3,6 @@
 // symbols; the code depends on the options alone, never on a preset's name.
 #pragma once
 
-#include <limits>
 #include <optional>
 
 #include "lib/core/option_table.h"
@@ -15,14 +14,11 @@
 
 namespace spool {
 
+enum class ExposureMode { kNormalise, kNone };
 enum class AnalysedChannels { kLuminance, kMaxRgb, kPerChannel };  // per channel: P = max_c P_c
 enum class UpdateMode {
   kExact,  // one region, then everything that it changed is recomputed
   kEpoch,  // many regions that do not overlap, then one full analysis
-};
-enum class VarianceTerm {
-  kPiece,         // V_k = mean of C^2 over the region (eq 6)
-  kRegionMinmax,  // C^2 of the extremes of all samples in the region
 };
 enum class DetailNorm { kAbsolute, kRelative, kOff };  // d^2, d^2 / (f^2 + 0.01), or 0
 enum class DetailIndex {
@@ -37,11 +33,6 @@ enum class AttenuationUpdate {
   kAccumulate,  // A = alpha A + F where the region received samples
   kNone,        // A = 1
 };
-enum class AttenuationStart {
-  kOne,
-  kSplit,  // the change of f_k made by the last initial sample of each piece
-};
-enum class ChangeScale { kPerPass, kSqrt, kPlain };  // F / c, F / sqrt(c), F; fractional only
 enum class TileHalo {
   kNone,    // a tile is analysed as if it were the whole image
   kFrozen,  // it sees its neighbours as they were after the initial samples
@@ -55,12 +46,8 @@ enum class ParallelOver { kRows, kTiles };  // never changes a result
 struct MultiscaleOptions {
   std::optional<int> init_spp;  // per piece; empty: default_initial_samples()
   ExposureMode exposure = ExposureMode::kNormalise;
-  double key = 1.0;
   AnalysedChannels channels = AnalysedChannels::kLuminance;
-  double decision_clamp = std::numeric_limits<double>::infinity();
-  DecisionMap decision_map = DecisionMap::kLinear;
   ContrastForm contrast = ContrastForm::kGuarded;
-  VarianceTerm variance_term = VarianceTerm::kPiece;
 
   PyramidOptions pyramid;  // pyramid.levels is K
   DetailIndex detail_index = DetailIndex::kProducedWithLevel;
@@ -68,15 +55,10 @@ struct MultiscaleOptions {
 
   double alpha = 0.4;
   AttenuationUpdate attenuation = AttenuationUpdate::kFractional;
-  AttenuationStart attenuation_start = AttenuationStart::kOne;
-  ChangeScale change_scale = ChangeScale::kPerPass;
-  double attenuation_floor = 0.0;  // A_min
 
   double explore_fraction = 0.0;  // of the adaptive budget, spent uniformly before the loop
   UpdateMode update = UpdateMode::kEpoch;
-  std::optional<int> epochs;       // empty: epoch_count()
-  std::optional<int> pop_samples;  // fixed(m); empty: one sample for each piece of the region
-  std::optional<double> stop_priority;
+  std::optional<int> epochs;  // empty: epoch_count()
 
   ParallelOver parallel = ParallelOver::kRows;
   int tile = 0;  // pieces per side; 0: no tiles

@@ -15,42 +15,16 @@ namespace {
 // Keeps d^2 / f^2 finite in black regions; in squared units of the exposed signal (mean near 1).
 constexpr double kRelativeFloor = 0.01;
 
-// C^2 of the extremes of every sample in the region.
-void region_extremes_contrast(ScalarAnalysis& scalar, int k, const Rectangle& box,
-                              const MultiscaleOptions& options, GuardCounts& guards) {
-  const Rectangle bounds = scalar.lowest.bounds();
-  Plane& variance = scalar.variance[static_cast<std::size_t>(k - 1)];
-  std::vector<GuardCounts> rows(static_cast<std::size_t>(std::max(box.height(), 0)));
-  rows_by_area(box.y0, box.y1, box.area(), [&](int y) {
-    for (int x = box.x0; x < box.x1; ++x) {
-      double low = std::numeric_limits<double>::infinity(), high = -low;
-      const Rectangle r = region(x, y, k, bounds);
-      for (int j = r.y0; j < r.y1; ++j) {
-        for (int i = r.x0; i < r.x1; ++i) {
-          low = std::min(low, scalar.lowest(i, j));
-          high = std::max(high, scalar.highest(i, j));
-        }
-      }
-      variance(x, y) = low > high ? 0.0
-                                  : squared_contrast(low, high, options.contrast,
-                                                     rows[static_cast<std::size_t>(y - box.y0)]);
-    }
-  });
-  for (const GuardCounts& row : rows)
-    guards += row;
-}
-
 constexpr double kLargestPriority = std::numeric_limits<double>::max();
 
-// P of one row: (V + D) max(A, A_min). A priority that is not finite becomes the largest finite
+// P of one row: (V + D) A. A priority that is not finite becomes the largest finite
 // one; returns how many were not.
 SPOOL_VECTOR_CLONES
 std::int64_t absolute_row(const double* variance, const double* detail, const double* attenuation,
-                          double floor, int width, double* __restrict priority) {
+                          int width, double* __restrict priority) {
   std::int64_t caught = 0;
   for (int x = 0; x < width; ++x) {
-    const double a = attenuation[x] < floor ? floor : attenuation[x];
-    const double p = (variance[x] + detail[x] * detail[x]) * a;
+    const double p = (variance[x] + detail[x] * detail[x]) * attenuation[x];
     const bool finite = p <= kLargestPriority;  // false for NaN too; none is negative
     caught += finite ? 0 : 1;
     priority[x] = finite ? p : kLargestPriority;
@@ -60,13 +34,11 @@ std::int64_t absolute_row(const double* variance, const double* detail, const do
 
 SPOOL_VECTOR_CLONES
 std::int64_t relative_row(const double* variance, const double* detail, const double* coarse,
-                          const double* attenuation, double floor, int width,
-                          double* __restrict priority) {
+                          const double* attenuation, int width, double* __restrict priority) {
   std::int64_t caught = 0;
   for (int x = 0; x < width; ++x) {
-    const double a = attenuation[x] < floor ? floor : attenuation[x];
     const double difference = detail[x] * detail[x] / (coarse[x] * coarse[x] + kRelativeFloor);
-    const double p = (variance[x] + difference) * a;
+    const double p = (variance[x] + difference) * attenuation[x];
     const bool finite = p <= kLargestPriority;
     caught += finite ? 0 : 1;
     priority[x] = finite ? p : kLargestPriority;
@@ -78,12 +50,11 @@ std::int64_t relative_row(const double* variance, const double* detail, const do
 SPOOL_VECTOR_CLONES
 std::int64_t absolute_row_from_coarse(const double* variance, const double* fine,
                                       const double* prediction, const double* attenuation,
-                                      double floor, int width, double* __restrict priority) {
+                                      int width, double* __restrict priority) {
   std::int64_t caught = 0;
   for (int x = 0; x < width; ++x) {
-    const double a = attenuation[x] < floor ? floor : attenuation[x];
     const double detail = fine[x] - prediction[x];
-    const double p = (variance[x] + detail * detail) * a;
+    const double p = (variance[x] + detail * detail) * attenuation[x];
     const bool finite = p <= kLargestPriority;
     caught += finite ? 0 : 1;
     priority[x] = finite ? p : kLargestPriority;
@@ -101,30 +72,24 @@ void subtract(const double* minuend, const double* subtrahend, int width,
 void priority_row(const double* variance, const double* detail, const double* coarse,
                   const double* attenuation, int width, const MultiscaleOptions& options,
                   double* priority, GuardCounts& guards) {
-  const double floor = options.attenuation_floor;
   if (options.detail_norm == DetailNorm::kOff) {
     const std::vector<double> nothing(static_cast<std::size_t>(width));
     guards.add(Guard::kPriorityNotFinite,
                static_cast<std::uint64_t>(
-                   absolute_row(variance, nothing.data(), attenuation, floor, width, priority)));
+                   absolute_row(variance, nothing.data(), attenuation, width, priority)));
     return;
   }
   const std::int64_t caught =
       options.detail_norm == DetailNorm::kRelative
-          ? relative_row(variance, detail, coarse, attenuation, floor, width, priority)
-          : absolute_row(variance, detail, attenuation, floor, width, priority);
+          ? relative_row(variance, detail, coarse, attenuation, width, priority)
+          : absolute_row(variance, detail, attenuation, width, priority);
   guards.add(Guard::kPriorityNotFinite, static_cast<std::uint64_t>(caught));
 }
 
 }  // namespace
 
-void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box,
-                          const MultiscaleOptions& options, GuardCounts& guards) {
-  if (options.variance_term == VarianceTerm::kRegionMinmax) {
-    region_extremes_contrast(scalar, k, box, options, guards);
-  } else {
-    region_mean_box(scalar.contrast, k, box, scalar.variance[static_cast<std::size_t>(k - 1)]);
-  }
+void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box) {
+  region_mean_box(scalar.contrast, k, box, scalar.variance[static_cast<std::size_t>(k - 1)]);
 }
 
 void close_regions(Board& board, int k, const Rectangle& box) {
@@ -183,8 +148,7 @@ void compute_priority_from_coarse(Board& board, int k, const Rectangle& wanted,
             guards.add(Guard::kPriorityNotFinite,
                        static_cast<std::uint64_t>(absolute_row_from_coarse(
                            &scalar.variance[level - 1](box.x0, y), &f[d](box.x0, y), prediction,
-                           &scalar.attenuation[level](box.x0, y), options.attenuation_floor,
-                           box.width(), row)));
+                           &scalar.attenuation[level](box.x0, y), box.width(), row)));
             return;
           }
           subtract(&f[d](box.x0, y), prediction, box.width(), difference.data());  // eq 4

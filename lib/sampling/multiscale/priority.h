@@ -1,7 +1,7 @@
 // The priority of every region (eqs 5 and 6).
 //
 //   V_k = (1/N) sum of C^2 over R_k, N = pieces of R_k inside the window      [LiuZheng (6)]
-//   P_k = (V_k + D_k) max(A_k, A_min),  D_k = d_{k-1}^2                       [LiuZheng (5)]
+//   P_k = (V_k + D_k) A_k,  D_k = d_{k-1}^2                       [LiuZheng (5)]
 //
 // -infinity where every piece of the region is saturated. With several analysed scalars, the
 // largest. Slow twin: tests/reference/multiscale_reference.h.
@@ -14,8 +14,7 @@
 namespace spool {
 
 // Recomputes V_k on `box`.
-void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box,
-                          const MultiscaleOptions& options, GuardCounts& guards);
+void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box);
 
 // Recomputes P_k on the part of `box` that lies in the board's area, as if nothing were saturated.
 void compute_priority(Board& board, int k, const Rectangle& box, const MultiscaleOptions& options,

@@ -44,15 +44,14 @@ Rectangle sampled_region(const Board& board, const RegionEntry& entry) {
   return intersect(region(entry.x, entry.y, entry.level, board.bounds()), board.area);
 }
 
-long long choose_pieces(Board& board, const Samples& samples, const SamplePool& pool,
-                        const Rectangle& region, long long left, std::uint64_t seed,
-                        const MultiscaleOptions& options, std::vector<Pick>& picks) {
+long long choose_pieces(Board& board, const Samples& samples, const Rectangle& region,
+                        long long left, std::vector<Pick>& picks) {
   const std::size_t first = picks.size();
   const auto pick = [&](int x, int y, int count) {
     picks.push_back({x, y, count});
     board.fresh(x, y) += count;
   };
-  if (!options.pop_samples && region.area() <= left) {  // as usual: all that are open
+  if (region.area() <= left) {  // as usual: all that are open
     for (int y = region.y0; y < region.y1; ++y) {
       for (int x = region.x0; x < region.x1; ++x) {
         if (!board.closed(x, y)) pick(x, y, 1);
@@ -60,17 +59,25 @@ long long choose_pieces(Board& board, const Samples& samples, const SamplePool& 
     }
     return static_cast<long long>(picks.size() - first);
   }
-  std::vector<OpenPiece> pieces = open_pieces(board, samples, region);
-  const std::vector<PieceShare> shares =
-      options.pop_samples
-          ? to_least_sampled(pieces, pool, std::min<long long>(*options.pop_samples, left), seed)
-          : one_each(std::move(pieces), left);
-  long long chosen = 0;
-  for (const PieceShare& share : shares) {
+  for (const PieceShare& share : one_each(open_pieces(board, samples, region), left))
     pick(share.x - board.window.x0, share.y - board.window.y0, share.count);
-    chosen += share.count;
+  return static_cast<long long>(picks.size() - first);
+}
+
+std::vector<Pick> choose_uniformly(const Board& board, const Samples& samples,
+                                   const SamplePool& pool, long long left, std::uint64_t seed) {
+  const Rectangle area = {board.area.x0 + board.window.x0, board.area.y0 + board.window.y0,
+                          board.area.x1 + board.window.x0, board.area.y1 + board.window.y0};
+  const CountImage& n = samples.statistics.n;
+  const CountImage raised = raise_least_sampled(n, pool, area, left, seed);
+  std::vector<Pick> picks;
+  for (int y = 0; y < area.height(); ++y) {
+    for (int x = 0; x < area.width(); ++x) {
+      const int count = raised(x, y) - n(x + area.x0, y + area.y0);
+      if (count > 0) picks.push_back({x + board.area.x0, y + board.area.y0, count});
+    }
   }
-  return chosen;
+  return picks;
 }
 
 void sort_by_place(std::vector<Pick>& picks, const Rectangle& bounds) {
@@ -120,18 +127,15 @@ void take_picks(Board& board, Samples& samples, const SamplePool& pool,
     guards += chunk;
 }
 
-bool end_step(Board& board, const Samples& samples, const SamplePool& pool,
+void end_step(Board& board, const Samples& samples, const SamplePool& pool,
               const std::vector<Pick>& picks) {
-  bool any_closed = false;
   for (const Pick& pick : picks) {
     board.fresh(pick.x, pick.y) = 0;
     const int gx = pick.x + board.window.x0, gy = pick.y + board.window.y0;
     if (samples.statistics.n(gx, gy) < pool.capacity(gx, gy)) continue;
     board.closed(pick.x, pick.y) = 1;
     ++board.closed_pieces;
-    any_closed = true;
   }
-  return any_closed;
 }
 
 }  // namespace spool

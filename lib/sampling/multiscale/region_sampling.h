@@ -6,7 +6,7 @@
 
 #include "lib/core/rectangle.h"
 #include "lib/sampling/multiscale/board.h"
-#include "lib/sampling/region_queue.h"
+#include "lib/sampling/priority_maxima.h"
 
 namespace spool {
 
@@ -20,11 +20,14 @@ Rectangle sampled_region(const Board& board, const RegionEntry& entry);
 
 // Appends what a pop of `region` takes, at most `left` samples, and marks it in board.fresh;
 // returns the number of samples. One for each unsaturated piece; when fewer are left, for the first
-// in the order (n, y, x). With pop = fixed(m): m samples one by one to the least-sampled
-// unsaturated piece, ties by a hash of `seed` and the piece.
-long long choose_pieces(Board& board, const Samples& samples, const SamplePool& pool,
-                        const Rectangle& region, long long left, std::uint64_t seed,
-                        const MultiscaleOptions& options, std::vector<Pick>& picks);
+// in the order (n, y, x).
+long long choose_pieces(Board& board, const Samples& samples, const Rectangle& region,
+                        long long left, std::vector<Pick>& picks);
+
+// What `left` samples take when no region has a priority: least-sampled pieces first, ties by a
+// hash of `seed` and the piece.
+std::vector<Pick> choose_uniformly(const Board& board, const Samples& samples,
+                                   const SamplePool& pool, long long left, std::uint64_t seed);
 
 // Picks of one step by y, then x, which is the order of the images that they touch: taking them is
 // mostly waiting for memory. A piece is picked at most once a step, so no result depends on the
@@ -36,8 +39,8 @@ void take_picks(Board& board, Samples& samples, const SamplePool& pool,
                 const std::vector<Pick>& picks, const MultiscaleOptions& options,
                 GuardCounts& guards);
 
-// Ends a step: nothing is fresh, and what ran out is closed. True when something ran out.
-bool end_step(Board& board, const Samples& samples, const SamplePool& pool,
+// Ends a step: nothing is fresh, and what ran out is closed.
+void end_step(Board& board, const Samples& samples, const SamplePool& pool,
               const std::vector<Pick>& picks);
 
 }  // namespace spool

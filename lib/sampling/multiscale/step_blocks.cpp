@@ -29,24 +29,6 @@ void BlockGrid::add(const Rectangle& r, std::vector<Rectangle>& boxes) const {
   }
 }
 
-StepReach step_reach(const MultiscaleOptions& options) {
-  // Far from every border. A change near one is mirrored, and then acts to the other side: so the
-  // larger of both sides counts for both.
-  constexpr int kFar = 1 << 14;
-  std::vector<Rectangle> coarse, detail;
-  pyramid_influence({kFar, kFar, kFar + 1, kFar + 1}, {0, 0, 2 * kFar, 2 * kFar},
-                    board_pyramid(options), coarse, detail);
-  const auto reach_of = [](const Rectangle& box) {
-    return std::max(kFar - box.x0, box.x1 - 1 - kFar);
-  };
-  StepReach reach;
-  for (const Rectangle& box : coarse)
-    reach.coarse.push_back(reach_of(box));
-  for (const Rectangle& box : detail)
-    reach.detail.push_back(reach_of(box));
-  return reach;
-}
-
 StepBlocks::StepBlocks(const Board& board, const BlockGrid& grid, const StepReach& reach,
                        std::span<const Pick> picks, const MultiscaleOptions& options)
     : changed(grid.size()),

@@ -11,6 +11,7 @@
 
 #include "lib/core/rectangle.h"
 #include "lib/sampling/multiscale/board.h"
+#include "lib/sampling/multiscale/reach.h"
 #include "lib/sampling/multiscale/region_sampling.h"
 
 namespace spool {
@@ -35,14 +36,6 @@ class BlockGrid {
   Rectangle bounds_;
   int across_ = 0, down_ = 0;
 };
-
-// How far from a changed piece the images of each level change, in x and y alike.
-struct StepReach {
-  std::vector<int> coarse;  // of f_0, f_1, ...
-  std::vector<int> detail;  // of d_0, d_1, ...
-};
-
-StepReach step_reach(const MultiscaleOptions& options);
 
 // Rectangles per block of what one step changes.
 struct StepBlocks {

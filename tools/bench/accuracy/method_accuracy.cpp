@@ -30,9 +30,8 @@ void measure_pyramid(std::vector<Row>& rows) {
         size = std::max(size, std::abs(v));
       for (int k = 0; k < options.levels; ++k) {
         const auto level = static_cast<std::size_t>(k);
-        const FilterPair pair =
-            filter_pair_at(options.filter, options.roles, options.even_align, k);
-        const int dilation = pyramid_dilation(options, k);
+        const FilterPair pair = filter_pair_at(options.filter, options.roles, k);
+        const int dilation = pyramid_dilation(k);
         const Image<Fine> coarse =
             reference::convolve(fine, pair.analysis, dilation, options.extension);
         Image<Fine> detail =
@@ -158,9 +157,9 @@ double filter_error(const Plane& image, int k) {
   const RgbImage mean = {image, image, image};
   GuardCounts guards;
   const FilterOptions options;
-  const FilteredPieces found = filter_pieces<T>({n, level, mean, nullptr}, widths, options, guards);
+  const FilteredPieces found = filter_pieces<T>({n, level, mean, mean}, widths, options, guards);
   Image<Fine> exact(width, height);
-  const int radius = options.reach == FilterReach::kHalf ? 1 << (k - 1) : 1 << k;
+  const int radius = 1 << (k - 1);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       Fine total = 0, value = 0;

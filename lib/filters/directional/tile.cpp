@@ -1,8 +1,10 @@
-#include "lib/filters/directional/part.h"
+#include "lib/filters/directional/tile.h"
 
 #include <algorithm>
 #include <limits>
 #include <utility>
+
+#include "lib/core/parallel.h"
 
 namespace spool {
 namespace {
@@ -27,10 +29,17 @@ std::vector<int> cut_axis(int begin, int end, int side, int least) {
   return cuts;
 }
 
-}  // namespace
+// Copies `part` to where `box` lies in `image`, both of the same type.
+template <class T>
+void paste(const Image<T>& part, const Rectangle& box, Image<T>& image) {
+  for (int y = 0; y < part.height(); ++y) {
+    for (int x = 0; x < part.width(); ++x)
+      image(box.x0 + x, box.y0 + y) = part(x, y);
+  }
+}
 
-Part crop(const Part& whole, const Rectangle& box) {
-  Part part;
+Tile crop(const Tile& whole, const Rectangle& box) {
+  Tile part;
   part.x0 = whole.x0 + box.x0;
   part.y0 = whole.y0 + box.y0;
   part.pieces.n = cropped(whole.pieces.n, box);
@@ -53,17 +62,6 @@ Part crop(const Part& whole, const Rectangle& box) {
   return part;
 }
 
-std::vector<Rectangle> cut_tiles(const Rectangle& bounds, int side, int least) {
-  const std::vector<int> xs = cut_axis(bounds.x0, bounds.x1, side, least);
-  const std::vector<int> ys = cut_axis(bounds.y0, bounds.y1, side, least);
-  std::vector<Rectangle> tiles;
-  for (std::size_t j = 0; j + 1 < ys.size(); ++j) {
-    for (std::size_t i = 0; i + 1 < xs.size(); ++i)
-      tiles.push_back({xs[i], ys[j], xs[i + 1], ys[j + 1]});
-  }
-  return tiles;
-}
-
 void join_views(const std::vector<Views>& of_tiles, const std::vector<Rectangle>& tiles,
                 const Rectangle& bounds, Views& views) {
   std::vector<View> joined;
@@ -81,6 +79,46 @@ void join_views(const std::vector<Views>& of_tiles, const std::vector<Rectangle>
   }
   for (const View& view : joined)
     views.add(view.name, view.image);
+}
+
+}  // namespace
+
+std::vector<Rectangle> cut_tiles(const Rectangle& bounds, int side, int least) {
+  const std::vector<int> xs = cut_axis(bounds.x0, bounds.x1, side, least);
+  const std::vector<int> ys = cut_axis(bounds.y0, bounds.y1, side, least);
+  std::vector<Rectangle> tiles;
+  for (std::size_t j = 0; j + 1 < ys.size(); ++j) {
+    for (std::size_t i = 0; i + 1 < xs.size(); ++i)
+      tiles.push_back({xs[i], ys[j], xs[i + 1], ys[j + 1]});
+  }
+  return tiles;
+}
+
+FilteredTile filter_tiles(const Tile& whole, int side, int least, const TileFilter& filter,
+                          Views* views) {
+  const Rectangle bounds = whole.pieces.n.bounds();
+  const std::vector<Rectangle> tiles = cut_tiles(bounds, side, least);
+  std::vector<FilteredTile> parts(tiles.size());
+  std::vector<Views> tile_views(tiles.size(), views ? Views(views->wanted()) : Views());
+  parallel_for(tiles.size(), [&](std::size_t t) {
+    parts[t] = filter(crop(whole, tiles[t]), views ? &tile_views[t] : nullptr);
+  });
+  FilteredTile result;
+  const int width = bounds.width(), height = bounds.height();
+  result.pieces = {make_rgb(width, height), make_rgb(width, height)};
+  result.level = CountImage(width, height);
+  result.dominant = Plane(width, height);
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      paste(parts[t].pieces.image[c], tiles[t], result.pieces.image[c]);
+      paste(parts[t].pieces.variance[c], tiles[t], result.pieces.variance[c]);
+    }
+    paste(parts[t].level, tiles[t], result.level);
+    paste(parts[t].dominant, tiles[t], result.dominant);
+    result.guards += parts[t].guards;
+  }
+  if (views) join_views(tile_views, tiles, bounds, *views);
+  return result;
 }
 
 }  // namespace spool

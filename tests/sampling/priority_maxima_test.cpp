@@ -1,4 +1,6 @@
-#include "lib/sampling/region_queue.h"
+#include "lib/sampling/priority_maxima.h"
+
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -7,14 +9,14 @@
 namespace spool {
 namespace {
 
-RegionEntry scan(const std::vector<Plane>& priority) {
-  RegionEntry best;
+std::optional<RegionEntry> scan(const std::vector<Plane>& priority) {
+  std::optional<RegionEntry> best;
   for (std::size_t l = 0; l < priority.size(); ++l) {
     for (int y = 0; y < priority[l].height(); ++y) {
       for (int x = 0; x < priority[l].width(); ++x) {
         const RegionEntry entry{static_cast<int>(l) + 1, x, y, priority[l](x, y)};
         if (entry.priority > -std::numeric_limits<double>::infinity() &&
-            (best.level == 0 || precedes(entry, best))) {
+            (!best || precedes(entry, *best))) {
           best = entry;
         }
       }
@@ -23,8 +25,8 @@ RegionEntry scan(const std::vector<Plane>& priority) {
   return best;
 }
 
-TEST(RegionQueue, BestEqualsALinearScanUnderRandomRectangleUpdates) {
-  const int sizes[][2] = {{1, 1}, {1, 40}, {16, 16}, {17, 33}, {300, 20}, {61, 97}};
+TEST(PriorityMaxima, BestEqualsALinearScanUnderRandomRectangleUpdates) {
+  const int sizes[][2] = {{1, 1}, {1, 40}, {16, 16}, {17, 33}, {300, 20}, {64, 65}, {61, 197}};
   std::uint64_t counter = 0;
   const auto random = [&](int n) {
     return static_cast<int>(mix(3, counter++) % static_cast<std::uint64_t>(n));
@@ -33,8 +35,8 @@ TEST(RegionQueue, BestEqualsALinearScanUnderRandomRectangleUpdates) {
     const int levels = 4;
     std::vector<Plane> priority(levels,
                                 Plane(width, height, -std::numeric_limits<double>::infinity()));
-    RegionQueue queue(width, height, levels);
-    EXPECT_EQ(queue.best(), RegionEntry{});
+    PriorityMaxima maxima(priority, 1);
+    EXPECT_EQ(maxima.best(), std::nullopt);
     for (int step = 0; step < 300; ++step) {
       const int level = 1 + random(levels);
       const Rectangle all{0, 0, width, height};
@@ -48,24 +50,22 @@ TEST(RegionQueue, BestEqualsALinearScanUnderRandomRectangleUpdates) {
               value == 0 ? -std::numeric_limits<double>::infinity() : value;
         }
       }
-      queue.refresh(priority, level, box);
-      ASSERT_EQ(queue.best(), scan(priority)) << width << "x" << height << " step " << step;
+      maxima.refresh(level, box);
+      ASSERT_EQ(maxima.best(), scan(priority)) << width << "x" << height << " step " << step;
     }
   }
 }
 
-TEST(RegionQueue, TiesGoToTheLowerLevelThenRowThenColumn) {
+TEST(PriorityMaxima, TiesGoToTheLowerLevelThenRowThenColumn) {
   std::vector<Plane> priority(3, Plane(40, 40, 1.0));
-  RegionQueue queue(40, 40, 3);
-  for (int level = 1; level <= 3; ++level)
-    queue.refresh(priority, level, priority[0].bounds());
-  EXPECT_EQ(queue.best(), (RegionEntry{1, 0, 0, 1.0}));
+  PriorityMaxima maxima(priority, 1);
+  EXPECT_EQ(maxima.best(), (RegionEntry{1, 0, 0, 1.0}));
   priority[1](35, 2) = 2.0;
   priority[1](1, 3) = 2.0;
   priority[2](0, 0) = 2.0;
-  queue.refresh(priority, 2, {0, 0, 40, 40});
-  queue.refresh(priority, 3, {0, 0, 1, 1});
-  EXPECT_EQ(queue.best(), (RegionEntry{2, 35, 2, 2.0}));
+  maxima.refresh(2, {0, 0, 40, 40});
+  maxima.refresh(3, {0, 0, 1, 1});
+  EXPECT_EQ(maxima.best(), (RegionEntry{2, 35, 2, 2.0}));
 }
 
 }  // namespace

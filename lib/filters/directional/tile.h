@@ -1,7 +1,8 @@
-// A rectangle of the selection that is analysed and filtered alone, and what becomes of it.
+// What is analysed and filtered alone: the whole image, or a rectangle of it; and what becomes of
+// it.
 #pragma once
 
-#include <optional>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,7 @@
 
 namespace spool {
 
-struct Part {
+struct Tile {
   int x0 = 0, y0 = 0;  // of its first piece in the image
   PieceEstimates pieces;
   AnalysisEstimates analysis;
@@ -25,30 +26,21 @@ struct Part {
   std::vector<Plane> cropped_attenuation;  // what it shows, where it is not the selection's
 };
 
-struct FilteredPart {
+struct FilteredTile {
   FilteredPieces pieces;
   CountImage level;
   Plane dominant;
   GuardCounts guards;
 };
 
-Part crop(const Part& whole, const Rectangle& box);
-
-// Copies `part` to where `box` lies in `image`, both of the same type.
-template <class T>
-void paste(const Image<T>& part, const Rectangle& box, Image<T>& image) {
-  for (int y = 0; y < part.height(); ++y) {
-    for (int x = 0; x < part.width(); ++x)
-      image(box.x0 + x, box.y0 + y) = part(x, y);
-  }
-}
-
-// Tiles of `side` pieces in row-major order; a last row or column narrower than `least` is merged
-// into the one before it.
+// Tiles of `side` pieces in row-major order; a last row or column narrower than `least` is part of
+// the one before it.
 std::vector<Rectangle> cut_tiles(const Rectangle& bounds, int side, int least);
 
-// Joins the views of the tiles, in order of first appearance; NaN where a tile has none.
-void join_views(const std::vector<Views>& of_tiles, const std::vector<Rectangle>& tiles,
-                const Rectangle& bounds, Views& views);
+// `filter` of every tile, in parallel, joined. Views are joined in order of first appearance, NaN
+// where a tile has none.
+using TileFilter = std::function<FilteredTile(Tile, Views*)>;
+FilteredTile filter_tiles(const Tile& whole, int side, int least, const TileFilter& filter,
+                          Views* views);
 
 }  // namespace spool

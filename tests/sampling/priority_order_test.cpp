@@ -1,4 +1,4 @@
-#include "lib/sampling/block_order.h"
+#include "lib/sampling/priority_order.h"
 
 #include <algorithm>
 #include <vector>
@@ -10,7 +10,7 @@
 namespace spool {
 namespace {
 
-// Every block of positive priority, sorted at once.
+// Every entry of positive priority, sorted at once.
 std::vector<RegionEntry> all_sorted(const std::vector<Plane>& priorities) {
   std::vector<RegionEntry> all;
   for (std::size_t k = 0; k < priorities.size(); ++k) {
@@ -26,16 +26,12 @@ std::vector<RegionEntry> all_sorted(const std::vector<Plane>& priorities) {
 }
 
 void expect_the_whole_order(const std::vector<Plane>& priorities, std::size_t expected) {
-  BlockOrder order(priorities, expected);
-  for (const RegionEntry& want : all_sorted(priorities)) {
-    const RegionEntry got = order.next();
-    ASSERT_EQ(got.level, want.level);
-    ASSERT_EQ(got.x, want.x);
-    ASSERT_EQ(got.y, want.y);
-    ASSERT_EQ(got.priority, want.priority);
-  }
-  EXPECT_EQ(order.next().level, -1);
-  EXPECT_EQ(order.next().level, -1);
+  const PriorityMaxima maxima(priorities, 0);
+  PriorityOrder order(maxima, expected, [](const RegionEntry&) { return true; });
+  for (const RegionEntry& want : all_sorted(priorities))
+    ASSERT_EQ(order.next(), want);
+  EXPECT_EQ(order.next(), std::nullopt);
+  EXPECT_EQ(order.next(), std::nullopt);
 }
 
 std::vector<Plane> pyramid_of(int width, int height, double (*value)(std::uint64_t, int, int)) {
@@ -57,22 +53,36 @@ double heavy_tailed(std::uint64_t level, int x, int y) {
 }
 
 // Larger than what is sampled to find where batches are cut, so that there are many.
-TEST(BlockOrder, IsTheSortedOrderHoweverManyAreExpected) {
+TEST(PriorityOrder, IsTheSortedOrderHoweverManyAreExpected) {
   const std::vector<Plane> priorities = pyramid_of(160, 90, heavy_tailed);
   for (const std::size_t expected : {0u, 1u, 100u, 20000u, 1000000u})
     expect_the_whole_order(priorities, expected);
 }
 
-TEST(BlockOrder, OfEqualPriorities) {
+TEST(PriorityOrder, OfEqualPriorities) {
   expect_the_whole_order(pyramid_of(160, 90, [](std::uint64_t, int, int) { return 0.25; }), 10);
   expect_the_whole_order(
       pyramid_of(160, 90, [](std::uint64_t, int x, int) { return x % 3 == 0 ? 2.0 : 1.0; }), 10);
 }
 
-TEST(BlockOrder, OfOneBlockAndOfNone) {
+TEST(PriorityOrder, OfOneEntryAndOfNone) {
   expect_the_whole_order({Plane(1, 1, 3.0)}, 1);
   expect_the_whole_order({Plane(70, 70, 0.0)}, 5);
   expect_the_whole_order({}, 5);
+}
+
+// Entries that stop being free on the way are left out, the others keep their order.
+TEST(PriorityOrder, LeavesOutWhatIsNotFree) {
+  const std::vector<Plane> priorities = pyramid_of(160, 90, heavy_tailed);
+  const PriorityMaxima maxima(priorities, 0);
+  std::size_t taken = 0;
+  PriorityOrder order(maxima, 50, [&](const RegionEntry& e) { return e.x % 4 != 0 || taken < 99; });
+  for (const RegionEntry& want : all_sorted(priorities)) {
+    if (want.x % 4 == 0 && taken >= 99) continue;
+    ASSERT_EQ(order.next(), want);
+    ++taken;
+  }
+  EXPECT_EQ(order.next(), std::nullopt);
 }
 
 }  // namespace

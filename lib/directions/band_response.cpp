@@ -1,13 +1,13 @@
+#include "lib/directions/band_response.h"
+
 #include <numbers>
 
 #include "lib/directions/bank_stages.h"
-#include "lib/directions/directional_filter_bank.h"
 
 namespace spool {
 
 BankResponse::BankResponse(const BankOptions& options, int n)
     : levels_(options.levels), n_(n), dilation_(options.dilation) {
-  SPOOL_CHECK(options.kind == BankKind::kNonsub && options.pair == ChannelPair::kComplementary);
   for (int m = 0; m < 2 * n; ++m)
     sigma_.push_back(sign_response(options.taps, 2.0 * std::numbers::pi * m / n));
 }

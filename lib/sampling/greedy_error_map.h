@@ -1,0 +1,37 @@
+// What greedy error minimisation looks at (lib/sampling/greedy_error.h): the error of every pixel
+// and the scale at which it has it.
+#pragma once
+
+#include "lib/core/option_table.h"
+#include "lib/kernels/scale_ladder.h"
+
+namespace spool {
+
+struct GreedyErrorOptions {
+  int init_spp = 4;  // fewer need the pooled variance
+  int iterations = 8;
+  int scales = 4;  // above the base image
+  double gamma = 0.2;
+  double alpha = 1.0;  // blur of the stop maps / sigma
+  GreedyGrid grid = GreedyGrid::kAuto;
+  VarianceMode var_mode = VarianceMode::kAuto;
+};
+
+const OptionTable<GreedyErrorOptions>& greedy_error_option_table();
+
+// sigma_s of the sampling phase, s >= 1, pixels.
+inline double greedy_sampling_scale(int s) {
+  return static_cast<double>(1 << (s - 1));
+}
+
+struct GreedyErrorMap {
+  Plane error;       // e [y][x] of pixels, >= 0
+  CountImage scale;  // selected scale, 0: base image
+};
+
+// `per_pixel` is m.
+Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const SamplePool& pool,
+                                        double per_pixel, const GreedyErrorOptions& options,
+                                        GuardCounts& guards);
+
+}  // namespace spool

@@ -1,0 +1,94 @@
+#include "lib/sampling/priority_maxima.h"
+
+#include <algorithm>
+
+#include "lib/core/parallel.h"
+#include "lib/core/vector_clones.h"
+
+namespace spool {
+namespace {
+
+constexpr int kSide = PriorityMaxima::kBlockSide;
+
+int blocks_of(int n) {
+  return (n + kSide - 1) / kSide;
+}
+
+// Independent maxima, joined at the end: the largest value is the same in any order.
+SPOOL_VECTOR_CLONES
+double largest_of(const double* row, int width) {
+  double lanes[8];
+  std::fill_n(lanes, 8, -std::numeric_limits<double>::infinity());
+  int x = 0;
+  for (; x + 8 <= width; x += 8) {
+    for (int i = 0; i < 8; ++i)
+      lanes[i] = row[x + i] > lanes[i] ? row[x + i] : lanes[i];
+  }
+  for (; x < width; ++x)
+    lanes[0] = row[x] > lanes[0] ? row[x] : lanes[0];
+  return *std::max_element(lanes, lanes + 8);
+}
+
+Rectangle extent_of(int bx, int by, const Rectangle& bounds) {
+  return intersect({bx * kSide, by * kSide, (bx + 1) * kSide, (by + 1) * kSide}, bounds);
+}
+
+}  // namespace
+
+PriorityMaxima::PriorityMaxima(const std::vector<Plane>& images, int first_level)
+    : images_(&images), first_level_(first_level) {
+  for (const Plane& image : images) {
+    rows_.emplace_back(blocks_of(image.width()), image.height());
+    blocks_.emplace_back(blocks_of(image.width()), blocks_of(image.height()));
+  }
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const int across = blocks_[i].width();
+    parallel_for(blocks_[i].size(), [&](std::size_t b) {
+      const int bx = static_cast<int>(b) % across, by = static_cast<int>(b) / across;
+      refresh_block(i, bx, by, extent_of(bx, by, images[i].bounds()));
+    });
+  }
+}
+
+void PriorityMaxima::refresh_block(std::size_t image, int bx, int by, const Rectangle& changed) {
+  const Plane& priority = (*images_)[image];
+  const Rectangle block = extent_of(bx, by, priority.bounds());
+  Plane& rows = rows_[image];
+  for (int y = changed.y0; y < changed.y1; ++y)
+    rows(bx, y) = largest_of(&priority(block.x0, y), block.width());
+  RegionEntry best;  // the first row that has the largest value, and its first entry
+  best.level = static_cast<int>(image) + first_level_;
+  best.y = block.y0;
+  for (int y = block.y0; y < block.y1; ++y) {
+    if (rows(bx, y) > best.priority) best.priority = rows(bx, y), best.y = y;
+  }
+  const double* row = &priority(block.x0, best.y);
+  best.x = block.x0 + static_cast<int>(std::find(row, row + block.width(), best.priority) - row);
+  blocks_[image](bx, by) = best;
+}
+
+void PriorityMaxima::refresh(int level, const Rectangle& changed) {
+  if (changed.empty()) return;
+  const auto image = static_cast<std::size_t>(level - first_level_);
+  SPOOL_CHECK_LT(image, blocks_.size());
+  for (int by = changed.y0 / kSide; by < blocks_of(changed.y1); ++by) {
+    for (int bx = changed.x0 / kSide; bx < blocks_of(changed.x1); ++bx)
+      refresh_block(image, bx, by,
+                    intersect(changed, extent_of(bx, by, images_->at(image).bounds())));
+  }
+}
+
+std::optional<RegionEntry> PriorityMaxima::best() const {
+  RegionEntry best;
+  bool any = false;
+  for (const Image<RegionEntry>& blocks : blocks_) {
+    for (const RegionEntry& entry : blocks.pixels()) {
+      if (entry.priority < best.priority) continue;
+      if (entry.priority == -std::numeric_limits<double>::infinity()) continue;
+      if (!any || precedes(entry, best)) best = entry, any = true;
+    }
+  }
+  return any ? std::optional(best) : std::nullopt;
+}
+
+}  // namespace spool
