@@ -16,28 +16,11 @@
 
 #include "lib/core/image.h"
 #include "lib/core/option_table.h"
+#include "lib/kernels/patch_tile.h"
 
 namespace spool {
 
-struct PatchFilterOptions {
-  int window = 10;  // r, pieces
-  int patch = 3;    // f
-  double kappa = 0.45;
-  double alpha = 1.0;  // share of the noise taken off a distance
-};
-
 OptionTable<PatchFilterOptions> patch_filter_option_table();
-
-// One half of the samples as a guide; exposed, or in any unit with the same epsilon.
-struct HalfImage {
-  RgbImage mean, variance;
-};
-
-// Up to four images of one size, filtered alike, and what guides them.
-struct GuidedTargets {
-  std::vector<const Plane*> targets;
-  const HalfImage* guide = nullptr;
-};
 
 // Calls `use` with every tile of the image and what is filtered there, [guided][target][y][x] from
 // the tile's corner; in parallel.

@@ -58,10 +58,10 @@ TEST(SamplerList, UnknownNamesAreUsageErrorsThatNameTheNearest) {
   EXPECT_EQ(sampler.error().code, ErrorCode::kUsage);
   EXPECT_THAT(sampler.error().message, HasSubstr("uniform"));
 
-  const auto option = make_method(samplers(), {"uniform", "", {{"kee", "2"}}});
+  const auto option = make_method(samplers(), {"multiscale", "", {{"epoch", "2"}}});
   ASSERT_FALSE(option.has_value());
   EXPECT_EQ(option.error().code, ErrorCode::kUsage);
-  EXPECT_THAT(option.error().message, HasSubstr("key"));
+  EXPECT_THAT(option.error().message, HasSubstr("epochs"));
 
   const auto preset = make_method(samplers(), {"uniform", "paper", {}});
   ASSERT_FALSE(preset.has_value());
