@@ -113,7 +113,7 @@ void mean_and_variance(const SamplePool& pool, const CountImage& n, double key, 
   }
   GuardCounts guards;
   const int q = pool.pieces_per_side();
-  variance = variance_of_mean(n, mean, m2, {VarianceMode::kAuto, 2.0, key}, guards);
+  variance = variance_of_mean(n, mean, m2, {VarianceMode::kAuto, key}, guards);
   variance = blur(fill_empty_pieces(variance, n, q, guards), 1.0);
   mean = fill_empty_pieces(mean, n, q, guards);
 }
