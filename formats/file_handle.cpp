@@ -207,7 +207,7 @@ Result<void> FileHandle::write_at(uint64_t offset, std::span<const std::byte> by
       const bool full = cause == ENOSPC || cause == EDQUOT || cause == EFBIG;
       return system_error(
           path_, fmt::format("cannot write {} bytes at offset {}", rest.size(), offset + done),
-          cause, full ? "free some space and resume" : "check the device and resume");
+          cause, full ? "free some space" : "check the device");
     }
     done += static_cast<size_t>(put);
   }
@@ -229,13 +229,23 @@ Result<void> FileHandle::truncate(uint64_t bytes) {
                       "check the device");
 }
 
-Result<void> FileHandle::lock() {
-  if (uninterrupted([&] { return file_calls().lock(fd_); }) == 0) return {};
-  if (errno == EWOULDBLOCK) {
-    return fail(ErrorCode::kUsage, "{}: another process is writing it: wait or choose another name",
-                path_.string());
-  }
+Result<bool> FileHandle::try_lock() {
+  if (uninterrupted([&] { return file_calls().lock(fd_); }) == 0) return true;
+  if (errno == EWOULDBLOCK) return false;
   return system_error(path_, "cannot lock", errno, "use a file system with flock");
+}
+
+Result<void> FileHandle::lock() {
+  SPOOL_ASSIGN(const bool locked, try_lock());
+  if (locked) return {};
+  return fail(ErrorCode::kIo, "{}: another process is writing it: wait or choose another name",
+              path_.string());
+}
+
+bool FileHandle::is_named(const std::filesystem::path& path) const {
+  struct stat own{}, named{};
+  return ::fstat(fd_, &own) == 0 && ::lstat(path.c_str(), &named) == 0 &&
+         own.st_dev == named.st_dev && own.st_ino == named.st_ino;
 }
 
 Result<void> FileHandle::close() {
@@ -282,6 +292,17 @@ bool FileMapping::lost() const {
 
 std::span<const std::byte> FileMapping::bytes() const {
   return {static_cast<const std::byte*>(data_), bytes_};
+}
+
+Result<void> refuse_special_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto status = std::filesystem::symlink_status(path, ignored);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status) ||
+      std::filesystem::is_symlink(status)) {
+    return {};
+  }
+  return fail(ErrorCode::kUsage, "{}: is {}: give the name of a file", path.string(),
+              std::filesystem::is_directory(status) ? "a folder" : "no regular file");
 }
 
 Result<void> rename_file(const std::filesystem::path& from, const std::filesystem::path& to,

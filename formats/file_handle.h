@@ -67,8 +67,12 @@ class FileHandle {
   Result<void> write_at(uint64_t offset, std::span<const std::byte> bytes);
   Result<void> sync();
   Result<void> truncate(uint64_t bytes);
-  // kUsage when another process holds the lock.
+  // False when another process holds the lock; kIo where the file system has none.
+  Result<bool> try_lock();
+  // kIo when another process holds the lock.
   Result<void> lock();
+  // Whether `path` still leads to this file: it may have been renamed, replaced or removed.
+  bool is_named(const std::filesystem::path& path) const;
   Result<void> close();
 
  private:
@@ -97,6 +101,10 @@ class FileMapping {
   size_t bytes_ = 0;
   int range_ = -1;
 };
+
+// kUsage when `path` is there and is no regular file and no link: a device or a pipe must not be
+// replaced by a file, whatever was forced.
+Result<void> refuse_special_file(const std::filesystem::path& path);
 
 Result<void> rename_file(const std::filesystem::path& from, const std::filesystem::path& to,
                          bool replace);

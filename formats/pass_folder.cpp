@@ -186,14 +186,10 @@ Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders
   writer_options.compress = options.compress;
   writer_options.force = options.force;
   writer_options.uuid = options.uuid;
+  // A dump of half the samples is no use where the passes are still at hand.
+  writer_options.discard_unfinished = true;
   SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, plan.header, writer_options));
-  const Result<void> written = write_dump(recording, plan, writer);
-  if (!written.has_value()) {
-    // a dump of half the samples is no use where the passes are still at hand
-    std::error_code code;
-    std::filesystem::remove(out.string() + ".partial", code);
-    return tl::unexpected<Error>(written.error());
-  }
+  SPOOL_TRY(write_dump(recording, plan, writer));
   return report_of(recording, plan.header, out);
 }
 

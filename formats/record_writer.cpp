@@ -17,21 +17,32 @@ bool is_there(const std::filesystem::path& path) {
   return std::filesystem::exists(std::filesystem::symlink_status(path, ignored));
 }
 
-Result<FileHandle> open_partial(const std::filesystem::path& partial, bool force) {
-  if (!is_there(partial)) {
-    SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kCreate));
-    SPOOL_TRY(file.lock());
-    return file;
-  }
+tl::unexpected<Error> written_by_another(const std::filesystem::path& partial) {
+  return fail(ErrorCode::kIo, "{}: another process is writing it: wait or choose another name",
+              partial.string());
+}
+
+// A NAME.partial that is there: emptied when it is to be replaced and nobody writes it.
+Result<FileHandle> reopen_partial(const std::filesystem::path& partial, bool force) {
+  SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kAppend));
+  SPOOL_TRY(file.size());
+  SPOOL_ASSIGN(const bool locked, file.try_lock());
+  // Its writer may have finished and renamed it between the two calls: then it is no longer ours.
+  if (!locked || !file.is_named(partial)) return written_by_another(partial);
   if (!force) {
     return fail(ErrorCode::kUsage,
                 "{}: an unfinished dump is there: resume or recover it, delete it or use --force",
                 partial.string());
   }
-  SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kAppend));
-  SPOOL_TRY(file.size());
-  SPOOL_TRY(file.lock());
   SPOOL_TRY(file.truncate(0));
+  return file;
+}
+
+Result<FileHandle> open_partial(const std::filesystem::path& partial, bool force) {
+  if (is_there(partial)) return reopen_partial(partial, force);
+  SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kCreate));
+  SPOOL_ASSIGN(const bool locked, file.try_lock());
+  if (!locked || !file.is_named(partial)) return written_by_another(partial);
   return file;
 }
 
@@ -44,21 +55,23 @@ std::filesystem::path partial_name(const std::filesystem::path& path) {
 }
 
 Result<RecordWriter> RecordWriter::create(const std::filesystem::path& path,
-                                          const FileHeader& header, bool force) {
+                                          const FileHeader& header, bool force, bool discard) {
   if (!force && is_there(path)) {
     return fail(ErrorCode::kUsage, "{}: already exists: remove it or use --force", path.string());
   }
+  SPOOL_TRY(refuse_special_file(path));
   RecordWriter writer;
   writer.path_ = path;
   writer.header_ = header;
   writer.force_ = force;
-  SPOOL_ASSIGN(writer.file_, open_partial(partial_name(path), force));
-  if (auto put = writer.file_.write_at(0, encode(header)); !put) {
-    // A file that holds no record is worth nothing and would stand in the way of the next try.
-    std::error_code ignored;
-    std::filesystem::remove(partial_name(path), ignored);
-    return tl::unexpected(std::move(put).error());
-  }
+  const auto open = [&]() -> Result<void> {
+    SPOOL_ASSIGN(writer.file_, open_partial(partial_name(path), force));
+    return {};
+  };
+  SPOOL_ASSIGN(writer.discarded_, UnfinishedFile::begin(partial_name(path), open));
+  // A file that holds no record is worth nothing and would stand in the way of the next try.
+  SPOOL_TRY(writer.file_.write_at(0, encode(header)));
+  if (!discard) SPOOL_TRY(writer.discarded_.finish([] { return Result<void>(); }));
   writer.end_ = kUnit;
   return writer;
 }
@@ -161,7 +174,13 @@ Result<void> RecordWriter::seal(uint64_t data_records, uint32_t flags) {
 }
 
 Result<void> RecordWriter::publish() {
-  SPOOL_TRY(rename_file(partial_name(path_), path_, force_));
+  const auto rename = [&] { return rename_file(partial_name(path_), path_, force_); };
+  if (!discarded_.path().empty() && !force_ && is_there(path_)) {
+    return fail(ErrorCode::kIo,
+                "{}: another process wrote it meanwhile: that file stays, this one was dropped",
+                path_.string());
+  }
+  SPOOL_TRY(discarded_.finish(rename));
   SPOOL_TRY(sync_directory(path_.parent_path()));
   // Everything is on disk under its name: what close() says now changes nothing.
   static_cast<void>(file_.close());

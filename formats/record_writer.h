@@ -14,6 +14,7 @@
 
 #include "formats/file_handle.h"
 #include "formats/structures.h"
+#include "formats/unfinished_files.h"
 #include "lib/core/error.h"
 
 namespace spool::format {
@@ -26,8 +27,10 @@ class RecordWriter {
   RecordWriter() = default;
   // A new NAME.partial that holds the file header. `force`: a stale NAME.partial is replaced, and
   // publish() replaces an existing NAME. A file that could not even be started is removed.
+  // `discard`: so is one that is not published, also when the process is interrupted. kIo when
+  // another process is writing it.
   static Result<RecordWriter> create(const std::filesystem::path& path, const FileHeader& header,
-                                     bool force);
+                                     bool force, bool discard);
   // Takes over an open, locked NAME.partial after its last good record and cuts off the rest.
   static Result<RecordWriter> resume(const std::filesystem::path& path, FileHandle file,
                                      const FileHeader& header, std::vector<IndexEntry> entries,
@@ -56,6 +59,7 @@ class RecordWriter {
 
   std::filesystem::path path_;
   FileHandle file_;
+  UnfinishedFile discarded_;  // NAME.partial, or nothing; goes before file_ gives up the lock
   FileHeader header_;
   std::vector<IndexEntry> entries_;
   std::vector<std::byte> buffer_;

@@ -100,6 +100,7 @@ Result<std::vector<IndexEntry>> indexed_records(const Rescue& rescue) {
 
 // A block counts as lost when a damaged record or the old index names it and it was not kept.
 void list_losses(Rescue& rescue, const std::vector<IndexEntry>& indexed) {
+  rescue.report.has_index = !indexed.empty();
   const DumpGeometry& geometry = rescue.geometry;
   std::vector<bool> named(geometry.slot_count());
   const auto name = [&](const BlockKey& key) {
@@ -173,12 +174,10 @@ Result<RecoveryReport> recover_dump(const std::filesystem::path& input,
   rescue.geometry = DumpGeometry(header);
   rescue.found.resize(rescue.geometry.slot_count());
   rescue.report.damaged = rescue.scan.damaged;
-  SPOOL_ASSIGN(RecordWriter writer, RecordWriter::create(output, rescue.scan.file_header, force));
-  if (auto written = write_output(rescue, writer); !written) {
-    // What was begun is only a copy, and would stand in the way of the next try.
-    std::filesystem::remove(partial_name(output), ignored);
-    return tl::unexpected(std::move(written).error());
-  }
+  // What is begun is only a copy, and would stand in the way of the next try: discarded.
+  SPOOL_ASSIGN(RecordWriter writer,
+               RecordWriter::create(output, rescue.scan.file_header, force, true));
+  SPOOL_TRY(write_output(rescue, writer));
   SPOOL_TRY(writer.publish());
   return std::move(rescue.report);
 }

@@ -19,7 +19,10 @@ struct RecoveryReport {
   std::vector<BlockKey> absent;        // blocks of the geometry of which nothing was found
   std::vector<DamagedRecord> damaged;  // what was found wrong, in file order
 
-  bool anything_lost() const { return lost_records != 0; }
+  // Absent blocks may never have been recorded; only an index says so. Without one they are gone.
+  bool has_index = false;
+
+  bool anything_lost() const { return lost_records != 0 || (!has_index && !absent.empty()); }
 };
 
 // Writes `output` with the uuid of the input and new sequence numbers, payloads byte for byte. The

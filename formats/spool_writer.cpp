@@ -105,7 +105,8 @@ Result<SpoolWriter> SpoolWriter::create(const std::filesystem::path& path, const
   }
   FileHeader file_header;
   file_header.dump_uuid = state->header.uuid;
-  SPOOL_ASSIGN(state->records, RecordWriter::create(path, file_header, options.force));
+  SPOOL_ASSIGN(state->records,
+               RecordWriter::create(path, file_header, options.force, options.discard_unfinished));
   state->records.sync_every(options.sync_every_bytes);
   SPOOL_TRY(state->write_preamble());
   return SpoolWriter(std::move(state));
@@ -116,6 +117,9 @@ Result<SpoolWriter> SpoolWriter::resume(const std::filesystem::path& path,
   const std::filesystem::path partial = partial_name(path);
   SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kAppend));
   SPOOL_TRY(file.lock());
+  if (!file.is_named(partial)) {
+    return fail(ErrorCode::kIo, "{}: its writer has just finished it", partial.string());
+  }
   SPOOL_ASSIGN(RecordScan scan, scan_records(file));
   if (scan.file_header.minor > kMinorVersion) {
     return fail(ErrorCode::kData,

@@ -5,8 +5,9 @@
 // record can be recovered. Blocks may come in any order. One thread per writer.
 //
 // Errors: kUsage for a call that breaks the contract (target exists, wrong payload size, block
-// written twice); kIo when the system refuses. After a kIo error the file is cut back to its last
-// whole record and the writer accepts nothing more; a failed fsync is never repeated.
+// written twice); kIo when the system refuses or another process writes the same file. After a kIo
+// error the file is cut back to its last whole record and the writer accepts nothing more; a failed
+// fsync is never repeated.
 #pragma once
 
 #include <cstddef>
@@ -26,6 +27,9 @@ struct WriterOptions {
   bool force = false;     // replace an existing NAME and a stale NAME.partial
   std::optional<std::array<uint8_t, 16>> uuid = {};  // for reproducible files; random when absent
   uint64_t sync_every_bytes = uint64_t{256} << 20;   // at most this a power failure costs, or 30 s
+  // What can be made again at any time: NAME.partial goes with a writer that did not finish, and
+  // with a process that is interrupted (formats/unfinished_files.h).
+  bool discard_unfinished = false;
 };
 
 class SpoolWriter {

@@ -4,6 +4,7 @@
 
 #include "formats/dump_check.h"
 #include "tools/damage_listing.h"
+#include "tools/json_text.h"
 
 namespace spool::tools {
 namespace {
@@ -22,17 +23,17 @@ void print_json(const std::string& name, const format::CheckReport& report) {
     out["damaged"].push_back(json_of_record(record));
   for (const auto& block : report.missing)
     out["missing"].push_back(json_of_block(block));
-  print(out.dump(2) + "\n");
+  print(json_text(out));
 }
 
 void print_text(const std::string& name, const format::CheckReport& report) {
   for (const auto& record : report.damaged)
-    print(describe_record(record));
+    print_line(describe_record(record));
   for (const auto& block : report.missing)
-    print("missing  " + describe_block(block) + "\n");
+    print_line("missing  " + describe_block(block));
   if (report.complete) {
-    print(fmt::format("{}: whole: {} records, {}, every byte verified\n", name, report.records,
-                      format_bytes(static_cast<double>(report.bytes))));
+    print_line(fmt::format("{}: whole: {} records, {}, every byte verified", name, report.records,
+                           format_bytes(static_cast<double>(report.bytes))));
   }
 }
 

@@ -5,7 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/core/visible_text.h"
 #include "tools/batch/result_changes.h"
+#include "tools/json_text.h"
 #include "tools/methods/method_settings.h"
 
 namespace spool::tools {
@@ -51,7 +53,7 @@ std::string text_of(const Outcome& outcome, bool all) {
   std::string text = rows.size() > 1 ? format_columns(rows, 2) + "\n" : "";
   const auto list = [&](const char* what, const std::vector<std::string>& keys) {
     for (const std::string& key : keys)
-      text += fmt::format("{}: {}\n", what, key);
+      text += visible_text(fmt::format("{}: {}", what, key)) + "\n";
   };
   list("failed now", outcome.newly_failed);
   list("only before", outcome.only_before);
@@ -87,7 +89,7 @@ std::string json_of(const Outcome& outcome) {
                              {"newly_failed", outcome.newly_failed},
                              {"only_before", outcome.only_before},
                              {"only_after", outcome.only_after}};
-  return root.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return json_text(root);
 }
 
 Result<std::vector<std::string>> chosen_metrics(const CompareOptions& options) {

@@ -1,36 +1,89 @@
 #include "tools/console.h"
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include <fmt/format.h>
 
+#include "lib/core/visible_text.h"
+
 namespace spool::tools {
 
+namespace {
+
+constexpr std::size_t kLongestError = 4096;  // bytes: more is no line that somebody reads
+constexpr std::size_t kErrorEnd = 512;       // of these, of its end, which says what to do
+
+bool lost_output = false;  // of this process, to stdout
+
+std::size_t start_of_character(std::string_view text, std::size_t at) {
+  while (at > 0 && (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U)
+    --at;
+  return at;
+}
+
+std::string shortened(const std::string& text) {
+  if (text.size() <= kLongestError) return text;
+  const std::size_t head = start_of_character(text, kLongestError - kErrorEnd);
+  const std::size_t tail = start_of_character(text, text.size() - kErrorEnd);
+  return fmt::format("{} [... {} bytes ...] {}", text.substr(0, head), tail - head,
+                     text.substr(tail));
+}
+
+}  // namespace
+
 void print(std::string_view text) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  std::fflush(stdout);
+  const std::string shown = visible_text(text, true);
+  lost_output = std::fwrite(shown.data(), 1, shown.size(), stdout) < shown.size() || lost_output;
+  lost_output = std::fflush(stdout) != 0 || lost_output;
+}
+
+void print_line(std::string_view text) {
+  print(visible_text(text) + "\n");
+}
+
+Result<void> check_output() {
+  if (!lost_output) return {};
+  return fail(ErrorCode::kIo, "stdout: what was printed could not be written: check where it goes");
+}
+
+void print_raw_error(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
 }
 
 void print_error(const Error& error) {
-  fmt::print(stderr, "spool: {}\n", one_line(error.message));
+  print_raw_error(fmt::format("spool: {}\n", shortened(visible_text(one_line(error.message)))));
 }
 
 void print_warning(std::string_view text) {
-  fmt::print(stderr, "spool: warning: {}\n", text);
+  print_raw_error(fmt::format("spool: warning: {}\n", shortened(visible_text(text))));
+}
+
+void open_standard_streams() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(descriptor, F_GETFD) >= 0) continue;
+    // The lowest free number is this one. A closed stdout stays one that cannot be written.
+    static_cast<void>(::open("/dev/null", descriptor == STDERR_FILENO ? O_WRONLY : O_RDONLY));
+  }
 }
 
 std::string format_columns(const std::vector<std::vector<std::string>>& rows,
                            std::size_t first_number) {
+  std::vector<std::vector<std::string>> shown = rows;
   std::vector<std::size_t> widths;
-  for (const auto& row : rows) {
+  for (auto& row : shown) {
     widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t i = 0; i < row.size(); ++i)
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      row[i] = visible_text(row[i]);
       widths[i] = std::max(widths[i], row[i].size());
+    }
   }
   std::string text;
-  for (const auto& row : rows) {
+  for (const auto& row : shown) {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
       if (i > 0) line += "  ";

@@ -18,11 +18,23 @@ struct CommonOptions {
   int threads = 0;  // 0: all
 };
 
-void print(std::string_view text);     // to stdout, as it is
-void print_error(const Error& error);  // "spool: ..." to stderr
+// To stdout. Whatever text holds arrives as text (visible_text.h): print() lets line ends pass, so
+// lines that hold text from files go through print_line(), which adds the one line end there is.
+void print(std::string_view text);
+void print_line(std::string_view text);
+// kIo when something printed did not arrive (a full disk, a closed stdout).
+Result<void> check_output();
+
+// To stderr, which may be closed or full: nothing is said of that.
+void print_error(const Error& error);  // "spool: ...", one line, at most a few thousand bytes
 void print_warning(std::string_view text);
+void print_raw_error(std::string_view text);  // with the control characters of a progress line
+
+// Descriptors 0 to 2 lead somewhere from now on: a file that is opened must not become stderr.
+void open_standard_streams();
 
 // Text in columns: the first row is the header; numbers (columns >= `first_number`) to the right.
+// Cells are one line each, whatever they hold.
 std::string format_columns(const std::vector<std::vector<std::string>>& rows,
                            std::size_t first_number);
 

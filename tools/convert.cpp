@@ -11,6 +11,7 @@
 #include "lib/exchange/deep_exr.h"
 #include "lib/exchange/exr_folder_export.h"
 #include "lib/exchange/oidn_set.h"
+#include "tools/json_text.h"
 
 namespace spool::tools {
 namespace {
@@ -102,11 +103,11 @@ Result<void> run_convert(const ConvertOptions& options, const CommonOptions& com
   if (common.json) {
     const nlohmann::ordered_json out = {
         {"output", options.output.string()}, {"format", options.to}, {"notes", report.notes}};
-    print(out.dump(2) + "\n");
+    print(json_text(out));
   } else if (!common.quiet) {
-    print(options.output.string() + "\n");
+    print_line(options.output.string());
     for (const std::string& note : report.notes)
-      print(note + "\n");
+      print_line(note);
   }
   return {};
 }

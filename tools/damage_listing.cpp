@@ -10,7 +10,7 @@ std::string describe_block(const format::BlockKey& block) {
 }
 
 std::string describe_record(const format::DamagedRecord& record) {
-  return fmt::format("damaged  byte {}  {}  {}{}\n", record.offset, record.type, record.reason,
+  return fmt::format("damaged  byte {}  {}  {}{}", record.offset, record.type, record.reason,
                      record.block ? "  (" + describe_block(*record.block) + ")" : "");
 }
 

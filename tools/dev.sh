@@ -266,7 +266,7 @@ endure() {
   build release spool spool_png
   local snakemake="${XDG_CACHE_HOME:-$HOME/.cache}/spool/snakemake-venv/bin/snakemake"
   [[ ! -x "$snakemake" ]] || export SPOOL_SNAKEMAKE="$snakemake"
-  SPOOL_KILLS=20 SPOOL_SLURM=1 SPOOL_LARGE_PLAN=1 ctest --preset release -R '^tools\.(plans|recipes|large_plan)$' \
+  SPOOL_KILLS=20 SPOOL_SLURM=1 SPOOL_LARGE_PLAN=1 ctest --preset release -R '^tools\.(plans|recipes|large_plan|writers)$' \
     --timeout 7200 --verbose "$@"
 }
 

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "lib/experiment/loop_filter.h"
 #include "tools/batch/evaluation_run.h"
 #include "tools/mask_files.h"
 #include "tools/methods/external_methods.h"
@@ -125,6 +126,8 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
     has_plan = has_plan || file.extension() == ".toml";
   RunRequest request;
   SPOOL_ASSIGN(request.plan, has_plan ? plan_of_file(options) : plan_of_options(options));
+  SPOOL_TRY(check_loop_filters(known_samplers(), request.plan.samplers, known_filters(),
+                               request.plan.filters));
   request.folder = options.output;
   request.merge = options.merge;
   request.merge_from = options.merge_from;

@@ -4,11 +4,14 @@
 
 #include "formats/interchange/sha256.h"
 #include "tools/dump_meta.h"
+#include "tools/json_text.h"
 
 namespace spool::tools {
 namespace {
 
 using nlohmann::ordered_json;
+
+constexpr std::size_t kLongestRemark = 100;  // bytes, in the listing
 
 const char* type_name(format::DataType type) {
   switch (type) {
@@ -97,7 +100,11 @@ std::string remark(const ordered_json& info, const char* key) {
   } else {
     text = plain(*found);
   }
-  return text.size() > 100 ? text.substr(0, 97) + "..." : text;
+  if (text.size() <= kLongestRemark) return text;
+  std::size_t end = kLongestRemark - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
+    --end;  // not within a character
+  return text.substr(0, end) + "...";
 }
 
 std::string text_of(const ordered_json& object, const char* key) {
@@ -192,7 +199,7 @@ Result<void> run_info(const InfoOptions& options, const CommonOptions& common) {
   SPOOL_ASSIGN(const std::string sha256, interchange::sha256_of(options.dump));
   const ordered_json info = describe(reader, bytes, sha256);
   if (common.json) {
-    print(info.dump(2) + "\n");
+    print(json_text(info));
   } else {
     print_text(info);
   }

@@ -9,7 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "lib/image_io/atomic_file.h"
+#include "formats/unfinished_files.h"
+#include "lib/core/visible_text.h"
+#include "tools/console.h"
 #include "tools/methods/external_process.h"
 
 namespace spool::tools {
@@ -47,14 +49,21 @@ void watch_for_interrupts() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGQUIT);
+  // Under nohup the end of the terminal is no reason to stop.
+  struct sigaction hangup{};
+  if (sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) {
+    sigaddset(&signals, SIGHUP);
+  }
   if (pthread_sigmask(SIG_BLOCK, &signals, nullptr) != 0) return;
   std::thread([signals] {
     int signal = 0;
     if (sigwait(&signals, &signal) != 0) return;
     end_external_work();
-    remove_unfinished_files();
-    fmt::print(stderr, "\r\033[Kspool: interrupted; unfinished files were removed{}\n",
-               note_text());
+    format::remove_unfinished_files();
+    print_raw_error(fmt::format("{}spool: interrupted; unfinished files were removed{}\n",
+                                ::isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "",
+                                visible_text(note_text())));
     ::_exit(128 + signal);
   }).detach();
 }

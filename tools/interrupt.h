@@ -1,5 +1,5 @@
-// Ctrl-C and SIGTERM: unfinished files are removed, one line is printed, the exit code is 128 plus
-// the signal's number, as a shell expects.
+// Ctrl-C, SIGTERM, SIGQUIT and the end of the terminal (SIGHUP): unfinished files are removed, one
+// line is printed, the exit code is 128 plus the signal's number, as a shell expects.
 #pragma once
 
 #include <functional>

@@ -6,6 +6,7 @@
 #include "lib/experiment/result_table.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/synthetic/synthetic_scenes.h"
+#include "tools/json_text.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/view_files.h"
 
@@ -220,27 +221,27 @@ void print_table(const ordered_json& list) {
 Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   if (options.what == "presets") {
     const ordered_json presets = describe_presets();
-    common.json ? print(presets.dump(2) + "\n") : print_presets(presets);
+    common.json ? print(json_text(presets)) : print_presets(presets);
     return {};
   }
   if (options.what == "views") {
     const ordered_json list = describe_views();
-    common.json ? print(list.dump(2) + "\n") : print_table(list);
+    common.json ? print(json_text(list)) : print_table(list);
     return {};
   }
   if (options.what == "metrics" || options.what == "columns") {
     const ordered_json list = options.what == "metrics" ? describe_metrics() : describe_columns();
-    common.json ? print(list.dump(2) + "\n") : print_table(list);
+    common.json ? print(json_text(list)) : print_table(list);
     return {};
   }
   if (options.what == "imports") {
     const ordered_json list = describe_imports();
-    common.json ? print(list.dump(2) + "\n") : print_methods(list, "import", true);
+    common.json ? print(json_text(list)) : print_methods(list, "import", true);
     return {};
   }
   if (options.what == "scenes") {
     if (common.json) {
-      print(describe_scenes().dump(2) + "\n");
+      print(json_text(describe_scenes()));
       return {};
     }
     print_table(describe_scenes());
@@ -250,7 +251,7 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   }
   const bool filters = options.what == "filters";
   const ordered_json list = filters ? describe(known_filters()) : describe(known_samplers());
-  common.json ? print(list.dump(2) + "\n")
+  common.json ? print(json_text(list))
               : print_methods(list, filters ? "filter" : "sampler", options.all);
   return {};
 }

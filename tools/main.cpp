@@ -3,9 +3,13 @@
 // The only file that includes CLI11, which costs seconds per translation unit; every verb is a
 // function with a plain struct of options.
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -40,7 +44,9 @@ namespace {
 using Verb = std::function<Result<void>()>;
 
 constexpr const char* kExitCodes =
-    "Exit codes: 0 done, 1 data unusable, 2 wrong use, 3 input or output failed, 4 damage found.\n"
+    "Exit codes: 0 done, 1 data unusable, 2 wrong use, 3 input or output failed, 4 damage found "
+    "or\n"
+    "samples gone; after a signal, 128 and its number.\n"
     "Errors are one line on stderr: what is wrong, where, and what to do.";
 
 struct Program {
@@ -73,6 +79,20 @@ void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force) {
   verb.add_option("--threads", common.threads,
                   "threads to use, 0 for all; the results do not depend on it")
       ->check(CLI::Range(0, 1024));
+}
+
+// A seed as plans have it, too: TOML has no larger numbers. CLI11 itself wraps what is negative.
+CLI::Validator seed_check() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        std::int64_t seed = -1;
+        const char* end = text.data() + text.size();
+        const auto parsed = std::from_chars(text.data(), end, seed);
+        if (parsed.ec == std::errc() && parsed.ptr == end && seed >= 0) return "";
+        return fmt::format("a seed is a whole number from 0 to {}, not {}",
+                           std::numeric_limits<std::int64_t>::max(), text);
+      },
+      "");
 }
 
 void add_dump(CLI::App& verb, std::filesystem::path& dump) {
@@ -194,7 +214,7 @@ void add_synth(Program& program) {
   verb.add_option("NAME", options.scene, "see spool list scenes")->required();
   verb.add_option("--size", options.size, "WxH or N pixels (128x128)");
   verb.add_option("--samples", options.spp, "per pixel (64)")->check(CLI::Range(1, 65536));
-  verb.add_option("--seed", options.seed, "of the samples (1)");
+  verb.add_option("--seed", options.seed, "of the samples (1)")->check(seed_check());
   verb.add_option("--set", options.settings, "OPTION=VALUE of the scene: see spool list scenes")
       ->take_all()
       ->allow_extra_args(false);
@@ -232,7 +252,8 @@ void add_pool(CLI::App& verb, PoolOptions& pool) {
                                                        {"shuffled", PoolOrder::kShuffled}})
                       .description(""))
       ->option_text("recorded|shuffled");
-  verb.add_option("--seed", pool.seed, "seed of the order and of the method (0)");
+  verb.add_option("--seed", pool.seed, "seed of the order and of the method (0)")
+      ->check(seed_check());
   verb.add_option("--holdout", pool.holdout, "samples per pixel that are never offered (0)")
       ->check(CLI::Range(0, 65535));
   verb.add_option("--pieces", pool.pieces_per_side, kPieces)->check(CLI::Range(1, 2));
@@ -282,7 +303,8 @@ void add_reconstruct(Program& program) {
   verb.add_option("--filter", options.filter, "see spool list filters")->required();
   add_method(verb, options.method);
   add_pool(verb, options.pool);
-  add_output(verb, options.output, "the image to write: R, G, B, scene-linear");
+  add_output(verb, options.output,
+             "the image to write: R, G, B, scene-linear; NAME.png: a tone-mapped picture of it");
   verb.add_flag(
       "--layers", options.layers,
       "also write variance.R/G/B, filter.level and filter.angle where the filter has them");
@@ -338,13 +360,14 @@ void add_evaluate(Program& program) {
   verb.add_option("--holdout", options.holdout,
                   "samples per pixel kept for judging (a quarter, where they are needed)")
       ->check(CLI::Range(0, 65535));
-  verb.add_option("--seed", options.seed, "seed of all replicates (1)");
+  verb.add_option("--seed", options.seed, "seed of all replicates (1)")->check(seed_check());
   verb.add_flag("--recorded-order", options.recorded_order,
                 "take samples in recorded order; all replicates are then alike");
   verb.add_option("--pieces", options.pieces_per_side, kPieces)->check(CLI::Range(1, 2));
   verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
   verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
-  verb.add_flag("--dry-run", options.dry_run, "list the cells and about how long they will take");
+  verb.add_flag("--dry-run", options.dry_run,
+                "list the cells and about how long they will take; runs no command of the plan");
   verb.add_option("--shard", options.shard,
                   "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
   verb.add_flag("--merge", options.merge,
@@ -554,14 +577,20 @@ int run(int count, char** arguments) {
   try {
     program.app.parse(count, arguments);
   } catch (const CLI::Success& asked_for_help) {
-    return program.app.exit(asked_for_help);
+    std::ostringstream text;
+    program.app.exit(asked_for_help, text, text);
+    print(text.str());
+    const Result<void> arrived = check_output();
+    if (!arrived) print_error(arrived.error());
+    return arrived ? 0 : static_cast<int>(arrived.error().code);
   } catch (const CLI::ParseError& error) {
     print_error({ErrorCode::kUsage, explain(program.app, error, count, arguments)});
     return static_cast<int>(ErrorCode::kUsage);
   }
   watch_for_interrupts();
   const ThreadLimit limit(program.common.threads);
-  const Result<void> result = program.chosen();
+  Result<void> result = program.chosen();
+  if (result) result = check_output();
   if (result) return 0;
   print_error(result.error());
   return static_cast<int>(result.error().code);
@@ -571,6 +600,7 @@ int run(int count, char** arguments) {
 }  // namespace spool::tools
 
 int main(int count, char** arguments) {
+  spool::tools::open_standard_streams();
   spool::keep_freed_memory();
   spool::format::survive_lost_pages();
   try {

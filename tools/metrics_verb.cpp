@@ -7,7 +7,9 @@
 #include "lib/image_io/exr_image.h"
 #include "lib/metrics/energy_masks.h"
 #include "lib/metrics/error_metrics.h"
+#include "tools/json_text.h"
 #include "tools/mask_files.h"
+#include "tools/picture_name.h"
 
 namespace spool::tools {
 namespace {
@@ -56,6 +58,7 @@ ordered_json number(double value) {
 }  // namespace
 
 Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
+  if (!options.error_map.empty()) SPOOL_TRY(check_exr_name(options.error_map));
   SPOOL_ASSIGN(const MetricOptions metric, metric_options(options.settings));
   SPOOL_ASSIGN(const RgbImage image, read_rgb(options.image));
   JudgingReference reference;
@@ -94,7 +97,7 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
     SPOOL_TRY(write_exr(options.error_map, map, {.overwrite = common.force}));
   }
   if (common.json) {
-    print(json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+    print(json_text(json));
   } else {
     print(format_columns(rows, 2));
     print(

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/exchange/import_formats.h"
+#include "tools/interrupt.h"
+#include "tools/json_text.h"
 
 namespace spool::tools {
 namespace {
@@ -51,11 +53,11 @@ Result<void> pack_foreign(const interchange::ImportFormat& format, const PackVer
     const ordered_json out = {{"file", options.output.string()}, {"width", report.width},
                               {"height", report.height},         {"samples_per_pixel", report.spp},
                               {"layers", report.layers},         {"notes", report.notes}};
-    print(out.dump(2) + "\n");
+    print(json_text(out));
   } else if (!common.quiet) {
-    print(first_line(options, report.width, report.height, report.spp) + "\n");
+    print_line(first_line(options, report.width, report.height, report.spp));
     for (const std::string& note : report.notes)
-      print(note + "\n");
+      print_line(note);
   }
   return {};
 }
@@ -74,13 +76,13 @@ Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& c
                               {"cost_per_sample", report.cost_per_sample},
                               {"layers", report.layers},
                               {"bytes", report.bytes}};
-    print(out.dump(2) + "\n");
+    print(json_text(out));
   } else if (!common.quiet) {
-    print(fmt::format("{}, {}, {}\n", first_line(options, report.width, report.height, report.spp),
-                      format_bytes(static_cast<double>(report.bytes)),
-                      report.reference_spp > 0
-                          ? fmt::format("reference of {} samples", report.reference_spp)
-                          : "no reference"));
+    print_line(fmt::format(
+        "{}, {}, {}", first_line(options, report.width, report.height, report.spp),
+        format_bytes(static_cast<double>(report.bytes)),
+        report.reference_spp > 0 ? fmt::format("reference of {} samples", report.reference_spp)
+                                 : "no reference"));
   }
   return {};
 }
@@ -88,6 +90,9 @@ Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& c
 }  // namespace
 
 Result<void> run_pack(const PackVerbOptions& options, const CommonOptions& common) {
+  const InterruptNote note([&] {
+    return "nothing is kept of " + options.output.string() + ": the same command starts anew";
+  });
   for (const interchange::ImportFormat& format : exchange::import_formats()) {
     if (format.name == options.from) return pack_foreign(format, options, common);
   }

@@ -3,11 +3,11 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "lib/core/visible_text.h"
 #include "tools/console.h"
 
 namespace spool::tools {
@@ -28,7 +28,7 @@ Progress::Progress(std::string task, bool quiet)
     : task_(std::move(task)), visible_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
-  if (visible_) fmt::print(stderr, "\r\033[K");
+  if (visible_) print_raw_error("\r\033[K");
 }
 
 void Progress::update(double share, const std::string& detail, std::optional<double> seconds_left) {
@@ -45,8 +45,7 @@ void Progress::update(double share, const std::string& detail, std::optional<dou
   }
   if (seconds_left) line += ", " + format_seconds(*seconds_left) + " left";
   if (!detail.empty()) line += "  " + detail;
-  fmt::print(stderr, "\r\033[K{:.{}}", line, terminal_width() - 1);
-  std::fflush(stderr);
+  print_raw_error(fmt::format("\r\033[K{:.{}}", visible_text(line), terminal_width() - 1));
 }
 
 }  // namespace spool::tools

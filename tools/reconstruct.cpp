@@ -7,11 +7,15 @@
 #include "lib/experiment/reference.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_image.h"
+#include "lib/image_io/picture.h"
+#include "lib/image_io/png_writer.h"
 #include "lib/pool/load_recording.h"
 #include "tools/guard_listing.h"
+#include "tools/json_text.h"
 #include "tools/methods/method_memory.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/view_files.h"
+#include "tools/picture_name.h"
 #include "tools/progress.h"
 #include "tools/result_pictures.h"
 
@@ -92,9 +96,17 @@ Result<void> write_piece_views(const ReconstructOptions& options, const SamplePo
   std::filesystem::path path = options.output;
   path.replace_filename(path.stem().string() + "_pieces.exr");
   if (!common.quiet && !common.json) {
-    print(fmt::format("{}: views of pieces, {} x {}\n", path.string(), file.width, file.height));
+    print_line(fmt::format("{}: views of pieces, {} x {}", path.string(), file.width, file.height));
   }
   return write_exr(path, file, {.overwrite = common.force});
+}
+
+// For eyes, not for measuring: sRGB, exposed as the pictures of an evaluation are.
+Result<void> write_picture(const std::filesystem::path& path, const Input& input,
+                           const Reconstruction& result, bool overwrite) {
+  const Result<JudgingReference> reference = independent_reference(input.pool.recording());
+  const RgbImage& guide = reference ? reference->mean : result.image;
+  return write_png(path, tone_map(result.image, tone_exposure(guide)), overwrite);
 }
 
 Result<void> write_pictures(const ReconstructOptions& options, const Input& input,
@@ -114,6 +126,12 @@ Result<void> write_pictures(const ReconstructOptions& options, const Input& inpu
 }  // namespace
 
 Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common) {
+  const bool as_picture = is_png_name(options.output);
+  if (!as_picture) SPOOL_TRY(check_exr_name(options.output));
+  if (as_picture && (options.layers || !options.views.empty())) {
+    return fail(ErrorCode::kUsage, "{}: a PNG has no layers: write -o NAME.exr for them",
+                options.output.string());
+  }
   SPOOL_TRY(refuse_existing(options.output, common.force));
   SPOOL_ASSIGN(const Methods methods, choose_methods({}, {options.filter}, options.method));
   const ReadyFilter filter = average_halves(methods.filters[0].ready);
@@ -140,7 +158,11 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   add_image_views(result, views);
   const bool of_pieces = !add_view_layers(views, file).empty();
   file.text_attributes = {{"spool.filter", options.filter}, {"spool.dump", options.dump.string()}};
-  SPOOL_TRY(write_exr(options.output, file, {.overwrite = common.force}));
+  if (as_picture) {
+    SPOOL_TRY(write_picture(options.output, input, result, common.force));
+  } else {
+    SPOOL_TRY(write_exr(options.output, file, {.overwrite = common.force}));
+  }
   if (of_pieces) {
     SPOOL_TRY(write_piece_views(options, input.pool, views, common));
   }
@@ -156,10 +178,10 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
         {"width", file.width},       {"height", file.height},
         {"notes", result.notes},     {"guards", guard_listing(guards)},
         {"seconds", seconds.count()}};
-    print(description.dump(2) + "\n");
+    print(json_text(description));
   } else if (!common.quiet) {
-    print(fmt::format("{}: {} x {} pixels, {}\n", options.output.string(), file.width, file.height,
-                      format_seconds(seconds.count())));
+    print_line(fmt::format("{}: {} x {} pixels, {}", options.output.string(), file.width,
+                           file.height, format_seconds(seconds.count())));
   }
   return {};
 }

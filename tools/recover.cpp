@@ -4,6 +4,7 @@
 
 #include "formats/spool_recovery.h"
 #include "tools/damage_listing.h"
+#include "tools/json_text.h"
 
 namespace spool::tools {
 namespace {
@@ -29,22 +30,24 @@ std::string balance(const format::RecoveryReport& report) {
   std::string text = fmt::format(
       "{} of {} blocks kept, {}", report.kept_blocks,
       report.kept_blocks + report.lost.size() + report.absent.size(),
-      report.anything_lost() ? fmt::format("{} damaged", report.lost.size()) : "none damaged");
+      report.lost_records > 0 ? fmt::format("{} damaged", report.lost.size()) : "none damaged");
   if (!report.absent.empty()) {
-    text += fmt::format(", {} not there: cut off, or never recorded", report.absent.size());
+    text += fmt::format(", {} not there: {}", report.absent.size(),
+                        report.has_index ? "never recorded" : "cut off, or never recorded");
   }
   return text;
 }
 
 void print_text(const RecoverOptions& options, const format::RecoveryReport& report) {
   for (const auto& record : report.damaged)
-    print(describe_record(record));
+    print_line(describe_record(record));
   for (const auto& block : report.lost)
-    print("lost     " + describe_block(block) + "\n");
-  print(fmt::format("{}: {}\n", options.output.string(),
-                    report.anything_lost() || !report.absent.empty()
-                        ? balance(report)
-                        : fmt::format("{} blocks kept, nothing was lost", report.kept_blocks)));
+    print_line("lost     " + describe_block(block));
+  print_line(
+      fmt::format("{}: {}", options.output.string(),
+                  report.anything_lost() || !report.absent.empty()
+                      ? balance(report)
+                      : fmt::format("{} blocks kept, nothing was lost", report.kept_blocks)));
 }
 
 }  // namespace
@@ -53,7 +56,7 @@ Result<void> run_recover(const RecoverOptions& options, const CommonOptions& com
   SPOOL_ASSIGN(const format::RecoveryReport report,
                format::recover_dump(options.input, options.output, common.force));
   if (common.json) {
-    print(describe(options, report).dump(2) + "\n");
+    print(json_text(describe(options, report)));
   } else if (!common.quiet) {
     print_text(options, report);
   }

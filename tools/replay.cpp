@@ -10,9 +10,11 @@
 #include "lib/pool/load_recording.h"
 #include "lib/sampling/spending.h"
 #include "tools/guard_listing.h"
+#include "tools/json_text.h"
 #include "tools/methods/method_memory.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/view_files.h"
+#include "tools/picture_name.h"
 #include "tools/progress.h"
 
 namespace spool::tools {
@@ -51,16 +53,27 @@ Result<long long> checked_budget(const SamplePool& pool, double spp) {
 }
 
 Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(check_exr_name(options.output));
   SPOOL_TRY(refuse_existing(options.output, common.force));
   std::vector<std::string> filters;  // in the loop of the sampler
   if (!options.filter.empty()) filters.push_back(options.filter);
   SPOOL_ASSIGN(const Methods methods, choose_methods({options.sampler}, filters, options.method));
   const ChosenMethod<SamplerFunction>& chosen = methods.samplers[0];
+  if (!methods.filters.empty()) {
+    SPOOL_TRY(check_loop_filter(chosen.choice, chosen.ready.needs, methods.filters[0].choice,
+                                methods.filters[0].ready.needs));
+  }
   const ReadySampler sample = options.decision_split ? split_decisions(chosen.ready) : chosen.ready;
   const std::vector<std::string> wanted = split_list(options.views);
   std::vector<ViewDescription> known = chosen.method->views;
   known.insert(known.end(), selection_views().begin(), selection_views().end());
   SPOOL_TRY(check_views(wanted, known));
+  if (!options.pictures.empty() && wanted.empty()) {
+    return fail(
+        ErrorCode::kUsage,
+        "--pictures {}: pictures of a replay are those of its views: name some with --views",
+        options.pictures.string());
+  }
   Views views(wanted);
   SPOOL_ASSIGN(const auto recording,
                load_recording(options.dump, methods.rules,
@@ -90,11 +103,11 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   if (common.json) {
     GuardCounts guards = recording->guards();
     guards += result.log.guards;
-    print(describe(options, result.log, guards, seconds.count()).dump(2) + "\n");
+    print(json_text(describe(options, result.log, guards, seconds.count())));
   } else if (!common.quiet) {
-    print(fmt::format("{}: {} samples taken of {} asked for, {} pieces ran out, {}\n",
-                      options.output.string(), result.log.spent, result.log.budget,
-                      result.log.saturated_pieces, format_seconds(seconds.count())));
+    print_line(fmt::format("{}: {} samples taken of {} asked for, {} pieces ran out, {}",
+                           options.output.string(), result.log.spent, result.log.budget,
+                           result.log.saturated_pieces, format_seconds(seconds.count())));
   }
   return {};
 }

@@ -15,6 +15,7 @@
 
 #include "lib/core/guards.h"
 #include "lib/experiment/result_table.h"
+#include "tools/methods/external_process.h"
 
 namespace spool::tools {
 namespace {
@@ -103,11 +104,15 @@ std::optional<Finished> run_program(std::vector<std::string> words, const std::s
   posix_spawn_file_actions_adddup2(&actions, fileno(out.get()), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, fileno(err.get()), STDERR_FILENO);
   pid_t child = 0;
-  const int failed =
-      posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+  const bool started = start_watched(
+      [&](const posix_spawnattr_t& attributes) {
+        return posix_spawnp(&child, arguments[0], &actions, &attributes, arguments.data(), environ);
+      },
+      child);
   posix_spawn_file_actions_destroy(&actions);
   int status = 0;
-  if (failed != 0 || waitpid(child, &status, 0) != child) return std::nullopt;
+  if (!started || waitpid(child, &status, 0) != child) return std::nullopt;
+  forget_watched(child);
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
   return Finished{code, contents(out.get()), contents(err.get())};
 }
@@ -159,7 +164,7 @@ Result<void> run_report(const ReportOptions& options, const CommonOptions& commo
                 finished && finished->exit_code == kNoNumpy ? "has no numpy" : "cannot be started");
   }
   if (finished->exit_code != 0) return tl::unexpected<Error>(error_of(*finished));
-  if (!common.quiet) print(finished->out + "\n");
+  if (!common.quiet) print_line(finished->out);
   return {};
 }
 

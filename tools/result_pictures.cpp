@@ -102,20 +102,21 @@ PictureScale picture_scale(const JudgingReference* reference, const RgbImage& es
 }
 
 Result<void> write_contact_sheet(const std::filesystem::path& path, const ResultImages& images,
-                                 const PictureScale& scale, bool overwrite) {
+                                 const PictureScale& scale, bool overwrite, bool shared) {
   std::vector<Panel> panels;
   for (NamedPanel& named : panels_of(images, scale))
     panels.push_back(std::move(named.panel));
-  return write_png(path, contact_sheet(images.title, panels), overwrite);
+  return write_png(path, contact_sheet(images.title, panels), overwrite, shared);
 }
 
 Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,
-                                   const PictureScale& scale, bool overwrite) {
+                                   const PictureScale& scale, bool overwrite, bool shared) {
   for (const NamedPanel& named : panels_of(images, scale)) {
     const std::filesystem::path stem = folder / named.name;
     if (named.name == "reference") continue;  // the same for every result
-    SPOOL_TRY(write_png(stem.string() + ".png", labelled_picture(named.panel), overwrite));
-    SPOOL_TRY(write_exr(stem.string() + ".exr", named.data, {.overwrite = overwrite}));
+    SPOOL_TRY(write_png(stem.string() + ".png", labelled_picture(named.panel), overwrite, shared));
+    SPOOL_TRY(
+        write_exr(stem.string() + ".exr", named.data, {.overwrite = overwrite, .shared = shared}));
   }
   return {};
 }

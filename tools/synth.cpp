@@ -4,6 +4,7 @@
 
 #include "lib/image_io/atomic_file.h"
 #include "lib/synthetic/write_synthetic.h"
+#include "tools/interrupt.h"
 #include "tools/progress.h"
 
 namespace spool::tools {
@@ -42,13 +43,17 @@ Result<void> run_synth(const SynthOptions& options, const CommonOptions& common)
   }
   write.writer.compress = options.compress;
   write.writer.force = common.force;
+  write.writer.discard_unfinished = true;  // the same command makes it again
   Progress progress("synth " + options.scene, common.quiet);
+  const InterruptNote note([&] {
+    return "nothing is kept of " + options.output.string() + ": the same command starts anew";
+  });
   write.progress = [&](double share) { progress.update(share); };
   SPOOL_TRY(write_synthetic(options.scene, size.first, size.second, options.spp, options.seed,
                             options.output, write));
   if (!common.quiet) {
-    print(fmt::format("{}: {} x {} pixels, {} samples each, exact reference\n",
-                      options.output.string(), size.first, size.second, options.spp));
+    print_line(fmt::format("{}: {} x {} pixels, {} samples each, exact reference",
+                           options.output.string(), size.first, size.second, options.spp));
   }
   return {};
 }

@@ -173,6 +173,7 @@ Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
   writer_options.compress = options.compress;
   writer_options.force = options.force;
   writer_options.uuid = options.uuid;
+  writer_options.discard_unfinished = true;  // the source is still there
   SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, header, writer_options));
   const DumpGeometry geometry(writer.header());
   const std::string source = plan.record.files.empty() ? out.string() : plan.record.files[0].name;

@@ -5,6 +5,7 @@
 
 #include "formats/byte_io.h"
 #include "formats/half_float.h"
+#include "formats/temporary_file.h"
 
 namespace spool::interchange {
 namespace {
@@ -103,23 +104,10 @@ Result<void> write_whole_file(const std::filesystem::path& out, bool force,
   std::error_code ignored;
   if (!force && std::filesystem::exists(out, ignored))
     return fail(ErrorCode::kUsage, "{}: exists: choose another name or use --force", out.string());
-  std::filesystem::path partial = out;
-  partial += ".partial";
-  if (force) std::filesystem::remove(partial, ignored);
-  const auto write = [&]() -> Result<void> {
-    SPOOL_ASSIGN(format::FileHandle file,
-                 format::FileHandle::open(partial, format::OpenMode::kCreate));
-    SPOOL_TRY(fill(file));
-    SPOOL_TRY(file.sync());
-    SPOOL_TRY(file.close());
-    SPOOL_TRY(format::rename_file(partial, out, force));
-    return format::sync_directory(out.has_parent_path() ? out.parent_path() : ".");
-  };
-  if (std::filesystem::exists(partial, ignored))
-    return fail(ErrorCode::kUsage, "{}: exists: remove it or use --force", partial.string());
-  const Result<void> written = write();
-  if (!written) std::filesystem::remove(partial, ignored);
-  return written;
+  SPOOL_ASSIGN(format::TemporaryFile file, format::TemporaryFile::create(out));
+  SPOOL_TRY(fill(file.file()));
+  SPOOL_TRY(file.publish(force ? format::Replace::kWhatWasHere : format::Replace::kNothing));
+  return format::sync_directory(out.parent_path());
 }
 
 Result<void> write_layer(const SpoolReader& dump, const LayerInfo& layer, DataType type,

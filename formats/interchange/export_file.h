@@ -1,4 +1,4 @@
-// What all exporters share: OUT.partial that becomes OUT when it is whole, and layers as arrays.
+// What all exporters share: a file that appears whole or not at all, and layers as arrays.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace spool::interchange {
 
-// Calls `fill` on a new OUT.partial, syncs and renames it. On failure nothing is left behind.
-// kUsage when OUT exists and `force` is not set.
+// Calls `fill` on a new file beside OUT, syncs and renames it. On failure nothing is left behind.
+// kUsage when OUT exists and `force` is not set; kIo when another process wrote OUT meanwhile.
 Result<void> write_whole_file(const std::filesystem::path& out, bool force,
                               const std::function<Result<void>(format::FileHandle&)>& fill);
 

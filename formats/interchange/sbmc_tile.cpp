@@ -59,7 +59,9 @@ Result<SbmcTile> SbmcTile::open(const std::filesystem::path& path) {
                 field(at), static_cast<size_t>(at));
   };
   if (field(kVersion) != 20181212 && field(kVersion) != 20190401)
-    return refuse(kVersion, "version");
+    // Not the value: a list may name any file of the reader's, and an error line may be published.
+    return fail(ErrorCode::kData, "{}: its version (byte {}) is none of SBMC: not a tile of SBMC",
+                name, static_cast<size_t>(kVersion));
   if (field(kTileSize) < 1 || field(kTileSize) > kMaxTile) return refuse(kTileSize, "tile size");
   for (const Field side : {kWidth, kHeight})
     if (field(side) < 1 || static_cast<uint32_t>(field(side)) > format::kMaxSide ||

@@ -1,14 +1,14 @@
 #include "formats/interchange/scratch_file.h"
 
+#include <utility>
+
+#include "formats/temporary_file.h"
+
 namespace spool::interchange {
 
 Result<format::FileHandle> open_scratch_file(const std::filesystem::path& out) {
-  std::filesystem::path name = out;
-  name += ".scratch";
-  SPOOL_ASSIGN(format::FileHandle file, format::FileHandle::open(name, format::OpenMode::kCreate));
-  std::error_code ignored;
-  std::filesystem::remove(name, ignored);  // lives as long as it is open
-  return file;
+  SPOOL_ASSIGN(format::TemporaryFile made, format::TemporaryFile::create(out));
+  return std::move(made.file());  // its name goes with `made`: it lives as long as it is open
 }
 
 Result<void> refuse_existing_target(const std::filesystem::path& out, bool force) {

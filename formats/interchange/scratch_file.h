@@ -9,7 +9,6 @@
 
 namespace spool::interchange {
 
-// kUsage when OUT.scratch exists (two jobs with one target).
 Result<format::FileHandle> open_scratch_file(const std::filesystem::path& out);
 
 // kUsage when `out` exists and `force` is not set: asked before hours of unpacking.

@@ -203,6 +203,7 @@ class Runner {
     context.cancelled = callbacks_.cancelled ? &callbacks_.cancelled : nullptr;
     if (sampler.needs.filter_in_loop) {
       SPOOL_ASSIGN(const ReadyFilter filter, sources_.filter(cell.filter));
+      SPOOL_TRY(check_loop_filter(cell.sampler, sampler.needs, cell.filter, filter.needs));
       context.filter = loop_filter(filter);
     }
     reset_peak_memory();

@@ -12,4 +12,33 @@ LoopFilter loop_filter(const ReadyFilter& filter) {
       };
 }
 
+Result<void> check_loop_filter(const MethodChoice& sampler, const Needs& of_sampler,
+                               const MethodChoice& filter, const Needs& of_filter) {
+  if (!of_sampler.filter_in_loop || !of_filter.reference) return {};
+  return fail(
+      ErrorCode::kUsage,
+      "{} with {}: the sampler has the filter in its loop, and this filter is an oracle: no "
+      "sampler may see the reference; leave one of the two out",
+      sampler.label(), filter.label());
+}
+
+Result<void> check_loop_filters(const MethodList<SamplerFunction>& known_samplers,
+                                const std::vector<MethodChoice>& samplers,
+                                const MethodList<FilterFunction>& known_filters,
+                                const std::vector<MethodChoice>& filters) {
+  for (const MethodChoice& sampler : samplers) {
+    SPOOL_ASSIGN(const ReadySampler ready, make_method(known_samplers, sampler));
+    if (!ready.needs.filter_in_loop) continue;
+    Result<void> last;
+    bool one_fits = filters.empty();
+    for (const MethodChoice& filter : filters) {
+      SPOOL_ASSIGN(const ReadyFilter in_loop, make_method(known_filters, filter));
+      last = check_loop_filter(sampler, ready.needs, filter, in_loop.needs);
+      one_fits = one_fits || last;
+    }
+    if (!one_fits) return last;
+  }
+  return {};
+}
+
 }  // namespace spool

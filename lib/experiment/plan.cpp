@@ -1,6 +1,8 @@
 #include "lib/experiment/plan.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -25,6 +27,43 @@ std::string swept_values(const MethodChoice& choice, const std::vector<std::stri
             (key == "preset" || set == choice.set.end() ? choice.preset : set->second);
   }
   return text.empty() ? text : "{" + text + "}";
+}
+
+// Of budgets, and of methods that come out of a sweep: beyond, the cells would be too many to list.
+constexpr std::size_t kMostValues = 2000;
+constexpr std::uintmax_t kLargestPlan = std::uintmax_t{16} << 20;  // bytes of a file
+
+// As large as TOML has numbers.
+Result<std::uint64_t> parse_seed(const std::string& text) {
+  std::int64_t seed = -1;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, seed);
+  if (parsed.ec == std::errc() && parsed.ptr == end && seed >= 0) {
+    return static_cast<std::uint64_t>(seed);
+  }
+  return fail(ErrorCode::kUsage, "seed: write a whole number from 0 to {}, not '{}'",
+              std::numeric_limits<std::int64_t>::max(), text);
+}
+
+// TOML is UTF-8, names of files are bytes: a name that is none is written as file:NAME with its
+// bytes as percent signs and digits, as RFC 8089 has them; so is one that itself starts with
+// "file:".
+std::string file_of_text(const std::string& text) {
+  constexpr std::string_view kScheme = "file:";
+  if (!text.starts_with(kScheme)) return text;
+  std::string name;
+  for (std::size_t i = kScheme.size(); i < text.size(); ++i) {
+    unsigned byte = 0;
+    const char* digits = text.data() + i + 1;
+    if (text[i] == '%' && i + 2 < text.size() &&
+        std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2) {
+      name += static_cast<char>(byte);
+      i += 2;
+    } else {
+      name += text[i];
+    }
+  }
+  return name;
 }
 
 class PlanReader {
@@ -117,7 +156,7 @@ class PlanReader {
     if (node) {
       for (const toml::node* value : values_of(*node)) {
         SPOOL_ASSIGN(const std::string text, text_of(*value));
-        plan.recordings.push_back((folder_ / text).lexically_normal().string());
+        plan.recordings.push_back((folder_ / file_of_text(text)).lexically_normal().string());
       }
     }
     SPOOL_TRY(read_dumps(plan));
@@ -148,7 +187,7 @@ class PlanReader {
       }
       if (file.empty()) return refuse(*table, "this dump has no file");
       plan.groups.resize(plan.recordings.size());
-      plan.recordings.push_back((folder_ / file).lexically_normal().string());
+      plan.recordings.push_back((folder_ / file_of_text(file)).lexically_normal().string());
       plan.groups.push_back(group);
     }
     return {};
@@ -176,6 +215,9 @@ class PlanReader {
     if (!node || values_of(*node).empty()) {
       return fail(ErrorCode::kUsage, "{}: no budgets: write spp = [4, 8, 16]", name_);
     }
+    if (values_of(*node).size() > kMostValues) {
+      return refuse(*node, "{} budgets: give at most {}", values_of(*node).size(), kMostValues);
+    }
     for (const toml::node* value : values_of(*node)) {
       SPOOL_ASSIGN(const std::string text, text_of(*value));
       const auto budget = parse_number("spp", text, 1e-3, 65536.0);
@@ -189,12 +231,11 @@ class PlanReader {
   }
 
   Result<void> read_experiment(Plan& plan) const {
-    constexpr int kMost = std::numeric_limits<int>::max();
     const auto integer = [](const char* key, int lowest, int highest) {
       return [=](const std::string& text) { return parse_integer(key, text, lowest, highest); };
     };
     SPOOL_TRY(read_value("replicates", plan.replicates, integer("replicates", 1, 10000)));
-    SPOOL_TRY(read_value("seed", plan.experiment.seed, integer("seed", 0, kMost)));
+    SPOOL_TRY(read_value("seed", plan.experiment.seed, parse_seed));
     SPOOL_TRY(read_value("holdout", plan.experiment.holdout, integer("holdout", 0, 65536)));
     SPOOL_TRY(read_value("pieces_per_side", plan.experiment.pieces_per_side,
                          integer("pieces_per_side", 1, 2)));
@@ -251,7 +292,7 @@ class PlanReader {
         if (key.str() == "name") {
           mask.name = text;
         } else if (key.str() == "file") {
-          mask.path = (folder_ / text).lexically_normal().string();
+          mask.path = (folder_ / file_of_text(text)).lexically_normal().string();
         } else if (key.str() == "recording") {
           mask.recording = std::filesystem::path(text).filename().string();
         } else {
@@ -335,6 +376,10 @@ class PlanReader {
           } else {
             grown.back().set.emplace_back(key.str(), chosen);
           }
+          if (grown.size() > kMostValues) {
+            return refuse(node, "more than {} combinations of values: sweep over fewer",
+                          kMostValues);
+          }
         }
       }
       if (grown.empty()) return refuse(node, "'{}' has no value to sweep over", key.str());
@@ -384,6 +429,14 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name,
 }
 
 Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& vocabulary) {
+  std::error_code status;
+  if (std::filesystem::exists(path, status) && !std::filesystem::is_regular_file(path, status)) {
+    return fail(ErrorCode::kUsage, "{}: is no regular file: give a plan on disk", path.string());
+  }
+  if (std::filesystem::file_size(path, status) > kLargestPlan && !status) {
+    return fail(ErrorCode::kUsage, "{}: larger than {} MiB: that is no plan", path.string(),
+                kLargestPlan >> 20);
+  }
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), {});
   if (!file) return fail(ErrorCode::kIo, "{}: cannot be read", path.string());

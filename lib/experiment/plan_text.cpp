@@ -4,6 +4,8 @@
 
 #include <toml++/toml.h>
 
+#include "lib/core/visible_text.h"
+
 namespace spool {
 namespace {
 
@@ -28,8 +30,19 @@ toml::array method_tables(const std::vector<MethodChoice>& methods) {
   return tables;
 }
 
+// What TOML cannot hold or parse_plan() would read otherwise, with percent signs.
+std::string text_of_file(const std::string& name) {
+  if (is_utf8(name) && !name.starts_with("file:")) return name;
+  std::string text = "file:";
+  for (const char c : name) {
+    const bool plain = c > 0x20 && c < 0x7F && c != '%';
+    text += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return text;
+}
+
 std::string absolute_path(const std::string& path) {
-  return std::filesystem::absolute(path).lexically_normal().string();
+  return text_of_file(std::filesystem::absolute(path).lexically_normal().string());
 }
 
 toml::array dump_tables(const Plan& plan) {

@@ -119,7 +119,7 @@ Result<ExrPlanes> read_exr_planes(const std::filesystem::path& path, const ExrRe
 
 Result<void> write_exr_planes(const std::filesystem::path& path, const ExrPlanes& image,
                               const ExrWriteOptions& options) {
-  SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, options.overwrite));
+  SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, options.overwrite, options.shared));
   try {
     Imf::Header header(image.width, image.height);
     header.compression() = Imf::ZIP_COMPRESSION;

@@ -34,6 +34,7 @@ struct ExrReadLimits {
 
 struct ExrWriteOptions {
   bool overwrite = false;
+  bool shared = false;  // several processes may write it: AtomicFile::create
 };
 
 }  // namespace spool

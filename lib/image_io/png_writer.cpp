@@ -42,10 +42,11 @@ Result<WritePng> load_module() {
 
 }  // namespace
 
-Result<void> write_png(const std::filesystem::path& path, const Picture& picture, bool overwrite) {
+Result<void> write_png(const std::filesystem::path& path, const Picture& picture, bool overwrite,
+                       bool shared) {
   static const Result<WritePng> write = load_module();
   if (!write) return tl::unexpected<Error>(write.error());
-  SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, overwrite));
+  SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, overwrite, shared));
   std::array<char, 512> error{};
   if ((*write)(file.temporary_path().c_str(), picture.width, picture.height, picture.rgb.data(),
                error.data(), error.size()) != 0) {

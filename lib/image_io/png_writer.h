@@ -12,6 +12,7 @@
 namespace spool {
 
 // Written under a temporary name, then renamed.
-Result<void> write_png(const std::filesystem::path& path, const Picture& picture, bool overwrite);
+Result<void> write_png(const std::filesystem::path& path, const Picture& picture, bool overwrite,
+                       bool shared = false);
 
 }  // namespace spool

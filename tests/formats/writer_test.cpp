@@ -86,7 +86,9 @@ TEST(SpoolWriter, TwoWritersDoNotShareAFile) {
   ASSERT_TRUE(first);
   const auto second = SpoolWriter::create(folder / "a.spool", tiny().header, {.force = true});
   ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().code, ErrorCode::kUsage);
+  EXPECT_EQ(second.error().code, ErrorCode::kIo);
+  EXPECT_EQ(SpoolWriter::create(folder / "a.spool", tiny().header, {}).error().code,
+            ErrorCode::kIo);
   ASSERT_TRUE(write_blocks(*first, tiny()));
   ASSERT_TRUE(first->finish());
   EXPECT_TRUE(check_dump(folder / "a.spool")->complete);

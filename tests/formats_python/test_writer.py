@@ -1,4 +1,5 @@
 import errno
+import fcntl
 import os
 
 import numpy as np
@@ -64,6 +65,22 @@ def test_existing_target_needs_force(tmp_path):
     with writer(path, force=True):
         assert path.read_bytes() == b"precious"
     assert spool.check(path).ok
+
+
+def test_a_file_that_was_finished_meanwhile_is_not_emptied(tmp_path, monkeypatch):
+    """A second writer opens NAME.partial, the first one finishes, the second one gets the lock: of NAME."""
+    path = tmp_path / "a.spool"
+    first = writer(path)
+    first.write_block(0, 0, 0, BLOCK)
+    lock = fcntl.flock
+
+    def lock_late(handle, how):
+        monkeypatch.setattr(fcntl, "flock", lock)
+        first.finish()
+        lock(handle, how)
+    monkeypatch.setattr(fcntl, "flock", lock_late)
+    usage(writer, path, force=True)
+    assert spool.check(path).ok and os.listdir(tmp_path) == ["a.spool"]
 
 
 def test_target_that_appears_meanwhile_is_kept(tmp_path):

@@ -191,6 +191,67 @@ def test_an_interrupt_ends_the_command_and_leaves_nothing(dump, tmp_path):
     assert not processes_with(f"sleep {word}") and not list((tmp_path / "tmp").iterdir())
 
 
+def wait_until(condition, seconds=20):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM, signal.SIGKILL])
+def test_no_signal_leaves_a_command_or_a_folder(dump, tmp_path, number):
+    """Of SIGKILL the program hears nothing: a guard beside the command ends it."""
+    word = f"75{os.getpid()}{number}"
+    (tmp_path / "tmp").mkdir()
+    process = subprocess.Popen([PROGRAM, "replay", dump, "--sampler", f"exec:sleep {word} & setsid -f true; sleep {word}; true",
+                                "--spp", "6", "-o", tmp_path / "s.exr"],
+                               env={**os.environ, "TMPDIR": str(tmp_path / "tmp")}, stderr=subprocess.PIPE)
+    wait_until(lambda: len(processes_with(f"sleep {word}")) == 2)
+    assert list((tmp_path / "tmp").iterdir())
+    process.send_signal(number)
+    assert process.wait(20) == (-number if number == signal.SIGKILL else 128 + number)
+    wait_until(lambda: not processes_with(f"sleep {word}") and not list((tmp_path / "tmp").iterdir()))
+
+
+def test_without_a_terminal_on_purpose_its_end_is_no_reason_to_stop(dump, tmp_path):
+    word = f"76{os.getpid()}"
+    process = subprocess.Popen(["nohup", PROGRAM, "replay", dump, "--sampler", f"exec:sleep 1.{word}; false", "--spp", "6", "-o",
+                                tmp_path / "s.exr"], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
+    wait_until(lambda: processes_with(f"sleep 1.{word}"))
+    process.send_signal(signal.SIGHUP)
+    assert process.wait(30) == 1
+
+
+def test_what_a_command_prints_takes_no_disk_and_no_time(run, dump, tmp_path):
+    (tmp_path / "tmp").mkdir()
+    process = subprocess.Popen([PROGRAM, "replay", dump, "--sampler", "exec:yes long-winded >&2; true", "--spp", "6", "-o",
+                                tmp_path / "s.exr", "--set", "sampler.timeout=3"],
+                               env={**os.environ, "TMPDIR": str(tmp_path / "tmp")}, stderr=subprocess.PIPE)
+    largest = 0
+    while process.poll() is None:
+        largest = max([largest, *(p.stat().st_size for p in (tmp_path / "tmp").rglob("*") if p.is_file() and p.exists())])
+        time.sleep(0.05)
+    assert process.returncode == 1 and largest < 1 << 20
+    words = "head -c 100000000 /dev/zero | tr '\\0' 'x'; echo; head -c 100000 /dev/zero | tr '\\0' 'y'; exit 3"
+    finished = replay(run, dump, f"exec:{words}; false")
+    assert finished.code == 1 and len(finished.err) < 1000 and "yyy" in finished.err and "xxx" not in finished.err
+
+
+def test_a_dry_run_runs_no_command_and_says_that_their_time_is_not_known(good, tmp_path, dump):
+    touch = tmp_path / "EXECUTED"
+    plan = tmp_path / "p.toml"
+    plan.write_text(f"""recordings = ["{dump}"]\nspp = [2]\nreplicates = 2\nsamplers = ["uniform", 'exec:touch {touch}; false']
+filters = ["box", 'exec:touch {touch}; false']\n""")
+    text = good("evaluate", plan, "--dry-run").out
+    assert "6 of them run commands" in text and "not known" in text and "the others take about" in text
+    told = good("evaluate", plan, "--dry-run", "--json").json
+    assert (told["cells"], told["left"], told["left_of_unknown_time"]) == (8, 8, 6)
+    text = good("evaluate", dump, "--samplers", f"exec:touch {touch}", "--filters", f"exec:touch {touch}", "--spp", 2,
+                "--dry-run").out
+    assert "5 of them" in text and "about" not in text
+    assert not touch.exists()
+
+
 def test_counts_are_a_sampler(good, run, dump, tmp_path):
     n = np.fromfunction(lambda y, x: 2 + (x + 3 * y) % 7, (20, 24)).astype("u4")
     exr.write(tmp_path / "mine.exr", {"Y": n.astype("f4")})
@@ -235,6 +296,25 @@ def test_replicates_of_an_image_claim_no_exactness(good, dump, tmp_path):
     assert entries["image:mine.exr"]["one_image"] and not entries["box"]["one_image"]
     assert entries["image:mine.exr"]["ranks"]["relmse"]["against_baseline"] == "not compared"
     assert "nothing is compared" in good(*arguments, "-o", "one", "--replicates", 1, "--recorded-order").out
+
+
+def test_an_oracle_in_the_loop_of_a_sampler_is_refused_before_any_work(run, dump, tmp_path):
+    words = ("filtered_halves with oracle_scale", "oracle", "leave one")
+    pair = ["--samplers", "uniform,filtered_halves", "--filters", "oracle_scale"]
+    run("evaluate", dump, *pair, "--spp", 4, "-o", "r").failed_with(2, *words)
+    run("evaluate", dump, *pair, "--spp", 4, "--dry-run").failed_with(2, *words)
+    run("replay", dump, "--sampler", "filtered_halves", "--filter", "oracle_scale", "--spp", 4, "-o", "s.exr").failed_with(
+        2, *words)
+    (tmp_path / "p.toml").write_text(f"""recordings = ["{dump}"]\nspp = [4]\nsamplers = ["filtered_halves"]
+filters = ["oracle_scale"]\n""")
+    run("evaluate", "p.toml", "-o", "r").failed_with(2, *words)
+    assert not (tmp_path / "r").exists()
+    # Beside others, only the cells of the two fail, and say why.
+    run("evaluate", dump, "--samplers", "uniform,filtered_halves", "--filters", "box,oracle_scale", "--spp", 4,
+        "--replicates", 2, "--no-pictures", "-o", "r").failed_with(1, "2 of 8 results failed", *words)
+    with open(tmp_path / "r" / "results.csv", newline="") as file:
+        failed = [row for row in csv.DictReader(file) if row["error"]]
+    assert {(row["sampler"], row["filter"]) for row in failed} == {("filtered_halves", "oracle_scale")}
 
 
 def test_an_external_filter_guides_filtered_halves(good, example, dump, tmp_path):

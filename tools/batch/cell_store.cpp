@@ -82,7 +82,7 @@ Result<void> CellStore::remove_all() const {
 Result<void> CellStore::write(const std::string& id, const ResultRecord& record) const {
   return write_text_file(
       path_of(id), to_json(record).dump(-1, ' ', false, ordered_json::error_handler_t::replace),
-      true);
+      true, true);
 }
 
 Result<ResultRecord> CellStore::read(const std::string& id, const Cell& cell) const {
@@ -134,7 +134,7 @@ Result<std::size_t> CellStore::take_from(const CellStore& other) const {
     const fs::path own = path_of(path.stem().string());
     std::error_code unreadable;
     if (fs::exists(own, unreadable) && !is_failed(own)) continue;
-    SPOOL_TRY(write_text_file(own, contents(path), true));
+    SPOOL_TRY(write_text_file(own, contents(path), true, true));
     ++taken;
   }
   if (status) {

@@ -7,10 +7,12 @@
 
 #include "formats/spool_reader.h"
 #include "lib/core/option_table.h"
+#include "lib/core/visible_text.h"
 #include "lib/experiment/result_table.h"
 #include "lib/synthetic/scene_s.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/time_estimate.h"
+#include "tools/json_text.h"
 #include "tools/methods/external_methods.h"
 
 namespace spool::tools {
@@ -21,8 +23,21 @@ constexpr int kTrialSamples = 64;     // recorded samples per pixel
 constexpr double kTrialSpp = 8;       // spent
 constexpr double kTrialSeconds = 10;  // at most, for all of them
 
+// Commands of somebody else are not run to see how long they take.
+bool is_foreign_code(const MethodChoice& method) {
+  return method.name == "exec" || method.name.starts_with("exec:");
+}
+
+bool runs_foreign_code(const Cell& cell) {
+  return is_foreign_code(cell.sampler) || is_foreign_code(cell.filter);
+}
+
 // Every sampler and every filter of the plan once, on a small analytic scene.
-void try_methods(const Plan& plan, TimeEstimate& estimate) {
+void try_methods(Plan plan, TimeEstimate& estimate) {
+  std::erase_if(plan.samplers, is_foreign_code);
+  std::erase_if(plan.filters, is_foreign_code);
+  if (plan.samplers.empty()) plan.samplers.push_back(MethodChoice{"uniform", "", {}});
+  if (plan.filters.empty()) plan.filters.push_back(MethodChoice{"box", "", {}});
   std::vector<Cell> trials;
   const std::size_t n = std::max(plan.samplers.size(), plan.filters.size());
   for (std::size_t i = 0; i < n; ++i) {
@@ -82,22 +97,30 @@ Result<void> print_dry_run(const RunRequest& request, const CommonOptions& commo
     } else {
       left.push_back(cell);
     }
-    listing += fmt::format("{}  {}  {} + {}  {:g} spp  replicate {}{}{}\n", id, cell.dump,
-                           cell.sampler.label(), cell.filter.label(), cell.spp, cell.replicate,
-                           cell.threads > 0 ? fmt::format("  {} threads", cell.threads) : "",
-                           is_done ? "  done" : "");
+    listing += visible_text(
+                   fmt::format("{}  {}  {} + {}  {:g} spp  replicate {}{}{}", id, cell.dump,
+                               cell.sampler.label(), cell.filter.label(), cell.spp, cell.replicate,
+                               cell.threads > 0 ? fmt::format("  {} threads", cell.threads) : "",
+                               is_done ? "  done" : "")) +
+               "\n";
   }
+  const bool measured = !done.empty();
+  const std::size_t cells_left = left.size();
+  if (!measured) std::erase_if(left, runs_foreign_code);
+  const std::size_t not_known = cells_left - left.size();
   TimeEstimate estimate(left, [&](const std::string& dump) { return pixels.at(dump); });
   for (const auto& [cell, record] : done)
     estimate.learn(cell, record);
-  const bool measured = estimate.known();
   if (!measured && !left.empty()) try_methods(plan, estimate);
   // The trial cannot see what the machine's caches will make of a large image, nor the writing of
   // pictures; half and twice the estimate are ordinary.
   const double seconds = estimate.seconds_left() * plan.experiment.repeats;
   if (common.json) {
-    print(fmt::format("{{\"cells\": {}, \"done\": {}, \"left\": {}, \"seconds\": {}}}\n", all,
-                      done.size(), left.size(), format_number(seconds)));
+    print(json_text({{"cells", all},
+                     {"done", done.size()},
+                     {"left", cells_left},
+                     {"seconds", seconds},
+                     {"left_of_unknown_time", not_known}}));
     return {};
   }
   print(listing);
@@ -107,13 +130,20 @@ Result<void> print_dry_run(const RunRequest& request, const CommonOptions& commo
       all, plan.recordings.size(), plan.samplers.size(), plan.spp.size(), plan.replicates,
       plan.threads.size(), plan.filters.size(),
       request.shard ? fmt::format(", shard {}/{}", request.shard->index, request.shard->count) : "",
-      done.size(), left.size()));
-  if (left.empty()) {
+      done.size(), cells_left));
+  if (not_known > 0) {
+    print(
+        fmt::format("{} of them run commands of the plan (exec:), which a dry run does not: their "
+                    "time is not known\n",
+                    not_known));
+  }
+  if (cells_left == 0) {
     print("nothing is left to do\n");
-  } else if (!estimate.known()) {
+  } else if (!left.empty() && !estimate.known()) {
     print("the time cannot be estimated: no method ran on the trial scene\n");
-  } else {
-    print(fmt::format("about {} ({}); half or twice that is ordinary\n", format_seconds(seconds),
+  } else if (!left.empty()) {
+    print(fmt::format("{}about {} ({}); half or twice that is ordinary\n",
+                      not_known > 0 ? "the others take " : "", format_seconds(seconds),
                       measured ? "from the results that are done"
                                : "from a trial of each method on a small scene, pictures not "
                                  "counted"));

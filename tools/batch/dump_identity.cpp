@@ -73,7 +73,7 @@ Result<void> write_identities(const std::vector<DumpIdentity>& dumps, const fs::
   }
   return write_text_file(folder / "dumps.json",
                          json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n",
-                         true);
+                         true, true);
 }
 
 Result<void> check_same_dumps(const std::vector<DumpIdentity>& dumps, const fs::path& other) {

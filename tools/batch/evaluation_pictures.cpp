@@ -88,8 +88,8 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
   std::error_code status;
   std::filesystem::create_directories(folder_ / stem, status);
   SPOOL_TRY(write_reference(result, images, stem));
-  SPOOL_TRY(write_result_pictures(folder_ / stem, pictures, scale, true));
-  return write_contact_sheet(folder_ / (stem + ".png"), pictures, scale, true);
+  SPOOL_TRY(write_result_pictures(folder_ / stem, pictures, scale, true, true));
+  return write_contact_sheet(folder_ / (stem + ".png"), pictures, scale, true, true);
 }
 
 // Every result has its own reference where that is made of the samples it did not take.
@@ -99,7 +99,7 @@ Result<void> EvaluationPictures::write_reference(const CellResult& result, const
   if (!own && !referenced_.insert(result.cell.dump).second) return {};
   return write_exr(own ? folder_ / stem / "reference.exr"
                        : folder_ / (dump_names_.at(result.cell.dump) + "_reference.exr"),
-                   exr_from_rgb(images.reference.mean), {.overwrite = true});
+                   exr_from_rgb(images.reference.mean), {.overwrite = true, .shared = true});
 }
 
 Result<std::string> EvaluationPictures::write_sheets(

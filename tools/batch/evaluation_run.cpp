@@ -125,8 +125,9 @@ class PlanRun {
       SPOOL_ASSIGN(sheets, pictures_.write_sheets(pictured));
     }
     if (!common_.json && !common_.quiet) {
-      print(fmt::format("\nnumbers: {}\n", (request_.folder / "results.csv").string()));
-      if (request_.plan.pictures) print(fmt::format("pictures: {}\n", sheets));
+      print("\n");
+      print_line(fmt::format("numbers: {}", (request_.folder / "results.csv").string()));
+      if (request_.plan.pictures) print_line(fmt::format("pictures: {}", sheets));
     }
     return verdict(missing);
   }
@@ -140,8 +141,9 @@ class PlanRun {
       }
     }
     if (!common_.quiet) {
-      print(fmt::format("shard {}/{}: {} of {} results in {}\n", request_.shard->index,
-                        request_.shard->count, done_.load(), wanted_, request_.folder.string()));
+      print_line(fmt::format("shard {}/{}: {} of {} results in {}", request_.shard->index,
+                             request_.shard->count, done_.load(), wanted_,
+                             request_.folder.string()));
     }
     return verdict(0);
   }
@@ -257,7 +259,7 @@ Result<void> write_statistics(const fs::path& folder, const Plan& plan,
   if (statistics["results"].empty()) {
     return fail(ErrorCode::kData, "{}: no finished results in it", folder.string());
   }
-  SPOOL_TRY(write_text_file(folder / "statistics.json", statistics_text(statistics), true));
+  SPOOL_TRY(write_text_file(folder / "statistics.json", statistics_text(statistics), true, true));
   print(common.json ? summary_json(statistics) : summary_text(statistics));
   return {};
 }
@@ -280,7 +282,7 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps,
                identify_dumps(request.plan.recordings, request.folder));
   SPOOL_TRY(write_identities(dumps, request.folder));
-  SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true));
+  SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true, true));
   SPOOL_TRY(merge_folders(request, dumps));
   PlanRun run(request, common, std::move(named));
   if (!request.merge) SPOOL_TRY(run.run());

@@ -6,7 +6,9 @@
 #include <tuple>
 #include <vector>
 
+#include "lib/core/visible_text.h"
 #include "tools/console.h"
+#include "tools/json_text.h"
 #include "tools/methods/external_methods.h"
 
 namespace spool::tools {
@@ -187,9 +189,9 @@ std::string summary_text(const ordered_json& statistics) {
       "\nMean [95 % interval], best relMSE first. Methods that share a letter are not told apart "
       "(all pairs of a recording and budget together at 5 %); better, worse: than uniform + box.\n";
   for (const std::string& about : summary.abouts())
-    text += fmt::format("About {}.\n", about);
+    text += fmt::format("About {}.\n", visible_text(about));
   const std::string reference = (*summary.results().front())["reference"];
-  text += fmt::format("Judged by: {}{}.\n", reference,
+  text += fmt::format("Judged by: {}{}.\n", visible_text(reference),
                       summary.biased() ? " (BIASED: see spool evaluate --help)" : "");
   return text;
 }
@@ -210,7 +212,7 @@ std::string summary_json(const ordered_json& statistics) {
     }
     list.push_back(std::move(entry));
   }
-  return list.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return json_text(list);
 }
 
 }  // namespace spool::tools

@@ -15,8 +15,8 @@ ResultsWriter::ResultsWriter(AtomicFile csv, AtomicFile lines)
 }
 
 Result<ResultsWriter> ResultsWriter::create(const std::filesystem::path& folder) {
-  SPOOL_ASSIGN(AtomicFile csv, AtomicFile::create(folder / "results.csv", true));
-  SPOOL_ASSIGN(AtomicFile lines, AtomicFile::create(folder / "results.jsonl", true));
+  SPOOL_ASSIGN(AtomicFile csv, AtomicFile::create(folder / "results.csv", true, true));
+  SPOOL_ASSIGN(AtomicFile lines, AtomicFile::create(folder / "results.jsonl", true, true));
   return ResultsWriter(std::move(csv), std::move(lines));
 }
 

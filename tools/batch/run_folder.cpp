@@ -1,15 +1,36 @@
 #include "tools/batch/run_folder.h"
 #include "lib/experiment/plan_cells.h"
 
+#include <chrono>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "formats/spool_reader.h"
+#include "formats/temporary_file.h"
 #include "tools/batch/cell_store.h"
 
 namespace spool::tools {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Other shards may write on machines whose locks are not seen from here.
+constexpr std::chrono::seconds kAgeBesideShards{3600};
+
+// What killed runs left of files that they were writing: here, in cells/ and beside the pictures.
+void sweep(const fs::path& folder, std::chrono::seconds age) {
+  format::sweep_temporary_files(folder, age);
+  std::error_code status;
+  for (const auto& entry : fs::directory_iterator(folder, status)) {
+    std::error_code ignored;
+    if (entry.is_directory(ignored) && !entry.is_symlink(ignored)) {
+      format::sweep_temporary_files(entry.path(), age);
+    }
+  }
+}
+
+}  // namespace
 
 Result<NamedCells> name_cells(const Plan& plan) {
   NamedCells named{plan.cells(), {}};
@@ -65,7 +86,9 @@ Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, 
                 "--force to start it anew",
                 folder.string(), others);
   }
-  return store.create();
+  SPOOL_TRY(store.create());
+  sweep(folder, request.shard ? kAgeBesideShards : std::chrono::seconds(0));
+  return {};
 }
 
 Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps) {
@@ -78,7 +101,7 @@ Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIden
     for (const auto& entry : fs::directory_iterator(from, status)) {
       const std::string name = entry.path().filename().string();
       if (name == "cells" || name == "dumps.json" || name == "plan.toml" ||
-          name.starts_with("results.") || name == "manifest.json") {
+          name.starts_with("results.") || name == "manifest.json" || name.ends_with(".partial")) {
         continue;
       }
       fs::copy(entry.path(), request.folder / name,

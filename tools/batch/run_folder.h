@@ -23,7 +23,8 @@ Result<NamedCells> name_cells(const Plan& plan);
 // kData when a recording cannot give what the plan asks of it.
 Result<void> check_dumps(const Plan& plan);
 
-// A folder of ours is continued; a strange one is not touched (kUsage).
+// A folder of ours is continued, unfinished files of killed runs removed; a strange one is not
+// touched (kUsage).
 Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, bool force);
 
 // Copies cells and images of `request.merge_from`, which must come from the same recordings.

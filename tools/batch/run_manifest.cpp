@@ -172,7 +172,7 @@ Result<void> write_manifest(const std::filesystem::path& folder, const RunManife
   }
   return write_text_file(
       folder / name, manifest.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n",
-      true);
+      true, true);
 }
 
 }  // namespace spool::tools

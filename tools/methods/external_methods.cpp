@@ -72,7 +72,7 @@ Result<ExrFile> call(const std::string& command, const PieceStatistics& statisti
                           {input.string(), output.string()},
                           std::move(environment),
                           options.timeout,
-                          folder / "log",
+                          folder.path(),
                           cancelled != nullptr ? *cancelled : std::function<bool()>()}));
   std::error_code status;
   if (!std::filesystem::exists(output, status)) {

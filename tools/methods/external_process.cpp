@@ -1,17 +1,19 @@
 #include "tools/methods/external_process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <mutex>
 #include <set>
+#include <sstream>
 #include <thread>
 
 extern char** environ;
@@ -21,7 +23,8 @@ namespace {
 
 constexpr std::size_t kLongestWords = 200;  // of a command's last line in an error
 constexpr int kSignalBase = 128;            // a shell's exit code for signal n is 128 + n
-constexpr std::streamoff kLogTail = 4096;   // bytes of its output that are looked at
+constexpr std::size_t kLogTail = 4096;      // bytes of its output that are kept
+constexpr int kLastReads = 16;              // of what a pipe holds when the command has ended
 
 // What an interrupt must end and remove.
 struct Running {
@@ -35,21 +38,44 @@ Running& running() {
   return instance;
 }
 
-// The last line that the command printed, fit for one line of an error; or nothing.
-std::string last_words(const std::filesystem::path& log) {
-  std::ifstream stream(log, std::ios::binary | std::ios::ate);
-  const std::streamoff size = stream ? static_cast<std::streamoff>(stream.tellg()) : 0;
-  stream.seekg(std::max<std::streamoff>(0, size - kLogTail));
-  std::string line, last;
-  while (std::getline(stream, line)) {
-    if (line.find_first_not_of(" \t\r") != std::string::npos) last = line;
+// The end of what a command prints, read while it runs: it may print without end.
+class LastWords {
+ public:
+  explicit LastWords(int descriptor) : descriptor_(descriptor) {}
+  ~LastWords() { ::close(descriptor_); }
+  LastWords(const LastWords&) = delete;
+  LastWords& operator=(const LastWords&) = delete;
+
+  // Takes what is there, or waits at most so long for something; false when no more can come.
+  bool read(std::chrono::milliseconds wait) {
+    pollfd waiting{descriptor_, POLLIN, 0};
+    if (::poll(&waiting, 1, static_cast<int>(wait.count())) <= 0) return true;
+    std::array<char, 65536> buffer{};
+    const ssize_t n = ::read(descriptor_, buffer.data(), buffer.size());
+    if (n < 0) return errno == EAGAIN || errno == EINTR;
+    tail_.append(buffer.data(), static_cast<std::size_t>(n));
+    if (tail_.size() > kLogTail) tail_.erase(0, tail_.size() - kLogTail);
+    return n > 0;
   }
-  for (char& c : last) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+
+  // The last line, fit for one line of an error; or nothing.
+  std::string line() const {
+    std::istringstream stream(tail_);
+    std::string line, last;
+    while (std::getline(stream, line)) {
+      if (line.find_first_not_of(" \t\r") != std::string::npos) last = line;
+    }
+    for (char& c : last) {
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+    }
+    if (last.size() > kLongestWords) last = last.substr(0, kLongestWords) + "...";
+    return last;
   }
-  if (last.size() > kLongestWords) last = last.substr(0, kLongestWords) + "...";
-  return last;
-}
+
+ private:
+  int descriptor_;
+  std::string tail_;
+};
 
 // Environment of this program with some variables replaced.
 class Environment {
@@ -76,8 +102,28 @@ class Environment {
   std::vector<char*> pointers_;
 };
 
-// Starts the command in a group of its own; an error number of the system when that fails.
-int start(const ExternalCommand& command, pid_t& child) {
+// What a spawned process gets as its three standard streams.
+struct Streams {
+  int in = -1, out = -1;  // descriptors; -1: /dev/null
+};
+
+// Group 0: one of its own. Signals are as a shell would have them.
+void put_into_group(posix_spawnattr_t& attributes, pid_t group) {
+  sigset_t none, defaults;
+  sigemptyset(&none);  // this program blocks the signals that it waits for, in all its threads
+  sigemptyset(&defaults);
+  for (const int signal : {SIGPIPE, SIGHUP, SIGINT, SIGQUIT, SIGTERM})
+    sigaddset(&defaults, signal);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  posix_spawnattr_setpgroup(&attributes, group);
+  posix_spawnattr_setflags(&attributes,
+                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+}
+
+// Starts /bin/sh with these words in a group; an error number of the system when that fails.
+int spawn_shell(std::vector<std::string> words, char** environment, pid_t group, Streams streams,
+                pid_t& child) {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
   if (posix_spawn_file_actions_init(&files) != 0) return ENOMEM;
@@ -85,49 +131,102 @@ int start(const ExternalCommand& command, pid_t& child) {
     posix_spawn_file_actions_destroy(&files);
     return ENOMEM;
   }
-  posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, 1, command.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                   0600);
+  const auto lead = [&](int from, int to, int mode) {
+    if (from >= 0) {
+      posix_spawn_file_actions_adddup2(&files, from, to);
+    } else {
+      posix_spawn_file_actions_addopen(&files, to, "/dev/null", mode, 0);
+    }
+  };
+  lead(streams.in, 0, O_RDONLY);
+  lead(streams.out, 1, O_WRONLY);
   posix_spawn_file_actions_adddup2(&files, 1, 2);
-  sigset_t none, defaults;
-  sigemptyset(&none);  // this program blocks SIGINT and SIGTERM for all its threads
-  sigemptyset(&defaults);
-  sigaddset(&defaults, SIGPIPE);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &defaults);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-
-  std::vector<std::string> words = {"sh", "-c", command.command + " \"$@\"", "sh"};
-  words.insert(words.end(), command.arguments.begin(), command.arguments.end());
+  put_into_group(attributes, group);
   std::vector<char*> pointers;
   for (std::string& word : words)
     pointers.push_back(word.data());
   pointers.push_back(nullptr);
-  Environment environment(command.environment);
-  const std::scoped_lock lock(running().mutex);  // an interrupt sees it from its first moment on
   const int status =
-      posix_spawn(&child, "/bin/sh", &files, &attributes, pointers.data(), environment.pointers());
-  if (status == 0) running().groups.insert(child);
+      posix_spawn(&child, "/bin/sh", &files, &attributes, pointers.data(), environment);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
   return status;
 }
 
+// A command at work, in a group of processes that a guard leads. The guard waits for the end of a
+// pipe that this program holds: should this program be killed, whatever the signal, the guard ends
+// the group and removes the folder.
+struct Group {
+  pid_t guard = 0, child = 0;
+  int lifeline = -1;  // the end of the pipe that is never written to
+  int output = -1;    // what the command prints
+};
+
+constexpr const char* kGuard =
+    "trap '' TERM; read nothing; kill -TERM 0; sleep 0.1; rm -rf -- \"$1\"; kill -KILL 0";
+
+struct Pipe {
+  std::array<int, 2> ends = {-1, -1};
+  int make() { return ::pipe2(ends.data(), O_CLOEXEC) == 0 ? 0 : errno; }
+  int take(std::size_t end) { return std::exchange(ends.at(end), -1); }
+  ~Pipe() {
+    for (const int end : ends)
+      if (end >= 0) ::close(end);
+  }
+};
+
+void end_group(Group& group) {
+  ::kill(-group.guard, SIGKILL);  // and what the command left behind
+  int ignored = 0;
+  while (::waitpid(group.guard, &ignored, 0) < 0 && errno == EINTR) {
+  }
+  ::close(group.lifeline);
+  const std::scoped_lock lock(running().mutex);
+  running().groups.erase(group.guard);
+}
+
+// An error number of the system when the command cannot be started.
+int start(const ExternalCommand& command, Group& group) {
+  Pipe lifeline, output;
+  if (const int error = lifeline.make(); error != 0) return error;
+  if (const int error = output.make(); error != 0) return error;
+  Environment environment(command.environment);
+  {
+    const std::scoped_lock lock(running().mutex);  // an interrupt sees it from its first moment on
+    const int error = spawn_shell({"sh", "-c", kGuard, "sh", command.folder.string()}, environ, 0,
+                                  {lifeline.ends[0], -1}, group.guard);
+    if (error != 0) return error;
+    running().groups.insert(group.guard);
+  }
+  group.lifeline = lifeline.take(1);
+  std::vector<std::string> words = {"sh", "-c", command.command + " \"$@\"", "sh"};
+  words.insert(words.end(), command.arguments.begin(), command.arguments.end());
+  const int error = spawn_shell(std::move(words), environment.pointers(), group.guard,
+                                {-1, output.ends[1]}, group.child);
+  if (error != 0) {
+    end_group(group);
+    return error;
+  }
+  group.output = output.take(0);
+  ::fcntl(group.output, F_SETFL, O_NONBLOCK);
+  return 0;
+}
+
 enum class Ending { kByItself, kTimeout, kCancelled };
 
-Ending wait_for(pid_t child, const ExternalCommand& command, int& status) {
+Ending wait_for(Group& group, const ExternalCommand& command, LastWords& words, int& status) {
   using Clock = std::chrono::steady_clock;
   const auto start_time = Clock::now();
-  auto pause = std::chrono::microseconds(500);
+  auto pause = std::chrono::milliseconds(1);
   Ending ending = Ending::kByItself;
   // WNOWAIT leaves the child's number taken until its group has been killed.
   siginfo_t info{};
+  bool printing = true;
   while (true) {
     info.si_pid = 0;
-    if (waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0) break;
-    if (info.si_pid == child) break;
+    if (waitid(P_PID, static_cast<id_t>(group.child), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
+      break;
+    if (info.si_pid == group.child) break;
     if (std::chrono::duration<double>(Clock::now() - start_time).count() > command.timeout) {
       ending = Ending::kTimeout;
       break;
@@ -136,27 +235,33 @@ Ending wait_for(pid_t child, const ExternalCommand& command, int& status) {
       ending = Ending::kCancelled;
       break;
     }
-    std::this_thread::sleep_for(pause);
-    pause = std::min(2 * pause, std::chrono::microseconds(20000));
+    if (printing) {
+      printing = words.read(pause);
+    } else {
+      std::this_thread::sleep_for(pause);  // it has closed its output and goes on
+    }
+    pause = std::min(2 * pause, std::chrono::milliseconds(20));
   }
-  ::kill(-child, SIGKILL);  // and what it left behind
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  // What is in the pipe when it ends, and no more: what it left behind may go on printing.
+  for (int i = 0; i < kLastReads && printing; ++i)
+    printing = words.read(std::chrono::milliseconds(0));
+  end_group(group);
+  while (::waitpid(group.child, &status, 0) < 0 && errno == EINTR) {
   }
-  const std::scoped_lock lock(running().mutex);
-  running().groups.erase(child);
   return ending;
 }
 
 }  // namespace
 
 Result<void> run_external(const ExternalCommand& command) {
-  pid_t child = 0;
-  if (const int error = start(command, child); error != 0) {
+  Group group;
+  if (const int error = start(command, group); error != 0) {
     return fail(ErrorCode::kIo, "exec:{}: cannot be started: {}", command.command,
                 std::strerror(error));
   }
+  LastWords printed(group.output);
   int status = 0;
-  const Ending ending = wait_for(child, command, status);
+  const Ending ending = wait_for(group, command, printed, status);
   if (ending == Ending::kTimeout) {
     return fail(ErrorCode::kData,
                 "exec:{}: no answer within {} s: mend it, or give it more time with the option "
@@ -168,12 +273,28 @@ Result<void> run_external(const ExternalCommand& command) {
   }
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : kSignalBase + WTERMSIG(status);
   if (code == 0) return {};
-  const std::string words = last_words(command.log);
+  const std::string words = printed.line();
   return fail(
       ErrorCode::kData, "exec:{}: {} {}{}", command.command,
       code > kSignalBase ? "was ended by signal" : "failed with exit code",
       code > kSignalBase ? code - kSignalBase : code,
       words.empty() ? ": it printed nothing; run it by hand" : ", its last words: " + words);
+}
+
+bool start_watched(const std::function<int(const posix_spawnattr_t&)>& spawn, const pid_t& child) {
+  posix_spawnattr_t attributes;
+  if (posix_spawnattr_init(&attributes) != 0) return false;
+  put_into_group(attributes, 0);
+  const std::scoped_lock lock(running().mutex);
+  const bool started = spawn(attributes) == 0;
+  if (started) running().groups.insert(child);
+  posix_spawnattr_destroy(&attributes);
+  return started;
+}
+
+void forget_watched(pid_t child) {
+  const std::scoped_lock lock(running().mutex);
+  running().groups.erase(child);
 }
 
 Result<ExchangeFolder> ExchangeFolder::create() {

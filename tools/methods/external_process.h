@@ -1,9 +1,12 @@
 // A command of somebody else, run by /bin/sh and watched: its end, its time, its last words.
 //
 // The command is a process group of its own, killed as a whole when it takes too long, when the
-// caller gives up, or when this program is interrupted; nothing that it started outlives the call.
+// caller gives up, or when this program is interrupted or killed; nothing that it started outlives
+// the call. Of what it prints, the end is kept.
 #pragma once
 
+#include <spawn.h>
+#include <sys/types.h>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -19,7 +22,7 @@ struct ExternalCommand {
   std::vector<std::string> arguments;  // handed over as they are, never read by the shell
   std::vector<std::pair<std::string, std::string>> environment;  // added to this program's own
   double timeout = 600.0;                                        // seconds
-  std::filesystem::path log;             // takes what it prints on stdout and stderr
+  std::filesystem::path folder;          // goes with this program, should that be killed
   std::function<bool()> cancelled = {};  // asked while it runs; may be empty
 };
 
@@ -37,12 +40,18 @@ class ExchangeFolder {
   ExchangeFolder& operator=(ExchangeFolder&&) = delete;
   ~ExchangeFolder();
 
+  const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const char* name) const { return path_ / name; }
 
  private:
   explicit ExchangeFolder(std::filesystem::path path) : path_(std::move(path)) {}
   std::filesystem::path path_;
 };
+
+// Another program of our own choice, in a group that an interrupt ends too: `spawn` starts it with
+// the attributes it is given and puts its id into `child`. False when it does not start.
+bool start_watched(const std::function<int(const posix_spawnattr_t&)>& spawn, const pid_t& child);
+void forget_watched(pid_t child);  // when it has ended
 
 // Kills running commands and removes their folders: for the program's way out on an interrupt.
 void end_external_work();

@@ -38,6 +38,9 @@ class PartialFile:
         try:
             if fcntl is not None:
                 fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if not self._is_partial():  # its writer finished it between the two calls: it is NAME by now
+                self.close()
+                raise SpoolError("usage", f"{self.name}.partial: another recording wrote it: wait for it")
             os.ftruncate(self._handle, 0)  # a stale partial file, with force
         except OSError as reason:
             self.close()
@@ -89,6 +92,13 @@ class PartialFile:
         if self._handle is not None:
             os.close(self._handle)
             self._handle = None
+
+    def _is_partial(self):
+        try:
+            own, named = os.fstat(self._handle), os.lstat(self.partial)
+        except FileNotFoundError:
+            return False
+        return os.path.samestat(own, named)
 
     def _alive(self):
         if self._failed or self._handle is None:

@@ -1,0 +1,58 @@
+// Files that appear whole or not at all: written under a name of their own beside the target, then
+// renamed.
+//
+// The name is TARGET.spool-RANDOM.partial, made with O_EXCL: processes of one id (containers,
+// machines of one network folder) do not meet in it. The file is locked (flock) while its writer
+// lives, so that what a killed process left can be told from what another one still writes.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+
+#include "formats/file_handle.h"
+#include "formats/unfinished_files.h"
+#include "lib/core/error.h"
+
+namespace spool::format {
+
+// What may stand in the target's place when the file is finished.
+enum class Replace {
+  kNothing,      // the target must not be there
+  kWhatWasHere,  // the file that stood there when this one was begun, or nothing
+  kAnything,     // several processes write the same: the last one stays
+};
+
+class TemporaryFile {
+ public:
+  static Result<TemporaryFile> create(const std::filesystem::path& target);
+
+  const std::filesystem::path& path() const { return unfinished_.path(); }
+  FileHandle& file() { return file_; }
+
+  // Syncs and renames. kIo when the target is no longer what `replace` allows (another process was
+  // faster: its file stays, this one goes), or when the system refuses.
+  Result<void> publish(Replace replace);
+
+ private:
+  // What a target was: a file that was replaced or written has another one.
+  struct Identity {
+    std::uint64_t device = 0, inode = 0, bytes = 0;
+    std::int64_t seconds = 0, nanoseconds = 0;
+    bool operator==(const Identity&) const = default;
+  };
+  static std::optional<Identity> identity_of(const std::filesystem::path& path);
+
+  std::filesystem::path target_;
+  std::optional<Identity> found_;  // the target when this was begun
+  FileHandle file_;
+  UnfinishedFile unfinished_;  // after file_: removed while the lock is still held
+};
+
+// Removes the temporary files in `folder` whose writers are gone: those nobody holds a lock on and
+// nobody has written for `age`. Where locks do not work, none. Returns how many.
+std::size_t sweep_temporary_files(const std::filesystem::path& folder,
+                                  std::chrono::seconds age = std::chrono::seconds(0));
+
+}  // namespace spool::format

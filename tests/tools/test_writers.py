@@ -1,0 +1,143 @@
+"""Several processes, one output: of equal process ids, killed, at the same time."""
+import fcntl
+import os
+import random
+import subprocess
+import time
+
+import numpy as np
+import pytest
+
+import spool
+from conftest import PROGRAM, samples, write_dump
+from results_comparison import assert_same_results
+
+ROUNDS = int(os.environ.get("SPOOL_KILLS", "3"))
+PLAN = """
+recordings = ["scene.spool"]
+spp = [2, 4]
+replicates = 2
+pictures = {pictures}
+samplers = ["uniform", "multiscale"]
+filters = ["box", "gaussian"]
+"""
+
+
+@pytest.fixture
+def plan(dump, tmp_path):
+    path = tmp_path / "plan.toml"
+    path.write_text(PLAN.format(pictures="true"))
+    return path
+
+
+def alone():
+    """A command prefix that gives every process the same id, as a container does; empty where that is not allowed."""
+    for prefix in (["unshare", "--pid", "--fork"], ["unshare", "--user", "--map-root-user", "--pid", "--fork"]):
+        probe = subprocess.run([*prefix, "sh", "-c", "echo $$"], capture_output=True, text=True)
+        if probe.returncode == 0 and probe.stdout.strip() == "1":
+            return prefix
+    return []
+
+
+def leftovers(folder):
+    return [path for path in folder.rglob("*") if path.name.endswith((".partial", ".scratch"))]
+
+
+@pytest.mark.skipif(not alone(), reason="SKIPPED: no process namespaces here")
+def test_shards_of_equal_process_ids_do_not_meet(good, plan, tmp_path):
+    good("evaluate", plan, "-o", "whole")
+    for turn in range(ROUNDS):
+        shards = [subprocess.Popen([*alone(), PROGRAM, "evaluate", plan, "--shard", f"{i}/4", "-o", tmp_path / f"r{turn}"],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) for i in range(4)]
+        errors = [shard.communicate(timeout=120)[1] for shard in shards]
+        assert [shard.returncode for shard in shards] == [0] * 4, errors
+        assert not leftovers(tmp_path / f"r{turn}")
+        good("evaluate", plan, "--merge", "-o", f"r{turn}")
+        assert_same_results(tmp_path / "whole", tmp_path / f"r{turn}", images=True)
+
+
+def test_two_runs_of_one_folder_both_end_well(good, plan, tmp_path):
+    good("evaluate", plan, "-o", "whole")
+    both = [subprocess.Popen([PROGRAM, "evaluate", plan, "-o", tmp_path / "r"], stdout=subprocess.DEVNULL,
+                             stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    errors = [one.communicate(timeout=120)[1] for one in both]
+    assert [one.returncode for one in both] == [0, 0], errors
+    assert_same_results(tmp_path / "whole", tmp_path / "r", images=True)
+
+
+def test_what_killed_runs_left_is_swept_and_what_others_write_is_not(good, plan, tmp_path):
+    good("evaluate", plan, "-o", "whole", "--no-pictures")
+    folder, chance, torn = tmp_path / "r", random.Random(3), 0
+    for _ in range(8 * ROUNDS):
+        victim = subprocess.Popen([PROGRAM, "evaluate", plan, "-o", folder, "--no-pictures", "--force"],
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(chance.uniform(0.0, 0.4))
+        victim.kill()
+        victim.wait()
+        torn += bool(leftovers(folder)) if folder.exists() else 0
+    # As a run that was killed while it wrote leaves them, in each place where runs write.
+    (folder / "pictures").mkdir(parents=True, exist_ok=True)
+    (folder / "cells").mkdir(exist_ok=True)
+    for place in (folder, folder / "cells", folder / "pictures"):
+        (place / "results.csv.spool-abcdefgh.partial").write_text("half of a table")
+    alive = folder / "cells" / "0123.json.spool-abcdefgi.partial"
+    with open(alive, "w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        good("evaluate", plan, "-o", folder, "--no-pictures")
+        assert leftovers(folder) == [alive]
+    good("evaluate", plan, "-o", folder, "--no-pictures")
+    assert not leftovers(folder)
+    assert_same_results(tmp_path / "whole", folder)
+
+
+def test_a_shard_leaves_young_files_of_other_machines_alone(good, plan, tmp_path):
+    good("evaluate", plan, "--shard", "0/2", "-o", "r", "--no-pictures")
+    young, old = (tmp_path / "r" / "cells" / f"x.json.spool-abcdefg{letter}.partial" for letter in "ab")
+    for path in (young, old):
+        path.write_text("half")
+    os.utime(old, (time.time() - 7200,) * 2)
+    good("evaluate", plan, "--shard", "1/2", "-o", "r", "--no-pictures")
+    assert leftovers(tmp_path) == [young]
+
+
+COMMANDS = {
+    "npz": ["convert", "big.spool", "--to", "npz", "-o", "out/x"],
+    "bcd": ["convert", "big.spool", "--to", "bcd", "-o", "out/x"],
+    "deep-exr": ["convert", "big.spool", "--to", "deep-exr", "-o", "out/x"],
+    "image": ["reconstruct", "big.spool", "--filter", "box", "-o", "out/x"],
+    "counts": ["replay", "big.spool", "--sampler", "uniform", "--spp", "4", "-o", "out/x"],
+    "synth": ["synth", "scene_s", "--size", "192", "--samples", "32", "-o", "out/x"],
+    "recover": ["recover", "big.spool", "out/x"],
+    "pack": ["pack", "--from", "npz", "big.npz", "-o", "out/x"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("force", [False, True])
+def test_of_two_writers_of_one_output_one_wins_and_the_other_says_so(good, tmp_path, command, force):
+    radiance, _ = samples(64, 64, 32)
+    write_dump(tmp_path / "big.spool", radiance)
+    if command == "pack":
+        good("convert", "big.spool", "--to", "npz", "-o", "big.npz")
+    (tmp_path / "out").mkdir()
+    words = [*COMMANDS[command], *(["--force"] if force else [])]
+    good(*words)
+    whole, outcomes = (tmp_path / "out" / "x").read_bytes(), []
+    for _ in range(ROUNDS):
+        if not force:
+            (tmp_path / "out" / "x").unlink()
+        writers = [subprocess.Popen([*alone(), PROGRAM, *words], cwd=tmp_path, stdout=subprocess.DEVNULL,
+                                    stderr=subprocess.PIPE, text=True) for _ in range(3)]
+        errors = [writer.communicate(timeout=120)[1] for writer in writers]
+        codes = sorted(writer.returncode for writer in writers)
+        outcomes += codes
+        # 2: it came when the other had finished and nothing was forced.
+        assert codes[0] == 0 and set(codes) <= ({0, 3} if force else {0, 2, 3}), errors
+        assert codes.count(0) == 1 or force, errors  # one after the other, each may replace the last
+        assert len((tmp_path / "out" / "x").read_bytes()) == len(whole)
+        if command not in ("synth", "recover", "pack"):  # these carry a uuid of their own
+            assert (tmp_path / "out" / "x").read_bytes() == whole
+        else:
+            assert good("check", "out/x")
+        assert [path.name for path in (tmp_path / "out").iterdir()] == ["x"]
+    assert force or max(outcomes) > 0
