@@ -40,9 +40,11 @@ Result<FileHandle> reopen_partial(const std::filesystem::path& partial, bool for
 
 Result<FileHandle> open_partial(const std::filesystem::path& partial, bool force) {
   if (is_there(partial)) return reopen_partial(partial, force);
-  SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kCreate));
-  SPOOL_ASSIGN(const bool locked, file.try_lock());
-  if (!locked || !file.is_named(partial)) return written_by_another(partial);
+  Result<FileHandle> file = FileHandle::open(partial, OpenMode::kCreate);
+  if (!file && is_there(partial)) return written_by_another(partial);  // since a moment ago
+  if (!file) return file;
+  SPOOL_ASSIGN(const bool locked, file->try_lock());
+  if (!locked || !file->is_named(partial)) return written_by_another(partial);
   return file;
 }
 

@@ -13,7 +13,7 @@ namespace spool {
 // An error (kUsage) when `target` exists and `overwrite` is false.
 Result<void> refuse_existing(const std::filesystem::path& target, bool overwrite);
 
-// Reserves a temporary name beside `target`. Write to temporary_path(), then commit().
+// Reserves a temporary name beside `target`. Write to file() or temporary_path(), then commit().
 class AtomicFile {
  public:
   // `shared`: several processes may write the target at the same time, the last one stays.
@@ -22,6 +22,7 @@ class AtomicFile {
                                    bool shared = false);
 
   const std::filesystem::path& temporary_path() const { return file_.path(); }
+  format::FileHandle& file() { return file_.file(); }  // the same, open for writing
   Result<void> commit();
 
  private:

@@ -15,6 +15,7 @@
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_geometry.h"
 #include "lib/image_io/exr_header_scan.h"
+#include "lib/image_io/exr_output.h"
 
 namespace spool {
 namespace {
@@ -133,7 +134,8 @@ struct DeepExrWriter::State {
   AtomicFile file;
   DeepHeader header;
   std::uint32_t samples;
-  std::optional<Imf::DeepScanLineOutputFile> output;
+  exr::ExrOutput stream{file.file()};
+  std::optional<Imf::DeepScanLineOutputFile> output;  // before the stream goes
 
   Imf::Header imf_header() const {
     Imf::Header made(header.width, header.height);
@@ -173,7 +175,7 @@ Result<DeepExrWriter> DeepExrWriter::create(const std::filesystem::path& path,
   SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, overwrite));
   auto state = std::make_unique<State>(std::move(file), header, samples);
   try {
-    state->output.emplace(state->file.temporary_path().c_str(), state->imf_header());
+    state->output.emplace(state->stream, state->imf_header());
   } catch (const std::exception& error) {
     return fail(ErrorCode::kIo, "{}: cannot be written ({}): nothing was changed", path.string(),
                 exr::one_line(error.what()));
@@ -198,6 +200,7 @@ Result<void> DeepExrWriter::finish() {
     return fail(ErrorCode::kIo, "{}: cannot be written ({}): free some space",
                 state_->file.temporary_path().string(), exr::one_line(error.what()));
   }
+  SPOOL_TRY(state_->stream.finished());
   return state_->file.commit();
 }
 

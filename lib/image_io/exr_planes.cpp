@@ -16,6 +16,7 @@
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_geometry.h"
 #include "lib/image_io/exr_header_scan.h"
+#include "lib/image_io/exr_output.h"
 
 namespace spool {
 namespace {
@@ -120,6 +121,7 @@ Result<ExrPlanes> read_exr_planes(const std::filesystem::path& path, const ExrRe
 Result<void> write_exr_planes(const std::filesystem::path& path, const ExrPlanes& image,
                               const ExrWriteOptions& options) {
   SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, options.overwrite, options.shared));
+  exr::ExrOutput stream(file.file());
   try {
     Imf::Header header(image.width, image.height);
     header.compression() = Imf::ZIP_COMPRESSION;
@@ -133,13 +135,15 @@ Result<void> write_exr_planes(const std::filesystem::path& path, const ExrPlanes
       buffer.insert(plane.name, Imf::Slice(exr::imf_type(plane.type), values, bytes,
                                            bytes * static_cast<std::size_t>(image.width)));
     }
-    Imf::OutputFile output(file.temporary_path().c_str(), header);
+    Imf::OutputFile output(stream, header);
     output.setFrameBuffer(buffer);
     output.writePixels(image.height);
   } catch (const std::exception& error) {
+    SPOOL_TRY(stream.finished());
     return fail(ErrorCode::kIo, "{}: cannot be written ({}): nothing was changed", path.string(),
                 exr::one_line(error.what()));
   }
+  SPOOL_TRY(stream.finished());
   return file.commit();
 }
 

@@ -3,14 +3,18 @@
 #include <dlfcn.h>
 #include <array>
 #include <cstdlib>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "lib/image_io/atomic_file.h"
 
 namespace spool {
 namespace {
 
-using WritePng = int (*)(const char*, int, int, const unsigned char*, char*, std::size_t);
+using TakeBytes = void (*)(void*, const unsigned char*, std::size_t);
+using MakePng = int (*)(int, int, const unsigned char*, TakeBytes, void*, char*, std::size_t);
+using Bytes = std::vector<unsigned char>;
 
 Result<std::filesystem::path> find_module() {
   if (const char* named = std::getenv("SPOOL_PNG_MODULE")) return std::filesystem::path(named);
@@ -28,30 +32,35 @@ Result<std::filesystem::path> find_module() {
       program.string());
 }
 
-Result<WritePng> load_module() {
+Result<MakePng> load_module() {
   SPOOL_ASSIGN(const std::filesystem::path path, find_module());
   // Never closed: libraries with threads of their own do not survive being unloaded.
   void* module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  void* function = module ? ::dlsym(module, "spool_write_png") : nullptr;
+  void* function = module ? ::dlsym(module, "spool_make_png") : nullptr;
   if (!function) {
     return fail(ErrorCode::kIo, "{}: cannot be loaded ({}): PNG pictures need it", path.string(),
                 ::dlerror());
   }
-  return reinterpret_cast<WritePng>(function);
+  return reinterpret_cast<MakePng>(function);
 }
 
 }  // namespace
 
 Result<void> write_png(const std::filesystem::path& path, const Picture& picture, bool overwrite,
                        bool shared) {
-  static const Result<WritePng> write = load_module();
-  if (!write) return tl::unexpected<Error>(write.error());
+  static const Result<MakePng> make = load_module();
+  if (!make) return tl::unexpected<Error>(make.error());
   SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, overwrite, shared));
   std::array<char, 512> error{};
-  if ((*write)(file.temporary_path().c_str(), picture.width, picture.height, picture.rgb.data(),
-               error.data(), error.size()) != 0) {
+  Bytes png;
+  const TakeBytes take = [](void* context, const unsigned char* bytes, std::size_t count) {
+    static_cast<Bytes*>(context)->assign(bytes, bytes + count);
+  };
+  if ((*make)(picture.width, picture.height, picture.rgb.data(), take, &png, error.data(),
+              error.size()) != 0) {
     return fail(ErrorCode::kIo, "{}: cannot be written ({})", path.string(), error.data());
   }
+  SPOOL_TRY(file.file().write_at(0, std::as_bytes(std::span(png))));
   return file.commit();
 }
 
