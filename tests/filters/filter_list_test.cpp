@@ -40,10 +40,10 @@ TEST(FilterList, UnknownNamesAreUsageErrorsThatNameTheNearest) {
   ASSERT_FALSE(filter.has_value());
   EXPECT_EQ(filter.error().code, ErrorCode::kUsage);
   EXPECT_EQ(filter.error().message, "unknown filter 'bxo', did you mean 'box'?");
-  const auto option = make_method(filters(), {"box", "", {{"var_mod", "raw"}}});
+  const auto option = make_method(filters(), {"nl_means", "", {{"var_mod", "raw"}}});
   ASSERT_FALSE(option.has_value());
   EXPECT_EQ(option.error().message,
-            "filter box: unknown option 'var_mod', did you mean 'var_mode'?");
+            "filter nl_means: unknown option 'var_mod', did you mean 'var_mode'?");
   const auto preset = make_method(filters(), {"box", "fast", {}});
   ASSERT_FALSE(preset.has_value());
   EXPECT_EQ(preset.error().code, ErrorCode::kUsage);
