@@ -56,6 +56,7 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
       options.recorded_order ? ReplicateOrder::kRecorded : ReplicateOrder::kDisjoint;
   plan.experiment.pieces_per_side = options.pieces_per_side.value_or(1);
   plan.experiment.decision_split = options.decision_split;
+  plan.experiment.fresh = options.fresh;
   plan.pictures = !options.no_pictures;
   if (!options.reference.empty()) {
     SPOOL_ASSIGN(plan.experiment.reference, parse_reference_kind(options.reference));
@@ -79,7 +80,8 @@ Result<void> refuse_options_beside_plan(const EvaluateOptions& options) {
                                                 {"--seed", options.seed.has_value()},
                                                 {"--recorded-order", options.recorded_order},
                                                 {"--pieces", options.pieces_per_side.has_value()},
-                                                {"--decision-split", options.decision_split}};
+                                                {"--decision-split", options.decision_split},
+                                                {"--fresh", options.fresh}};
   for (const auto& [name, is_given] : given) {
     if (is_given) {
       return fail(ErrorCode::kUsage, "{}: the plan {} says that: write it there", name,

@@ -32,6 +32,7 @@ struct EvaluateOptions {
   bool recorded_order = false;
   std::optional<int> pieces_per_side;  // 1
   bool decision_split = false;
+  bool fresh = false;
   bool no_pictures = false;
   bool dry_run = false;
   std::string shard;  // "i/N"

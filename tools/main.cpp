@@ -365,6 +365,9 @@ void add_evaluate(Program& program) {
                 "take samples in recorded order; all replicates are then alike");
   verb.add_option("--pieces", options.pieces_per_side, kPieces)->check(CLI::Range(1, 2));
   verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
+  verb.add_flag("--fresh", options.fresh,
+                "also apply the counts to samples that had no say in them, and take bias and "
+                "variance apart: columns *_fresh, *_bias2, *_variance; three times the work");
   verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
   verb.add_flag("--dry-run", options.dry_run,
                 "list the cells and about how long they will take; runs no command of the plan");

@@ -45,6 +45,7 @@ struct SampledPart {
   SamplePool pool;
   SamplingResult sampled;
   JudgingReference reference;
+  std::optional<HalfSelections> halves;  // where fresh samples are asked for
 };
 
 // One part, or with crossfit the two halves of the recording, each judged by the other.
@@ -218,10 +219,49 @@ class Runner {
       SPOOL_ASSIGN(JudgingReference reference,
                    judging_reference(kind, pools[i], pools[pools.size() - 1 - i],
                                      sampled.selection.statistics.n));
-      run.parts.push_back({pools[i], std::move(sampled), std::move(reference)});
+      run.parts.push_back({pools[i], std::move(sampled), std::move(reference), std::nullopt});
+      if (options_.fresh) SPOOL_TRY(add_halves(run.parts.back(), sampler, context));
     }
     run.time = mean_time(times);
     return run;
+  }
+
+  static Result<void> add_halves(SampledPart& part, const ReadySampler& sampler,
+                                 const SamplingContext& context) {
+    const long long budget = part.sampled.log.budget;
+    const SampleHalf sample = [&](const SamplePool& pool, std::size_t half) -> Result<Selection> {
+      SamplingContext of_half = context;
+      of_half.seed = mix(context.seed, half);
+      of_half.progress = nullptr;
+      SPOOL_ASSIGN(SamplingResult sampled, sampler(pool, budget, of_half));
+      return std::move(sampled.selection);
+    };
+    SPOOL_ASSIGN(part.halves, select_halves(part.pool, budget, sample));
+    return {};
+  }
+
+  Result<void> judge_fresh(const SamplingRun& run, const ReadyFilter& filter, FilterContext context,
+                           CellResult& result) const {
+    context.progress = nullptr;
+    std::vector<FreshErrors> errors;
+    for (const SampledPart& part : run.parts) {
+      if (!part.halves) return {};
+      const bool left_out = run.kind == ReferenceKind::kLeaveSelectedOut;
+      SPOOL_ASSIGN(
+          FreshErrors of_part,
+          judge_halves(
+              part.pool, *part.halves,
+              left_out ? leave_selected_out_reference(part.pool, looked_at(part.pool, *part.halves))
+                       : part.reference,
+              options_.metrics,
+              [&](const Selection& selection, const SamplePool& half) -> Result<RgbImage> {
+                SPOOL_ASSIGN(Reconstruction image, filter(selection, half, context));
+                return std::move(image.image);
+              }));
+      errors.push_back(of_part);
+    }
+    result.fresh = mean_of(errors);
+    return {};
   }
 
   // `other`: the half that `pool` is not, with crossfit.
@@ -286,6 +326,9 @@ class Runner {
     }
     SPOOL_TRY(add_masks(images, run, result));
     result.judging = clock.elapsed();
+    if (options_.fresh && filter.needs.samples) {
+      SPOOL_TRY(judge_fresh(run, filter, context, result));
+    }
     result.reference = run.kind;
     result.holdout = run.parts.front().pool.options().holdout;
     result.width = recording.width();

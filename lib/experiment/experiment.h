@@ -19,6 +19,7 @@
 #include "lib/core/error.h"
 #include "lib/core/guards.h"
 #include "lib/experiment/cell.h"
+#include "lib/experiment/fresh_samples.h"
 #include "lib/experiment/reference.h"
 #include "lib/experiment/stage_clock.h"
 #include "lib/filters/filter.h"
@@ -45,6 +46,7 @@ struct ExperimentOptions {
   ReplicateOrder order = ReplicateOrder::kDisjoint;
   int pieces_per_side = 1;
   bool decision_split = false;  // no sample decides about its own half (decision_split.h)
+  bool fresh = false;           // also the counts on samples that had no say (fresh_samples.h)
   std::optional<ReferenceKind> reference;  // absent: default_reference_kind of each recording
   std::optional<int> holdout;              // samples per pixel; absent: as the reference kind wants
   int repeats = 1;                         // of sampling and filtering, for their times only
@@ -63,6 +65,7 @@ struct CellResult {
   Cell cell;
   std::optional<Error> error;  // present: nothing below holds
   MetricTable metrics;
+  std::optional<FreshErrors> fresh;  // absent: not asked for, or a half is too short
   ReferenceKind reference = ReferenceKind::kIndependent;
   int holdout = 0;            // samples per pixel
   int width = 0, height = 0;  // pixels

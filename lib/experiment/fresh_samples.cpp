@@ -82,4 +82,21 @@ Result<FreshErrors> judge_halves(const SamplePool& pool, const HalfSelections& h
   return errors;
 }
 
+FreshErrors mean_of(const std::vector<FreshErrors>& errors) {
+  FreshErrors mean;
+  const double share = 1.0 / static_cast<double>(errors.size());
+  for (const FreshErrors& e : errors) {
+    mean.mse += share * e.mse;
+    mean.relmse += share * e.relmse;
+    mean.energy_ratio += share * e.energy_ratio;
+    mean.parts.bias2 += share * e.parts.bias2;
+    mean.parts.variance += share * e.parts.variance;
+    mean.parts.relative_bias2 += share * e.parts.relative_bias2;
+    mean.parts.relative_variance += share * e.parts.relative_variance;
+    mean.parts.pixels += e.parts.pixels;
+    mean.saturated_share += share * e.saturated_share;
+  }
+  return mean;
+}
+
 }  // namespace spool

@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "lib/core/error.h"
 #include "lib/metrics/error_parts.h"
@@ -59,5 +60,8 @@ CountImage looked_at(const SamplePool& pool, const HalfSelections& halves);
 Result<FreshErrors> judge_halves(const SamplePool& pool, const HalfSelections& halves,
                                  const JudgingReference& reference, const MetricOptions& options,
                                  const FilterHalf& filter);
+
+// Of the two halves of crossfit.
+FreshErrors mean_of(const std::vector<FreshErrors>& errors);
 
 }  // namespace spool

@@ -66,6 +66,11 @@ std::string file_of_text(const std::string& text) {
   return name;
 }
 
+Result<bool> parse_flag(std::string_view name, std::string_view text) {
+  if (text == "on" || text == "off") return text == "on";
+  return fail(ErrorCode::kUsage, "{} is true or false, not '{}'", name, text);
+}
+
 class PlanReader {
  public:
   PlanReader(const toml::table& root, std::string name, std::filesystem::path folder)
@@ -105,14 +110,14 @@ class PlanReader {
   }
 
   Result<void> check_keys() const {
-    const std::vector<std::string> known = {"title",      "recordings",     "spp",
-                                            "replicates", "seed",           "order",
-                                            "reference",  "holdout",        "pieces_per_side",
-                                            "samplers",   "filters",        "sampler",
-                                            "filter",     "pool",           "metrics",
-                                            "threads",    "repeats",        "pictures",
-                                            "mask",       "decision_split", "dump",
-                                            "energy_band"};
+    const std::vector<std::string> known = {"title",       "recordings",     "spp",
+                                            "replicates",  "seed",           "order",
+                                            "reference",   "holdout",        "pieces_per_side",
+                                            "samplers",    "filters",        "sampler",
+                                            "filter",      "pool",           "metrics",
+                                            "threads",     "repeats",        "pictures",
+                                            "mask",        "decision_split", "dump",
+                                            "energy_band", "fresh"};
     for (const auto& [key, node] : root_) {
       if (std::ranges::find(known, key.str()) != known.end()) continue;
       return refuse(node, "{}", unknown_name("key", key.str(), known));
@@ -245,12 +250,11 @@ class PlanReader {
       if (text == "on" || text == "off") return text == "on";
       return fail(ErrorCode::kUsage, "pictures is true or false, not '{}'", text);
     }));
-    SPOOL_TRY(read_value("decision_split", plan.experiment.decision_split,
-                         [](const std::string& text) -> Result<bool> {
-                           if (text == "on" || text == "off") return text == "on";
-                           return fail(ErrorCode::kUsage,
-                                       "decision_split is true or false, not '{}'", text);
-                         }));
+    SPOOL_TRY(
+        read_value("decision_split", plan.experiment.decision_split,
+                   [](const std::string& text) { return parse_flag("decision_split", text); }));
+    SPOOL_TRY(read_value("fresh", plan.experiment.fresh,
+                         [](const std::string& text) { return parse_flag("fresh", text); }));
     SPOOL_TRY(read_value("reference", plan.experiment.reference, parse_reference_kind));
     return read_value(
         "order", plan.experiment.order, [](const std::string& text) -> Result<ReplicateOrder> {

@@ -10,6 +10,7 @@
 //   holdout = 16                  # samples per pixel, absent: what the reference wants
 //   pieces_per_side = 1
 //   decision_split = false        # true: no sample decides about its own half
+//   fresh = false                 # true: also the counts on samples that had no say
 //   threads = [1, 2]              # a sweep too; absent: as many as the process may use
 //   repeats = 3                   # of sampling and filtering, for the median of their times
 //   pictures = true               # images of replicate 0

@@ -30,6 +30,7 @@ std::uint64_t hash_sampling(const Cell& cell, const Plan& plan) {
               e.reference ? static_cast<int>(*e.reference) : -1, e.holdout.value_or(-1),
               cell.threads, e.repeats);
   if (e.decision_split) state = hash_text(state, "decision_split");
+  if (e.fresh) state = hash_text(state, "fresh");
   return hash_options(state, option_values(sanitise_option_table(), plan.rules));
 }
 

@@ -77,6 +77,7 @@ std::string plan_text(const Plan& plan) {
                    {"order", std::string(order_name(e.order))},
                    {"pieces_per_side", e.pieces_per_side},
                    {"decision_split", e.decision_split},
+                   {"fresh", e.fresh},
                    {"sampler", method_tables(plan.samplers)},
                    {"filter", method_tables(plan.filters)},
                    {"pool", options_table(sanitise_option_table(), plan.rules)},

@@ -75,6 +75,33 @@ void add_metric_columns(std::vector<ResultColumn>& columns) {
   }
 }
 
+// Empty where no fresh samples were asked for.
+void add_fresh_columns(std::vector<ResultColumn>& columns) {
+  const auto add = [&](std::string name, std::string meaning, double (*value)(const FreshErrors&)) {
+    columns.push_back(
+        number_column(std::move(name), std::move(meaning), [value](const CellResult& result) {
+          return result.fresh ? value(*result.fresh) : std::nan("");
+        }));
+  };
+  using F = FreshErrors;
+  add("mse_fresh", "mse of the same counts applied to samples that had no say in them",
+      [](const F& f) { return f.mse; });
+  add("relmse_fresh", "relmse of those images", [](const F& f) { return f.relmse; });
+  add("energy_fresh", "energy ratio of those images", [](const F& f) { return f.energy_ratio; });
+  add("mse_bias2", "bias squared of the method, debiased: what more recordings would not take off",
+      [](const F& f) { return f.parts.bias2; });
+  add("mse_variance", "variance of the method; with mse_bias2 it is the mse of a half",
+      [](const F& f) { return f.parts.variance; });
+  add("relmse_bias2", "bias squared in units of relmse",
+      [](const F& f) { return f.parts.relative_bias2; });
+  add("relmse_variance", "variance in units of relmse",
+      [](const F& f) { return f.parts.relative_variance; });
+  add("halves_saturated",
+      "share of the pieces of a half that ran out: above 0.01 the columns from mse_fresh on are of "
+      "a shorter recording",
+      [](const F& f) { return f.saturated_share; });
+}
+
 std::vector<ResultColumn> make_columns() {
   using R = CellResult;
   constexpr ColumnKind kCell = ColumnKind::kCell;
@@ -95,6 +122,7 @@ std::vector<ResultColumn> make_columns() {
        [](const R& r) { return std::to_string(r.cell.threads); }},
   };
   add_metric_columns(columns);
+  add_fresh_columns(columns);
   const std::vector<ResultColumn> rest = {
       timing_column("efficiency", "1 / (mse * seconds_total); empty where mse <= 2 mse_se",
                     [](const R& r) { return efficiency(r).value_or(std::nan("")); }),

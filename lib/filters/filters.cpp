@@ -1,8 +1,12 @@
 #include "lib/filters/filters.h"
 
+#include <utility>
+
 #include "lib/filters/box.h"
+#include "lib/filters/clamped.h"
 #include "lib/filters/cross_bilateral.h"
 #include "lib/filters/directional/directional.h"
+#include "lib/filters/filter_stage.h"
 #include "lib/filters/gaussian.h"
 #include "lib/filters/greedy_selection.h"
 #include "lib/filters/multistage.h"
@@ -14,11 +18,16 @@
 namespace spool {
 
 const FilterList& filters() {
-  static const FilterList list = {
-      "filter",
-      {box_filter(), gaussian_filter(), directional_filter(), greedy_selection_filter(),
-       nl_means_filter(), cross_bilateral_filter(), multistage_filter(), wavelet_shrinkage_filter(),
-       oracle_scale_filter(), twin_guides_filter()}};
+  static const FilterList list = [] {
+    FilterList all = {"filter",
+                      {box_filter(), clamped_filter(), gaussian_filter(), directional_filter(),
+                       greedy_selection_filter(), nl_means_filter(), cross_bilateral_filter(),
+                       multistage_filter(), wavelet_shrinkage_filter(), oracle_scale_filter(),
+                       twin_guides_filter()}};
+    for (Filter& filter : all.methods)
+      filter = with_stage_options(std::move(filter));
+    return all;
+  }();
   return list;
 }
 

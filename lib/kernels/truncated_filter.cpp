@@ -46,30 +46,17 @@ void normalise(Plane& image, const Taps& taps, int power) {
   });
 }
 
-// to[x] = sum over the taps m of tap(m) in[x - m], those inside the row.
+// to[x] = sum over the taps m of tap(m) in[x - m], those inside the row: the row gets zeros on
+// both sides, so that a window wider than the image is as fast as any. `padded`: memory for it.
 void sum_along_row(const double* in, const Taps& taps, int width, double* to,
-                   std::vector<const double*>& sources) {
-  const int inside_begin = std::clamp(taps.last(), 0, width);
-  const int inside_end = std::clamp(width + std::min(taps.first, 0), inside_begin, width);
-  const auto border = [&](int begin, int end) {
-    for (int x = begin; x < end; ++x) {
-      double sum = 0.0;
-      for (int m = taps.first; m <= taps.last(); ++m) {
-        if (x - m < 0 || x - m >= width) continue;
-        sum += taps.values[static_cast<std::size_t>(m - taps.first)] * in[x - m];
-      }
-      to[x] = sum;
-    }
-  };
-  border(0, inside_begin);
-  if (inside_begin < inside_end) {
-    sources.clear();
-    for (int m = taps.first; m <= taps.last(); ++m)
-      sources.push_back(in + inside_begin - m);
-    weighted_sum_of_rows(sources.data(), taps.values.data(), sources.size(),
-                         inside_end - inside_begin, to + inside_begin);
-  }
-  border(inside_end, width);
+                   std::vector<double>& padded, std::vector<const double*>& sources) {
+  const int left = std::max(taps.last(), 0), right = std::max(-taps.first, 0);
+  padded.assign(static_cast<std::size_t>(left + width + right), 0.0);
+  std::copy(in, in + width, padded.begin() + left);
+  sources.clear();
+  for (int m = taps.first; m <= taps.last(); ++m)
+    sources.push_back(padded.data() + left - m);
+  weighted_sum_of_rows(sources.data(), taps.values.data(), sources.size(), width, to);
 }
 
 // to[x] = sum over the taps m of tap(m) rows(x, y - m), those inside the image, x0 <= x < x1.
@@ -101,7 +88,8 @@ Plane truncated_sum(const Plane& image, const Taps& taps) {
   Plane rows(width, height), out(width, height);
   parallel_rows(0, height, [&](int y) {
     std::vector<const double*> sources;
-    sum_along_row(image.row(y).data(), taps, width, rows.row(y).data(), sources);
+    std::vector<double> padded;
+    sum_along_row(image.row(y).data(), taps, width, rows.row(y).data(), padded, sources);
   });
   parallel_for(static_cast<std::size_t>((height + kRows - 1) / kRows), [&](std::size_t band) {
     std::vector<const double*> sources;

@@ -13,8 +13,9 @@ namespace spool {
 Result<SamplingResult> sample_greedy_error(const SamplePool& pool, long long budget,
                                            const GreedyErrorOptions& options,
                                            const SamplingContext& context) {
+  const int each = options.init_spp.value_or(default_initial_samples(budget, pool));
   Spending spending =
-      begin_spending(pool, budget, initial_counts(pool, budget, options.init_spp, context.seed));
+      begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed));
   const long long pixels =
       static_cast<long long>(pool.recording().width()) * pool.recording().height();
   const double average = static_cast<double>(budget) / static_cast<double>(pixels);

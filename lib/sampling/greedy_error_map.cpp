@@ -4,6 +4,7 @@
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/truncated_filter.h"
+#include "lib/sampling/rounds.h"
 #include "lib/statistics/variance_option.h"
 
 namespace spool {
@@ -16,7 +17,7 @@ constexpr double kRelativeFloor = 1e-3;  // in squared units of the exposed radi
 const OptionTable<GreedyErrorOptions>& greedy_error_option_table() {
   using O = GreedyErrorOptions;
   static const OptionTable<O> table = {
-      integer_option<O>("init_spp", &O::init_spp, 1, 65535, "samples that every piece takes first"),
+      init_spp_option<O>(&O::init_spp),
       integer_option<O>("iterations", &O::iterations, 1, 1000, "iterations that share the rest"),
       number_option<O>("gamma", &O::gamma, 0.0, 0.526, "caution: larger stops earlier"),
       expert(choice_option<O, GreedyGrid>("grid", &O::grid,

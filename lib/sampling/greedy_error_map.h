@@ -2,13 +2,17 @@
 // and the scale at which it has it.
 #pragma once
 
+#include <optional>
+
 #include "lib/core/option_table.h"
 #include "lib/kernels/scale_ladder.h"
 
 namespace spool {
 
 struct GreedyErrorOptions {
-  int init_spp = 4;  // fewer need the pooled variance
+  // Per piece; empty: default_initial_samples(), as every sampler takes. Fewer than 4 need the
+  // pooled variance.
+  std::optional<int> init_spp;
   int iterations = 8;
   int scales = 4;  // above the base image
   double gamma = 0.2;

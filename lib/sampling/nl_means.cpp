@@ -48,8 +48,9 @@ const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
   using O = NlMeansSamplingOptions;
   static const OptionTable<O> table = [] {
     OptionTable<O> options = {
-        integer_option<O>("init_spp", &O::init_spp, 2, 65535,
-                          "samples that every piece takes first"),
+        integer_or_word_option<O>(
+            "init_spp", &O::init_spp, "auto", 2, 65535,
+            "samples that every piece takes first; auto: 4 from 8 samples per piece on, else 2"),
         integer_option<O>("iterations", &O::iterations, 1, 1000, "iterations that share the rest"),
     };
     append_options(options, patch_filter_option_table(), &O::filter);
@@ -111,8 +112,10 @@ Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool
 Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
                                        const NlMeansSamplingOptions& options,
                                        const SamplingContext& context) {
+  // Both halves want a sample.
+  const int each = options.init_spp.value_or(std::max(2, default_initial_samples(budget, pool)));
   Spending spending =
-      begin_spending(pool, budget, initial_counts(pool, budget, options.init_spp, context.seed));
+      begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed));
   const long long pieces = static_cast<long long>(pool.width()) * pool.height();
   const long long most = std::max(1LL, budget / pieces);
   const auto choose = [&](long long share) -> Result<CountImage> {

@@ -18,7 +18,7 @@
 namespace spool {
 
 struct NlMeansSamplingOptions {
-  int init_spp = 4;
+  std::optional<int> init_spp;  // per piece; empty: default_initial_samples(), at least 2
   int iterations = 8;
   PatchFilterOptions filter{7, 3, 0.45, 0.5};
   VarianceMode var_mode = VarianceMode::kAuto;

@@ -143,6 +143,50 @@ TEST(Experiment, EveryReferenceKindFindsTheSameErrorExceptThePool) {
   EXPECT_NEAR(mse[4] / mse[0], 1.0 - 16.0 / 48, 0.1);
 }
 
+TEST(Experiment, FreshSamplesOfUniformCountsHaveTheErrorOfTheHalves) {
+  const std::vector<Cell> cells =
+      all_cells({"scene"}, {method("uniform")}, {method("mean"), method("zero")}, {8, 25}, 1);
+  for (const auto kind : {ReferenceKind::kIndependent, ReferenceKind::kHoldout,
+                          ReferenceKind::kLeaveSelectedOut, ReferenceKind::kCrossfit}) {
+    SCOPED_TRACE(reference_name(kind));
+    Laboratory laboratory;
+    ExperimentOptions options;
+    options.fresh = true;
+    options.reference = kind;
+    const bool short_halves = kind == ReferenceKind::kCrossfit;
+    const auto results = run_experiment(cells, options, laboratory.sources());
+    ASSERT_EQ(results.size(), 4u);
+    const FreshErrors& mean = *results[0].fresh;
+    EXPECT_NEAR(mean.mse, mean.parts.bias2 + mean.parts.variance, 1e-12);
+    EXPECT_NEAR(mean.mse / results[0].metrics["mse"].value, 1.0, 0.2);
+    // Standard error 0.1 to 0.15: the noise of this picture is in few pixels.
+    EXPECT_NEAR(mean.parts.bias2 / mean.mse, 0.0, 0.5);
+    EXPECT_EQ(results[1].fresh->parts.variance, 0.0);  // a black image is all bias
+    EXPECT_NEAR(results[1].fresh->mse, results[1].fresh->parts.bias2, 1e-12);
+    EXPECT_NE(value_of(results[0], "relmse_variance"), "");
+    // Of 48 samples a half has 24, or 12 with crossfit: too short for 25, and no error.
+    EXPECT_FALSE(results[2].error.has_value() && !short_halves);
+    EXPECT_FALSE(results[2].fresh.has_value());
+    EXPECT_EQ(value_of(results[2], "mse_fresh"), "");
+  }
+}
+
+TEST(Experiment, FreshSamplesChangeNoOtherColumn) {
+  const std::vector<Cell> cells =
+      all_cells({"scene"}, {method("uniform")}, {method("mean")}, {8}, 2);
+  Laboratory laboratory;
+  ExperimentOptions options;
+  const auto without = run_experiment(cells, options, laboratory.sources());
+  options.fresh = true;
+  const auto with = run_experiment(cells, options, laboratory.sources());
+  for (const ResultColumn& column : result_columns()) {
+    const bool added = column.name.ends_with("_fresh") || column.name.ends_with("_bias2") ||
+                       column.name.ends_with("_variance") || column.name == "halves_saturated";
+    if (column.kind == ColumnKind::kTiming) continue;
+    EXPECT_EQ(added, column.text(without[1]) != column.text(with[1])) << column.name;
+  }
+}
+
 TEST(Experiment, AFailedCellIsKeptAndTheOthersGoOn) {
   Laboratory laboratory;
   const auto results = run_experiment({{"one", method("broken"), method("mean"), 4, 0},

@@ -51,6 +51,15 @@ inline World any_world(int width, int height, int spp, std::uint64_t seed) {
   return world;
 }
 
+// One coloured sample far above the others.
+inline World with_firefly(const World& w) {
+  World changed = w;
+  changed.radiance = [=](int x, int y, int s) {
+    return x == 5 && y == 4 && s == 0 ? Rgb{60.0f, 20.0f, 30.0f} : w.radiance(x, y, s);
+  };
+  return changed;
+}
+
 // Everything that lies at pixels, with what `from(x, y)` says lies at (x, y) now.
 template <class From>
 World with_pixels(const World& w, From from) {

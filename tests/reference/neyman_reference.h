@@ -9,7 +9,9 @@
 
 namespace spool::reference {
 
-inline Plane pool_deviation(const SamplePool& pool) {
+// weight(c, x, y): of a channel's variance in pixel (x, y).
+template <class Weight>
+Plane pool_deviation(const SamplePool& pool, Weight&& weight) {
   Plane deviation(pool.width(), pool.height());
   for (int y = 0; y < pool.height(); ++y) {
     for (int x = 0; x < pool.width(); ++x) {
@@ -22,7 +24,7 @@ inline Plane pool_deviation(const SamplePool& pool) {
           mean += static_cast<double>(pool.sample(x, y, s)[c]) / count;
         for (int s = 0; s < count; ++s) {
           const double difference = pool.sample(x, y, s)[c] - mean;
-          squares += difference * difference;
+          squares += weight(c, x, y) * difference * difference;
         }
       }
       deviation(x, y) = std::sqrt(squares / (3.0 * (count - 1)));
@@ -32,8 +34,10 @@ inline Plane pool_deviation(const SamplePool& pool) {
 }
 
 // Counts for `budget` samples when every piece has `first` already: what each lacks of its ideal.
-inline CountImage neyman(const SamplePool& pool, const CountImage& first, long long budget) {
-  const Plane deviation = pool_deviation(pool);
+template <class Weight>
+CountImage neyman(const SamplePool& pool, const CountImage& first, long long budget,
+                  Weight&& channel_weight) {
+  const Plane deviation = pool_deviation(pool, channel_weight);
   std::vector<double> weight(deviation.pixels().begin(), deviation.pixels().end());
   std::vector<long long> room;
   long long initial = 0, capacity = 0;
@@ -55,6 +59,31 @@ inline CountImage neyman(const SamplePool& pool, const CountImage& first, long l
   for (std::size_t i = 0; i < weight.size(); ++i)
     n[i] += static_cast<int>(extra[i]);
   return n;
+}
+
+inline CountImage neyman(const SamplePool& pool, const CountImage& first, long long budget) {
+  return neyman(pool, first, budget, [](std::size_t, int, int) { return 1.0; });
+}
+
+// With u^2 / (u^2 D^2 + 0.01), D the mean of everything in the pool, u = 1 / its mean luminance.
+inline CountImage neyman_relative(const SamplePool& pool, const CountImage& first,
+                                  long long budget) {
+  RgbImage mean = make_rgb(pool.width(), pool.height());
+  double total = 0.0;
+  for (int y = 0; y < pool.height(); ++y) {
+    for (int x = 0; x < pool.width(); ++x) {
+      for (int s = 0; s < pool.size(x, y); ++s) {
+        for (std::size_t c = 0; c < 3; ++c)
+          mean[c](x, y) += static_cast<double>(pool.sample(x, y, s)[c]) / pool.size(x, y);
+      }
+      total += 0.2126 * mean[0](x, y) + 0.7152 * mean[1](x, y) + 0.0722 * mean[2](x, y);
+    }
+  }
+  const double u = pool.width() * pool.height() / total;
+  return neyman(pool, first, budget, [&](std::size_t c, int x, int y) {
+    const double d = u * mean[c](x, y);
+    return u * u / (d * d + 0.01);
+  });
 }
 
 }  // namespace spool::reference

@@ -60,6 +60,12 @@ TEST(Neyman, CountsEqualThoseOfTheSlowTwin) {
         EXPECT_EQ(result->selection.statistics.n,
                   reference::neyman(pool, CountImage(width, height, each), budget))
             << each << " first, budget " << budget;
+        options.minimise = NeymanTarget::kRelativeError;
+        const auto relative = sample_neyman(pool, budget, options, {});
+        options.minimise = NeymanTarget::kSquaredError;
+        EXPECT_EQ(relative->selection.statistics.n,
+                  reference::neyman_relative(pool, CountImage(width, height, each), budget))
+            << each << " first, budget " << budget;
       }
     }
   }

@@ -49,6 +49,41 @@ def test_evaluate_splits_decisions_and_says_so(good, scene, tmp_path):
     assert [row["mse"] for row in rows_of(tmp_path / "again")] == [row["mse"] for row in split]
 
 
+def test_evaluate_takes_fresh_samples_and_resumes_without_mixing(good, scene, tmp_path):
+    common = (scene, "--samplers", "uniform,multiscale", "--filters", "box,clamped", "--spp", "4,20", "--replicates", 2,
+              "--no-pictures")
+    good("evaluate", *common, "--fresh", "-o", "fresh")
+    good("evaluate", *common, "-o", "plain")
+    fresh, plain = (rows_of(tmp_path / name) for name in ("fresh", "plain"))
+    assert [row["mse"] for row in fresh] == [row["mse"] for row in plain]
+    assert all(row["mse_fresh"] == row["relmse_variance"] == "" for row in plain)
+    for row in fresh:
+        if row["spp"] == "20":  # a half of the recording's 32 samples is shorter
+            assert row["mse_fresh"] == "" and row["error"] == ""
+        elif row["sampler"] == "uniform":
+            parts = float(row["mse_bias2"]) + float(row["mse_variance"])
+            assert abs(parts / float(row["mse_fresh"]) - 1) < 1e-9
+    assert "fresh = true" in (tmp_path / "fresh/plan.toml").read_text()
+    good("evaluate", tmp_path / "fresh/plan.toml", "-o", "again")
+    assert [row["mse_fresh"] for row in rows_of(tmp_path / "again")] == [row["mse_fresh"] for row in fresh]
+
+
+def test_any_filter_takes_clamp_and_energy(good, run, dump, tmp_path):
+    good("replay", dump, "--sampler", "uniform", "--spp", 4, "-o", "n.exr")
+    make = ("reconstruct", dump, "--selection", "n.exr")
+    good(*make, "--filter", "box", "-o", "box.exr")
+    good(*make, "--filter", "gaussian", "-o", "gaussian.exr")
+    for name, method in (("energy", "gaussian{energy=box}"), ("both", "gaussian{clamp=on,energy=box}")):
+        good(*make, "--filter", method, "-o", f"{name}.exr")
+        for channel in "RGB":
+            image, box = (read_exr(tmp_path / f"{n}.exr", channel).astype(float).sum() for n in (name, "box"))
+            assert abs(image / box - 1) < 1e-5
+    good(*make, "--filter", "image:gaussian.exr", "--set", "filter.energy=box", "-o", "external.exr")
+    assert np.allclose(read_exr(tmp_path / "external.exr", "G"), read_exr(tmp_path / "energy.exr", "G"), rtol=1e-5)
+    refused = run(*make, "--filter", "box{energy=all}", "-o", "x.exr")
+    assert refused.code == 2 and "option energy: 'all' is not one of off|box" in refused.err
+
+
 def test_quarter_pixels_in_all_three_verbs(good, run, scene, dump, tmp_path):
     good("replay", scene, "--sampler", "multiscale", "--spp", 8, "--pieces", 2, "-o", "n.exr")
     n = read_exr(tmp_path / "n.exr", "n")

@@ -110,6 +110,7 @@ ordered_json plan_json(const Plan& plan) {
           {"reference", e.reference ? std::string(reference_name(*e.reference)) : "best available"},
           {"pieces_per_side", e.pieces_per_side},
           {"decision_split", e.decision_split},
+          {"fresh", e.fresh},
           {"pool", options_json(sanitise_option_table(), plan.rules)},
           {"metrics", options_json(metric_option_table(), e.metrics)}};
 }

@@ -40,6 +40,12 @@ def size_rule(m):
                             ("... below votes that also close", rule("coarse_var", "const(0.5)", "on")),
                             ("... below no vote", rule("coarse_var", "const(0.5)", "off")))
             for s in r.samplers for c in ("relmse",)]
+    printed = lambda v, f: ("multiscale:paper", o("directional:paper", f"size_variance={v},size_factor={f}"))  # noqa: E731
+    said += [finding(f"preset paper: {text}", r, a, b, "relmse") for text, a, b in (
+        ("the variance of the coarse mean is below the contrast of eq 6",
+         printed("coarse_var", "literal"), printed("contrast", "literal")),
+        ("the factor of eq 9 is below its reciprocal, which is what it stands for in Rousselle's criterion",
+         printed("contrast", "literal"), printed("contrast", "inverse")))]
     return [*(curves(r, pool, "relmse", methods=[(M, f) for f in r.filters]) for pool in r.pools), "\n".join(said)]
 
 
@@ -127,7 +133,10 @@ CHAPTERS = [
             filtering([("the tangent is below the normal, MSE", o("directional", "angle=tangent,eq12=corrected"),
                         o("directional", "angle=normal,eq12=corrected")),
                        ("eq 12 corrected is below eq 12 as printed, MSE", o("directional", "angle=tangent,eq12=corrected"),
-                        o("directional", "angle=tangent,eq12=literal"))])),
+                        o("directional", "angle=tangent,eq12=literal")),
+                       ("preset paper: the tangent is below the normal, MSE",
+                        o("directional:paper", "angle=tangent,eq12=corrected"),
+                        o("directional:paper", "angle=normal,eq12=corrected"))])),
     Chapter("A8", "Filter bank: stages and sign filter", ["a8_filter_bank"], "Two or three stages.",
             filtering([("three stages are below one, MSE", o("directional", "bank_levels=3,bank_taps=pkva12"),
                         o("directional", "bank_levels=1,bank_taps=pkva12")),

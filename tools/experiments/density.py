@@ -2,6 +2,7 @@
 
 Measures of a replay, one number per replicate:
   level_K          share of the samples of pops that a pop of level K took
+  levels_3_4       of levels 3 and 4 together: the largest regions, of which the highest alone is often 0
   near_edges       share of the adaptive samples within 2 pixels of the tenth of the pixels with the largest
                    gradient of the reference's log luminance (their share of the image: edge_area)
   correlation      Pearson correlation of the count with the deviation of all recorded samples, over pixels
@@ -74,6 +75,8 @@ def measure(counts, log, recording, tile):
     for level, samples in enumerate(log["samples_of_level"]):
         if level and popped:
             found[f"level_{level}"] = samples / popped
+    if popped:
+        found["levels_3_4"] = sum(log["samples_of_level"][3:5]) / popped
     if tile:
         found["tile_jump"] = jump(counts, tile)
     return found

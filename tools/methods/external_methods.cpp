@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lib/filters/filter_stage.h"
 #include "lib/filters/given_image.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/sampling/asked_counts.h"
@@ -207,12 +208,12 @@ const SamplerList& known_samplers() {
 const FilterList& known_filters() {
   static const FilterList all = [] {
     FilterList list = filters();
-    list.methods.push_back(
+    list.methods.push_back(with_stage_options(
         method_with_argument("image", "FILE.exr", "your own: an image that was made elsewhere",
-                             OptionTable<NoOptions>{}, kMadeElsewhere, &make_image_filter));
-    list.methods.push_back(method_with_argument(
+                             OptionTable<NoOptions>{}, kMadeElsewhere, &make_image_filter)));
+    list.methods.push_back(with_stage_options(method_with_argument(
         "exec", "COMMAND", "your own: a command that makes the image from the statistics",
-        exec_option_table(), Needs{}, &make_exec_filter));
+        exec_option_table(), Needs{}, &make_exec_filter)));
     return list;
   }();
   return all;

@@ -1,0 +1,20 @@
+// What may stand before and behind any filter, those outside this program too:
+//
+//   clamp = on      the filter sees clamped samples (lib/kernels/sample_clamp.h)
+//   energy = box    its image gets the energy of the mean of the samples taken, not clamped
+//                   (lib/kernels/energy_step.h)
+//
+// Both are off by default and cost nothing then. The energy of the box mean is that of the samples:
+// what a sampler lost it does not bring back. With halves of a selection each half is treated
+// apart, so the energy of a sampler whose halves are unbiased stays unbiased. The variance that a
+// filter reports is that of its image before the energy step.
+#pragma once
+
+#include "lib/filters/filter.h"
+
+namespace spool {
+
+// `filter` with those of the options above that it has none of the same name for.
+Filter with_stage_options(Filter filter);
+
+}  // namespace spool

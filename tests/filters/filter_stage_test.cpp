@@ -1,0 +1,101 @@
+#include "lib/filters/filter_stage.h"
+
+#include <gtest/gtest.h>
+
+#include "lib/core/pairwise_sum.h"
+#include "lib/filters/box.h"
+#include "lib/filters/filters.h"
+#include "lib/kernels/sample_clamp.h"
+#include "tests/filters/small_pools.h"
+
+namespace spool {
+namespace {
+
+double sum_of(const Plane& plane) {
+  return pairwise_sum(plane.size(), [&](std::size_t i) { return plane[i]; });
+}
+
+SamplePool bright_pool() {
+  return testing::make_pool(24, 20, 8, [](int x, int y, int s) {
+    Rgb value = testing::noisy_picture(24, 20, 4)(x, y, s);
+    if (mix(8, x, y, s) % 200 == 0) value = {5000.0f, 5000.0f, 5000.0f};
+    return value;
+  });
+}
+
+Reconstruction run(std::string_view filter, const OptionValues& set, const Selection& selection,
+                   const SamplePool& pool) {
+  const auto ready = find_method(filters(), filter)->make("", set);
+  SPOOL_CHECK(ready.has_value());
+  return *(*ready)(selection, pool, FilterContext{});
+}
+
+TEST(FilterStage, EveryFilterHasTheOptions) {
+  for (const Filter& filter : filters()) {
+    for (const char* name : {"clamp", "energy"}) {
+      int found = 0;
+      for (const OptionDescription& option : filter.describe(""))
+        found += option.name == name ? 1 : 0;
+      EXPECT_EQ(found, 1) << filter.name << " " << name;
+    }
+  }
+}
+
+TEST(FilterStage, EnergyIsThatOfTheBoxMean) {
+  const SamplePool pool = bright_pool();
+  const Selection selection =
+      testing::select_counts(pool, [](int x, int y) { return 2 + (x + y) % 7; });
+  const RgbImage box = run("box", {}, selection, pool).image;
+  for (const char* filter : {"box", "gaussian", "nl_means", "clamped"}) {
+    for (const char* clamp : {"off", "on"}) {
+      const RgbImage image =
+          run(filter, {{"energy", "box"}, {"clamp", clamp}}, selection, pool).image;
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(sum_of(image[c]) / sum_of(box[c]), 1.0, 1e-12) << filter << " " << clamp;
+    }
+  }
+}
+
+TEST(FilterStage, ClampIsThatOfTheKernelAndIsCounted) {
+  const SamplePool pool = bright_pool();
+  const Selection selection = testing::select_uniform(pool, 8);
+  GuardCounts guards;
+  const ClampedSamples clamped = clamp_samples(selection, pool, {}, guards);
+  EXPECT_GT(guards[Guard::kClampedSample], 5u);
+  for (const char* filter : {"box", "nl_means"}) {
+    const Reconstruction staged = run(filter, {{"clamp", "on"}}, selection, pool);
+    EXPECT_TRUE(staged.image == run(filter, {}, clamped.selection, clamped.pool).image) << filter;
+    EXPECT_EQ(staged.guards[Guard::kClampedSample], guards[Guard::kClampedSample]);
+  }
+}
+
+TEST(FilterStage, OffIsTheFilterItself) {
+  const SamplePool pool = bright_pool();
+  const Selection selection = testing::select_uniform(pool, 8);
+  EXPECT_TRUE(run("gaussian", {{"clamp", "off"}, {"energy", "off"}}, selection, pool).image ==
+              run("gaussian", {}, selection, pool).image);
+}
+
+TEST(FilterStage, OptionOfTheFilterItselfWins) {
+  struct Own {
+    bool energy = true;
+  };
+  const Filter own = with_stage_options(make_value<FilterFunction, Own>(
+      {.name = "own",
+       .summary = "has an option of that name",
+       .options = {switch_option("energy", &Own::energy, "its own")},
+       .run = [](const Selection&, const SamplePool&, const Own&,
+                 const FilterContext&) -> Result<Reconstruction> { return Reconstruction{}; }}));
+  EXPECT_EQ(own.describe("").size(), 2u);
+  EXPECT_TRUE(own.make("", {{"energy", "on"}}).has_value());
+  EXPECT_FALSE(own.make("", {{"energy", "box"}}).has_value());
+}
+
+TEST(FilterStage, WrongValuesAndUnknownOptionsAreRefused) {
+  const Filter box = with_stage_options(box_filter());
+  EXPECT_FALSE(box.make("", {{"energy", "all"}}).has_value());
+  EXPECT_FALSE(box.make("", {{"clamps", "on"}}).has_value());
+}
+
+}  // namespace
+}  // namespace spool
