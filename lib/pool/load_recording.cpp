@@ -128,9 +128,13 @@ Result<void> check_memory(const SpoolReader& reader, const WorkingMemory& work) 
               reader.path().string(), needed / 1e9, static_cast<double>(*available) / 1e9);
 }
 
-Result<void> check_position(const SpoolReader& reader, const FilmPosition& film, int sample) {
-  // Written so that NaN fails.
-  if (film.x >= 0.0f && film.x < 1.0f && film.y >= 0.0f && film.y < 1.0f) return {};
+// Written so that NaN fails.
+bool is_in_pixel(const FilmPosition& film) {
+  return film.x >= 0.0f && film.x < 1.0f && film.y >= 0.0f && film.y < 1.0f;
+}
+
+tl::unexpected<Error> outside_pixel(const SpoolReader& reader, const FilmPosition& film,
+                                    std::size_t sample) {
   return fail(ErrorCode::kData,
               "{}: film position {},{} of sample {} is outside [0, 1): record it again",
               reader.path().string(), film.x, film.y, sample);
@@ -146,12 +150,13 @@ Result<void> load_sample_film(const SpoolReader& reader, RecordedSamples& sample
     SPOOL_ASSIGN(const std::vector<float> values,
                  reader.read_region("film", rect, 0, reader.header().spp));
     const std::size_t plane = values.size() / 2;
-    for (std::size_t i = 0; i < plane; ++i) {
-      const std::size_t pixel = i / spp, s = i % spp;
-      const std::size_t x = rect.x0 + pixel % rect.width(), y = rect.y0 + pixel / rect.width();
-      const FilmPosition position{values[i], values[plane + i]};
-      SPOOL_TRY(check_position(reader, position, static_cast<int>(s)));
-      film[(y * width + x) * spp + s] = position;
+    const float* from = values.data();
+    for (std::size_t y = rect.y0; y < rect.y1; ++y) {
+      FilmPosition* to = &film[(y * width + rect.x0) * spp];
+      for (std::size_t i = 0; i < rect.width() * spp; ++i, ++from, ++to) {
+        *to = {*from, from[plane]};
+        if (!is_in_pixel(*to)) return outside_pixel(reader, *to, i % spp);
+      }
     }
   }
   samples.set_sample_film(std::move(film));
@@ -163,7 +168,7 @@ Result<void> load_pass_film(const SpoolReader& reader, RecordedSamples& samples)
   std::vector<FilmPosition> film(values.size() / 2);
   for (std::size_t s = 0; s < film.size(); ++s) {
     film[s] = {values[s], values[film.size() + s]};
-    SPOOL_TRY(check_position(reader, film[s], static_cast<int>(s)));
+    if (!is_in_pixel(film[s])) return outside_pixel(reader, film[s], s);
   }
   samples.set_pass_film(std::move(film));
   return {};

@@ -92,6 +92,11 @@ def test_what_cannot_stay_in_the_file_is_counted(recordings, tmp_path, dump):
         compare(command(verb, recordings / f"{dump}.spool", method, tmp_path))
 
 
+@pytest.mark.parametrize("filter_name", ["box", "nl_means", "directional"])
+def test_what_an_evaluation_needs_is_known_within_a_tenth(recordings, tmp_path, filter_name):
+    compare(command("evaluate", recordings / "plain.spool", filter_name, tmp_path))
+
+
 def control_group(limit):
     """A new group with this limit of memory, or a skip."""
     for top, file in GROUPS.items():

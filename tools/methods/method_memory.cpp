@@ -9,8 +9,9 @@ namespace {
 
 // What a filter in the loop adds to the statistics that its sampler holds.
 constexpr double kSharedWithLoop = 39;
-// A sampling run stays while its images are filtered and judged.
-constexpr double kJudging = 250;
+// A sampling run stays while its images are filtered, and metrics take the same whatever they
+// judge.
+constexpr double kHeldWhileFiltering = 150, kJudging = 460;
 
 template <class Function>
 WorkingMemory memory_of(const MethodList<Function>& known, const MethodChoice& choice) {
@@ -56,7 +57,7 @@ WorkingMemory evaluation_memory(const std::vector<MethodChoice>& samplers,
   WorkingMemory filtering;
   for (const MethodChoice& filter : filters)
     filtering = larger(filtering, filtering_memory(filter, pieces_per_side));
-  filtering.per_pixel += kJudging;
+  filtering.per_pixel = std::max(filtering.per_pixel + kHeldWhileFiltering, kJudging);
   return larger(most, filtering);
 }
 
