@@ -48,9 +48,9 @@ struct Input {
 };
 
 Result<Input> load_input(const ReconstructOptions& options, const SanitiseRules& rules,
-                         const WorkingMemory& work) {
-  SPOOL_ASSIGN(const auto recording, load_recording(options.dump, rules, work));
+                         const WorkingMemory& work, SampleFilm film) {
   if (options.selection.empty()) {
+    SPOOL_ASSIGN(const auto recording, load_recording(options.dump, rules, work, film));
     SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, options.pool));
     SelectionFile all;
     SPOOL_ASSIGN(all.n, uniform_counts(pool, options.spp));
@@ -58,7 +58,10 @@ Result<Input> load_input(const ReconstructOptions& options, const SanitiseRules&
     return Input{recording, std::move(pool), std::move(selection)};
   }
   SPOOL_ASSIGN(const SelectionFile file, read_selection(options.selection));
-  SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, file.pool.value_or(options.pool)));
+  const PoolOptions pool_options = file.pool.value_or(options.pool);
+  if (pool_options.pieces_per_side > 1) film = SampleFilm::kLoad;
+  SPOOL_ASSIGN(const auto recording, load_recording(options.dump, rules, work, film));
+  SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, pool_options));
   SPOOL_ASSIGN(Selection selection, apply_selection(file, options.selection, pool));
   return Input{recording, std::move(pool), std::move(selection)};
 }
@@ -140,9 +143,10 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
   known.insert(known.end(), selection_views().begin(), selection_views().end());
   known.insert(known.end(), image_views().begin(), image_views().end());
   SPOOL_TRY(check_views(wanted, known));
-  SPOOL_ASSIGN(const Input input, load_input(options, methods.rules,
-                                             filtering_memory(methods.filters[0].choice,
-                                                              options.pool.pieces_per_side)));
+  const int pieces = options.pool.pieces_per_side;
+  const WorkingMemory work = filtering_memory(methods.filters[0].choice, pieces);
+  const SampleFilm film = film_for({}, choices_of(methods.filters), pieces);
+  SPOOL_ASSIGN(const Input input, load_input(options, methods.rules, work, film));
   Progress progress("reconstruct " + options.filter, common.quiet);
   Views views(wanted);
   const auto& reference = input.pool.recording().reference();

@@ -78,7 +78,9 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   SPOOL_ASSIGN(const auto recording,
                load_recording(options.dump, methods.rules,
                               sampling_memory(chosen.choice, choices_of(methods.filters),
-                                              options.pool.pieces_per_side)));
+                                              options.pool.pieces_per_side),
+                              film_for(choices_of(methods.samplers), choices_of(methods.filters),
+                                       options.pool.pieces_per_side)));
   SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, options.pool));
   SPOOL_ASSIGN(const long long budget, checked_budget(pool, options.spp));
   Progress progress("replay " + options.sampler, common.quiet);

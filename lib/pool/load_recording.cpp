@@ -92,7 +92,7 @@ Result<std::vector<const float*>> place_blocks(FileStorage& storage) {
 
 // What loading keeps in memory: blocks that cannot be used where they lie, film positions and the
 // reference.
-std::uint64_t bytes_to_load(const SpoolReader& reader) {
+std::uint64_t bytes_to_load(const SpoolReader& reader, SampleFilm wanted) {
   const format::DumpHeader& header = reader.header();
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
   std::uint64_t bytes = 0;
@@ -109,16 +109,16 @@ std::uint64_t bytes_to_load(const SpoolReader& reader) {
     }
   }
   const auto film = reader.find_layer("film");
-  if (film && film->scope == format::Scope::kSample) {
+  if (wanted == SampleFilm::kLoad && film && film->scope == format::Scope::kSample) {
     bytes += pixels * header.spp * sizeof(FilmPosition);
   }
   return bytes;
 }
 
-Result<void> check_memory(const SpoolReader& reader, const WorkingMemory& work) {
+Result<void> check_memory(const SpoolReader& reader, const WorkingMemory& work, SampleFilm film) {
   const double pixels = static_cast<double>(reader.header().width) * reader.header().height;
   const double needed =
-      static_cast<double>(bytes_to_load(reader)) + work.fixed + work.per_pixel * pixels;
+      static_cast<double>(bytes_to_load(reader, film)) + work.fixed + work.per_pixel * pixels;
   const std::optional<std::uint64_t> available = available_memory(reader.file_bytes());
   if (!available || needed <= static_cast<double>(*available)) return {};
   return fail(ErrorCode::kData,
@@ -174,7 +174,7 @@ Result<void> load_pass_film(const SpoolReader& reader, RecordedSamples& samples)
   return {};
 }
 
-Result<void> load_film(const SpoolReader& reader, RecordedSamples& samples) {
+Result<void> load_film(const SpoolReader& reader, SampleFilm wanted, RecordedSamples& samples) {
   const auto layer = reader.find_layer("film");
   if (!layer) return {};
   if (layer->components != std::vector<std::string>{"X", "Y"} ||
@@ -185,8 +185,8 @@ Result<void> load_film(const SpoolReader& reader, RecordedSamples& samples) {
         "says",
         reader.path().string());
   }
-  return layer->scope == format::Scope::kSample ? load_sample_film(reader, samples)
-                                                : load_pass_film(reader, samples);
+  if (layer->scope == format::Scope::kPass) return load_pass_film(reader, samples);
+  return wanted == SampleFilm::kLoad ? load_sample_film(reader, samples) : Result<void>();
 }
 
 Result<RgbImage> pixel_image(const SpoolReader& reader, const char* layer) {
@@ -254,7 +254,8 @@ void load_cost(const SpoolReader& reader, RecordedSamples& samples) {
 
 Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesystem::path& path,
                                                               const SanitiseRules& rules,
-                                                              const WorkingMemory& work) {
+                                                              const WorkingMemory& work,
+                                                              SampleFilm film) {
   SPOOL_ASSIGN(SpoolReader opened, SpoolReader::open(path));
   auto storage = std::make_shared<FileStorage>(std::move(opened));
   const SpoolReader& reader = storage->reader;
@@ -265,12 +266,12 @@ Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesys
   layout.spp = static_cast<int>(header.spp);
   layout.tile_size = static_cast<int>(header.tile_size);
   layout.block_spp = static_cast<int>(header.block_spp);
-  SPOOL_TRY(check_memory(reader, work));
+  SPOOL_TRY(check_memory(reader, work, film));
   SPOOL_ASSIGN(layout.blocks, place_blocks(*storage));
   SPOOL_ASSIGN(RecordedSamples samples,
                RecordedSamples::create(path.string(), std::move(layout), storage, rules));
   samples.set_exchangeable(header.sample_order == format::SampleOrder::kExchangeable);
-  SPOOL_TRY(load_film(reader, samples));
+  SPOOL_TRY(load_film(reader, film, samples));
   SPOOL_TRY(load_reference(reader, samples));
   load_cost(reader, samples);
   offer_features(storage, samples);

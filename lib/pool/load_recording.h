@@ -15,13 +15,18 @@
 
 namespace spool {
 
+// Film positions that differ from pixel to pixel take 8 bytes a sample. Left out, the recording has
+// none; those of whole passes are always there.
+enum class SampleFilm { kLoad, kLeaveOut };
+
 // Errors: those of format::SpoolReader; kDamage when a block of the radiance is missing, naming its
 // tile and samples; those of RecordedSamples::create. The seconds a sample took come from the
 // top-level meta key `cost_per_sample`. kData, before anything is loaded, when samples, reference
 // and `work` together are more than available_memory().
 Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesystem::path& path,
                                                               const SanitiseRules& rules = {},
-                                                              const WorkingMemory& work = {});
+                                                              const WorkingMemory& work = {},
+                                                              SampleFilm film = SampleFilm::kLoad);
 
 // Whether the file of a recording held all it should whenever it was read; asked before what was
 // made of the samples is believed. kDamage when pages were lost; recordings that did not come from

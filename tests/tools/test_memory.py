@@ -97,6 +97,25 @@ def test_what_an_evaluation_needs_is_known_within_a_tenth(recordings, tmp_path, 
     compare(command("evaluate", recordings / "plain.spool", filter_name, tmp_path))
 
 
+def test_film_positions_that_no_method_asks_for_are_not_read(recordings, tmp_path):
+    """So that their damage is not noticed, and they take no memory."""
+    data = bytearray((recordings / "film.spool").read_bytes())
+    with spool.open(recordings / "film.spool") as dump:
+        at = data.index(dump.read("film")[0, 0, :4, 0].tobytes())
+    data[at] ^= 1
+    (tmp_path / "damaged.spool").write_bytes(data)
+    plain = said(command("reconstruct", recordings / "plain.spool", "box", tmp_path))
+    assert said(command("reconstruct", recordings / "film.spool", "box", tmp_path)) == plain
+    film = said(command("reconstruct", recordings / "film.spool", "multistage", tmp_path))
+    assert abs(film - plain - 8 * SAMPLES * SIZE**2) < 0.01 * film
+    for arguments, code in ((command("reconstruct", tmp_path / "damaged.spool", "box", tmp_path), 0),
+                            (command("reconstruct", tmp_path / "damaged.spool", "multistage", tmp_path), 4),
+                            (command("replay", tmp_path / "damaged.spool", "uniform", tmp_path), 0),
+                            ([*command("replay", tmp_path / "damaged.spool", "uniform", tmp_path), "--pieces", "2"], 4)):
+        done = subprocess.run(arguments, capture_output=True, text=True, timeout=LONGEST_RUN)
+        assert done.returncode == code and ("damaged.spool" in done.stderr) == (code == 4), (arguments, done)
+
+
 def control_group(limit):
     """A new group with this limit of memory, or a skip."""
     for top, file in GROUPS.items():

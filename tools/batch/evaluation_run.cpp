@@ -72,7 +72,9 @@ class PlanRun {
           auto loaded =
               load_recording(dump, request_.plan.rules,
                              evaluation_memory(request_.plan.samplers, request_.plan.filters,
-                                               request_.plan.experiment.pieces_per_side));
+                                               request_.plan.experiment.pieces_per_side),
+                             film_for(request_.plan.samplers, request_.plan.filters,
+                                      request_.plan.experiment.pieces_per_side));
           if (loaded) recording = *loaded;
           return loaded;
         },

@@ -28,7 +28,23 @@ WorkingMemory larger(const WorkingMemory& a, const WorkingMemory& b) {
   return {std::max(a.per_pixel, b.per_pixel), std::max(a.fixed, b.fixed)};
 }
 
+// A method that cannot be made says so elsewhere.
+template <class Function>
+bool uses_film(const MethodList<Function>& known, const MethodChoice& choice) {
+  const auto made = make_method(known, choice);
+  return !made || made->needs.film_positions != Use::kNone;
+}
+
 }  // namespace
+
+SampleFilm film_for(const std::vector<MethodChoice>& samplers,
+                    const std::vector<MethodChoice>& filters, int pieces_per_side) {
+  const bool wanted =
+      pieces_per_side > 1 ||
+      std::ranges::any_of(samplers, [](const auto& c) { return uses_film(known_samplers(), c); }) ||
+      std::ranges::any_of(filters, [](const auto& c) { return uses_film(known_filters(), c); });
+  return wanted ? SampleFilm::kLoad : SampleFilm::kLeaveOut;
+}
 
 WorkingMemory filtering_memory(const MethodChoice& filter, int pieces_per_side) {
   return on_pieces(memory_of(known_filters(), filter), pieces_per_side);

@@ -19,4 +19,9 @@ WorkingMemory filtering_memory(const MethodChoice& filter, int pieces_per_side);
 WorkingMemory evaluation_memory(const std::vector<MethodChoice>& samplers,
                                 const std::vector<MethodChoice>& filters, int pieces_per_side);
 
+// Film positions of each sample where one of the methods asks for them, or pieces of a pixel do:
+// what a method does not say it needs, it does not get.
+SampleFilm film_for(const std::vector<MethodChoice>& samplers,
+                    const std::vector<MethodChoice>& filters, int pieces_per_side);
+
 }  // namespace spool::tools

@@ -31,7 +31,7 @@ Written by `tools/dev.sh bench limits`; the source is `tools/bench/limits`.
 | samples a pixel | 65536 | the same |
 | layers, blocks, records | `formats/spool.md`, section 6 | the same |
 | budget | the samples recorded, less those held out | the program refuses before work, the library stops there and says so |
-| memory | 130 to 420 bytes a pixel by method (`tools/methods/method_memory.cpp`), 12 bytes a sample of what cannot be mapped (half floats, compressed, transposed tiles), 8 bytes a sample of film positions that differ from pixel to pixel | `replay`, `reconstruct` and `evaluate` compare what a recording needs with what is free, what control groups and `ulimit -v` and `-d` leave, and `SPOOL_MEMORY` (bytes), and refuse before work; pictures, views and quarter pixels are estimated roughly |
+| memory | 130 to 420 bytes a pixel by method (in its value, `memory`), 12 bytes a sample of what cannot be mapped (half floats, compressed, transposed tiles), 8 bytes a sample of film positions that differ from pixel to pixel, where a method asks for them | `replay`, `reconstruct` and `evaluate` compare what a recording needs with what is free, what control groups and `ulimit -v` and `-d` leave, and `SPOOL_MEMORY` (bytes), and refuse before work; pictures, views and quarter pixels are estimated roughly |
 | disk | 12 bytes a sample in f32, 6 in f16 | recorders and `synth` stop with exit code 3; what was written can be recovered |
 
 A recording in f32 without compression is mapped: samples beyond memory are read from the file when they are taken. That
