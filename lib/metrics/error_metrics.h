@@ -21,6 +21,7 @@
 #include "lib/core/image.h"
 #include "lib/core/option_table.h"
 #include "lib/metrics/bootstrap.h"
+#include "lib/metrics/metric_description.h"
 #include "lib/metrics/perceptual_metrics.h"
 
 namespace spool {
@@ -46,14 +47,6 @@ struct JudgingReference {
   RgbImage mean;                        // R
   std::optional<RgbImage> variance;     // b, variance of `mean`; absent: taken as exact
   std::optional<RgbImage> denominator;  // D of relMSE and of the deciles; absent: R
-};
-
-enum class Better { kLower, kHigher, kOne };
-
-struct MetricDescription {
-  std::string name;     // also the column of every table
-  std::string meaning;  // one line
-  Better better = Better::kLower;
 };
 
 // All metrics, in the order of every table.

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "lib/metrics/error_metrics.h"
+#include "lib/metrics/metric_description.h"
 
 namespace spool {
 
