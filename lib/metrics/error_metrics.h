@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,28 +20,10 @@
 
 #include "lib/core/guards.h"
 #include "lib/core/image.h"
-#include "lib/core/option_table.h"
-#include "lib/metrics/bootstrap.h"
 #include "lib/metrics/metric_description.h"
-#include "lib/metrics/perceptual_metrics.h"
+#include "lib/metrics/metric_options.h"
 
 namespace spool {
-
-enum class RelativeScale { kMean, kNone };
-enum class RelativeDenominator { kPerChannel, kLuminance };
-
-struct MetricOptions {
-  double rel_eps = 0.01;  // added to the squared denominator of relMSE, after `rel_scale`
-  // kMean: estimate and reference are divided by the mean luminance of the reference before any
-  // relative metric; kNone: radiance units, to compare with published figures.
-  RelativeScale rel_scale = RelativeScale::kMean;
-  RelativeDenominator rel_denominator = RelativeDenominator::kPerChannel;
-  double trim = 0.001;  // share of pixels that relmse_trimmed drops, the largest first
-  Perceptual perceptual = Perceptual::kFast;
-  BootstrapOptions bootstrap;
-};
-
-const OptionTable<MetricOptions>& metric_option_table();
 
 // What an estimate is judged by.
 struct JudgingReference {
@@ -48,11 +31,6 @@ struct JudgingReference {
   std::optional<RgbImage> variance;     // b, variance of `mean`; absent: taken as exact
   std::optional<RgbImage> denominator;  // D of relMSE and of the deciles; absent: R
 };
-
-// All metrics, in the order of every table.
-const std::vector<MetricDescription>& metrics();
-// Index into metrics(), or -1.
-int metric_index(std::string_view name);
 
 struct MetricValue {
   double value = std::numeric_limits<double>::quiet_NaN();           // NaN: not defined here

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace spool {
 
@@ -12,5 +14,10 @@ struct MetricDescription {
   std::string meaning;  // one line
   Better better = Better::kLower;
 };
+
+// All metrics, in the order of every table.
+const std::vector<MetricDescription>& metrics();
+// Index into metrics(), or -1.
+int metric_index(std::string_view name);
 
 }  // namespace spool

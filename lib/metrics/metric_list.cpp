@@ -1,6 +1,5 @@
 #include "lib/metrics/metric_list.h"
 
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -82,30 +81,6 @@ std::vector<Metric> make_list() {
 const std::vector<Metric>& metric_list() {
   static const std::vector<Metric> all = make_list();
   return all;
-}
-
-const OptionTable<MetricOptions>& metric_option_table() {
-  constexpr double kLargest = std::numeric_limits<double>::max();
-  static const OptionTable<MetricOptions> table = {
-      number_option("rel_eps", &MetricOptions::rel_eps, 0.0, kLargest,
-                    "added to the squared reference in relmse"),
-      choice_option<MetricOptions, RelativeScale>(
-          "rel_scale", &MetricOptions::rel_scale,
-          {{"mean", RelativeScale::kMean}, {"none", RelativeScale::kNone}},
-          "relative metrics divide both images by the reference's mean luminance, or not"),
-      choice_option<MetricOptions, RelativeDenominator>(
-          "rel_denominator", &MetricOptions::rel_denominator,
-          {{"per_channel", RelativeDenominator::kPerChannel},
-           {"luminance", RelativeDenominator::kLuminance}},
-          "relmse divides each channel by itself, or all by the luminance"),
-      number_option("trim", &MetricOptions::trim, 0.0, 0.5,
-                    "share of pixels that relmse_trimmed leaves out"),
-      choice_option<MetricOptions, Perceptual>(
-          "perceptual", &MetricOptions::perceptual,
-          {{"none", Perceptual::kNone}, {"fast", Perceptual::kFast}, {"all", Perceptual::kAll}},
-          "SSIM, MS-SSIM and FLIP: none of them, all but flip_hdr, or all"),
-  };
-  return table;
 }
 
 const std::vector<MetricDescription>& metrics() {
