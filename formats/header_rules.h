@@ -1,4 +1,5 @@
-// The rules of formats/spool.md about headers and records; geometry_rules.h has those about the image.
+// The rules of formats/spool.md about headers and records; geometry_rules.h has those about the
+// image.
 //
 // The functions judge bytes or values and touch no file. Reader, writer, check and recovery all
 // call them; there is no second copy of a rule.

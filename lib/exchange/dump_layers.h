@@ -1,4 +1,5 @@
-// What the formats made of EXR images share: layers of a dump as arrays on disk, and the text that describes them.
+// What the formats made of EXR images share: layers of a dump as arrays on disk, and the text that
+// describes them.
 #pragma once
 
 #include <filesystem>

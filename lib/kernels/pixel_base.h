@@ -24,9 +24,9 @@ Plane filter_cells(const Plane& cells);
 RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool& pool,
                              const RgbImage& pixel_mean);
 
-// A convolution kernel over pixels: taps for values, and the squared taps that a variance is convolved with. On the
-// subpixel grid a pixel's tap is the sum over its cells and the square 4 times the sum of squares
-// (the mean of a cell has 4 x 4 times the variance of the pixel's mean).
+// A convolution kernel over pixels: taps for values, and the squared taps that a variance is
+// convolved with. On the subpixel grid a pixel's tap is the sum over its cells and the square 4
+// times the sum of squares (the mean of a cell has 4 x 4 times the variance of the pixel's mean).
 struct PixelKernel {
   Taps taps, squares;
 };

@@ -17,8 +17,8 @@ namespace {
 
 using test::HardCase;
 
-// Not weighted means of samples: a band or a sample that is made smaller, or a slope that is fitted,
-// may leave their range.
+// Not weighted means of samples: a band or a sample that is made smaller, or a slope that is
+// fitted, may leave their range.
 bool stays_between_its_samples(const std::string& filter) {
   return filter != "wavelet_shrinkage" && filter != "twin_guides" && filter != "clamped";
 }

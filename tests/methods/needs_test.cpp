@@ -117,8 +117,7 @@ TEST(Needs, OfFiltersAreWhatTheyUse) {
 
 TEST(Needs, FollowTheOptionsThatWereChosen) {
   const auto film = [](const std::string& grid) {
-    return make_method(filters(), {"greedy_selection", "", {{"grid", grid}}})
-        ->needs.film_positions;
+    return make_method(filters(), {"greedy_selection", "", {{"grid", grid}}})->needs.film_positions;
   };
   EXPECT_EQ(film("pixel"), Use::kNone);
   EXPECT_EQ(film("auto"), Use::kWhenRecorded);

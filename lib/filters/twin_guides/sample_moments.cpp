@@ -75,8 +75,8 @@ class Filling {
               GuardCounts& guards) const {
     for (std::size_t c = 0; c < 3; ++c) {
       GuardCounts of_channel;
-      Plane v = variance_of_mean(n_, moments.mean[c], moments.m2[c],
-                                 {VarianceMode::kAuto, key}, of_channel);
+      Plane v = variance_of_mean(n_, moments.mean[c], moments.m2[c], {VarianceMode::kAuto, key},
+                                 of_channel);
       if (c == 1) guards += of_channel;
       moments.m2[c] = {};
       mean[c] = filled(std::move(moments.mean[c]));
