@@ -322,7 +322,9 @@ ExchangeFolder::~ExchangeFolder() {
 }
 
 void end_external_work() {
-  const std::scoped_lock lock(running().mutex);
+  // For good: the thread that waits for a command must not take its end for a failure of the
+  // command and leave with another exit code first.
+  running().mutex.lock();
   for (const pid_t group : running().groups)
     ::kill(-group, SIGKILL);
   std::error_code ignored;

@@ -54,6 +54,7 @@ bool start_watched(const std::function<int(const posix_spawnattr_t&)>& spawn, co
 void forget_watched(pid_t child);  // when it has ended
 
 // Kills running commands and removes their folders: for the program's way out on an interrupt.
+// Threads that wait for a command then wait for the end of the process.
 void end_external_work();
 
 }  // namespace spool::tools
