@@ -246,7 +246,7 @@ filters = ["box", 'exec:touch {touch}; false']\n""")
     assert "6 of them run commands" in text and "not known" in text and "the others take about" in text
     told = good("evaluate", plan, "--dry-run", "--json").json
     assert (told["cells"], told["left"], told["left_of_unknown_time"]) == (8, 8, 6)
-    text = good("evaluate", dump, "--samplers", f"exec:touch {touch}", "--filters", f"exec:touch {touch}", "--spp", 2,
+    text = good("evaluate", dump, "--samplers", f"exec:touch {touch}", "--filters", f"exec:touch {touch}", "--spp", 2, "--replicates", 5,
                 "--dry-run").out
     assert "5 of them" in text and "about" not in text
     assert not touch.exists()
