@@ -45,7 +45,7 @@ Sampler greedy_error_sampler() {
                                                 ? Use::kRequired
                                                 : Use::kWhenRecorded};
            },
-       .memory = {124, 2e6},
+       .memory = {260, 2e6},
        .run = sample_greedy_error});
 }
 

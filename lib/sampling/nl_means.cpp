@@ -135,7 +135,7 @@ Sampler nl_means_sampler() {
        .summary = "where NL-means disagrees on two halves of the samples",
        .options = nl_means_sampling_option_table(),
        .views = {{"error.i", "error before its smoothing, iteration i"}},
-       .memory = {124, 2e6},
+       .memory = {218, 4.7e6},
        .run = sample_nl_means});
 }
 

@@ -78,6 +78,7 @@ inline constexpr std::array kSamplerExceptions = {
     LawException{Law::kChannels, "multiscale paper", "decides by luminance"},
     LawException{Law::kChannels, "mitchell", "a threshold for each channel"},
     LawException{Law::kChannels, "adaptive_wavelet", "decides by luminance"},
+    LawException{Law::kChannels, "greedy_error", "means over channels round in another order"},
     LawException{Law::kChannels, "nl_means", "means over channels round in another order"},
     LawException{Law::kChannels, "filtered_halves", "decides by luminance"},
     LawException{Law::kChannels, "cross_bilateral", "means over channels round in another order"},

@@ -106,14 +106,14 @@ def numbers_of(page, name):
 
 def test_a_click_and_enter_sort_the_table(opened):
     page = opened.page
-    header = page.get_by_role("columnheader", name="relmse", exact=True)
+    header = page.get_by_role("region", name="All results").get_by_role("columnheader", name="relmse", exact=True)
     header.click()
     numbers = numbers_of(page, "relmse")
     assert numbers == sorted(numbers) and header.get_attribute("aria-sort") == "ascending"
     header.press("Enter")
     numbers = numbers_of(page, "relmse")
     assert numbers == sorted(numbers, reverse=True) and numbers[0] > numbers[-1]
-    page.get_by_role("columnheader", name="spp", exact=True).click()
+    page.get_by_role("region", name="All results").get_by_role("columnheader", name="spp", exact=True).click()
     assert numbers_of(page, "spp") == sorted(numbers_of(page, "spp"))  # 4, 8, 16: as numbers
 
 
@@ -133,7 +133,7 @@ def test_words_and_choices_filter_table_and_charts(opened):
 
 def test_another_column_can_be_shown_and_keeps_the_order(opened):
     page = opened.page
-    page.get_by_role("columnheader", name="relmse", exact=True).click()
+    page.get_by_role("region", name="All results").get_by_role("columnheader", name="relmse", exact=True).click()
     page.locator("details.columns > summary").click()
     page.get_by_role("checkbox", name="psnr_tm").check()
     assert "psnr_tm" in page.locator("#results thead th").all_text_contents()
@@ -294,7 +294,7 @@ def test_ten_thousand_results_sort_and_filter(browser, tmp_path):
     assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 0
     opened = Opened(browser, tmp_path / "a.html")
     assert opened.page.locator("#results tbody tr").count() == 2000
-    opened.page.get_by_role("columnheader", name="relmse", exact=True).click()
+    opened.page.get_by_role("region", name="All results").get_by_role("columnheader", name="relmse", exact=True).click()
     column = column_of(opened.page, "relmse")
     numbers = opened.page.evaluate(
         f"[...document.querySelectorAll('#results tbody tr')].map(r => Number(r.cells[{column}].dataset.sort))")

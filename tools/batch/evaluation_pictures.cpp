@@ -123,7 +123,7 @@ Result<std::string> EvaluationPictures::write_sheets(
     }
     const auto path = folder_ / fmt::format("{}_{:g}spp.png", dump, sheet.first->spp);
     const std::string heading = fmt::format("{}  {:g} samples per pixel", dump, sheet.first->spp);
-    SPOOL_TRY(write_png(path, contact_sheet(heading, panels), true));
+    SPOOL_TRY(write_png(path, contact_sheet(heading, panels), true, true));
     written += (written.empty() ? "" : ", ") + path.string();
   }
   if (written.empty()) return std::string("one contact sheet for each result");

@@ -73,16 +73,18 @@ ordered_json methods_json(const std::vector<MethodChoice>& methods,
   ordered_json list = ordered_json::array();
   for (const MethodChoice& method : methods) {
     ordered_json json = {{"name", method.name}, {"label", method.label()}};
+    ordered_json options = ordered_json::object();
     if (const Method<Function>* entry = find_method(known, method.name)) {
       json["by_description"] = entry->source == Source::kDescriptions;
       const std::string first = entry->presets.empty() ? "" : entry->presets.front();
       const std::string preset = method.preset.empty() ? first : method.preset;
       if (!preset.empty()) json["preset"] = preset;
       for (const OptionDescription& option : entry->describe(preset))
-        json["options"][option.name] = option.value;
+        options[option.name] = option.value;
     }
     for (const auto& [name, value] : method.set)
-      json["options"][name] = value;
+      options[name] = value;
+    json["options"] = std::move(options);
     list.push_back(json);
   }
   return list;
