@@ -298,7 +298,7 @@ class PlanReader {
         } else if (key.str() == "file") {
           mask.path = (folder_ / file_of_text(text)).lexically_normal().string();
         } else if (key.str() == "recording") {
-          mask.recording = std::filesystem::path(text).filename().string();
+          mask.recording = std::filesystem::path(file_of_text(text)).filename().string();
         } else {
           return refuse(value, "unknown key '{}' of a mask{}", key.str(),
                         did_you_mean(key.str(), known));
@@ -376,7 +376,7 @@ class PlanReader {
           SPOOL_ASSIGN(const std::string chosen, text_of(*value));
           grown.push_back(choice);
           if (key.str() == "preset") {
-            grown.back().preset = chosen;
+            grown.back().preset = file_of_text(chosen);  // of some methods the name of a file
           } else {
             grown.back().set.emplace_back(key.str(), chosen);
           }

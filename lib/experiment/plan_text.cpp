@@ -17,19 +17,6 @@ toml::table options_table(const OptionTable<Options>& known, const Options& opti
   return table;
 }
 
-toml::array method_tables(const std::vector<MethodChoice>& methods) {
-  toml::array tables;
-  for (const MethodChoice& method : methods) {
-    toml::table table{{"name", method.name}};
-    if (!method.own_label.empty()) table.insert("label", method.own_label);
-    if (!method.preset.empty()) table.insert("preset", method.preset);
-    for (const auto& [name, value] : method.set)
-      table.insert_or_assign(name, value);
-    tables.push_back(table);
-  }
-  return tables;
-}
-
 // What TOML cannot hold or parse_plan() would read otherwise, with percent signs.
 std::string text_of_file(const std::string& name) {
   if (is_utf8(name) && !name.starts_with("file:")) return name;
@@ -39,6 +26,19 @@ std::string text_of_file(const std::string& name) {
     text += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return text;
+}
+
+toml::array method_tables(const std::vector<MethodChoice>& methods) {
+  toml::array tables;
+  for (const MethodChoice& method : methods) {
+    toml::table table{{"name", method.name}};
+    if (!method.own_label.empty()) table.insert("label", method.own_label);
+    if (!method.preset.empty()) table.insert("preset", text_of_file(method.preset));
+    for (const auto& [name, value] : method.set)
+      table.insert_or_assign(name, value);
+    tables.push_back(table);
+  }
+  return tables;
 }
 
 std::string absolute_path(const std::string& path) {
@@ -96,7 +96,7 @@ std::string plan_text(const Plan& plan) {
   toml::array masks;
   for (const EnergyMask& mask : e.masks) {
     toml::table table{{"name", mask.name}, {"file", absolute_path(mask.path)}};
-    if (!mask.recording.empty()) table.insert("recording", mask.recording);
+    if (!mask.recording.empty()) table.insert("recording", text_of_file(mask.recording));
     masks.push_back(table);
   }
   if (!masks.empty()) root.insert("mask", masks);

@@ -119,6 +119,23 @@ def test_the_plan_of_such_a_dump_can_be_read_again(tmp_path, dump_of_bytes):
     assert {p: p.stat().st_mtime_ns for p in (tmp_path / "results" / "cells").iterdir()} == cells
 
 
+def test_the_plan_of_methods_of_such_names_can_be_read_again(dump, tmp_path):
+    def call(*words):
+        done = subprocess.run([PROGRAM.encode(), *words], cwd=tmp_path, capture_output=True, timeout=120)
+        assert done.returncode == 0, done.stderr
+    bytes_of_dump = str(dump).encode()
+    call(b"replay", bytes_of_dump, b"--sampler", b"uniform", b"--spp", b"2", b"-o", b"n\xff %41.exr")
+    call(b"reconstruct", bytes_of_dump, b"--filter", b"box", b"-o", b"file:i.exr")
+    command = b"exec:cp $1 $2 # \xff"
+    call(b"evaluate", bytes_of_dump, b"--samplers", b"uniform,counts:n\xff %41.exr", b"--filters", b"box,image:file:i.exr," + command,
+         b"--spp", b"2", b"--replicates", b"2", b"-o", b"a", b"--no-pictures", b"-q")
+    call(b"evaluate", b"a/plan.toml", b"-o", b"b", b"--no-pictures", b"-q")
+    assert (tmp_path / "a" / "plan.toml").read_text(encoding="utf-8") == (tmp_path / "b" / "plan.toml").read_text()
+    names = [{row.split(b",")[1] + row.split(b",")[2] for row in (tmp_path / folder / "results.csv").read_bytes().splitlines()}
+             for folder in "ab"]
+    assert names[0] == names[1] and len(names[0]) == 7
+
+
 @pytest.mark.parametrize("seed", ["-1", "99999999999999999999", "1.5", "x"])
 def test_seeds_are_numbers_that_a_plan_can_hold(run, dump, tmp_path, seed):
     for arguments in (["synth", "scene_s", f"--seed={seed}", "-o", "s.spool"],
