@@ -266,6 +266,18 @@ def test_bad_count_is_refused_with_its_pixel(run, dump, tmp_path, value, words):
         "-o", "i.exr").failed_with(1, "bad.exr", "pixel 5, 3", *words)
 
 
+@pytest.mark.parametrize("name, kind, value, taken", [
+    ("spool.decision_map", "string", "log1p", False), ("spool.decision_map", "string", "linear", True),
+    ("spool.decision_clamp", "float", "4.5", False), ("spool.decision_clamp", "float", "inf", True)])
+def test_a_selection_of_a_removed_option_is_not_taken_for_another(run, dump, tmp_path, name, kind, value, taken):
+    make_exr(tmp_path / "old.exr", ["--addc", "2", f"--attrib:type={kind}", name, value], "float")
+    done = run("reconstruct", dump, "--selection", "old.exr", "--filter", "box", "-o", "i.exr")
+    if taken:
+        assert done.code == 0, done.err
+    else:
+        done.failed_with(1, "old.exr", name.partition(".")[2], "replay")
+
+
 def test_selection_of_another_size_and_no_image_are_refused(run, dump, tmp_path):
     subprocess.run(["oiiotool", "--create", "4x4", "1", "-o", str(tmp_path / "small.exr")], check=True)
     command = ("reconstruct", dump, "--filter", "box", "-o", "i.exr", "--selection")

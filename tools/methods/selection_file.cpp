@@ -77,6 +77,19 @@ std::optional<AnalysisSignal> signal_of(const ExrFile& file, const std::string& 
   return signal;
 }
 
+// Programs before decided on a map of the luminance, or on a clamped one, where they were asked to.
+Result<void> refuse_removed_signal(const ExrFile& file, const std::filesystem::path& path) {
+  const auto map = file.text_attributes.find("spool.decision_map");
+  const auto clamp = file.number_attributes.find("spool.decision_clamp");
+  const bool mapped = map != file.text_attributes.end() && map->second != "linear";
+  const bool clamped =
+      clamp != file.number_attributes.end() && clamp->second > 0.0 && std::isfinite(clamp->second);
+  if (!mapped && !clamped) return {};
+  return fail(ErrorCode::kData,
+              "{}: was decided with {}, an option that is no more: replay the sampler again",
+              path.string(), mapped ? "decision_map=" + map->second : "decision_clamp");
+}
+
 // A_k for people, and its bits: a float alone would change the last bits of an image.
 void add_attenuation(ExrFile& file, const std::string& part, std::size_t level,
                      const Plane& attenuation) {
@@ -163,6 +176,7 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
 
 Result<SelectionFile> read_selection(const std::filesystem::path& path) {
   SPOOL_ASSIGN(const ExrFile file, read_exr(path));
+  SPOOL_TRY(refuse_removed_signal(file, path));
   SelectionFile selection;
   SPOOL_ASSIGN(selection.n, counts_from_exr(file, path.string()));
   read_rest(file, "", selection);
