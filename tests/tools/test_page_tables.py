@@ -8,6 +8,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools/experiments"))
 from page_tables import SHORT, take_apart  # noqa: E402
+from whole_file import write_whole  # noqa: E402
 
 BUDGETS = """# Page
 
@@ -83,3 +84,14 @@ def test_the_same_table_gives_the_same_bytes(tmp_path):
     for folder in ("a", "b"):
         take_apart(BUDGETS, "page", tmp_path / folder, plot)
     assert (tmp_path / "a/page/e3.svg").read_bytes() == (tmp_path / "b/page/e3.svg").read_bytes()
+
+
+def test_a_page_is_the_old_one_or_the_new_one(tmp_path):
+    page = tmp_path / "page.txt"
+    page.write_text("old")
+    with pytest.raises(TypeError):
+        write_whole(page, None)
+    assert page.read_text() == "old" and list(tmp_path.iterdir()) == [page]
+    write_whole(page, "one")
+    write_whole(page, "two")
+    assert page.read_text() == "two" and list(tmp_path.iterdir()) == [page] and page.stat().st_mode & 0o777 == 0o644

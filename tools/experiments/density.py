@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from methods import methods_of
+from whole_file import write_whole
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "formats" / "python"))
 import spool  # noqa: E402
@@ -108,7 +109,7 @@ def densities(program, plan_path, folder):
                     recording = recording or Recording(path)
                     counts, log = replay(program, path, name, options, spp, seed)
                     done[key] = measure(counts, log, recording, dict(options).get("tile"))
-                    store.write_text(json.dumps(done))
+                    write_whole(store, json.dumps(done))
                 for column, value in done[key].items():
                     if value is not None:
                         found.setdefault((path.stem, label, spp), {}).setdefault(column, []).append(value)

@@ -6,8 +6,6 @@
     tools/dev.sh experiments --write-only    only the page, from the results that are there
 """
 import argparse
-import json
-import os
 import subprocess
 import sys
 import tomllib
@@ -26,6 +24,7 @@ from page_tables import take_apart  # noqa: E402
 from pools import PLANS, POOLS, command, make_pools  # noqa: E402
 from inference import use_program  # noqa: E402
 from results import Results  # noqa: E402
+from whole_file import write_whole  # noqa: E402
 
 ROOT = PLANS.parents[1]
 CHAPTERS = [*first_chapters.CHAPTERS, *method_chapters.CHAPTERS, *paper_chapters.CHAPTERS, *ablation_chapters.CHAPTERS]
@@ -73,11 +72,6 @@ def done(plan, arguments):
     return (arguments.results / plan / "results.jsonl").exists()
 
 
-def machine(results):
-    manifest = json.loads((results.folders[0] / "manifest.json").read_text())
-    return f"{manifest['version']}, {manifest['machine']['threads']} cores"
-
-
 def section(chapter, arguments):
     plans = [*chapter.plans, *(p for p in chapter.optional if done(p, arguments))]
     commands = "\n".join(f"    spool evaluate tools/plans/{p}.toml -o build/experiments/{p}" for p in plans)
@@ -107,10 +101,7 @@ def section(chapter, arguments):
 
 def write(path, blocks):
     """The page; its long tables go to results/PAGE beside it, as CSV and plots."""
-    text = take_apart("\n\n".join(block for block in blocks if block), path.stem, path.parent / "results", plot)
-    partial = path.with_suffix(".md.partial")
-    partial.write_text(text)
-    os.replace(partial, path)
+    write_whole(path, take_apart("\n\n".join(block for block in blocks if block), path.stem, path.parent / "results", plot))
 
 
 def main():

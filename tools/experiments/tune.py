@@ -25,6 +25,7 @@ from tuning_choice import Candidate, Scores  # noqa: E402
 from tuning_page import page  # noqa: E402
 from tuning_pools import ALONE, APART, CHOOSING, SECOND, recording  # noqa: E402
 from tuning_verdict import RIVALS  # noqa: E402
+from whole_file import write_whole  # noqa: E402
 
 ROOT = PLANS.parents[1]
 SAMPLER, FILTER = "multiscale", "directional"
@@ -123,7 +124,7 @@ def judge(name, pools, candidates, arguments, **more):
     folder.mkdir(parents=True, exist_ok=True)
     text = judging_plan(pools, candidates, folder, **more)
     plan = folder / f"{name}-{zlib.crc32(text.encode()):08x}.toml"  # another choice is another folder
-    plan.write_text(text)
+    write_whole(plan, text)
     return evaluate(plan, plan.with_suffix(""), arguments)
 
 
@@ -157,9 +158,7 @@ def main():
     settings = [(c, methods(c)) for c in [*singles(from_all.candidate)[1:], from_all.candidate]]
     text = page(scores, left_out, from_all, judged, chosen, (SAMPLER, FILTER), BUDGETS,
                 (Results([alone]), settings) if alone else None)
-    partial = arguments.output.with_suffix(".md.partial")
-    partial.write_text(take_apart(text, arguments.output.stem, arguments.output.parent / "results"))
-    os.replace(partial, arguments.output)
+    write_whole(arguments.output, take_apart(text, arguments.output.stem, arguments.output.parent / "results"))
 
 
 if __name__ == "__main__":

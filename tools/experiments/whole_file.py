@@ -1,0 +1,15 @@
+"""Files that appear whole or not at all, whoever else writes them."""
+import os
+import tempfile
+
+
+def write_whole(path, text):
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".partial", dir=path.parent)
+    try:
+        with open(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise
