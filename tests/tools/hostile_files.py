@@ -1,8 +1,10 @@
-"""Small files that claim much: EXR headers, Zarr stores, texts that nest. Made by hand, as no library writes them."""
+"""Small files that claim much: EXR headers, Zarr stores, BCD, SBMC, texts that nest. Made by hand, as no library writes them."""
 import json
+import os
 import struct
 import zipfile
 
+import lz4.frame
 import numcodecs
 
 UINT, FLOAT = 0, 2
@@ -124,3 +126,57 @@ def zarr_bombs(folder):
         paths[name] = folder / f"{name.replace(' ', '_')}.zip"
         zarr_store(paths[name], arrays)
     return paths
+
+
+def bcd_bombs():
+    """name -> bytes: five numbers that say what follows, and little that does."""
+    def raw(width, height, samples, channels, rest=bytes(48)):
+        return struct.pack("<5i", 1, width, height, samples, channels) + rest
+    whole = raw(2, 2, 1, 3)
+    bombs = {"wide": raw(65536, 65536, 65536, 4), "many samples": raw(1, 1, 65536, 3), "tall": raw(1, 65536, 1, 3),
+             "all negative": raw(-1, -1, -1, -1), "more than 32 bits": raw(65536, 16384, 4, 3), "no pixel": raw(0, 2, 1, 3),
+             "many channels": raw(2, 2, 1, HUGE), "a value too few": whole[:-4], "a value too many": whole + bytes(4),
+             "the header alone": whole[:20], "another BCD inside": raw(65536, 65536, 1, 3, whole * 50)}
+    return whole, bombs
+
+
+SBMC_HEADER = "<9i4f2i"
+SBMC_IMAGE, SBMC_SAMPLE = 4 * 30, 4 * 63 + 2 * 6  # bytes a pixel
+
+
+def sbmc_tile(tile=2, width=2, height=2, spp=1, frames=None, x=0, y=0, radius=3.0):
+    """A tile of zeros whose header may say anything; `frames`: bytes with their lengths before them."""
+    head = struct.pack(SBMC_HEADER, 20190401, tile, width, height, spp, 4096, 27, 30, 6, 1.0, 0.0, 0.4, radius, x, y)
+    return head + (frames if frames is not None else sbmc_frame(4 * SBMC_IMAGE) + sbmc_frame(4 * SBMC_SAMPLE))
+
+
+def sbmc_frame(size, stored=None, claim=None, **options):
+    data = stored if stored is not None else lz4.frame.compress(bytes(size), store_size=False, **options)
+    return struct.pack("<i", len(data) if claim is None else claim) + data
+
+
+def sbmc_bombs(folder):
+    """name -> path: tiles and lists of tiles that lie about their sizes, are cut, or name each other."""
+    whole = sbmc_tile()
+    tiles = {
+        "a large image": sbmc_tile(1024, 65536, 16384), "many samples": sbmc_tile(2, spp=65536), "a large tile": sbmc_tile(1024, 1024, 1024),
+        "small tiles": sbmc_tile(1, 16384, 16384), "a tile beyond": sbmc_tile(x=2), "a negative place": sbmc_tile(y=-2),
+        "a frame of gigabytes": sbmc_tile(frames=sbmc_frame(0, bytes(16), HUGE)), "a negative frame": sbmc_tile(frames=sbmc_frame(0, bytes(16), -5)),
+        "an empty frame": sbmc_tile(frames=sbmc_frame(0, b"")), "zeros packed tight": sbmc_tile(frames=sbmc_frame(1 << 18)),
+        "a frame in a frame": sbmc_tile(frames=sbmc_frame(0, lz4.frame.compress(lz4.frame.compress(bytes(480))))),
+        "a frame that says its size": sbmc_tile(frames=sbmc_frame(0, b"\x04\x22\x4d\x18\x48\x40" + b"\xff" * 7 + b"\x7f\0\0\0\0\0")),
+        "a skippable frame": sbmc_tile(frames=sbmc_frame(0, struct.pack("<II", 0x184D2A50, 0xFFFFFFFF) + bytes(16))),
+        "no scale": sbmc_tile(radius=float("inf")), "more behind it": whole + bytes(8), "cut in a frame": whole[:-9],
+        "cut in a length": whole[:62], "the header alone": whole[:60],
+    }
+    paths = {}
+    for name, data in tiles.items():
+        paths[name] = folder / f"{name.replace(' ', '_')}.bin"
+        paths[name].write_bytes(data)
+    lists = {"itself": "a_list_of_itself.txt\n" * 200, "a pipe": "pipe.bin\n", "a device": "/dev/zero\n", "a folder": ".\n",
+             "one tile often": "a_large_image.bin\n" * 200, "what is not there": "x" * 3000 + ".bin\n"}
+    os.mkfifo(folder / "pipe.bin")
+    for name, text in lists.items():
+        paths[f"a list of {name}"] = folder / f"a_list_of_{name.replace(' ', '_')}.txt"
+        paths[f"a list of {name}"].write_text(text)
+    return whole, paths

@@ -88,6 +88,30 @@ def test_a_store_that_may_grow_is_taken_with_the_users_word(tmp_path):
     assert spool.open(tmp_path / "out.spool").width == 1024
 
 
+def test_no_bcd_file_takes_memory_on_its_headers_word(tmp_path):
+    whole, bombs = hostile_files.bcd_bombs()
+    (tmp_path / "a.raw").write_bytes(whole)
+    assert cost("pack", "--from", "bcd", "a.raw", "-o", "whole.spool", cwd=tmp_path)[0] == 0
+    for name, data in bombs.items():
+        assert len(data) < 4096, name
+        (tmp_path / "a.raw").write_bytes(data)
+        line = refused("pack", "--from", "bcd", "a.raw", "-o", "out.spool", cwd=tmp_path, codes=(1, 4))
+        assert "a.raw" in line, (name, line)
+    assert not list(tmp_path.glob("out*"))
+
+
+def test_no_sbmc_tile_takes_memory_on_its_word(tmp_path):
+    whole, bombs = hostile_files.sbmc_bombs(tmp_path)
+    (tmp_path / "whole_tile.bin").write_bytes(whole)
+    assert cost("pack", "--from", "sbmc", "whole_tile.bin", "--set", "import.scale=raw", "-o", "whole.spool", cwd=tmp_path)[:2] == (0, [])
+    for name, path in bombs.items():
+        assert path.stat().st_size < 8192, name
+        for scale in ((), ("--set", "import.scale=raw")):
+            line = refused("pack", "--from", "sbmc", path.name, *scale, "-o", "out.spool", cwd=tmp_path, codes=(1, 2, 3, 4))
+            assert len(line) < 8192, (name, line)
+    assert not list(tmp_path.glob("out*"))
+
+
 def test_arrays_of_zeros_are_bounded_too(tmp_path):
     meta = np.frombuffer(b'{"layout": "HWSC"}', "u1")
     for samples_each, taken in ((1, True), (16, False)):

@@ -2,6 +2,7 @@
 import fcntl
 import os
 import random
+import signal
 import subprocess
 import time
 
@@ -141,3 +142,39 @@ def test_of_two_writers_of_one_output_one_wins_and_the_other_says_so(good, tmp_p
             assert good("check", "out/x")
         assert [path.name for path in (tmp_path / "out").iterdir()] == ["x"]
     assert force or max(outcomes) > 0
+
+
+def stopped_while_writing(words, folder):
+    """A writer that stands still (SIGSTOP) with its temporary file begun."""
+    for _ in range(100):
+        writer = subprocess.Popen([PROGRAM, *words], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        while writer.poll() is None and not leftovers(folder / "out"):
+            pass
+        writer.send_signal(signal.SIGSTOP)
+        if writer.poll() is None and leftovers(folder / "out"):
+            return writer
+        writer.send_signal(signal.SIGCONT)
+        assert writer.wait(120) == 0
+    raise AssertionError("no writer was met while it wrote")
+
+
+@pytest.mark.parametrize("command", [c for c in COMMANDS if c not in ("image", "counts")])  # these write in an instant
+def test_of_two_forced_writers_at_one_time_the_slower_says_so(good, run, tmp_path, command):
+    radiance, _ = samples(128, 128, 64)
+    write_dump(tmp_path / "big.spool", radiance)
+    if command == "pack":
+        good("convert", "big.spool", "--to", "npz", "-o", "big.npz")
+    (tmp_path / "out").mkdir()
+    words = [*COMMANDS[command], "--force"]
+    good(*words)
+    slow = stopped_while_writing(words, tmp_path)
+    fast = run(*words)
+    quick = (tmp_path / "out" / "x").read_bytes()
+    slow.send_signal(signal.SIGCONT)
+    error = slow.communicate(timeout=120)[1]
+    assert sorted([slow.returncode, fast.code]) == [0, 3], (error, fast.err)
+    said = error if slow.returncode else fast.err
+    assert said.count("\n") == 1 and "out/x" in said and "another" in said, said
+    if slow.returncode:
+        assert (tmp_path / "out" / "x").read_bytes() == quick
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["x"]
