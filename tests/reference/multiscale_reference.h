@@ -39,7 +39,7 @@ class Multiscale {
     exposure_ = o_.exposure == ExposureMode::kNormalise ? exposure() : 1.0;
     levels_.assign(static_cast<std::size_t>(o_.levels()) + 1, 0);
     start_attenuation();
-    const long long epochs = epoch_count(o_, width * height);
+    const long long epochs = epoch_count(o_);
     const long long share = o_.update == UpdateMode::kExact ? 1 : (adaptive + epochs - 1) / epochs;
     long long left = adaptive;
     while (left > 0)
@@ -192,15 +192,24 @@ class Multiscale {
     std::sort(entries.begin(), entries.end(), precedes);
     CountImage fresh(n_.width(), n_.height()), taken = fresh;
     long long chosen = 0;
+    double lowest = 0.0;
     for (const RegionEntry& entry : entries) {
       bool free = true;
       for_region(entry.level, entry.x, entry.y, [&](int u, int v) { free = free && !taken(u, v); });
       if (!free) continue;
-      const long long got = choose(entry, left - chosen, taken, fresh);
+      int each = 1;
+      const bool predicted =
+          o_.update == UpdateMode::kEpoch && o_.step_counts == StepCounts::kPredicted;
+      while (predicted && lowest_ > 0.0 && each < 8 &&
+             (each + 1.0) * (each + 1.0) * lowest_ <= entry.priority)
+        ++each;
+      lowest = entry.priority;
+      const long long got = choose(entry, each, left - chosen, taken, fresh);
       levels_[static_cast<std::size_t>(entry.level)] += got;
       chosen += got;
       if (o_.update == UpdateMode::kExact || chosen >= share) break;
     }
+    lowest_ = lowest;
     CountImage closed(n_.width(), n_.height());
     for_pieces([&](int x, int y) { closed(x, y) = n_(x, y) >= pool_.capacity(x, y); });
     for_pieces([&](int x, int y) { n_(x, y) += fresh(x, y); });
@@ -208,17 +217,24 @@ class Multiscale {
     return chosen;
   }
 
-  long long choose(const RegionEntry& entry, long long left, CountImage& taken,
+  long long choose(const RegionEntry& entry, int each, long long left, CountImage& taken,
                    CountImage& fresh) const {
     std::vector<std::array<int, 3>> pieces;  // n, y, x
+    long long area = 0;
     for_region(entry.level, entry.x, entry.y, [&](int u, int v) {
+      ++area;
       taken(u, v) = 1;
       if (n_(u, v) < pool_.capacity(u, v)) pieces.push_back({n_(u, v), v, u});
     });
     std::sort(pieces.begin(), pieces.end());
+    while (each > 1 && area * each > left)
+      --each;
     long long got = 0;
-    for (std::size_t i = 0; i < pieces.size() && got < left; ++i, ++got)
-      fresh(pieces[i][2], pieces[i][1]) = 1;
+    for (std::size_t i = 0; i < pieces.size() && got < left; ++i) {
+      const int y = pieces[i][1], x = pieces[i][2];
+      fresh(x, y) = std::min(each, pool_.capacity(x, y) - pieces[i][0]);
+      got += fresh(x, y);
+    }
     return got;
   }
 
@@ -266,6 +282,7 @@ class Multiscale {
   const SamplePool& pool_;
   const MultiscaleOptions& o_;
   double exposure_ = 1.0;
+  double lowest_ = 0.0;  // priority of the last region of the last step
   CountImage n_;
   std::vector<std::vector<Plane>> attenuation_;
   std::vector<long long> levels_;

@@ -25,6 +25,7 @@ std::vector<Case> cases() {
   const OptionValues small = {{"epochs", "6"}, {"init_spp", "2"}};
   const std::vector<Case> changes = {
       {"robust", {}},
+      {"one_each", {{"step_counts", "one"}}},
       {"init_1", {{"init_spp", "1"}}},
       {"no_exposure", {{"exposure", "none"}}},
       {"max_rgb", {{"analysis_channel", "max_rgb"}}},
@@ -135,7 +136,7 @@ TEST(MultiscaleExact, LocalUpdatesEqualFullRecomputation) {
       const Rectangle region = sampled_region(board, entry);
       const BeforeStep before = remember(board, region, options);
       std::vector<Pick> picks;
-      choose_pieces(board, samples, region, 1000, picks);
+      choose_pieces(board, samples, pool, region, 1, 1000, picks);
       if (picks.empty()) continue;
       take_picks(board, samples, pool, picks, options, guards);
       update_analysis(board, before, options);

@@ -128,9 +128,10 @@ TEST(Multiscale, EpochsWithOneRegionEachAreExactMode) {
   const SamplePool pool = test::noisy_pool(21, 16, 10);
   const SamplingResult exact =
       run_multiscale(pool, 21 * 16 * 4, multiscale_options("robust", {{"update", "exact"}}));
-  const SamplingResult epochs =
-      run_multiscale(pool, 21 * 16 * 4,
-                     multiscale_options("robust", {{"update", "epoch"}, {"epochs", "1000000"}}));
+  const SamplingResult epochs = run_multiscale(
+      pool, 21 * 16 * 4,
+      multiscale_options("robust",
+                         {{"update", "epoch"}, {"epochs", "1000000"}, {"step_counts", "one"}}));
   EXPECT_EQ(exact.selection.statistics, epochs.selection.statistics);
   EXPECT_EQ(exact.selection.attenuation, epochs.selection.attenuation);
 }

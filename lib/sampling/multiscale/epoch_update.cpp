@@ -27,12 +27,14 @@ class EpochUpdate final : public Update {
       scalar.pyramid.detail.clear();  // only P needs them, a row at a time
   }
 
-  const std::vector<Pick>& choose(const Samples& samples, long long left, BoardLog& log) override {
+  const std::vector<Pick>& choose(const Samples& samples, const SamplePool& pool, long long left,
+                                  BoardLog& log) override {
     const long long wanted = std::min(share_, left);
     Image<std::uint8_t> taken(board_.window.width(), board_.window.height());
     PriorityOrder order(maxima_, static_cast<std::size_t>(wanted) / 4,
                         [&](const RegionEntry& entry) { return is_free(entry, taken); });
     picks_.clear();
+    double lowest = 0.0;
     for (long long chosen = 0; chosen < wanted;) {
       const std::optional<RegionEntry> entry = order.next();
       if (!entry) break;
@@ -40,9 +42,14 @@ class EpochUpdate final : public Update {
       for (int y = region.y0; y < region.y1; ++y)
         std::fill(&taken(0, y) + region.x0, &taken(0, y) + region.x1, std::uint8_t{1});
       const std::size_t first = picks_.size();
-      chosen += choose_pieces(board_, samples, region, left - chosen, picks_);
+      const int each = options_.step_counts == StepCounts::kPredicted
+                           ? predicted_count(entry->priority, lowest_of_last_)
+                           : 1;
+      chosen += choose_pieces(board_, samples, pool, region, each, left - chosen, picks_);
+      lowest = entry->priority;  // they come in falling order
       record_region(log, entry->level, std::span(picks_).subspan(first));
     }
+    lowest_of_last_ = lowest;
     if (picks_.empty()) return picks_;
     sort_by_place(picks_, board_.bounds());
     remember();
@@ -139,7 +146,8 @@ class EpochUpdate final : public Update {
   const PyramidOptions pyramid_;
   const BlockGrid grid_;
   const StepReach reach_;
-  PriorityMaxima maxima_;  // closing a region need not lower them
+  PriorityMaxima maxima_;        // closing a region need not lower them
+  double lowest_of_last_ = 0.0;  // smallest priority of a region that the last step took
   std::vector<Pick> picks_;
   std::optional<StepBlocks> step_;
   std::vector<std::vector<double>> old_f0_;  // [scalar][pick]
@@ -149,7 +157,7 @@ class EpochUpdate final : public Update {
 
 std::unique_ptr<Update> epoch_update(Board& board, long long budget,
                                      const MultiscaleOptions& options) {
-  const long long epochs = epoch_count(options, board.area.area());
+  const long long epochs = epoch_count(options);
   return std::make_unique<EpochUpdate>(board, (budget + epochs - 1) / epochs, options);
 }
 

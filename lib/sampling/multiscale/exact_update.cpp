@@ -79,13 +79,14 @@ class ExactUpdate final : public Update {
   ExactUpdate(Board& board, const MultiscaleOptions& options)
       : board_(board), options_(options), maxima_(board.priority, 1) {}
 
-  const std::vector<Pick>& choose(const Samples& samples, long long left, BoardLog& log) override {
+  const std::vector<Pick>& choose(const Samples& samples, const SamplePool& pool, long long left,
+                                  BoardLog& log) override {
     picks_.clear();
     const std::optional<RegionEntry> best = maxima_.best();
     if (!best || best->priority <= 0.0) return picks_;
     const Rectangle region = sampled_region(board_, *best);
     before_ = remember(board_, region, options_);
-    choose_pieces(board_, samples, region, left, picks_);
+    choose_pieces(board_, samples, pool, region, 1, left, picks_);
     record_region(log, best->level, picks_);
     return picks_;
   }

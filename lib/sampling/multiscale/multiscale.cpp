@@ -48,7 +48,7 @@ void spend_budget(Board& board, Update& update, Samples& samples, const SamplePo
   bool go_on = true;
   while (log.spent < budget && go_on) {
     const long long before = log.spent;
-    const std::vector<Pick>& picks = update.choose(samples, budget - before, log);
+    const std::vector<Pick>& picks = update.choose(samples, pool, budget - before, log);
     if (picks.empty()) {  // no region has a priority
       const auto rest = choose_uniformly(board, samples, pool, budget - before, seed);
       take_picks(board, samples, pool, rest, options, log.guards);

@@ -55,9 +55,12 @@ OptionTable<O> sampling_options() {
       choice_option<O, UpdateMode>("update", &O::update,
                                    {{"epoch", UpdateMode::kEpoch}, {"exact", UpdateMode::kExact}},
                                    "many regions a step, or one"),
-      integer_or_word_option<O>(
-          "epochs", &O::epochs, "auto", 1, 1000000,
-          "steps of update=epoch; auto: 256 up to 256 x 256 pieces, 96 beyond"),
+      integer_or_word_option<O>("epochs", &O::epochs, "auto", 1, 1000000,
+                                "steps of update=epoch; auto: 32"),
+      expert(choice_option<O, StepCounts>(
+          "step_counts", &O::step_counts,
+          {{"predicted", StepCounts::kPredicted}, {"one", StepCounts::kOne}},
+          "samples of a piece in a step of update=epoch: 1 to 8 by priority, or one")),
       expert(choice_option<O, ParallelOver>(
           "parallel", &O::parallel,
           {{"rows", ParallelOver::kRows}, {"tiles", ParallelOver::kTiles}},
@@ -97,9 +100,8 @@ O paper_preset() {
 
 }  // namespace
 
-int epoch_count(const MultiscaleOptions& options, long long pieces) {
-  if (options.epochs) return *options.epochs;
-  return pieces <= 256 * 256 ? 256 : 96;
+int epoch_count(const MultiscaleOptions& options) {
+  return options.epochs.value_or(kDefaultEpochs);
 }
 
 const OptionTable<MultiscaleOptions>& multiscale_option_table() {

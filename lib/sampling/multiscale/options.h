@@ -20,6 +20,11 @@ enum class UpdateMode {
   kExact,  // one region, then everything that it changed is recomputed
   kEpoch,  // many regions that do not overlap, then one full analysis
 };
+// Samples of a piece in a step of kEpoch.
+enum class StepCounts {
+  kPredicted,  // as many as its region would have taken in smaller steps: predicted_count()
+  kOne,
+};
 enum class DetailNorm { kAbsolute, kRelative, kOff };  // d^2, d^2 / (f^2 + 0.01), or 0
 enum class DetailIndex {
   kProducedWithLevel,  // level k looks at d_{k-1}, what is lost by going to that level
@@ -58,7 +63,8 @@ struct MultiscaleOptions {
 
   double explore_fraction = 0.0;  // of the adaptive budget, spent uniformly before the loop
   UpdateMode update = UpdateMode::kEpoch;
-  std::optional<int> epochs;  // empty: epoch_count()
+  std::optional<int> epochs;  // empty: kDefaultEpochs
+  StepCounts step_counts = StepCounts::kPredicted;
 
   ParallelOver parallel = ParallelOver::kRows;
   int tile = 0;  // pieces per side; 0: no tiles
@@ -68,8 +74,8 @@ struct MultiscaleOptions {
   int levels() const { return pyramid.levels; }
 };
 
-// Epochs of a run over `pieces` pieces. Automatic: 256 up to 256^2 pieces, 96 beyond.
-int epoch_count(const MultiscaleOptions& options, long long pieces);
+inline constexpr int kDefaultEpochs = 32;  // docs/decisions/0081-predicted-counts.md
+int epoch_count(const MultiscaleOptions& options);
 
 const OptionTable<MultiscaleOptions>& multiscale_option_table();
 const Presets<MultiscaleOptions>& multiscale_presets();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <span>
 
@@ -44,24 +45,35 @@ Rectangle sampled_region(const Board& board, const RegionEntry& entry) {
   return intersect(region(entry.x, entry.y, entry.level, board.bounds()), board.area);
 }
 
-long long choose_pieces(Board& board, const Samples& samples, const Rectangle& region,
-                        long long left, std::vector<Pick>& picks) {
-  const std::size_t first = picks.size();
+int predicted_count(double priority, double lowest) {
+  if (!(lowest > 0.0)) return 1;
+  return static_cast<int>(std::clamp(std::sqrt(priority / lowest), 1.0, double{kMostPredicted}));
+}
+
+long long choose_pieces(Board& board, const Samples& samples, const SamplePool& pool,
+                        const Rectangle& region, int each, long long left,
+                        std::vector<Pick>& picks) {
+  long long chosen = 0;
   const auto pick = [&](int x, int y, int count) {
     picks.push_back({x, y, count});
     board.fresh(x, y) += count;
+    chosen += count;
   };
-  if (region.area() <= left) {  // as usual: all that are open
-    for (int y = region.y0; y < region.y1; ++y) {
-      for (int x = region.x0; x < region.x1; ++x) {
-        if (!board.closed(x, y)) pick(x, y, 1);
-      }
-    }
-    return static_cast<long long>(picks.size() - first);
+  if (region.area() > left) {
+    for (const PieceShare& share : one_each(open_pieces(board, samples, region), left))
+      pick(share.x - board.window.x0, share.y - board.window.y0, share.count);
+    return chosen;
   }
-  for (const PieceShare& share : one_each(open_pieces(board, samples, region), left))
-    pick(share.x - board.window.x0, share.y - board.window.y0, share.count);
-  return static_cast<long long>(picks.size() - first);
+  const auto most = static_cast<int>(std::min<long long>(each, left / region.area()));
+  for (int y = region.y0; y < region.y1; ++y) {
+    for (int x = region.x0; x < region.x1; ++x) {
+      if (board.closed(x, y)) continue;
+      const int gx = x + board.window.x0, gy = y + board.window.y0;
+      const int open = most == 1 ? 1 : pool.capacity(gx, gy) - samples.statistics.n(gx, gy);
+      pick(x, y, std::min(most, open));
+    }
+  }
+  return chosen;
 }
 
 std::vector<Pick> choose_uniformly(const Board& board, const Samples& samples,

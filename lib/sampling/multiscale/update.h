@@ -16,8 +16,8 @@ class Update {
   virtual ~Update() = default;
   // Samples of the regions of largest priority, none of which overlap, marked in board.fresh; at
   // most `left`. Empty when no region has a priority.
-  virtual const std::vector<Pick>& choose(const Samples& samples, long long left,
-                                          BoardLog& log) = 0;
+  virtual const std::vector<Pick>& choose(const Samples& samples, const SamplePool& pool,
+                                          long long left, BoardLog& log) = 0;
   // What the samples changed of f, d (eqs 1-4), V (eq 6) and A (eqs 7, 8).
   virtual void update_images(GuardCounts& guards) = 0;
   // What changed of P (eq 5), and no priority where every piece of a region has run out.
