@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import time
+from pathlib import Path
 
 import pytest
 
@@ -124,6 +125,18 @@ def test_a_dry_run_lists_the_cells_and_writes_nothing(good, plan, tmp_path):
     good("evaluate", plan, "-o", "out", "--no-pictures")
     done = good("evaluate", plan, "--dry-run", "-o", "out")
     assert f"{CELLS} done, 0 left" in done.out and "nothing is left" in done.out
+
+
+def test_a_dry_run_names_the_layers_that_no_method_reads(good, tmp_path):
+    # Film positions of chess are of a pass, not of a sample: no layer to leave out.
+    chess = Path(__file__).parents[2] / "dumps" / "tiny" / "chess.spool"
+    plain = ["evaluate", chess, "--spp", "4", "--replicates", "2", "--dry-run", "--samplers", "uniform", "--filters"]
+    line = "chess.spool: no method of the plan reads albedo, normal, depth (54 % of the bytes of a sample)"
+    assert line in good(*plain, "box").out
+    told = good(*plain, "box", "--json").json["unused_layers"]
+    assert [(one["recording"], one["layers"]) for one in told] == [("chess.spool", ["albedo", "normal", "depth"])]
+    assert told[0]["share"] == pytest.approx(14 / 26)
+    assert "no method of the plan" not in good(*plain, "cross_bilateral").out
 
 
 def test_a_misspelt_key_is_named_with_its_line_and_the_nearest(run, plan):

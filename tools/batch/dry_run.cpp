@@ -12,6 +12,7 @@
 #include "lib/synthetic/scene_s.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/time_estimate.h"
+#include "tools/batch/unused_layers.h"
 #include "tools/json_text.h"
 #include "tools/methods/external_methods.h"
 
@@ -115,12 +116,18 @@ Result<void> print_dry_run(const RunRequest& request, const CommonOptions& commo
   // The trial cannot see what the machine's caches will make of a large image, nor the writing of
   // pictures; half and twice the estimate are ordinary.
   const double seconds = estimate.seconds_left() * plan.experiment.repeats;
+  const std::vector<UnusedLayers> unused = unused_layers(plan);
   if (common.json) {
+    nlohmann::ordered_json layers = nlohmann::ordered_json::array();
+    for (const UnusedLayers& one : unused)
+      layers.push_back(
+          {{"recording", one.recording}, {"layers", one.layers}, {"share", one.share}});
     print(json_text({{"cells", all},
                      {"done", done.size()},
                      {"left", cells_left},
                      {"seconds", seconds},
-                     {"left_of_unknown_time", not_known}}));
+                     {"left_of_unknown_time", not_known},
+                     {"unused_layers", layers}}));
     return {};
   }
   print(listing);
@@ -137,6 +144,7 @@ Result<void> print_dry_run(const RunRequest& request, const CommonOptions& commo
                     "time is not known\n",
                     not_known));
   }
+  print(unused_layers_text(unused));
   if (cells_left == 0) {
     print("nothing is left to do\n");
   } else if (!left.empty() && !estimate.known()) {

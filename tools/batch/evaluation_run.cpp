@@ -23,6 +23,7 @@
 #include "tools/batch/run_manifest.h"
 #include "tools/batch/statistics.h"
 #include "tools/batch/time_estimate.h"
+#include "tools/batch/unused_layers.h"
 #include "tools/interrupt.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
@@ -130,6 +131,7 @@ class PlanRun {
       print("\n");
       print_line(fmt::format("numbers: {}", (request_.folder / "results.csv").string()));
       if (request_.plan.pictures) print_line(fmt::format("pictures: {}", sheets));
+      print(unused_layers_text(unused_layers(request_.plan)));
     }
     return verdict(missing);
   }
