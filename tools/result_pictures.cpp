@@ -7,6 +7,7 @@
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/png_writer.h"
+#include "lib/metrics/flip.h"
 
 namespace spool::tools {
 namespace {
@@ -46,7 +47,18 @@ NamedPanel size_panel(const CountImage& level) {
           one_channel("level", PixelType::kFloat, plane)};
 }
 
-std::vector<NamedPanel> panels_of(const ResultImages& images, const PictureScale& scale) {
+// Pixels that are not finite are black: FLIP has no value for them, and one would spread.
+RgbImage exposed(const RgbImage& image, double exposure) {
+  RgbImage result = image;
+  for (Plane& plane : result) {
+    for (std::size_t i = 0; i < plane.size(); ++i)
+      plane[i] = std::isfinite(plane[i]) ? exposure * plane[i] : 0.0;
+  }
+  return result;
+}
+
+std::vector<NamedPanel> panels_of(const ResultImages& images, const PictureScale& scale,
+                                  bool with_flip) {
   const Reconstruction& result = *images.reconstruction;
   std::vector<NamedPanel> panels;
   panels.push_back({"estimate",
@@ -74,6 +86,14 @@ std::vector<NamedPanel> panels_of(const ResultImages& images, const PictureScale
                       {"squared error", false_colour(error, *scale.error),
                        ColourBar{*scale.error, "mean over channels"}},
                       one_channel("Y", PixelType::kFloat, error)});
+  }
+  if (images.reference && with_flip) {
+    const Plane flip = flip_ldr_map(exposed(images.reference->mean, scale.exposure),
+                                    exposed(result.image, scale.exposure));
+    const ValueRange range{0.0, 1.0, false};
+    panels.push_back({"flip",
+                      {"FLIP", false_colour(flip, range), ColourBar{range, "FLIP difference"}},
+                      one_channel("flip", PixelType::kFloat, flip)});
   }
   return panels;
 }
@@ -104,14 +124,14 @@ PictureScale picture_scale(const JudgingReference* reference, const RgbImage& es
 Result<void> write_contact_sheet(const std::filesystem::path& path, const ResultImages& images,
                                  const PictureScale& scale, bool overwrite, bool shared) {
   std::vector<Panel> panels;
-  for (NamedPanel& named : panels_of(images, scale))
+  for (NamedPanel& named : panels_of(images, scale, false))
     panels.push_back(std::move(named.panel));
   return write_png(path, contact_sheet(images.title, panels), overwrite, shared);
 }
 
 Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,
                                    const PictureScale& scale, bool overwrite, bool shared) {
-  for (const NamedPanel& named : panels_of(images, scale)) {
+  for (const NamedPanel& named : panels_of(images, scale, true)) {
     const std::filesystem::path stem = folder / named.name;
     if (named.name == "reference") continue;  // the same for every result
     SPOOL_TRY(write_png(stem.string() + ".png", labelled_picture(named.panel), overwrite, shared));

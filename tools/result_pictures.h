@@ -36,8 +36,9 @@ struct ResultImages {
 Result<void> write_contact_sheet(const std::filesystem::path& path, const ResultImages& images,
                                  const PictureScale& scale, bool overwrite, bool shared = false);
 
-// In `folder`: estimate, density, filter_size, direction and squared_error (the last three where
-// there are such), each as .png to look at and .exr to compute with.
+// In `folder`: estimate, density, filter_size, direction, squared_error and flip (the last four
+// where there are such; FLIP of both images at the scale's exposure), each as .png to look at and
+// .exr to compute with.
 Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,
                                    const PictureScale& scale, bool overwrite, bool shared = false);
 

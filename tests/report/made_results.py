@@ -95,6 +95,7 @@ def write_images(folder, rows, names, file_name_of, seed=2):
             write_exr(stem / "filter_size.exr", {"level": rng.integers(0, 4, truth.shape[:2]).astype("<f4")})
             angle = np.where(truth[..., 0] > 1.5, np.nan, 180.0 * truth[..., 2] % 180.0)
             write_exr(stem / "direction.exr", {"angle": angle.astype("<f4")})
+        write_exr(stem / "flip.exr", {"flip": np.clip(np.abs(image - truth).mean(2), 0, 1).astype("<f4")})
         write_exr(folder / f"{name}_reference.exr", planes(truth))
 
 

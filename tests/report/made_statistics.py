@@ -86,7 +86,19 @@ def _condition(metric, place, results):
     about = {"kind": "one image" if alone else "disjoint", "shared": 0.0, "text": "a made recording"}
     biased = any("biased" in r["reference"] for r in results)
     return {"dump": place[0], "spp": place[1], "threads": 0, "metric": metric, "biased": biased, "about": about,
-            "ranking": ranking, "pairs": []}
+            "ranking": ranking, "pairs": _pairs(ranking, metric) if metric in ("relmse", "mse") else []}
+
+
+def _pairs(ranking, metric):
+    """Every pair of two that are compared: [place, place, ratio, low, high, p, verdict of the first]."""
+    found = []
+    for a, first in enumerate(ranking):
+        for b in range(a + 1, len(ranking)):
+            if first["compared"] and ranking[b]["compared"]:
+                word = verdict(first["value"][0], ranking[b]["value"][0])
+                ratio = first["value"][0] / ranking[b]["value"][0]
+                found.append([a, b, ratio, 0.9 * ratio, 1.1 * ratio, 1.0 if word == "undecided" else 0.01, word])
+    return found
 
 
 def _overall(results, conditions):

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs test_browser.py where Chromium, playwright and the report's assets are; else says so, loudly, and ends with 77.
+# Runs test_browser*.py where Chromium, playwright and the report's assets are; else says so, loudly, and ends with 77.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 cache="${XDG_CACHE_HOME:-$HOME/.cache}/spool"
@@ -14,4 +14,4 @@ skip() {
 command -v "${SPOOL_CHROMIUM:-chromium}" >/dev/null || skip "no chromium"
 "$python" -c 'import playwright, numpy, pytest' 2>/dev/null || skip "no playwright in $python"
 (cd "$assets" 2>/dev/null && sha256sum --status --check "$pinned") || skip "no report assets in $assets"
-PYTHONPATH='' exec "$python" -m pytest -q -p no:cacheprovider test_browser.py
+PYTHONPATH='' exec "$python" -m pytest -q -p no:cacheprovider test_browser*.py

@@ -1,65 +1,16 @@
-"""The page in a headless Chromium with the network off."""
+"""The page in a headless Chromium with the network off: figures, table, charts, what it may not do."""
 
 import csv
-import hashlib
 import json
-import os
-import shutil
 from collections import defaultdict
 
 import pytest
-from playwright.sync_api import sync_playwright
+from opened_page import PHONE, WIDE, Opened, browser, opened, report  # noqa: F401
 
 from made_statistics import made_interval
 from made_results import make_rows, write_results
 from report import main
 from statistics_file import Interval
-
-WIDE, PHONE = {"width": 1400, "height": 900}, {"width": 390, "height": 844}
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as s:
-        program = shutil.which(os.environ.get("SPOOL_CHROMIUM", "chromium"))
-        browser = s.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield browser
-        browser.close()
-
-
-@pytest.fixture(scope="module")
-def report(made_folder, tmp_path_factory):
-    output = tmp_path_factory.mktemp("page") / "report.html"
-    assert main([str(made_folder), "-o", str(output)]) == 0
-    return output
-
-
-class Opened:
-    def __init__(self, browser, path, viewport=WIDE, scheme="light"):
-        context = browser.new_context(offline=True, viewport=viewport, color_scheme=scheme)
-        self.page = context.new_page()
-        self.errors, self.addresses = [], []
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("console", lambda message: self.errors.append(message.text)
-                     if message.type == "error" else None)
-        self.page.on("request", lambda request: self.addresses.append(request.url))
-        self.page.goto(path.as_uri())
-
-    def open_images(self):
-        self.page.locator("#images").scroll_into_view_if_needed()
-        self.page.wait_for_selector("#book .flip[data-ready]", timeout=60000)
-        self.page.wait_for_timeout(500)  # FlipBook paints every 100 ms
-
-    def picture(self):
-        """Hash of the pixels of the page that is turned up."""
-        return hashlib.sha256(self.page.locator("#book canvas").locator("visible=true").first
-                              .evaluate("canvas => canvas.toDataURL()").encode()).hexdigest()
-
-
-@pytest.fixture
-def opened(browser, report):
-    return Opened(browser, report)
-
 
 @pytest.mark.parametrize("viewport", [WIDE, PHONE], ids=["wide", "phone"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -126,7 +77,7 @@ def test_words_and_choices_filter_table_and_charts(opened):
     page.get_by_label("Show rows that hold these words").fill("")
     traces = page.locator("#budget-chart .scatterlayer .trace")
     assert traces.count() == 9
-    page.get_by_label("mitchell").uncheck()
+    page.get_by_role("checkbox", name="mitchell").uncheck()
     assert rows.count() == 36 and traces.count() == 6
     assert "36 of 54" in page.locator("#row-count").text_content()
 
@@ -149,7 +100,7 @@ def test_charts_have_points_and_asymmetric_error_bars_where_the_data_say(opened,
     assert page.locator("#budget-chart .errorbar .yerror").count() == 27
     data = page.evaluate("JSON.parse(document.getElementById('report-data').textContent)")
     at = [q["name"] for q in data["quantities"]].index("relmse")
-    bars = page.evaluate("document.getElementById('budget-chart').data.map(t => [t.name, t.x, t.y, "
+    bars = page.evaluate("document.getElementById('budget-chart').data.map(t => [t.name, t.customdata, t.y, "
                          "t.error_y.array, t.error_y.arrayminus])")
     wanted = {(f"{data['samplers'][c['sampler']]} + {data['filters'][c['filter']]}", c["spp"]): c["values"][at]
               for c in data["combinations"] if c["dump"] == 0}
@@ -162,77 +113,6 @@ def test_charts_have_points_and_asymmetric_error_bars_where_the_data_say(opened,
     assert seen == 27
     axes = page.evaluate("[...'xy'].map(a => document.getElementById('pareto-chart')._fullLayout[a + 'axis'].type)")
     assert axes == ["log", "log"]
-
-
-def test_keys_turn_pages_and_change_exposure(opened):
-    opened.open_images()
-    page = opened.page
-    assert page.locator("#book canvas").count() == 10  # of uniform + box and multiscale + directional
-    page.locator("#book [role=application]").focus()
-    pictures = []
-    for digit in range(1, 10):
-        page.keyboard.press(str(digit))
-        page.wait_for_timeout(50)
-        pictures.append(opened.picture())
-    assert len(set(pictures)) == 9  # all pages differ, among them the difference A - B
-    page.keyboard.press("1")
-    page.wait_for_timeout(50)
-    assert opened.picture() == pictures[0]
-    page.keyboard.press("e")
-    page.wait_for_timeout(400)
-    assert opened.picture() != pictures[0]
-    page.keyboard.press("ArrowRight")
-    page.wait_for_timeout(50)
-    assert opened.picture() != pictures[1]  # exposure is shared: B is brighter too
-
-
-def test_pages_show_the_values_of_the_exr_files(opened, made_folder):
-    import numpy as np
-    from exr_image import read_exr, rgb
-    opened.open_images()
-    drawn = opened.page.locator("#book canvas").nth(2).evaluate(
-        "c => [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data]")
-    image = rgb(read_exr(made_folder / "chess_reference.exr"))
-    drawn = np.array(drawn).reshape(*image.shape[:2], 4)[..., :3]
-    data = opened.page.evaluate("JSON.parse(document.getElementById('report-data').textContent)")
-    exposed = np.clip(image * 2.0 ** data["pictures"]["scenes"][0]["exposure"], 0.0, 1.0)
-    srgb = np.where(exposed <= 0.0031308, 12.92 * exposed, 1.055 * exposed ** (1 / 2.4) - 0.055)
-    assert np.abs(drawn - 255.0 * srgb).max() <= 2.0
-
-
-def test_one_book_at_a_time_and_its_timers_end_with_it(opened):
-    opened.open_images()
-    page = opened.page
-    page.evaluate("window.running = new Set(); const start = window.setInterval, stop = window.clearInterval;"
-                  "window.setInterval = (...a) => { const id = start(...a); running.add(id); return id; };"
-                  "window.clearInterval = (id) => { running.delete(id); stop(id); };")
-    counts = []
-    for i in range(4):
-        page.locator("#image-area select").nth(2).select_option(str(i))
-        page.wait_for_selector("#book .flip[data-ready]", timeout=60000)
-        assert page.locator("#book .flip").count() == 1
-        assert page.locator("#book canvas").count() <= 12
-        counts.append((page.evaluate("running.size"), page.locator("#book canvas").count()))
-    assert all(running == canvases for running, canvases in counts[1:])
-    assert opened.errors == []
-
-
-def test_a_finger_drags_the_picture(browser, report):
-    context = browser.new_context(offline=True, viewport=PHONE, has_touch=True)
-    page = context.new_page()
-    page.goto(report.as_uri())
-    page.locator("#images").scroll_into_view_if_needed()
-    page.wait_for_selector("#book .flip[data-ready]", timeout=60000)
-    canvas = page.locator("#book canvas").first
-    before = canvas.bounding_box()
-    canvas.evaluate("""canvas => {
-      const touch = (x, y) => new Touch({identifier: 1, target: canvas, clientX: x, clientY: y});
-      const send = (name, t) => canvas.dispatchEvent(new TouchEvent(name, {bubbles: true, cancelable: true, touches: t}));
-      send('touchstart', [touch(100, 100)]); send('touchmove', [touch(130, 145)]); send('touchend', []);
-    }""")
-    page.wait_for_timeout(200)
-    after = canvas.bounding_box()
-    assert (after["x"] - before["x"], after["y"] - before["y"]) == (30, 45)
 
 
 def test_the_tab_key_reaches_the_charts_controls_before_the_images(opened):

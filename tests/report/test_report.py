@@ -22,13 +22,13 @@ def test_every_asset_is_pinned():
 
 
 def test_an_altered_asset_is_refused_and_a_missing_one_named(assets_cache):
-    load_asset("flipbook.js")
-    (assets_cache / "flipbook.js").write_bytes(b"altered")
+    load_asset("tablesort.min.js")
+    (assets_cache / "tablesort.min.js").write_bytes(b"altered")
     with pytest.raises(Failure, match="sha256 differs"):
-        load_asset("flipbook.js")
-    (assets_cache / "flipbook.js").unlink()
+        load_asset("tablesort.min.js")
+    (assets_cache / "tablesort.min.js").unlink()
     with pytest.raises(Failure, match="fetch_assets.sh"):
-        load_asset("flipbook.js")
+        load_asset("tablesort.min.js")
 
 
 def test_json_and_scripts_cannot_end_their_elements():
@@ -49,7 +49,7 @@ def test_hostile_names_arrive_as_text(tmp_path, assets_cache):
     assert main([str(tmp_path / "r"), "-o", str(output), "--title", HOSTILE]) == 0
     html = output.read_text()
     assert "<script>alert" not in html and "<img" not in html and "<b>" not in html.split("<main>")[0]
-    # Every script element is one of ours: three bundles, the page's own, the figures.
+    # Every script element is one of ours: two bundles, the page's own, the figures.
     assert len(re.findall(r"<script", html)) == len(ASSETS) + 2
     assert len(re.findall(r"</script", html)) == len(ASSETS) + 2
 

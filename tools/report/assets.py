@@ -1,4 +1,4 @@
-"""The three scripts of other people that a report carries, taken from a cache and checked by sha256.
+"""The two scripts of other people that a report carries, taken from a cache and checked by sha256.
 
 They are fetched by fetch_assets.sh and never stored in the repository; assets.sha256 pins them.
 """
@@ -24,8 +24,6 @@ class Asset(NamedTuple):
 ASSETS = (
     Asset("plotly.js basic 4.1.1", "npm plotly.js-basic-dist-min", "plotly-basic.min.js",
           "plotly-LICENSE.txt"),
-    Asset("FlipBook 1.13.0 (with React)", "PyPI simpleimageio", "flipbook.js",
-          "flipbook-LICENSE.txt"),
     Asset("tablesort 5.6.0", "npm tablesort", "tablesort.min.js", "tablesort-LICENSE.txt"),
 )
 

@@ -19,9 +19,24 @@ function errorBar(points, colour) {
   };
 }
 
-// Labels at 1, 2 and 5 where there is room for no more; plotly's choice on a short axis.
-function logTicks([low, high]) {
-  return high - low < 0.7 ? {} : {dtick: high - low > 4 ? 1 : 'D2'};
+// Labels at 1, 2 and 5 of each decade, at 1 alone over many, written out with their unit: 0.1 s, 0.2 s.
+function logTicks([low, high], unit = '') {
+  if (high - low < 0.35) return {};  // plotly's choice on a short axis
+  const tickvals = [];
+  for (let decade = Math.floor(low); decade <= high; ++decade) {
+    for (const digit of high - low > 4 ? [1] : [1, 2, 5]) {
+      const value = Number(`${digit}e${decade}`), at = Math.log10(value);
+      if (at >= low && at <= high) tickvals.push(value);
+    }
+  }
+  return {tickvals, ticktext: tickvals.map((value) => numberText(value) + unit)};
+}
+
+const budgetOf = (c) => ({mean: c.spp, low: NaN, high: NaN});
+
+function budgetTicks(points) {
+  const budgets = [...new Set(points.map((c) => c.spp))].sort((a, b) => a - b);
+  return budgets.length > 0 && budgets.length < 12 ? {tickvals: budgets, ticktext: budgets.map(String)} : {};
 }
 
 // Range that holds all means and those interval ends that are within a factor 100 of their mean.
@@ -47,21 +62,23 @@ function hoverText(c) {
   return lines.map(plotText).join('<br>');
 }
 
-// x: what a combination's place on the horizontal axis is, as {mean, low, high}.
-function traces(combinations, x) {
+// x: what a combination's place on the horizontal axis is, as {mean, low, high}. With `dodge`, lines stand beside each
+// other where they would hide each other's bars: at most 4 % apart from their place.
+function traces(combinations, {x, dodge, metric}) {
   const groups = new Map();
   for (const c of combinations) {
     const key = c.sampler * report.filters.length + c.filter;
     if (!groups.has(key)) groups.set(key, []);
     groups.get(key).push(c);
   }
-  return [...groups.values()].map((group) => {
+  return [...groups.values()].map((group, i) => {
+    const aside = dodge && groups.size > 1 ? 1 + 0.08 * (i / (groups.size - 1) - 0.5) : 1;
     const {sampler, filter} = group[0];
     const colour = samplerColour(sampler);
-    const ys = group.map((c) => interval(c, shown.metric)), xs = group.map(x);
+    const ys = group.map((c) => interval(c, metric)), xs = group.map(x);
     return {
       type: 'scatter', mode: 'lines+markers', name: plotText(methodOf(group[0])),
-      x: xs.map((p) => p.mean), y: ys.map((p) => p.mean),
+      x: xs.map((p) => p.mean * aside), customdata: xs.map((p) => p.mean), y: ys.map((p) => p.mean),
       error_y: errorBar(ys, colour), error_x: errorBar(xs, colour),
       text: group.map(hoverText), hovertemplate: '%{text}<extra></extra>',
       marker: {color: colour, symbol: symbols[filter % symbols.length], size: 9},
@@ -70,8 +87,8 @@ function traces(combinations, x) {
   });
 }
 
-function frontTrace(combinations, x) {
-  const points = combinations.map((c) => [x(c).mean, interval(c, shown.metric).mean])
+function frontTrace(combinations, {x, metric}) {
+  const points = combinations.map((c) => [x(c).mean, interval(c, metric).mean])
     .sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   const front = [];
   for (const point of points) {
@@ -84,40 +101,42 @@ function frontTrace(combinations, x) {
   };
 }
 
-function drawChart(target, combinations, x, xTitle, xTicks, withFront) {
+// axes: {x, title, unit, ticks, dodge, front, metric, height}
+function drawChart(target, combinations, axes) {
   const narrow = target.clientWidth < 560;
   const style = getComputedStyle(document.documentElement);
   const ink = style.getPropertyValue('--text-colour').trim(), grid = style.getPropertyValue('--rule').trim();
   const axis = {type: 'log', gridcolor: grid, linecolor: grid, zeroline: false, ticks: 'outside',
     tickcolor: grid, automargin: true};
-  const ys = combinations.map((c) => interval(c, shown.metric)), xs = combinations.map(x);
-  const lines = traces(combinations, x);
-  if (withFront) lines.unshift(frontTrace(combinations, x));
+  const ys = combinations.map((c) => interval(c, axes.metric)), xs = combinations.map(axes.x);
+  const lines = traces(combinations, axes);
+  if (axes.front) lines.unshift(frontTrace(combinations, axes));
   const legendRows = narrow ? lines.length : Math.ceil(lines.length / 3);
   const layout = {
-    height: 420 + Math.min(legendRows, 20) * 22, margin: {l: 10, r: 12, t: 12, b: 10},
+    height: (axes.height ?? 420) + Math.min(legendRows, 20) * 22, margin: {l: 10, r: 12, t: 12, b: 10},
     paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)', font: {color: ink, size: 13},
-    xaxis: {...axis, title: {text: xTitle}, range: logRange(xs), ...logTicks(logRange(xs)), ...xTicks},
-    yaxis: {...axis, title: {text: plotText(shown.metric)}, range: logRange(ys), ...logTicks(logRange(ys)),
-      exponentformat: 'power'},
-    legend: {orientation: 'h', y: -0.2, yanchor: 'top', x: 0, font: {size: 12}},
+    xaxis: {...axis, title: {text: axes.title}, range: logRange(xs), ...logTicks(logRange(xs), axes.unit), ...axes.ticks},
+    yaxis: {...axis, title: {text: plotText(axes.metric)}, range: logRange(ys), ...logTicks(logRange(ys))},
+    legend: {orientation: 'h', yref: 'container', y: 0, yanchor: 'bottom', x: 0, font: {size: 12}},
     hovermode: 'closest', showlegend: true,
     hoverlabel: {bgcolor: style.getPropertyValue('--panel').trim(), font: {color: ink}},
   };
+  target.style.minHeight = `${layout.height}px`;
   Plotly.react(target, lines, layout, {responsive: true, displaylogo: false,
     showSendToCloud: false, plotlyServerURL: '',  // the page makes no connection
-    modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d']});
+    modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d', 'toImage', 'sendDataToCloud', 'sendChartToCloud']});
 }
 
 function startCharts(area) {
-  const heading = (text) => element('h3', {}, text);
+  const heading = (text, target, name) => element('h3', {}, text + ' ',
+    element('button', {type: 'button', class: 'small', onclick: () => saveChart(target, name)}, 'SVG'));
   const pareto = element('div', {class: 'chart', id: 'pareto-chart'});
   const budget = element('div', {class: 'chart', id: 'budget-chart'});
   const note = element('p', {class: 'note', 'aria-live': 'polite'});
   area.append(filterControls(true), note,
     element('div', {class: 'charts'},
-      element('figure', {}, heading('Error against time'), pareto),
-      element('figure', {}, heading('Error against samples per pixel'), budget)));
+      element('figure', {}, heading('Error against time', pareto, 'error_time'), pareto),
+      element('figure', {}, heading('Error against samples per pixel', budget, 'error_budget'), budget)));
 
   const draw = () => {
     const known = [...report.combinations, ...report.overall].filter(
@@ -126,20 +145,19 @@ function startCharts(area) {
     const timed = drawable.filter((c) => isPositive(interval(c, 'seconds_total').mean));
     const hidden = known.length - drawable.length;
     note.textContent = 'Bars are 95 % intervals; colour is the sampler, symbol and dash the filter. ' +
-      'Points of a line are budgets.' + (shown.dump < report.dumps.length ? '' :
+      'Points of a line are budgets; lines stand a little aside where their bars would meet.' + (shown.dump < report.dumps.length ? '' :
         ' Geometric means over the recordings, which are taken as given.') + (hidden === 0 ? '' :
         ` Not drawn, for they have no value above zero: ${hidden} of ${known.length}.`);
-    const budgets = [...new Set(drawable.map((c) => c.spp))].sort((a, b) => a - b);
-    const ticks = budgets.length > 0 && budgets.length < 12 ?
-      {tickvals: budgets, ticktext: budgets.map(String)} : {};
-    const spp = (c) => ({mean: c.spp, low: NaN, high: NaN});
     for (const [target, points] of [[pareto, timed], [budget, drawable]]) {
       target.hidden = points.length === 0;
     }
     if (timed.length > 0) {
-      drawChart(pareto, timed, (c) => interval(c, 'seconds_total'), 'seconds', {exponentformat: 'power'}, true);
+      drawChart(pareto, timed, {x: (c) => interval(c, 'seconds_total'), title: 'time', unit: ' s', front: true, metric: shown.metric});
     }
-    if (drawable.length > 0) drawChart(budget, drawable, spp, 'samples per pixel', ticks, false);
+    if (drawable.length > 0) {
+      drawChart(budget, drawable, {x: budgetOf, title: 'samples per pixel', ticks: budgetTicks(drawable), dodge: true,
+        metric: shown.metric});
+    }
   };
   listeners.push(draw);
   darkQuery.addEventListener('change', draw);

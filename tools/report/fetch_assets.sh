@@ -8,18 +8,10 @@ folder="${1:-${SPOOL_REPORT_ASSETS:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/report
 complete() { (cd "$1" 2>/dev/null && sha256sum --status --check "$here/assets.sha256" 2>/dev/null); }
 die() { printf 'fetch_assets.sh: %s\n' "$*" >&2; exit 3; }
 
-# By the registries' own clients; npm is Debian's package of that name, pip comes with any venv.
+# By the registry's own client; npm is Debian's package of that name.
 fetch_npm() {  # PACKAGE VERSION
   command -v npm >/dev/null || die "npm is missing: apt-get install --no-install-recommends npm"
   npm pack --silent "$1@$2" >/dev/null || die "$1 $2 cannot be fetched by npm"
-}
-fetch_sdist() {  # PACKAGE VERSION
-  local python
-  for python in "${SPOOL_BROWSER_PYTHON:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/browser-venv/bin/python}" python3; do
-    "$python" -m pip --version >/dev/null 2>&1 || continue
-    "$python" -m pip download -q --no-deps --no-binary="$1" -d . "$1==$2" >&2 && return
-  done
-  die "$1 $2 cannot be fetched by pip: apt-get install python3-venv, then tools/dev.sh setup"
 }
 
 if complete "$folder"; then
@@ -31,14 +23,11 @@ trap 'rm -rf "$work"' EXIT
 cd "$work"
 fetch_npm plotly.js-basic-dist-min 4.1.1
 fetch_npm tablesort 5.6.0
-fetch_sdist simpleimageio 1.13.0
 mkdir assets
 tar -xzOf plotly.js-basic-dist-min-4.1.1.tgz package/plotly-basic.min.js >assets/plotly-basic.min.js
 tar -xzOf plotly.js-basic-dist-min-4.1.1.tgz package/LICENSE >assets/plotly-LICENSE.txt
 tar -xzOf tablesort-5.6.0.tgz package/dist/tablesort.min.js >assets/tablesort.min.js
 tar -xzOf tablesort-5.6.0.tgz package/LICENCE >assets/tablesort-LICENSE.txt
-tar -xzOf simpleimageio-1.13.0.tar.gz simpleimageio-1.13.0/PyWrapper/simpleimageio/flipbook.js >assets/flipbook.js
-tar -xzOf simpleimageio-1.13.0.tar.gz simpleimageio-1.13.0/LICENSE >assets/flipbook-LICENSE.txt
 complete assets || {
   (cd assets && sha256sum --check --quiet "$here/assets.sha256" >&2) || true
   die "what was fetched is not what was pinned: nothing is kept"

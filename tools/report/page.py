@@ -11,10 +11,9 @@ from html import escape
 
 from assets import ASSETS, HERE, load_asset
 
-OWN_SCRIPTS = ("report_data.js", "charts.js", "result_table.js", "image_codec.js", "image_pages.js",
-               "image_book.js", "page_start.js")
-REACT_NOTICE = ("React (in FlipBook): MIT License, Copyright (c) Meta Platforms, Inc. and "
-                "affiliates.\n\n")
+OWN_SCRIPTS = ("report_data.js", "charts.js", "image_codec.js", "picture_store.js", "colour_scales.js",
+               "export_buttons.js", "headline.js", "crop_strip.js", "result_table.js", "viewer.js",
+               "viewer_panes.js", "viewer_insets.js", "viewer_controls.js", "viewer_pointers.js", "page_start.js")
 
 
 def json_for_html(value):
@@ -67,8 +66,6 @@ def licences_html():
     parts = []
     for asset in ASSETS:
         text = load_asset(asset.licence)
-        if asset.script == "flipbook.js":
-            text = REACT_NOTICE + text
         parts.append(f"<details><summary>{escape(asset.name)}, from {escape(asset.source)}: MIT "
                      f"License</summary><pre>{escape(text)}</pre></details>")
     return "".join(parts)

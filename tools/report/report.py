@@ -62,6 +62,7 @@ def parse(arguments):
 def make_report(options):
     from aggregate import aggregate
     from described import Described
+    from headline_data import headline_budget
     from page import build_page
     from report_data import OWN_MEANINGS, quantity_names, report_data
     from result_images import dump_names, find_images, pack_images
@@ -93,8 +94,9 @@ def make_report(options):
     biased = BIASED if is_biased(combinations) else ""
     ranks = statistics_html(statistics, labels, metric)
     sections = [
-        ("summary", "Summary",
-         summary_html(summarise(combinations, statistics, metric, labels), statistics, metric)
+        ("summary", "Results",
+         summary_html(summarise(combinations, statistics, metric, labels), statistics, metric,
+                      headline_budget(statistics, metric))
          + described.note()),
         ("charts", "Error, time and budget", biased + '<div id="chart-area"></div>'),
         *([("statistics", "Ranks and differences", biased + ranks)] if ranks else []),

@@ -6,6 +6,7 @@ Only sums over replicates go in: a page stays usable with ten thousand results.
 import math
 
 from aggregate import RATIO_METRICS, TIMES
+from headline_data import headline_budget, headline_conditions
 from result_images import exposure_of
 from statistics_file import Interval, interval_of
 
@@ -43,7 +44,9 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names)
                          for c in combinations],
         # For the charts only: the recording after the last one.
-        "overall": [_overall(entry, len(dumps), samplers, filters, names) for entry in statistics.overall],
+        "overall": [_overall(entry, len(dumps), samplers, filters, names, metric) for entry in statistics.overall],
+        "budget": headline_budget(statistics, metric),
+        "conditions": headline_conditions(statistics, metric, combinations, dumps),
         "pictures": _pictures(images, combinations, dumps),
     }
 
@@ -52,17 +55,25 @@ def _combination(c, dump, samplers, filters, names):
     return {"dump": dump, "sampler": samplers.index(c.sampler), "filter": filters.index(c.filter),
             "spp": c.spp, "replicates": c.replicates, "failed": len(c.failures),
             "values": [_interval(c.quantity(name)) for name in names],
+            "loses": _loss(c),
             # By metric: letters of its group, and the verdict against uniform + box.
             "ranks": {metric: [entry["letters"], entry.get("against_baseline", "")]
                       for metric, entry in c.ranks.items()}}
 
 
-def _overall(entry, dump, samplers, filters, names):
+def _loss(combination):
+    """Share of the energy that the file calls lost; 0 where it does not."""
+    return next((_short(e["loses_energy"]) for e in combination.ranks.values() if "loses_energy" in e), 0)
+
+
+def _overall(entry, dump, samplers, filters, names, metric):
     found = {name: interval_of(value) for name, value in entry["quantities"].items()}
     for metric in RATIO_METRICS:
         found[metric + "_ratio"] = interval_of(entry.get("against_baseline", {}).get(metric, {}).get("ratio"))
+    said = entry.get("against_baseline", {}).get(metric)
     return {"dump": dump, "sampler": samplers.index(entry["sampler"]), "filter": filters.index(entry["filter"]),
-            "spp": entry["spp"], "replicates": 0, "failed": 0, "ranks": {},
+            "spp": entry["spp"], "replicates": 0, "failed": 0, "ranks": {}, "loses": 0,
+            "against": [said.get(word, 0) for word in ("better", "worse", "undecided")] if said else None,
             "values": [_interval(found.get(name, Interval())) for name in names]}
 
 

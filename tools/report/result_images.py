@@ -17,7 +17,7 @@ from exr_image import read_exr, rgb, single
 from image_packing import Packed, pack_counts, pack_half
 from results_table import without_threads
 
-PICTURES = ("estimate", "reference", "squared_error", "density", "filter_size", "direction")
+PICTURES = ("estimate", "reference", "squared_error", "density", "filter_size", "direction", "flip")
 COLOUR = {"estimate", "reference"}
 SMALLEST_CROP = 96  # pixels; below, results are left out instead
 BYTES_PER_MB = 1e6

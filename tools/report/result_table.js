@@ -23,7 +23,8 @@ function startTable(area) {
     });
     columns.append(element('label', {title: q.meaning}, box, ' ' + q.name));
   }
-  area.append(element('div', {class: 'controls'}, element('label', {class: 'grow'}, 'Find ', search), columns),
+  area.append(element('div', {class: 'controls'}, element('label', {class: 'grow'}, 'Find ', search),
+    element('button', {type: 'button', onclick: () => saveText('results.csv', 'text/csv', allResultsCsv())}, 'CSV'), columns),
     count, holder);
   let rows = [];
 

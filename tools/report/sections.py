@@ -6,27 +6,24 @@ from html import escape
 
 from number_text import interval_text
 from page import licences_html
-from summary import verdicts
+from summary import leading, verdicts
 
 LONGEST_VERDICTS = 60
 
 
-def summary_html(sentences, statistics, metric):
-    parts = [f"<p>{escape(s.text)}</p>" for s in sentences if s.kind == "scope"]
-    for s in sentences:
-        if s.kind == "warning":
-            parts.append(f'<p class="warning">{escape(s.text)}</p>')
-    findings = [f"<li>{escape(s.text)}</li>" for s in sentences if s.kind == "finding"]
-    if len(findings) > 12:
-        parts.append(f"<ul>{''.join(findings[:8])}</ul><details><summary>{len(findings) - 8} more"
-                     f"</summary><ul>{''.join(findings[8:])}</ul></details>")
-    else:
-        parts.append(f"<ul>{''.join(findings)}</ul>")
-    if metric not in statistics.metrics():
-        parts.append(f"<p>Methods are not ranked by {escape(metric)}, but by {escape(', '.join(statistics.metrics()))}.</p>")
-    parts.append(_verdict_table(statistics, metric))
-    parts.append(HOW_TO_READ)
-    return "".join(parts)
+def summary_html(sentences, statistics, metric, budget):
+    """Table, chart and crops first, drawn by headline.js; then at most five sentences; the rest can be opened."""
+    first = leading(sentences, statistics, metric, budget)
+    scopes = "".join(f'<p class="note">{escape(s.text)}</p>' for s in sentences if s.kind == "scope")
+    unranked = ("" if metric in statistics.metrics() else
+                f"<p>Methods are not ranked by {escape(metric)}, but by {escape(', '.join(statistics.metrics()))}.</p>")
+    shown = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in first)
+    rest = [s for s in sentences if s.kind != "scope" and s not in first]
+    more = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in rest)
+    table = _verdict_table(statistics, metric)
+    return (f'{scopes}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>'
+            f"<details><summary>Every verdict in words, and {escape(metric)} at every budget</summary>"
+            f"<ul>{more}</ul>{table}</details>{HOW_TO_READ}")
 
 
 HOW_TO_READ = (

@@ -1,20 +1,23 @@
 """What statistics.json says, in sentences. A verdict in a sentence is one of the file's; none is made here."""
 
 import math
+from collections import Counter
 from typing import NamedTuple
 
+from headline_data import best_is_alone
 from number_text import count_text, factor_text, interval_text, list_text, number_text
 from statistics_file import interval_of
 
-ENERGY_TOLERANCE = 0.01
 SATURATION_LIMIT = 0.01
 LONGEST_LIST = 6
+MOST_LEADING = 5
 BASELINE = "uniform + box"
 
 
 class Sentence(NamedTuple):
     text: str
-    kind: str = "finding"  # scope, finding, warning
+    kind: str = "finding"  # scope, about, finding, warning, energy
+    spp: float = 0.0  # of a finding: its budget
 
 
 def summarise(combinations, statistics, metric, labels):
@@ -22,10 +25,32 @@ def summarise(combinations, statistics, metric, labels):
     sentences = [scope(combinations, labels), *abouts(statistics, metric)]
     sentences += failures(combinations, labels)
     for condition in statistics.of_metric(metric):
-        sentences.append(best_of(condition, metric, labels))
+        sentences.append(best_of(condition, metric, labels)._replace(spp=condition["spp"]))
     sentences += energy(combinations, labels)
     sentences += cautions(combinations, metric, labels)
     return sentences
+
+
+def leading(sentences, statistics, metric, budget):
+    """At most five sentences for the first screen: what spoils everything, who is best at one budget, energy."""
+    severe = [s for s in sentences if s.kind == "warning"][:1]
+    best = [s for s in sentences if s.kind == "finding" and s.spp == budget]
+    energies = [s for s in sentences if s.kind == "energy"][:1]
+    if len(best) > 3:
+        best = _counted(statistics, metric, budget)
+    return (severe + best + energies)[:MOST_LEADING]
+
+
+def _counted(statistics, metric, budget):
+    """Of many scenes: how often the two that most often come first do so, and how often that is told apart."""
+    conditions = [c for c in statistics.of_metric(metric) if c["spp"] == budget]
+    first, alone = Counter(), Counter()
+    for condition in conditions:
+        name = name_of(condition["ranking"][0])
+        first[name] += 1
+        alone[name] += best_is_alone(condition["ranking"])
+    return [Sentence(f"At {budget:g} spp, {name} comes first on {count} of {len(conditions)} scenes, and is told apart "
+                     f"from every other method on {alone[name]} of them.") for name, count in first.most_common(2)]
 
 
 def scope(combinations, labels):
@@ -48,8 +73,8 @@ def abouts(statistics, metric):
     """What the intervals and verdicts are about, once where it is the same everywhere."""
     texts = dict.fromkeys((c["spp"], c["about"]["text"]) for c in statistics.of_metric(metric))
     if len({text for _, text in texts}) == 1:
-        return [Sentence(f"Intervals and verdicts are about {next(iter(texts))[1]}.", "scope")]
-    return [Sentence(f"At {spp:g} samples per pixel, intervals and verdicts are about {text}.", "scope")
+        return [Sentence(f"Intervals and verdicts are about {next(iter(texts))[1]}.", "about")]
+    return [Sentence(f"At {spp:g} samples per pixel, intervals and verdicts are about {text}.", "about")
             for spp, text in texts]
 
 
@@ -137,21 +162,15 @@ def verdicts(statistics, metric):
 
 def energy(combinations, labels):
     known = [c for c in combinations if math.isfinite(c.quantity("energy_ratio").mean)]
-    off = [c for c in known if c.quantity("energy_ratio").high < 1.0 - ENERGY_TOLERANCE
-           or c.quantity("energy_ratio").low > 1.0 + ENERGY_TOLERANCE]
+    lost = {c.key: entry["loses_energy"] for c in known for entry in c.ranks.values() if "loses_energy" in entry}
     if not known:
         return []
-    if not off:
-        return [Sentence("Energy: no combination is shown to miss the reference's mean by more than "
-                         f"{100 * ENERGY_TOLERANCE:g} %.")]
-    worst = max(off, key=lambda c: abs(c.quantity("energy_ratio").mean - 1.0))
-    ratio = worst.quantity("energy_ratio")
-    verb = "loses" if ratio.mean < 1.0 else "adds"
-    return [Sentence(f"Energy: {len(off)} of {count_text(len(known), 'combination')} differ from the "
-                     f"reference's mean by more than {100 * ENERGY_TOLERANCE:g} %; the furthest, "
-                     f"{worst.method} on {labels[worst.dump]} at {worst.spp:g} spp, {verb} "
-                     f"{100 * abs(1.0 - ratio.mean):.1f} % (ratio {interval_text(ratio)}).",
-                     "warning")]
+    if not lost:
+        return [Sentence("Energy: no combination is shown to lose light.", "energy")]
+    worst = max((c for c in known if c.key in lost), key=lambda c: lost[c.key])
+    return [Sentence(f"Energy: {len(lost)} of {count_text(len(known), 'combination')} lose light; the most, "
+                     f"{worst.method} on {labels[worst.dump]} at {worst.spp:g} spp, loses "
+                     f"{100 * lost[worst.key]:.1f} % (ratio {interval_text(worst.quantity('energy_ratio'))}).", "energy")]
 
 
 def is_biased(combinations):

@@ -1,0 +1,141 @@
+"""The first screen: the table, chart, crops and sentences are what statistics.json says; its buttons save files."""
+
+import csv
+import io
+import json
+import math
+
+import pytest
+from opened_page import browser, opened, report  # noqa: F401
+
+
+@pytest.fixture
+def statistics(made_folder):
+    return json.loads((made_folder / "statistics.json").read_text())
+
+
+def cells(page):
+    """{method: [(text, ratio, verdict)] by recording}"""
+    rows = page.locator("#headline tbody tr").evaluate_all(
+        "rows => rows.map(r => [r.cells[0].textContent, [...r.cells].slice(1).map("
+        "c => [c.textContent, c.dataset.ratio, c.dataset.verdict, c.style.background])])")
+    return dict(rows)
+
+
+def conditions_at(statistics, spp):
+    return [c for c in statistics["conditions"] if (c["metric"], c["spp"]) == ("relmse", spp)]
+
+
+def name_of(entry):
+    return f"{entry['sampler']} + {entry['filter']}"
+
+
+@pytest.mark.parametrize("spp", [4, 8, 16])
+def test_the_table_says_ratio_letters_verdict_and_energy_of_the_file(opened, statistics, spp):
+    page = opened.page
+    page.locator("#headline-area select").first.select_option(label=str(spp))
+    found = cells(page)
+    for place, condition in enumerate(conditions_at(statistics, spp)):
+        for entry in condition["ranking"]:
+            text, ratio, verdict, colour = found[name_of(entry)][place]
+            assert entry["letters"] in text
+            assert ("▼" in text) == ("loses_energy" in entry)
+            if "ratio" in entry:
+                assert float(ratio) == pytest.approx(entry["ratio"][0], rel=1e-6)
+                assert float(text.split()[0]) == pytest.approx(entry["ratio"][0], rel=6e-3)
+                assert verdict == entry["against_baseline"]
+                blue = colour.startswith("rgba(38")
+                assert blue == (entry["ratio"][0] < 1)
+
+
+def test_another_baseline_takes_the_pairs_of_the_file(opened, statistics):
+    page = opened.page
+    page.locator("#headline-area select").nth(1).select_option(label="mitchell + gaussian")
+    found = cells(page)
+    told = 0
+    for place, condition in enumerate(conditions_at(statistics, 8)):
+        names = [name_of(e) for e in condition["ranking"]]
+        other = names.index("mitchell + gaussian")
+        for a, b, ratio, low, high, _, verdict in condition["pairs"]:
+            if other not in (a, b):
+                continue
+            mine = names[b if a == other else a]
+            if b != other:
+                ratio, verdict = 1 / ratio, {"better": "worse", "worse": "better"}.get(verdict, verdict)
+            assert float(found[mine][place][1]) == pytest.approx(ratio, rel=1e-4)
+            assert found[mine][place][2] == verdict
+            told += verdict != "undecided"
+    assert told > 8
+
+
+def test_at_most_five_sentences_and_each_is_of_the_file(opened, statistics):
+    texts = opened.page.locator(".leading li").all_text_contents()
+    assert 1 <= len(texts) <= 5
+    assert sum("has the lowest error" in t or "has the smallest mean" in t for t in texts) == 2  # one a recording
+    lost = sum(any("loses_energy" in e for e in [entry]) for c in statistics["conditions"] if c["metric"] == "relmse"
+               for entry in c["ranking"])
+    assert (f"{lost} of 54 combinations lose light" in texts[-1]) == (lost > 0)
+
+
+def test_chart_and_crops_stand_on_the_first_screen(opened):
+    page = opened.page
+    assert page.locator("#hero-chart .scatterlayer .trace").count() == 6
+    page.wait_for_selector(".crop canvas")
+    page.wait_for_timeout(500)
+    assert page.locator(".crop").count() == 2 and page.locator(".crop canvas").count() == 6
+    words = page.locator(".crop").first.text_content()
+    assert "input: uniform + box" in words and "best: multiscale + directional" in words and "reference" in words
+    page.locator("#headline thead button", has_text="kitchen").click()
+    assert "kitchen" in page.locator(".hero h3").text_content()
+
+
+def test_a_click_on_a_cell_shows_its_pictures(opened):
+    page = opened.page
+    page.locator("#headline tbody tr", has_text="mitchell + gaussian").locator("td").nth(1).click()
+    page.wait_for_selector("#stage[data-ready]")
+    page.wait_for_timeout(300)
+    assert page.locator("#stage figcaption").nth(1).text_content() == "B: mitchell + gaussian"
+    assert page.locator("#viewer-scene option:checked").text_content() == "kitchen"
+
+
+def saved(page, click):
+    with page.expect_download() as waiting:
+        click()
+    with open(waiting.value.path(), encoding="utf-8") as file:
+        return waiting.value.suggested_filename, file.read()
+
+
+def test_buttons_save_csv_latex_and_svg_without_a_request(opened, statistics):
+    page = opened.page
+    name, text = saved(page, page.get_by_role("button", name="CSV", exact=True).first.click)
+    rows = list(csv.reader(io.StringIO(text)))
+    assert name == "headline.csv" and rows[0][0] == "method" and len(rows) == 10
+    values = {row[0]: row[1] for row in rows[1:]}
+    for entry in conditions_at(statistics, 8)[0]["ranking"]:
+        assert float(values[name_of(entry)].split()[0]) == pytest.approx(entry["value"][0], rel=6e-3)
+    name, text = saved(page, page.get_by_role("button", name="LaTeX", exact=True).click)
+    assert name == "headline.tex" and text.count(r"\\") == 10 and text.count("{") == text.count("}")
+    alone = sum(all(e.get("against_best") == "worse" for e in c["ranking"][1:]) for c in conditions_at(statistics, 8))
+    assert text.count(r"\textbf") == alone
+    name, text = saved(page, page.locator("#charts").get_by_role("button", name="SVG").first.click)
+    assert name == "error_time.svg" and text.startswith("<svg") and "relmse" in text
+    name, text = saved(page, page.locator("#table").get_by_role("button", name="CSV").click)
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert len(rows) == 54 and math.isfinite(float(rows[0]["relmse_low"]))
+    assert {address.split(":", 1)[0] for address in opened.addresses} <= {"file", "data", "blob"}
+    assert opened.errors == []
+
+
+def test_no_button_of_the_page_makes_a_request_or_an_error(opened):
+    """Every button, once: nothing leaves the page."""
+    page = opened.page
+    opened.open_images()
+    page.evaluate("void (window.open = () => { window.escaped = true; })")
+    for i in range(page.locator("button, .modebar-btn").count()):
+        button = page.locator("button, .modebar-btn").nth(i)
+        if button.is_visible():
+            button.click(force=True)
+    page.wait_for_timeout(500)
+    assert page.evaluate("window.escaped") is None
+    assert {address.split(":", 1)[0] for address in opened.addresses} <= {"file", "data", "blob"}
+    assert opened.errors == []

@@ -1,0 +1,138 @@
+// The first screen: methods x recordings at one budget, coloured by the ratio to a baseline; letters and verdicts are
+// those of statistics.json. Ratios to another baseline are the file's pairs, read in the other direction where needed.
+const UNIFORM_BOX = 'uniform + box';
+const verdictWords = ['better', 'worse', 'undecided', 'identical'];
+const opposite = {better: 'worse', worse: 'better'};
+
+const conditionOf = (dump, spp) => report.conditions.find((c) => c.dump === dump && c.spp === spp);
+const rankedMethods = (dump, spp) => (conditionOf(dump, spp)?.field ?? []).map((i) => methodOf(report.combinations[i]));
+
+// {mean, low, high, verdict} of a combination against the method `baseline` in the same condition; null where unknown.
+function ratioTo(condition, index, baseline) {
+  const c = report.combinations[index];
+  if (methodOf(c) === baseline) return {mean: 1, low: NaN, high: NaN, verdict: 'baseline'};
+  if (baseline === UNIFORM_BOX) {
+    const verdict = (c.ranks[report.metric] ?? [])[1];
+    return verdict ? {...interval(c, `${report.metric}_ratio`), verdict} : null;
+  }
+  const place = condition.field.indexOf(index);
+  const other = condition.field.findIndex((i) => methodOf(report.combinations[i]) === baseline);
+  if (other < 0) return null;
+  for (const [a, b, mean, low, high, word] of condition.pairs) {
+    const verdict = verdictWords[word];
+    if (a === place && b === other) return {mean, low, high, verdict};
+    if (a === other && b === place) return {mean: 1 / mean, low: 1 / high, high: 1 / low, verdict: opposite[verdict] ?? verdict};
+  }
+  return null;
+}
+
+// Blue is better, orange worse; full colour at a factor of 8 and beyond.
+function ratioColour(ratio) {
+  if (!isPositive(ratio)) return 'transparent';
+  const t = Math.max(-1, Math.min(1, Math.log2(ratio) / 3));
+  return t <= 0 ? `rgba(38, 128, 214, ${(-0.55 * t).toFixed(3)})` : `rgba(240, 120, 20, ${(0.55 * t).toFixed(3)})`;
+}
+
+const hero = {spp: null, baseline: UNIFORM_BOX, dump: 0, all: false, most: 12};
+
+function startHeadline(area) {
+  const budgets = [...new Set(report.conditions.map((c) => c.spp))].sort((a, b) => a - b);
+  if (budgets.length === 0) return;
+  hero.spp = report.budget;
+  const methods = [...new Set(report.conditions.flatMap((c) => c.field.map((i) => methodOf(report.combinations[i]))))];
+  const baselines = report.conditions.some((c) => c.pairs.length > 0) ? methods : methods.filter((m) => m === UNIFORM_BOX);
+  const at = Math.max(0, baselines.indexOf(UNIFORM_BOX));
+  hero.baseline = baselines[at] ?? UNIFORM_BOX;
+  const holder = element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Methods and recordings'});
+  const chart = element('div', {class: 'chart', id: 'hero-chart'}), title = element('h3');
+  const strip = element('div', {class: 'crops', id: 'crops'});
+  const note = element('p', {class: 'note'});
+  area.append(
+    element('div', {class: 'controls'},
+      select('Samples per pixel', budgets.map(String), budgets.indexOf(hero.spp), (i) => { hero.spp = budgets[i]; draw(); }),
+      baselines.length > 1 ? select('Relative to', baselines, at, (i) => { hero.baseline = baselines[i]; draw(); }) : null,
+      exportButtons('headline')),
+    element('div', {class: 'hero'}, element('div', {}, holder, note), element('figure', {}, title, chart)), strip);
+  function draw() {
+    holder.replaceChildren(headlineTable(draw));
+    note.textContent = `${report.metric} relative to ${hero.baseline}: below 1 is better. Bold: told apart. Methods that ` +
+      'share a letter are not told apart. ▼: loses energy. A click shows the pictures.';
+    title.textContent = `${report.dumps[hero.dump]}: ${report.metric} against samples per pixel`;
+    drawHeroChart(chart);
+    drawCrops(strip);
+  }
+  darkQuery.addEventListener('change', draw);
+  draw();
+}
+
+// The rows: the order of the overall ratio where there is one, else that of the first recording.
+function headlineMethods() {
+  const overall = report.overall.filter((c) => c.spp === hero.spp);
+  const conditions = report.conditions.filter((c) => c.spp === hero.spp);
+  const names = [...new Set(conditions.flatMap((c) => c.field.map((i) => methodOf(report.combinations[i]))))];
+  if (overall.length === 0) return names;
+  const means = new Map(overall.map((c) => [methodOf(c), interval(c, report.metric).mean]));
+  const value = (name) => means.get(name) ?? Infinity;
+  return names.sort((a, b) => (value(a) > value(b)) - (value(a) < value(b)));
+}
+
+function headlineTable(redraw) {
+  const conditions = report.conditions.filter((c) => c.spp === hero.spp);
+  const withOverall = conditions.length > 1 && hero.baseline === UNIFORM_BOX && report.overall.length > 0;
+  const head = element('tr', {}, element('th', {scope: 'col'}, 'method'));
+  for (const c of conditions) {
+    head.append(element('th', {scope: 'col'}, element('button', {type: 'button', class: 'plain',
+      'aria-pressed': String(c.dump === hero.dump), title: 'show in the chart',
+      onclick: () => { hero.dump = c.dump; redraw(); }}, report.dumps[c.dump])));
+  }
+  if (withOverall) head.append(element('th', {scope: 'col', title: 'geometric mean over the recordings'}, 'all'));
+  const names = headlineMethods(), body = element('tbody');
+  const few = hero.all ? names : names.filter((name, i) => i < hero.most || name === hero.baseline);
+  for (const name of few) {
+    const row = element('tr', {}, element('th', {scope: 'row'}, name));
+    for (const condition of conditions) row.append(headlineCell(condition, name));
+    if (withOverall) row.append(overallCell(name));
+    body.append(row);
+  }
+  const table = element('table', {class: 'headline', id: 'headline'}, element('thead', {}, head), body);
+  if (few.length === names.length) return table;
+  return element('div', {}, table, element('button', {type: 'button', onclick: () => { hero.all = true; redraw(); }},
+    `all ${names.length} methods`));
+}
+
+function headlineCell(condition, name) {
+  const index = condition.field.find((i) => methodOf(report.combinations[i]) === name);
+  if (index === undefined) return element('td', {class: 'number'}, '');
+  const c = report.combinations[index], ratio = ratioTo(condition, index, hero.baseline);
+  const value = interval(c, report.metric), letters = (c.ranks[report.metric] ?? [''])[0];
+  const mean = ratio?.verdict === 'baseline' ? '1' : numberText(ratio?.mean ?? NaN, 3) || '-';
+  const told = ratio && (ratio.verdict === 'better' || ratio.verdict === 'worse');
+  const bounds = (i) => (Number.isFinite(i.low) ? ` [${numberText(i.low, 3)}, ${numberText(i.high, 3)}]` : '');
+  const words = [`${report.metric} ${numberText(value.mean)}${bounds(value)}`];
+  if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${bounds(ratio)}: ${ratio.verdict} than ${hero.baseline}`.replace(
+    'undecided than', 'not told apart from'));
+  if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);
+  return element('td', {class: `number ${ratio?.verdict ?? ''}`, title: words.join('\n'), 'data-ratio': ratio ? ratio.mean : '',
+    'data-verdict': ratio?.verdict ?? '', style: `background: ${ratioColour(ratio?.mean)}`, onclick: () => openInViewer(c)},
+  told ? element('b', {}, mean) : mean, ' ', element('span', {class: 'letters'}, letters),
+  c.loses ? element('span', {class: 'loses', title: words[words.length - 1]}, ' ▼') : null);
+}
+
+function overallCell(name) {
+  const c = report.overall.find((o) => o.spp === hero.spp && methodOf(o) === name);
+  const ratio = c ? interval(c, `${report.metric}_ratio`).mean : NaN;
+  const said = c?.against;
+  return element('td', {class: 'number', style: `background: ${ratioColour(ratio)}`,
+    title: said ? `${said[0]} better, ${said[1]} worse, ${said[2]} undecided` : ''},
+  name === UNIFORM_BOX ? '1' : numberText(ratio, 3));
+}
+
+// The first methods of the table and the baseline over the budgets of one recording.
+function drawHeroChart(target) {
+  const names = new Set([...rankedMethods(hero.dump, hero.spp).slice(0, 5), hero.baseline]);
+  const points = report.combinations.filter((c) => c.dump === hero.dump && names.has(methodOf(c)) &&
+    isPositive(interval(c, report.metric).mean));
+  target.hidden = points.length === 0;
+  if (points.length > 0) drawChart(target, points, {x: budgetOf, title: 'samples per pixel', ticks: budgetTicks(points),
+    dodge: true, metric: report.metric, height: 300});
+}

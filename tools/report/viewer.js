@@ -1,0 +1,95 @@
+// The pictures of one recording: A, B and the reference beside each other, under a slider, or in turn. All panes share
+// zoom, place and exposure. What is shown follows from `state` alone; `render` makes the page agree with it.
+function startImages(area) {
+  const scenes = report.pictures.scenes.filter((s) => setsOf(s.dump).length > 0);
+  if (scenes.length === 0) {
+    area.append(element('p', {}, 'No image fits into this page; its EXR files: ',
+      ...report.pictures.sets.slice(0, 200).flatMap((set) => linkList(set, 'results'))));
+    return;
+  }
+  const state = {scene: 0, budget: 0, a: 0, b: 0, layer: 'image', mode: innerWidth < 700 ? 'flip' : 'side', face: 1,
+    split: 0.5, exposure: 0, zoom: 1, x: 0.5, y: 0.5, cursor: null, insets: [], pixel: null};
+  const view = {state, scenes, area, panes: [], listeners: [], serial: 0};
+  view.scene = () => scenes[state.scene];
+  view.sets = () => setsOf(view.scene().dump);
+  view.budgets = () => budgetsOf(view.sets());
+  view.candidates = () => view.sets().filter(
+    (set) => report.combinations[set.combination].spp === view.budgets()[state.budget]);
+  view.names = () => view.candidates().map((set) => methodOf(report.combinations[set.combination]));
+  view.pair = () => [view.candidates()[state.a], view.candidates()[state.b]];
+  view.choose = (change) => {
+    const kept = ['a', 'b'].map((side) => view.names()[state[side]]);
+    Object.assign(state, change);
+    if ('scene' in change) Object.assign(state, {budget: Math.min(state.budget, view.budgets().length - 1), zoom: 1});
+    // A method keeps its place on the screen when the budget or the recording changes.
+    if ('scene' in change || 'budget' in change) {
+      ['a', 'b'].forEach((side, i) => { state[side] = Math.max(0, view.names().indexOf(kept[i])); });
+    }
+    if (['scene', 'a', 'b'].some((key) => key in change)) state.insets = [];
+    return loadShown(view).then(() => render(view));
+  };
+  Object.assign(state, firstChoice(view));
+  buildViewer(view);
+  openInViewer = (combination) => {
+    const scene = scenes.findIndex((s) => s.dump === combination.dump);
+    if (scene < 0) return;
+    view.choose({scene});
+    view.choose({budget: Math.max(0, view.budgets().indexOf(combination.spp))});
+    const b = view.names().indexOf(methodOf(combination));
+    view.choose({b: Math.max(0, b)});
+    document.getElementById('images').scrollIntoView();
+  };
+  new IntersectionObserver((entries, observer) => {
+    if (!entries.some((entry) => entry.isIntersecting)) return;
+    observer.disconnect();
+    view.choose({});
+    addEventListener('resize', () => render(view));
+    darkQuery.addEventListener('change', () => render(view));
+  }, {rootMargin: '200px'}).observe(area);
+}
+
+let openInViewer = () => {};
+
+// The baseline against the method that ranks first among those with pictures, at the middle budget.
+function firstChoice(view) {
+  const budget = Math.floor((view.budgets().length - 1) / 2);
+  view.state.budget = budget;
+  const names = view.names();
+  const ranked = rankedMethods(view.scene().dump, view.budgets()[budget]).filter((name) => names.includes(name));
+  return {budget, a: Math.max(0, names.indexOf('uniform + box')),
+    b: ranked.length > 0 ? names.indexOf(ranked[0]) : names.length - 1};
+}
+
+// Pictures of the layer that is shown, and the values behind them: view.shown[face] = {name, picture, values}.
+async function loadShown(view) {
+  const serial = ++view.serial, {state} = view, [a, b] = view.pair();
+  const layer = layers[state.layer];
+  const of = async (set) => {
+    const picture = await loadPicture(set, layer.picture);
+    return layer.minus ? differenceOf(picture, await loadPicture(set, layer.minus)) : picture;
+  };
+  const [imageA, imageB, reference, shownA, shownB] = await Promise.all([loadPicture(a, 'estimate'),
+    loadPicture(b, 'estimate'), loadPicture(a.images.reference !== undefined ? a : b, 'reference'), of(a), of(b)]);
+  if (serial !== view.serial) return;
+  const name = (set) => methodOf(report.combinations[set.combination]);
+  view.images = {a: imageA, b: imageB, reference};
+  view.faces = [{letter: 'A', name: name(a), picture: shownA, set: a, map: state.layer !== 'image'},
+    {letter: 'B', name: name(b), picture: shownB, set: b, map: state.layer !== 'image'}];
+  if (reference) view.faces.push({letter: 'R', name: 'reference', picture: reference, map: false});
+  state.face = Math.min(state.face, view.faces.length - 1);
+  view.size = {width: imageA.width, height: imageA.height};
+  if (state.insets.length === 0) state.insets = chooseInsets(view);
+}
+
+function facePainting(view, face) {
+  if (!face.picture) return null;
+  if (!face.map) return paintImage(face.picture, view.scene().exposure + view.state.exposure);
+  const layer = layers[view.state.layer];
+  return paintMap(face.picture, layer.scale(view.scene(), view.budgets()[view.state.budget]), layer.cyclic);
+}
+
+function linkList(set, letter) {
+  const c = report.combinations[set.combination];
+  return [`${letter}, ${methodOf(c)}, ${c.spp} spp: `, ...Object.entries(set.links).flatMap(
+    ([name, href], i) => [i > 0 ? ', ' : '', element('a', {href}, `${name}.exr`)]), '. '];
+}

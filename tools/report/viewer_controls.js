@@ -1,0 +1,119 @@
+// Controls of the viewer, its keys, mouse and fingers.
+const modes = {side: 'side by side', split: 'split', flip: 'flip'};
+const faceKeys = {a: 0, b: 1, r: 2, 1: 0, 2: 1, 3: 2};
+
+function buildViewer(view) {
+  view.controls = element('div', {class: 'controls viewer-controls'});
+  view.tabs = element('div', {class: 'tabs', role: 'group', 'aria-label': 'Which picture'});
+  view.stage = element('div', {class: 'stage', id: 'stage', tabindex: '0', role: 'application',
+    'aria-label': 'Pictures: arrow keys move, + and - zoom, a, b and r or space flip, e and E expose'});
+  view.status = element('output', {class: 'note', id: 'pixel-values'});
+  view.insets = element('div', {class: 'insets', id: 'insets'});
+  view.links = element('p', {class: 'note'});
+  view.area.append(view.controls, view.tabs, element('div', {class: 'work'}, view.stage, view.insets), view.status,
+    element('p', {class: 'note'}, 'Drag moves, wheel or + - zooms (after a click into the pictures), a b r or space flip, ',
+      'e E exposure, [ ] budget, , . layer, 0 resets; drag a coloured frame to move its inset. Values have eleven bits ',
+      'here; the EXR files have all.'), view.links);
+  view.stage.addEventListener('keydown', (event) => onKey(view, event));
+  listenToPointers(view);
+}
+
+function render(view) {
+  if (!view.faces) return;
+  renderControls(view);
+  layOutPanes(view);
+  drawPanes(view);
+  drawInsets(view);
+  const [a, b] = view.pair();
+  view.links.replaceChildren(...linkList(a, 'A'), ...(b === a ? [] : linkList(b, 'B')));
+  showValues(view);
+  view.stage.dataset.ready = 'true';
+  for (const listener of view.listeners) listener();
+}
+
+// Built anew only when its choices change, so that a control keeps its focus while it is used.
+function renderControls(view) {
+  const {state} = view, budgets = view.budgets(), names = view.names();
+  const key = JSON.stringify([state.scene, state.budget, names, view.faces.map((f) => f.name)]);
+  if (view.controlsKey !== key) {
+    view.controlsKey = key;
+    const focused = view.controls.contains(document.activeElement) ? document.activeElement.id : '';
+    const pick = (name) => (i) => view.choose({[name]: i});
+    const labelled = (id, label) => { label.lastElementChild.id = id; return label; };
+    view.controls.replaceChildren(
+      labelled('viewer-scene', select('Recording', view.scenes.map((s) => report.dumps[s.dump]), state.scene, pick('scene'))),
+      slider('budget-slider', 'Samples per pixel', 0, budgets.length - 1, 1, pick('budget')),
+      labelled('viewer-a', select('A', names, state.a, pick('a'))),
+      labelled('viewer-b', select('B', names, state.b, pick('b'))),
+      buttons(view, 'layer', 'Layer', Object.keys(layers).filter((name) => has(view, name)).map((n) => [n, layers[n].name])),
+      buttons(view, 'mode', 'Show', Object.entries(modes)),
+      slider('exposure-slider', 'Exposure', -10, 10, 0.5, (value) => { state.exposure = value; render(view); }),
+      slider('split-slider', 'Split', 0, 1, 0.005, (value) => { state.split = value; render(view); }));
+    if (focused) document.getElementById(focused)?.focus();
+  }
+  view.controls.querySelector('#viewer-a').value = state.a;
+  view.controls.querySelector('#viewer-b').value = state.b;
+  setSlider(view.controls.querySelector('#budget-slider'), state.budget, `${budgets[state.budget]} spp`);
+  setSlider(view.controls.querySelector('#exposure-slider'), state.exposure, `${state.exposure >= 0 ? '+' : ''}${state.exposure} EV`);
+  setSlider(view.controls.querySelector('#split-slider'), state.split, '');
+  view.controls.querySelector('#split-slider').parentElement.hidden = state.mode !== 'split';
+  for (const button of view.controls.querySelectorAll('button[data-value]')) {
+    button.setAttribute('aria-pressed', String(state[button.dataset.group] === button.dataset.value));
+  }
+  view.tabs.hidden = state.mode !== 'flip';
+  view.tabs.replaceChildren(...view.faces.map((face, i) => element('button', {type: 'button',
+    'aria-pressed': String(i === state.face), onclick: () => view.choose({face: i})}, face.name)));
+}
+
+const has = (view, layer) => view.candidates().some((set) => set.images[layers[layer].picture] !== undefined &&
+  (!layers[layer].minus || set.images[layers[layer].minus] !== undefined));
+
+function buttons(view, group, title, entries) {
+  return element('span', {class: 'buttons', role: 'group', 'aria-label': title}, ...entries.map(([value, name]) =>
+    element('button', {type: 'button', 'data-group': group, 'data-value': value,
+      onclick: () => view.choose({[group]: value})}, name)));
+}
+
+function slider(id, label, low, high, step, onchange) {
+  const input = element('input', {type: 'range', id, min: low, max: high, step});
+  input.addEventListener('input', () => onchange(Number(input.value)));
+  return element('label', {class: 'slider'}, `${label} `, input, element('output', {}));
+}
+
+function setSlider(input, value, text) {
+  input.value = value;
+  input.setAttribute('aria-valuetext', text || String(value));
+  input.nextElementSibling.textContent = text;
+}
+
+function zoomBy(view, factor) {
+  view.state.zoom = Math.max(1, Math.min(view.state.zoom * factor, Math.max(64, view.size.width / 4)));
+  view.stage.classList.toggle('zoomed', view.state.zoom > 1);
+  drawPanes(view);
+}
+
+function onKey(view, event) {
+  const {state} = view, step = 0.1 / state.zoom;
+  if (event.ctrlKey || event.metaKey || event.altKey || !view.faces) return;
+  const around = (key, list, by) => list[(list.indexOf(key) + by + list.length) % list.length];
+  const shownLayers = Object.keys(layers).filter((name) => has(view, name));
+  const budget = (by) => view.choose({budget: Math.max(0, Math.min(view.budgets().length - 1, state.budget + by))});
+  const move = (x, y) => { state.x += x; state.y += y; drawPanes(view); };
+  const actions = {
+    ArrowLeft: () => move(-step, 0), ArrowRight: () => move(step, 0), ArrowUp: () => move(0, -step), ArrowDown: () => move(0, step),
+    '+': () => zoomBy(view, 1.25), '=': () => zoomBy(view, 1.25), '-': () => zoomBy(view, 0.8),
+    0: () => { Object.assign(state, {zoom: 1, x: 0.5, y: 0.5, exposure: 0, split: 0.5}); zoomBy(view, 1); render(view); },
+    e: () => { state.exposure = Math.min(10, state.exposure + 0.5); render(view); },
+    E: () => { state.exposure = Math.max(-10, state.exposure - 0.5); render(view); },
+    ' ': () => view.choose({mode: 'flip', face: state.face === 0 ? 1 : 0}),
+    '[': () => budget(-1), ']': () => budget(1),
+    ',': () => view.choose({layer: around(state.layer, shownLayers, -1)}),
+    '.': () => view.choose({layer: around(state.layer, shownLayers, 1)}),
+  };
+  for (const [key, face] of Object.entries(faceKeys)) {
+    if (face < view.faces.length) actions[key] = () => view.choose({mode: 'flip', face});
+  }
+  if (!actions[event.key]) return;
+  event.preventDefault();
+  actions[event.key]();
+}
