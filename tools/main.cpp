@@ -334,6 +334,23 @@ std::string reference_names() {
   return names;
 }
 
+// An evaluation that is looked at beforehand, spread over machines, or put together.
+void add_parts_of_a_run(CLI::App& verb, EvaluateOptions& options) {
+  verb.add_flag("--dry-run", options.dry_run,
+                "list the cells and about how long they will take; runs no command of the plan");
+  verb.add_option("--shard", options.shard,
+                  "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
+  verb.add_flag("--merge", options.merge,
+                "run nothing: make the results of the cells that are done");
+  verb.add_flag("--statistics-only", options.statistics_only,
+                "run nothing: compute statistics.json of these folders of results anew");
+  verb.add_option("--from", options.merge_from,
+                  "with --merge: folders whose cells are taken over first; may be given several "
+                  "times")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
 void add_evaluate(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
       "evaluate", "every sampler with every filter at every budget: error, time, pictures");
@@ -369,19 +386,7 @@ void add_evaluate(Program& program) {
                 "also apply the counts to samples that had no say in them, and take bias and "
                 "variance apart: columns *_fresh, *_bias2, *_variance; three times the work");
   verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
-  verb.add_flag("--dry-run", options.dry_run,
-                "list the cells and about how long they will take; runs no command of the plan");
-  verb.add_option("--shard", options.shard,
-                  "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
-  verb.add_flag("--merge", options.merge,
-                "run nothing: make the results of the cells that are done");
-  verb.add_flag("--statistics-only", options.statistics_only,
-                "run nothing: compute statistics.json of these folders of results anew");
-  verb.add_option("--from", options.merge_from,
-                  "with --merge: folders whose cells are taken over first; may be given several "
-                  "times")
-      ->take_all()
-      ->allow_extra_args(false);
+  add_parts_of_a_run(verb, options);
   verb.add_option("-o,--output", options.output, "folder for the results and the pictures");
   add_common(verb, program.common, true, true);
   verb.footer(

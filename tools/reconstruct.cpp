@@ -126,6 +126,25 @@ Result<void> write_pictures(const ReconstructOptions& options, const Input& inpu
   return write_contact_sheet(options.pictures / "contact_sheet.png", images, scale, overwrite);
 }
 
+void say_what_was_made(const ReconstructOptions& options, const Input& input,
+                       const Reconstruction& result, double seconds, const CommonOptions& common) {
+  const int width = result.image[0].width(), height = result.image[0].height();
+  if (common.json) {
+    GuardCounts guards = input.pool.recording().guards();
+    guards += result.guards;
+    print(json_text({{"filter", options.filter},
+                     {"output", options.output.string()},
+                     {"width", width},
+                     {"height", height},
+                     {"notes", result.notes},
+                     {"guards", guard_listing(guards)},
+                     {"seconds", seconds}}));
+  } else if (!common.quiet) {
+    print_line(fmt::format("{}: {} x {} pixels, {}", options.output.string(), width, height,
+                           format_seconds(seconds)));
+  }
+}
+
 }  // namespace
 
 Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common) {
@@ -174,19 +193,7 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
     SPOOL_TRY(write_pictures(options, input, result, common.force));
     SPOOL_TRY(write_view_pictures(views, options.pictures / "views", common.force));
   }
-  if (common.json) {
-    GuardCounts guards = input.pool.recording().guards();
-    guards += result.guards;
-    const nlohmann::ordered_json description = {
-        {"filter", options.filter},  {"output", options.output.string()},
-        {"width", file.width},       {"height", file.height},
-        {"notes", result.notes},     {"guards", guard_listing(guards)},
-        {"seconds", seconds.count()}};
-    print(json_text(description));
-  } else if (!common.quiet) {
-    print_line(fmt::format("{}: {} x {} pixels, {}", options.output.string(), file.width,
-                           file.height, format_seconds(seconds.count())));
-  }
+  say_what_was_made(options, input, result, seconds.count(), common);
   return {};
 }
 

@@ -36,6 +36,19 @@ ordered_json describe(const ReplayOptions& options, const SamplingLog& log,
           {"seconds", seconds}};
 }
 
+Result<Views> wanted_views(const ReplayOptions& options, std::vector<ViewDescription> known) {
+  const std::vector<std::string> wanted = split_list(options.views);
+  known.insert(known.end(), selection_views().begin(), selection_views().end());
+  SPOOL_TRY(check_views(wanted, known));
+  if (!options.pictures.empty() && wanted.empty()) {
+    return fail(
+        ErrorCode::kUsage,
+        "--pictures {}: pictures of a replay are those of its views: name some with --views",
+        options.pictures.string());
+  }
+  return Views(wanted);
+}
+
 }  // namespace
 
 Result<long long> checked_budget(const SamplePool& pool, double spp) {
@@ -64,17 +77,7 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
                                 methods.filters[0].ready.needs));
   }
   const ReadySampler sample = options.decision_split ? split_decisions(chosen.ready) : chosen.ready;
-  const std::vector<std::string> wanted = split_list(options.views);
-  std::vector<ViewDescription> known = chosen.method->views;
-  known.insert(known.end(), selection_views().begin(), selection_views().end());
-  SPOOL_TRY(check_views(wanted, known));
-  if (!options.pictures.empty() && wanted.empty()) {
-    return fail(
-        ErrorCode::kUsage,
-        "--pictures {}: pictures of a replay are those of its views: name some with --views",
-        options.pictures.string());
-  }
-  Views views(wanted);
+  SPOOL_ASSIGN(Views views, wanted_views(options, chosen.method->views));
   SPOOL_ASSIGN(const auto recording,
                load_recording(options.dump, methods.rules,
                               sampling_memory(chosen.choice, choices_of(methods.filters),

@@ -192,33 +192,10 @@ void note_conversions(const std::vector<NpzMember>& members, ImportRecord& recor
   }
 }
 
-}  // namespace
-
-Result<ImportReport> import_npz(const std::filesystem::path& in, const std::filesystem::path& out,
-                                const NpzImportOptions& options) {
-  const std::string name = in.string();
-  SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
-  SPOOL_TRY(refuse_existing_target(out, options.force));
-  SPOOL_ASSIGN(std::vector<NpzMember> members, read_npz_members(file));
-  const auto named = [&](std::string_view layer) {
-    return std::find_if(members.begin(), members.end(),
-                        [&](const NpzMember& member) { return member.layer == layer; });
-  };
-  if (named("radiance") == members.end())
-    return fail(ErrorCode::kData, "{}: no array radiance: save it as [y][x][s][3]", name);
-  std::rotate(members.begin(), named("radiance"), named("radiance") + 1);
-
+// Layers, sizes and order of samples, as `meta` and the options have them; radiance comes first.
+Result<DumpPlan> plan_members(const std::vector<NpzMember>& members, const json& meta,
+                              const NpzImportOptions& options, const std::string& name) {
   DumpPlan plan;
-  json meta = json::object();
-  const bool has_meta = named("meta") != members.end();
-  if (has_meta) {
-    SPOOL_ASSIGN(meta, read_npz_meta(file, *named("meta")));
-  } else if (!options.layout) {
-    return fail(
-        ErrorCode::kUsage,
-        "{}: no array meta, so the order of axes is unknown: give --set import.layout=HWSC or SHWC",
-        name);
-  }
   SPOOL_ASSIGN(const auto layout, text_of(meta, "layout", {"HWSC", "SHWC"}, name));
   SPOOL_ASSIGN(const auto order, text_of(meta, "sample_order", {"renderer", "exchangeable"}, name));
   SPOOL_TRY(text_of(meta, "pixel_filter", {"box"}, name).map([](const auto&) {}));
@@ -240,13 +217,42 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
                                                         : format::SampleOrder::kRenderer)
                             : options.sample_order.value_or(format::SampleOrder::kRenderer);
   SPOOL_TRY(check_sizes(plan, name));
+  plan.record.options = {{"layout", sample_major ? "SHWC" : "HWSC"}, {"narrow", options.narrow}};
+  return plan;
+}
 
+}  // namespace
+
+Result<ImportReport> import_npz(const std::filesystem::path& in, const std::filesystem::path& out,
+                                const NpzImportOptions& options) {
+  const std::string name = in.string();
+  SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
+  SPOOL_TRY(refuse_existing_target(out, options.force));
+  SPOOL_ASSIGN(std::vector<NpzMember> members, read_npz_members(file));
+  const auto named = [&](std::string_view layer) {
+    return std::find_if(members.begin(), members.end(),
+                        [&](const NpzMember& member) { return member.layer == layer; });
+  };
+  if (named("radiance") == members.end())
+    return fail(ErrorCode::kData, "{}: no array radiance: save it as [y][x][s][3]", name);
+  std::rotate(members.begin(), named("radiance"), named("radiance") + 1);
+
+  json meta = json::object();
+  const bool has_meta = named("meta") != members.end();
+  if (has_meta) {
+    SPOOL_ASSIGN(meta, read_npz_meta(file, *named("meta")));
+  } else if (!options.layout) {
+    return fail(
+        ErrorCode::kUsage,
+        "{}: no array meta, so the order of axes is unknown: give --set import.layout=HWSC or SHWC",
+        name);
+  }
+  SPOOL_ASSIGN(DumpPlan plan, plan_members(members, meta, options, name));
   drop_structure(meta, plan);
   plan.meta = std::move(meta);
   SPOOL_ASSIGN(ForeignFile identity, identify(file));
   plan.record.format = "npz";
   plan.record.files.push_back(std::move(identity));
-  plan.record.options = {{"layout", sample_major ? "SHWC" : "HWSC"}, {"narrow", options.narrow}};
   note_conversions(members, plan.record);
 
   SPOOL_TRY(options.expansion.check(name, stored_bytes(plan.layers), plan.record.files[0].bytes));

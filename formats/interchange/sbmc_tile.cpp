@@ -33,26 +33,7 @@ enum Field : size_t {
   kTileY = 56
 };
 
-}  // namespace
-
-bool SbmcHeader::same_set(const SbmcHeader& other) const {
-  const auto bits = [](float value) { return std::bit_cast<uint32_t>(value); };
-  return version == other.version && tile_size == other.tile_size && width == other.width &&
-         height == other.height && spp == other.spp && reference_spp == other.reference_spp &&
-         bits(focus) == bits(other.focus) && bits(aperture) == bits(other.aperture) &&
-         bits(fov) == bits(other.fov) && bits(radius) == bits(other.radius);
-}
-
-Result<SbmcTile> SbmcTile::open(const std::filesystem::path& path) {
-  SbmcTile tile;
-  const std::string name = path.string();
-  SPOOL_ASSIGN(tile.file_, format::FileHandle::open(path, format::OpenMode::kRead));
-  SPOOL_ASSIGN(tile.bytes_, tile.file_.size());
-  if (tile.bytes_ < kHeaderBytes)
-    return fail(ErrorCode::kDamage, "{}: {} bytes hold no header (byte 0): fetch the file again",
-                name, tile.bytes_);
-  std::array<std::byte, kHeaderBytes> bytes;
-  SPOOL_TRY(tile.file_.read_at(0, bytes));
+Result<void> check_fields(std::span<const std::byte> bytes, const std::string& name) {
   const auto field = [&](Field at) { return load<int32_t>(bytes, at); };
   const auto refuse = [&](Field at, std::string_view what) {
     return fail(ErrorCode::kData, "{}: {} is {} (byte {}): not a tile of SBMC", name, what,
@@ -76,10 +57,35 @@ Result<SbmcTile> SbmcTile::open(const std::filesystem::path& path) {
   if (field(kSampleFeatures) != 27) return refuse(kSampleFeatures, "sample features");
   if (field(kPixelFeatures) != 30) return refuse(kPixelFeatures, "pixel features");
   if (field(kPathDepth) != 6) return refuse(kPathDepth, "path depth");
-  SbmcHeader& header = tile.header_;
   for (const auto& [at, side] : {std::pair{kTileX, kWidth}, std::pair{kTileY, kHeight}})
     if (field(at) < 0 || field(at) >= field(side) || field(at) % field(kTileSize) != 0)
       return refuse(at, "place of the tile");
+  return {};
+}
+
+}  // namespace
+
+bool SbmcHeader::same_set(const SbmcHeader& other) const {
+  const auto bits = [](float value) { return std::bit_cast<uint32_t>(value); };
+  return version == other.version && tile_size == other.tile_size && width == other.width &&
+         height == other.height && spp == other.spp && reference_spp == other.reference_spp &&
+         bits(focus) == bits(other.focus) && bits(aperture) == bits(other.aperture) &&
+         bits(fov) == bits(other.fov) && bits(radius) == bits(other.radius);
+}
+
+Result<SbmcTile> SbmcTile::open(const std::filesystem::path& path) {
+  SbmcTile tile;
+  const std::string name = path.string();
+  SPOOL_ASSIGN(tile.file_, format::FileHandle::open(path, format::OpenMode::kRead));
+  SPOOL_ASSIGN(tile.bytes_, tile.file_.size());
+  if (tile.bytes_ < kHeaderBytes)
+    return fail(ErrorCode::kDamage, "{}: {} bytes hold no header (byte 0): fetch the file again",
+                name, tile.bytes_);
+  std::array<std::byte, kHeaderBytes> bytes;
+  SPOOL_TRY(tile.file_.read_at(0, bytes));
+  SPOOL_TRY(check_fields(bytes, name));
+  const auto field = [&](Field at) { return load<int32_t>(bytes, at); };
+  SbmcHeader& header = tile.header_;
   const auto number = [&](Field at) { return load<float>(bytes, at); };
   header = {field(kVersion),
             static_cast<uint32_t>(field(kTileSize)),

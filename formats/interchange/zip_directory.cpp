@@ -204,6 +204,54 @@ Result<void> decode(const FileHandle& file, const ZipMember& member, uint64_t li
   return {};
 }
 
+struct Entry {
+  ZipMember member;
+  uint64_t local_offset = 0;
+  size_t bytes = 0;  // in the directory
+};
+
+// The entry at byte `at` of the directory, whose signature is right.
+Result<Entry> read_entry(const FileHandle& file, const Directory& directory,
+                         std::span<const std::byte> bytes, size_t at) {
+  const uint16_t flags = load<uint16_t>(bytes, at + 8), method = load<uint16_t>(bytes, at + 10);
+  const uint16_t name_bytes = load<uint16_t>(bytes, at + 28);
+  const uint16_t extra_bytes = load<uint16_t>(bytes, at + 30);
+  const uint16_t comment_bytes = load<uint16_t>(bytes, at + 32);
+  const size_t tail_bytes = size_t{name_bytes} + extra_bytes + comment_bytes;
+  if (!fits(at + kCentralBytes, tail_bytes, bytes.size()))
+    return damaged(file, "zip directory entry is cut", directory.offset + at);
+  Entry entry;
+  entry.bytes = kCentralBytes + tail_bytes;
+  ZipMember& member = entry.member;
+  member.name.assign(reinterpret_cast<const char*>(bytes.data()) + at + kCentralBytes, name_bytes);
+  // Names go into messages and onto terminals.
+  if (!std::all_of(member.name.begin(), member.name.end(),
+                   [](char c) { return c >= ' ' && c <= '~'; }))
+    return fail(ErrorCode::kData,
+                "{}: member name is not printable ASCII (byte {}): save it under another name",
+                file.path().string(), directory.offset + at);
+  if ((flags & 1) != 0)
+    return fail(ErrorCode::kData, "{}: member {} is encrypted (byte {}): decrypt it first",
+                file.path().string(), member.name, directory.offset + at);
+  if (method != 0 && method != 8)
+    return fail(ErrorCode::kData, "{}: member {} uses zip method {} (byte {}): store or deflate it",
+                file.path().string(), member.name, method, directory.offset + at);
+  member.deflated = method == 8;
+  member.crc32 = load<uint32_t>(bytes, at + 16);
+  member.stored_bytes = load<uint32_t>(bytes, at + 20);
+  member.bytes = load<uint32_t>(bytes, at + 24);
+  entry.local_offset = load<uint32_t>(bytes, at + 42);
+  if (!widen(bytes.subspan(at + kCentralBytes + name_bytes, extra_bytes), member,
+             entry.local_offset))
+    return damaged(file, fmt::format("zip64 sizes of member {} are missing", member.name),
+                   directory.offset + at);
+  if (member.deflated ? member.bytes / kMaxDeflateRatio > member.stored_bytes
+                      : member.bytes != member.stored_bytes)
+    return damaged(file, fmt::format("member {} cannot hold {} bytes", member.name, member.bytes),
+                   directory.offset + at);
+  return entry;
+}
+
 }  // namespace
 
 Result<std::vector<ZipMember>> read_zip_directory(const FileHandle& file) {
@@ -221,48 +269,14 @@ Result<std::vector<ZipMember>> read_zip_directory(const FileHandle& file) {
     if (!fits(at, kCentralBytes, bytes.size()) || load<uint32_t>(bytes, at) != kCentralSignature)
       return damaged(file, fmt::format("zip directory entry {} is damaged", i),
                      directory.offset + at);
-    const uint16_t flags = load<uint16_t>(bytes, at + 8), method = load<uint16_t>(bytes, at + 10);
-    const uint16_t name_bytes = load<uint16_t>(bytes, at + 28);
-    const uint16_t extra_bytes = load<uint16_t>(bytes, at + 30);
-    const uint16_t comment_bytes = load<uint16_t>(bytes, at + 32);
-    const size_t tail_bytes = size_t{name_bytes} + extra_bytes + comment_bytes;
-    if (!fits(at + kCentralBytes, tail_bytes, bytes.size()))
-      return damaged(file, fmt::format("zip directory entry {} is cut", i), directory.offset + at);
-    ZipMember member;
-    member.name.assign(reinterpret_cast<const char*>(bytes.data()) + at + kCentralBytes,
-                       name_bytes);
-    // Names go into messages and onto terminals.
-    if (!std::all_of(member.name.begin(), member.name.end(),
-                     [](char c) { return c >= ' ' && c <= '~'; }))
-      return fail(ErrorCode::kData,
-                  "{}: member name is not printable ASCII (byte {}): save it under another name",
-                  file.path().string(), directory.offset + at);
-    if ((flags & 1) != 0)
-      return fail(ErrorCode::kData, "{}: member {} is encrypted (byte {}): decrypt it first",
-                  file.path().string(), member.name, directory.offset + at);
-    if (method != 0 && method != 8)
-      return fail(ErrorCode::kData,
-                  "{}: member {} uses zip method {} (byte {}): store or deflate it",
-                  file.path().string(), member.name, method, directory.offset + at);
-    member.deflated = method == 8;
-    member.crc32 = load<uint32_t>(bytes, at + 16);
-    member.stored_bytes = load<uint32_t>(bytes, at + 20);
-    member.bytes = load<uint32_t>(bytes, at + 24);
-    uint64_t local_offset = load<uint32_t>(bytes, at + 42);
-    if (!widen(std::span(bytes).subspan(at + kCentralBytes + name_bytes, extra_bytes), member,
-               local_offset))
-      return damaged(file, fmt::format("zip64 sizes of member {} are missing", member.name),
-                     directory.offset + at);
-    if (member.deflated ? member.bytes / kMaxDeflateRatio > member.stored_bytes
-                        : member.bytes != member.stored_bytes)
-      return damaged(file, fmt::format("member {} cannot hold {} bytes", member.name, member.bytes),
-                     directory.offset + at);
+    SPOOL_ASSIGN(Entry entry, read_entry(file, directory, bytes, at));
+    ZipMember& member = entry.member;
     if (!names.insert(member.name).second)
       return damaged(file, fmt::format("member {} occurs twice", member.name),
                      directory.offset + at);
-    SPOOL_TRY(locate_data(file, local_offset, directory.offset, member));
+    SPOOL_TRY(locate_data(file, entry.local_offset, directory.offset, member));
     members.push_back(std::move(member));
-    at += kCentralBytes + tail_bytes;
+    at += entry.bytes;
   }
   if (at != bytes.size())
     return damaged(file, "zip directory is longer than its entries", directory.offset + at);

@@ -265,6 +265,27 @@ uint64_t lay_out(DeepInput& input, const FileHandle& scratch) {
   return end;
 }
 
+// All samples into the scratch file, where they end there.
+Result<uint64_t> read_rows(DeepInput& input, const interchange::Expansion& expansion,
+                           uint64_t source_bytes, FileHandle& scratch) {
+  uint64_t end = 0;
+  for (int y = 0; y < input.reader.header().height; ++y) {
+    SPOOL_ASSIGN(const DeepRow row, input.reader.read_row(y));
+    if (y == 0) {
+      input.spp = row.counts[0];
+      if (input.spp == 0 || input.spp > format::kMaxSpp)
+        return fail(ErrorCode::kData, "{}: pixel 0,0 has {} samples: 1 to {} are possible",
+                    input.name, input.spp, format::kMaxSpp);
+      end = lay_out(input, scratch);
+      SPOOL_TRY(expansion.check(input.name, end, source_bytes));
+    }
+    SPOOL_TRY(check_row(input, row, y));
+    for (const Wanted& wanted : input.wanted)
+      SPOOL_TRY(put_row(input, wanted, row, static_cast<uint64_t>(y), scratch));
+  }
+  return end;
+}
+
 }  // namespace
 
 Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
@@ -286,21 +307,7 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
   SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
   SPOOL_ASSIGN(const uint64_t source_bytes, file.size());
   SPOOL_ASSIGN(FileHandle scratch, interchange::open_scratch_file(out));
-  uint64_t end = 0;
-  for (int y = 0; y < header.height; ++y) {
-    SPOOL_ASSIGN(const DeepRow row, input.reader.read_row(y));
-    if (y == 0) {
-      input.spp = row.counts[0];
-      if (input.spp == 0 || input.spp > format::kMaxSpp)
-        return fail(ErrorCode::kData, "{}: pixel 0,0 has {} samples: 1 to {} are possible", name,
-                    input.spp, format::kMaxSpp);
-      end = lay_out(input, scratch);
-      SPOOL_TRY(options.expansion.check(name, end, source_bytes));
-    }
-    SPOOL_TRY(check_row(input, row, y));
-    for (const Wanted& wanted : input.wanted)
-      SPOOL_TRY(put_row(input, wanted, row, static_cast<uint64_t>(y), scratch));
-  }
+  SPOOL_ASSIGN(uint64_t end, read_rows(input, options.expansion, source_bytes, scratch));
   DumpPlan plan;
   plan.width = static_cast<uint32_t>(header.width);
   plan.height = static_cast<uint32_t>(header.height);

@@ -168,6 +168,35 @@ Result<void> plan_pass_layers(const ToldDump& told, const std::vector<ExrAttribu
   return {};
 }
 
+// The values of every image into the scratch file; their attributes.
+Result<std::vector<ExrAttributes>> read_images(const std::filesystem::path& in,
+                                               const std::vector<std::filesystem::path>& files,
+                                               const ExrPlanes& first, const ExrMapping& mapping,
+                                               FileHandle& scratch, DumpPlan& plan) {
+  std::vector<ExrAttributes> attributes;
+  std::vector<std::byte> first_radiance;
+  bool all_alike = files.size() > 1;
+  for (size_t s = 0; s < files.size(); ++s) {
+    SPOOL_ASSIGN(ExrPlanes image, read_exr_planes(files[s], {.max_parts = INT32_MAX}));
+    SPOOL_TRY(check_image(image, first, files[s].string()));
+    for (size_t l = 0; l < mapping.layers.size(); ++l) {
+      const auto values = interleave(image, mapping.layers[l]);
+      SPOOL_TRY(scratch.write_at(plan.layers[l].array.offset + s * values.size(), values));
+      if (l > 0) continue;
+      if (s == 0) first_radiance = values;
+      all_alike = all_alike && values == first_radiance;
+    }
+    attributes.push_back(std::move(image.attributes));
+    SPOOL_ASSIGN(const FileHandle file, FileHandle::open(files[s], format::OpenMode::kRead));
+    SPOOL_ASSIGN(interchange::ForeignFile identity, interchange::identify(file));
+    plan.record.files.push_back(std::move(identity));
+  }
+  if (all_alike)
+    return fail(ErrorCode::kData, "{}: all {} images are alike: the seed did not change",
+                in.string(), files.size());
+  return attributes;
+}
+
 }  // namespace
 
 Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
@@ -191,27 +220,7 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
     source_bytes += std::filesystem::file_size(file, unreadable);
   SPOOL_TRY(options.expansion.check(in.string(), end, source_bytes));
   SPOOL_ASSIGN(FileHandle scratch, interchange::open_scratch_file(out));
-  std::vector<ExrAttributes> attributes;
-  std::vector<std::byte> first_radiance;
-  bool all_alike = files.size() > 1;
-  for (size_t s = 0; s < files.size(); ++s) {
-    SPOOL_ASSIGN(ExrPlanes image, read_exr_planes(files[s], {.max_parts = INT32_MAX}));
-    SPOOL_TRY(check_image(image, first, files[s].string()));
-    for (size_t l = 0; l < mapping.layers.size(); ++l) {
-      const auto values = interleave(image, mapping.layers[l]);
-      SPOOL_TRY(scratch.write_at(plan.layers[l].array.offset + s * values.size(), values));
-      if (l > 0) continue;
-      if (s == 0) first_radiance = values;
-      all_alike = all_alike && values == first_radiance;
-    }
-    attributes.push_back(std::move(image.attributes));
-    SPOOL_ASSIGN(const FileHandle file, FileHandle::open(files[s], format::OpenMode::kRead));
-    SPOOL_ASSIGN(interchange::ForeignFile identity, interchange::identify(file));
-    plan.record.files.push_back(std::move(identity));
-  }
-  if (all_alike)
-    return fail(ErrorCode::kData, "{}: all {} images are alike: the seed did not change",
-                in.string(), files.size());
+  SPOOL_ASSIGN(const auto attributes, read_images(in, files, first, mapping, scratch, plan));
   if (told) SPOOL_TRY(plan_pass_layers(*told, attributes, in.string(), end, scratch, plan));
   std::error_code ignored;
   if (std::filesystem::exists(in / kPixelFile, ignored))

@@ -102,10 +102,10 @@ void add_fresh_columns(std::vector<ResultColumn>& columns) {
       [](const F& f) { return f.saturated_share; });
 }
 
-std::vector<ResultColumn> make_columns() {
+std::vector<ResultColumn> cell_columns() {
   using R = CellResult;
   constexpr ColumnKind kCell = ColumnKind::kCell;
-  std::vector<ResultColumn> columns = {
+  return {
       text_column(
           "dump", "the recording", [](const R& r) { return r.cell.dump; }, kCell),
       text_column(
@@ -121,9 +121,11 @@ std::vector<ResultColumn> make_columns() {
       {"threads", "threads that the plan asked for; 0: as many as the process may use", true, kCell,
        [](const R& r) { return std::to_string(r.cell.threads); }},
   };
-  add_metric_columns(columns);
-  add_fresh_columns(columns);
-  const std::vector<ResultColumn> rest = {
+}
+
+std::vector<ResultColumn> sample_columns() {
+  using R = CellResult;
+  return {
       timing_column("efficiency", "1 / (mse * seconds_total); empty where mse <= 2 mse_se",
                     [](const R& r) { return efficiency(r).value_or(std::nan("")); }),
       number_column("samples_spent", "samples taken from the recording",
@@ -135,6 +137,12 @@ std::vector<ResultColumn> make_columns() {
       number_column("saturated_share",
                     "saturated pieces / all pieces; above 0.01 the recording is too short",
                     saturated_share),
+  };
+}
+
+std::vector<ResultColumn> time_columns() {
+  using R = CellResult;
+  return {
       timing_column("seconds_sampling",
                     "wall time of the sampler, shared by all filters of its run; the median where "
                     "the plan repeats it",
@@ -179,6 +187,12 @@ std::vector<ResultColumn> make_columns() {
                     }),
       timing_column("threads_used", "threads that the process was allowed",
                     [](const R& r) { return r.threads; }),
+  };
+}
+
+std::vector<ResultColumn> judging_columns() {
+  using R = CellResult;
+  return {
       text_column("reference", "what the image was judged by",
                   [](const R& r) {
                     if (r.error) return std::string();
@@ -209,7 +223,14 @@ std::vector<ResultColumn> make_columns() {
                     return std::string(r.metrics.failed ? "image not finite" : "");
                   }),
   };
-  columns.insert(columns.end(), rest.begin(), rest.end());
+}
+
+std::vector<ResultColumn> make_columns() {
+  std::vector<ResultColumn> columns = cell_columns();
+  add_metric_columns(columns);
+  add_fresh_columns(columns);
+  for (const auto& more : {sample_columns(), time_columns(), judging_columns()})
+    columns.insert(columns.end(), more.begin(), more.end());
   return columns;
 }
 

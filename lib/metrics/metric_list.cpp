@@ -8,6 +8,31 @@
 namespace spool {
 namespace {
 
+// The energy of parts of the image, and errors once it is made right.
+void add_energy_metrics(std::vector<Metric>& list) {
+  for (int d = 0; d < kDeciles; ++d) {
+    list.push_back({{fmt::format("energy_ratio_d{}", d + 1),
+                     fmt::format("energy ratio of decile {} of the reference's luminance{}", d + 1,
+                                 d == 0 ? " (the darkest)" : ""),
+                     Better::kOne},
+                    Rule::kRatio,
+                    kDecileEnergy + d,
+                    kDecileReferenceEnergy + d});
+  }
+  const auto equal = [&](std::string name, std::string meaning, Rule rule, int squares) {
+    list.push_back({{std::move(name), std::move(meaning)}, rule, squares});
+  };
+  equal("mse_equal_energy", "mse of the image times one factor that makes energy_ratio 1",
+        Rule::kEqualEnergy, kDecileSquares);
+  equal("relmse_equal_energy", "relmse of the image times that factor", Rule::kEqualEnergy,
+        kDecileRelativeSquares);
+  equal("mse_equal_deciles",
+        "mse of the image with the energy of every decile made right by a factor",
+        Rule::kEqualDeciles, kDecileSquares);
+  equal("relmse_equal_deciles", "relmse of that image", Rule::kEqualDeciles,
+        kDecileRelativeSquares);
+}
+
 std::vector<Metric> make_list() {
   std::vector<Metric> list = {
       {{"mse", "mean squared error over pixels and channels, debiased"}, Rule::kRatio, kSquared},
@@ -52,27 +77,7 @@ std::vector<Metric> make_list() {
        kEnergy,
        kReferenceEnergy},
   };
-  for (int d = 0; d < kDeciles; ++d) {
-    list.push_back({{fmt::format("energy_ratio_d{}", d + 1),
-                     fmt::format("energy ratio of decile {} of the reference's luminance{}", d + 1,
-                                 d == 0 ? " (the darkest)" : ""),
-                     Better::kOne},
-                    Rule::kRatio,
-                    kDecileEnergy + d,
-                    kDecileReferenceEnergy + d});
-  }
-  const auto equal = [&](std::string name, std::string meaning, Rule rule, int squares) {
-    list.push_back({{std::move(name), std::move(meaning)}, rule, squares});
-  };
-  equal("mse_equal_energy", "mse of the image times one factor that makes energy_ratio 1",
-        Rule::kEqualEnergy, kDecileSquares);
-  equal("relmse_equal_energy", "relmse of the image times that factor", Rule::kEqualEnergy,
-        kDecileRelativeSquares);
-  equal("mse_equal_deciles",
-        "mse of the image with the energy of every decile made right by a factor",
-        Rule::kEqualDeciles, kDecileSquares);
-  equal("relmse_equal_deciles", "relmse of that image", Rule::kEqualDeciles,
-        kDecileRelativeSquares);
+  add_energy_metrics(list);
   return list;
 }
 

@@ -71,6 +71,52 @@ void try_methods(Plan plan, TimeEstimate& estimate) {
   run_cells(trials, options, sources, callbacks);
 }
 
+struct Listing {
+  std::size_t all = 0;  // of this shard
+  std::vector<Cell> left;
+  std::vector<std::pair<Cell, ResultRecord>> done;
+  std::string text;  // a line for each
+};
+
+Listing list_cells(const RunRequest& request) {
+  const Plan& plan = request.plan;
+  const CellStore store(request.folder);
+  Listing found;
+  for (const Cell& cell : plan.cells()) {
+    if (request.shard && shard_of(cell, plan, request.shard->count) != request.shard->index) {
+      continue;
+    }
+    ++found.all;
+    const std::string id = cell_id(cell, plan);
+    auto record = request.folder.empty() ? fail(ErrorCode::kIo, "no folder") : store.read(id, cell);
+    const bool is_done = record && !record->text("reference").empty();
+    if (is_done) {
+      found.done.emplace_back(cell, std::move(*record));
+    } else {
+      found.left.push_back(cell);
+    }
+    found.text += visible_text(fmt::format(
+                      "{}  {}  {} + {}  {:g} spp  replicate {}{}{}", id, cell.dump,
+                      cell.sampler.label(), cell.filter.label(), cell.spp, cell.replicate,
+                      cell.threads > 0 ? fmt::format("  {} threads", cell.threads) : "",
+                      is_done ? "  done" : "")) +
+                  "\n";
+  }
+  return found;
+}
+
+void print_listing(const RunRequest& request, const Listing& cells, std::size_t cells_left) {
+  const Plan& plan = request.plan;
+  print(cells.text);
+  print(fmt::format(
+      "\n{} cells: {} recordings x {} samplers x {} budgets x {} replicates x {} "
+      "numbers of threads x {} filters{}; {} done, {} left\n",
+      cells.all, plan.recordings.size(), plan.samplers.size(), plan.spp.size(), plan.replicates,
+      plan.threads.size(), plan.filters.size(),
+      request.shard ? fmt::format(", shard {}/{}", request.shard->index, request.shard->count) : "",
+      cells.done.size(), cells_left));
+}
+
 }  // namespace
 
 Result<void> print_dry_run(const RunRequest& request, const CommonOptions& common) {
@@ -80,37 +126,14 @@ Result<void> print_dry_run(const RunRequest& request, const CommonOptions& commo
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
     pixels[dump] = static_cast<double>(reader.header().width) * reader.header().height;
   }
-  const CellStore store(request.folder);
-  std::vector<Cell> left;
-  std::vector<std::pair<Cell, ResultRecord>> done;
-  std::size_t all = 0;
-  std::string listing;
-  for (const Cell& cell : plan.cells()) {
-    if (request.shard && shard_of(cell, plan, request.shard->count) != request.shard->index) {
-      continue;
-    }
-    ++all;
-    const std::string id = cell_id(cell, plan);
-    auto record = request.folder.empty() ? fail(ErrorCode::kIo, "no folder") : store.read(id, cell);
-    const bool is_done = record && !record->text("reference").empty();
-    if (is_done) {
-      done.emplace_back(cell, std::move(*record));
-    } else {
-      left.push_back(cell);
-    }
-    listing += visible_text(
-                   fmt::format("{}  {}  {} + {}  {:g} spp  replicate {}{}{}", id, cell.dump,
-                               cell.sampler.label(), cell.filter.label(), cell.spp, cell.replicate,
-                               cell.threads > 0 ? fmt::format("  {} threads", cell.threads) : "",
-                               is_done ? "  done" : "")) +
-               "\n";
-  }
-  const bool measured = !done.empty();
+  Listing cells = list_cells(request);
+  const bool measured = !cells.done.empty();
+  std::vector<Cell>& left = cells.left;
   const std::size_t cells_left = left.size();
   if (!measured) std::erase_if(left, runs_foreign_code);
   const std::size_t not_known = cells_left - left.size();
   TimeEstimate estimate(left, [&](const std::string& dump) { return pixels.at(dump); });
-  for (const auto& [cell, record] : done)
+  for (const auto& [cell, record] : cells.done)
     estimate.learn(cell, record);
   if (!measured && !left.empty()) try_methods(plan, estimate);
   // The trial cannot see what the machine's caches will make of a large image, nor the writing of
@@ -122,22 +145,15 @@ Result<void> print_dry_run(const RunRequest& request, const CommonOptions& commo
     for (const UnusedLayers& one : unused)
       layers.push_back(
           {{"recording", one.recording}, {"layers", one.layers}, {"share", one.share}});
-    print(json_text({{"cells", all},
-                     {"done", done.size()},
+    print(json_text({{"cells", cells.all},
+                     {"done", cells.done.size()},
                      {"left", cells_left},
                      {"seconds", seconds},
                      {"left_of_unknown_time", not_known},
                      {"unused_layers", layers}}));
     return {};
   }
-  print(listing);
-  print(fmt::format(
-      "\n{} cells: {} recordings x {} samplers x {} budgets x {} replicates x {} "
-      "numbers of threads x {} filters{}; {} done, {} left\n",
-      all, plan.recordings.size(), plan.samplers.size(), plan.spp.size(), plan.replicates,
-      plan.threads.size(), plan.filters.size(),
-      request.shard ? fmt::format(", shard {}/{}", request.shard->index, request.shard->count) : "",
-      done.size(), cells_left));
+  print_listing(request, cells, cells_left);
   if (not_known > 0) {
     print(
         fmt::format("{} of them run commands of the plan (exec:), which a dry run does not: their "

@@ -67,9 +67,8 @@ void keep_least(double& least, const std::function<void()>& work) {
   least = std::min(least, cpu_seconds() - begin);
 }
 
-std::string compare(const char* name, RecordedSamples samples, const std::filesystem::path& folder,
-                    int turns) {
-  RecordedSamples back = samples;
+// `back` is what a copy in memory goes to.
+std::vector<Kind> kinds_in(const std::filesystem::path& folder, RecordedSamples& back) {
   std::vector<Kind> kinds = {{"memcpy",
                               {},
                               [&](RecordedSamples& from) {
@@ -97,21 +96,32 @@ std::string compare(const char* name, RecordedSamples samples, const std::filesy
   add(
       "flat EXR zip", "zip", [](const auto& p, auto& s) { write_flat_exr(p, s, true); },
       read_flat_exr);
+  return kinds;
+}
 
+// Writes and reads `samples` once in every kind.
+void take_turn(std::vector<Kind>& kinds, RecordedSamples& samples, RecordedSamples& back) {
+  for (Kind& kind : kinds) {
+    keep_least(kind.write_seconds, [&] { kind.write(samples); });
+    if (!kind.read) continue;
+    for (SampleChannel& channel : back.channels)
+      std::ranges::fill(channel.values, std::byte{0xFF});
+    keep_least(kind.read_seconds, [&] { kind.read(back); });
+    for (size_t c = 0; c < back.channels.size(); ++c)
+      if (back.channels[c].values != samples.channels[c].values) {
+        std::fprintf(stderr, "%s: other samples came back\n", kind.name);
+        std::exit(4);
+      }
+  }
+}
+
+std::string compare(const char* name, RecordedSamples samples, const std::filesystem::path& folder,
+                    int turns) {
+  RecordedSamples back = samples;
+  std::vector<Kind> kinds = kinds_in(folder, back);
   double mapped = 1e300, mapped_first = 1e300, plain = 1e300;
   for (int turn = 0; turn < turns; ++turn) {
-    for (Kind& kind : kinds) {
-      keep_least(kind.write_seconds, [&] { kind.write(samples); });
-      if (!kind.read) continue;
-      for (SampleChannel& channel : back.channels)
-        std::ranges::fill(channel.values, std::byte{0xFF});
-      keep_least(kind.read_seconds, [&] { kind.read(back); });
-      for (size_t c = 0; c < back.channels.size(); ++c)
-        if (back.channels[c].values != samples.channels[c].values) {
-          std::fprintf(stderr, "%s: other samples came back\n", kind.name);
-          std::exit(4);
-        }
-    }
+    take_turn(kinds, samples, back);
     const MappedSums sums = sum_mapped(folder / "raw.spool");
     mapped_first = std::min(mapped_first, sums.first_seconds);
     mapped = std::min(mapped, sums.second_seconds);
