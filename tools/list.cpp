@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/exchange/import_formats.h"
+#include "lib/exchange/foreign_formats.h"
 #include "lib/experiment/result_table.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/synthetic/synthetic_scenes.h"
@@ -102,9 +102,10 @@ void print_methods(const ordered_json& list, const std::string& part, bool all) 
   }
 }
 
-ordered_json describe_imports() {
+template <class Formats>
+ordered_json describe_foreign(const Formats& formats) {
   ordered_json list = ordered_json::array();
-  for (const interchange::ImportFormat& format : exchange::import_formats()) {
+  for (const auto& format : formats) {
     ordered_json options = ordered_json::array();
     for (const OptionDescription& option : format.describe()) {
       options.push_back({{"name", option.name},
@@ -234,9 +235,11 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
     common.json ? print(json_text(list)) : print_table(list);
     return {};
   }
-  if (options.what == "imports") {
-    const ordered_json list = describe_imports();
-    common.json ? print(json_text(list)) : print_methods(list, "import", true);
+  if (options.what == "imports" || options.what == "exports") {
+    const bool in = options.what == "imports";
+    const ordered_json list = in ? describe_foreign(exchange::import_formats())
+                                 : describe_foreign(exchange::export_formats());
+    common.json ? print(json_text(list)) : print_methods(list, in ? "import" : "export", true);
     return {};
   }
   if (options.what == "scenes") {

@@ -8,7 +8,8 @@
 namespace spool::tools {
 
 struct ListOptions {
-  std::string what;  // samplers, filters, presets, views, metrics, columns, scenes or imports
+  std::string
+      what;  // samplers, filters, presets, views, metrics, columns, scenes, imports or exports
   bool all = false;  // also the options that few need
 };
 

@@ -19,7 +19,7 @@
 #include "lib/core/heap_policy.h"
 #include "lib/core/option_table.h"
 #include "lib/core/parallel.h"
-#include "lib/exchange/import_formats.h"
+#include "lib/exchange/foreign_formats.h"
 #include "lib/experiment/reference.h"
 #include "lib/experiment/result_record.h"
 #include "tools/check.h"
@@ -27,6 +27,7 @@
 #include "tools/console.h"
 #include "tools/convert.h"
 #include "tools/evaluate.h"
+#include "tools/foreign_settings.h"
 #include "tools/info.h"
 #include "tools/interrupt.h"
 #include "tools/list.h"
@@ -182,17 +183,15 @@ void add_convert(Program& program) {
       *program.app.add_subcommand("convert", "a dump becomes a neighbour's file or folder");
   ConvertOptions& options = program.convert;
   verb.add_option("IN", options.input, "a recorded dump, NAME.spool")->required();
-  verb.add_option("--to", options.to, fmt::format("{}", fmt::join(target_formats(), ", ")))
+  const std::vector<std::string> kinds = names_of(exchange::export_formats());
+  verb.add_option("--to", options.to, fmt::format("{}", fmt::join(kinds, ", ")))
       ->required()
-      ->check(CLI::IsMember(target_formats()).description(""))
+      ->check(CLI::IsMember(kinds).description(""))
       ->option_text("FORMAT REQUIRED");
-  verb.add_option("--names", options.names, "of exr-folder: plain (default), blender or rgb")
-      ->check(CLI::IsMember({"plain", "blender", "rgb"}));
-  verb.add_option("--spp", options.spp,
-                  "the first so many samples of each pixel: one for bcd-stats, 8,16 for oidn");
-  verb.add_option("--selection", options.selection,
-                  "of bcd-stats: an image of counts, as spool replay writes it");
-  verb.add_option("--name", options.name, "of oidn: the images' common name (that of the dump)");
+  verb.add_option("--set", options.settings,
+                  "export.OPTION=VALUE, an option of the format: see spool list exports")
+      ->take_all()
+      ->allow_extra_args(false);
   add_output(verb, options.output,
              "npz, bcd, deep-exr: the file; bcd-stats: P.exr, P_cov.exr, P_hist.exr; exr-folder, "
              "oidn: the folder");
@@ -201,8 +200,8 @@ void add_convert(Program& program) {
       "What a format has no place for is refused or named. docs/formats.md tells more.\n"
       "Examples:\n"
       "  spool convert dumps/tiny/chess.spool --to npz -o chess.npz\n"
-      "  spool convert dumps/tiny/chess.spool --to oidn --spp 1,2,4,8 -o oidn_set\n"
-      "  spool convert dumps/tiny/chess.spool --to bcd-stats --spp 16 -o chess_bcd");
+      "  spool convert dumps/tiny/chess.spool --to oidn --set export.spp=1,2,4,8 -o oidn_set\n"
+      "  spool convert dumps/tiny/chess.spool --to bcd-stats --set export.spp=16 -o chess_bcd");
   verb.callback(
       [&] { program.chosen = [&] { return run_convert(program.convert, program.common); }; });
 }
@@ -494,10 +493,10 @@ void add_list(Program& program) {
   CLI::App& verb =
       *program.app.add_subcommand("list", "what there is, with every option explained");
   verb.add_option("WHAT", program.list.what,
-                  "samplers, filters, presets, views, metrics, columns, scenes or imports")
+                  "samplers, filters, presets, views, metrics, columns, scenes, imports or exports")
       ->required()
-      ->check(CLI::IsMember(
-          {"samplers", "filters", "presets", "views", "metrics", "columns", "scenes", "imports"}));
+      ->check(CLI::IsMember({"samplers", "filters", "presets", "views", "metrics", "columns",
+                             "scenes", "imports", "exports"}));
   verb.add_flag(
       "--all", program.list.all,
       "of samplers and filters also the options that few need: readings of a text, details");
@@ -524,19 +523,6 @@ std::vector<std::string> known_words(const CLI::App& app, bool options) {
   return words;
 }
 
-// "import.layout=VALUE" for "--layout", or nothing: options of foreign formats are no options of
-// the verb.
-std::string import_option_of(std::string flag) {
-  std::ranges::replace(flag, '-', '_');
-  for (const interchange::ImportFormat& format : exchange::import_formats()) {
-    for (const OptionDescription& option : format.describe()) {
-      if (flag == "__" + option.name || flag.ends_with("_" + option.name))
-        return fmt::format("import.{}={}", option.name, option.allowed);
-    }
-  }
-  return "";
-}
-
 // CLI11's complaints in one line, with the nearest known name where a word is unknown.
 std::string explain(const CLI::App& app, const CLI::ParseError& error, int count,
                     char** arguments) {
@@ -552,12 +538,14 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error, int count
   for (const std::string& word : app.remaining(true)) {
     if (word.rfind("--", 0) != 0) continue;
     const std::string name = word.substr(0, word.find('='));
-    if (verb && verb->get_name() == "pack") {
-      if (const std::string now = import_option_of(name); !now.empty()) {
-        return fmt::format("unknown option '{}': write --set {}: see spool list imports", word,
-                           now);
-      }
-    }
+    const std::string of = verb ? verb->get_name() : "";
+    const std::string now =
+        of == "pack"      ? setting_of_flag("import", name, exchange::import_formats())
+        : of == "convert" ? setting_of_flag("export", name, exchange::export_formats())
+                          : "";
+    if (!now.empty())
+      return fmt::format("unknown option '{}': write --set {}: see spool list {}s", word, now,
+                         now.substr(0, now.find('.')));
     return fmt::format("{}: see {}", unknown_name("option", name, known_words(at, true)), help);
   }
   return fmt::format("{}: see {}", error.what(), help);

@@ -1,10 +1,9 @@
 #include "tools/pack.h"
 
-#include <string_view>
-
 #include <nlohmann/json.hpp>
 
-#include "lib/exchange/import_formats.h"
+#include "lib/exchange/foreign_formats.h"
+#include "tools/foreign_settings.h"
 #include "tools/interrupt.h"
 #include "tools/json_text.h"
 
@@ -21,28 +20,13 @@ std::string first_line(const PackVerbOptions& options, unsigned width, unsigned 
 
 using interchange::ImportReport;
 
-// The options of "import.OPTION=VALUE".
-Result<OptionValues> import_settings(const std::vector<std::string>& settings) {
-  constexpr std::string_view kPart = "import.";
-  OptionValues values;
-  for (const std::string& text : settings) {
-    const std::size_t equals = text.find('=');
-    if (!text.starts_with(kPart) || equals == std::string::npos || equals <= kPart.size()) {
-      return fail(ErrorCode::kUsage,
-                  "--set {}: write import.OPTION=VALUE, for example import.layout=HWSC", text);
-    }
-    values.emplace_back(text.substr(kPart.size(), equals - kPart.size()), text.substr(equals + 1));
-  }
-  return values;
-}
-
 Result<void> pack_foreign(const interchange::ImportFormat& format, const PackVerbOptions& options,
                           const CommonOptions& common) {
   if (options.sources.size() != 1) {
     return fail(ErrorCode::kUsage, "--from {}: give one source, not {}", options.from,
                 options.sources.size());
   }
-  SPOOL_ASSIGN(const OptionValues set, import_settings(options.settings));
+  SPOOL_ASSIGN(const OptionValues set, foreign_settings("import", options.settings, "layout=HWSC"));
   interchange::ImportOptions import;
   import.compress = options.pack.compress;
   import.force = common.force;

@@ -81,7 +81,7 @@ Result<ImportReport> import_bcd_raw(const std::filesystem::path& in,
 
 Result<ExportReport> export_bcd_raw(const std::filesystem::path& in,
                                     const std::filesystem::path& out,
-                                    const BcdRawExportOptions& options) {
+                                    const ExportOptions& options) {
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   ExportReport report;
   const format::DumpHeader& header = dump.header();
@@ -113,6 +113,11 @@ Result<ExportReport> export_bcd_raw(const std::filesystem::path& in,
 ImportFormat bcd_format() {
   return import_format<ImportOptions>("bcd", "BCD's raw samples: radiance only",
                                       {exchangeable_option<ImportOptions>()}, import_bcd_raw);
+}
+
+ExportFormat bcd_target() {
+  return export_format<ExportOptions>("bcd", "BCD's raw samples, a file: radiance only", {},
+                                      export_bcd_raw);
 }
 
 }  // namespace spool::interchange

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-#include "formats/interchange/export_file.h"
+#include "formats/interchange/export_format.h"
 #include "formats/interchange/import_format.h"
 #include "lib/core/error.h"
 
@@ -18,15 +18,12 @@ Result<ImportReport> import_bcd_raw(const std::filesystem::path& in,
                                     const std::filesystem::path& out,
                                     const ImportOptions& options = {});
 
-struct BcdRawExportOptions {
-  bool force = false;  // replace OUT
-};
-
 // Bit-exact (f16 radiance is widened). Other layers are dropped and named in the report.
 Result<ExportReport> export_bcd_raw(const std::filesystem::path& in,
                                     const std::filesystem::path& out,
-                                    const BcdRawExportOptions& options = {});
+                                    const ExportOptions& options = {});
 
 ImportFormat bcd_format();
+ExportFormat bcd_target();
 
 }  // namespace spool::interchange

@@ -1,5 +1,5 @@
 // A foreign format that `spool pack --from` reads, as one value: its name, what it is, its options
-// and its importer. The file of a format ends with its value; lib/exchange/import_formats.cpp is
+// and its importer. The file of a format ends with its value; lib/exchange/foreign_formats.cpp is
 // the only list.
 #pragma once
 

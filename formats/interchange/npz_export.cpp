@@ -65,8 +65,8 @@ std::span<const std::byte> bytes_of(const std::string& text) {
 
 }  // namespace
 
-Result<void> export_npz(const std::filesystem::path& in, const std::filesystem::path& out,
-                        const NpzExportOptions& options) {
+Result<ExportReport> export_npz(const std::filesystem::path& in, const std::filesystem::path& out,
+                                const ExportOptions& options) {
   SPOOL_ASSIGN(const SpoolReader dump, SpoolReader::open(in));
   if (!dump.complete())
     return fail(ErrorCode::kData, "{}: blocks are missing: an array has no place for holes",
@@ -86,7 +86,7 @@ Result<void> export_npz(const std::filesystem::path& in, const std::filesystem::
     members.push_back({layer.name + ".npy", starts.back().size() + data});
   }
   plan_zip(members);
-  return write_whole_file(out, options.force, [&](FileHandle& file) -> Result<void> {
+  const auto fill = [&](FileHandle& file) -> Result<void> {
     for (size_t i = 0; i < members.size(); ++i)
       SPOOL_TRY(file.write_at(members[i].data_offset, bytes_of(starts[i])));
     size_t member = 1;
@@ -96,7 +96,13 @@ Result<void> export_npz(const std::filesystem::path& in, const std::filesystem::
       ++member;
     }
     return finish_zip(file, members);
-  });
+  };
+  SPOOL_TRY(write_whole_file(out, options.force, fill));
+  return ExportReport{};
+}
+
+ExportFormat npz_target() {
+  return export_format<ExportOptions>("npz", "a file of numpy arrays, bit for bit", {}, export_npz);
 }
 
 }  // namespace spool::interchange

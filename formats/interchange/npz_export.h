@@ -3,16 +3,15 @@
 
 #include <filesystem>
 
+#include "formats/interchange/export_format.h"
 #include "lib/core/error.h"
 
 namespace spool::interchange {
 
-struct NpzExportOptions {
-  bool force = false;  // replace OUT
-};
-
 // Layout HWSC, members stored; bit-exact. Errors: kData when blocks are missing in the dump.
-Result<void> export_npz(const std::filesystem::path& in, const std::filesystem::path& out,
-                        const NpzExportOptions& options = {});
+Result<ExportReport> export_npz(const std::filesystem::path& in, const std::filesystem::path& out,
+                                const ExportOptions& options = {});
+
+ExportFormat npz_target();
 
 }  // namespace spool::interchange

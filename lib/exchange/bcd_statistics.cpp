@@ -151,6 +151,8 @@ void add_to_histogram(double value, std::span<double, kBcdBins> bins) {
 Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
                                            const std::filesystem::path& out,
                                            const BcdStatisticsOptions& options) {
+  if (options.spp > 0 && !options.selection.empty())
+    return fail(ErrorCode::kUsage, "export bcd-stats: spp and selection: give one of them");
   std::filesystem::path base = out;
   if (base.extension() == ".exr") base.replace_extension();
   const auto named = [&](const char* suffix) {
@@ -161,13 +163,12 @@ Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   const format::DumpHeader& header = dump.header();
   const int width = static_cast<int>(header.width), height = static_cast<int>(header.height);
-  if (options.spp > header.spp)
+  if (options.spp > static_cast<int>(header.spp))
     return fail(ErrorCode::kUsage, "{}: {} samples asked for, {} recorded: ask for fewer",
                 in.string(), options.spp, header.spp);
-  CountImage counts(width, height,
-                    static_cast<std::int32_t>(options.spp == 0 ? header.spp : options.spp));
-  if (options.selection) {
-    SPOOL_ASSIGN(counts, read_counts(*options.selection, header));
+  CountImage counts(width, height, options.spp == 0 ? static_cast<int>(header.spp) : options.spp);
+  if (!options.selection.empty()) {
+    SPOOL_ASSIGN(counts, read_counts(options.selection, header));
   }
   Images images(width, height);
   for (uint32_t tile = 0; tile < dump.tiles(); ++tile)
@@ -190,6 +191,17 @@ Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
   SPOOL_TRY(
       write_exr(named("_hist.exr"), bins_file(images.histogram), {.overwrite = options.force}));
   return report;
+}
+
+interchange::ExportFormat bcd_statistics_target() {
+  using O = BcdStatisticsOptions;
+  return interchange::export_format<O>(
+      "bcd-stats", "what BCD's denoiser reads: P.exr, P_cov.exr, P_hist.exr",
+      {integer_option<O>("spp", &O::spp, 0, format::kMaxSpp,
+                         "the first so many samples of each pixel; 0: all"),
+       interchange::text_option<O>("selection", &O::selection, "FILE.exr",
+                                   "instead: an image of counts, as spool replay writes it")},
+      export_bcd_statistics);
 }
 
 }  // namespace spool::exchange

@@ -7,19 +7,17 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <span>
-#include <vector>
+#include <string>
 
-#include "formats/interchange/export_file.h"
+#include "formats/interchange/export_format.h"
 #include "lib/core/error.h"
 
 namespace spool::exchange {
 
-struct BcdStatisticsOptions {
-  uint32_t spp = 0;                                // the first so many of each pixel; 0: all
-  std::optional<std::filesystem::path> selection;  // or an image of counts, channel n
-  bool force = false;
+struct BcdStatisticsOptions : interchange::ExportOptions {
+  int spp = 0;            // the first so many of each pixel; 0: all
+  std::string selection;  // or an image of counts, channel n
 };
 
 // `out`: P or P.exr. Errors: kData for samples that are not finite (with pixel and sample), fewer
@@ -27,6 +25,8 @@ struct BcdStatisticsOptions {
 Result<interchange::ExportReport> export_bcd_statistics(const std::filesystem::path& in,
                                                         const std::filesystem::path& out,
                                                         const BcdStatisticsOptions& options = {});
+
+interchange::ExportFormat bcd_statistics_target();
 
 inline constexpr int kBcdBins = 20;
 

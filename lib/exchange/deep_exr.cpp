@@ -66,8 +66,9 @@ std::filesystem::path pixel_file_of(const std::filesystem::path& deep) {
 }
 
 Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
-                                     const std::filesystem::path& out, bool force) {
-  SPOOL_TRY(interchange::refuse_existing_target(out, force));
+                                     const std::filesystem::path& out,
+                                     const interchange::ExportOptions& options) {
+  SPOOL_TRY(interchange::refuse_existing_target(out, options.force));
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   SPOOL_TRY(require_complete(dump));
   const format::DumpHeader& header = dump.header();
@@ -89,7 +90,7 @@ Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
                 "{}: a row of {} samples takes more than OpenEXR's 2 GiB: export fewer samples",
                 in.string(), header.spp);
   SPOOL_ASSIGN(ScratchLayers scratch, unpack_layers(dump, out));
-  SPOOL_ASSIGN(DeepExrWriter writer, DeepExrWriter::create(out, deep, header.spp, force));
+  SPOOL_ASSIGN(DeepExrWriter writer, DeepExrWriter::create(out, deep, header.spp, options.force));
   std::vector<std::byte> depth(size_t{4} * header.width * header.spp), index = depth;
   for (size_t i = 0; i < size_t{header.width} * header.spp; ++i) {
     const auto s = static_cast<uint32_t>(i % header.spp);
@@ -108,7 +109,7 @@ Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
     values.push_back(index);
     SPOOL_TRY(writer.write_row(values));
   }
-  SPOOL_TRY(write_pixel_layers(dump, scratch, pixel_file_of(out), force));
+  SPOOL_TRY(write_pixel_layers(dump, scratch, pixel_file_of(out), options.force));
   SPOOL_TRY(writer.finish());
   ExportReport report;
   if (pixel_layers)
@@ -346,6 +347,11 @@ interchange::ImportFormat deep_exr_format() {
       {switch_option<O>("deep_samples", &O::foreign_samples,
                         "take another tool's deep samples for Monte Carlo samples")},
       import_deep_exr);
+}
+
+interchange::ExportFormat deep_exr_target() {
+  return interchange::export_format<interchange::ExportOptions>(
+      "deep-exr", "a file with one deep sample per Monte Carlo sample", {}, export_deep_exr);
 }
 
 }  // namespace spool::exchange

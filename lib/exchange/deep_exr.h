@@ -9,7 +9,7 @@
 
 #include <filesystem>
 
-#include "formats/interchange/export_file.h"
+#include "formats/interchange/export_format.h"
 #include "formats/interchange/import_format.h"
 #include "lib/core/error.h"
 
@@ -29,11 +29,13 @@ Result<interchange::ImportReport> import_deep_exr(const std::filesystem::path& i
 
 // kData when blocks are missing or a scanline would pass 2 GiB.
 Result<interchange::ExportReport> export_deep_exr(const std::filesystem::path& in,
-                                                  const std::filesystem::path& out, bool force);
+                                                  const std::filesystem::path& out,
+                                                  const interchange::ExportOptions& options = {});
 
 // "a/b.exr" -> "a/b.pixel.exr"
 std::filesystem::path pixel_file_of(const std::filesystem::path& deep);
 
 interchange::ImportFormat deep_exr_format();
+interchange::ExportFormat deep_exr_target();
 
 }  // namespace spool::exchange

@@ -109,8 +109,9 @@ Result<std::map<std::string, std::string>> pass_attributes(const format::SpoolRe
 }  // namespace
 
 Result<ExportReport> export_exr_folder(const std::filesystem::path& in,
-                                       const std::filesystem::path& out, ExrNames names,
-                                       bool force) {
+                                       const std::filesystem::path& out,
+                                       const ExrFolderExportOptions& options) {
+  const auto [force, names] = std::pair(options.force, options.names);
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   SPOOL_TRY(require_complete(dump));
   std::error_code error;
@@ -166,6 +167,17 @@ Result<ExportReport> export_exr_folder(const std::filesystem::path& in,
   SPOOL_TRY(write_pixel_layers(dump, scratch, out / "pixel_layers.exr", force));
   report.notes.push_back("layers with one value per pixel are in pixel_layers.exr");
   return report;
+}
+
+interchange::ExportFormat exr_folder_target() {
+  using O = ExrFolderExportOptions;
+  return interchange::export_format<O>(
+      "exr-folder", "a folder with one EXR image per sample",
+      {choice_option<O, ExrNames>(
+          "names", &O::names,
+          {{"plain", ExrNames::kPlain}, {"blender", ExrNames::kBlender}, {"rgb", ExrNames::kRgb}},
+          "of channels; plain comes back as it was")},
+      export_exr_folder);
 }
 
 }  // namespace spool::exchange

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "formats/interchange/export_file.h"
+#include "formats/interchange/export_format.h"
 #include "lib/core/error.h"
 
 namespace spool::exchange {
@@ -14,10 +14,16 @@ enum class ExrNames {
   kRgb,      // R, G, B only
 };
 
+struct ExrFolderExportOptions : interchange::ExportOptions {
+  ExrNames names = ExrNames::kPlain;
+};
+
 // sample_0000.exr, ... into the new folder `out`, channels in the dump's own types. What the names
 // cannot say is dropped and reported.
 Result<interchange::ExportReport> export_exr_folder(const std::filesystem::path& in,
                                                     const std::filesystem::path& out,
-                                                    ExrNames names, bool force);
+                                                    const ExrFolderExportOptions& options = {});
+
+interchange::ExportFormat exr_folder_target();
 
 }  // namespace spool::exchange

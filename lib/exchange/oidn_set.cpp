@@ -141,4 +141,25 @@ Result<ExportReport> export_oidn_set(const std::filesystem::path& in,
   return report;
 }
 
+interchange::ExportFormat oidn_target() {
+  using O = OidnSetOptions;
+  return interchange::export_format<O>(
+      "oidn", "a folder of images for Open Image Denoise's trainer",
+      {{"spp", "N,N,...", "samples of each pixel in the inputs; empty: 1,2,4 and so on",
+        [](O& options, std::string_view text) -> Result<void> {
+          options.spp.clear();
+          for (std::size_t begin = 0; begin <= text.size();) {
+            const std::size_t end = std::min(text.find(',', begin), text.size());
+            SPOOL_ASSIGN(const int count, parse_integer("spp", text.substr(begin, end - begin), 1,
+                                                        static_cast<int>(format::kMaxSpp)));
+            options.spp.push_back(static_cast<uint32_t>(count));
+            begin = end + 1;
+          }
+          return {};
+        },
+        [](const O& options) { return fmt::format("{}", fmt::join(options.spp, ",")); }},
+       interchange::text_option<O>("name", &O::name, "NAME", "of the images (that of the dump)")},
+      export_oidn_set);
+}
+
 }  // namespace spool::exchange

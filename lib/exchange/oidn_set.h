@@ -9,15 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "formats/interchange/export_file.h"
+#include "formats/interchange/export_format.h"
 #include "lib/core/error.h"
 
 namespace spool::exchange {
 
-struct OidnSetOptions {
+struct OidnSetOptions : interchange::ExportOptions {
   std::vector<uint32_t> spp;  // of the inputs; empty: 1, 2, 4, ... up to what was recorded
   std::string name;           // empty: the stem of the dump
-  bool force = false;
 };
 
 // Into the folder `out`. Errors: kData for a dump without a reference of other seeds (the largest
@@ -25,5 +24,7 @@ struct OidnSetOptions {
 Result<interchange::ExportReport> export_oidn_set(const std::filesystem::path& in,
                                                   const std::filesystem::path& out,
                                                   const OidnSetOptions& options = {});
+
+interchange::ExportFormat oidn_target();
 
 }  // namespace spool::exchange

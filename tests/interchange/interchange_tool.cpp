@@ -5,15 +5,9 @@
 #include <map>
 #include <sstream>
 
-#include "formats/interchange/bcd_raw.h"
-#include "formats/interchange/npz_export.h"
 #include "formats/interchange/zip_directory.h"
 #include "formats/interchange/zip_writer.h"
-#include "lib/exchange/bcd_statistics.h"
-#include "lib/exchange/deep_exr.h"
-#include "lib/exchange/exr_folder_export.h"
-#include "lib/exchange/import_formats.h"
-#include "lib/exchange/oidn_set.h"
+#include "lib/exchange/foreign_formats.h"
 
 namespace {
 
@@ -61,6 +55,17 @@ Result<ImportReport> run_import(const Job& job) {
   return fail(ErrorCode::kUsage, "no format {}", name);
 }
 
+Result<ExportReport> run_export(const Job& job) {
+  const std::string name = job.verb.substr(std::string_view("export ").size());
+  OptionValues set;
+  for (const auto& [key, value] : job.options)
+    if (key != "force") set.emplace_back(key, value);
+  for (const ExportFormat& format : exchange::export_formats()) {
+    if (format.name == name) return format.write(job.in, job.out, {.force = job.has("force")}, set);
+  }
+  return fail(ErrorCode::kUsage, "no format {}", name);
+}
+
 template <class Report>
 Result<std::string> notes_of(const Result<Report>& report) {
   if (!report) return tl::unexpected(report.error());
@@ -70,40 +75,9 @@ Result<std::string> notes_of(const Result<Report>& report) {
   return text;
 }
 
-Result<std::string> run_exchange(const Job& job) {
-  const bool force = job.has("force");
-  if (job.verb == "export_deep_exr")
-    return notes_of(exchange::export_deep_exr(job.in, job.out, force));
-  if (job.verb == "export_exr_folder") {
-    const auto names = job.has("blender") ? exchange::ExrNames::kBlender
-                       : job.has("rgb")   ? exchange::ExrNames::kRgb
-                                          : exchange::ExrNames::kPlain;
-    return notes_of(exchange::export_exr_folder(job.in, job.out, names, force));
-  }
-  if (job.verb == "export_bcd_statistics") {
-    exchange::BcdStatisticsOptions options;
-    options.force = force;
-    if (job.has("spp")) options.spp = static_cast<uint32_t>(std::stoul(job.options.at("spp")));
-    if (job.has("selection")) options.selection = job.options.at("selection");
-    return notes_of(exchange::export_bcd_statistics(job.in, job.out, options));
-  }
-  if (job.verb == "export_oidn_set") {
-    exchange::OidnSetOptions options;
-    options.force = force;
-    if (job.has("spp")) options.spp = {static_cast<uint32_t>(std::stoul(job.options.at("spp")))};
-    return notes_of(exchange::export_oidn_set(job.in, job.out, options));
-  }
-  return fail(ErrorCode::kUsage, "no verb {}", job.verb);
-}
-
 Result<std::string> run(const Job& job) {
   if (job.verb.starts_with("import ")) return notes_of(run_import(job));
-  if (job.verb == "export_npz") {
-    SPOOL_TRY(export_npz(job.in, job.out, {.force = job.has("force")}));
-    return std::string();
-  }
-  if (job.verb == "export_bcd_raw")
-    return notes_of(export_bcd_raw(job.in, job.out, {.force = job.has("force")}));
+  if (job.verb.starts_with("export ")) return notes_of(run_export(job));
   if (job.verb == "sparse_zip") {  // 5 GiB of zeros, then three bytes: sizes and offsets past 4 GiB
     std::vector<PlannedMember> members = {{"big", uint64_t{5} << 30}, {"small", 3}};
     plan_zip(members);
@@ -116,7 +90,7 @@ Result<std::string> run(const Job& job) {
       text += fmt::format("{} {} {}; ", member.name, member.bytes, member.data_offset);
     return text;
   }
-  return run_exchange(job);
+  return fail(ErrorCode::kUsage, "no verb {}", job.verb);
 }
 
 }  // namespace

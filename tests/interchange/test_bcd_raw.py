@@ -28,7 +28,7 @@ def test_samples_are_bit_exact_both_ways(tmp_path, seed):
     source.write_bytes(raw(samples))
     options = ["exchangeable"] if seed % 3 == 0 else []
     results = run_jobs(("import bcd", source, dump_path, "tile=8", f"block={rng.integers(0, 9)}", *options),
-                       ("export_bcd_raw", dump_path, target))
+                       ("export bcd", dump_path, target))
     assert [code for code, _ in results] == [0, 0]
     assert spool.check(dump_path).ok
     expected = np.ascontiguousarray(samples[..., :3])
@@ -44,7 +44,7 @@ def test_samples_are_bit_exact_both_ways(tmp_path, seed):
 def test_half_radiance_is_widened_and_other_layers_are_named(tmp_path):
     samples = np.random.default_rng(1).random((9, 5, 3, 3)).astype("f2")
     spool.write(tmp_path / "a.spool", samples, depth=samples[..., 0], tile_size=8, block_spp=2)
-    code, notes = run("export_bcd_raw", tmp_path / "a.spool", tmp_path / "a.raw")
+    code, notes = run("export bcd", tmp_path / "a.spool", tmp_path / "a.raw")
     assert code == 0 and notes.startswith("depth is not written")
     assert (tmp_path / "a.raw").read_bytes() == raw(samples)
 
@@ -101,11 +101,11 @@ def test_version_is_checked_by_nobody(tmp_path):
 def test_holes_and_existing_files(tmp_path):
     with spool.Writer(tmp_path / "a.spool", 8, 8, 2, {"radiance": ("f4", "RGB")}, tile_size=8):
         pass
-    code, message = run("export_bcd_raw", tmp_path / "a.spool", tmp_path / "a.raw")
+    code, message = run("export bcd", tmp_path / "a.spool", tmp_path / "a.raw")
     assert code == 1 and "no radiance in tile 0" in message
     spool.write(tmp_path / "b.spool", SAMPLES)
     (tmp_path / "a.raw").write_bytes(b"precious")
-    assert run("export_bcd_raw", tmp_path / "b.spool", tmp_path / "a.raw")[0] == 2
+    assert run("export bcd", tmp_path / "b.spool", tmp_path / "a.raw")[0] == 2
     assert (tmp_path / "a.raw").read_bytes() == b"precious"
-    assert run("export_bcd_raw", tmp_path / "b.spool", tmp_path / "a.raw", "force")[0] == 0
+    assert run("export bcd", tmp_path / "b.spool", tmp_path / "a.raw", "force")[0] == 0
     assert (tmp_path / "a.raw").read_bytes() == raw(SAMPLES)

@@ -36,7 +36,7 @@ def write_deep(path, channels, values, counts=None):
 @pytest.mark.parametrize("seed", range(6))
 def test_every_layer_comes_back_bit_for_bit(tmp_path, seed):
     arrays = sample_dumps.rich(tmp_path / "a.spool", seed, size=(1 + seed, 9), spp=1 + 2 * seed)
-    results = run_jobs(("export_deep_exr", tmp_path / "a.spool", tmp_path / "a.exr"),
+    results = run_jobs(("export deep-exr", tmp_path / "a.spool", tmp_path / "a.exr"),
                        ("import deep-exr", tmp_path / "a.exr", tmp_path / "b.spool", "tile=16", "block=3"))
     assert [code for code, _ in results] == [0, 0], results
     names = sample_dumps.assert_same(tmp_path / "b.spool", arrays)
@@ -47,7 +47,7 @@ def test_every_layer_comes_back_bit_for_bit(tmp_path, seed):
 
 def test_openimageio_reads_the_same_samples(tmp_path):
     arrays = sample_dumps.rich(tmp_path / "a.spool", 3, finite=True)
-    assert run_jobs(("export_deep_exr", tmp_path / "a.spool", tmp_path / "a.exr"))[0][0] == 0
+    assert run_jobs(("export deep-exr", tmp_path / "a.spool", tmp_path / "a.exr"))[0][0] == 0
     deep, spec = read_deep(tmp_path / "a.exr")
     channels = list(spec.channelnames)
     assert {"radiance.R", "albedo.G", "depth.Z", "path.flags", "film.X", "Z", "spool.index"} <= set(channels)
@@ -64,7 +64,7 @@ def test_openimageio_reads_the_same_samples(tmp_path):
 
 def test_reordered_samples_are_refused(tmp_path):
     arrays = sample_dumps.rich(tmp_path / "a.spool", 1, finite=True)
-    run_jobs(("export_deep_exr", tmp_path / "a.spool", tmp_path / "a.exr"))
+    run_jobs(("export deep-exr", tmp_path / "a.spool", tmp_path / "a.exr"))
     image = oiio.ImageInput.open(str(tmp_path / "a.exr"))
     spec, deep = image.spec(), image.read_native_deep_image()
     index = list(spec.channelnames).index("spool.index")

@@ -39,7 +39,7 @@ def imported(tmp_path, source, *options):
 @pytest.mark.parametrize("seed", range(5))
 def test_our_own_folder_comes_back_bit_for_bit(tmp_path, seed):
     arrays = sample_dumps.rich(tmp_path / "a.spool", seed, size=(3 + seed, 10), spp=2 + 3 * seed)
-    results = run_jobs(("export_exr_folder", tmp_path / "a.spool", tmp_path / "out"),
+    results = run_jobs(("export exr-folder", tmp_path / "a.spool", tmp_path / "out"),
                        ("import exr-folder", tmp_path / "out", tmp_path / "b.spool", "tile=8", "block=5"))
     assert [code for code, _ in results] == [0, 0], results
     assert sample_dumps.assert_same(tmp_path / "b.spool", arrays) == set(arrays)
@@ -89,7 +89,7 @@ def test_a_layer_can_be_named(tmp_path):
 @pytest.mark.parametrize("names, layers", [("blender", ["radiance", "albedo", "depth"]), ("rgb", ["radiance"])])
 def test_export_under_other_names(tmp_path, names, layers):
     arrays = sample_dumps.rich(tmp_path / "a.spool", 2)
-    results = run_jobs(("export_exr_folder", tmp_path / "a.spool", tmp_path / "out", names),
+    results = run_jobs(("export exr-folder", tmp_path / "a.spool", tmp_path / "out", f"names={names}"),
                        ("import exr-folder", tmp_path / "out", tmp_path / "b.spool"))
     assert [code for code, _ in results] == [0, 0], results
     assert "path is not written" in results[0][1] and "film is not written" in results[0][1]

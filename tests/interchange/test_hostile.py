@@ -12,8 +12,8 @@ from conftest import run_jobs
 def small_files(tmp_path):
     """(door, the file that is damaged, what is imported)"""
     sample_dumps.rich(tmp_path / "a.spool", 1, size=(3, 4), spp=2, finite=True)
-    run_jobs(("export_deep_exr", tmp_path / "a.spool", tmp_path / "a.exr"), ("export_exr_folder", tmp_path / "a.spool", tmp_path / "folder"),
-             ("export_npz", tmp_path / "a.spool", tmp_path / "a.npz"), ("export_bcd_raw", tmp_path / "a.spool", tmp_path / "a.raw"))
+    run_jobs(("export deep-exr", tmp_path / "a.spool", tmp_path / "a.exr"), ("export exr-folder", tmp_path / "a.spool", tmp_path / "folder"),
+             ("export npz", tmp_path / "a.spool", tmp_path / "a.npz"), ("export bcd", tmp_path / "a.spool", tmp_path / "a.raw"))
     made = sbmc_files.scene(np.random.default_rng(1), 4, 4, 2)
     sbmc_files.write_set(tmp_path / "scene", made, 4)
     test_noisebase.write_store(tmp_path / "a.zip", {name: array for name, array in test_noisebase.sample_set(np.random.default_rng(1), 3, 4, 2).items()

@@ -47,7 +47,7 @@ def test_numpy_to_spool_to_numpy_is_bit_exact(tmp_path, seed):
     save(source, meta=meta, **arrays)
     block = int(rng.integers(0, 9))
     jobs = run_jobs(("import npz", source, dump_path, "tile=8", f"block={block}", *(["compress"] if rng.integers(2) else [])),
-                    ("export_npz", dump_path, target))
+                    ("export npz", dump_path, target))
     assert [code for code, _ in jobs] == [0, 0], jobs
     assert spool.check(dump_path).ok
 
@@ -91,7 +91,7 @@ def test_remarks_about_layers_survive(tmp_path):
     samples = radiance(np.random.default_rng(1))
     source, dump_path, target = tmp_path / "a.npz", tmp_path / "a.spool", tmp_path / "b.npz"
     np.savez(source, radiance=samples, normal=samples, meta=meta_array(channels={"normal": {"space": "camera"}}))
-    assert [code for code, _ in run_jobs(("import npz", source, dump_path), ("export_npz", dump_path, target))] == [0, 0]
+    assert [code for code, _ in run_jobs(("import npz", source, dump_path), ("export npz", dump_path, target))] == [0, 0]
     assert spool.open(dump_path).meta["channels"] == {"normal": {"space": "camera"}}
     channels = json.loads(np.load(target)["meta"].tobytes())["channels"]
     assert channels["normal"] == {"space": "camera", "components": ["X", "Y", "Z"]}
@@ -154,15 +154,15 @@ def test_existing_files_are_kept(tmp_path):
     assert run("import npz", source, out, "force")[0] == 0
     back = tmp_path / "b.npz"
     back.write_bytes(b"precious")
-    assert run("export_npz", out, back)[0] == 2 and back.read_bytes() == b"precious"
-    assert run("export_npz", out, back, "force")[0] == 0
+    assert run("export npz", out, back)[0] == 2 and back.read_bytes() == b"precious"
+    assert run("export npz", out, back, "force")[0] == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.npz", "a.spool", "b.npz"]
 
 
 def test_dump_with_holes_is_not_exported(tmp_path):
     with spool.Writer(tmp_path / "a.spool", 8, 8, 2, {"radiance": ("f4", "RGB")}, tile_size=8):
         pass
-    code, message = run("export_npz", tmp_path / "a.spool", tmp_path / "a.npz")
+    code, message = run("export npz", tmp_path / "a.spool", tmp_path / "a.npz")
     assert code == 1 and "blocks are missing" in message and not (tmp_path / "a.npz").exists()
 
 

@@ -43,9 +43,9 @@ def test_mean_covariance_histogram_and_count(tmp_path):
     spec.channelnames = ("n",)
     out = oiio.ImageOutput.create(str(tmp_path / "n.exr"))
     assert out.open(str(tmp_path / "n.exr"), spec) and out.write_image(counts[..., None].astype("f4")) and out.close()
-    results = run_jobs(("export_bcd_statistics", tmp_path / "a.spool", tmp_path / "all.exr"),
-                       ("export_bcd_statistics", tmp_path / "a.spool", tmp_path / "some", f"selection={tmp_path / 'n.exr'}"),
-                       ("export_bcd_statistics", tmp_path / "a.spool", tmp_path / "four", "spp=4"))
+    results = run_jobs(("export bcd-stats", tmp_path / "a.spool", tmp_path / "all.exr"),
+                       ("export bcd-stats", tmp_path / "a.spool", tmp_path / "some", f"selection={tmp_path / 'n.exr'}"),
+                       ("export bcd-stats", tmp_path / "a.spool", tmp_path / "four", "spp=4"))
     assert [code for code, _ in results] == [0, 0, 0], results
     for name, taken in ("all", np.full((6, 11), 7)), ("some", counts), ("four", np.full((6, 11), 4)):
         mean, covariance, bins = (planes(tmp_path / f"{name}{suffix}.exr") for suffix in ("", "_cov", "_hist"))
@@ -65,7 +65,7 @@ def test_histogram_of_known_values(tmp_path):
     values = np.array([1, 2.5**2.2, 20, 100, 0, -3], "f4")
     samples = np.repeat(values.reshape(1, 6, 1, 1), 2, axis=2) * np.ones(3, "f4")
     spool.write(tmp_path / "a.spool", samples)
-    code, notes = run_jobs(("export_bcd_statistics", tmp_path / "a.spool", tmp_path / "p"))[0]
+    code, notes = run_jobs(("export bcd-stats", tmp_path / "a.spool", tmp_path / "p"))[0]
     assert code == 0 and "the image is grey" in notes
     bins = planes(tmp_path / "p_hist.exr")
     at = lambda x: {b: bins[f"Bin_{b:04}"][0, x] / 2 for b in range(20) if bins[f"Bin_{b:04}"][0, x] != 0}
@@ -82,9 +82,9 @@ def test_what_bcd_cannot_hold_is_refused(tmp_path):
     spool.write(tmp_path / "one.spool", samples[:, :, :1])
     samples[1, 2, 3, 0] = np.nan
     spool.write(tmp_path / "nan.spool", samples)
-    one, nan, many = run_jobs(("export_bcd_statistics", tmp_path / "one.spool", tmp_path / "p"),
-                              ("export_bcd_statistics", tmp_path / "nan.spool", tmp_path / "p"),
-                              ("export_bcd_statistics", tmp_path / "nan.spool", tmp_path / "p", "spp=9"))
+    one, nan, many = run_jobs(("export bcd-stats", tmp_path / "one.spool", tmp_path / "p"),
+                              ("export bcd-stats", tmp_path / "nan.spool", tmp_path / "p"),
+                              ("export bcd-stats", tmp_path / "nan.spool", tmp_path / "p", "spp=9"))
     assert one[0] == 1 and "needs two" in one[1]
     assert nan[0] == 1 and "pixel 2,1 sample 3" in nan[1]
     assert many[0] == 2
@@ -99,7 +99,7 @@ def test_names_and_means_of_an_image_set(tmp_path):
     samples, albedo = rng.random((5, 9, 12, 3), np.float32), rng.random((5, 9, 12, 3)).astype("f2")
     reference = rng.random((5, 9, 3), np.float32)
     spool.write(tmp_path / "box.spool", samples, albedo=albedo, reference=reference, tile_size=8)
-    code, notes = run_jobs(("export_oidn_set", tmp_path / "box.spool", tmp_path / "set"))[0]
+    code, notes = run_jobs(("export oidn", tmp_path / "box.spool", tmp_path / "set"))[0]
     assert code == 0 and "no normal" in notes
     names = sorted(path.name for path in (tmp_path / "set").iterdir())
     assert all(NAME.fullmatch(name) for name in names) and len(names) == 2 * 5
@@ -114,6 +114,6 @@ def test_names_and_means_of_an_image_set(tmp_path):
 
 def test_a_set_without_a_reference_is_refused(tmp_path):
     spool.write(tmp_path / "a.spool", np.ones((2, 2, 2, 3), "f4"))
-    code, message = run_jobs(("export_oidn_set", tmp_path / "a.spool", tmp_path / "set"))[0]
+    code, message = run_jobs(("export oidn", tmp_path / "a.spool", tmp_path / "set"))[0]
     assert code == 1 and "no reference from other seeds" in message
     assert not (tmp_path / "set").exists()

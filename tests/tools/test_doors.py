@@ -55,7 +55,7 @@ def exr_doors(path, dump, folder):
             "deep-exr": ("pack", "--from", "deep-exr", path, "-o", f"{out}.spool"),
             "deep samples": ("pack", "--from", "deep-exr", "--set", "import.deep_samples=on", path, "-o", f"{out}.spool"),
             "exr-folder": ("pack", "--from", "exr-folder", path.parent, "-o", f"{out}.spool"),
-            "bcd-stats": ("convert", dump, "--to", "bcd-stats", "--selection", path, "-o", out)}
+            "bcd-stats": ("convert", dump, "--to", "bcd-stats", "--set", f"export.selection={path}", "-o", out)}
 
 
 @pytest.mark.parametrize("door", exr_doors(Path("folder/image"), "dump", Path("folder")))

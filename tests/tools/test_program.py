@@ -199,6 +199,24 @@ def test_options_of_foreign_formats_are_settings(run, good, tmp_path):
     assert all(f["summary"] and all(o["help"] for o in f["options"]) for f in formats)
 
 
+def test_options_of_targets_are_settings(run, good, dump, tmp_path):
+    convert = ("convert", dump, "--to", "exr-folder", "-o", "folder")
+    run(*convert, "--names", "rgb").failed_with(2, "--set export.names=plain|blender|rgb", "list exports")
+    run(*convert, "--set", "export.nemes=rgb").failed_with(2, "export exr-folder", "did you mean 'names'")
+    run(*convert, "--set", "import.names=rgb").failed_with(2, "export.OPTION=VALUE")
+    good(*convert, "--set", "export.names=rgb")
+    assert len(list((tmp_path / "folder").glob("sample_*.exr"))) == 16
+    good("convert", dump, "--to", "oidn", "--set", "export.spp=1,4", "--set", "export.name=x", "-o", "set")
+    assert {p.name for p in (tmp_path / "set").glob("*.hdr.exr")} == {"x_0001spp.hdr.exr", "x_0004spp.hdr.exr", "x_ref.hdr.exr"}
+    run("convert", dump, "--to", "oidn", "--set", "export.spp=4,,1", "-o", "t").failed_with(2, "spp")
+    stats = ("convert", dump, "--to", "bcd-stats", "-o", "p", "--set", "export.spp=4")
+    run(*stats, "--set", "export.selection=n.exr").failed_with(2, "give one")
+    run("convert", dump, "--to", "bdc", "-o", "p").failed_with(2, "bcd")
+    formats = good("list", "exports", "--json").json
+    assert [f["name"] for f in formats] == ["npz", "exr-folder", "deep-exr", "bcd", "bcd-stats", "oidn"]
+    assert all(f["summary"] and all(o["help"] for o in f["options"]) for f in formats)
+
+
 def test_existing_targets_are_kept_without_force(run, good, dump, tmp_path):
     target = tmp_path / "out.exr"
     target.write_bytes(b"precious")

@@ -1,12 +1,14 @@
-// All foreign formats that a dump can be made of.
+// All foreign formats: those that a dump can be made of, and those that can be made of a dump.
 #pragma once
 
 #include <vector>
 
+#include "formats/interchange/export_format.h"
 #include "formats/interchange/import_format.h"
 
 namespace spool::exchange {
 
 const std::vector<interchange::ImportFormat>& import_formats();
+const std::vector<interchange::ExportFormat>& export_formats();
 
 }  // namespace spool::exchange
