@@ -9,6 +9,7 @@ build_packages=(g++ cmake ninja-build pkg-config python3
 test_packages=(blender chromium libatomic1 libllvm19 python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
   python3-zarr python3-zstandard)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
+fuzz_packages=(clang-19 libclang-rt-19-dev)  # the runtime of libFuzzer and the sanitizers does not come with the compiler
 tsan_packages=(dpkg-dev)
 bench_packages=(libbenchmark-dev)
 endure_packages=(parallel slurm-client slurmctld slurmd)
@@ -297,7 +298,7 @@ fuzz_target() {
 
 fuzz() {
   local length="${1:-600}" target name limits=()
-  require_packages "${lint_packages[@]}"
+  require_packages "${fuzz_packages[@]}"
   configure fuzz
   ninja -C build/fuzz -j "$(jobs)" --quiet fuzz_targets >&2
   for target in build/fuzz/tests/fuzz/fuzz_*; do
@@ -334,7 +335,7 @@ fuzz_numpy_differential() {
 coverage() {
   local folder=build/coverage target learned objects=()
   local targets=(open_check open_check_fixed_crc recover round_trip call_order)
-  require_packages "${lint_packages[@]}" llvm-19
+  require_packages "${fuzz_packages[@]}" llvm-19
   cmake -G Ninja -S . -B "$folder" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++-19 \
     -DCMAKE_CXX_FLAGS="-fprofile-instr-generate -fcoverage-mapping" >/dev/null
   ninja -C "$folder" -j "$(jobs)" --quiet "${targets[@]/#/fuzz_replay_}" >&2

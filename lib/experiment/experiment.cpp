@@ -229,7 +229,7 @@ class Runner {
   static Result<void> add_halves(SampledPart& part, const ReadySampler& sampler,
                                  const SamplingContext& context) {
     const long long budget = part.sampled.log.budget;
-    const SampleHalf sample = [&](const SamplePool& pool, std::size_t half) -> Result<Selection> {
+    const SelectHalf sample = [&](const SamplePool& pool, std::size_t half) -> Result<Selection> {
       SamplingContext of_half = context;
       of_half.seed = mix(context.seed, half);
       of_half.progress = nullptr;

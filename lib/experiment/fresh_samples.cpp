@@ -32,7 +32,7 @@ Selection with_samples_of(const SamplePool& pool, const Selection& decided) {
 }
 
 Result<std::optional<HalfSelections>> select_halves(const SamplePool& pool, long long budget,
-                                                    const SampleHalf& sample) {
+                                                    const SelectHalf& sample) {
   const std::array<SamplePool, 2> half = {pool.half(0), pool.half(1)};
   if (std::min(half[0].total_capacity(), half[1].total_capacity()) < budget) return std::nullopt;
   HalfSelections selections;

@@ -42,7 +42,7 @@ struct FreshErrors {
 };
 
 // The sampler and the filter of a cell: `half` is 0 or 1.
-using SampleHalf = std::function<Result<Selection>(const SamplePool&, std::size_t half)>;
+using SelectHalf = std::function<Result<Selection>(const SamplePool&, std::size_t half)>;
 using FilterHalf = std::function<Result<RgbImage>(const Selection&, const SamplePool&)>;
 
 // The counts of `decided`, those of its halves too, applied to `pool`, as far as it goes.
@@ -50,7 +50,7 @@ Selection with_samples_of(const SamplePool& pool, const Selection& decided);
 
 // Nothing when a half holds fewer than `budget` samples. Errors: those of the sampler.
 Result<std::optional<HalfSelections>> select_halves(const SamplePool& pool, long long budget,
-                                                    const SampleHalf& sample);
+                                                    const SelectHalf& sample);
 
 // Shortest prefixes of the whole pool that hold all that was looked at: no reference may be made of
 // these samples.

@@ -70,10 +70,14 @@ Filter with_stage_options(Filter filter) {
   };
   staged.make = [filter, table](std::string_view preset,
                                 const OptionValues& set) -> Result<ReadyFilter> {
+    const std::vector<std::string> of_the_stage = names_of(table);
+    std::vector<std::string> known = names_of(filter.describe(preset));
+    known.insert(known.end(), of_the_stage.begin(), of_the_stage.end());
     OptionValues of_stage, of_filter;
     for (const auto& value : set) {
-      const bool here = std::ranges::any_of(
-          table, [&](const Option<StageOptions>& option) { return option.name == value.first; });
+      if (std::ranges::find(known, value.first) == known.end())
+        return fail(ErrorCode::kUsage, "{}", unknown_name("option", value.first, known));
+      const bool here = std::ranges::find(of_the_stage, value.first) != of_the_stage.end();
       (here ? of_stage : of_filter).push_back(value);
     }
     SPOOL_ASSIGN(const StageOptions options, with_options(table, StageOptions{}, of_stage));

@@ -22,16 +22,8 @@ namespace {
 
 using testing::make_pool;
 using testing::noisy_picture;
+using testing::random_film;
 using testing::select_counts;
-
-std::vector<FilmPosition> random_film(int spp) {
-  std::vector<FilmPosition> film;
-  for (int s = 0; s < spp; ++s) {
-    film.push_back(
-        {static_cast<float>(unit_double(mix(1, s))), static_cast<float>(unit_double(mix(2, s)))});
-  }
-  return film;
-}
 
 TEST(GreedySelectionDifferential, ImagesVariancesAndScalesAgree) {
   for (const auto& [width, height] : test::twin_sizes()) {

@@ -21,17 +21,9 @@ namespace {
 
 using testing::make_pool;
 using testing::noisy_picture;
+using testing::random_film;
 using testing::select_counts;
 using testing::select_uniform;
-
-std::vector<FilmPosition> random_film(int spp) {
-  std::vector<FilmPosition> film;
-  for (int s = 0; s < spp; ++s) {
-    film.push_back(
-        {static_cast<float>(unit_double(mix(1, s))), static_cast<float>(unit_double(mix(2, s)))});
-  }
-  return film;
-}
 
 double error_against(const RgbImage& image, const RgbImage& truth) {
   double sum = 0.0;

@@ -21,6 +21,16 @@ using RadianceFunction = std::function<Rgb(int, int, int)>;
 // feature(layer, component, x, y, s)
 using FeatureFunction = std::function<double(std::string_view, std::size_t, int, int, int)>;
 
+// The same for every pixel, as passes of a recorder have them.
+inline std::vector<FilmPosition> random_film(int spp) {
+  std::vector<FilmPosition> film;
+  for (int s = 0; s < spp; ++s) {
+    film.push_back(
+        {static_cast<float>(unit_double(mix(1, s))), static_cast<float>(unit_double(mix(2, s)))});
+  }
+  return film;
+}
+
 inline SamplePool make_pool(int width, int height, int spp, const RadianceFunction& radiance,
                             const PoolOptions& options = {},
                             std::vector<FilmPosition> pass_film = {},

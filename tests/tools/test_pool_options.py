@@ -82,6 +82,8 @@ def test_any_filter_takes_clamp_and_energy(good, run, dump, tmp_path):
     assert np.allclose(read_exr(tmp_path / "external.exr", "G"), read_exr(tmp_path / "energy.exr", "G"), rtol=1e-5)
     refused = run(*make, "--filter", "box{energy=all}", "-o", "x.exr")
     assert refused.code == 2 and "option energy: 'all' is not one of off|box" in refused.err
+    run(*make, "--filter", "box{clmp=on}", "-o", "x.exr").failed_with(2, "did you mean 'clamp'")
+    run(*make, "--filter", "directional{sise_c=2}", "-o", "x.exr").failed_with(2, "did you mean 'size_c'")
 
 
 def test_quarter_pixels_in_all_three_verbs(good, run, scene, dump, tmp_path):

@@ -3,26 +3,12 @@
 It lies beside spool: use_program() says where. The same functions of lib/inference that write statistics.json.
 """
 import json
-import math
 import subprocess
+import sys
 from pathlib import Path
-from typing import NamedTuple
 
-NAN = math.nan
-
-
-class Interval(NamedTuple):
-    mean: float = NAN
-    low: float = NAN
-    high: float = NAN
-    standard_error: float = NAN
-
-
-def interval_of(numbers):
-    """Of [mean, low, high], [mean] or nothing, as statistics.json has them."""
-    numbers = [NAN if n is None else float(n) for n in numbers or []]
-    return Interval(*numbers) if len(numbers) in (1, 3) else Interval()
-
+sys.path.append(str(Path(__file__).resolve().parents[1] / "report"))
+from statistics_file import NAN, Interval, interval_of  # noqa: E402, F401
 
 _program = Path(__file__).resolve().parents[2] / "build/release/series_statistics"
 _process = None
@@ -45,10 +31,17 @@ def _ask(question):
 
 def mean_of(values, positive=True):
     """Over replicates; geometric where all values are positive, unless told otherwise."""
-    if not values:
-        return Interval()
-    found = _ask({"a": list(values), "positive": positive})
-    return Interval(*(NAN if found[k] is None else found[k] for k in ("mean", "low", "high", "standard_error")))
+    return Interval(*_numbers(values, positive, "mean", "low", "high"))
+
+
+def mean_and_error(values):
+    """Arithmetic, and its standard error."""
+    return _numbers(values, False, "mean", "standard_error")
+
+
+def _numbers(values, positive, *wanted):
+    found = _ask({"a": list(values), "positive": positive}) if values else {}
+    return tuple(NAN if found.get(k) is None else found[k] for k in wanted)
 
 
 def ratio_of(a, b):

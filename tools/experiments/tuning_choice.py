@@ -7,7 +7,7 @@ On several pools: the mean of theirs.
 import math
 from dataclasses import dataclass
 
-from inference import mean_of
+from inference import mean_and_error
 
 ENERGY_BAND = (0.97, 1.03)
 ENERGY_WEIGHT = 2.0  # 1 % of energy beyond the band counts as 2 % of relMSE
@@ -80,8 +80,7 @@ class Scores:
         parts = [x - y for x, y in zip(self.variants(a, pools), self.variants(b, pools), strict=True)]
         if not any(parts):
             return 0.0, 0.0
-        found = mean_of(parts, positive=False)
-        return found.mean, found.standard_error
+        return mean_and_error(parts)
 
     def score(self, candidate, pools):
         return average(self.variants(candidate, pools))
