@@ -83,7 +83,7 @@ def test_any_filter_takes_clamp_and_energy(good, run, dump, tmp_path):
     refused = run(*make, "--filter", "box{energy=all}", "-o", "x.exr")
     assert refused.code == 2 and "option energy: 'all' is not one of off|box" in refused.err
     run(*make, "--filter", "box{clmp=on}", "-o", "x.exr").failed_with(2, "did you mean 'clamp'")
-    run(*make, "--filter", "directional{sise_c=2}", "-o", "x.exr").failed_with(2, "did you mean 'size_c'")
+    run(*make, "--filter", "directional{size_coarze=2}", "-o", "x.exr").failed_with(2, "did you mean 'size_coarse'")
 
 
 def test_quarter_pixels_in_all_three_verbs(good, run, scene, dump, tmp_path):
