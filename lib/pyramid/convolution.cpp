@@ -41,21 +41,6 @@ void convolve_and_finish(const Image<T>& in, const Taps& taps, int dilation, Ext
   });
 }
 
-void visit_rows(const Plane& in, const Taps& taps, int dilation, Extension extension,
-                const Rectangle& box, Masking masking, const RowVisitor& visit) {
-  check_box(true, box, in.bounds(), taps, dilation);
-  if (box.empty()) return;
-  const ConvolvedBox<double> convolved(in, taps, dilation, extension, box, masking);
-  const auto width = static_cast<std::size_t>(box.width());
-  std::vector<double> rows(kBandRows * width);
-  for (int y0 = box.y0; y0 < box.y1; y0 += kBandRows) {
-    const int y1 = std::min(y0 + kBandRows, box.y1);
-    convolved.write_rows(y0, y1, rows.data(), box.width());
-    for (int y = y0; y < y1; ++y)
-      visit(y, rows.data() + static_cast<std::size_t>(y - y0) * width);
-  }
-}
-
 template <class T>
 void subtract_with(const Image<T>& minuend, const Image<T>& in, const Taps& taps, int dilation,
                    Extension extension, const Rectangle& box, Masking masking, Image<T>& out) {
@@ -123,16 +108,6 @@ void subtract_convolved_phase00_box(const Image<T>& minuend, const Image<T>& in,
                                     int dilation, Extension extension, const Rectangle& box,
                                     Image<T>& out) {
   subtract_with(minuend, in, taps, dilation, extension, box, Masking::kPhase00, out);
-}
-
-void visit_convolved_rows(const Plane& in, const Taps& taps, int dilation, Extension extension,
-                          const Rectangle& box, const RowVisitor& visit) {
-  visit_rows(in, taps, dilation, extension, box, Masking::kNone, visit);
-}
-void visit_convolved_phase00_rows(const Plane& in, const Taps& taps, int dilation,
-                                  Extension extension, const Rectangle& box,
-                                  const RowVisitor& visit) {
-  visit_rows(in, taps, dilation, extension, box, Masking::kPhase00, visit);
 }
 
 template <class T>

@@ -8,8 +8,6 @@
 // Slow twin: tests/reference/convolution_reference.h.
 #pragma once
 
-#include <functional>
-
 #include "lib/core/extend.h"
 #include "lib/core/image.h"
 #include "lib/core/rectangle.h"
@@ -34,16 +32,6 @@ template <class T>
 void subtract_convolved_phase00_box(const Image<T>& minuend, const Image<T>& in, const Taps& taps,
                                     int dilation, Extension extension, const Rectangle& box,
                                     Image<T>& out);
-
-// The rows of taps *_dilation in on `box`, one after the other on this thread, for a caller that
-// makes something of each row at once instead of keeping an image: values[x - box.x0], in memory
-// that is used again for the next row.
-using RowVisitor = std::function<void(int y, const double* values)>;
-void visit_convolved_rows(const Plane& in, const Taps& taps, int dilation, Extension extension,
-                          const Rectangle& box, const RowVisitor& visit);
-void visit_convolved_phase00_rows(const Plane& in, const Taps& taps, int dilation,
-                                  Extension extension, const Rectangle& box,
-                                  const RowVisitor& visit);
 
 template <class T>
 Image<T> convolve(const Image<T>& in, const Taps& taps, int dilation = 1,

@@ -12,16 +12,14 @@ FilterPair pair_of(const PyramidOptions& options, int k) {
 // target = base - prediction(coarse) on `box` [LiuZheng (4)]
 void subtract_prediction(const Plane& base, const Plane& coarse, const PyramidOptions& options,
                          int k, const Rectangle& box, Plane& target) {
-  const Taps g = pair_of(options, k).synthesis;
+  const Taps taps = prediction_taps(options, k);
   const int dilation = pyramid_dilation(k);
   switch (options.detail) {
     case LaplacianDetail::kCycleSpun:
-      subtract_convolved_box(base, coarse, scaled(g, 0.5), dilation, options.extension, box,
-                             target);
-      return;
+      return subtract_convolved_box(base, coarse, taps, dilation, options.extension, box, target);
     case LaplacianDetail::kPhase00:
-      subtract_convolved_phase00_box(base, coarse, g, dilation, options.extension, box, target);
-      return;
+      return subtract_convolved_phase00_box(base, coarse, taps, dilation, options.extension, box,
+                                            target);
   }
 }
 
@@ -36,6 +34,15 @@ int pyramid_dilation(int k) {
   return 1 << k;
 }
 
+Taps analysis_taps(const PyramidOptions& options, int k) {
+  return pair_of(options, k).analysis;
+}
+
+Taps prediction_taps(const PyramidOptions& options, int k) {
+  const Taps g = pair_of(options, k).synthesis;
+  return options.detail == LaplacianDetail::kCycleSpun ? scaled(g, 0.5) : g;
+}
+
 // [LiuZheng (1)-(3)]
 void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const Rectangle& box,
                  Plane& coarse) {
@@ -46,25 +53,6 @@ void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const 
 void detail_box(const Plane& fine, const Plane& coarse, const PyramidOptions& options, int k,
                 const Rectangle& box, Plane& detail) {
   subtract_prediction(fine, coarse, options, k, box, detail);
-}
-
-void visit_coarse_rows(const Plane& fine, const PyramidOptions& options, int k,
-                       const Rectangle& box, const RowVisitor& visit) {
-  const Taps h = pair_of(options, k).analysis;
-  const int dilation = pyramid_dilation(k);
-  visit_convolved_rows(fine, h, dilation, options.extension, box, visit);
-}
-
-void visit_prediction_rows(const Plane& coarse, const PyramidOptions& options, int k,
-                           const Rectangle& box, const RowVisitor& visit) {
-  const Taps g = pair_of(options, k).synthesis;
-  const int dilation = pyramid_dilation(k);
-  switch (options.detail) {
-    case LaplacianDetail::kCycleSpun:
-      return visit_convolved_rows(coarse, scaled(g, 0.5), dilation, options.extension, box, visit);
-    case LaplacianDetail::kPhase00:
-      return visit_convolved_phase00_rows(coarse, g, dilation, options.extension, box, visit);
-  }
 }
 
 Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options) {

@@ -37,10 +37,12 @@ struct PyramidOptions {
 
 OptionTable<PyramidOptions> pyramid_option_table();
 
-struct Pyramid {
-  std::vector<Plane> coarse;  // f_0 .. f_K
-  std::vector<Plane> detail;  // d_0 .. d_{K-1}
+template <class T>
+struct PyramidImages {
+  std::vector<Image<T>> coarse;  // f_0 .. f_K
+  std::vector<Image<T>> detail;  // d_0 .. d_{K-1}
 };
+using Pyramid = PyramidImages<double>;
 
 Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options);
 
@@ -53,13 +55,6 @@ void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const 
                  Plane& coarse);
 void detail_box(const Plane& fine, const Plane& coarse, const PyramidOptions& options, int k,
                 const Rectangle& box, Plane& detail);
-
-// The same row by row (see RowVisitor): f_{k+1} from f_k, and the prediction of f_k from f_{k+1},
-// which d_k is f_k less of.
-void visit_coarse_rows(const Plane& fine, const PyramidOptions& options, int k,
-                       const Rectangle& box, const RowVisitor& visit);
-void visit_prediction_rows(const Plane& coarse, const PyramidOptions& options, int k,
-                           const Rectangle& box, const RowVisitor& visit);
 
 // f_0 from f_K and the details.
 Plane collapse(const Pyramid& pyramid, const PyramidOptions& options);
@@ -75,6 +70,11 @@ void update_pyramid(Pyramid& pyramid, const Rectangle& changed, const PyramidOpt
 void pyramid_influence(const Rectangle& changed, const Rectangle& bounds,
                        const PyramidOptions& options, std::vector<Rectangle>& coarse_boxes,
                        std::vector<Rectangle>& detail_boxes);
+
+// The filters between f_k and f_{k+1}: h, and what the prediction of f_k convolves f_{k+1} with (at
+// phase (0, 0) alone where the options say so).
+Taps analysis_taps(const PyramidOptions& options, int k);
+Taps prediction_taps(const PyramidOptions& options, int k);
 
 // D = 2^k, between f_k and f_{k+1}.
 int pyramid_dilation(int k);

@@ -125,8 +125,8 @@ CountImage choose_epoch(const PieceStatistics& statistics, const SamplePool& poo
     return true;
   };
   const std::vector<Plane> priorities = block_priorities(statistics, options, log.guards);
-  const PriorityMaxima maxima(priorities, 0);
-  PriorityOrder order(maxima, static_cast<std::size_t>(share) / 2, is_free);
+  const PriorityMaxima<double> maxima(priorities, 0);
+  PriorityOrder<double> order(maxima, static_cast<std::size_t>(share) / 2, is_free);
   long long chosen = 0;
   while (chosen < share) {
     const std::optional<RegionEntry> found = order.next();

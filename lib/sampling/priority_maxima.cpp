@@ -8,17 +8,17 @@
 namespace spool {
 namespace {
 
-constexpr int kSide = PriorityMaxima::kBlockSide;
+constexpr int kSide = kMaximaSide;
 
 int blocks_of(int n) {
   return (n + kSide - 1) / kSide;
 }
 
 // Independent maxima, joined at the end: the largest value is the same in any order.
-SPOOL_VECTOR_CLONES
-double largest_of(const double* row, int width) {
-  double lanes[8];
-  std::fill_n(lanes, 8, -std::numeric_limits<double>::infinity());
+template <class T>
+SPOOL_VECTOR_CLONES T largest_of(const T* row, int width) {
+  T lanes[8];
+  std::fill_n(lanes, 8, -std::numeric_limits<T>::infinity());
   int x = 0;
   for (; x + 8 <= width; x += 8) {
     for (int i = 0; i < 8; ++i)
@@ -35,9 +35,10 @@ Rectangle extent_of(int bx, int by, const Rectangle& bounds) {
 
 }  // namespace
 
-PriorityMaxima::PriorityMaxima(const std::vector<Plane>& images, int first_level)
+template <class T>
+PriorityMaxima<T>::PriorityMaxima(const std::vector<Image<T>>& images, int first_level)
     : images_(&images), first_level_(first_level) {
-  for (const Plane& image : images) {
+  for (const Image<T>& image : images) {
     rows_.emplace_back(blocks_of(image.width()), image.height());
     blocks_.emplace_back(blocks_of(image.width()), blocks_of(image.height()));
   }
@@ -50,10 +51,11 @@ PriorityMaxima::PriorityMaxima(const std::vector<Plane>& images, int first_level
   }
 }
 
-void PriorityMaxima::refresh_block(std::size_t image, int bx, int by, const Rectangle& changed) {
-  const Plane& priority = (*images_)[image];
+template <class T>
+void PriorityMaxima<T>::refresh_block(std::size_t image, int bx, int by, const Rectangle& changed) {
+  const Image<T>& priority = (*images_)[image];
   const Rectangle block = extent_of(bx, by, priority.bounds());
-  Plane& rows = rows_[image];
+  Image<T>& rows = rows_[image];
   for (int y = changed.y0; y < changed.y1; ++y)
     rows(bx, y) = largest_of(&priority(block.x0, y), block.width());
   RegionEntry best;  // the first row that has the largest value, and its first entry
@@ -62,12 +64,14 @@ void PriorityMaxima::refresh_block(std::size_t image, int bx, int by, const Rect
   for (int y = block.y0; y < block.y1; ++y) {
     if (rows(bx, y) > best.priority) best.priority = rows(bx, y), best.y = y;
   }
-  const double* row = &priority(block.x0, best.y);
-  best.x = block.x0 + static_cast<int>(std::find(row, row + block.width(), best.priority) - row);
+  const T* row = &priority(block.x0, best.y);
+  best.x = block.x0 + static_cast<int>(
+                          std::find(row, row + block.width(), static_cast<T>(best.priority)) - row);
   blocks_[image](bx, by) = best;
 }
 
-void PriorityMaxima::refresh(int level, const Rectangle& changed) {
+template <class T>
+void PriorityMaxima<T>::refresh(int level, const Rectangle& changed) {
   if (changed.empty()) return;
   const auto image = static_cast<std::size_t>(level - first_level_);
   SPOOL_CHECK_LT(image, blocks_.size());
@@ -78,7 +82,8 @@ void PriorityMaxima::refresh(int level, const Rectangle& changed) {
   }
 }
 
-std::optional<RegionEntry> PriorityMaxima::best() const {
+template <class T>
+std::optional<RegionEntry> PriorityMaxima<T>::best() const {
   RegionEntry best;
   bool any = false;
   for (const Image<RegionEntry>& blocks : blocks_) {
@@ -90,5 +95,8 @@ std::optional<RegionEntry> PriorityMaxima::best() const {
   }
   return any ? std::optional(best) : std::nullopt;
 }
+
+template class PriorityMaxima<double>;
+template class PriorityMaxima<float>;
 
 }  // namespace spool

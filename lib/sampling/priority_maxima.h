@@ -31,12 +31,14 @@ inline bool precedes(const RegionEntry& a, const RegionEntry& b) {
   return a.x < b.x;
 }
 
+inline constexpr int kMaximaSide = 64;  // of a block
+
+// T: double or float, the type of the images.
+template <class T>
 class PriorityMaxima {
  public:
-  static constexpr int kBlockSide = 64;
-
   // Of images[level - first_level], which must outlive this; each may have its own size.
-  PriorityMaxima(const std::vector<Plane>& images, int first_level);
+  PriorityMaxima(const std::vector<Image<T>>& images, int first_level);
 
   // The image of `level` was rewritten inside `changed`. Several threads may refresh different
   // blocks.
@@ -45,19 +47,19 @@ class PriorityMaxima {
   // The first entry; none when every priority is -infinity.
   std::optional<RegionEntry> best() const;
 
-  const std::vector<Plane>& images() const { return *images_; }
+  const std::vector<Image<T>>& images() const { return *images_; }
   int first_level() const { return first_level_; }
   // The largest priority of row y of a column of blocks.
-  double of_row(std::size_t image, int y, int block_column) const {
+  T of_row(std::size_t image, int y, int block_column) const {
     return rows_[image](block_column, y);
   }
 
  private:
   void refresh_block(std::size_t image, int bx, int by, const Rectangle& changed);
 
-  const std::vector<Plane>* images_;
+  const std::vector<Image<T>>* images_;
   int first_level_;
-  std::vector<Plane> rows_;                 // [image][y][column of blocks]
+  std::vector<Image<T>> rows_;              // [image][y][column of blocks]
   std::vector<Image<RegionEntry>> blocks_;  // [image][row of blocks][column of blocks]
 };
 

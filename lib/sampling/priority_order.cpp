@@ -23,21 +23,22 @@ std::uint64_t rank_of(double priority) {
 
 }  // namespace
 
-PriorityOrder::PriorityOrder(const PriorityMaxima& maxima, std::size_t expected, IsFree is_free)
+template <class T>
+PriorityOrder<T>::PriorityOrder(const PriorityMaxima<T>& maxima, std::size_t expected,
+                                IsFree is_free)
     : maxima_(maxima),
       expected_(std::max<std::size_t>(expected, 16)),
       is_free_(std::move(is_free)),
       upper_(std::numeric_limits<double>::infinity()) {
   constexpr std::size_t kSampled = 1 << 12;
   int rows = 0;
-  for (const Plane& image : maxima.images()) {
+  for (const Image<T>& image : maxima.images()) {
     entries_ += image.size();
     rows = std::max(rows, image.height());
   }
-  of_row_.resize(static_cast<std::size_t>(rows + PriorityMaxima::kBlockSide - 1) /
-                 PriorityMaxima::kBlockSide);
+  of_row_.resize(static_cast<std::size_t>(rows + kMaximaSide - 1) / kMaximaSide);
   const std::size_t stride = (entries_ / kSampled) | 1;
-  for (const Plane& image : maxima.images()) {
+  for (const Image<T>& image : maxima.images()) {
     for (std::size_t i = 0; i < image.size(); i += stride) {
       if (image[i] > 0.0) sampled_.push_back(image[i]);
     }
@@ -45,7 +46,8 @@ PriorityOrder::PriorityOrder(const PriorityMaxima& maxima, std::size_t expected,
   std::sort(sampled_.begin(), sampled_.end(), std::greater<>());
 }
 
-RegionEntry PriorityOrder::entry_of(const Candidate& candidate) const {
+template <class T>
+RegionEntry PriorityOrder<T>::entry_of(const Candidate& candidate) const {
   constexpr std::uint64_t kMask = (1u << 24) - 1;
   return {static_cast<int>(candidate.place >> 48) + maxima_.first_level(),
           static_cast<int>(candidate.place & kMask),
@@ -53,14 +55,16 @@ RegionEntry PriorityOrder::entry_of(const Candidate& candidate) const {
 }
 
 // Entries of one row of blocks with lower < priority <= upper_.
-void PriorityOrder::gather_rows(int block_row, double lower, std::vector<Candidate>& found) const {
-  constexpr int side = PriorityMaxima::kBlockSide;
+template <class T>
+void PriorityOrder<T>::gather_rows(int block_row, double lower,
+                                   std::vector<Candidate>& found) const {
+  constexpr int side = kMaximaSide;
   for (std::size_t image = 0; image < maxima_.images().size(); ++image) {
-    const Plane& priority = maxima_.images()[image];
+    const Image<T>& priority = maxima_.images()[image];
     const Rectangle rows = intersect(
         {0, block_row * side, priority.width(), (block_row + 1) * side}, priority.bounds());
     for (int y = rows.y0; y < rows.y1; ++y) {
-      const double* row = priority.row(y).data();
+      const T* row = priority.row(y).data();
       for (int x0 = 0; x0 < priority.width(); x0 += side) {
         if (!(maxima_.of_row(image, y, x0 / side) > lower)) continue;
         const int x1 = x0 + side < priority.width() ? x0 + side : priority.width();
@@ -72,7 +76,8 @@ void PriorityOrder::gather_rows(int block_row, double lower, std::vector<Candida
   }
 }
 
-bool PriorityOrder::gather() {
+template <class T>
+bool PriorityOrder<T>::gather() {
   batch_.clear();
   while (batch_.empty() && upper_ > 0.0) {
     const std::size_t per_sample = std::max<std::size_t>(entries_ / (sampled_.size() + 1), 1);
@@ -91,7 +96,8 @@ bool PriorityOrder::gather() {
   return !batch_.empty();
 }
 
-void PriorityOrder::lay_out() {
+template <class T>
+void PriorityOrder<T>::lay_out() {
   constexpr std::uint64_t kBuckets = 1 << 11;
   bucket_ = used_ = bucket_last_ = 0;
   bucket_end_.clear();
@@ -121,7 +127,8 @@ void PriorityOrder::lay_out() {
   bucket_end_ = std::move(begin);  // each begin has moved to the end of its bucket
 }
 
-bool PriorityOrder::next_bucket() {
+template <class T>
+bool PriorityOrder<T>::next_bucket() {
   if (bucket_ == bucket_end_.size()) return false;
   used_ = bucket_ == 0 ? 0 : bucket_end_[bucket_ - 1];
   const auto first = batch_.begin() + static_cast<std::ptrdiff_t>(used_);
@@ -135,7 +142,8 @@ bool PriorityOrder::next_bucket() {
   return true;
 }
 
-std::optional<RegionEntry> PriorityOrder::next() {
+template <class T>
+std::optional<RegionEntry> PriorityOrder<T>::next() {
   while (true) {
     while (used_ < bucket_last_) {
       const RegionEntry entry = entry_of(batch_[used_++]);
@@ -144,5 +152,8 @@ std::optional<RegionEntry> PriorityOrder::next() {
     if (!next_bucket() && !gather()) return std::nullopt;
   }
 }
+
+template class PriorityOrder<double>;
+template class PriorityOrder<float>;
 
 }  // namespace spool

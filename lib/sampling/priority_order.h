@@ -15,13 +15,14 @@
 namespace spool {
 
 // Entries with a priority > 0 that are free when their turn comes.
+template <class T>
 class PriorityOrder {
  public:
   using IsFree = std::function<bool(const RegionEntry&)>;
 
   // `expected`: about how many entries will be asked for. `is_free`: an entry that is not free once
   // is not free later. The maxima and their images must outlive this and keep their values.
-  PriorityOrder(const PriorityMaxima& maxima, std::size_t expected, IsFree is_free);
+  PriorityOrder(const PriorityMaxima<T>& maxima, std::size_t expected, IsFree is_free);
 
   // None when there is none left.
   std::optional<RegionEntry> next();
@@ -39,7 +40,7 @@ class PriorityOrder {
   bool next_bucket();  // sorts the free entries of the next bucket
   void gather_rows(int block_row, double lower, std::vector<Candidate>& found) const;
 
-  const PriorityMaxima& maxima_;
+  const PriorityMaxima<T>& maxima_;
   std::size_t expected_;
   IsFree is_free_;
   std::vector<double> sampled_;  // some priorities, falling: where to cut

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "lib/sampling/multiscale/analysis.h"
+#include "lib/sampling/multiscale/block_analysis.h"
 #include "lib/sampling/multiscale/exact_update.h"
 #include "lib/sampling/multiscale/priority.h"
 #include "lib/sampling/multiscale/region_sampling.h"
+#include "lib/sampling/multiscale/step_blocks.h"
 #include "tests/reference/multiscale_reference.h"
 #include "tests/sampling/multiscale_cases.h"
 #include "tests/support/sizes.h"
@@ -47,6 +49,8 @@ std::vector<Case> cases() {
   std::vector<Case> all;
   for (const std::string mode : {"epoch", "exact"}) {
     for (const Case& change : changes) {
+      // "Changed at all" hangs on the last bit, which float and double see differently.
+      if (mode == "epoch" && change.name == "any_touch") continue;
       OptionValues set = small;
       set.push_back({"update", mode});
       set.insert(set.end(), change.set.begin(), change.set.end());
@@ -57,6 +61,15 @@ std::vector<Case> cases() {
 }
 
 class MultiscaleTwin : public testing::TestWithParam<Case> {};
+
+// update=epoch analyses in float: a rounding of 6e-8 of each f, of which A holds differences of
+// neighbouring steps divided by passes (1/256 at level 4) and P the products.
+double attenuation_bound(const MultiscaleOptions& options) {
+  return options.update == UpdateMode::kExact ? 1e-11 : 1e-4;
+}
+double priority_bound(const MultiscaleOptions& options) {
+  return options.update == UpdateMode::kExact ? 1e-10 : 1e-4;
+}
 
 void expect_the_twin(const MultiscaleOptions& options, int width, int height,
                      const std::vector<long long>& budgets) {
@@ -76,7 +89,9 @@ void expect_the_twin(const MultiscaleOptions& options, int width, int height,
         double mean = 0.0;
         for (const auto& scalar : expected.attenuation)
           mean += scalar[k][p] / static_cast<double>(expected.attenuation.size());
-        ASSERT_NEAR(result->selection.attenuation[k][p], mean, 1e-11 * (1.0 + mean)) << "A_" << k;
+        ASSERT_NEAR(result->selection.attenuation[k][p], mean,
+                    attenuation_bound(options) * (1.0 + mean))
+            << "A_" << k;
       }
     }
     ASSERT_EQ(views.collected().size(), expected.priority.size());
@@ -86,7 +101,7 @@ void expect_the_twin(const MultiscaleOptions& options, int width, int height,
         if (std::isinf(e)) {
           ASSERT_EQ(a, e);
         } else {
-          ASSERT_NEAR(a, e, 1e-10 * (1.0 + e)) << views.collected()[k].name;
+          ASSERT_NEAR(a, e, priority_bound(options) * (1.0 + e)) << views.collected()[k].name;
         }
       }
     }
@@ -127,8 +142,8 @@ TEST(MultiscaleExact, LocalUpdatesEqualFullRecomputation) {
     Samples samples =
         make_samples(prefix_statistics(pool, CountImage(40, 27, 2)), pool, 1.7, options);
     const Rectangle grid{0, 0, 40, 27};
-    Board board = load_board(samples, pool, grid, grid, options, guards);
-    analyse(board, options, guards);
+    ExactBoard board = load_board<double>(samples, pool, grid, grid, options, guards);
+    analyse(board, options, false, guards);
     for (std::uint64_t step = 0; step < 60; ++step) {
       const RegionEntry entry{
           1 + static_cast<int>(mix(1, step) % static_cast<std::uint64_t>(options.levels())),
@@ -145,8 +160,8 @@ TEST(MultiscaleExact, LocalUpdatesEqualFullRecomputation) {
       for (int k = 1; k <= options.levels(); ++k)
         update_priority(board, k, boxes[static_cast<std::size_t>(k - 1)], options, guards);
 
-      Board fresh = load_board(samples, pool, grid, grid, options, guards);
-      analyse(fresh, options, guards);
+      ExactBoard fresh = load_board<double>(samples, pool, grid, grid, options, guards);
+      analyse(fresh, options, false, guards);
       for (std::size_t k = 0; k < board.scalars[0].pyramid.coarse.size(); ++k)
         ASSERT_EQ(board.scalars[0].pyramid.coarse[k], fresh.scalars[0].pyramid.coarse[k]) << k;
       for (std::size_t k = 0; k < board.scalars[0].pyramid.detail.size(); ++k)
@@ -159,6 +174,66 @@ TEST(MultiscaleExact, LocalUpdatesEqualFullRecomputation) {
       for (int k = 1; k <= options.levels(); ++k)
         update_priority(fresh, k, grid, options, guards);
       ASSERT_EQ(board.priority, fresh.priority) << step;
+    }
+  }
+}
+
+// After every step of epoch mode, everything on the board equals an analysis of everything at once,
+// bit for bit, whatever the boxes.
+TEST(MultiscaleEpoch, LocalUpdatesEqualFullRecomputation) {
+  for (const OptionValues& set :
+       std::vector<OptionValues>{{},
+                                 {{"filter", "9-7"}, {"K", "3"}},
+                                 {{"filter", "db3"}, {"d_index", "same_k"}, {"K", "2"}},
+                                 {{"detail", "phase00"}, {"d_norm", "relative"}},
+                                 {{"analysis_channel", "per_channel"}, {"K", "5"}},
+                                 {{"A_update", "any_touch"}}}) {
+    const MultiscaleOptions options = test::multiscale_options("robust", set);
+    const int width = 140, height = 131;  // four blocks
+    const SamplePool pool = test::noisy_pool(width, height, 5);
+    const Rectangle grid{0, 0, width, height};
+    GuardCounts guards;
+    Samples samples =
+        make_samples(prefix_statistics(pool, CountImage(width, height, 2)), pool, 1.7, options);
+    EpochBoard board = load_board<float>(samples, pool, grid, grid, options, guards);
+    analyse(board, options, true, guards);
+    EpochBoard whole = board;  // analysed in one piece at every step
+    const BlockAnalysis analysis(board, options), of_whole(whole, options);
+    const BlockGrid blocks(grid);
+    for (std::uint64_t step = 0; step < 8; ++step) {
+      std::vector<Pick> picks;
+      for (std::uint64_t i = 0; i < 3; ++i) {
+        const RegionEntry entry{1 + static_cast<int>(mix(1, step, i) % 2),
+                                static_cast<int>(mix(2, step, i) % width),
+                                static_cast<int>(mix(3, step) % height), 0.0};
+        choose_pieces(board, samples, pool, sampled_region(board, entry), 2, 1000, picks);
+      }
+      whole.fresh = board.fresh;
+      whole.closed = board.closed, whole.closed_pieces = board.closed_pieces;
+      take_picks(board, samples, pool, picks, options, guards);
+      for (std::size_t i = 0; i < board.scalars.size(); ++i) {
+        whole.scalars[i].contrast = board.scalars[i].contrast;
+        whole.scalars[i].pyramid.coarse[0] = board.scalars[i].pyramid.coarse[0];
+      }
+      const std::vector<Rectangle> changed = blocks.changed(picks, analysis.reach());
+      for (const Rectangle& box : changed) {
+        if (!box.empty()) analysis.update(box, guards);
+      }
+      of_whole.update(grid, guards);
+      end_step(board, samples, pool, picks);
+      whole.closed = board.closed, whole.closed_pieces = board.closed_pieces;
+      for (const Rectangle& box : changed) {
+        if (!box.empty()) analysis.close(box);
+      }
+      of_whole.close(grid);
+      for (std::size_t i = 0; i < board.scalars.size(); ++i) {
+        const ScalarAnalysis<float>&a = board.scalars[i], &b = whole.scalars[i];
+        ASSERT_EQ(a.pyramid.coarse, b.pyramid.coarse) << step;
+        ASSERT_EQ(a.pyramid.detail, b.pyramid.detail) << step;
+        ASSERT_EQ(a.variance, b.variance) << step;
+        ASSERT_EQ(a.attenuation, b.attenuation) << step;
+      }
+      ASSERT_EQ(board.priority, whole.priority) << step;
     }
   }
 }

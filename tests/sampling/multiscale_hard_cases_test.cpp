@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/sampling/multiscale/analysis.h"
+#include "lib/sampling/multiscale/block_analysis.h"
 #include "lib/sampling/multiscale/board.h"
 #include "lib/sampling/multiscale/priority.h"
 #include "lib/sampling/sampler.h"
@@ -42,20 +43,50 @@ TEST(MultiscaleHardCases, PrioritiesThatAreNotFiniteAreTheLargestAndCounted) {
     const CountImage counts(8, 6, 4);
     const Samples samples = make_samples(prefix_statistics(pool, counts), pool, 1.0, options);
     GuardCounts loading;
-    Board board = load_board(samples, pool, {0, 0, 8, 6}, {0, 0, 8, 6}, options, loading);
-    analyse(board, options, loading);
+    ExactBoard board =
+        load_board<double>(samples, pool, {0, 0, 8, 6}, {0, 0, 8, 6}, options, loading);
+    analyse(board, options, false, loading);
     EXPECT_EQ(loading[Guard::kPriorityNotFinite], 0u);
     board.scalars[0].variance[0](2, 3) = std::numeric_limits<double>::infinity();
     board.scalars[0].variance[0](4, 1) = std::numeric_limits<double>::quiet_NaN();
-    for (const auto compute : {&compute_priority, &compute_priority_from_coarse}) {
-      GuardCounts guards;
-      compute(board, 1, board.bounds(), options, guards);
-      EXPECT_EQ(guards[Guard::kPriorityNotFinite], 2u) << norm;
-      EXPECT_EQ(board.priority[0](2, 3), std::numeric_limits<double>::max()) << norm;
-      EXPECT_EQ(board.priority[0](4, 1), std::numeric_limits<double>::max()) << norm;
-      EXPECT_LT(board.priority[0](3, 3), 1e6) << norm;
-    }
+    GuardCounts guards;
+    compute_priority(board, 1, board.bounds(), options, guards);
+    EXPECT_EQ(guards[Guard::kPriorityNotFinite], 2u) << norm;
+    EXPECT_EQ(board.priority[0](2, 3), std::numeric_limits<double>::max()) << norm;
+    EXPECT_EQ(board.priority[0](4, 1), std::numeric_limits<double>::max()) << norm;
+    EXPECT_LT(board.priority[0](3, 3), 1e6) << norm;
   }
+}
+
+TEST(MultiscaleHardCases, PrioritiesInFloatThatAreNotFiniteAreTheLargestAndCounted) {
+  const SamplePool pool = test::noisy_pool(8, 6, 8);
+  for (const char* norm : {"absolute", "relative", "off"}) {
+    const MultiscaleOptions options = test::multiscale_options("robust", {{"d_norm", norm}});
+    const Samples samples =
+        make_samples(prefix_statistics(pool, CountImage(8, 6, 4)), pool, 1.0, options);
+    GuardCounts loading;
+    EpochBoard board =
+        load_board<float>(samples, pool, {0, 0, 8, 6}, {0, 0, 8, 6}, options, loading);
+    analyse(board, options, false, loading);
+    EXPECT_EQ(loading[Guard::kPriorityNotFinite], 0u);
+    board.scalars[0].attenuation[1](2, 3) = std::numeric_limits<float>::infinity();
+    board.scalars[0].attenuation[1](4, 1) = std::numeric_limits<float>::quiet_NaN();
+    GuardCounts guards;
+    BlockAnalysis(board, options).update(board.bounds(), guards);
+    EXPECT_EQ(guards[Guard::kPriorityNotFinite], 2u) << norm;
+    EXPECT_EQ(board.priority[0](2, 3), std::numeric_limits<float>::max()) << norm;
+    EXPECT_EQ(board.priority[0](4, 1), std::numeric_limits<float>::max()) << norm;
+    EXPECT_LT(board.priority[0](3, 3), 1e6f) << norm;
+  }
+}
+
+// Values whose squares float cannot hold are limited when a board is loaded.
+TEST(MultiscaleHardCases, ASampleNearTheLargestFloatLeavesTheAnalysisFinite) {
+  const SamplePool pool = test::memory_pool(40, 40, 16, [](int x, int y, int s) {
+    const float v = x == 20 && y == 11 && s == 1 ? 3e38f : 0.5f + 0.1f * static_cast<float>(s % 3);
+    return Rgb{v, v, v};
+  });
+  expect_sound_everywhere(pool, 40 * 40 * 6);
 }
 
 TEST(MultiscaleHardCases, OddSizes) {

@@ -124,7 +124,8 @@ TEST(Multiscale, ExposureByPowersOfTwoChangesNoBit) {
 }
 
 TEST(Multiscale, EpochsWithOneRegionEachAreExactMode) {
-  // One sample per epoch at most would cut regions; a share of one ends after the first region.
+  // One sample per epoch at most would cut regions; a share of one ends after the first region. The
+  // two analyse in float and in double: A differs by rounding, and no choice is that close.
   const SamplePool pool = test::noisy_pool(21, 16, 10);
   const SamplingResult exact =
       run_multiscale(pool, 21 * 16 * 4, multiscale_options("robust", {{"update", "exact"}}));
@@ -133,7 +134,11 @@ TEST(Multiscale, EpochsWithOneRegionEachAreExactMode) {
       multiscale_options("robust",
                          {{"update", "epoch"}, {"epochs", "1000000"}, {"step_counts", "one"}}));
   EXPECT_EQ(exact.selection.statistics, epochs.selection.statistics);
-  EXPECT_EQ(exact.selection.attenuation, epochs.selection.attenuation);
+  for (std::size_t k = 0; k < exact.selection.attenuation.size(); ++k) {
+    for (std::size_t p = 0; p < exact.selection.attenuation[k].size(); ++p) {
+      ASSERT_NEAR(exact.selection.attenuation[k][p], epochs.selection.attenuation[k][p], 1e-4) << k;
+    }
+  }
 }
 
 TEST(Multiscale, SamplesGoWhereTheNoiseIs) {
@@ -252,7 +257,9 @@ TEST(MultiscaleViews, NamesAndImagesAreThoseOfTheMethod) {
       samples += n;
     EXPECT_EQ(samples, static_cast<double>(result.log.samples_of_level[k]));
   }
-  EXPECT_EQ(by_name["f.0"], result.selection.statistics.analysis.mean);
+  for (std::size_t i = 0; i < by_name["f.0"].size(); ++i) {  // the analysis is in float
+    ASSERT_EQ(by_name["f.0"][i], static_cast<float>(result.selection.statistics.analysis.mean[i]));
+  }
   EXPECT_NE(by_name["P.1"], by_name["P_initial.1"]);
 }
 

@@ -35,7 +35,7 @@ TEST(PriorityMaxima, BestEqualsALinearScanUnderRandomRectangleUpdates) {
     const int levels = 4;
     std::vector<Plane> priority(levels,
                                 Plane(width, height, -std::numeric_limits<double>::infinity()));
-    PriorityMaxima maxima(priority, 1);
+    PriorityMaxima<double> maxima(priority, 1);
     EXPECT_EQ(maxima.best(), std::nullopt);
     for (int step = 0; step < 300; ++step) {
       const int level = 1 + random(levels);
@@ -58,7 +58,7 @@ TEST(PriorityMaxima, BestEqualsALinearScanUnderRandomRectangleUpdates) {
 
 TEST(PriorityMaxima, TiesGoToTheLowerLevelThenRowThenColumn) {
   std::vector<Plane> priority(3, Plane(40, 40, 1.0));
-  PriorityMaxima maxima(priority, 1);
+  PriorityMaxima<double> maxima(priority, 1);
   EXPECT_EQ(maxima.best(), (RegionEntry{1, 0, 0, 1.0}));
   priority[1](35, 2) = 2.0;
   priority[1](1, 3) = 2.0;

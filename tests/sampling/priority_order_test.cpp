@@ -26,8 +26,8 @@ std::vector<RegionEntry> all_sorted(const std::vector<Plane>& priorities) {
 }
 
 void expect_the_whole_order(const std::vector<Plane>& priorities, std::size_t expected) {
-  const PriorityMaxima maxima(priorities, 0);
-  PriorityOrder order(maxima, expected, [](const RegionEntry&) { return true; });
+  const PriorityMaxima<double> maxima(priorities, 0);
+  PriorityOrder<double> order(maxima, expected, [](const RegionEntry&) { return true; });
   for (const RegionEntry& want : all_sorted(priorities))
     ASSERT_EQ(order.next(), want);
   EXPECT_EQ(order.next(), std::nullopt);
@@ -74,9 +74,10 @@ TEST(PriorityOrder, OfOneEntryAndOfNone) {
 // Entries that stop being free on the way are left out, the others keep their order.
 TEST(PriorityOrder, LeavesOutWhatIsNotFree) {
   const std::vector<Plane> priorities = pyramid_of(160, 90, heavy_tailed);
-  const PriorityMaxima maxima(priorities, 0);
+  const PriorityMaxima<double> maxima(priorities, 0);
   std::size_t taken = 0;
-  PriorityOrder order(maxima, 50, [&](const RegionEntry& e) { return e.x % 4 != 0 || taken < 99; });
+  PriorityOrder<double> order(maxima, 50,
+                              [&](const RegionEntry& e) { return e.x % 4 != 0 || taken < 99; });
   for (const RegionEntry& want : all_sorted(priorities)) {
     if (want.x % 4 == 0 && taken >= 99) continue;
     ASSERT_EQ(order.next(), want);

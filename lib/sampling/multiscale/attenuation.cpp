@@ -11,12 +11,6 @@
 
 namespace spool {
 
-void start_attenuation(ScalarAnalysis& scalar, const Rectangle& window,
-                       const MultiscaleOptions& options) {
-  const auto count = static_cast<std::size_t>(options.levels()) + 1;
-  scalar.attenuation.assign(count, Plane(window.width(), window.height(), 1.0));
-}
-
 AttenuationStep::AttenuationStep(int level, const MultiscaleOptions& options)
     : update_(options.attenuation),
       alpha_(options.alpha),
@@ -50,7 +44,7 @@ double AttenuationStep::operator()(double attenuation, double change, int fresh,
   return attenuation;
 }
 
-Rectangle attenuation_box(const Board& board, int k, const Rectangle& changed,
+Rectangle attenuation_box(const ExactBoard& board, int k, const Rectangle& changed,
                           const Rectangle& coarse_box, const MultiscaleOptions& options) {
   if (options.attenuation == AttenuationUpdate::kNone) return {};
   if (options.attenuation == AttenuationUpdate::kAnyTouch) return intersect(coarse_box, board.area);
@@ -82,21 +76,7 @@ void step_row(const std::int32_t* fresh, const double* kept, const double* passe
 
 }  // namespace
 
-void update_attenuation_of_pieces(const Board& board, ScalarAnalysis& scalar,
-                                  std::span<const Pick> picks, std::span<const double> before,
-                                  const MultiscaleOptions& options) {
-  if (options.attenuation == AttenuationUpdate::kNone) return;
-  AttenuationStep step(0, options);
-  for (std::size_t i = 0; i < picks.size(); ++i) {
-    const Pick& pick = picks[i];
-    const double change = std::abs(scalar.pyramid.coarse[0](pick.x, pick.y) - before[i]);  // eq 8
-    if (options.attenuation == AttenuationUpdate::kAnyTouch && !(change > 0.0)) continue;
-    double& attenuation = scalar.attenuation[0](pick.x, pick.y);
-    attenuation = step(attenuation, change, pick.count, 1 - board.closed(pick.x, pick.y));  // eq 7
-  }
-}
-
-AttenuationRows::AttenuationRows(const Board& board, int k, const Rectangle& box,
+AttenuationRows::AttenuationRows(const ExactBoard& board, int k, const Rectangle& box,
                                  const MultiscaleOptions& options)
     : board_(board),
       level_(k),
@@ -146,8 +126,9 @@ void AttenuationRows::update(int y, const double* now, const double* before, dou
   each(end, box_.x1);
 }
 
-void update_attenuation(Board& board, ScalarAnalysis& scalar, int k, const Rectangle& box,
-                        const Plane& before, const MultiscaleOptions& options) {
+void update_attenuation(ExactBoard& board, ScalarAnalysis<double>& scalar, int k,
+                        const Rectangle& box, const Plane& before,
+                        const MultiscaleOptions& options) {
   if (box.empty()) return;
   const Plane& f = scalar.pyramid.coarse[static_cast<std::size_t>(k)];
   Plane& attenuation = scalar.attenuation[static_cast<std::size_t>(k)];

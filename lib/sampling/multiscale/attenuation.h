@@ -8,20 +8,22 @@
 // readings are options. Slow twin: tests/reference/multiscale_reference.h.
 #pragma once
 
-#include <span>
 #include <utility>
 #include <vector>
 
 #include "lib/core/rectangle.h"
 #include "lib/sampling/multiscale/board.h"
 #include "lib/sampling/multiscale/region_counts.h"
-#include "lib/sampling/multiscale/region_sampling.h"
 
 namespace spool {
 
 // A_0 .. A_K before the first step: 1.
-void start_attenuation(ScalarAnalysis& scalar, const Rectangle& window,
-                       const MultiscaleOptions& options);
+template <class T>
+void start_attenuation(ScalarAnalysis<T>& scalar, const Rectangle& window,
+                       const MultiscaleOptions& options) {
+  const auto count = static_cast<std::size_t>(options.levels()) + 1;
+  scalar.attenuation.assign(count, Image<T>(window.width(), window.height(), T{1}));
+}
 
 // Eq 7 for one level: the new A of an entry whose region received `fresh` > 0 samples on `open` >=
 // 0 unsaturated pieces. Not for several threads at once: it remembers powers.
@@ -41,20 +43,14 @@ class AttenuationStep {
 
 // Entries of level k whose attenuation a step may change, when the fresh samples lie in `changed`
 // and f_k changed inside `coarse_box`.
-Rectangle attenuation_box(const Board& board, int k, const Rectangle& changed,
+Rectangle attenuation_box(const ExactBoard& board, int k, const Rectangle& changed,
                           const Rectangle& coarse_box, const MultiscaleOptions& options);
-
-// A_0 of the pieces of `picks`, no other is touched by a step; before[i] is f_0 of picks[i] before
-// it.
-void update_attenuation_of_pieces(const Board& board, ScalarAnalysis& scalar,
-                                  std::span<const Pick> picks, std::span<const double> before,
-                                  const MultiscaleOptions& options);
 
 // Updates A_k on the rows of `box`, when the board knows what is fresh and the step is not yet
 // ended. Several threads may update different rows.
 class AttenuationRows {
  public:
-  AttenuationRows(const Board& board, int k, const Rectangle& box,
+  AttenuationRows(const ExactBoard& board, int k, const Rectangle& box,
                   const MultiscaleOptions& options);
   // Row y of the box from f_k after and before the step; all three start at column box.x0.
   void update(int y, const double* now, const double* before, double* attenuation,
@@ -64,7 +60,7 @@ class AttenuationRows {
  private:
   std::pair<int, int> whole_regions(int y) const;
 
-  const Board& board_;
+  const ExactBoard& board_;
   int level_;
   Rectangle box_;
   bool any_touch_;
@@ -77,7 +73,8 @@ class AttenuationRows {
 
 // Updates A_k of a scalar on `box`; before(x, y) is f_k before the step, an image whose (0, 0) is
 // (box.x0, box.y0).
-void update_attenuation(Board& board, ScalarAnalysis& scalar, int k, const Rectangle& box,
-                        const Plane& before, const MultiscaleOptions& options);
+void update_attenuation(ExactBoard& board, ScalarAnalysis<double>& scalar, int k,
+                        const Rectangle& box, const Plane& before,
+                        const MultiscaleOptions& options);
 
 }  // namespace spool

@@ -1,14 +1,16 @@
 #include "lib/sampling/multiscale/board.h"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "lib/core/parallel.h"
 
 namespace spool {
 namespace {
 
-Plane cut(const Plane& image, const Rectangle& box) {
-  Plane part(box.width(), box.height());
+template <class T>
+Image<T> cut(const Image<T>& image, const Rectangle& box) {
+  Image<T> part(box.width(), box.height());
   for (int y = 0; y < part.height(); ++y) {
     const auto row = image.row(box.y0 + y).subspan(static_cast<std::size_t>(box.x0));
     std::copy_n(row.begin(), part.width(), part.row(y).begin());
@@ -16,18 +18,28 @@ Plane cut(const Plane& image, const Rectangle& box) {
   return part;
 }
 
-Board empty_board(const Rectangle& window, const Rectangle& area, std::size_t scalars) {
-  Board board;
+template <class T>
+AnalysedBoard<T> empty_board(const Rectangle& window, const Rectangle& area, std::size_t scalars) {
+  AnalysedBoard<T> board;
   board.window = window;
   board.area = {area.x0 - window.x0, area.y0 - window.y0, area.x1 - window.x0, area.y1 - window.y0};
-  const Plane blank(window.width(), window.height());
+  const Image<T> blank(window.width(), window.height());
   board.closed = Image<std::uint8_t>(window.width(), window.height());
   board.scalars.resize(scalars);
-  for (ScalarAnalysis& scalar : board.scalars) {
+  for (ScalarAnalysis<T>& scalar : board.scalars) {
     scalar.pyramid.coarse = {blank};
     scalar.contrast = blank;
   }
   return board;
+}
+
+// Squares of differences of such values, times an attenuation, stay finite in float.
+constexpr double kLargestAnalysed = 1e15;
+
+template <class T>
+T analysed(double value) {
+  if constexpr (std::is_same_v<T, double>) return value;
+  return static_cast<T>(std::clamp(value, -kLargestAnalysed, kLargestAnalysed));
 }
 
 }  // namespace
@@ -38,24 +50,27 @@ PyramidOptions board_pyramid(const MultiscaleOptions& options) {
   return pyramid;
 }
 
-void load_piece(Board& board, const Samples& samples, int x, int y,
+template <class T>
+void load_piece(AnalysedBoard<T>& board, const Samples& samples, int x, int y,
                 const MultiscaleOptions& options, GuardCounts& guards) {
   const PieceStatistics& statistics = samples.statistics;
   const std::size_t piece = statistics.n.index(x + board.window.x0, y + board.window.y0);
   for (std::size_t i = 0; i < board.scalars.size(); ++i) {
-    ScalarAnalysis& scalar = board.scalars[i];
+    ScalarAnalysis<T>& scalar = board.scalars[i];
     const ScalarStatistics& from = samples.scalar(i);
-    scalar.pyramid.coarse[0](x, y) = from.mean[piece];
-    scalar.contrast(x, y) =
+    scalar.pyramid.coarse[0](x, y) = analysed<T>(from.mean[piece]);
+    scalar.contrast(x, y) = analysed<T>(
         statistics.n[piece] < 2
             ? 0.0
-            : squared_contrast(from.minimum[piece], from.maximum[piece], options.contrast, guards);
+            : squared_contrast(from.minimum[piece], from.maximum[piece], options.contrast, guards));
   }
 }
 
-Board load_board(const Samples& samples, const SamplePool& pool, const Rectangle& window,
-                 const Rectangle& area, const MultiscaleOptions& options, GuardCounts& guards) {
-  Board board = empty_board(window, area, samples.scalars());
+template <class T>
+AnalysedBoard<T> load_board(const Samples& samples, const SamplePool& pool, const Rectangle& window,
+                            const Rectangle& area, const MultiscaleOptions& options,
+                            GuardCounts& guards) {
+  AnalysedBoard<T> board = empty_board<T>(window, area, samples.scalars());
   std::vector<GuardCounts> rows(static_cast<std::size_t>(window.height()));
   parallel_rows(0, window.height(), [&](int y) {
     for (int x = 0; x < window.width(); ++x)
@@ -74,11 +89,13 @@ Board load_board(const Samples& samples, const SamplePool& pool, const Rectangle
   return board;
 }
 
-Board cut_board(const Board& whole, const Rectangle& window, const Rectangle& area) {
-  Board board = empty_board(window, area, whole.scalars.size());
+template <class T>
+AnalysedBoard<T> cut_board(const AnalysedBoard<T>& whole, const Rectangle& window,
+                           const Rectangle& area) {
+  AnalysedBoard<T> board = empty_board<T>(window, area, whole.scalars.size());
   for (std::size_t i = 0; i < board.scalars.size(); ++i) {
-    ScalarAnalysis& scalar = board.scalars[i];
-    const ScalarAnalysis& from = whole.scalars[i];
+    ScalarAnalysis<T>& scalar = board.scalars[i];
+    const ScalarAnalysis<T>& from = whole.scalars[i];
     scalar.pyramid.coarse[0] = cut(from.pyramid.coarse[0], window);
     scalar.contrast = cut(from.contrast, window);
   }
@@ -91,8 +108,9 @@ Board cut_board(const Board& whole, const Rectangle& window, const Rectangle& ar
   return board;
 }
 
-void forget_analysis(Board& board) {
-  for (ScalarAnalysis& scalar : board.scalars) {
+template <class T>
+void forget_analysis(AnalysedBoard<T>& board) {
+  for (ScalarAnalysis<T>& scalar : board.scalars) {
     scalar.pyramid.coarse.resize(1);
     scalar.pyramid.detail.clear();
     scalar.variance.clear();
@@ -101,5 +119,17 @@ void forget_analysis(Board& board) {
   board.priority.clear();
   board.fresh = CountImage();
 }
+
+#define SPOOL_INSTANTIATE_BOARD(T)                                                                \
+  template AnalysedBoard<T> load_board(const Samples&, const SamplePool&, const Rectangle&,       \
+                                       const Rectangle&, const MultiscaleOptions&, GuardCounts&); \
+  template AnalysedBoard<T> cut_board(const AnalysedBoard<T>&, const Rectangle&,                  \
+                                      const Rectangle&);                                          \
+  template void forget_analysis(AnalysedBoard<T>&);                                               \
+  template void load_piece(AnalysedBoard<T>&, const Samples&, int, int, const MultiscaleOptions&, \
+                           GuardCounts&)
+SPOOL_INSTANTIATE_BOARD(double);
+SPOOL_INSTANTIATE_BOARD(float);
+#undef SPOOL_INSTANTIATE_BOARD
 
 }  // namespace spool

@@ -1,5 +1,6 @@
 // The board [LiuZheng]: the grid of pieces on which samples are placed, with the analysed scalars
 // of its pieces, their pyramids, and the priority of every region. It holds; analysis.h computes.
+// Images of an analysis are of T: double for update=exact, float for update=epoch.
 //
 // A board is the whole image, or a tile of it with what it sees of its neighbours. Images of a
 // board have window coordinates: (0, 0) is (window.x0, window.y0) of the grid of pieces.
@@ -17,24 +18,31 @@
 
 namespace spool {
 
+template <class T>
 struct ScalarAnalysis {
-  Plane contrast;   // C^2 of each piece
-  Pyramid pyramid;  // f_0 .. f_K and d_0 .. d_{K-1}; one level more for d_index = same_k
-  std::vector<Plane> variance;     // V_1 .. V_K at [k - 1]
-  std::vector<Plane> attenuation;  // A_0 .. A_K
+  Image<T> contrast;         // C^2 of each piece
+  PyramidImages<T> pyramid;  // f_0 .. f_K and d_0 .. d_{K-1}; one level more for d_index = same_k
+  std::vector<Image<T>> variance;     // V_1 .. V_K at [k - 1]
+  std::vector<Image<T>> attenuation;  // A_0 .. A_K
 };
 
 struct Board {
-  Rectangle window;  // of the grid: what the analysis reads
-  Rectangle area;    // of the window: what may be sampled; regions are clipped to it
-  std::vector<ScalarAnalysis> scalars;
-  std::vector<Plane> priority;  // P_1 .. P_K at [k - 1]; -infinity outside `area`
+  Rectangle window;             // of the grid: what the analysis reads
+  Rectangle area;               // of the window: what may be sampled; regions are clipped to it
   CountImage fresh;             // samples taken in this step
   Image<std::uint8_t> closed;   // 1: no sample left before this step
   long long closed_pieces = 0;  // of `area`
 
   Rectangle bounds() const { return {0, 0, window.width(), window.height()}; }
 };
+
+template <class T>
+struct AnalysedBoard : Board {
+  std::vector<ScalarAnalysis<T>> scalars;
+  std::vector<Image<T>> priority;  // P_1 .. P_K at [k - 1]; -infinity outside `area`
+};
+using ExactBoard = AnalysedBoard<double>;
+using EpochBoard = AnalysedBoard<float>;  // without d and V unless somebody wants to see them
 
 // The pyramid that the options ask for: K levels, K + 1 for d_index = same_k.
 PyramidOptions board_pyramid(const MultiscaleOptions& options);
@@ -44,16 +52,22 @@ inline int detail_of_level(int k, const MultiscaleOptions& options) {
 }
 
 // A board of `window` that may sample `area` (both of the grid here), with the pieces as they are.
-Board load_board(const Samples& samples, const SamplePool& pool, const Rectangle& window,
-                 const Rectangle& area, const MultiscaleOptions& options, GuardCounts& guards);
+template <class T>
+AnalysedBoard<T> load_board(const Samples& samples, const SamplePool& pool, const Rectangle& window,
+                            const Rectangle& area, const MultiscaleOptions& options,
+                            GuardCounts& guards);
 // The same, with the pieces as they were when `whole`, the board of the whole grid, was loaded.
-Board cut_board(const Board& whole, const Rectangle& window, const Rectangle& area);
+template <class T>
+AnalysedBoard<T> cut_board(const AnalysedBoard<T>& whole, const Rectangle& window,
+                           const Rectangle& area);
 
 // Keeps what cut_board() needs and frees the rest.
-void forget_analysis(Board& board);
+template <class T>
+void forget_analysis(AnalysedBoard<T>& board);
 
 // Copies mean and contrast of a piece (of the window) into the board.
-void load_piece(Board& board, const Samples& samples, int x, int y,
+template <class T>
+void load_piece(AnalysedBoard<T>& board, const Samples& samples, int x, int y,
                 const MultiscaleOptions& options, GuardCounts& guards);
 
 }  // namespace spool

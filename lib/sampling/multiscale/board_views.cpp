@@ -6,7 +6,7 @@ namespace spool {
 namespace {
 
 // Calls visit(name, image) for every image of a board; image(board) gives the plane.
-template <class Visit>
+template <class T, class Visit>
 void for_each_image(const MultiscaleOptions& options, std::string_view suffix, Visit&& visit) {
   const int levels = options.levels();
   const bool per_channel = options.channels == AnalysedChannels::kPerChannel;
@@ -16,10 +16,12 @@ void for_each_image(const MultiscaleOptions& options, std::string_view suffix, V
       for (int k = first; k <= last; ++k) {
         const auto index = static_cast<std::size_t>(k - first);
         visit(fmt::format("{}{}.{}{}", letter, suffix, k, ending),
-              [=](const Board& board) -> const Plane& { return image(board.scalars[i])[index]; });
+              [=](const AnalysedBoard<T>& board) -> const Image<T>& {
+                return image(board.scalars[i])[index];
+              });
       }
     };
-    using Scalar = const ScalarAnalysis&;
+    using Scalar = const ScalarAnalysis<T>&;
     const int pyramid_levels = board_pyramid(options).levels;
     family("f", 0, pyramid_levels, [](Scalar s) -> const auto& { return s.pyramid.coarse; });
     family("d", 0, pyramid_levels - 1, [](Scalar s) -> const auto& { return s.pyramid.detail; });
@@ -27,7 +29,7 @@ void for_each_image(const MultiscaleOptions& options, std::string_view suffix, V
     family("A", 0, levels, [](Scalar s) -> const auto& { return s.attenuation; });
   }
   for (int k = 1; k <= levels; ++k) {
-    visit(fmt::format("P{}.{}", suffix, k), [k](const Board& board) -> const Plane& {
+    visit(fmt::format("P{}.{}", suffix, k), [k](const AnalysedBoard<T>& board) -> const Image<T>& {
       return board.priority[static_cast<std::size_t>(k - 1)];
     });
   }
@@ -47,15 +49,16 @@ BoardViews::BoardViews(const Views* wanted, std::string_view suffix, int width, 
                        const MultiscaleOptions& options)
     : options_(&options), suffix_(suffix) {
   if (wanted == nullptr) return;
-  for_each_image(options, suffix, [&](const std::string& name, auto&&) {
+  for_each_image<double>(options, suffix, [&](const std::string& name, auto&&) {
     if (wanted->wants(name)) views_.push_back({name, Plane(width, height)});
   });
 }
 
-void BoardViews::paste(const Board& board) {
+template <class T>
+void BoardViews::paste(const AnalysedBoard<T>& board) {
   if (views_.empty()) return;
   auto next = views_.begin();
-  for_each_image(*options_, suffix_, [&](const std::string& name, auto&& image) {
+  for_each_image<T>(*options_, suffix_, [&](const std::string& name, auto&& image) {
     if (next == views_.end() || next->name != name) return;
     paste_area(board, image(board), next->image);
     ++next;
@@ -67,8 +70,9 @@ void BoardViews::hand_over(Views& views) const {
     views.add(view.name, view.image);
 }
 
-void add_board_views(const Board& board, std::string_view suffix, const MultiscaleOptions& options,
-                     Views* views) {
+template <class T>
+void add_board_views(const AnalysedBoard<T>& board, std::string_view suffix,
+                     const MultiscaleOptions& options, Views* views) {
   if (views == nullptr) return;
   BoardViews all(views, suffix, board.window.width(), board.window.height(), options);
   all.paste(board);
@@ -93,5 +97,13 @@ void LevelViews::hand_over(Views& views) const {
   for (const View& view : views_)
     views.add(view.name, view.image);
 }
+
+#define SPOOL_INSTANTIATE_VIEWS(T)                                         \
+  template void BoardViews::paste(const AnalysedBoard<T>&);                \
+  template void add_board_views(const AnalysedBoard<T>&, std::string_view, \
+                                const MultiscaleOptions&, Views*)
+SPOOL_INSTANTIATE_VIEWS(double);
+SPOOL_INSTANTIATE_VIEWS(float);
+#undef SPOOL_INSTANTIATE_VIEWS
 
 }  // namespace spool

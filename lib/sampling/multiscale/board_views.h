@@ -23,7 +23,8 @@ class BoardViews {
              const MultiscaleOptions& options);
 
   // Copies the area of a board. Several threads may paste boards with disjoint areas.
-  void paste(const Board& board);
+  template <class T>
+  void paste(const AnalysedBoard<T>& board);
   void hand_over(Views& views) const;
 
  private:
@@ -33,8 +34,9 @@ class BoardViews {
 };
 
 // Hands the views of a board of the whole grid over at once; `views` may be null.
-void add_board_views(const Board& board, std::string_view suffix, const MultiscaleOptions& options,
-                     Views* views);
+template <class T>
+void add_board_views(const AnalysedBoard<T>& board, std::string_view suffix,
+                     const MultiscaleOptions& options, Views* views);
 
 // The same for samples.0 .. samples.K; `level_of_samples` as in BoardLog.
 class LevelViews {

@@ -9,7 +9,7 @@
 namespace spool {
 
 // A step takes the `epochs`-th part of the budget, or a little more: whole regions.
-std::unique_ptr<Update> epoch_update(Board& board, long long budget,
+std::unique_ptr<Update> epoch_update(EpochBoard& board, long long budget,
                                      const MultiscaleOptions& options);
 
 }  // namespace spool

@@ -23,7 +23,7 @@ Plane copy_box(const Plane& image, const Rectangle& box) {
 
 }  // namespace
 
-BeforeStep remember(const Board& board, const Rectangle& changed,
+BeforeStep remember(const ExactBoard& board, const Rectangle& changed,
                     const MultiscaleOptions& options) {
   BeforeStep step;
   step.changed = changed;
@@ -34,7 +34,7 @@ BeforeStep remember(const Board& board, const Rectangle& changed,
     step.attenuation_boxes.push_back(
         attenuation_box(board, static_cast<int>(k), changed, step.coarse_boxes[k], options));
   }
-  for (const ScalarAnalysis& scalar : board.scalars) {
+  for (const ScalarAnalysis<double>& scalar : board.scalars) {
     std::vector<Plane>& coarse = step.coarse.emplace_back();
     for (std::size_t k = 0; k < count; ++k)
       coarse.push_back(copy_box(scalar.pyramid.coarse[k], step.attenuation_boxes[k]));
@@ -42,10 +42,10 @@ BeforeStep remember(const Board& board, const Rectangle& changed,
   return step;
 }
 
-void update_analysis(Board& board, const BeforeStep& step, const MultiscaleOptions& options) {
+void update_analysis(ExactBoard& board, const BeforeStep& step, const MultiscaleOptions& options) {
   const PyramidOptions pyramid = board_pyramid(options);
   for (std::size_t i = 0; i < board.scalars.size(); ++i) {
-    ScalarAnalysis& scalar = board.scalars[i];
+    ScalarAnalysis<double>& scalar = board.scalars[i];
     update_pyramid(scalar.pyramid, step.changed, pyramid);  // eqs 1-4
     for (int k = 1; k <= options.levels(); ++k) {           // eq 6
       const Rectangle box = region_influence(step.changed, k, board.bounds());
@@ -58,7 +58,7 @@ void update_analysis(Board& board, const BeforeStep& step, const MultiscaleOptio
   }
 }
 
-std::vector<Rectangle> priority_boxes(const Board& board, const BeforeStep& step,
+std::vector<Rectangle> priority_boxes(const ExactBoard& board, const BeforeStep& step,
                                       const MultiscaleOptions& options) {
   std::vector<Rectangle> boxes;
   for (int k = 1; k <= options.levels(); ++k) {
@@ -76,7 +76,7 @@ namespace {
 
 class ExactUpdate final : public Update {
  public:
-  ExactUpdate(Board& board, const MultiscaleOptions& options)
+  ExactUpdate(ExactBoard& board, const MultiscaleOptions& options)
       : board_(board), options_(options), maxima_(board.priority, 1) {}
 
   const std::vector<Pick>& choose(const Samples& samples, const SamplePool& pool, long long left,
@@ -103,16 +103,16 @@ class ExactUpdate final : public Update {
   }
 
  private:
-  Board& board_;
+  ExactBoard& board_;
   const MultiscaleOptions& options_;
-  PriorityMaxima maxima_;
+  PriorityMaxima<double> maxima_;
   std::vector<Pick> picks_;
   BeforeStep before_;
 };
 
 }  // namespace
 
-std::unique_ptr<Update> exact_update(Board& board, const MultiscaleOptions& options) {
+std::unique_ptr<Update> exact_update(ExactBoard& board, const MultiscaleOptions& options) {
   return std::make_unique<ExactUpdate>(board, options);
 }
 

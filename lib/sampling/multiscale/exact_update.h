@@ -21,15 +21,16 @@ struct BeforeStep {
   std::vector<std::vector<Plane>> coarse;    // [scalar][k]: f_k on its attenuation box
 };
 
-BeforeStep remember(const Board& board, const Rectangle& changed, const MultiscaleOptions& options);
+BeforeStep remember(const ExactBoard& board, const Rectangle& changed,
+                    const MultiscaleOptions& options);
 
 // After samples were taken and loaded inside step.changed: f, d, V and A.
-void update_analysis(Board& board, const BeforeStep& step, const MultiscaleOptions& options);
+void update_analysis(ExactBoard& board, const BeforeStep& step, const MultiscaleOptions& options);
 
 // Where P_1 .. P_K must be computed again after that.
-std::vector<Rectangle> priority_boxes(const Board& board, const BeforeStep& step,
+std::vector<Rectangle> priority_boxes(const ExactBoard& board, const BeforeStep& step,
                                       const MultiscaleOptions& options);
 
-std::unique_ptr<Update> exact_update(Board& board, const MultiscaleOptions& options);
+std::unique_ptr<Update> exact_update(ExactBoard& board, const MultiscaleOptions& options);
 
 }  // namespace spool

@@ -26,23 +26,29 @@ constexpr std::uint64_t kTileLane = 3;  // of random numbers
 
 // A tile as the board of the whole grid was when it was loaded, with what it sees of its
 // neighbours.
-Board tile_board(const Board& whole, const Rectangle& tile, const MultiscaleOptions& options,
-                 GuardCounts& guards) {
+template <class T>
+AnalysedBoard<T> tile_board(const AnalysedBoard<T>& whole, const Rectangle& tile,
+                            const MultiscaleOptions& options, bool all_images,
+                            GuardCounts& guards) {
   const Rectangle window =
       options.tile_halo == TileHalo::kFrozen ? analysis_window(tile, whole.window, options) : tile;
-  Board board = cut_board(whole, window, tile);
-  analyse(board, options, guards);  // (1)-(6)
+  AnalysedBoard<T> board = cut_board(whole, window, tile);
+  analyse(board, options, all_images, guards);  // (1)-(6)
   return board;
 }
 
-std::unique_ptr<Update> make_update(Board& board, long long budget,
+std::unique_ptr<Update> make_update(ExactBoard& board, long long,
                                     const MultiscaleOptions& options) {
-  return options.update == UpdateMode::kExact ? exact_update(board, options)
-                                              : epoch_update(board, budget, options);
+  return exact_update(board, options);
+}
+std::unique_ptr<Update> make_update(EpochBoard& board, long long budget,
+                                    const MultiscaleOptions& options) {
+  return epoch_update(board, budget, options);
 }
 
 // Samples where P is largest, and what they change, again and again until the budget is spent.
-void spend_budget(Board& board, Update& update, Samples& samples, const SamplePool& pool,
+template <class T>
+void spend_budget(AnalysedBoard<T>& board, Update& update, Samples& samples, const SamplePool& pool,
                   long long budget, std::uint64_t seed, const MultiscaleOptions& options,
                   SharedProgress& progress, BoardLog& log) {
   bool go_on = true;
@@ -70,12 +76,9 @@ void spend_budget(Board& board, Update& update, Samples& samples, const SamplePo
   }
 }
 
-}  // namespace
-
-Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budget,
-                                         const MultiscaleOptions& options,
-                                         const SamplingContext& context) {
-  SPOOL_CHECK_GE(budget, 0);
+template <class T>
+Result<SamplingResult> sample(const SamplePool& pool, long long budget,
+                              const MultiscaleOptions& options, const SamplingContext& context) {
   const Rectangle grid{0, 0, pool.width(), pool.height()};
   SPOOL_ASSIGN(const std::vector<Rectangle> tiles,
                plan_tiles(pool.width(), pool.height(), options.tile, 1 << options.levels()));
@@ -91,8 +94,9 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
   progress(budget - left);
 
   // Coarse and detail images, contrast, priority; A is at its start [LiuZheng (1)-(6)]
-  Board image = load_board(samples, pool, grid, grid, options, result.log.guards);
-  analyse(image, options, result.log.guards);
+  const bool all_images = context.views != nullptr;
+  AnalysedBoard<T> image = load_board<T>(samples, pool, grid, grid, options, result.log.guards);
+  analyse(image, options, all_images, result.log.guards);
   add_board_views(image, "_initial", options, context.views);
 
   // The budget of each tile [LiuZheng (13)]
@@ -103,14 +107,14 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
   TileResults results(tiles.size(), grid, context.views, options);
   for_each_tile(budgets, options.parallel == ParallelOver::kTiles, [&](std::size_t t) {
     GuardCounts guards;
-    Board board =
-        tiles.size() == 1 ? std::move(image) : tile_board(image, tiles[t], options, guards);
+    AnalysedBoard<T> board = tiles.size() == 1
+                                 ? std::move(image)
+                                 : tile_board(image, tiles[t], options, all_images, guards);
     BoardLog log = make_board_log(board, options, results.wants_level_images());
     log.guards = guards;
     const std::unique_ptr<Update> update = make_update(board, budgets[t], options);
     spend_budget(board, *update, samples, pool, budgets[t], mix(context.seed, kTileLane, t),
                  options, progress, log);
-    if (context.views != nullptr) update->restore_details();
     results.add(t, std::move(board), std::move(log));
   });
   if (progress.cancelled()) return fail(ErrorCode::kData, "multiscale: cancelled");
@@ -119,6 +123,16 @@ Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budge
   result.selection.statistics = std::move(samples.statistics);
   finish_log(result.log, pool, result.selection.statistics.n);
   return result;
+}
+
+}  // namespace
+
+Result<SamplingResult> sample_multiscale(const SamplePool& pool, long long budget,
+                                         const MultiscaleOptions& options,
+                                         const SamplingContext& context) {
+  SPOOL_CHECK_GE(budget, 0);
+  return options.update == UpdateMode::kExact ? sample<double>(pool, budget, options, context)
+                                              : sample<float>(pool, budget, options, context);
 }
 
 Sampler multiscale_sampler() {

@@ -46,29 +46,6 @@ std::int64_t relative_row(const double* variance, const double* detail, const do
   return caught;
 }
 
-// absolute_row with d = fine - prediction.
-SPOOL_VECTOR_CLONES
-std::int64_t absolute_row_from_coarse(const double* variance, const double* fine,
-                                      const double* prediction, const double* attenuation,
-                                      int width, double* __restrict priority) {
-  std::int64_t caught = 0;
-  for (int x = 0; x < width; ++x) {
-    const double detail = fine[x] - prediction[x];
-    const double p = (variance[x] + detail * detail) * attenuation[x];
-    const bool finite = p <= kLargestPriority;
-    caught += finite ? 0 : 1;
-    priority[x] = finite ? p : kLargestPriority;
-  }
-  return caught;
-}
-
-SPOOL_VECTOR_CLONES
-void subtract(const double* minuend, const double* subtrahend, int width,
-              double* __restrict difference) {
-  for (int x = 0; x < width; ++x)
-    difference[x] = minuend[x] - subtrahend[x];
-}
-
 void priority_row(const double* variance, const double* detail, const double* coarse,
                   const double* attenuation, int width, const MultiscaleOptions& options,
                   double* priority, GuardCounts& guards) {
@@ -88,11 +65,11 @@ void priority_row(const double* variance, const double* detail, const double* co
 
 }  // namespace
 
-void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box) {
+void update_variance_term(ScalarAnalysis<double>& scalar, int k, const Rectangle& box) {
   region_mean_box(scalar.contrast, k, box, scalar.variance[static_cast<std::size_t>(k - 1)]);
 }
 
-void close_regions(Board& board, int k, const Rectangle& box) {
+void close_regions(ExactBoard& board, int k, const Rectangle& box) {
   if (board.closed_pieces == 0 || box.empty()) return;
   const RegionCounts counts(board, k, box);
   Plane& priority = board.priority[static_cast<std::size_t>(k - 1)];
@@ -103,7 +80,7 @@ void close_regions(Board& board, int k, const Rectangle& box) {
   }
 }
 
-void compute_priority(Board& board, int k, const Rectangle& wanted,
+void compute_priority(ExactBoard& board, int k, const Rectangle& wanted,
                       const MultiscaleOptions& options, GuardCounts& guards) {
   const Rectangle box = intersect(wanted, board.area);
   if (box.empty()) return;
@@ -116,7 +93,7 @@ void compute_priority(Board& board, int k, const Rectangle& wanted,
     double* row = &priority(box.x0, y);
     std::vector<double> other(board.scalars.size() > 1 ? static_cast<std::size_t>(box.width()) : 0);
     for (std::size_t i = 0; i < board.scalars.size(); ++i) {
-      const ScalarAnalysis& scalar = board.scalars[i];
+      const ScalarAnalysis<double>& scalar = board.scalars[i];
       priority_row(&scalar.variance[level - 1](box.x0, y),
                    &scalar.pyramid.detail[detail](box.x0, y),
                    &scalar.pyramid.coarse[level](box.x0, y), &scalar.attenuation[level](box.x0, y),
@@ -129,40 +106,8 @@ void compute_priority(Board& board, int k, const Rectangle& wanted,
     guards += row;
 }
 
-void compute_priority_from_coarse(Board& board, int k, const Rectangle& wanted,
-                                  const MultiscaleOptions& options, GuardCounts& guards) {
-  const Rectangle box = intersect(wanted, board.area);
-  if (box.empty()) return;
-  const auto level = static_cast<std::size_t>(k);
-  const int detail = detail_of_level(k, options);
-  const auto width = static_cast<std::size_t>(box.width());
-  std::vector<double> difference(width), other(width);
-  for (std::size_t i = 0; i < board.scalars.size(); ++i) {
-    const ScalarAnalysis& scalar = board.scalars[i];
-    const std::vector<Plane>& f = scalar.pyramid.coarse;
-    const auto d = static_cast<std::size_t>(detail);
-    visit_prediction_rows(
-        f[d + 1], board_pyramid(options), detail, box, [&](int y, const double* prediction) {
-          double* row = &board.priority[level - 1](box.x0, y);
-          if (options.detail_norm == DetailNorm::kAbsolute && i == 0) {  // as usual, in one sweep
-            guards.add(Guard::kPriorityNotFinite,
-                       static_cast<std::uint64_t>(absolute_row_from_coarse(
-                           &scalar.variance[level - 1](box.x0, y), &f[d](box.x0, y), prediction,
-                           &scalar.attenuation[level](box.x0, y), box.width(), row)));
-            return;
-          }
-          subtract(&f[d](box.x0, y), prediction, box.width(), difference.data());  // eq 4
-          priority_row(&scalar.variance[level - 1](box.x0, y), difference.data(),
-                       &f[level](box.x0, y), &scalar.attenuation[level](box.x0, y), box.width(),
-                       options, i == 0 ? row : other.data(), guards);
-          for (std::size_t x = 0; i > 0 && x < width; ++x)
-            row[x] = std::max(row[x], other[x]);
-        });
-  }
-}
-
-void update_priority(Board& board, int k, const Rectangle& wanted, const MultiscaleOptions& options,
-                     GuardCounts& guards) {
+void update_priority(ExactBoard& board, int k, const Rectangle& wanted,
+                     const MultiscaleOptions& options, GuardCounts& guards) {
   compute_priority(board, k, wanted, options, guards);
   close_regions(board, k, intersect(wanted, board.area));
 }

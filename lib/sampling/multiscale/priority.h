@@ -1,4 +1,4 @@
-// The priority of every region (eqs 5 and 6).
+// The priority of every region (eqs 5 and 6), in double.
 //
 //   V_k = (1/N) sum of C^2 over R_k, N = pieces of R_k inside the window      [LiuZheng (6)]
 //   P_k = (V_k + D_k) A_k,  D_k = d_{k-1}^2                       [LiuZheng (5)]
@@ -14,19 +14,16 @@
 namespace spool {
 
 // Recomputes V_k on `box`.
-void update_variance_term(ScalarAnalysis& scalar, int k, const Rectangle& box);
+void update_variance_term(ScalarAnalysis<double>& scalar, int k, const Rectangle& box);
 
 // Recomputes P_k on the part of `box` that lies in the board's area, as if nothing were saturated.
-void compute_priority(Board& board, int k, const Rectangle& box, const MultiscaleOptions& options,
-                      GuardCounts& guards);
-// The same where the details are not kept: d row by row, from f and what predicts it (eq 4).
-void compute_priority_from_coarse(Board& board, int k, const Rectangle& box,
-                                  const MultiscaleOptions& options, GuardCounts& guards);
+void compute_priority(ExactBoard& board, int k, const Rectangle& box,
+                      const MultiscaleOptions& options, GuardCounts& guards);
 // compute_priority, then closes regions.
-void update_priority(Board& board, int k, const Rectangle& box, const MultiscaleOptions& options,
-                     GuardCounts& guards);
+void update_priority(ExactBoard& board, int k, const Rectangle& box,
+                     const MultiscaleOptions& options, GuardCounts& guards);
 
 // P_k = -infinity on the part of `box` whose regions are saturated.
-void close_regions(Board& board, int k, const Rectangle& box);
+void close_regions(ExactBoard& board, int k, const Rectangle& box);
 
 }  // namespace spool

@@ -1,10 +1,18 @@
 #include "lib/sampling/multiscale/reach.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "lib/sampling/multiscale/board.h"
 
 namespace spool {
+namespace {
+
+// How far from a changed piece the images of each level change, in x and y alike.
+struct StepReach {
+  std::vector<int> coarse;  // of f_0, f_1, ...
+  std::vector<int> detail;  // of d_0, d_1, ...
+};
 
 StepReach step_reach(const MultiscaleOptions& options) {
   // Far from every border. A change near one is mirrored, and then acts to the other side: so the
@@ -23,6 +31,8 @@ StepReach step_reach(const MultiscaleOptions& options) {
     reach.detail.push_back(reach_of(box));
   return reach;
 }
+
+}  // namespace
 
 Rectangle analysis_window(const Rectangle& area, const Rectangle& bounds,
                           const MultiscaleOptions& options) {

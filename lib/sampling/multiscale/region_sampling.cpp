@@ -107,7 +107,8 @@ void sort_by_place(std::vector<Pick>& picks, const Rectangle& bounds) {
   pass(&Pick::y, bounds.y1);
 }
 
-void take_picks(Board& board, Samples& samples, const SamplePool& pool,
+template <class T>
+void take_picks(AnalysedBoard<T>& board, Samples& samples, const SamplePool& pool,
                 const std::vector<Pick>& picks, const MultiscaleOptions& options,
                 GuardCounts& guards) {
   constexpr std::size_t kChunk = 256;  // picks; few enough to share out, many enough to be worth it
@@ -149,5 +150,10 @@ void end_step(Board& board, const Samples& samples, const SamplePool& pool,
     ++board.closed_pieces;
   }
 }
+
+template void take_picks(AnalysedBoard<double>&, Samples&, const SamplePool&,
+                         const std::vector<Pick>&, const MultiscaleOptions&, GuardCounts&);
+template void take_picks(AnalysedBoard<float>&, Samples&, const SamplePool&,
+                         const std::vector<Pick>&, const MultiscaleOptions&, GuardCounts&);
 
 }  // namespace spool

@@ -47,7 +47,8 @@ std::vector<Pick> choose_uniformly(const Board& board, const Samples& samples,
 void sort_by_place(std::vector<Pick>& picks, const Rectangle& bounds);
 
 // Takes the samples of all picks, in parallel where there are many, and loads the pieces.
-void take_picks(Board& board, Samples& samples, const SamplePool& pool,
+template <class T>
+void take_picks(AnalysedBoard<T>& board, Samples& samples, const SamplePool& pool,
                 const std::vector<Pick>& picks, const MultiscaleOptions& options,
                 GuardCounts& guards);
 

@@ -20,12 +20,14 @@ long long room(const Rectangle& tile, const CountImage& n, const SamplePool& poo
 }
 
 // The sum of all priorities of a tile, in fixed order [LiuZheng (13)].
-double tile_weight(const Board& board, const Rectangle& tile) {
+template <class T>
+double tile_weight(const AnalysedBoard<T>& board, const Rectangle& tile) {
   double weight = 0.0;
-  for (const Plane& priority : board.priority) {
+  for (const Image<T>& priority : board.priority) {
     weight += pairwise_sum(static_cast<std::size_t>(tile.area()), [&](std::size_t i) {
       const int x = static_cast<int>(i) % tile.width(), y = static_cast<int>(i) / tile.width();
-      return std::max(priority(tile.x0 + x, tile.y0 + y), 0.0);  // -infinity: nothing to sample
+      return std::max<double>(priority(tile.x0 + x, tile.y0 + y),
+                              0.0);  // -infinity: nothing to sample
     });
   }
   return weight;
@@ -33,8 +35,10 @@ double tile_weight(const Board& board, const Rectangle& tile) {
 
 }  // namespace
 
-std::vector<long long> tile_budgets(const std::vector<Rectangle>& tiles, const Board& image,
-                                    const Samples& samples, const SamplePool& pool, long long left,
+template <class T>
+std::vector<long long> tile_budgets(const std::vector<Rectangle>& tiles,
+                                    const AnalysedBoard<T>& image, const Samples& samples,
+                                    const SamplePool& pool, long long left,
                                     const MultiscaleOptions& options) {
   const CountImage& n = samples.statistics.n;
   std::vector<double> weights;
@@ -62,5 +66,14 @@ std::vector<long long> tile_budgets(const std::vector<Rectangle>& tiles, const B
     wanted.push_back(static_cast<double>(std::max(shares[t] - taken[t], 0LL)));
   return apportion(wanted, left, rooms);
 }
+
+template std::vector<long long> tile_budgets(const std::vector<Rectangle>&,
+                                             const AnalysedBoard<double>&, const Samples&,
+                                             const SamplePool&, long long,
+                                             const MultiscaleOptions&);
+template std::vector<long long> tile_budgets(const std::vector<Rectangle>&,
+                                             const AnalysedBoard<float>&, const Samples&,
+                                             const SamplePool&, long long,
+                                             const MultiscaleOptions&);
 
 }  // namespace spool

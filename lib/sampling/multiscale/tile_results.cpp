@@ -1,13 +1,23 @@
 #include "lib/sampling/multiscale/tile_results.h"
 
+#include <algorithm>
+#include <type_traits>
 #include <utility>
 
 namespace spool {
 namespace {
 
 // A_k of a board, which loses it; the mean over the analysed scalars where there are several.
-Plane mean_attenuation(Board& board, std::size_t k) {
-  Plane mean = std::move(board.scalars[0].attenuation[k]);
+template <class T>
+Plane mean_attenuation(AnalysedBoard<T>& board, std::size_t k) {
+  Plane mean;
+  if constexpr (std::is_same_v<T, double>) {
+    mean = std::move(board.scalars[0].attenuation[k]);
+  } else {
+    const Image<T> attenuation = std::exchange(board.scalars[0].attenuation[k], {});
+    mean = Plane(attenuation.width(), attenuation.height());
+    std::ranges::copy(attenuation.pixels(), mean.pixels().begin());
+  }
   if (board.scalars.size() == 1) return mean;
   for (std::size_t p = 0; p < mean.size(); ++p) {
     double sum = mean[p];
@@ -38,9 +48,13 @@ TileResults::TileResults(std::size_t tiles, const Rectangle& grid, const Views* 
     plane = Plane(grid.width(), grid.height());
 }
 
-void TileResults::add(std::size_t t, Board board, BoardLog log) {
+template <class T>
+void TileResults::add(std::size_t t, AnalysedBoard<T> board, BoardLog log) {
   views_.paste(board);
   level_views_.paste(board, log.level_of_samples);
+  board.priority.clear();
+  for (ScalarAnalysis<T>& scalar : board.scalars)
+    scalar.pyramid = {}, scalar.variance = {};
   for (std::size_t k = 0; k < attenuation_.size(); ++k) {
     Plane mean = mean_attenuation(board, k);
     if (logs_.size() == 1) {
@@ -64,5 +78,8 @@ void TileResults::hand_over(SamplingResult& result, Views* views) {
   views_.hand_over(*views);
   level_views_.hand_over(*views);
 }
+
+template void TileResults::add(std::size_t, AnalysedBoard<double>, BoardLog);
+template void TileResults::add(std::size_t, AnalysedBoard<float>, BoardLog);
 
 }  // namespace spool

@@ -19,7 +19,8 @@ class TileResults {
 
   bool wants_level_images() const { return level_views_.wanted(); }
   // Takes what a board has become. Several threads may add boards with disjoint areas.
-  void add(std::size_t t, Board board, BoardLog log);
+  template <class T>
+  void add(std::size_t t, AnalysedBoard<T> board, BoardLog log);
   // Attenuation and log of the whole, and the views where there are any.
   void hand_over(SamplingResult& result, Views* views);
 

@@ -22,8 +22,6 @@ class Update {
   virtual void update_images(GuardCounts& guards) = 0;
   // What changed of P (eq 5), and no priority where every piece of a region has run out.
   virtual void update_priorities(GuardCounts& guards) = 0;
-  // d_0 .. again, where they were not kept.
-  virtual void restore_details() {}
 };
 
 }  // namespace spool
