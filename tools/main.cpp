@@ -27,6 +27,7 @@
 #include "tools/console.h"
 #include "tools/convert.h"
 #include "tools/evaluate.h"
+#include "tools/figure_verb.h"
 #include "tools/foreign_settings.h"
 #include "tools/info.h"
 #include "tools/interrupt.h"
@@ -68,6 +69,7 @@ struct Program {
   MetricsOptions metrics;
   CompareOptions compare;
   ReportOptions report;
+  FigureOptions figure;
   ListOptions list;
   Verb chosen;
 };
@@ -469,7 +471,7 @@ void add_compare(Program& program) {
 
 void add_report(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
-      "report", "one HTML file of an evaluation: sentences, charts, table, images");
+      "report", "one HTML file of an evaluation: results at a glance, charts, table, images");
   ReportOptions& options = program.report;
   verb.add_option("DIR", options.folder, "the folder that spool evaluate -o DIR wrote")->required();
   add_output(verb, options.output, "the HTML file; it needs no network and no other file");
@@ -487,6 +489,41 @@ void add_report(Program& program) {
       "  spool report results -o report.html");
   verb.callback(
       [&] { program.chosen = [&] { return run_report(program.report, program.common); }; });
+}
+
+void add_figure(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "figure", "figures and tables of an evaluation for a paper: PDF, SVG, PNG, LaTeX");
+  FigureOptions& options = program.figure;
+  verb.add_option("SOURCE", options.source,
+                  "the folder that spool evaluate -o DIR wrote, or PLAN.toml, which is evaluated "
+                  "into FOLDER/results first")
+      ->required();
+  add_output(verb, options.output, "the folder of the figures");
+  verb.add_option("--metric", options.metric, "the error (relmse)");
+  verb.add_option("--spp", options.spp, "budget of the comparisons (the middle one)")
+      ->check(CLI::Range(0.0, 65536.0));
+  verb.add_option("--recording", options.recordings, "compare on this one; may be given again");
+  verb.add_option(
+          "--method", options.methods,
+          "'SAMPLER + FILTER' to show, in this order; may be given again (uniform + box and "
+          "the best)")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_common(verb, program.common, false, true);
+  verb.footer(
+      "Writes comparison_RECORDING (reference, insets where methods differ most, error maps, "
+      "numbers)\nand curves, each as .pdf, .svg and .png; curves.csv and curves.py, which draws "
+      "it; "
+      "table.tex\nand table.md. Bold: told apart from every other method. Needs Python 3 with "
+      "numpy and matplotlib.\n"
+      "Examples:\n"
+      "  spool figure results -o figures\n"
+      "  spool figure results -o figures --spp 4 --method 'uniform + box' \\\n"
+      "    --method 'multiscale + directional'\n"
+      "  spool figure tools/plans/quick.toml -o figures");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_figure(program.figure, program.common); }; });
 }
 
 void add_list(Program& program) {
@@ -569,6 +606,7 @@ int run(int count, char** arguments) {
   add_metrics(program);
   add_compare(program);
   add_report(program);
+  add_figure(program);
   add_list(program);
   try {
     program.app.parse(count, arguments);

@@ -1,27 +1,16 @@
 #include "tools/report_verb.h"
 
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <memory>
-#include <optional>
-#include <system_error>
+#include <utility>
 #include <vector>
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include "lib/core/guards.h"
 #include "lib/experiment/result_table.h"
-#include "tools/methods/external_process.h"
+#include "tools/page_generator.h"
 
 namespace spool::tools {
 namespace {
-
-namespace fs = std::filesystem;
-using TemporaryFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 const char* name_of(Better better) {
   return better == Better::kLower ? "lower" : (better == Better::kHigher ? "higher" : "one");
@@ -45,126 +34,19 @@ std::string vocabulary_json() {
   return words.dump();
 }
 
-std::string from_environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? value : "";
-}
-
-// Beside the installed program, or in the source tree that the program was built from.
-Result<fs::path> find_generator() {
-  const std::string chosen = from_environment("SPOOL_REPORT");
-  std::vector<fs::path> folders;
-  std::error_code status;
-  if (!chosen.empty()) {
-    folders = {chosen};
-  } else {
-    const fs::path program = fs::read_symlink("/proc/self/exe", status).parent_path();
-    for (fs::path up = program; folders.size() < 8 && up.has_relative_path(); up = up.parent_path())
-      folders.push_back(up / "tools" / "report");
-    folders.insert(folders.begin(), program.parent_path() / "share" / "spool" / "report");
-  }
-  for (const fs::path& folder : folders) {
-    if (fs::is_regular_file(folder / "report.py", status)) return folder / "report.py";
-  }
-  return fail(ErrorCode::kIo,
-              "{}: no report.py there: set SPOOL_REPORT to the folder that holds it",
-              folders.front().string());
-}
-
-std::string contents(std::FILE* file) {
-  std::string text;
-  std::array<char, 4096> buffer{};
-  std::rewind(file);
-  for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), file)) > 0;)
-    text.append(buffer.data(), n);
-  while (text.ends_with('\n'))
-    text.pop_back();
-  return text;
-}
-
-struct Finished {
-  int exit_code = 0;
-  std::string out, err;
-};
-
-// Runs a program found on the path; `input` becomes its standard input.
-std::optional<Finished> run_program(std::vector<std::string> words, const std::string& input) {
-  const TemporaryFile in(std::tmpfile(), std::fclose), out(std::tmpfile(), std::fclose),
-      err(std::tmpfile(), std::fclose);
-  if (!in || !out || !err) return std::nullopt;
-  if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size()) return std::nullopt;
-  std::rewind(in.get());
-  std::vector<char*> arguments;
-  for (std::string& word : words)
-    arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, fileno(in.get()), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(out.get()), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(err.get()), STDERR_FILENO);
-  pid_t child = 0;
-  const bool started = start_watched(
-      [&](const posix_spawnattr_t& attributes) {
-        return posix_spawnp(&child, arguments[0], &actions, &attributes, arguments.data(), environ);
-      },
-      child);
-  posix_spawn_file_actions_destroy(&actions);
-  int status = 0;
-  if (!started || waitpid(child, &status, 0) != child) return std::nullopt;
-  forget_watched(child);
-  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-  return Finished{code, contents(out.get()), contents(err.get())};
-}
-
-// SPOOL_PYTHON alone where it is set. Another Python before the system's on the path often lacks
-// the system's numpy.
-std::vector<std::string> interpreters() {
-  const std::string chosen = from_environment("SPOOL_PYTHON");
-  if (!chosen.empty()) return {chosen};
-  return {"python3", "/usr/bin/python3"};
-}
-
-constexpr int kNotFound = 127;
-constexpr int kNoNumpy = 20;  // tools/report/failure.py
-
-// The generator ends with one line; a traceback's last line says most.
-Error error_of(const Finished& finished) {
-  const std::string line = finished.err.substr(finished.err.find_last_of('\n') + 1);
-  const bool known = finished.exit_code >= 1 && finished.exit_code <= 3;
-  return {known ? static_cast<ErrorCode>(finished.exit_code) : ErrorCode::kData,
-          line.empty() ? fmt::format("the report generator ended with code {}", finished.exit_code)
-                       : line};
-}
-
 }  // namespace
 
 Result<void> run_report(const ReportOptions& options, const CommonOptions& common) {
-  SPOOL_ASSIGN(const fs::path generator, find_generator());
-  std::vector<std::string> words = {"",
-                                    generator.string(),
-                                    "--output=" + options.output.string(),
-                                    "--metric=" + options.metric,
-                                    "--title=" + options.title,
+  std::vector<std::string> words = {"--output=" + options.output.string(),
+                                    "--metric=" + options.metric, "--title=" + options.title,
                                     fmt::format("--max-image-mb={}", options.max_image_mb),
                                     "--vocabulary=/dev/stdin"};
   if (common.force) words.emplace_back("--force");
   words.insert(words.end(), {"--", options.folder.string()});
-  std::optional<Finished> finished;
-  for (const std::string& python : interpreters()) {
-    words.front() = python;
-    finished = run_program(words, vocabulary_json());
-    if (finished && finished->exit_code != kNotFound && finished->exit_code != kNoNumpy) break;
-  }
-  if (!finished || finished->exit_code == kNotFound || finished->exit_code == kNoNumpy) {
-    return fail(ErrorCode::kUsage,
-                "{}: {}: spool report needs Python 3.9 or newer with numpy (apt-get install "
-                "python3-numpy); SPOOL_PYTHON names another interpreter",
-                words.front(),
-                finished && finished->exit_code == kNoNumpy ? "has no numpy" : "cannot be started");
-  }
-  if (finished->exit_code != 0) return tl::unexpected<Error>(error_of(*finished));
-  if (!common.quiet) print_line(finished->out);
+  SPOOL_ASSIGN(const std::string said,
+               run_generator("report.py", std::move(words), vocabulary_json(),
+                             {"spool report", "numpy", "python3-numpy"}));
+  if (!common.quiet) print_line(said);
   return {};
 }
 

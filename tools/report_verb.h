@@ -19,8 +19,7 @@ struct ReportOptions {
   double max_image_mb = 40.0;
 };
 
-// kUsage when Python or numpy is missing (SPOOL_PYTHON names another interpreter), kIo when the
-// generator is not beside the program (SPOOL_REPORT names its folder).
+// Errors are those of run_generator (tools/page_generator.h) and of the script.
 Result<void> run_report(const ReportOptions& options, const CommonOptions& common);
 
 }  // namespace spool::tools

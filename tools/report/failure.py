@@ -1,4 +1,7 @@
-"""The one exception of the report: a line for the user and an exit code."""
+"""The one exception of report and figures: a line for the user and an exit code."""
+
+import sys
+from pathlib import Path
 
 DATA, USAGE, IO = 1, 2, 3
 NO_NUMPY = 20  # not an exit code of spool: another Python may do
@@ -10,3 +13,29 @@ class Failure(Exception):
     def __init__(self, message, code=DATA):
         super().__init__(message)
         self.code = code
+
+
+def guarded(work):
+    """Prints what `work` returns, or its failure as one line on stderr; the exit code."""
+    try:
+        print(work())
+    except Failure as failure:
+        print(failure, file=sys.stderr)
+        return failure.code
+    except OSError as error:
+        print(f"{error.filename}: {error.strerror}: choose another place", file=sys.stderr)
+        return IO
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
+        # Every reader checks what it reads; what gets past them is still no page.
+        print("the files of the folder do not fit together as those of one evaluation do "
+              f"({_place_of(error)}): run spool evaluate again", file=sys.stderr)
+        return DATA
+    return 0
+
+
+def _place_of(error):
+    """Where the generator gave up, for a report of the fault."""
+    frame = error.__traceback__
+    while frame.tb_next is not None:
+        frame = frame.tb_next
+    return f"{Path(frame.tb_frame.f_code.co_filename).name}, line {frame.tb_lineno}"

@@ -15,35 +15,21 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from failure import DATA, IO, NO_NUMPY, USAGE, Failure  # noqa: E402
+from failure import IO, NO_NUMPY, USAGE, Failure, guarded  # noqa: E402
 
 
 def main(arguments=None):
+    return guarded(lambda: _main(arguments))
+
+
+def _main(arguments):
+    options = parse(arguments)
     try:
-        options = parse(arguments)
-        try:
-            import numpy  # noqa: F401
-        except ImportError as error:
-            raise Failure("spool report needs numpy: apt-get install python3-numpy, or pip install "
-                          "numpy into the Python that SPOOL_PYTHON names", NO_NUMPY) from error
-        print(make_report(options))
-    except Failure as failure:
-        print(failure, file=sys.stderr)
-        return failure.code
-    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
-        # Every reader checks what it reads; what gets past them is still no page.
-        print(f"{options.folder}: its files do not fit together as those of one evaluation do "
-              f"({_place_of(error)}): run spool evaluate again", file=sys.stderr)
-        return DATA
-    return 0
-
-
-def _place_of(error):
-    """Where the generator gave up, for a report of the fault."""
-    frame = error.__traceback__
-    while frame.tb_next is not None:
-        frame = frame.tb_next
-    return f"{Path(frame.tb_frame.f_code.co_filename).name}, line {frame.tb_lineno}"
+        import numpy  # noqa: F401
+    except ImportError as error:
+        raise Failure("spool report needs numpy: apt-get install python3-numpy, or pip install "
+                      "numpy into the Python that SPOOL_PYTHON names", NO_NUMPY) from error
+    return make_report(options)
 
 
 def parse(arguments):
@@ -66,7 +52,7 @@ def make_report(options):
     from page import build_page
     from report_data import OWN_MEANINGS, quantity_names, report_data
     from result_images import dump_names, find_images, pack_images
-    from results_table import read_results
+    from results_table import choose_metric, read_results
     from sections import guards_html, quantities_html, run_html, summary_html
     from statistics_file import read_statistics
     from statistics_section import statistics_html
@@ -129,15 +115,6 @@ def images_html(images):
         notes.append(f"{images.left_out} of {len(images.sets)} results have links to their EXR files "
                      "only: raise --max-image-mb to embed them.")
     return "".join(f"<p>{note}</p>" for note in notes) + '<div id="image-area"></div>'
-
-
-def choose_metric(wanted, table):
-    if wanted and wanted not in table.metrics:
-        raise Failure(f"--metric: no {wanted} in results.csv, which has {', '.join(table.metrics)}",
-                      USAGE)
-    if not table.metrics:
-        raise Failure("results.csv has no metric: not a table that spool evaluate wrote")
-    return wanted or ("relmse" if "relmse" in table.metrics else table.metrics[0])
 
 
 def write(path, text):

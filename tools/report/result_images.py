@@ -183,7 +183,10 @@ def _link(path, page_folder):
 
 def exposure_of(packed_reference):
     """EV that brings the log-average luminance to middle grey, in half steps."""
-    image = packed_reference.values
+    return exposure_and_mean(packed_reference.values)
+
+
+def exposure_and_mean(image):
     luminance = image @ np.array([0.2126, 0.7152, 0.0722])
     luminance = luminance[np.isfinite(luminance)]
     if luminance.size == 0:
@@ -191,3 +194,12 @@ def exposure_of(packed_reference):
     grey = math.exp(float(np.mean(np.log(np.maximum(luminance, 0.0) + 1e-4))))
     mean = float(np.mean(luminance))
     return round(2.0 * math.log2(0.18 / grey)) / 2.0, mean if mean > 0.0 else 1.0
+
+
+def tone_mapped(image, exposure):
+    """sRGB bytes [y][x][c] of linear values at `exposure` EV; what is not finite is magenta."""
+    linear = np.clip(np.nan_to_num(image.astype(np.float64)) * 2.0 ** exposure, 0.0, 1.0)
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    result = np.rint(255.0 * encoded).astype(np.uint8)
+    result[~np.isfinite(image).all(axis=2)] = (255, 0, 200)
+    return result

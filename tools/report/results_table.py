@@ -9,7 +9,7 @@ import math
 import re
 from typing import NamedTuple
 
-from failure import Failure
+from failure import USAGE, Failure
 
 COUNTED = {"spp": 1e-9, "replicate": 0.0, "threads": 0.0}  # of the key: numbers, and the least they may be
 KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")
@@ -58,6 +58,15 @@ def _read(path, reader):
         raise Failure(f"{path}: no results in it: run spool evaluate again")
     _name_threads(rows)
     return ResultsTable(rows, [name for name in header if name + "_se" in header])
+
+
+def choose_metric(wanted, table):
+    if wanted and wanted not in table.metrics:
+        raise Failure(f"--metric: no {wanted} in results.csv, which has {', '.join(table.metrics)}",
+                      USAGE)
+    if not table.metrics:
+        raise Failure("results.csv has no metric: not a table that spool evaluate wrote")
+    return wanted or ("relmse" if "relmse" in table.metrics else table.metrics[0])
 
 
 def _name_threads(rows):

@@ -1,0 +1,125 @@
+"""`spool figure`: figures hold the numbers of statistics.json, tables make bold only what a verdict says."""
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from made_results import make_rows, write_images, write_results
+
+pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python")
+
+from figure import main  # noqa: E402
+from figure_tables import latex, markdown  # noqa: E402
+from result_images import dump_names, file_name_of  # noqa: E402
+
+PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
+
+
+@pytest.fixture(scope="module")
+def drawn(made_folder, tmp_path_factory):
+    output = tmp_path_factory.mktemp("figures") / "f"
+    assert main([str(made_folder), "-o", str(output)]) == 0
+    return output
+
+
+def conditions(folder):
+    data = json.loads((folder / "statistics.json").read_text())
+    return [c for c in data["conditions"] if c["metric"] == "relmse"]
+
+
+def name_of(entry):
+    return f"{entry['sampler']} + {entry['filter']}"
+
+
+def test_every_file_is_written_and_fonts_are_embedded(drawn):
+    names = {path.name for path in drawn.iterdir()}
+    pictures = {f"{stem}.{kind}" for stem in ("curves", "comparison_chess", "comparison_kitchen")
+                for kind in ("pdf", "svg", "png")}
+    assert names == pictures | {"curves.csv", "curves.py", "table.tex", "table.md"}
+    for path in drawn.glob("*.pdf"):
+        data = path.read_bytes()
+        assert data.startswith(b"%PDF") and b"/FontFile2" in data and b"/Type3" not in data
+    for path in drawn.glob("*.svg"):
+        text = path.read_text()
+        assert "<text" not in text and "http" not in re.sub(r'xmlns[^"]*"[^"]*"|"http[^"]*DTD[^"]*"|<metadata.*?</metadata>',
+                                                            "", text, flags=re.S)
+
+
+def test_the_curves_are_those_of_the_file(drawn, made_folder):
+    rows = {(r["scene"], r["method"], float(r["spp"])): r for r in csv.DictReader((drawn / "curves.csv").open())}
+    expected = [(c, e) for c in conditions(made_folder) for e in c["ranking"]]
+    assert len(rows) == len(expected) == 54
+    for condition, entry in expected:
+        row = rows[Path(condition["dump"]).stem, name_of(entry), condition["spp"]]
+        assert [float(row[k]) for k in ("mean", "low", "high")] == entry["value"]
+
+
+def test_the_script_draws_the_same_curves_again(drawn, tmp_path):
+    subprocess.run([sys.executable, str(drawn / "curves.py"), str(drawn / "curves.csv"), "-o", str(tmp_path / "again")],
+                   check=True, capture_output=True)
+    for kind in ("pdf", "svg", "png"):
+        assert (tmp_path / f"again.{kind}").read_bytes() == (drawn / f"curves.{kind}").read_bytes()
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_the_best_is_bold_only_where_a_verdict_says_so(tmp_path, told):
+    write_results(tmp_path, make_rows(noise=0.005))
+    data = json.loads((tmp_path / "statistics.json").read_text())
+    for condition in data["conditions"]:
+        for i, entry in enumerate(condition["ranking"][1:]):
+            entry["against_best"] = "worse" if told or i > 0 else "undecided"
+    (tmp_path / "statistics.json").write_text(json.dumps(data))
+    assert main([str(tmp_path), "-o", str(tmp_path / "f")]) == 0  # no pictures: no comparison
+    tex, text = (tmp_path / "f" / "table.tex").read_text(), (tmp_path / "f" / "table.md").read_text()
+    assert tex.count(r"\textbf") == (6 if told else 0)
+    assert text.count("**0") == (6 if told else 0)
+    for condition in conditions(tmp_path):
+        best = condition["ranking"][0]["value"]
+        assert f"{best[0]:.3g} [{best[1]:.3g}, {best[2]:.3g}]" in tex
+
+
+def test_a_choice_of_methods_and_budget_is_kept_and_a_wrong_one_named(made_folder, tmp_path, capsys):
+    arguments = [str(made_folder), "-o", str(tmp_path / "f"), "--spp", "4", "--recording", "chess",
+                 "--method", "uniform + box", "--method", "mitchell + gaussian"]
+    assert main(arguments) == 0
+    assert not (tmp_path / "f" / "comparison_kitchen.pdf").exists() and (tmp_path / "f" / "comparison_chess.pdf").exists()
+    drawn = {r["method"] for r in csv.DictReader((tmp_path / "f" / "curves.csv").open()) if r["drawn"] == "1"}
+    assert drawn == {"uniform + box", "mitchell + gaussian"}
+    capsys.readouterr()
+    for extra, word in ((["--method", "best + ever"], "best + ever"), (["--spp", "5"], "5 samples"),
+                        (["--recording", "x"], "no x"), (["--metric", "mae"], "relmse"), ([], "--force")):
+        assert main([*arguments, *extra]) == 2
+        error = capsys.readouterr().err
+        assert word in error and error.count("\n") == 1
+    assert main([*arguments, "--force"]) == 0
+
+
+def test_hostile_names_stay_text(tmp_path):
+    hostile = r"\input{/etc/passwd}$x_1$&%<b>"
+    rows = make_rows(dumps=("a.spool",), samplers=("uniform", hostile), budgets=(4,))
+    write_results(tmp_path, rows)
+    write_images(tmp_path, rows, dump_names(["a.spool"]), file_name_of)
+    assert main([str(tmp_path), "-o", str(tmp_path / "f"), "--method", f"{hostile} + box", "--method", "uniform + box"]) == 0
+    tex = (tmp_path / "f" / "table.tex").read_text()
+    assert r"\input" not in tex and r"\textbackslash{}input\{/etc/passwd\}\$x\_1\$\&\%" in tex
+    assert "<b>" not in (tmp_path / "f" / "table.md").read_text()
+    assert latex("a_b%") == r"a\_b\%" and markdown("a|b\nc") == r"a\|b c"
+
+
+def test_a_plan_is_evaluated_first(tmp_path):
+    def run(*words):
+        return subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, timeout=300,
+                              env={**os.environ, "SPOOL_PYTHON": sys.executable})
+    assert run("synth", "scene_s", "--size", "24", "--samples", "32", "-o", tmp_path / "s.spool", "-q").returncode == 0
+    (tmp_path / "p.toml").write_text('recordings = "s.spool"\nspp = 4\nreplicates = 2\nsamplers = "uniform"\nfilters = ["box", "gaussian"]\n'
+                                     '[metrics]\nperceptual = "none"\n')
+    done = run("figure", tmp_path / "p.toml", "-o", tmp_path / "f")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "f" / "comparison_s.pdf").exists() and (tmp_path / "f" / "results" / "statistics.json").exists()
+    again = run("figure", tmp_path / "f" / "results", "-o", tmp_path / "f")
+    assert again.returncode == 2 and "--force" in again.stderr

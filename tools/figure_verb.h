@@ -1,0 +1,26 @@
+// `spool figure`: what goes into a paper, from the folder that `spool evaluate` wrote, or from a
+// plan that is evaluated first: comparisons with insets, curves, tables.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/console.h"
+
+namespace spool::tools {
+
+struct FigureOptions {
+  std::filesystem::path source;         // DIR, or PLAN.toml
+  std::filesystem::path output;         // folder
+  std::string metric;                   // empty: relmse
+  double spp = 0.0;                     // 0: the middle budget
+  std::vector<std::string> recordings;  // empty: all
+  std::vector<std::string> methods;     // "sampler + filter"; empty: baseline and best
+};
+
+// A plan's results go to output/results, where an interrupted evaluation goes on. Errors are those
+// of run_evaluate, run_generator and the script.
+Result<void> run_figure(const FigureOptions& options, const CommonOptions& common);
+
+}  // namespace spool::tools
