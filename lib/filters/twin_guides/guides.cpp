@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "lib/core/parallel.h"
+#include "lib/filters/twin_guides/tiles.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
 
@@ -14,11 +17,17 @@ constexpr BlendOptions kPilot = {1e-2f, 0, 2, 0.7};
 // A variance of logarithms beyond this, twice in one distance, covers any difference of two.
 constexpr float kLargestVariance = 1e3f;
 
-// A part of an image as an image of its own.
-Image<float> cut_out(const Image<float>& image, const Rectangle& part) {
-  Image<float> result(part.width(), part.height());
-  for (int y = part.y0; y < part.y1; ++y)
-    std::copy_n(&image(part.x0, y), part.width(), result.row(y - part.y0).data());
+GuideSources blurred(const GuideSources& sources, double sigma, int dilation = 1) {
+  GuideSources result;
+  const Taps taps = four_sigma_taps(sigma);
+  parallel_for(12, [&](std::size_t i) {
+    const std::size_t kind = i / 6, c = i % 3;
+    if (i / 3 % 2 == 0) {
+      result.mean[kind][c] = convolve(sources.mean[kind][c], taps, dilation);
+    } else {
+      result.variance[kind][c] = convolve(sources.variance[kind][c], taps, dilation);
+    }
+  });
   return result;
 }
 
@@ -45,35 +54,63 @@ void guide_of_logarithms(const Level& level, Image<float>& variance) {
 
 }  // namespace
 
-TilePlanes guides_around(const Rectangle& covered, const SampleMoments& moments,
-                         const FeatureImages& features, const RadianceScale& scale,
-                         const TwinGuidesOptions& options) {
-  const int reach = four_sigma_taps(2.0 * options.guide_sigma).last();
-  const Rectangle part = grow(covered, reach, reach, reach, reach, moments.mean[0].bounds());
+GuideSources guide_sources(const SampleMoments& moments, const FeatureImages& features) {
+  const int width = moments.mean[0].width(), height = moments.mean[0].height();
+  GuideSources sources;
+  sources.mean[0].fill(Image<float>(width, height));
+  sources.variance[0] = sources.mean[0];
   const std::array<const Image<float>*, 3> means = {&moments.mean[0], &moments.mean[1],
                                                     &moments.mean[2]};
   const std::array<const Image<float>*, 3> variances = {&moments.variance[0], &moments.variance[1],
                                                         &moments.variance[2]};
-  const Blend pilot = feature_blend(part, means, variances, features, kPilot);
-  const auto floor = static_cast<float>(kPilotFloor * scale.mean);
-  TilePlanes guides(covered, 2 * kGuideChannels);
-  std::size_t plane = 0;
-  for (const double sigma : {options.guide_sigma, 2.0 * options.guide_sigma}) {
-    const Level level{sigma, options.slack};
+  parallel_tiles(width, height, [&](const Rectangle& tile) {
+    const Blend blend = feature_blend(tile, means, variances, features, kPilot);
     for (std::size_t c = 0; c < 3; ++c) {
-      Image<float> value = convolve(pilot.mean[c], four_sigma_taps(sigma));
-      Image<float> variance = convolve(pilot.variance[c], four_sigma_taps(sigma));
-      guide_of_pilot(level, floor, value, variance);
-      guides.copy_clamped(plane++, value, part.x0, part.y0);
-      guides.copy_clamped(plane++, variance, part.x0, part.y0);
-      value = convolve(cut_out(moments.log_mean[c], part), four_sigma_taps(sigma));
-      variance = convolve(cut_out(moments.log_variance[c], part), four_sigma_taps(sigma));
-      guide_of_logarithms(level, variance);
-      guides.copy_clamped(plane++, value, part.x0, part.y0);
-      guides.copy_clamped(plane++, variance, part.x0, part.y0);
+      for (int y = tile.y0; y < tile.y1; ++y) {
+        std::copy_n(blend.mean[c].row(y - tile.y0).data(), tile.width(),
+                    &sources.mean[0][c](tile.x0, y));
+        std::copy_n(blend.variance[c].row(y - tile.y0).data(), tile.width(),
+                    &sources.variance[0][c](tile.x0, y));
+      }
     }
-  }
-  return guides;
+  });
+  sources.mean[1] = moments.log_mean;
+  sources.variance[1] = moments.log_variance;
+  return sources;
+}
+
+GuidePyramid::GuidePyramid(const GuideSources& sources, const RadianceScale& scale,
+                           const TwinGuidesOptions& options)
+    : scene_luminance_(scale.mean),
+      guide_sigma_(options.guide_sigma),
+      slack_(options.slack),
+      fine_(blurred(sources, guide_sigma_)),
+      coarse_(blurred(sources, 2.0 * guide_sigma_)) {}
+
+void GuidePyramid::coarsen() {
+  GuideSources coarser = blurred(coarse_, std::numbers::sqrt3 * 2.0 * guide_sigma_, step_);
+  fine_ = std::exchange(coarse_, std::move(coarser));
+  step_ *= 2;
+}
+
+GuideImages GuidePyramid::guides() const {
+  const auto floor = static_cast<float>(kPilotFloor * scene_luminance_);
+  GuideImages result{std::vector<Image<float>>(kGuideChannels),
+                     std::vector<Image<float>>(kGuideChannels)};
+  parallel_for(kGuideChannels, [&](std::size_t channel) {
+    const std::size_t level = channel / 6, c = channel % 6 / 2, kind = channel % 2;
+    const GuideSources& from = level == 0 ? fine_ : coarse_;
+    const Level at{guide_sigma_ * step_ * (level == 0 ? 1.0 : 2.0), slack_};
+    Image<float> value = from.mean[kind][c], variance = from.variance[kind][c];
+    if (kind == 0) {
+      guide_of_pilot(at, floor, value, variance);
+    } else {
+      guide_of_logarithms(at, variance);
+    }
+    result.value[channel] = std::move(value);
+    result.variance[channel] = std::move(variance);
+  });
+  return result;
 }
 
 }  // namespace spool

@@ -1,27 +1,50 @@
-// The two guides that window weights compare, on one tile: the logarithm of a small feature-guided
-// mean of the clamped samples (the pilot P), and the mean of the logarithms of the samples; each
-// blurred to two pyramid levels s, RGB: 12 channels.
+// The two guides that window weights compare: the logarithm of a small feature-guided mean of the
+// clamped samples (the pilot P), and the mean of the logarithms of the samples; each blurred to two
+// pyramid levels s and 2 s, RGB: 12 channels. A scale whose taps stand 2^k pieces apart has levels
+// 2^k times as coarse.
 //
 //   of the pilot       g = log b, b = max(G_s P, 0) + kPilotFloor L;  v = slack (G_s PV / k) / b^2
 //   of the logarithms  g = G_s t;                                     v = slack (G_s tv) / k
 //
 // G_s: Gaussian of s pieces; PV, tv: variances of P and t; k = max(1, 2 pi s^2) is how much the
-// blur takes off a noise that is correlated already. Slow twin:
-// tests/reference/twin_guides_reference.h.
+// blur takes off a noise that is correlated already. Levels beyond the second are blurs of the
+// level before: G_2s is taken for G_s and a Gaussian of sqrt(3) s with taps s / (2 guide_sigma)
+// apart. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
 #include "lib/filters/twin_guides/feature_blend.h"
 #include "lib/filters/twin_guides/sample_moments.h"
-#include "lib/filters/twin_guides/tile_planes.h"
 
 namespace spool {
 
 inline constexpr std::size_t kGuideChannels = 12;
 
-// `covered` holds the guides; it may reach beyond the image, where the nearest piece's stand.
-// Planes: value and variance of each channel in turn.
-TilePlanes guides_around(const Rectangle& covered, const SampleMoments& moments,
-                         const FeatureImages& features, const RadianceScale& scale,
-                         const TwinGuidesOptions& options);
+// What the guides are made of, [P, t][channel]: with variances, unblurred or on one level.
+struct GuideSources {
+  std::array<FloatRgb, 2> mean, variance;
+};
+
+GuideSources guide_sources(const SampleMoments& moments, const FeatureImages& features);
+
+// [channel][y][x].
+struct GuideImages {
+  std::vector<Image<float>> value, variance;
+};
+
+// Guides of one scale after the other, from the finest on.
+class GuidePyramid {
+ public:
+  // `sources` must outlive this.
+  GuidePyramid(const GuideSources& sources, const RadianceScale& scale,
+               const TwinGuidesOptions& options);
+  int step() const { return step_; }  // between the taps of the scale, pieces
+  void coarsen();
+  GuideImages guides() const;
+
+ private:
+  double scene_luminance_, guide_sigma_, slack_;
+  int step_ = 1;
+  GuideSources fine_, coarse_;  // blurred to step_ guide_sigma_ and twice that
+};
 
 }  // namespace spool

@@ -9,11 +9,14 @@ namespace spool {
 OptionTable<TwinGuidesOptions> twin_guides_option_table() {
   using O = TwinGuidesOptions;
   return {
+      integer_option("scales", &O::scales, 1, 5, "taps of the window 1, 2, 4, ... pixels apart"),
       integer_option("radius", &O::radius, 1, 24, "of the window, pixels"),
       number_option("sigma", &O::sigma, 0.1, 100.0, "of the window's Gaussian, pixels"),
       number_option("guide_sigma", &O::guide_sigma, 0.1, 4.0,
                     "blur of the finer guides, pixels; the coarser have twice that"),
       number_option("slack", &O::slack, 0.0, 100.0, "factor on the noise of the guides"),
+      number_option("detail_slack", &O::detail_slack, 0.0, 100.0,
+                    "factor on the noise of a scale's detail"),
       number_option("tau", &O::tau, 1e-3, 10.0,
                     "difference of the guides that counts, without noise"),
       number_option("feature_gain", &O::feature_gain, 0.0, 100.0,

@@ -11,10 +11,12 @@
 namespace spool {
 
 struct TwinGuidesOptions {
+  int scales = 3;             // the taps of scale k stand 2^k pieces apart
   int radius = 6;             // of the window, pieces
   double sigma = 4.0;         // of the window's Gaussian, pieces
   double guide_sigma = 0.5;   // of the finer pyramid level, pieces; the coarser has twice that
   double slack = 2.0;         // factor on the estimated noise of the guides
+  double detail_slack = 1.6;  // factor on the estimated noise of a scale's detail
   double tau = 0.10;          // difference of logarithms that tells two pieces apart
   double feature_gain = 0.1;  // weight of the distance of features
   double cut = 4.0;           // distance at which a weight is 0
@@ -27,6 +29,8 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table();
 // What the specification of the filter fixes.
 inline constexpr double kLogFloor = 0.10;    // log(max(x, 0) + kLogFloor L) of a sample
 inline constexpr double kPilotFloor = 0.05;  // log(max(P, 0) + kPilotFloor L) of the pilot
+// What a tap of the next scale sees is a mean over four times as much, of a quarter of the noise.
+inline constexpr double kRidgeOfCoarser = 0.25;
 
 // Everything is computed on radiance * unit, which is near 1 and may be float. The unit is a power
 // of two: it costs no digit, and a recording twice as bright gives the same bits.

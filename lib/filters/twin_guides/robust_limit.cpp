@@ -23,11 +23,12 @@ void add_weighted(const float* weight, const float* value, int width, float* __r
 
 }  // namespace
 
-Image<float> robust_limits(const Rectangle& tile, const WindowWeights& weights,
-                           const Image<float>& log_luminance, const CountImage& n, double limit) {
+Image<float> robust_limits(const Lattice& lattice, const Rectangle& tile,
+                           const WindowWeights& weights, const Image<float>& log_luminance,
+                           const CountImage& n, double limit) {
   const int r = weights.radius();
   TilePlanes logs({tile.x0 - r, tile.y0 - r, tile.x1 + r, tile.y1 + r}, 1);
-  logs.copy_clamped(0, log_luminance);
+  logs.copy_clamped(0, log_luminance, lattice);
   Image<float> top(tile.width(), tile.height());
   const int width = whole_vectors(tile.width());
   std::vector<float> sum(static_cast<std::size_t>(width)), total(sum);
@@ -41,7 +42,8 @@ Image<float> robust_limits(const Rectangle& tile, const WindowWeights& weights,
     }
     for (int x = 0; x < tile.width(); ++x) {
       const auto i = static_cast<std::size_t>(x);
-      const double factor = std::max(limit, kPerSample * n(tile.x0 + x, y));
+      const double factor =
+          std::max(limit, kPerSample * n(lattice.column(tile.x0 + x), lattice.row(y)));
       top(x, y - tile.y0) =
           static_cast<float>(factor * std::exp(static_cast<double>(sum[i] / total[i])));
     }

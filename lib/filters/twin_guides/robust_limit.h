@@ -8,7 +8,8 @@
 namespace spool {
 
 // top [y][x] from the tile's corner, in units.
-Image<float> robust_limits(const Rectangle& tile, const WindowWeights& weights,
-                           const Image<float>& log_luminance, const CountImage& n, double limit);
+Image<float> robust_limits(const Lattice& lattice, const Rectangle& tile,
+                           const WindowWeights& weights, const Image<float>& log_luminance,
+                           const CountImage& n, double limit);
 
 }  // namespace spool

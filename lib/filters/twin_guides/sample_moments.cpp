@@ -32,7 +32,15 @@ double luminance_of(const Rgb& x) {
   return luminance(x[0], x[1], x[2]);
 }
 
-// Welford's recurrence over value(sample) of every piece; use(piece, sample) sees them, too.
+// What a sample counts in the difference of n samples' halves; parity 0: even positions.
+double half_factor(int n, int parity) {
+  const double even = (n + 1) / 2, odd = n / 2;
+  if (n < 2) return 0.0;
+  return parity == 0 ? std::sqrt(odd / even) / n : -std::sqrt(even / odd) / n;
+}
+
+// Welford's recurrence over value(sample) of every piece; use(piece, position, sample, values) sees
+// them, too.
 template <class Value, class Use>
 Moments moments_of(const SamplePool& pool, const CountImage& n, Value value, Use use) {
   Moments moments{make_rgb(n.width(), n.height()), make_rgb(n.width(), n.height())};
@@ -48,7 +56,7 @@ Moments moments_of(const SamplePool& pool, const CountImage& n, Value value, Use
           mean += delta / (i + 1);
           moments.m2[c][piece] += delta * (values[c] - mean);
         }
-        use(piece, i, sample);
+        use(piece, i, sample, values);
       }
     }
   });
@@ -106,8 +114,16 @@ SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const 
     return Triple{in_units(x[0] * factor, scale), in_units(x[1] * factor, scale),
                   in_units(x[2] * factor, scale)};
   };
-  filling.finish(moments_of(pool, n, clamped, [](std::size_t, int, const Rgb&) {}), scale.mean,
-                 result.mean, result.variance, guards);
+  RgbImage difference = make_rgb(n.width(), n.height());
+  const auto add_difference = [&](std::size_t piece, int i, const Rgb&, const Triple& values) {
+    const double factor = half_factor(n[piece], i % 2);
+    for (std::size_t c = 0; c < 3; ++c)
+      difference[c][piece] += factor * values[c];
+  };
+  filling.finish(moments_of(pool, n, clamped, add_difference), scale.mean, result.mean,
+                 result.variance, guards);
+  for (std::size_t c = 0; c < 3; ++c)
+    result.difference[c] = filling.filled(std::move(difference[c]));
   for (const std::uint64_t of_row : above)
     guards.add(Guard::kClampedSample, of_row);
 
@@ -120,7 +136,7 @@ SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const 
     return Triple{log_of(x[0]), log_of(x[1]), log_of(x[2])};
   };
   Plane log_luminance(n.width(), n.height());
-  const auto add_luminance = [&](std::size_t piece, int i, const Rgb& x) {
+  const auto add_luminance = [&](std::size_t piece, int i, const Rgb& x, const Triple&) {
     log_luminance[piece] += (log_of(luminance_of(x)) - log_luminance[piece]) / (i + 1);
   };
   GuardCounts of_logarithms;  // a floor that no radiance meets

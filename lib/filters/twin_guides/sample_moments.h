@@ -1,6 +1,10 @@
 // Means and variances of the clamped samples, and of the logarithms of the samples: what the two
 // guides are made of.
 //
+// The difference of the halves is (mean of the even samples - mean of the odd ones)
+// sqrt(n_even n_odd) / n: nothing in expectation, and of the variance of the mean. It is 0 where
+// there is one sample.
+//
 // All in units (RadianceScale), so float holds it. Variances are those of the mean
 // (variance_of_mean.h, mode auto), blurred with a Gaussian of one piece. A piece without samples
 // takes its neighbours' values. Slow twin: tests/reference/twin_guides_reference.h.
@@ -19,6 +23,7 @@ using FloatRgb = std::array<Image<float>, 3>;
 
 struct SampleMoments {
   FloatRgb mean, variance;          // of the clamped samples
+  FloatRgb difference;              // of their halves
   FloatRgb log_mean, log_variance;  // of log(max(x, 0) + kLogFloor L), x not clamped
   Image<float> log_luminance;       // mean of the same of the luminance
 };

@@ -10,6 +10,7 @@
 
 #include "lib/core/image.h"
 #include "lib/core/rectangle.h"
+#include "lib/filters/twin_guides/lattice.h"
 
 namespace spool {
 
@@ -29,22 +30,31 @@ class TilePlanes {
 
   const Rectangle& covered() const { return covered_; }
   std::ptrdiff_t stride() const { return stride_; }  // from a row to the next
-  // Of the place (x, y) of the image, which the rectangle holds.
+  // Of the place (x, y), which the rectangle holds.
   float* at(std::size_t plane, int x, int y) { return values_.data() + place(plane, x, y); }
   const float* at(std::size_t plane, int x, int y) const {
     return values_.data() + place(plane, x, y);
   }
 
-  // A plane from an image whose (0, 0) is the place (left, top); the rectangle may reach beyond the
-  // image, where the nearest value inside stands.
-  void copy_clamped(std::size_t plane, const Image<float>& image, int left = 0, int top = 0) {
-    const int last = image.width() - 1;
+  // A plane from the pieces of an image on a lattice; the rectangle, in pieces of the lattice, may
+  // reach beyond it, where the nearest value inside stands.
+  void copy_clamped(std::size_t plane, const Image<float>& image, const Lattice& lattice) {
     for (int y = covered_.y0; y < covered_.y1; ++y) {
-      const float* from = image.row(std::clamp(y - top, 0, image.height() - 1)).data();
-      float* to = at(plane, covered_.x0, y);
-      for (int x = covered_.x0; x < covered_.x1; ++x)
-        to[x - covered_.x0] = from[std::clamp(x - left, 0, last)];
+      const float* from = image.row(lattice.row(std::clamp(y, 0, lattice.height - 1))).data();
+      float* to = at(plane, covered_.x0, y) - covered_.x0;
+      const int inside0 = std::clamp(0, covered_.x0, covered_.x1);
+      const int inside1 = std::clamp(lattice.width, inside0, covered_.x1);
+      for (int x = covered_.x0; x < inside0; ++x)
+        to[x] = from[lattice.left];
+      for (int x = inside0; x < inside1; ++x)
+        to[x] = from[lattice.column(x)];
+      for (int x = inside1; x < covered_.x1; ++x)
+        to[x] = from[lattice.column(lattice.width - 1)];
     }
+  }
+  // Every piece of the image.
+  void copy_clamped(std::size_t plane, const Image<float>& image) {
+    copy_clamped(plane, image, {1, 0, 0, image.width(), image.height()});
   }
 
  private:

@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "lib/filters/twin_guides/clean_features.h"
+#include "lib/filters/twin_guides/coarser_inputs.h"
 #include "lib/filters/twin_guides/guides.h"
 #include "lib/filters/twin_guides/sample_moments.h"
+#include "lib/filters/twin_guides/scale_blend.h"
 #include "lib/filters/twin_guides/tiles.h"
 #include "lib/filters/twin_guides/window_fit.h"
 #include "lib/filters/twin_guides/window_weights.h"
@@ -13,6 +15,39 @@
 #include "lib/kernels/sample_clamp.h"
 
 namespace spool {
+namespace {
+
+// The picture of every scale, the finest first.
+std::vector<ScaleImages> fit_scales(ScaleInputs inputs, const CountImage& n,
+                                    const GuideSources& sources, const FeatureImages& clean,
+                                    const RadianceScale& scale, const TwinGuidesOptions& options) {
+  const int width = n.width(), height = n.height();
+  std::vector<ScaleImages> scales;
+  GuidePyramid pyramid(sources, scale, options);
+  FitOptions fit{options.ridge, options.limit};
+  for (int k = 0; k < options.scales; ++k) {
+    if (k > 0) {
+      pyramid.coarsen();
+      fit.ridge *= kRidgeOfCoarser;
+    }
+    const GuideImages guides = pyramid.guides();
+    const bool last = k + 1 == options.scales;
+    ScaleInputs next = last ? ScaleInputs{} : empty_inputs(width, height, inputs.features.size());
+    scales.push_back(empty_images(width, height));
+    const auto on_tile = [&](const Lattice& lattice, const Rectangle& tile) {
+      const WindowWeights weights(lattice, tile, {options.radius, options.sigma}, guides, clean,
+                                  options);
+      const FitTable table(lattice, tile, options.radius, inputs);
+      window_fit(lattice, tile, weights, table, inputs, clean, n, fit, scales.back());
+      if (!last) coarser_inputs(lattice, tile, weights, options.sigma, table, inputs, next);
+    };
+    parallel_lattice_tiles(width, height, pyramid.step(), on_tile);
+    inputs = std::move(next);
+  }
+  return scales;
+}
+
+}  // namespace
 
 Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const SamplePool& pool,
                                                const TwinGuidesOptions& options,
@@ -31,20 +66,16 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
       pool, n, sample_limits(pool, n, scale.mean / scale.unit), scale, result.guards);
   SPOOL_ASSIGN(const CleanFeatures features, clean_features(pool, n, result.guards));
 
+  const GuideSources sources = guide_sources(moments, features.clean);
+  const FloatRgb blended = blend_scales(
+      fit_scales(finest_inputs(moments, features.raw), n, sources, features.clean, scale, options),
+      sources, features.clean, scale, options);
+
   RgbImage image = make_rgb(n.width(), n.height());
-  parallel_tiles(n.width(), n.height(), [&](const Rectangle& tile) {
-    const int r = options.radius;
-    const Rectangle around = {tile.x0 - r, tile.y0 - r, tile.x1 + r, tile.y1 + r};
-    const TilePlanes guides = guides_around(around, moments, features.clean, scale, options);
-    const WindowWeights weights(tile, guides, features.clean, n.bounds(), options);
-    const FloatRgb fitted = window_fit(tile, weights, moments, n, features, options);
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (int y = tile.y0; y < tile.y1; ++y) {
-        for (int x = tile.x0; x < tile.x1; ++x)
-          image[c](x, y) = fitted[c](x - tile.x0, y - tile.y0) / scale.unit;
-      }
-    }
-  });
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < image[c].size(); ++i)
+      image[c][i] = blended[c][i] / scale.unit;
+  }
   result.image = average_pieces(std::move(image), statistics.pieces_per_side);
   return result;
 }

@@ -11,44 +11,35 @@
 namespace spool {
 namespace {
 
-constexpr int kLanes = 16;            // regressors, then the three colours, then nothing
-constexpr int kPosition = 3;          // rows of a fit without features: 1, y, x
-constexpr float kPerPosition = 0.1f;  // 1 / 10 pieces
+constexpr int kColours = 6;           // three, and their differences
 constexpr float kLeastPivot = 1e-5f;  // of the sum of the weights; below it float says nothing
-typedef float Lanes __attribute__((vector_size(kLanes * sizeof(float))));
 
-// The window of one piece: weights, and where its pieces lie in the table of regressors.
+// The window of one piece: weights, and where its pieces lie in the table.
 struct Window {
   int count;
   const float* weight;
   const int* place;
 };
 
-// A piece's row of the table: regressors and colours, and its luminance.
-struct Table {
-  const float* lanes;      // [piece][kLanes]
-  const float* luminance;  // [piece]
-};
-
-// Adds sum w u (u, y) to the kRows x kLanes normal equations; `centre` is what the piece's own
+// The kRows x kLanes normal equations, sum w u (u, y); `centre` is what the piece's own
 // lanes are less (clean features, its colour), y is limited first.
 template <int kRows>
-SPOOL_VECTOR_CLONES void add_normal_equations(const Window& window, const Table& table,
+SPOOL_VECTOR_CLONES void add_normal_equations(const Window& window, const FitTable& table,
                                               const float* centre, float top, float* equations) {
   Lanes sums[kRows];
   for (int r = 0; r < kRows; ++r)
     sums[r] = Lanes{};
   Lanes off;
   std::memcpy(&off, centre, sizeof(Lanes));
+  const float *lanes = table.lanes(), *luminance = table.luminances();
   for (int i = 0; i < window.count; ++i) {
     const int place = window.place[i];
     Lanes u;
-    std::memcpy(&u, table.lanes + static_cast<std::ptrdiff_t>(place) * kLanes, sizeof(Lanes));
-    if (table.luminance[place] > top) {
-      const float factor = top / table.luminance[place];
-      u[kRows] *= factor;
-      u[kRows + 1] *= factor;
-      u[kRows + 2] *= factor;
+    std::memcpy(&u, lanes + static_cast<std::ptrdiff_t>(place) * kLanes, sizeof(Lanes));
+    if (luminance[place] > top) {
+      const float factor = top / luminance[place];
+      for (int c = kRows; c < kRows + kColours; ++c)
+        u[c] *= factor;
     }
     u -= off;
     const Lanes weighted = window.weight[i] * u;
@@ -61,7 +52,8 @@ SPOOL_VECTOR_CLONES void add_normal_equations(const Window& window, const Table&
   std::memcpy(equations, sums, sizeof(sums));
 }
 
-// Coefficient 0 of each colour into value[3]; false where its pivot is lost in rounding.
+// Coefficient 0 of each colour and difference into value[kColours]; false where its pivot is lost
+// in rounding.
 template <int kRows>
 SPOOL_VECTOR_CLONES bool solve_for_constant(float* equations, float ridge, float* value) {
   Lanes a[kRows];
@@ -75,78 +67,67 @@ SPOOL_VECTOR_CLONES bool solve_for_constant(float* equations, float ridge, float
       a[j] -= (a[j][r] * inverse) * a[r];
   }
   if (!(a[0][0] > kLeastPivot * weight)) return false;
-  for (int c = 0; c < 3; ++c)
+  for (int c = 0; c < kColours; ++c)
     value[c] = a[0][kRows + c] / a[0][0];
   return true;
 }
 
+// Of one tile.
 class TileFit {
  public:
-  TileFit(const Rectangle& tile, const WindowWeights& weights, const SampleMoments& moments,
-          const CleanFeatures& features, const TwinGuidesOptions& options)
-      : tile_(tile),
-        weights_(weights),
-        features_(features),
-        around_(grow(tile, options.radius, options.radius, options.radius, options.radius,
-                     moments.mean[0].bounds())),
-        rows_(features.raw.empty() ? kPosition
-                                   : kPosition + static_cast<int>(kMostFeatureChannels)),
-        ridge_(static_cast<float>(options.ridge)) {
-    fill_table(moments);
+  TileFit(const WindowWeights& weights, const FitTable& table, double ridge)
+      : weights_(weights), table_(table), ridge_(static_cast<float>(ridge)) {
     for (const auto [dx, dy] : weights.offsets())
-      steps_.push_back(dy * around_.width() + dx);
+      steps_.push_back(table.step(dx, dy));
     weight_.resize(steps_.size());
     place_.resize(steps_.size());
+    rows_.resize(steps_.size());
   }
 
-  FloatRgb run(const Image<float>& tops) {
-    FloatRgb out;
-    out.fill(Image<float>(tile_.width(), tile_.height()));
-    std::vector<const float*> weight_rows(steps_.size());
-    for (int y = 0; y < tile_.height(); ++y) {
-      for (std::size_t o = 0; o < steps_.size(); ++o)
-        weight_rows[o] = weights_.row(o, tile_.x0, tile_.y0 + y);
-      for (int x = 0; x < tile_.width(); ++x) {
-        const Window window = gather(weight_rows.data(), x, place_of(x, y));
-        const std::array<float, 3> value = fit(window, x, y, tops(x, y));
-        for (std::size_t c = 0; c < 3; ++c)
-          out[c](x, y) = value[c];
-      }
+  void begin_row(int x, int y) {
+    for (std::size_t o = 0; o < steps_.size(); ++o)
+      rows_[o] = weights_.row(o, x, y);
+  }
+
+  // The piece at the place, the x-th of the row: colours, then differences. clean(c): its features.
+  template <class Clean>
+  std::array<float, kColours> fit(int x, int place, float top, Clean clean) {
+    const Window window = gather(x, place);
+    const std::array<float, 3> own = limited(place, top);
+    const auto colours = static_cast<std::size_t>(table_.rows());
+    std::array<float, kLanes> centre{};
+    std::copy_n(table_.lanes(place), kPosition, centre.data());
+    centre[0] = 0.0f;
+    for (std::size_t c = 0; kPosition + c < colours; ++c)
+      centre[kPosition + c] = clean(c);
+    std::copy(own.begin(), own.end(), centre.begin() + table_.rows());
+    std::array<float, kLanes*(kPosition + kMostFeatureChannels)> equations;
+    std::array<float, kColours> value;
+    bool solved;
+    if (table_.rows() == kPosition) {
+      add_normal_equations<kPosition>(window, table_, centre.data(), top, equations.data());
+      solved = solve_for_constant<kPosition>(equations.data(), ridge_, value.data());
+    } else {
+      constexpr int kAll = kPosition + static_cast<int>(kMostFeatureChannels);
+      add_normal_equations<kAll>(window, table_, centre.data(), top, equations.data());
+      solved = solve_for_constant<kAll>(equations.data(), ridge_, value.data());
     }
-    return out;
+    if (!solved) {  // the weighted mean
+      for (std::size_t c = 0; c < value.size(); ++c)
+        value[c] = equations[colours + c] / equations[0];
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      value[c] += own[c];
+      if (value[c] < 0.0f) value[c] = std::max(value[c], std::min(0.0f, least(window, top, c)));
+    }
+    return value;
   }
 
  private:
-  // Of a piece of the tile in the table.
-  int place_of(int x, int y) const {
-    return (y + tile_.y0 - around_.y0) * around_.width() + (x + tile_.x0 - around_.x0);
-  }
-
-  void fill_table(const SampleMoments& moments) {
-    const auto pieces = static_cast<std::size_t>(around_.area());
-    lanes_.assign(pieces * kLanes, 0.0f);
-    luminance_.resize(pieces);
-    std::size_t piece = 0;
-    for (int y = around_.y0; y < around_.y1; ++y) {
-      for (int x = around_.x0; x < around_.x1; ++x, ++piece) {
-        float* u = &lanes_[piece * kLanes];
-        u[0] = 1.0f;
-        u[1] = kPerPosition * static_cast<float>(y - tile_.y0);
-        u[2] = kPerPosition * static_cast<float>(x - tile_.x0);
-        for (std::size_t c = 0; c < features_.raw.size(); ++c)
-          u[kPosition + static_cast<int>(c)] = features_.raw[c](x, y);
-        float* colour = u + rows_;
-        for (std::size_t c = 0; c < 3; ++c)
-          colour[c] = moments.mean[c](x, y);
-        luminance_[piece] = static_cast<float>(luminance(colour[0], colour[1], colour[2]));
-      }
-    }
-  }
-
-  Window gather(const float* const* weight_rows, int x, int centre) {
+  Window gather(int x, int centre) {
     int count = 0;
     for (std::size_t o = 0; o < steps_.size(); ++o) {
-      const float w = weight_rows[o][x];
+      const float w = rows_[o][x];
       weight_[static_cast<std::size_t>(count)] = w;
       place_[static_cast<std::size_t>(count)] = centre + steps_[o];
       count += w > 0.0f ? 1 : 0;
@@ -156,40 +137,10 @@ class TileFit {
 
   // Colour of a piece of the table under the limit.
   std::array<float, 3> limited(int place, float top) const {
-    const float* colour = &lanes_[static_cast<std::size_t>(place) * kLanes] + rows_;
-    const float l = luminance_[static_cast<std::size_t>(place)];
+    const float* colour = table_.lanes(place) + table_.rows();
+    const float l = table_.luminances()[place];
     const float factor = l > top ? top / l : 1.0f;
     return {colour[0] * factor, colour[1] * factor, colour[2] * factor};
-  }
-
-  std::array<float, 3> fit(const Window& window, int x, int y, float top) const {
-    const int place = place_of(x, y);
-    const std::array<float, 3> own = limited(place, top);
-    std::array<float, kLanes> centre{};
-    std::copy_n(&lanes_[static_cast<std::size_t>(place) * kLanes], kPosition, centre.data());
-    centre[0] = 0.0f;
-    for (std::size_t c = 0; c < features_.raw.size(); ++c)
-      centre[kPosition + c] = features_.clean.value[c](tile_.x0 + x, tile_.y0 + y);
-    std::copy(own.begin(), own.end(), centre.begin() + rows_);
-    const Table table{lanes_.data(), luminance_.data()};
-    std::array<float, kLanes*(kPosition + kMostFeatureChannels)> equations;
-    std::array<float, 3> value;
-    bool solved;
-    if (rows_ == kPosition) {
-      add_normal_equations<kPosition>(window, table, centre.data(), top, equations.data());
-      solved = solve_for_constant<kPosition>(equations.data(), ridge_, value.data());
-    } else {
-      constexpr int kAll = kPosition + static_cast<int>(kMostFeatureChannels);
-      add_normal_equations<kAll>(window, table, centre.data(), top, equations.data());
-      solved = solve_for_constant<kAll>(equations.data(), ridge_, value.data());
-    }
-    for (std::size_t c = 0; c < 3; ++c) {
-      // Without a fit the weighted mean.
-      if (!solved) value[c] = equations[static_cast<std::size_t>(rows_) + c] / equations[0];
-      value[c] += own[c];
-      if (value[c] < 0.0f) value[c] = std::max(value[c], std::min(0.0f, least(window, top, c)));
-    }
-    return value;
   }
 
   float least(const Window& window, float top, std::size_t c) const {
@@ -199,25 +150,36 @@ class TileFit {
     return smallest;
   }
 
-  Rectangle tile_;
   const WindowWeights& weights_;
-  const CleanFeatures& features_;
-  Rectangle around_;  // the tile and its windows inside the image
-  int rows_;          // of the normal equations
+  const FitTable& table_;
   float ridge_;
-  std::vector<float> lanes_, luminance_;  // of the pieces of around_
-  std::vector<int> steps_;                // [offset] in the table
+  std::vector<int> steps_;          // [offset] in the table
+  std::vector<const float*> rows_;  // [offset] weights of the row at hand
   std::vector<float> weight_;
   std::vector<int> place_;
 };
 
 }  // namespace
 
-FloatRgb window_fit(const Rectangle& tile, const WindowWeights& weights,
-                    const SampleMoments& moments, const CountImage& n,
-                    const CleanFeatures& features, const TwinGuidesOptions& options) {
-  const Image<float> tops = robust_limits(tile, weights, moments.log_luminance, n, options.limit);
-  return TileFit(tile, weights, moments, features, options).run(tops);
+void window_fit(const Lattice& lattice, const Rectangle& tile, const WindowWeights& weights,
+                const FitTable& table, const ScaleInputs& inputs, const FeatureImages& clean,
+                const CountImage& n, const FitOptions& options, ScaleImages& to) {
+  const Image<float> tops =
+      robust_limits(lattice, tile, weights, inputs.log_luminance, n, options.limit);
+  TileFit fit(weights, table, options.ridge);
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    fit.begin_row(tile.x0, y);
+    for (int x = tile.x0; x < tile.x1; ++x) {
+      const std::size_t piece = n.index(lattice.column(x), lattice.row(y));
+      const std::array<float, kColours> value = fit.fit(
+          x - tile.x0, table.place(x, y), tops(x - tile.x0, y - tile.y0),
+          [&](std::size_t c) { return c < clean.value.size() ? clean.value[c][piece] : 0.0f; });
+      for (std::size_t c = 0; c < 3; ++c) {
+        to.image[c][piece] = value[c];
+        to.noise[c][piece] = value[c + 3];
+      }
+    }
+  }
 }
 
 }  // namespace spool

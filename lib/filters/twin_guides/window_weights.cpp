@@ -6,7 +6,6 @@
 
 #include "lib/core/exponential.h"
 #include "lib/core/vector_clones.h"
-#include "lib/filters/twin_guides/guides.h"
 
 namespace spool {
 namespace {
@@ -90,28 +89,34 @@ std::size_t half_of_window(int radius) {
 
 }  // namespace
 
-WindowWeights::WindowWeights(const Rectangle& tile, const TilePlanes& guides,
-                             const FeatureImages& features, const Rectangle& image,
-                             const TwinGuidesOptions& options)
-    : radius_(options.radius),
-      planes_(before(tile, options.radius), half_of_window(options.radius) + 1) {
-  const int r = options.radius;
+WindowWeights::WindowWeights(const Lattice& lattice, const Rectangle& tile,
+                             const WindowShape& shape, const GuideImages& guides,
+                             const FeatureImages& features, const TwinGuidesOptions& options)
+    : radius_(shape.radius), planes_(before(tile, shape.radius), half_of_window(shape.radius) + 1) {
+  const int r = shape.radius;
   for (int dy = -r; dy <= r; ++dy) {
     for (int dx = -r; dx <= r; ++dx)
       offsets_.push_back({dx, dy});
   }
-  const std::size_t channels = features.value.size();
-  TilePlanes around({tile.x0 - r, tile.y0 - r, tile.x1 + r, tile.y1 + r}, 2 * channels);
-  for (std::size_t c = 0; c < channels; ++c) {
-    around.copy_clamped(2 * c, features.value[c]);
-    around.copy_clamped(2 * c + 1, features.variance[c]);
-  }
-  compute(tile, guides, around, channels, image, options);
+  const Rectangle around = {tile.x0 - r, tile.y0 - r, tile.x1 + r, tile.y1 + r};
+  const auto planes_of = [&](const std::vector<Image<float>>& values,
+                             const std::vector<Image<float>>& variances) {
+    TilePlanes planes(around, 2 * values.size());
+    for (std::size_t c = 0; c < values.size(); ++c) {
+      planes.copy_clamped(2 * c, values[c], lattice);
+      planes.copy_clamped(2 * c + 1, variances[c], lattice);
+    }
+    return planes;
+  };
+  compute(tile, planes_of(guides.value, guides.variance),
+          planes_of(features.value, features.variance), features.value.size(), lattice.bounds(),
+          shape.sigma, options);
 }
 
 void WindowWeights::compute(const Rectangle& tile, const TilePlanes& guides,
                             const TilePlanes& features, std::size_t channels,
-                            const Rectangle& image, const TwinGuidesOptions& options) {
+                            const Rectangle& image, double sigma,
+                            const TwinGuidesOptions& options) {
   const Rectangle& all = planes_.covered();
   const int width = whole_vectors(all.width());
   std::vector<float> z(static_cast<std::size_t>(width)), numerator(z), denominator(z);
@@ -119,10 +124,10 @@ void WindowWeights::compute(const Rectangle& tile, const TilePlanes& guides,
   Terms terms{0.0f, static_cast<float>(options.feature_gain),
               1.0f / static_cast<float>(kGuideChannels), static_cast<float>(std::exp(-cut))};
   const auto tau2 = static_cast<float>(options.tau * options.tau);
-  const std::size_t half = half_of_window(options.radius);
+  const std::size_t half = half_of_window(radius_);
   for (std::size_t o = half; o < offsets_.size(); ++o) {
     const auto [dx, dy] = offsets_[o];
-    terms.spatial = static_cast<float>((dx * dx + dy * dy) / (2.0 * options.sigma * options.sigma));
+    terms.spatial = static_cast<float>((dx * dx + dy * dy) / (2.0 * sigma * sigma));
     for (int y = all.y0; y < tile.y1; ++y) {
       float* to = planes_.at(o - half, all.x0, y);
       const int x0 = std::max({all.x0, image.x0, image.x0 - dx});

@@ -1,4 +1,4 @@
-// Weights between every two pieces of one another's windows, on one tile.
+// Weights between every two pieces of one another's windows, on one tile of a lattice.
 //
 //   z(p, q) = |p - q|^2 / (2 sigma^2) + feature_gain max(0, max_c ((F_p - F_q)^2 - V) / (V + 0.01))
 //             + mean over the guides' channels of max(0, (g_p - g_q)^2 - U) / (U + tau^2)
@@ -6,22 +6,28 @@
 //
 // z is symmetric, so half of the offsets are computed. Taking exp(-cut) off lets a neighbour fade
 // out instead of leaving with a jump, which rounding could decide. w is 0 where p or q is outside
-// the image. Slow twin: tests/reference/twin_guides_reference.h.
+// the image. Pieces, windows and |p - q| are those of the lattice. Slow twin:
+// tests/reference/twin_guides_reference.h.
 #pragma once
 
 #include <vector>
 
-#include "lib/filters/twin_guides/feature_blend.h"
-#include "lib/filters/twin_guides/options.h"
+#include "lib/filters/twin_guides/guides.h"
+#include "lib/filters/twin_guides/lattice.h"
 #include "lib/filters/twin_guides/tile_planes.h"
 
 namespace spool {
 
+struct WindowShape {
+  int radius;    // pieces of the lattice
+  double sigma;  // of the Gaussian, pieces of the lattice
+};
+
 class WindowWeights {
  public:
-  // `guides` covers the tile and its windows.
-  WindowWeights(const Rectangle& tile, const TilePlanes& guides, const FeatureImages& features,
-                const Rectangle& image, const TwinGuidesOptions& options);
+  WindowWeights(const Lattice& lattice, const Rectangle& tile, const WindowShape& shape,
+                const GuideImages& guides, const FeatureImages& features,
+                const TwinGuidesOptions& options);
 
   // The window, row by row: offsets, and of each the row of weights of the pieces (x .., y) of the
   // tile with those at the offset.
@@ -34,7 +40,8 @@ class WindowWeights {
 
  private:
   void compute(const Rectangle& tile, const TilePlanes& guides, const TilePlanes& features,
-               std::size_t channels, const Rectangle& image, const TwinGuidesOptions& options);
+               std::size_t channels, const Rectangle& image, double sigma,
+               const TwinGuidesOptions& options);
 
   int radius_;
   std::vector<Offset> offsets_;

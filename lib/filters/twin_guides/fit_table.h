@@ -1,0 +1,40 @@
+// The inputs of one tile and its windows, piece after piece, as the loops over windows want them:
+// one vector of regressors, colours and differences to a piece.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "lib/filters/twin_guides/lattice.h"
+#include "lib/filters/twin_guides/scale_inputs.h"
+
+namespace spool {
+
+inline constexpr int kLanes = 16;            // regressors, three colours, three differences
+inline constexpr int kPosition = 3;          // regressors without features: 1, y, x
+inline constexpr float kPerPosition = 0.1f;  // 1 / 10 pieces of the lattice
+typedef float Lanes __attribute__((vector_size(kLanes * sizeof(float))));
+
+class FitTable {
+ public:
+  FitTable(const Lattice& lattice, const Rectangle& tile, int radius, const ScaleInputs& inputs);
+
+  int rows() const { return rows_; }  // regressors; the colours follow
+  int place(int x, int y) const {     // of a piece of the lattice
+    return (y - around_.y0) * around_.width() + (x - around_.x0);
+  }
+  int step(int dx, int dy) const { return dy * around_.width() + dx; }
+  const float* lanes(int place = 0) const {
+    return lanes_.data() + static_cast<std::ptrdiff_t>(place) * kLanes;
+  }
+  // Of the colours.
+  const float* luminances() const { return luminance_.data(); }
+
+ private:
+  Rectangle around_;  // the tile and its windows inside the lattice
+  int rows_;
+  std::vector<float> lanes_, luminance_;
+};
+
+}  // namespace spool

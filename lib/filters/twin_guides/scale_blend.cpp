@@ -1,0 +1,127 @@
+#include "lib/filters/twin_guides/scale_blend.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lib/core/vector_clones.h"
+#include "lib/filters/twin_guides/tiles.h"
+#include "lib/filters/twin_guides/window_weights.h"
+
+namespace spool {
+namespace {
+
+constexpr WindowShape kWindow = {2, 1.5};
+constexpr int kFirstStep = 2, kLastStep = 8;
+constexpr double kFloor = 0.1;  // of the picture, in L: no error is relative to less
+constexpr std::size_t kTerms = 3;
+
+// D, N and V of each detail, [3 k + term][y][x], before the means.
+std::vector<Image<float>> terms_of(const std::vector<ScaleImages>& scales, float floor) {
+  const FloatRgb& picture = scales[std::min<std::size_t>(2, scales.size() - 1)].image;
+  const int width = picture[0].width(), height = picture[0].height();
+  std::vector<Image<float>> terms(kTerms * (scales.size() - 1), Image<float>(width, height));
+  parallel_rows(0, height, [&](int y) {
+    for (std::size_t i = picture[0].index(0, y); i < picture[0].index(0, y + 1); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float level = std::max(picture[c][i], 0.0f);
+        const float share = 1.0f / (3.0f * (level * level + floor * floor));
+        for (std::size_t k = 0; k + 1 < scales.size(); ++k) {
+          const float coarse = scales[k + 1].noise[c][i];
+          const float d = scales[k].image[c][i] - scales[k + 1].image[c][i];
+          const float e = scales[k].noise[c][i] - coarse;
+          terms[kTerms * k][i] += share * d * d;
+          terms[kTerms * k + 1][i] += share * e * e;
+          terms[kTerms * k + 2][i] += share * e * coarse;
+        }
+      }
+    }
+  });
+  return terms;
+}
+
+SPOOL_VECTOR_CLONES
+void add_products(const float* weight, const float* value, int width, float* __restrict sum) {
+  for (int x = 0; x < width; ++x)
+    sum[x] += weight[x] * value[x];
+}
+
+SPOOL_VECTOR_CLONES
+void add_row(const float* value, int width, float* __restrict sum) {
+  for (int x = 0; x < width; ++x)
+    sum[x] += value[x];
+}
+
+void mean_on_tile(const Lattice& lattice, const Rectangle& tile, const WindowWeights& weights,
+                  const std::vector<Image<float>>& from, std::vector<Image<float>>& to) {
+  const int r = weights.radius(), width = whole_vectors(tile.width());
+  TilePlanes around({tile.x0 - r, tile.y0 - r, tile.x1 + r, tile.y1 + r}, from.size());
+  for (std::size_t i = 0; i < from.size(); ++i)
+    around.copy_clamped(i, from[i], lattice);
+  std::vector<float> total(static_cast<std::size_t>(width)), sum(total);
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    std::fill(total.begin(), total.end(), 0.0f);
+    for (std::size_t o = 0; o < weights.offsets().size(); ++o)
+      add_row(weights.row(o, tile.x0, y), width, total.data());
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      std::fill(sum.begin(), sum.end(), 0.0f);
+      for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
+        const auto [dx, dy] = weights.offsets()[o];
+        add_products(weights.row(o, tile.x0, y), around.at(i, tile.x0 + dx, y + dy), width,
+                     sum.data());
+      }
+      for (int x = 0; x < tile.width(); ++x) {
+        const auto at = static_cast<std::size_t>(x);
+        to[i](lattice.column(tile.x0 + x), lattice.row(y)) = sum[at] / total[at];
+      }
+    }
+  }
+}
+
+std::vector<Image<float>> guided_means(std::vector<Image<float>> terms, const GuideSources& sources,
+                                       const FeatureImages& clean, const RadianceScale& scale,
+                                       const TwinGuidesOptions& options) {
+  const int width = terms[0].width(), height = terms[0].height();
+  std::vector<Image<float>> means(terms.size(), Image<float>(width, height));
+  for (GuidePyramid pyramid(sources, scale, options); pyramid.step() <= kLastStep;
+       pyramid.coarsen()) {
+    if (pyramid.step() < kFirstStep) continue;
+    const GuideImages guides = pyramid.guides();
+    parallel_lattice_tiles(
+        width, height, pyramid.step(), [&](const Lattice& lattice, const Rectangle& tile) {
+          const WindowWeights weights(lattice, tile, kWindow, guides, clean, options);
+          mean_on_tile(lattice, tile, weights, terms, means);
+        });
+    std::swap(terms, means);
+  }
+  return terms;
+}
+
+float share_of_detail(float d, float n, float v, float slack) {
+  const float signal = d - slack * (n + v);
+  return signal > 0.0f ? std::min(signal / d, 1.0f) : 0.0f;
+}
+
+}  // namespace
+
+FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources& sources,
+                      const FeatureImages& clean, const RadianceScale& scale,
+                      const TwinGuidesOptions& options) {
+  FloatRgb out = scales.back().image;
+  if (scales.size() == 1) return out;
+  const std::vector<Image<float>> means = guided_means(
+      terms_of(scales, static_cast<float>(kFloor * scale.mean)), sources, clean, scale, options);
+  const auto slack = static_cast<float>(options.detail_slack);
+  parallel_rows(0, out[0].height(), [&](int y) {
+    for (std::size_t i = out[0].index(0, y); i < out[0].index(0, y + 1); ++i) {
+      for (std::size_t k = scales.size() - 1; k-- > 0;) {
+        const float a = share_of_detail(means[kTerms * k][i], means[kTerms * k + 1][i],
+                                        means[kTerms * k + 2][i], slack);
+        for (std::size_t c = 0; c < 3; ++c)
+          out[c][i] += a * (scales[k].image[c][i] - out[c][i]);
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace spool
