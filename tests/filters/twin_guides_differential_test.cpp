@@ -121,6 +121,40 @@ Compared compared(const SamplePool& pool, int least) {
           scale};
 }
 
+void guides_agree(const GuideImages& guides, const reference::Guides& twin) {
+  for (std::size_t c = 0; c < kGuideChannels; ++c) {
+    for (std::size_t i = 0; i < twin.value[c].size(); ++i) {
+      ASSERT_NEAR(guides.value[c][i], twin.value[c][i], 5e-6) << c;
+      ASSERT_NEAR(guides.variance[c][i], twin.variance[c][i], 1e-5 * (1.0 + twin.variance[c][i]));
+    }
+  }
+}
+
+// On one tile of a lattice that has others beside it.
+void weights_agree(const Lattice& lattice, const GuideImages& guides, const reference::Guides& twin,
+                   const FeatureImages& f, const TwinGuidesOptions& options) {
+  const Rectangle tile = {lattice.width / 3, 0, lattice.width, lattice.height / 2 + 1};
+  if (intersect(tile, lattice.bounds()).empty()) return;
+  const Rectangle inside = intersect(tile, lattice.bounds());
+  const reference::Planes clean = to_double(f.value), clean_variance = to_double(f.variance);
+  const WindowWeights weights(lattice, inside, {options.radius, options.sigma}, guides, f, options);
+  for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
+    const auto [dx, dy] = weights.offsets()[o];
+    for (int y = inside.y0; y < inside.y1; ++y) {
+      for (int x = inside.x0; x < inside.x1; ++x) {
+        const double expected = lattice.bounds().contains(x + dx, y + dy)
+                                    ? reference::window_weight(
+                                          twin, clean, clean_variance, options.sigma * lattice.step,
+                                          options, lattice.column(x), lattice.row(y),
+                                          lattice.column(x + dx), lattice.row(y + dy))
+                                    : 0.0;
+        ASSERT_NEAR(weights.row(o, inside.x0, y)[x - inside.x0], expected, 2e-5)
+            << lattice.step << " " << dx << " " << dy;
+      }
+    }
+  }
+}
+
 TEST(TwinGuidesDifferential, GuidesAndWeights) {
   for (const auto& [width, height] : {std::pair{23, 17}, {9, 30}, {3, 2}}) {
     const Compared in = compared(make_pool(width, height, 8, noisy_picture(width, height, 7)), 2);
@@ -130,32 +164,17 @@ TEST(TwinGuidesDifferential, GuidesAndWeights) {
     const FeatureImages f = noisy_features(width, height, 7);
     const reference::Planes clean = to_double(f.value), clean_variance = to_double(f.variance);
     const reference::Moments m = reference::moments(in.pool, in.n, in.limit, in.scale);
-    const reference::Guides twin = reference::guides(m, clean, clean_variance, in.scale, options);
-    const Rectangle tile = {width / 3, 0, width, height / 2 + 1};
-    const Rectangle around = {tile.x0 - 6, tile.y0 - 6, tile.x1 + 6, tile.y1 + 6};
-    const TilePlanes guides = guides_around(around, moments, f, in.scale, options);
-    for (std::size_t c = 0; c < kGuideChannels; ++c) {
-      for (int y = around.y0; y < around.y1; ++y) {
-        for (int x = around.x0; x < around.x1; ++x) {
-          const int ix = std::clamp(x, 0, width - 1), iy = std::clamp(y, 0, height - 1);
-          ASSERT_NEAR(*guides.at(2 * c, x, y), twin.value[c](ix, iy), 5e-6) << c;
-          ASSERT_NEAR(*guides.at(2 * c + 1, x, y), twin.variance[c](ix, iy),
-                      1e-5 * (1.0 + twin.variance[c](ix, iy)));
-        }
-      }
-    }
-    const WindowWeights weights(tile, guides, f, {0, 0, width, height}, options);
-    for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
-      const auto [dx, dy] = weights.offsets()[o];
-      for (int y = tile.y0; y < tile.y1; ++y) {
-        for (int x = tile.x0; x < tile.x1; ++x) {
-          const bool inside = x + dx >= 0 && x + dx < width && y + dy >= 0 && y + dy < height;
-          const double expected = inside ? reference::window_weight(twin, clean, clean_variance,
-                                                                    options, x, y, x + dx, y + dy)
-                                         : 0.0;
-          ASSERT_NEAR(weights.row(o, tile.x0, y)[x - tile.x0], expected, 2e-5) << dx << " " << dy;
-        }
-      }
+    const std::vector<reference::GuideLevel> levels =
+        reference::guide_levels(reference::guide_sources(m, clean, clean_variance), 4, options);
+    const GuideSources sources = guide_sources(moments, f);
+    GuidePyramid pyramid(sources, in.scale, options);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const reference::Guides twin = reference::guides(levels, k, in.scale, options);
+      const GuideImages guides = pyramid.guides();
+      guides_agree(guides, twin);
+      for (int lattice = 0; lattice < pyramid.step() * pyramid.step(); lattice += 3)
+        weights_agree(lattice_of(width, height, pyramid.step(), lattice), guides, twin, f, options);
+      pyramid.coarsen();
     }
   }
 }
@@ -179,11 +198,19 @@ TEST(TwinGuidesDifferential, TheWholeFilter) {
     const auto picture = noisy_picture(width, height, 7);
     whole_agrees(make_pool(width, height, 8, picture), 2);
   }
-  whole_agrees(make_pool(60, 47, 8, noisy_picture(60, 47, 8)), 2);  // four tiles
+  TwinGuidesOptions small;
+  small.radius = 2;
+  whole_agrees(make_pool(60, 47, 8, noisy_picture(60, 47, 8)), 2, small);    // four tiles
+  whole_agrees(make_pool(113, 19, 8, noisy_picture(113, 19, 8)), 2, small);  // of a lattice, too
+  small.scales = 1;
+  whole_agrees(make_pool(31, 12, 8, noisy_picture(31, 12, 5)), 2, small);
+  small.scales = 5;
+  whole_agrees(make_pool(31, 12, 8, noisy_picture(31, 12, 6)), 2, small);
   whole_agrees(make_pool(20, 13, 8, noisy_picture(20, 13, 9)), 0);  // pixels without samples
   TwinGuidesOptions options;
   options.radius = 3, options.sigma = 1.5, options.guide_sigma = 1.0, options.slack = 1.0;
-  options.tau = 0.2, options.feature_gain = 0.5, options.cut = 2.0, options.ridge = 0.5;
+  options.tau = 0.2, options.detail_slack = 0.5, options.scales = 2, options.feature_gain = 0.5,
+  options.cut = 2.0, options.ridge = 0.5;
   options.limit = 2.0;
   whole_agrees(make_pool(31, 12, 8, noisy_picture(31, 12, 10)), 2, options);
 }

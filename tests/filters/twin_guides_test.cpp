@@ -2,6 +2,7 @@
 #include "lib/filters/twin_guides/twin_guides.h"
 
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -17,8 +18,8 @@ using testing::select_uniform;
 
 constexpr int kWidth = 40, kHeight = 28;
 
-RgbImage image_of(const SamplePool& pool, int spp) {
-  const auto result = reconstruct_twin_guides(select_uniform(pool, spp), pool, {}, {});
+RgbImage image_of(const SamplePool& pool, int spp, const TwinGuidesOptions& options = {}) {
+  const auto result = reconstruct_twin_guides(select_uniform(pool, spp), pool, options, {});
   SPOOL_CHECK(result.has_value());
   return result->image;
 }
@@ -116,6 +117,36 @@ TEST(TwinGuides, WorksWithOneSampleAndWithMoreItErrsLess) {
     EXPECT_LT(error, last) << spp;
     last = error;
   }
+}
+
+// Error on three scales over that on one, of a picture whose features say nothing.
+double gain_of_scales(const std::function<double(int, int)>& truth) {
+  const auto samples = [&](int x, int y, int s) {
+    const double noise = -std::log(1.0 - unit_double(mix(9, x, y, s)));  // mean 1, variance 1
+    const auto value = static_cast<float>(truth(x, y) * noise);
+    return Rgb{value, value, value};
+  };
+  const SamplePool pool =
+      make_pool(120, 100, 8, samples, {}, {},
+                [](std::string_view, std::size_t, int, int, int) { return 0.5f; });
+  RgbImage expected = make_rgb(120, 100);
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 120; ++x) {
+      for (Plane& channel : expected)
+        channel(x, y) = truth(x, y);
+    }
+  }
+  TwinGuidesOptions single;
+  single.scales = 1;
+  return squared_error(image_of(pool, 8), expected) /
+         squared_error(image_of(pool, 8, single), expected);
+}
+
+TEST(TwinGuides, CoarserScalesSmoothAWallAndLeaveATexture) {
+  EXPECT_LT(gain_of_scales([](int x, int y) { return 1.0 + 0.003 * x + 0.002 * y; }), 0.35);
+  EXPECT_LT(gain_of_scales([](int x, int y) { return (x / 6 + y / 6) % 2 == 0 ? 0.2 : 2.0; }),
+            1.10);
+  EXPECT_LT(gain_of_scales([](int x, int y) { return x < 60 || y % 9 < 4 ? 0.3 : 1.5; }), 1.0);
 }
 
 TEST(TwinGuides, FeaturesBeyondFourAreFour) {

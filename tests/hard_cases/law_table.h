@@ -45,6 +45,10 @@ inline constexpr std::array kFilterExceptions = {
     LawException{Law::kChannels, "directional paper", "decides by luminance"},
     LawException{Law::kChannels, "clamped", "limits the luminance"},
     LawException{Law::kPrefixOrder, "nl_means", "compares even samples with odd ones"},
+    LawException{Law::kPrefixOrder, "twin_guides", "estimates noise from even and odd samples"},
+    LawException{Law::kShift, "twin_guides",
+                 "its coarsest scale and the means that choose scales reach further than any test "
+                 "image is wide"},
     LawException{Law::kShift, "wavelet_shrinkage", "a decimated transform has a phase"},
     LawException{Law::kShift, "directional robust",
                  "the sign filters of its bank reach further than any test image is wide"},

@@ -17,8 +17,8 @@ namespace spool::reference {
 
 using Planes = std::vector<Plane>;
 
-// Gaussian of `sigma` pieces, cut at 4 sigma, mirrored at the border.
-inline Plane blur(const Plane& image, double sigma) {
+// Gaussian of `sigma` taps, cut at 4 sigma, mirrored at the border.
+inline Plane blur(const Plane& image, double sigma, int dilation = 1) {
   const int reach = static_cast<int>(std::lround(4.0 * sigma));
   Plane out(image.width(), image.height());
   for (int y = 0; y < out.height(); ++y) {
@@ -27,8 +27,8 @@ inline Plane blur(const Plane& image, double sigma) {
       for (int j = -reach; j <= reach; ++j) {
         for (int i = -reach; i <= reach; ++i) {
           const double w = std::exp(-(i * i + j * j) / (2.0 * sigma * sigma));
-          sum += w *
-                 image(extend_symmetric(x + i, out.width()), extend_symmetric(y + j, out.height()));
+          sum += w * image(extend_symmetric(x + i * dilation, out.width()),
+                           extend_symmetric(y + j * dilation, out.height()));
           total += w;
         }
       }
@@ -93,7 +93,7 @@ inline BlendResult blend(const Planes& values, const Planes& variances, const Pl
 // --- moments -------------------------------------------------------------------------------------
 
 struct Moments {
-  Planes mean, variance, log_mean, log_variance;  // RGB
+  Planes mean, variance, difference, log_mean, log_variance;  // RGB
   Plane log_luminance;
 };
 
@@ -118,10 +118,30 @@ void mean_and_variance(const SamplePool& pool, const CountImage& n, double key, 
   mean = fill_empty_pieces(mean, n, q, guards);
 }
 
+// (mean of even - mean of odd) sqrt(n_even n_odd) / n.
+template <class Value>
+Plane difference_of_halves(const SamplePool& pool, const CountImage& n, Value value) {
+  Plane difference(n.width(), n.height());
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x) {
+      std::array<double, 2> sum{}, count{};
+      for (int i = 0; i < n(x, y); ++i) {
+        sum[static_cast<std::size_t>(i % 2)] += value(x, y, pool.sample(x, y, i));
+        count[static_cast<std::size_t>(i % 2)] += 1.0;
+      }
+      if (n(x, y) < 2) continue;
+      difference(x, y) = (sum[0] / count[0] - sum[1] / count[1]) * std::sqrt(count[0] * count[1]) /
+                         (count[0] + count[1]);
+    }
+  }
+  GuardCounts guards;
+  return fill_empty_pieces(difference, n, pool.pieces_per_side(), guards);
+}
+
 inline Moments moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
                        const RadianceScale& scale) {
   const int q = pool.pieces_per_side();
-  Moments out{Planes(3), Planes(3), Planes(3), Planes(3), {}};
+  Moments out{Planes(3), Planes(3), Planes(3), Planes(3), Planes(3), {}};
   const auto log_of = [&](double v) {
     return std::log(std::max(v * scale.unit, 0.0) + 0.10 * scale.mean);
   };
@@ -131,6 +151,7 @@ inline Moments moments(const SamplePool& pool, const CountImage& n, const Plane&
       return s[c] * scale.unit * (l > most ? most / l : 1.0);
     };
     mean_and_variance(pool, n, scale.mean, clamped, out.mean[c], out.variance[c]);
+    out.difference[c] = difference_of_halves(pool, n, clamped);
     mean_and_variance(
         pool, n, 1.0, [&](int, int, const Rgb& s) { return log_of(s[c]); }, out.log_mean[c],
         out.log_variance[c]);
@@ -148,26 +169,58 @@ struct Guides {
   Planes value, variance;
 };
 
-inline Guides guides(const Moments& m, const Planes& clean, const Planes& clean_variance,
-                     const RadianceScale& scale, const TwinGuidesOptions& options) {
+// Means and variances of the pilot, channels 0-2, and of the logarithms, 3-5.
+struct GuideLevel {
+  double sigma;
+  Planes mean, variance;
+};
+
+inline GuideLevel guide_sources(const Moments& m, const Planes& clean,
+                                const Planes& clean_variance) {
   const BlendResult pilot = blend(m.mean, m.variance, clean, clean_variance, 1e-2, 0, 2, 0.7);
+  GuideLevel level{0.0, pilot.mean, pilot.variance};
+  level.mean.insert(level.mean.end(), m.log_mean.begin(), m.log_mean.end());
+  level.variance.insert(level.variance.end(), m.log_variance.begin(), m.log_variance.end());
+  return level;
+}
+
+inline GuideLevel blurred(GuideLevel level, double sigma, double taps_sigma, int dilation = 1) {
+  level.sigma = sigma;
+  for (Planes* planes : {&level.mean, &level.variance}) {
+    for (Plane& plane : *planes)
+      plane = blur(plane, taps_sigma, dilation);
+  }
+  return level;
+}
+
+// Levels guide_sigma, 2 guide_sigma, ... as many as asked for.
+inline std::vector<GuideLevel> guide_levels(const GuideLevel& sources, int count,
+                                            const TwinGuidesOptions& options) {
+  const double s = options.guide_sigma;
+  std::vector<GuideLevel> levels = {blurred(sources, s, s), blurred(sources, 2.0 * s, 2.0 * s)};
+  for (int step = 1; static_cast<int>(levels.size()) < count; step *= 2)
+    levels.push_back(
+        blurred(levels.back(), 2.0 * levels.back().sigma, std::sqrt(3.0) * 2.0 * s, step));
+  return levels;
+}
+
+// Of the scale whose levels are k and k + 1.
+inline Guides guides(const std::vector<GuideLevel>& levels, std::size_t k,
+                     const RadianceScale& scale, const TwinGuidesOptions& options) {
   Guides out;
-  for (const double s : {options.guide_sigma, 2.0 * options.guide_sigma}) {
-    const double k = std::max(1.0, 2.0 * std::numbers::pi * s * s);
+  for (const GuideLevel& level : {levels[k], levels[k + 1]}) {
+    const double left =
+        options.slack / std::max(1.0, 2.0 * std::numbers::pi * level.sigma * level.sigma);
     for (std::size_t c = 0; c < 3; ++c) {
-      Plane p = blur(pilot.mean[c], s), pv = blur(pilot.variance[c], s);
+      Plane p = level.mean[c], pv = level.variance[c], tv = level.variance[c + 3];
       for (std::size_t i = 0; i < p.size(); ++i) {
         const double b = std::max(p[i], 0.0) + 0.05 * scale.mean;
         p[i] = std::log(b);
-        pv[i] = options.slack * pv[i] / k / (b * b);
+        pv[i] *= left / (b * b);
+        tv[i] *= left;
       }
-      out.value.push_back(p);
-      out.variance.push_back(pv);
-      Plane t = blur(m.log_mean[c], s), tv = blur(m.log_variance[c], s);
-      for (double& v : tv.pixels())
-        v *= options.slack / k;
-      out.value.push_back(t);
-      out.variance.push_back(tv);
+      out.value.insert(out.value.end(), {p, level.mean[c + 3]});
+      out.variance.insert(out.variance.end(), {pv, tv});
     }
   }
   return out;
@@ -175,7 +228,8 @@ inline Guides guides(const Moments& m, const Planes& clean, const Planes& clean_
 
 // --- weights and fit -----------------------------------------------------------------------------
 
-inline double window_weight(const Guides& g, const Planes& f, const Planes& fv,
+// sigma in pieces of the image.
+inline double window_weight(const Guides& g, const Planes& f, const Planes& fv, double sigma,
                             const TwinGuidesOptions& options, int px, int py, int qx, int qy) {
   double feature = 0.0, guide = 0.0;
   for (std::size_t c = 0; c < f.size(); ++c) {
@@ -188,8 +242,8 @@ inline double window_weight(const Guides& g, const Planes& f, const Planes& fv,
     guide += std::max(0.0, d * d - u) / (u + options.tau * options.tau);
   }
   const double distance = (px - qx) * (px - qx) + (py - qy) * (py - qy);
-  const double z = distance / (2.0 * options.sigma * options.sigma) +
-                   options.feature_gain * feature + guide / static_cast<double>(g.value.size());
+  const double z = distance / (2.0 * sigma * sigma) + options.feature_gain * feature +
+                   guide / static_cast<double>(g.value.size());
   return std::max(0.0, std::exp(-z) - std::exp(-options.cut));
 }
 
@@ -217,37 +271,96 @@ inline void solve(std::vector<std::vector<double>> a, std::vector<double>& b) {
   }
 }
 
-// weight(qx, qy) of the neighbours of (x, y); images in units.
+// What the fits of one scale see.
+struct Inputs {
+  Planes colour, difference, features;
+  Plane logarithm, x, y;  // x, y: where the mean of colours lies, pieces
+};
+
+inline Inputs finest_inputs(const Moments& m, const Planes& raw) {
+  Inputs in{m.mean, m.difference, raw, m.log_luminance, m.log_luminance, m.log_luminance};
+  for (int y = 0; y < in.x.height(); ++y) {
+    for (int x = 0; x < in.x.width(); ++x)
+      in.x(x, y) = x, in.y(x, y) = y;
+  }
+  return in;
+}
+
+// visit(qx, qy, dx, dy) of the taps of a window inside the image, `step` apart.
+template <class Visit>
+void visit_window(const Plane& image, int x, int y, int radius, int step, Visit visit) {
+  for (int dy = -radius; dy <= radius; ++dy) {
+    for (int dx = -radius; dx <= radius; ++dx) {
+      const int qx = x + dx * step, qy = y + dy * step;
+      if (qx >= 0 && qx < image.width() && qy >= 0 && qy < image.height()) visit(qx, qy, dx, dy);
+    }
+  }
+}
+
+// weight(px, py, qx, qy) of the window.
 template <class Weight>
-std::array<double, 3> fit_at(int x, int y, const Moments& m, int n, const Planes& raw,
+Inputs coarser_inputs(const Inputs& in, int step, const TwinGuidesOptions& options, Weight weight) {
+  Inputs out = in;
+  const auto mean = [&](const Plane& from, Plane& to) {
+    for (int y = 0; y < from.height(); ++y) {
+      for (int x = 0; x < from.width(); ++x) {
+        double sum = 0.0, total = 0.0;
+        visit_window(from, x, y, std::min(2, options.radius), step,
+                     [&](int qx, int qy, int dx, int dy) {
+                       const double d2 = dx * dx + dy * dy;
+                       const double w =
+                           weight(x, y, qx, qy) *
+                           std::exp(d2 / (2.0 * options.sigma * options.sigma) - d2 / (2.0 * 1.44));
+                       sum += w * from(qx, qy);
+                       total += w;
+                     });
+        to(x, y) = sum / total;
+      }
+    }
+  };
+  for (std::size_t c = 0; c < 3; ++c) {
+    mean(in.colour[c], out.colour[c]);
+    mean(in.difference[c], out.difference[c]);
+  }
+  for (std::size_t c = 0; c < in.features.size(); ++c)
+    mean(in.features[c], out.features[c]);
+  mean(in.logarithm, out.logarithm);
+  mean(in.x, out.x);
+  mean(in.y, out.y);
+  return out;
+}
+
+// Three colours, then their differences; weight(qx, qy) of the neighbours of (x, y); images in
+// units.
+template <class Weight>
+std::array<double, 6> fit_at(int x, int y, int step, double ridge, const Inputs& in, int n,
                              const Planes& clean, const TwinGuidesOptions& options, Weight weight) {
-  const int width = m.log_luminance.width(), height = m.log_luminance.height();
-  const std::size_t size = 3 + raw.size();
+  const std::size_t size = 3 + in.features.size();
   struct Neighbour {
     double w, logarithm;
-    std::array<double, 3> colour;
+    std::array<double, 6> colour;
     std::vector<double> u;
   };
   std::vector<Neighbour> window;
   double total = 0.0, logarithms = 0.0;
-  for (int qy = std::max(0, y - options.radius); qy <= std::min(height - 1, y + options.radius);
-       ++qy) {
-    for (int qx = std::max(0, x - options.radius); qx <= std::min(width - 1, x + options.radius);
-         ++qx) {
-      Neighbour q{
-          weight(qx, qy), m.log_luminance(qx, qy), {}, {1.0, 0.1 * (qy - y), 0.1 * (qx - x)}};
-      for (std::size_t c = 0; c < 3; ++c)
-        q.colour[c] = m.mean[c](qx, qy);
-      for (std::size_t c = 0; c < raw.size(); ++c)
-        q.u.push_back(raw[c](qx, qy) - clean[c](x, y));
-      total += q.w;
-      logarithms += q.w * q.logarithm;
-      window.push_back(q);
+  visit_window(in.logarithm, x, y, options.radius, step, [&](int qx, int qy, int, int) {
+    Neighbour q{weight(qx, qy),
+                in.logarithm(qx, qy),
+                {},
+                {1.0, 0.1 * (in.y(qx, qy) - y) / step, 0.1 * (in.x(qx, qy) - x) / step}};
+    for (std::size_t c = 0; c < 3; ++c) {
+      q.colour[c] = in.colour[c](qx, qy);
+      q.colour[c + 3] = in.difference[c](qx, qy);
     }
-  }
+    for (std::size_t c = 0; c < in.features.size(); ++c)
+      q.u.push_back(in.features[c](qx, qy) - clean[c](x, y));
+    total += q.w;
+    logarithms += q.w * q.logarithm;
+    window.push_back(q);
+  });
   const double top = std::max(options.limit, 1.25 * n) * std::exp(logarithms / total);
-  std::array<double, 3> out{};
-  for (std::size_t c = 0; c < 3; ++c) {
+  std::array<double, 6> out{};
+  for (std::size_t c = 0; c < 6; ++c) {
     std::vector<std::vector<double>> a(size, std::vector<double>(size));
     std::vector<double> b(size);
     double least = 0.0;
@@ -262,9 +375,90 @@ std::array<double, 3> fit_at(int x, int y, const Moments& m, int n, const Planes
       }
     }
     for (std::size_t i = 1; i < size; ++i)
-      a[i][i] += options.ridge;
+      a[i][i] += ridge;
     solve(a, b);
-    out[c] = std::max(b[0], least);
+    out[c] = c < 3 ? std::max(b[0], least) : b[0];
+  }
+  return out;
+}
+
+// --- scales --------------------------------------------------------------------------------------
+
+struct ScaleResult {
+  Planes image, noise;
+};
+
+inline ScaleResult fit_scale(const Inputs& in, int step, double ridge, const CountImage& n,
+                             const Guides& g, const Planes& clean, const Planes& clean_variance,
+                             const TwinGuidesOptions& options) {
+  const int width = n.width(), height = n.height();
+  ScaleResult out{Planes(3, Plane(width, height)), Planes(3, Plane(width, height))};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto value =
+          fit_at(x, y, step, ridge, in, n(x, y), clean, options, [&](int qx, int qy) {
+            return window_weight(g, clean, clean_variance, options.sigma * step, options, x, y, qx,
+                                 qy);
+          });
+      for (std::size_t c = 0; c < 3; ++c) {
+        out.image[c](x, y) = value[c];
+        out.noise[c](x, y) = value[c + 3];
+      }
+    }
+  }
+  return out;
+}
+
+// Means under the weights of windows of radius 2, sigma 1.5, with taps 2, 4 and 8 apart.
+inline Plane guided_mean(Plane image, const std::vector<GuideLevel>& levels, const Planes& clean,
+                         const Planes& clean_variance, const RadianceScale& scale,
+                         const TwinGuidesOptions& options) {
+  for (std::size_t k = 1; k <= 3; ++k) {
+    const Guides g = guides(levels, k, scale, options);
+    const int step = 1 << k;
+    const Plane from = image;
+    for (int y = 0; y < image.height(); ++y) {
+      for (int x = 0; x < image.width(); ++x) {
+        double sum = 0.0, total = 0.0;
+        visit_window(image, x, y, 2, step, [&](int qx, int qy, int, int) {
+          const double w =
+              window_weight(g, clean, clean_variance, 1.5 * step, options, x, y, qx, qy);
+          sum += w * from(qx, qy);
+          total += w;
+        });
+        image(x, y) = sum / total;
+      }
+    }
+  }
+  return image;
+}
+
+// mean(plane): the guided mean.
+template <class Mean>
+Planes blend_scales(const std::vector<ScaleResult>& scales, double scene_luminance, double slack,
+                    Mean mean) {
+  Planes out = scales.back().image;
+  const Planes& picture = scales[std::min<std::size_t>(2, scales.size() - 1)].image;
+  for (std::size_t k = scales.size() - 1; k-- > 0;) {
+    const Plane empty(out[0].width(), out[0].height());
+    Plane d = empty, n = empty, v = empty;
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t i = 0; i < empty.size(); ++i) {
+        const double floor = 0.1 * scene_luminance;
+        const double level = std::pow(std::max(picture[c][i], 0.0), 2) + floor * floor;
+        const double coarse = scales[k + 1].noise[c][i], e = scales[k].noise[c][i] - coarse;
+        d[i] += std::pow(scales[k].image[c][i] - scales[k + 1].image[c][i], 2) / (3.0 * level);
+        n[i] += e * e / (3.0 * level);
+        v[i] += e * coarse / (3.0 * level);
+      }
+    }
+    d = mean(d), n = mean(n), v = mean(v);
+    for (std::size_t i = 0; i < empty.size(); ++i) {
+      const double signal = d[i] - slack * (n[i] + v[i]);
+      const double a = signal > 0.0 ? std::min(1.0, signal / d[i]) : 0.0;
+      for (std::size_t c = 0; c < 3; ++c)
+        out[c][i] += a * (scales[k].image[c][i] - out[c][i]);
+    }
   }
   return out;
 }
@@ -275,7 +469,6 @@ std::array<double, 3> fit_at(int x, int y, const Moments& m, int n, const Planes
 // the units, which divide out.
 inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, const Plane& limit,
                             const RadianceScale& scale, const TwinGuidesOptions& options) {
-  const int width = n.width(), height = n.height();
   const Moments m = moments(pool, n, limit, scale);
   Planes raw, raw_variance;
   for (const FeatureLayer& layer : pool.recording().features()) {
@@ -293,16 +486,26 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, const P
     clean = cleaned.mean;
     clean_variance = cleaned.variance;
   }
-  const Guides g = guides(m, clean, clean_variance, scale, options);
-  RgbImage out = make_rgb(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const auto value = fit_at(x, y, m, n(x, y), raw, clean, options, [&](int qx, int qy) {
-        return window_weight(g, clean, clean_variance, options, x, y, qx, qy);
-      });
-      for (std::size_t c = 0; c < 3; ++c)
-        out[c](x, y) = value[c] / scale.unit;
-    }
+  const std::vector<GuideLevel> levels = guide_levels(guide_sources(m, clean, clean_variance),
+                                                      std::max(5, options.scales + 1), options);
+  std::vector<ScaleResult> scales;
+  Inputs in = finest_inputs(m, raw);
+  for (int k = 0, step = 1; k < options.scales; ++k, step *= 2) {
+    const Guides g = guides(levels, static_cast<std::size_t>(k), scale, options);
+    scales.push_back(fit_scale(in, step, options.ridge * std::pow(0.25, k), n, g, clean,
+                               clean_variance, options));
+    in = coarser_inputs(in, step, options, [&](int px, int py, int qx, int qy) {
+      return window_weight(g, clean, clean_variance, options.sigma * step, options, px, py, qx, qy);
+    });
+  }
+  const double slack = options.detail_slack * (raw.empty() ? 0.5 : 1.0);
+  const Planes blended = blend_scales(scales, scale.mean, slack, [&](const Plane& plane) {
+    return guided_mean(plane, levels, clean, clean_variance, scale, options);
+  });
+  RgbImage out = make_rgb(n.width(), n.height());
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < out[c].size(); ++i)
+      out[c][i] = blended[c][i] / scale.unit;
   }
   return out;
 }

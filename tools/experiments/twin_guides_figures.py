@@ -1,4 +1,4 @@
-"""Figures of twin_guides beside those of its prototype: twin_guides_figures.py PROGRAM.
+"""Figures of twin_guides on one scale beside those of its prototype: twin_guides_figures.py PROGRAM.
 
 The prototype is plain numpy in double, written before the filter and apart from it; it takes the same samples, the first of each
 pixel in recorded order. docs/results/twin_guides/prototype.csv has its figures. Both are judged here: squared error over
@@ -33,8 +33,8 @@ def filtered(program, recording, spp, folder):
     selection, image = folder / f"{recording.stem}_{spp}_n.exr", folder / f"{recording.stem}_{spp}.exr"
     subprocess.run([program, "replay", recording, "--sampler", "uniform", "--spp", str(spp), "-q", "-o", selection],
                    check=True)
-    subprocess.run([program, "reconstruct", recording, "--selection", selection, "--filter", "twin_guides", "-q", "-o",
-                    image], check=True)
+    subprocess.run([program, "reconstruct", recording, "--selection", selection, "--filter", "twin_guides", "--set",
+                    "twin_guides.scales=1", "-q", "-o", image], check=True)
     return np.asarray(oiio.ImageBuf(str(image)).get_pixels(oiio.FLOAT), dtype=float)[..., :3]
 
 

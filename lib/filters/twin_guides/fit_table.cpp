@@ -5,6 +5,8 @@ namespace spool {
 FitTable::FitTable(const Lattice& lattice, const Rectangle& tile, int radius,
                    const ScaleInputs& inputs)
     : around_(grow(tile, radius, radius, radius, radius, lattice.bounds())),
+      origin_x_(tile.x0),
+      origin_y_(tile.y0),
       rows_(inputs.features.empty() ? kPosition
                                     : kPosition + static_cast<int>(kMostFeatureChannels)),
       lanes_(static_cast<std::size_t>(around_.area()) * kLanes),
@@ -16,10 +18,10 @@ FitTable::FitTable(const Lattice& lattice, const Rectangle& tile, int radius,
       const std::size_t piece = inputs.down.index(lattice.column(x), lattice.row(y));
       float* u = &lanes_[place * kLanes];
       u[0] = 1.0f;
-      u[1] = kPerPosition * (static_cast<float>(y - tile.y0) + per_piece * inputs.down[piece]);
-      u[2] = kPerPosition * (static_cast<float>(x - tile.x0) + per_piece * inputs.right[piece]);
+      u[1] = down(y, per_piece * inputs.down[piece]);
+      u[2] = right(x, per_piece * inputs.right[piece]);
       for (std::size_t c = 0; c < inputs.features.size(); ++c)
-        u[kPosition + static_cast<int>(c)] = inputs.features[c][piece];
+        u[kPosition + c] = inputs.features[c][piece];
       float* colour = u + rows_;
       for (std::size_t c = 0; c < 3; ++c) {
         colour[c] = inputs.colour[c][piece];

@@ -24,6 +24,13 @@ class FitTable {
   int place(int x, int y) const {     // of a piece of the lattice
     return (y - around_.y0) * around_.width() + (x - around_.x0);
   }
+  // Regressor of a row or column of the lattice, for a piece itself or less than one beside it.
+  float down(int y, float more = 0.0f) const {
+    return kPerPosition * (static_cast<float>(y - origin_y_) + more);
+  }
+  float right(int x, float more = 0.0f) const {
+    return kPerPosition * (static_cast<float>(x - origin_x_) + more);
+  }
   int step(int dx, int dy) const { return dy * around_.width() + dx; }
   const float* lanes(int place = 0) const {
     return lanes_.data() + static_cast<std::ptrdiff_t>(place) * kLanes;
@@ -33,6 +40,7 @@ class FitTable {
 
  private:
   Rectangle around_;  // the tile and its windows inside the lattice
+  int origin_x_, origin_y_;
   int rows_;
   std::vector<float> lanes_, luminance_;
 };

@@ -14,6 +14,9 @@ constexpr WindowShape kWindow = {2, 1.5};
 constexpr int kFirstStep = 2, kLastStep = 8;
 constexpr double kFloor = 0.1;  // of the picture, in L: no error is relative to less
 constexpr std::size_t kTerms = 3;
+// Without features coarse scales know edges from noisy guides alone, and their bias is the common
+// case: their noise counts half.
+constexpr double kSlackWithoutFeatures = 0.5;
 
 // D, N and V of each detail, [3 k + term][y][x], before the means.
 std::vector<Image<float>> terms_of(const std::vector<ScaleImages>& scales, float floor) {
@@ -110,7 +113,8 @@ FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources
   if (scales.size() == 1) return out;
   const std::vector<Image<float>> means = guided_means(
       terms_of(scales, static_cast<float>(kFloor * scale.mean)), sources, clean, scale, options);
-  const auto slack = static_cast<float>(options.detail_slack);
+  const auto slack = static_cast<float>(options.detail_slack *
+                                        (clean.value.empty() ? kSlackWithoutFeatures : 1.0));
   parallel_rows(0, out[0].height(), [&](int y) {
     for (std::size_t i = out[0].index(0, y); i < out[0].index(0, y + 1); ++i) {
       for (std::size_t k = scales.size() - 1; k-- > 0;) {

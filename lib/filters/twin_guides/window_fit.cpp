@@ -11,6 +11,7 @@
 namespace spool {
 namespace {
 
+constexpr int kAll = kPosition + static_cast<int>(kMostFeatureChannels);  // rows with features
 constexpr int kColours = 6;           // three, and their differences
 constexpr float kLeastPivot = 1e-5f;  // of the sum of the weights; below it float says nothing
 
@@ -89,18 +90,18 @@ class TileFit {
       rows_[o] = weights_.row(o, x, y);
   }
 
-  // The piece at the place, the x-th of the row: colours, then differences. clean(c): its features.
-  template <class Clean>
-  std::array<float, kColours> fit(int x, int place, float top, Clean clean) {
-    const Window window = gather(x, place);
+  // The piece (x, y), the i-th of the row: colours, then differences. `features`: its clean ones.
+  std::array<float, kColours> fit(int x, int y, int i, float top,
+                                  const std::array<float, kMostFeatureChannels>& features) {
+    const int place = table_.place(x, y);
+    const Window window = gather(i, place);
     const std::array<float, 3> own = limited(place, top);
     const auto colours = static_cast<std::size_t>(table_.rows());
-    std::array<float, kLanes> centre{};
-    std::copy_n(table_.lanes(place), kPosition, centre.data());
-    centre[0] = 0.0f;
-    for (std::size_t c = 0; kPosition + c < colours; ++c)
-      centre[kPosition + c] = clean(c);
-    std::copy(own.begin(), own.end(), centre.begin() + table_.rows());
+    std::array<float, kLanes> centre{0.0f, table_.down(y), table_.right(x)};
+    if (table_.rows() > kPosition)
+      std::copy(features.begin(), features.end(), centre.begin() + kPosition);
+    for (std::size_t c = 0; c < 3; ++c)
+      centre[(table_.rows() > kPosition ? kAll : kPosition) + c] = own[c];
     std::array<float, kLanes*(kPosition + kMostFeatureChannels)> equations;
     std::array<float, kColours> value;
     bool solved;
@@ -108,7 +109,6 @@ class TileFit {
       add_normal_equations<kPosition>(window, table_, centre.data(), top, equations.data());
       solved = solve_for_constant<kPosition>(equations.data(), ridge_, value.data());
     } else {
-      constexpr int kAll = kPosition + static_cast<int>(kMostFeatureChannels);
       add_normal_equations<kAll>(window, table_, centre.data(), top, equations.data());
       solved = solve_for_constant<kAll>(equations.data(), ridge_, value.data());
     }
@@ -171,9 +171,11 @@ void window_fit(const Lattice& lattice, const Rectangle& tile, const WindowWeigh
     fit.begin_row(tile.x0, y);
     for (int x = tile.x0; x < tile.x1; ++x) {
       const std::size_t piece = n.index(lattice.column(x), lattice.row(y));
-      const std::array<float, kColours> value = fit.fit(
-          x - tile.x0, table.place(x, y), tops(x - tile.x0, y - tile.y0),
-          [&](std::size_t c) { return c < clean.value.size() ? clean.value[c][piece] : 0.0f; });
+      std::array<float, kMostFeatureChannels> features{};
+      for (std::size_t c = 0; c < clean.value.size(); ++c)
+        features[c] = clean.value[c][piece];
+      const std::array<float, kColours> value =
+          fit.fit(x, y, x - tile.x0, tops(x - tile.x0, y - tile.y0), features);
       for (std::size_t c = 0; c < 3; ++c) {
         to.image[c][piece] = value[c];
         to.noise[c][piece] = value[c + 3];
