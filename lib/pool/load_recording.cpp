@@ -1,97 +1,32 @@
 #include "lib/pool/load_recording.h"
 
-#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <utility>
 
 #include "formats/bounded_json.h"
-#include "formats/half_float.h"
 #include "formats/spool_reader.h"
 #include "lib/core/available_memory.h"
-#include "lib/core/parallel.h"
+#include "lib/pool/file_blocks.h"
 
 namespace spool {
 namespace {
 
-using format::DataType;
 using format::SpoolReader;
-
-static_assert(std::endian::native == std::endian::little,
-              "samples are used as they lie in the file");
-
-// What the block pointers of a recording point into.
-struct FileStorage {
-  explicit FileStorage(SpoolReader opened) : reader(std::move(opened)) {}
-  SpoolReader reader;
-  std::vector<std::vector<float>> decoded;  // [tile][block], empty where the file is mapped
-};
 
 // What a recording is deleted by knows its file, for still_intact().
 struct WatchedDelete {
-  std::shared_ptr<const FileStorage> storage;
+  std::shared_ptr<const SpoolReader> file;
   void operator()(const RecordedSamples* samples) const { delete samples; }
 };
 
-std::vector<float> as_floats(const std::vector<std::byte>& bytes, DataType type) {
-  if (type == DataType::kFloat32) {
-    std::vector<float> values(bytes.size() / sizeof(float));
-    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
-    return values;
-  }
-  std::vector<float> values(bytes.size() / sizeof(std::uint16_t));
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    std::uint16_t half = 0;
-    std::memcpy(&half, bytes.data() + i * sizeof(half), sizeof(half));
-    values[i] = format::half_to_float(half);
-  }
-  return values;
+// Film positions with a value per sample, where they are there.
+std::optional<format::LayerInfo> sample_film(const SpoolReader& reader) {
+  const auto layer = reader.find_layer("film");
+  return layer && layer->scope == format::Scope::kSample ? layer : std::nullopt;
 }
 
-Result<const float*> place_block(FileStorage& storage, std::uint32_t tile, std::uint32_t block) {
-  const SpoolReader& reader = storage.reader;
-  const DataType type = reader.header().channels[0].type;
-  if (!reader.has_block(0, tile, block)) {
-    const format::PixelRect rect = reader.tile_rect(tile);
-    const std::uint32_t begin = reader.block_begin(block);
-    return fail(
-        ErrorCode::kDamage,
-        "{}: samples {}-{} of tile {} (pixels {},{} to {},{}) were not recorded: record them, "
-        "or use a recording that is complete",
-        reader.path().string(), begin, begin + reader.block_count(block) - 1, tile, rect.x0,
-        rect.y0, rect.x1 - 1, rect.y1 - 1);
-  }
-  if (type == DataType::kFloat32 && reader.is_raw(0, tile, block)) {
-    SPOOL_ASSIGN(const auto bytes, reader.map_block(0, tile, block));
-    return reinterpret_cast<const float*>(bytes.data());  // payloads start at a multiple of 64
-  }
-  SPOOL_ASSIGN(const auto bytes, reader.read_block(0, tile, block));
-  std::vector<float>& values =
-      storage.decoded[static_cast<std::size_t>(tile) * reader.blocks() + block];
-  values = as_floats(bytes, type);
-  return values.data();
-}
-
-Result<std::vector<const float*>> place_blocks(FileStorage& storage) {
-  const std::size_t blocks = storage.reader.blocks();
-  const std::size_t count = blocks * storage.reader.tiles();
-  storage.decoded.resize(count);
-  std::vector<Result<const float*>> placed(count, nullptr);
-  parallel_for(count, [&](std::size_t i) {
-    placed[i] = place_block(storage, static_cast<std::uint32_t>(i / blocks),
-                            static_cast<std::uint32_t>(i % blocks));
-  });
-  std::vector<const float*> pointers;
-  for (Result<const float*>& block : placed) {
-    SPOOL_ASSIGN(const float* pointer, std::move(block));
-    pointers.push_back(pointer);
-  }
-  return pointers;
-}
-
-// What loading keeps in memory: blocks that cannot be used where they lie, film positions and the
-// reference.
+// What loading keeps in memory: blocks that cannot be used where they lie, and the reference.
 std::uint64_t bytes_to_load(const SpoolReader& reader, SampleFilm wanted) {
   const format::DumpHeader& header = reader.header();
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
@@ -99,18 +34,10 @@ std::uint64_t bytes_to_load(const SpoolReader& reader, SampleFilm wanted) {
   for (const char* layer : {"reference", "reference_variance"}) {
     if (reader.find_layer(layer)) bytes += pixels * 3 * sizeof(double);
   }
-  const bool is_float = header.channels[0].type == DataType::kFloat32;
-  for (std::uint32_t tile = 0; tile < reader.tiles(); ++tile) {
-    const format::PixelRect rect = reader.tile_rect(tile);
-    const std::uint64_t area = std::uint64_t{rect.x1 - rect.x0} * (rect.y1 - rect.y0);
-    for (std::uint32_t block = 0; block < reader.blocks(); ++block) {
-      if (is_float && reader.has_block(0, tile, block) && reader.is_raw(0, tile, block)) continue;
-      bytes += area * reader.block_count(block) * 3 * sizeof(float);
-    }
-  }
-  const auto film = reader.find_layer("film");
-  if (wanted == SampleFilm::kLoad && film && film->scope == format::Scope::kSample) {
-    bytes += pixels * header.spp * sizeof(FilmPosition);
+  bytes += unmapped_bytes(reader, *reader.find_layer("radiance"), FileAccess::kMap);
+  const auto film = sample_film(reader);
+  if (wanted == SampleFilm::kLoad && film) {
+    bytes += unmapped_bytes(reader, *film, FileAccess::kMap);
   }
   return bytes;
 }
@@ -140,25 +67,23 @@ tl::unexpected<Error> outside_pixel(const SpoolReader& reader, const FilmPositio
               reader.path().string(), film.x, film.y, sample);
 }
 
-// Tile by tile, so that the values are in memory once.
-Result<void> load_sample_film(const SpoolReader& reader, RecordedSamples& samples) {
-  const auto width = static_cast<std::size_t>(samples.width());
-  const auto spp = static_cast<std::size_t>(samples.spp());
-  std::vector<FilmPosition> film(width * static_cast<std::size_t>(samples.height()) * spp);
-  for (std::uint32_t tile = 0; tile < reader.tiles(); ++tile) {
-    const format::PixelRect rect = reader.tile_rect(tile);
-    SPOOL_ASSIGN(const std::vector<float> values,
-                 reader.read_region("film", rect, 0, reader.header().spp));
-    const std::size_t plane = values.size() / 2;
-    const float* from = values.data();
-    for (std::size_t y = rect.y0; y < rect.y1; ++y) {
-      FilmPosition* to = &film[(y * width + rect.x0) * spp];
-      for (std::size_t i = 0; i < rect.width() * spp; ++i, ++from, ++to) {
-        *to = {*from, from[plane]};
-        if (!is_in_pixel(*to)) return outside_pixel(reader, *to, i % spp);
-      }
+Result<void> check_film(const SpoolReader& reader, const BlockView& block) {
+  const float* x = block.block.values;
+  const float* y = x + block.channel();
+  for (std::size_t i = 0; i < block.channel(); ++i) {
+    const FilmPosition film{x[i], y[i]};
+    if (!is_in_pixel(film)) {
+      return outside_pixel(reader, film, block.first + i % static_cast<std::size_t>(block.samples));
     }
   }
+  return {};
+}
+
+Result<void> load_sample_film(const std::shared_ptr<const SpoolReader>& reader,
+                              const format::LayerInfo& layer, RecordedSamples& samples) {
+  LayerBlocks film(layer_grid(reader->header()), 2, file_blocks(reader, layer, FileAccess::kMap));
+  SPOOL_TRY(
+      film.read_all(true, [&](const BlockView& block) { return check_film(*reader, block); }));
   samples.set_sample_film(std::move(film));
   return {};
 }
@@ -174,8 +99,9 @@ Result<void> load_pass_film(const SpoolReader& reader, RecordedSamples& samples)
   return {};
 }
 
-Result<void> load_film(const SpoolReader& reader, SampleFilm wanted, RecordedSamples& samples) {
-  const auto layer = reader.find_layer("film");
+Result<void> load_film(const std::shared_ptr<const SpoolReader>& reader, SampleFilm wanted,
+                       RecordedSamples& samples) {
+  const auto layer = reader->find_layer("film");
   if (!layer) return {};
   if (layer->components != std::vector<std::string>{"X", "Y"} ||
       layer->scope == format::Scope::kPixel) {
@@ -183,10 +109,10 @@ Result<void> load_film(const SpoolReader& reader, SampleFilm wanted, RecordedSam
         ErrorCode::kData,
         "{}: layer film is not X, Y of each sample or pass: record it as formats/spool.md 10 "
         "says",
-        reader.path().string());
+        reader->path().string());
   }
-  if (layer->scope == format::Scope::kPass) return load_pass_film(reader, samples);
-  return wanted == SampleFilm::kLoad ? load_sample_film(reader, samples) : Result<void>();
+  if (layer->scope == format::Scope::kPass) return load_pass_film(*reader, samples);
+  return wanted == SampleFilm::kLoad ? load_sample_film(reader, *layer, samples) : Result<void>();
 }
 
 Result<RgbImage> pixel_image(const SpoolReader& reader, const char* layer) {
@@ -218,24 +144,24 @@ Result<void> load_reference(const SpoolReader& reader, RecordedSamples& samples)
 }
 
 // Layers of known names with a value per sample; read later, if at all.
-void offer_features(const std::shared_ptr<FileStorage>& storage, RecordedSamples& samples) {
+void offer_features(const std::shared_ptr<const SpoolReader>& reader, RecordedSamples& samples) {
   std::vector<FeatureLayer> features;
   for (const auto& [name, components] :
        {std::pair{"albedo", "RGB"}, {"normal", "XYZ"}, {"depth", "Z"}}) {
-    const auto layer = storage->reader.find_layer(name);
+    const auto layer = reader->find_layer(name);
     if (!layer || layer->scope != format::Scope::kSample) continue;
     std::string letters;
     for (const std::string& component : layer->components)
       letters += component;
     if (letters == components) features.push_back({name, components});
   }
-  samples.set_features(std::move(features), [storage](const FeatureLayer& layer,
-                                                      const Rectangle& pixels, int count) {
-    const format::PixelRect rect{
-        static_cast<std::uint32_t>(pixels.x0), static_cast<std::uint32_t>(pixels.y0),
-        static_cast<std::uint32_t>(pixels.x1), static_cast<std::uint32_t>(pixels.y1)};
-    return storage->reader.read_region(layer.name, rect, 0, static_cast<std::uint32_t>(count));
-  });
+  samples.set_features(
+      std::move(features), [reader](const FeatureLayer& layer, const Rectangle& pixels, int count) {
+        const format::PixelRect rect{
+            static_cast<std::uint32_t>(pixels.x0), static_cast<std::uint32_t>(pixels.y0),
+            static_cast<std::uint32_t>(pixels.x1), static_cast<std::uint32_t>(pixels.y1)};
+        return reader->read_region(layer.name, rect, 0, static_cast<std::uint32_t>(count));
+      });
 }
 
 // The last `cost_per_sample` holds, as the format wants; one that is no positive number is none.
@@ -257,32 +183,26 @@ Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesys
                                                               const WorkingMemory& work,
                                                               SampleFilm film) {
   SPOOL_ASSIGN(SpoolReader opened, SpoolReader::open(path));
-  auto storage = std::make_shared<FileStorage>(std::move(opened));
-  const SpoolReader& reader = storage->reader;
-  const format::DumpHeader& header = reader.header();
-  RadianceLayout layout;
-  layout.width = static_cast<int>(header.width);
-  layout.height = static_cast<int>(header.height);
-  layout.spp = static_cast<int>(header.spp);
-  layout.tile_size = static_cast<int>(header.tile_size);
-  layout.block_spp = static_cast<int>(header.block_spp);
-  SPOOL_TRY(check_memory(reader, work, film));
-  SPOOL_ASSIGN(layout.blocks, place_blocks(*storage));
+  const auto reader = std::make_shared<const SpoolReader>(std::move(opened));
+  SPOOL_TRY(check_memory(*reader, work, film));
+  LayerBlocks radiance(layer_grid(reader->header()), 3,
+                       file_blocks(reader, *reader->find_layer("radiance"), FileAccess::kMap));
   SPOOL_ASSIGN(RecordedSamples samples,
-               RecordedSamples::create(path.string(), std::move(layout), storage, rules));
-  samples.set_exchangeable(header.sample_order == format::SampleOrder::kExchangeable);
+               RecordedSamples::create(path.string(), std::move(radiance), true, rules));
+  samples.set_exchangeable(reader->header().sample_order == format::SampleOrder::kExchangeable);
   SPOOL_TRY(load_film(reader, film, samples));
-  SPOOL_TRY(load_reference(reader, samples));
-  load_cost(reader, samples);
-  offer_features(storage, samples);
-  SPOOL_TRY(reader.intact());
+  SPOOL_TRY(load_reference(*reader, samples));
+  load_cost(*reader, samples);
+  offer_features(reader, samples);
+  SPOOL_TRY(reader->intact());
   return std::shared_ptr<const RecordedSamples>(new RecordedSamples(std::move(samples)),
-                                                WatchedDelete{storage});
+                                                WatchedDelete{reader});
 }
 
 Result<void> still_intact(const std::shared_ptr<const RecordedSamples>& recording) {
   const auto* watched = std::get_deleter<WatchedDelete>(recording);
-  return watched != nullptr ? watched->storage->reader.intact() : Result<void>();
+  SPOOL_TRY(recording->failure());
+  return watched != nullptr ? watched->file->intact() : Result<void>();
 }
 
 }  // namespace spool

@@ -2,30 +2,36 @@
 
 #include <algorithm>
 
-#include "lib/core/parallel.h"
+#include "lib/pool/scan_block.h"
 
 namespace spool {
 
-Result<RecordedSamples> RecordedSamples::create(std::string name, RadianceLayout layout,
-                                                std::shared_ptr<const void> storage,
+namespace {
+
+BlockReader reader_of(std::vector<const float*> blocks, std::shared_ptr<const void> storage) {
+  return [blocks = std::move(blocks), storage = std::move(storage)](std::size_t i) {
+    return Result<BlockValues>(BlockValues{blocks[i], nullptr});
+  };
+}
+
+}  // namespace
+
+Result<RecordedSamples> RecordedSamples::create(std::string name, LayerBlocks radiance, bool keep,
                                                 const SanitiseRules& rules) {
-  SPOOL_CHECK_GT(layout.width, 0);
-  SPOOL_CHECK_GT(layout.height, 0);
-  SPOOL_CHECK_GT(layout.spp, 0);
-  SPOOL_CHECK_GT(layout.tile_size, 0);
-  SPOOL_CHECK_GT(layout.block_spp, 0);
   RecordedSamples samples;
   samples.name_ = std::move(name);
-  samples.tiles_x_ = (layout.width + layout.tile_size - 1) / layout.tile_size;
-  samples.blocks_ = (layout.spp + layout.block_spp - 1) / layout.block_spp;
-  const int tiles_y = (layout.height + layout.tile_size - 1) / layout.tile_size;
-  SPOOL_CHECK_EQ(layout.blocks.size(),
-                 static_cast<std::size_t>(samples.tiles_x_) * tiles_y * samples.blocks_);
-  samples.layout_ = std::move(layout);
-  samples.storage_ = std::move(storage);
+  samples.radiance_ = std::move(radiance);
   samples.rules_ = rules;
-  SPOOL_TRY(samples.scan());
+  SPOOL_TRY(samples.scan(keep));
   return samples;
+}
+
+Result<RecordedSamples> RecordedSamples::create(std::string name, RadianceLayout layout,
+                                                const std::shared_ptr<const void>& storage,
+                                                const SanitiseRules& rules) {
+  SPOOL_CHECK_EQ(layout.blocks.size(), layout.grid.count());
+  LayerBlocks blocks(layout.grid, 3, reader_of(std::move(layout.blocks), storage));
+  return create(std::move(name), std::move(blocks), false, rules);
 }
 
 Result<RecordedSamples> RecordedSamples::from_memory(std::string name, int width, int height,
@@ -33,7 +39,7 @@ Result<RecordedSamples> RecordedSamples::from_memory(std::string name, int width
                                                      const SanitiseRules& rules) {
   SPOOL_CHECK_EQ(radiance.size(), static_cast<std::size_t>(3) * width * height * spp);
   auto storage = std::make_shared<const std::vector<float>>(std::move(radiance));
-  RadianceLayout layout{width, height, spp, std::max(width, height), spp, {storage->data()}};
+  RadianceLayout layout{{width, height, spp, std::max(width, height), spp}, {storage->data()}};
   return create(std::move(name), std::move(layout), storage, rules);
 }
 
@@ -42,15 +48,30 @@ void RecordedSamples::set_pass_film(std::vector<FilmPosition> positions) {
   pass_film_ = std::move(positions);
 }
 
-void RecordedSamples::set_sample_film(std::vector<FilmPosition> positions) {
+void RecordedSamples::set_sample_film(const std::vector<FilmPosition>& positions) {
   SPOOL_CHECK_EQ(positions.size(), static_cast<std::size_t>(width()) * height() * spp());
-  sample_film_ = std::move(positions);
+  auto channels = std::make_shared<std::vector<float>>();
+  channels->reserve(2 * positions.size());
+  for (const FilmPosition& position : positions)
+    channels->push_back(position.x);
+  for (const FilmPosition& position : positions)
+    channels->push_back(position.y);
+  const LayerGrid whole{width(), height(), spp(), std::max(width(), height()), spp()};
+  LayerBlocks film(whole, 2, reader_of({channels->data()}, channels));
+  SPOOL_CHECK(film.read_all(true, [](const BlockView&) { return Result<void>(); }).has_value());
+  sample_film_ = std::move(film);
 }
 
 FilmPosition RecordedSamples::film(int x, int y, int s) const {
   if (!pass_film_.empty()) return pass_film_[static_cast<std::size_t>(s)];
-  if (sample_film_.empty()) return {};
-  return sample_film_[(static_cast<std::size_t>(y) * width() + x) * spp() + s];
+  if (!sample_film_) return {};
+  const LayerBlocks::Place place = sample_film_->place_of(x, y, s);
+  return {place.value[0], place.value[place.channel]};
+}
+
+Result<void> RecordedSamples::failure() const {
+  SPOOL_TRY(radiance_.failure());
+  return sample_film_ ? sample_film_->failure() : Result<void>();
 }
 
 GuardCounts RecordedSamples::guards() const {
@@ -65,46 +86,23 @@ GuardCounts RecordedSamples::guards() const {
   return guards;
 }
 
-// Block after block, as they lie in the file: a recording larger than memory is read once.
-SanitiseReport RecordedSamples::scan_tile(int tx, int ty) const {
-  SanitiseReport report;
-  const int size = layout_.tile_size;
-  const int x0 = tx * size, x1 = std::min(x0 + size, width());
-  const int y0 = ty * size, y1 = std::min(y0 + size, height());
-  Image<std::uint8_t> kept(x1 - x0, y1 - y0);
-  for (int first = 0; first < spp(); first += layout_.block_spp) {
-    const int end = std::min(first + layout_.block_spp, spp());
-    for (int y = y0; y < y1; ++y) {
-      for (int x = x0; x < x1; ++x) {
-        for (int s = first; s < end; ++s) {
-          const Rgb value = raw_radiance(x, y, s);
-          if (!is_ordinary(value)) {
-            report.add_nonfinite(x, y, s);
-            continue;
-          }
-          kept(x - x0, y - y0) = 1;
-          if (value[0] < 0 || value[1] < 0 || value[2] < 0) ++report.negative;
-          if (std::max({value[0], value[1], value[2]}) > rules_.firefly_limit) ++report.fireflies;
-        }
-      }
-    }
-  }
-  report.empty_pixels =
-      static_cast<std::uint64_t>(std::count(kept.pixels().begin(), kept.pixels().end(), 0));
-  return report;
+// Each block when it is read, so that a recording larger than memory is read once.
+Result<void> RecordedSamples::scan(bool keep) {
+  std::vector<SanitiseReport> blocks(radiance_.grid().count());
+  SPOOL_TRY(radiance_.read_all(keep, [&](const BlockView& block) {
+    blocks[block.index] = scan_block(block, rules_);
+    return Result<void>();
+  }));
+  for (const SanitiseReport& block : blocks)
+    report_.add(block);
+  report_.samples = static_cast<std::uint64_t>(width()) * height() * spp();
+  any_rejected_ = report_.nonfinite > 0 && rules_.nonfinite == NonFiniteRule::kReject;
+  if (report_.nonfinite > 0) report_.empty_pixels = count_empty_pixels(radiance_, blocks);
+  return judge_scan();
 }
 
-Result<void> RecordedSamples::scan() {
-  const int tiles_y = (height() + layout_.tile_size - 1) / layout_.tile_size;
-  std::vector<SanitiseReport> tiles(static_cast<std::size_t>(tiles_x_) * tiles_y);
-  parallel_for(tiles.size(), [&](std::size_t t) {
-    tiles[t] = scan_tile(static_cast<int>(t) % tiles_x_, static_cast<int>(t) / tiles_x_);
-  });
-  for (const SanitiseReport& tile : tiles)
-    report_.add(tile);
-  report_.samples = static_cast<std::uint64_t>(width()) * height() * spp();
+Result<void> RecordedSamples::judge_scan() const {
   if (report_.nonfinite == 0) return {};
-  any_rejected_ = rules_.nonfinite == NonFiniteRule::kReject;
   const auto where = fmt::format("first at pixel {},{} sample {}", report_.first_x, report_.first_y,
                                  report_.first_sample);
   if (rules_.nonfinite == NonFiniteRule::kError) {

@@ -1,7 +1,7 @@
 // All samples of one recording: radiance [c][y][x][s] in tiles and blocks, with optional film
 // positions, an optional independent reference, and which samples were rejected.
 //
-// The values stay where they are (a mapped file, or memory); this class only knows where to look.
+// The values stay where they are (a file, or memory); this class only knows where to look.
 // It is immutable once made, so any number of threads and pools may read it.
 #pragma once
 
@@ -17,6 +17,7 @@
 
 #include "lib/core/error.h"
 #include "lib/core/image.h"
+#include "lib/pool/layer_blocks.h"
 #include "lib/pool/sanitise.h"
 
 namespace spool {
@@ -32,12 +33,9 @@ struct FilmPosition {
   float x = 0.5f, y = 0.5f;
 };
 
-// Where the radiance of a recording lies: tile t covers tile_size^2 pixels (cropped at the right
-// and bottom), its block b holds samples [b * block_spp, ...) as [c][y][x][s] floats.
+// Where the radiance of a recording lies in memory.
 struct RadianceLayout {
-  int width = 0, height = 0, spp = 0;
-  int tile_size = 0;                 // pixels
-  int block_spp = 0;                 // samples
+  LayerGrid grid;
   std::vector<const float*> blocks;  // [tile][block]
 };
 
@@ -53,11 +51,14 @@ using FeatureReader = std::function<Result<std::vector<float>>(
 
 class RecordedSamples {
  public:
-  // `storage` keeps alive whatever the block pointers point into. Scans every sample once (in
-  // parallel) to apply `rules`. Errors: kData when non-finite samples are forbidden or too many, or
+  // Reads and scans every sample once (in parallel) to apply `rules`; `keep`: blocks stay in
+  // memory. Errors: those of the layer; kData when non-finite samples are forbidden or too many, or
   // when a pixel keeps no sample, unless the rules allow it.
+  static Result<RecordedSamples> create(std::string name, LayerBlocks radiance, bool keep,
+                                        const SanitiseRules& rules = {});
+  // The same of what lies in memory. `storage` keeps alive whatever the block pointers point into.
   static Result<RecordedSamples> create(std::string name, RadianceLayout layout,
-                                        std::shared_ptr<const void> storage,
+                                        const std::shared_ptr<const void>& storage,
                                         const SanitiseRules& rules = {});
 
   // A recording in memory: radiance [c][y][x][s]. For synthetic scenes and tests.
@@ -65,9 +66,11 @@ class RecordedSamples {
                                              std::vector<float> radiance,
                                              const SanitiseRules& rules = {});
 
-  // Film positions [s] shared by all pixels, or [y][x][s] of each sample.
+  // Film positions [s] shared by all pixels, or [y][x][s] of each sample: in memory, or in blocks
+  // of the channels X and Y that have been read once.
   void set_pass_film(std::vector<FilmPosition> positions);
-  void set_sample_film(std::vector<FilmPosition> positions);
+  void set_sample_film(const std::vector<FilmPosition>& positions);
+  void set_sample_film(LayerBlocks positions) { sample_film_ = std::move(positions); }
   // Features are read when a method asks for them, and only then.
   void set_features(std::vector<FeatureLayer> layers, FeatureReader reader) {
     features_ = std::move(layers);
@@ -79,9 +82,9 @@ class RecordedSamples {
   void set_cost_per_sample(double seconds) { cost_per_sample_ = seconds; }
 
   const std::string& name() const { return name_; }
-  int width() const { return layout_.width; }
-  int height() const { return layout_.height; }
-  int spp() const { return layout_.spp; }
+  int width() const { return radiance_.grid().width; }
+  int height() const { return radiance_.grid().height; }
+  int spp() const { return radiance_.grid().spp; }
   bool exchangeable() const { return exchangeable_; }
   std::optional<double> cost_per_sample() const { return cost_per_sample_; }  // seconds
   const std::optional<Reference>& reference() const { return reference_; }
@@ -93,7 +96,7 @@ class RecordedSamples {
   const SanitiseReport& report() const { return report_; }
   GuardCounts guards() const;
 
-  bool has_film() const { return !pass_film_.empty() || !sample_film_.empty(); }
+  bool has_film() const { return !pass_film_.empty() || sample_film_.has_value(); }
   FilmPosition film(int x, int y, int s) const;
 
   // Sample s (0 .. spp-1, recorded order) of pixel (x, y), after the rules.
@@ -102,29 +105,26 @@ class RecordedSamples {
     return rules_.changes_values() ? sanitised(value, rules_) : value;
   }
   Rgb raw_radiance(int x, int y, int s) const {
-    const Place place = place_of(x, y, s);
-    return {place.red[0], place.red[place.channel], place.red[2 * place.channel]};
+    const LayerBlocks::Place place = radiance_.place_of(x, y, s);
+    return {place.value[0], place.value[place.channel], place.value[2 * place.channel]};
   }
+  // The radiance as it lies, before the rules; for whoever goes through many samples.
+  const LayerBlocks& blocks() const { return radiance_; }
+  // Whether the rules leave every sample as it lies, and reject none.
+  bool as_it_lies() const { return !any_rejected_ && !rules_.changes_values(); }
   bool any_rejected() const { return any_rejected_; }
   bool rejected(int x, int y, int s) const {
     return any_rejected_ && !is_ordinary(raw_radiance(x, y, s));
   }
+  // The first error of blocks that were read again and could not be: they held zeros.
+  Result<void> failure() const;
 
  private:
-  // Where the red of a sample lies; `channel` floats further green, and blue after as many again.
-  struct Place {
-    const float* red;
-    std::size_t channel;
-  };
-  Place place_of(int x, int y, int s) const;
-  Result<void> scan();
-  SanitiseReport scan_tile(int tx, int ty) const;
+  Result<void> scan(bool keep);
+  Result<void> judge_scan() const;
 
   std::string name_;
-  RadianceLayout layout_;
-  int tiles_x_ = 0;
-  int blocks_ = 0;
-  std::shared_ptr<const void> storage_;
+  LayerBlocks radiance_;
   SanitiseRules rules_;
   SanitiseReport report_;
   bool any_rejected_ = false;
@@ -134,20 +134,7 @@ class RecordedSamples {
   std::vector<FeatureLayer> features_;
   FeatureReader read_feature_;
   std::vector<FilmPosition> pass_film_;
-  std::vector<FilmPosition> sample_film_;
+  std::optional<LayerBlocks> sample_film_;  // channels X, Y
 };
-
-inline RecordedSamples::Place RecordedSamples::place_of(int x, int y, int s) const {
-  const int tile_size = layout_.tile_size;
-  const int tx = x / tile_size, ty = y / tile_size, b = s / layout_.block_spp;
-  const int tile_width = std::min(tile_size, layout_.width - tx * tile_size);
-  const int tile_height = std::min(tile_size, layout_.height - ty * tile_size);
-  const int count = std::min(layout_.block_spp, layout_.spp - b * layout_.block_spp);
-  const float* block = layout_.blocks[(static_cast<std::size_t>(ty) * tiles_x_ + tx) * blocks_ + b];
-  const std::size_t pixel =
-      static_cast<std::size_t>(y - ty * tile_size) * tile_width + (x - tx * tile_size);
-  return {block + pixel * count + (s - b * layout_.block_spp),
-          static_cast<std::size_t>(tile_width) * tile_height * count};
-}
 
 }  // namespace spool

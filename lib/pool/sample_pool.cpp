@@ -69,6 +69,12 @@ SamplePool SamplePool::half(int parity) const {
   return pool;
 }
 
+bool SamplePool::as_recorded() const {
+  return options_.order == PoolOrder::kRecorded && options_.start == 0.0 &&
+         options_.pieces_per_side == 1 && list_begin_.empty() && !is_half() && !limits_ &&
+         recording_->as_it_lies();
+}
+
 SamplePool SamplePool::with_limits(Plane limits) const {
   SPOOL_CHECK_EQ(limits.width(), recording_->width());
   SPOOL_CHECK_EQ(limits.height(), recording_->height());

@@ -70,6 +70,8 @@ class SamplePool {
   // pool.
   SamplePool half(int parity) const;
   bool is_half() const { return stride_ > 1; }
+  // Pieces are pixels, and sample i of each is the i-th recorded one as it lies in the file.
+  bool as_recorded() const;
 
   // The same pool with every sample whose luminance exceeds that of its pixel in `limits` [y][x]
   // pixels, >= 0, scaled down to it: for methods that clamp (lib/kernels/sample_clamp.h). Of two

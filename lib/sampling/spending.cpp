@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lib/core/parallel.h"
-
 namespace spool {
 
 Spending begin_spending(const SamplePool& pool, long long budget, const CountImage& first,
@@ -29,10 +27,7 @@ void expose(PieceStatistics& statistics, const SamplePool& pool, GuardCounts& gu
 long long spend(Spending& spending, const SamplePool& pool, const CountImage& extra) {
   PieceStatistics& statistics = spending.statistics;
   SPOOL_CHECK(extra.same_size(statistics.n));
-  parallel_rows(0, extra.height(), [&](int y) {
-    for (int x = 0; x < extra.width(); ++x)
-      take(statistics, pool, x, y, extra(x, y));
-  });
+  take_each(statistics, pool, extra);
   const long long taken = count_samples(extra);
   spending.left -= taken;
   return taken;

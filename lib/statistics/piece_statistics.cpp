@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lib/core/parallel.h"
+#include "lib/statistics/block_statistics.h"
 
 namespace spool {
 namespace {
@@ -17,6 +18,63 @@ void welford(double& mean, double& m2, std::int32_t n_after, double value) {
   const double delta = value - mean;
   mean += delta / n_after;
   m2 += delta * (value - mean);
+}
+
+// Rows of a tile that one thread goes through. Short bands for many threads, but whole tiles where
+// each thread would read the blocks again.
+constexpr int kBandRows = 8;
+
+struct Band {
+  int tile = 0;
+  Rectangle pixels;
+};
+
+std::vector<Band> bands_of(const LayerBlocks& blocks) {
+  const LayerGrid& grid = blocks.grid();
+  const int rows = blocks.in_place() ? kBandRows : grid.tile_size;
+  std::vector<Band> bands;
+  for (int t = 0; t < grid.tiles(); ++t) {
+    const Rectangle tile = grid.tile(t);
+    for (int y = tile.y0; y < tile.y1; y += rows)
+      bands.push_back({t, {tile.x0, y, tile.x1, std::min(y + rows, tile.y1)}});
+  }
+  return bands;
+}
+
+// body(x, y) for every piece, tile by tile, in parallel: as samples lie in the file.
+template <class Body>
+void for_each_piece(const SamplePool& pool, const Body& body) {
+  const std::vector<Band> bands = bands_of(pool.recording().blocks());
+  const int q = pool.pieces_per_side();
+  parallel_for(bands.size(), [&](std::size_t i) {
+    const Rectangle& pixels = bands[i].pixels;
+    for (int y = q * pixels.y0; y < q * pixels.y1; ++y) {
+      for (int x = q * pixels.x0; x < q * pixels.x1; ++x)
+        body(x, y);
+    }
+  });
+}
+
+// body(block, row_begin, row_end) for every block with samples among the first counts(x, y), those
+// of a tile in their order, in parallel.
+template <class Body>
+void for_each_block(const SamplePool& pool, const CountImage& counts, const Body& body) {
+  const LayerBlocks& blocks = pool.recording().blocks();
+  const std::vector<Band> bands = bands_of(blocks);
+  parallel_for(bands.size(), [&](std::size_t i) {
+    const Rectangle& pixels = bands[i].pixels;
+    int most = 0;
+    for (int y = pixels.y0; y < pixels.y1; ++y)
+      most =
+          std::max(most, *std::max_element(&counts(pixels.x0, y), &counts(pixels.x1 - 1, y) + 1));
+    for (int b = 0; b < blocks.grid().blocks() && blocks.grid().first_sample(b) < most; ++b)
+      body(blocks.view(bands[i].tile, b), pixels.y0, pixels.y1);
+  });
+}
+
+// Whether block_statistics.h knows how to add the pool's samples to the signal.
+bool goes_by_blocks(const SamplePool& pool, const AnalysisSignal& signal) {
+  return pool.as_recorded() && signal.channel == AnalysisChannel::kLuminance;
 }
 
 // Index of the non-empty piece nearest to (x, y) by rings of growing Chebyshev radius; inside a
@@ -98,30 +156,43 @@ void take(PieceStatistics& statistics, const SamplePool& pool, int x, int y, int
     add_sample(statistics, piece, pool.sample(x, y, statistics.n[piece]));
 }
 
+void take_each(PieceStatistics& statistics, const SamplePool& pool, const CountImage& counts) {
+  SPOOL_CHECK_EQ(counts.width(), pool.width());
+  SPOOL_CHECK_EQ(counts.height(), pool.height());
+  for_each_piece(pool, [&](int x, int y) { take(statistics, pool, x, y, counts(x, y)); });
+}
+
 long long take_everywhere(PieceStatistics& statistics, const SamplePool& pool, int spp) {
-  std::vector<long long> taken(static_cast<std::size_t>(pool.height()), 0);
-  parallel_rows(0, pool.height(), [&](int y) {
-    for (int x = 0; x < pool.width(); ++x) {
-      const int count = std::min(spp, pool.capacity(x, y) - statistics.n(x, y));
-      take(statistics, pool, x, y, count);
-      taken[static_cast<std::size_t>(y)] += count;
-    }
-  });
+  CountImage counts(pool.width(), pool.height());
   long long total = 0;
-  for (const long long row : taken)
-    total += row;
+  for (int y = 0; y < pool.height(); ++y) {
+    for (int x = 0; x < pool.width(); ++x) {
+      counts(x, y) = std::min(spp, pool.capacity(x, y) - statistics.n(x, y));
+      total += counts(x, y);
+    }
+  }
+  take_each(statistics, pool, counts);
   return total;
 }
 
 PieceStatistics prefix_statistics(const SamplePool& pool, const CountImage& counts,
                                   const AnalysisSignal& signal, bool channel_extremes) {
+  PieceStatistics statistics = empty_statistics(pool, signal, channel_extremes);
+  if (channel_extremes || !goes_by_blocks(pool, signal)) {
+    take_each(statistics, pool, counts);
+    return statistics;
+  }
   SPOOL_CHECK_EQ(counts.width(), pool.width());
   SPOOL_CHECK_EQ(counts.height(), pool.height());
-  PieceStatistics statistics = empty_statistics(pool, signal, channel_extremes);
-  parallel_rows(0, pool.height(), [&](int y) {
-    for (int x = 0; x < pool.width(); ++x)
-      take(statistics, pool, x, y, counts(x, y));
+  for (const std::int32_t count : counts.pixels())
+    SPOOL_CHECK_LE(count, pool.capacity(0, 0));
+  for_each_block(pool, counts, [&](const BlockView& block, int begin, int end) {
+    ScalarStatistics& of_signal = statistics.analysis;
+    add_block({&statistics.mean, &statistics.m2, &of_signal.mean, &of_signal.m2, &of_signal.minimum,
+               &of_signal.maximum},
+              signal.exposure, block, counts, begin, end);
   });
+  statistics.n = counts;
   return statistics;
 }
 
@@ -130,13 +201,18 @@ void set_signal(PieceStatistics& statistics, const SamplePool& pool, const Analy
   statistics.signal = signal;
   ScalarStatistics& analysis = statistics.analysis;
   analysis = ScalarStatistics(statistics.width(), statistics.height());
-  parallel_rows(0, statistics.height(), [&](int y) {
-    for (int x = 0; x < statistics.width(); ++x) {
-      const std::size_t piece = statistics.n.index(x, y);
-      for (int i = 0; i < statistics.n[piece]; ++i) {
-        analysis.add(piece, i + 1, signal.value(pool.sample(x, y, i)));
-      }
-    }
+  if (goes_by_blocks(pool, signal)) {
+    for_each_block(pool, statistics.n, [&](const BlockView& block, int begin, int end) {
+      add_block(
+          {nullptr, nullptr, &analysis.mean, &analysis.m2, &analysis.minimum, &analysis.maximum},
+          signal.exposure, block, statistics.n, begin, end);
+    });
+    return;
+  }
+  for_each_piece(pool, [&](int x, int y) {
+    const std::size_t piece = statistics.n.index(x, y);
+    for (int i = 0; i < statistics.n[piece]; ++i)
+      analysis.add(piece, i + 1, signal.value(pool.sample(x, y, i)));
   });
 }
 

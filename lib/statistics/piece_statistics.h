@@ -48,6 +48,9 @@ PieceStatistics empty_statistics(const SamplePool& pool, const AnalysisSignal& s
 // samples must exist: n + count <= capacity.
 void take(PieceStatistics& statistics, const SamplePool& pool, int x, int y, int count = 1);
 
+// Takes the next counts(x, y) samples of every piece, in parallel.
+void take_each(PieceStatistics& statistics, const SamplePool& pool, const CountImage& counts);
+
 // What take() does with each sample, for a caller who fetched the next one of the piece himself.
 void add_sample(PieceStatistics& statistics, std::size_t piece, const Rgb& value);
 

@@ -243,8 +243,8 @@ TEST(LawsOfFilters, OnlySamplesBehindTheCursorAreRead) {
     };
     write(0, 0.0f);
     auto recording = RecordedSamples::create(
-        "poison", {world.width, world.height, world.spp, world.width, world.spp, {values->data()}},
-        values);
+        "poison",
+        {{world.width, world.height, world.spp, world.width, world.spp}, {values->data()}}, values);
     ASSERT_TRUE(recording.has_value());
     recording->set_pass_film(world.film);
     auto poison_features = std::make_shared<bool>(false);

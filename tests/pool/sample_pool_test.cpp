@@ -39,7 +39,7 @@ TEST(RecordedSamples, TilesAndBlocksAreAddressedLikeTheFormat) {
       }
     }
   }
-  RadianceLayout layout{5, 3, 5, 2, 2, {}};
+  RadianceLayout layout{{5, 3, 5, 2, 2}, {}};
   for (const auto& block : blocks)
     layout.blocks.push_back(block.data());
   const auto recording = RecordedSamples::create("tiles", layout, nullptr);

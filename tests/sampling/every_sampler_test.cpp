@@ -87,7 +87,7 @@ TEST(EverySampler, ButTheOracleLooksOnlyBehindTheCursor) {
     };
     fill(nullptr);
     auto recording = RecordedSamples::create(
-        "poison", {width, height, spp, width, spp, {values->data()}}, values);
+        "poison", {{width, height, spp, width, spp}, {values->data()}}, values);
     ASSERT_TRUE(recording.has_value());
     test::add_features(*recording);
     const SamplePool pool =

@@ -88,7 +88,7 @@ TEST(Multiscale, PoisonBeyondTheCursorChangesNothing) {
       }
     }
     auto recording = RecordedSamples::create(
-        "poison", {width, height, spp, width, spp, {values->data()}}, values);
+        "poison", {{width, height, spp, width, spp}, {values->data()}}, values);
     ASSERT_TRUE(recording.has_value());
     const SamplePool pool =
         test::pool_of(std::make_shared<const RecordedSamples>(std::move(*recording)));

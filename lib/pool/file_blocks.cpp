@@ -1,0 +1,99 @@
+#include "lib/pool/file_blocks.h"
+
+#include <bit>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "formats/half_float.h"
+
+namespace spool {
+namespace {
+
+using format::DataType;
+using format::SpoolReader;
+
+static_assert(std::endian::native == std::endian::little,
+              "samples are used as they lie in the file");
+
+struct BlockPlace {
+  std::uint32_t tile, block;
+};
+BlockPlace place_of(const SpoolReader& file, std::size_t index) {
+  return {static_cast<std::uint32_t>(index / file.blocks()),
+          static_cast<std::uint32_t>(index % file.blocks())};
+}
+
+std::size_t values_a_channel(const SpoolReader& file, BlockPlace place) {
+  const format::PixelRect tile = file.tile_rect(place.tile);
+  return std::size_t{tile.width()} * tile.height() * file.block_count(place.block);
+}
+
+bool can_be_mapped(const SpoolReader& file, const format::LayerInfo& layer, BlockPlace place) {
+  return layer.type == DataType::kFloat32 && file.is_raw(layer.group, place.tile, place.block);
+}
+
+tl::unexpected<Error> missing(const SpoolReader& file, BlockPlace place) {
+  const format::PixelRect rect = file.tile_rect(place.tile);
+  const std::uint32_t begin = file.block_begin(place.block);
+  return fail(ErrorCode::kDamage,
+              "{}: samples {}-{} of tile {} (pixels {},{} to {},{}) were not recorded: record "
+              "them, or use a recording that is complete",
+              file.path().string(), begin, begin + file.block_count(place.block) - 1, place.tile,
+              rect.x0, rect.y0, rect.x1 - 1, rect.y1 - 1);
+}
+
+// The layer's part of a block, whose first value is `first`.
+BlockValues decoded(std::vector<std::byte> block, DataType type, std::size_t first,
+                    std::size_t count) {
+  if (type == DataType::kFloat32) {
+    // Memory of new is aligned for floats.
+    auto held = std::make_shared<const std::vector<std::byte>>(std::move(block));
+    return {reinterpret_cast<const float*>(held->data()) + first, held};
+  }
+  auto held = std::make_shared<std::vector<float>>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint16_t half = 0;
+    std::memcpy(&half, block.data() + (first + i) * sizeof(half), sizeof(half));
+    (*held)[i] = format::half_to_float(half);
+  }
+  return {held->data(), held};
+}
+
+}  // namespace
+
+LayerGrid layer_grid(const format::DumpHeader& header) {
+  return {static_cast<int>(header.width), static_cast<int>(header.height),
+          static_cast<int>(header.spp), static_cast<int>(header.tile_size),
+          static_cast<int>(header.block_spp)};
+}
+
+BlockReader file_blocks(std::shared_ptr<const SpoolReader> file, const format::LayerInfo& layer,
+                        FileAccess access) {
+  return [file = std::move(file), layer, access](std::size_t index) -> Result<BlockValues> {
+    const BlockPlace place = place_of(*file, index);
+    if (!file->has_block(layer.group, place.tile, place.block)) return missing(*file, place);
+    const std::size_t plane = values_a_channel(*file, place);
+    const std::size_t first = layer.first_channel * plane;
+    if (access == FileAccess::kMap && can_be_mapped(*file, layer, place)) {
+      SPOOL_ASSIGN(const auto bytes, file->map_block(layer.group, place.tile, place.block));
+      // Payloads start at a multiple of 64.
+      return BlockValues{reinterpret_cast<const float*>(bytes.data()) + first, nullptr};
+    }
+    SPOOL_ASSIGN(auto bytes, file->read_block(layer.group, place.tile, place.block));
+    return decoded(std::move(bytes), layer.type, first, layer.channel_count * plane);
+  };
+}
+
+std::uint64_t unmapped_bytes(const SpoolReader& file, const format::LayerInfo& layer,
+                             FileAccess access) {
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < std::size_t{file.tiles()} * file.blocks(); ++i) {
+    const BlockPlace place = place_of(file, i);
+    if (access == FileAccess::kMap && can_be_mapped(file, layer, place)) continue;
+    bytes += layer.channel_count * values_a_channel(file, place) * sizeof(float);
+  }
+  return bytes;
+}
+
+}  // namespace spool
