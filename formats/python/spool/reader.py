@@ -69,18 +69,20 @@ class Dump:
         tiles = [ty * self.geometry.tiles_x + tx for ty in range(y0 // size, (y1 - 1) // size + 1) for tx in columns]
         begins = range(first // self.block_spp * self.block_spp, first + count, self.block_spp)
         # Memory is asked for only when the file is known to hold what will fill it.
-        for tile in tiles:
-            for begin in begins:
-                self._row(layer.group, tile, begin)
+        rows = [self._row(layer.group, tile, begin) for tile in tiles for begin in begins]
         out = np.empty((y1 - y0, x1 - x0, count, len(layer.components)), layer.dtype)
+        # One for all blocks: touching fresh memory takes longer than reading into it.
+        scratch = bytearray(int(self._records.entries["stored_bytes"][rows].max()))
         for tile in tiles:
             tx0, ty0, tx1, ty1 = self.geometry.rectangle(tile)
             cx0, cy0, cx1, cy1 = max(tx0, x0), max(ty0, y0), min(tx1, x1), min(ty1, y1)
             for begin in begins:
-                block = self._load(self._row(layer.group, tile, begin))
+                block = self._load(self._row(layer.group, tile, begin), scratch)
                 s0, s1 = max(begin, first), min(begin + block.shape[3], first + count)
                 part = block[channels, cy0 - ty0:cy1 - ty0, cx0 - tx0:cx1 - tx0, s0 - begin:s1 - begin]
-                out[cy0 - y0:cy1 - y0, cx0 - x0:cx1 - x0, s0 - first:s1 - first] = part.transpose(1, 2, 3, 0)
+                target = out[cy0 - y0:cy1 - y0, cx0 - x0:cx1 - x0, s0 - first:s1 - first]
+                for number, plane in enumerate(part):  # long runs, where a transposed copy goes three values at a time
+                    target[..., number] = plane
         return out
 
     def pixel(self, layer):
@@ -201,9 +203,9 @@ class Dump:
             raise self._records.error("absent", f"nothing recorded (group {group}, tile {tile}, sample {begin})")
         return row
 
-    def _load(self, row):
+    def _load(self, row, scratch=None):
         dtype = self._groups[int(self._records.entries[row]["group"])][1]
-        return self._shaped(row, np.frombuffer(self._records.payload(row, dtype.itemsize), np.uint8))
+        return self._shaped(row, np.frombuffer(self._records.payload(row, dtype.itemsize, scratch), np.uint8))
 
     def _shaped(self, row, data):
         entry = self._records.entries[row]

@@ -51,11 +51,11 @@ class RecordFile:
         advice = ADVICE.get(kind)
         return SpoolError(kind, f"{self.path}: {text}: {advice}" if advice else f"{self.path}: {text}")
 
-    def payload(self, row, itemsize=1):
-        """Decoded bytes of a record; its CRC is verified."""
+    def payload(self, row, itemsize=1, scratch=None):
+        """Decoded bytes of a record; its CRC is verified. `scratch`, large enough, takes what is read."""
         entry = self.entries[row]
         offset, stored = int(entry["offset"]), int(entry["stored_bytes"])
-        payload = self.read_at(offset + 64, stored)
+        payload = self.read_at(offset + 64, stored, scratch)
         if zlib.crc32(payload) != int(entry["payload_crc32"]):
             raise self.error("damaged", f"payload of record {row} is damaged (byte {offset + 64})")
         if int(entry["codec"]) == layout.CODEC_NONE:
@@ -80,9 +80,13 @@ class RecordFile:
         at = int(entry["offset"]) + 64
         return whole[at:at + int(entry["stored_bytes"])]
 
-    def read_at(self, offset, count):
+    def read_at(self, offset, count, scratch=None):
         parts = []
         try:
+            if scratch is not None and hasattr(os, "preadv"):
+                whole = memoryview(scratch)[:count]
+                if os.preadv(self._file.fileno(), [whole], offset) == count:
+                    return whole
             while count:
                 if hasattr(os, "pread"):
                     part = os.pread(self._file.fileno(), count, offset)
