@@ -112,6 +112,15 @@ SPOOL_VECTOR_CLONES void add_samples(const Samples& in, int least, int most, dou
   *to = lanes;
 }
 
+// A copy of a size that the compiler knows is a move.
+void copy_lanes(void* to, const void* from, int pixels) {
+  if (pixels == kLanes) {
+    std::memcpy(to, from, sizeof(Doubles));
+  } else {
+    std::memcpy(to, from, sizeof(double) * static_cast<std::size_t>(pixels));
+  }
+}
+
 // Copies what eight pixels from `at` on have in the planes, to or from `lanes`.
 template <class Copy>
 void each_plane(const StatisticsPlanes& planes, Lanes& lanes, std::size_t at, const Copy& copy) {
@@ -135,26 +144,28 @@ void add_block(const StatisticsPlanes& planes, double exposure, const BlockView&
       const int pixels = std::min(kLanes, tile.x1 - x);
       Samples in{block.at(x, y), block.samples, static_cast<std::ptrdiff_t>(block.channel()),
                  block.first};
-      int least = pixels == kLanes ? block.samples : 0, most = 0;
-      for (int l = 0; l < pixels; ++l) {
-        const int own = std::clamp(counts(x + l, y) - block.first, 0, block.samples);
-        in.own[l] = own;
-        least = std::min(least, own);
-        most = std::max(most, own);
+      std::int64_t own[kLanes] = {};
+      int least = block.samples, most = 0;
+      for (int l = 0; l < kLanes; ++l) {
+        const int count =
+            l < pixels ? std::clamp(counts(x + l, y) - block.first, 0, block.samples) : 0;
+        own[l] = count;
+        least = std::min(least, count);
+        most = std::max(most, count);
       }
+      std::memcpy(&in.own, own, sizeof(own));
       if (most == 0) continue;
       Lanes lanes{};
-      const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(pixels);
       const std::size_t at = counts.index(x, y);
       each_plane(planes, lanes, at,
-                 [&](double* from, Doubles* to) { std::memcpy(to, from, bytes); });
+                 [&](double* from, Doubles* to) { copy_lanes(to, from, pixels); });
       if (planes.mean != nullptr) {
         add_samples<true>(in, least, most, exposure, &lanes);
       } else {
         add_samples<false>(in, least, most, exposure, &lanes);
       }
       each_plane(planes, lanes, at,
-                 [&](double* to, Doubles* from) { std::memcpy(to, from, bytes); });
+                 [&](double* to, Doubles* from) { copy_lanes(to, from, pixels); });
     }
   }
 }

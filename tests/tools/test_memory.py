@@ -106,8 +106,9 @@ def test_film_positions_that_no_method_asks_for_are_not_read(recordings, tmp_pat
     (tmp_path / "damaged.spool").write_bytes(data)
     plain = said(command("reconstruct", recordings / "plain.spool", "box", tmp_path))
     assert said(command("reconstruct", recordings / "film.spool", "box", tmp_path)) == plain
-    film = said(command("reconstruct", recordings / "film.spool", "multistage", tmp_path))
-    assert abs(film - plain - 8 * SAMPLES * SIZE**2) < 0.01 * film
+    # Read where they lie, they take none either; packed ones take what they are unpacked.
+    assert said(command("reconstruct", recordings / "film.spool", "multistage", tmp_path)) == said(
+        command("reconstruct", recordings / "plain.spool", "multistage", tmp_path))
     for arguments, code in ((command("reconstruct", tmp_path / "damaged.spool", "box", tmp_path), 0),
                             (command("reconstruct", tmp_path / "damaged.spool", "multistage", tmp_path), 4),
                             (command("replay", tmp_path / "damaged.spool", "uniform", tmp_path), 0),
