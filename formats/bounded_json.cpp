@@ -9,6 +9,7 @@ bool nests_within(std::string_view text, std::size_t depth) {
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
+    if (c == '\0') return false;
     if (in_string) {
       if (c == '\\') ++i;  // whatever follows does not end the string
       in_string = c != '"';

@@ -19,7 +19,8 @@ inline constexpr std::size_t kMaxJsonDepth = 64;
 inline constexpr std::size_t kMaxJsonBytes = std::size_t{16} << 20;
 
 // Whether arrays and objects stand at most `depth` deep in one another. Exact for JSON; a text that
-// is none is left to the parser.
+// is none is left to the parser, but for a byte 0: the parser would take it for the end of the
+// text.
 bool nests_within(std::string_view text, std::size_t depth);
 
 // The whole file; nothing when it cannot be read, is no regular file or has more than `max_bytes`.

@@ -29,6 +29,14 @@ TEST(BoundedJson, BracketsInStringsAreText) {
   EXPECT_TRUE(parse_json("[\"\\\\\"," + nested(100) + "]").is_discarded());
 }
 
+TEST(BoundedJson, NothingStandsBehindAByte0) {
+  using namespace std::string_view_literals;
+  EXPECT_TRUE(parse_json("{}\0"sv).is_discarded());
+  EXPECT_TRUE(parse_json("{\"a\": 1}\0[["sv).is_discarded());
+  EXPECT_TRUE(parse_json("[\"a\0b\"]"sv).is_discarded());
+  EXPECT_TRUE(parse_json("[\"a\\u0000b\"]"sv).is_array());
+}
+
 // Side by side is not one in another.
 TEST(BoundedJson, ManyShallowValuesAreTaken) {
   std::string text = "[[]";

@@ -31,9 +31,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const nlohmann::json value = parse_json(text);
   const nlohmann::json free = nlohmann::json::parse(text, nullptr, false);
   if (value.is_discarded()) {
-    demand(free.is_discarded() || depth_of(free) > kMaxJsonDepth, "what is shallow is accepted");
+    // nlohmann/json takes a byte 0 for the end of the text and ignores what follows.
+    const bool whole = text.find('\0') == std::string_view::npos;
+    demand(free.is_discarded() || !whole || depth_of(free) > kMaxJsonDepth,
+           "what is shallow is accepted");
     return 0;
   }
+  demand(text.find('\0') == std::string_view::npos, "nothing stands behind the end");
   demand(depth_of(value) <= kMaxJsonDepth, "what is accepted is shallow");
   const nlohmann::json copy = value;
   demand(copy == value, "a copy is the same");
