@@ -9,6 +9,7 @@ build_packages=(g++ cmake ninja-build pkg-config python3
 test_packages=(blender chromium libatomic1 libllvm19 python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
   python3-zarr python3-zstandard)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
+report_packages=(python3-numpy python3-matplotlib)
 fuzz_packages=(clang-19 libclang-rt-19-dev)  # the runtime of libFuzzer and the sanitizers does not come with the compiler
 tsan_packages=(dpkg-dev)
 bench_packages=(libbenchmark-dev)
@@ -17,10 +18,10 @@ endure_packages=(parallel slurm-client slurmctld slurmd)
 usage() {
   cat <<'TEXT'
 usage: tools/dev.sh VERB [ARGUMENTS]
-  setup [build|test|lint|bench|all]  install what is missing (Debian 12; as root). Default: all
+  setup [build|report|test|lint|bench|all]  install what is missing (Debian 12; as root). Default: all
   build [PRESET] [TARGETS]      configure and build; PRESET is release (default), debug, clang, asan or tsan
   test [PRESET] [CTEST ARGS]    build, then every test; e.g. test release -L unit
-  demo                          evaluate a small scene; prints error and time, pictures in demo-output/
+  demo                          evaluate a small scene; prints error and time, pictures and report.html in demo-output/
   record NAME [ARGS]            record a scene of dumps/CATALOG.toml, 512x512 with 256 samples unless told otherwise
                                 (--size N --samples N --reference N -o FILE); or a .blend file, or an .xml of Mitsuba;
                                 run again after an interruption to go on
@@ -83,6 +84,10 @@ require_packages() {
 setup() {
   case "${1:-all}" in
     build) require_packages "${build_packages[@]}" ;;
+    report)
+      require_packages "${build_packages[@]}" "${report_packages[@]}"
+      fetch_report_assets
+      ;;
     test) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_python ;;
     lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
     bench) require_packages "${build_packages[@]}" "${bench_packages[@]}" ;;
@@ -90,7 +95,7 @@ setup() {
       require_packages "${build_packages[@]}" "${test_packages[@]}" "${lint_packages[@]}" "${bench_packages[@]}"
       setup_python
       ;;
-    *) die "setup: build, test, lint, bench or all, not '$1'" ;;
+    *) die "setup: build, report, test, lint, bench or all, not '$1'" ;;
   esac
 }
 
@@ -98,8 +103,12 @@ setup() {
 setup_python() {
   setup_venv browser-venv "${SPOOL_BROWSER_PYTHON:-}" 'import playwright, numpy, pytest' playwright==1.65.0 numpy pytest
   setup_venv mitsuba-venv "${SPOOL_MITSUBA_PYTHON:-}" 'import mitsuba, numpy, pytest' -r dumps/mitsuba/requirements.txt pytest
-  # npm is Debian's, unless the machine has its own.
-  command -v npm >/dev/null || require_packages npm
+  fetch_report_assets
+}
+
+fetch_report_assets() {
+  # npm is Debian's, unless the machine has its own or the scripts are there.
+  if ! tools/report/fetch_assets.sh --complete; then command -v npm >/dev/null || require_packages npm; fi
   tools/report/fetch_assets.sh >&2 || say "without them spool report and its browser test cannot run"
 }
 
@@ -166,7 +175,9 @@ build() {
   setup build
   say "building build/$preset"
   configure "$preset"
-  ninja -C "build/$preset" -j "$(jobs)" --quiet "$@" >&2
+  # The status line of ninja says how far it is; a log file keeps the last of it only.
+  if [[ -t 2 ]]; then ninja -C "build/$preset" -j "$(jobs)" "$@" >&2
+  else ninja -C "build/$preset" -j "$(jobs)" --quiet "$@" >&2; fi
 }
 
 test_all() {
@@ -184,12 +195,17 @@ test_all() {
 # --- demo --------------------------------------------------------------------------------------
 
 demo() {
-  setup build
+  setup report
   build release spool
   rm -rf demo-output
   say "evaluating dumps/tiny/chess.spool"
   ./build/release/spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \
     --filters box,gaussian,directional --spp 4,8,16 -o demo-output "$@"
+  if ./build/release/spool report demo-output -o demo-output/report.html; then
+    say "open $PWD/demo-output/report.html"
+  else
+    say "the results are in demo-output; spool report needs what the line above says"
+  fi
 }
 
 pool_names() { sed -n 's/^name = "\(.*\)"$/\1/p' dumps/POOLS.toml; }

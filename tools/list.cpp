@@ -1,5 +1,9 @@
 #include "tools/list.h"
 
+#include <algorithm>
+#include <initializer_list>
+#include <utility>
+
 #include <nlohmann/json.hpp>
 
 #include "lib/exchange/foreign_formats.h"
@@ -217,9 +221,46 @@ void print_table(const ordered_json& list) {
   print(format_columns(rows, 100));
 }
 
+// {list: names of its entries}
+ordered_json describe_all() {
+  ordered_json overview;
+  for (const auto& [what, list] : std::initializer_list<std::pair<const char*, ordered_json>>{
+           {"samplers", describe(known_samplers())},
+           {"filters", describe(known_filters())},
+           {"metrics", describe_metrics()},
+           {"scenes", describe_scenes()},
+           {"views", describe_views()},
+           {"columns", describe_columns()},
+           {"imports", describe_foreign(exchange::import_formats())},
+           {"exports", describe_foreign(exchange::export_formats())}}) {
+    overview[what] = ordered_json::array();
+    for (const ordered_json& entry : list)
+      overview[what].push_back(entry["name"]);
+  }
+  return overview;
+}
+
+void print_overview(const ordered_json& overview) {
+  constexpr std::size_t kNamed = 12;
+  std::vector<std::vector<std::string>> rows = {{"spool list", "", "names"}};
+  for (const auto& [what, names] : overview.items()) {
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i)
+      text += (i > 0 ? ", " : "") + names[i].get<std::string>();
+    if (names.size() > kNamed) text += ", ...";
+    rows.push_back({what, std::to_string(names.size()), text});
+  }
+  print(format_columns(rows, rows.size()));
+}
+
 }  // namespace
 
 Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
+  if (options.what.empty()) {
+    const ordered_json overview = describe_all();
+    common.json ? print(json_text(overview)) : print_overview(overview);
+    return {};
+  }
   if (options.what == "presets") {
     const ordered_json presets = describe_presets();
     common.json ? print(json_text(presets)) : print_presets(presets);

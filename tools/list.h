@@ -8,8 +8,7 @@
 namespace spool::tools {
 
 struct ListOptions {
-  std::string
-      what;  // samplers, filters, presets, views, metrics, columns, scenes, imports or exports
+  std::string what;  // samplers, filters, presets, views, metrics ...; empty: an overview
   bool all = false;  // also the options that few need
 };
 

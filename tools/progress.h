@@ -1,7 +1,8 @@
 // One line on a terminal that says how far a long task is and how long it will still take.
 //
-// Prints to stderr, only when that is a terminal and the program is not told to be quiet; otherwise
-// it does nothing. Any thread may call update().
+// Prints to stderr, unless the program is told to be quiet: one line that is overwritten where that
+// is a terminal, else a line a minute, the first after a minute, for log files. Any thread may call
+// update().
 #pragma once
 
 #include <chrono>
@@ -26,10 +27,11 @@ class Progress {
   using Clock = std::chrono::steady_clock;
 
   std::string task_;
-  bool visible_ = false;
+  bool visible_ = false;  // on a terminal
+  bool logged_ = false;   // elsewhere
   std::mutex mutex_;
   Clock::time_point start_ = Clock::now();
-  Clock::time_point printed_;
+  Clock::time_point printed_ = logged_ ? start_ : Clock::time_point{};
 };
 
 }  // namespace spool::tools

@@ -27,9 +27,9 @@ std::string short_number(double value) {
 }
 
 void draw_fitting(Picture& target, const std::string& text, int left, int top, int width) {
-  const int scale = text_width(text, kTextScale) <= width ? kTextScale : 1;
-  const int fitting = std::max(1, width / (kGlyphAdvance * scale));
-  draw_text(target, text.substr(0, static_cast<std::size_t>(fitting)), left, top, scale, kInk);
+  const auto fitting = static_cast<std::size_t>(std::max(4, width / (kGlyphAdvance * kTextScale)));
+  const std::string shown = text.size() <= fitting ? text : text.substr(0, fitting - 2) + "..";
+  draw_text(target, shown, left, top, kTextScale, kInk);
 }
 
 void draw_legend(Picture& target, const ColourBar& bar, int left, int top, int width) {
@@ -45,11 +45,16 @@ void draw_legend(Picture& target, const ColourBar& bar, int left, int top, int w
   draw_text(target, short_number(range.low), left, below, kTextScale, kInk);
   if (range.high > range.low) {
     const std::string centre = short_number(middle);
-    draw_text(target, centre, left + (width - text_width(centre, kTextScale)) / 2, below,
-              kTextScale, kInk);
+    const std::string low = short_number(range.low);
+    // The middle number is left out where the three would meet.
+    const int longer = std::max(text_width(low, kTextScale), text_width(high, kTextScale));
+    if (2 * longer + text_width(centre, kTextScale) + 4 * kGlyphAdvance <= width) {
+      draw_text(target, centre, left + (width - text_width(centre, kTextScale)) / 2, below,
+                kTextScale, kInk);
+    }
     draw_text(target, high, left + width - text_width(high, kTextScale), below, kTextScale, kInk);
   }
-  draw_text(target, bar.unit + (range.log ? " (log scale)" : ""), left, below + kLine, 1, kInk);
+  draw_fitting(target, bar.unit + (range.log ? ", log" : ""), left, below + kLine, width);
 }
 
 void draw_legend(Picture& target, const CategoryKey& key, int left, int top, int width) {

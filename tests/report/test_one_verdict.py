@@ -47,8 +47,8 @@ def evaluated(request, tmp_path_factory):
                       'perceptual = "none"'])
     (folder / "plan.toml").write_text(text)
     # 1: a few pairs of methods do not go together, which the table says.
-    table = run("evaluate", folder / "plan.toml", "-o", folder / "results", "-q", codes=(0, 1))
-    assert run("evaluate", "--statistics-only", folder / "results") == table
+    assert run("evaluate", folder / "plan.toml", "-o", folder / "results", "-q", codes=(0, 1)) == ""
+    table = run("evaluate", "--statistics-only", folder / "results")
     return folder / "results", table
 
 

@@ -264,7 +264,8 @@ Result<void> write_statistics(const fs::path& folder, const Plan& plan,
     return fail(ErrorCode::kData, "{}: no finished results in it", folder.string());
   }
   SPOOL_TRY(write_text_file(folder / "statistics.json", statistics_text(statistics), true, true));
-  print(common.json ? summary_json(statistics) : summary_text(statistics));
+  if (common.json) print(summary_json(statistics));
+  if (!common.json && !common.quiet) print(summary_text(statistics));
   return {};
 }
 

@@ -44,6 +44,8 @@ def pinned_hashes(path=HERE / "assets.sha256"):
 
 def load_asset(file, folder=None, pinned=None):
     path = (folder or cache_folder()) / file
+    if not path.exists() and (HERE / "assets" / file).exists():
+        path = HERE / "assets" / file  # beside an installed program
     try:
         data = path.read_bytes()
     except FileNotFoundError as error:

@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
 # Fetches the scripts that a report carries into the cache, checked by sha256 (assets.sha256).
-# usage: tools/report/fetch_assets.sh [FOLDER]   default: $SPOOL_REPORT_ASSETS, else the user's cache
+# usage: tools/report/fetch_assets.sh [--complete] [FOLDER]   --complete: fetches nothing, says by its exit code whether all is there
+#   default: $SPOOL_REPORT_ASSETS, else the user's cache
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
+only_ask=""
+[[ "${1:-}" == --complete ]] && { only_ask=1; shift; }
 folder="${1:-${SPOOL_REPORT_ASSETS:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/report-assets}}"
 
 complete() { (cd "$1" 2>/dev/null && sha256sum --status --check "$here/assets.sha256" 2>/dev/null); }
@@ -14,6 +17,7 @@ fetch_npm() {  # PACKAGE VERSION
   npm pack --silent "$1@$2" >/dev/null || die "$1 $2 cannot be fetched by npm"
 }
 
+if [[ -n "$only_ask" ]]; then complete "$folder"; exit; fi
 if complete "$folder"; then
   echo "report assets: complete in $folder"
   exit 0
