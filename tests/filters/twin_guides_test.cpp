@@ -149,6 +149,29 @@ TEST(TwinGuides, CoarserScalesSmoothAWallAndLeaveATexture) {
   EXPECT_LT(gain_of_scales([](int x, int y) { return x < 60 || y % 9 < 4 ? 0.3 : 1.5; }), 1.0);
 }
 
+TEST(TwinGuides, LightThatEveryGroupOfSamplesSawReturnsAndThatOfOneDoesNot) {
+  const auto rare = [](int x, int y, int s) {  // mean 2: half of the light on one path in 200
+    const float value = mix(7, x, y, s) % 200 == 0 ? 201.0f : 1.0f;
+    return Rgb{value, value, value};
+  };
+  const auto first_only = [&](int x, int y, int s) {
+    return s % 4 == 0 ? rare(x, y, s) : Rgb{1.0f, 1.0f, 1.0f};
+  };
+  const auto mean_of = [](const RadianceFunction& radiance, double agreement) {
+    TwinGuidesOptions options;
+    options.agreement = agreement;
+    const RgbImage image = image_of(make_pool(100, 90, 8, radiance), 8, options);
+    double sum = 0.0;
+    for (const double v : image[1].pixels())
+      sum += v;
+    return sum / static_cast<double>(image[1].size());
+  };
+  EXPECT_LT(mean_of(rare, 0.0), 1.35);
+  EXPECT_GT(mean_of(rare, 8.0), 1.5);
+  EXPECT_LT(mean_of(rare, 8.0), 2.1);
+  EXPECT_EQ(mean_of(first_only, 8.0), mean_of(first_only, 0.0));
+}
+
 TEST(TwinGuides, FeaturesBeyondFourAreFour) {
   const auto with_albedo = [](float lamp) {
     return make_pool(kWidth, kHeight, 8, noisy_picture(kWidth, kHeight, 5), {}, {},

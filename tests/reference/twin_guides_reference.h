@@ -95,6 +95,7 @@ inline BlendResult blend(const Planes& values, const Planes& variances, const Pl
 struct Moments {
   Planes mean, variance, difference, log_mean, log_variance;  // RGB
   Plane log_luminance;
+  Planes clamped_light;  // by group
 };
 
 // Mean and blurred variance of `value` over the samples taken of every piece.
@@ -138,10 +139,34 @@ Plane difference_of_halves(const SamplePool& pool, const CountImage& n, Value va
   return fill_empty_pieces(difference, n, pool.pieces_per_side(), guards);
 }
 
+// Mean luminance above the limit of samples k, k + m, ..., in units.
+inline Planes clamped_light(const SamplePool& pool, const CountImage& n, const Plane& limit,
+                            double unit) {
+  int m = 4;
+  for (const std::int32_t count : n.pixels())
+    m = count > 0 ? std::min(m, count) : m;
+  const int q = pool.pieces_per_side();
+  Planes light(static_cast<std::size_t>(m), Plane(n.width(), n.height()));
+  for (int k = 0; k < m; ++k) {
+    for (int y = 0; y < n.height(); ++y) {
+      for (int x = 0; x < n.width(); ++x) {
+        double sum = 0.0, count = 0.0;
+        for (int i = k; i < n(x, y); i += m) {
+          const Rgb s = pool.sample(x, y, i);
+          sum += std::max(0.0, luminance(s[0], s[1], s[2]) - limit(x / q, y / q)) * unit;
+          count += 1.0;
+        }
+        if (count > 0.0) light[static_cast<std::size_t>(k)](x, y) = sum / count;
+      }
+    }
+  }
+  return light;
+}
+
 inline Moments moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
                        const RadianceScale& scale) {
   const int q = pool.pieces_per_side();
-  Moments out{Planes(3), Planes(3), Planes(3), Planes(3), Planes(3), {}};
+  Moments out{Planes(3), Planes(3), Planes(3), Planes(3), Planes(3), {}, {}};
   const auto log_of = [&](double v) {
     return std::log(std::max(v * scale.unit, 0.0) + 0.10 * scale.mean);
   };
@@ -160,6 +185,7 @@ inline Moments moments(const SamplePool& pool, const CountImage& n, const Plane&
   mean_and_variance(
       pool, n, 1.0, [&](int, int, const Rgb& s) { return log_of(luminance(s[0], s[1], s[2])); },
       out.log_luminance, unused);
+  out.clamped_light = clamped_light(pool, n, limit, scale.unit);
   return out;
 }
 
@@ -463,6 +489,26 @@ Planes blend_scales(const std::vector<ScaleResult>& scales, double scene_luminan
   return out;
 }
 
+inline Planes return_agreed_light(Planes out, const Planes& taken, double sigma,
+                                  double scene_luminance) {
+  if (sigma == 0.0 || taken.size() < 2) return out;
+  Plane shape(out[0].width(), out[0].height());
+  for (std::size_t i = 0; i < shape.size(); ++i)
+    shape[i] = std::max(0.0, luminance(out[0][i], out[1][i], out[2][i])) + 0.1 * scene_luminance;
+  shape = blur(shape, sigma);
+  Planes around;
+  for (const Plane& group : taken)
+    around.push_back(blur(group, sigma));
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    double light = INFINITY;
+    for (const Plane& group : around)
+      light = std::min(light, group[i]);
+    for (Plane& channel : out)
+      channel[i] *= 1.0 + light / shape[i];
+  }
+  return out;
+}
+
 // --- the whole -----------------------------------------------------------------------------------
 
 // The image of pieces. `limit`: of the samples' luminance (sample_clamp_reference.h); `scale` says
@@ -499,9 +545,12 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, const P
     });
   }
   const double slack = options.detail_slack * (raw.empty() ? 0.5 : 1.0);
-  const Planes blended = blend_scales(scales, scale.mean, slack, [&](const Plane& plane) {
-    return guided_mean(plane, levels, clean, clean_variance, scale, options);
-  });
+  const Planes blended = return_agreed_light(
+      blend_scales(scales, scale.mean, slack,
+                   [&](const Plane& plane) {
+                     return guided_mean(plane, levels, clean, clean_variance, scale, options);
+                   }),
+      m.clamped_light, options.agreement, scale.mean);
   RgbImage out = make_rgb(n.width(), n.height());
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < out[c].size(); ++i)

@@ -54,7 +54,7 @@ void guide_of_logarithms(const Level& level, Image<float>& variance) {
 
 }  // namespace
 
-GuideSources guide_sources(const SampleMoments& moments, const FeatureImages& features) {
+GuideSources guide_sources(SampleMoments& moments, const FeatureImages& features) {
   const int width = moments.mean[0].width(), height = moments.mean[0].height();
   GuideSources sources;
   sources.mean[0].fill(Image<float>(width, height));
@@ -74,8 +74,9 @@ GuideSources guide_sources(const SampleMoments& moments, const FeatureImages& fe
       }
     }
   });
-  sources.mean[1] = moments.log_mean;
-  sources.variance[1] = moments.log_variance;
+  moments.variance = {};
+  sources.mean[1] = std::move(moments.log_mean);
+  sources.variance[1] = std::move(moments.log_variance);
   return sources;
 }
 
@@ -93,15 +94,16 @@ void GuidePyramid::coarsen() {
   step_ *= 2;
 }
 
-GuideImages GuidePyramid::guides() const {
+GuideImages GuidePyramid::take_guides() {
   const auto floor = static_cast<float>(kPilotFloor * scene_luminance_);
   GuideImages result{std::vector<Image<float>>(kGuideChannels),
                      std::vector<Image<float>>(kGuideChannels)};
   parallel_for(kGuideChannels, [&](std::size_t channel) {
     const std::size_t level = channel / 6, c = channel % 6 / 2, kind = channel % 2;
-    const GuideSources& from = level == 0 ? fine_ : coarse_;
     const Level at{guide_sigma_ * step_ * (level == 0 ? 1.0 : 2.0), slack_};
-    Image<float> value = from.mean[kind][c], variance = from.variance[kind][c];
+    Image<float> value = level == 0 ? std::move(fine_.mean[kind][c]) : coarse_.mean[kind][c];
+    Image<float> variance =
+        level == 0 ? std::move(fine_.variance[kind][c]) : coarse_.variance[kind][c];
     if (kind == 0) {
       guide_of_pilot(at, floor, value, variance);
     } else {

@@ -24,7 +24,8 @@ struct GuideSources {
   std::array<FloatRgb, 2> mean, variance;
 };
 
-GuideSources guide_sources(const SampleMoments& moments, const FeatureImages& features);
+// Takes the moments of the logarithms along.
+GuideSources guide_sources(SampleMoments& moments, const FeatureImages& features);
 
 // [channel][y][x].
 struct GuideImages {
@@ -34,12 +35,12 @@ struct GuideImages {
 // Guides of one scale after the other, from the finest on.
 class GuidePyramid {
  public:
-  // `sources` must outlive this.
   GuidePyramid(const GuideSources& sources, const RadianceScale& scale,
                const TwinGuidesOptions& options);
   int step() const { return step_; }  // between the taps of the scale, pieces
   void coarsen();
-  GuideImages guides() const;
+  // Once on each scale: the finer level becomes the guides, so that memory holds it once.
+  GuideImages take_guides();
 
  private:
   double scene_luminance_, guide_sigma_, slack_;

@@ -32,6 +32,15 @@ double luminance_of(const Rgb& x) {
   return luminance(x[0], x[1], x[2]);
 }
 
+// min(4, smallest count of a piece that has samples).
+int groups_of(const CountImage& n) {
+  int groups = 4;
+  for (const std::int32_t count : n.pixels()) {
+    if (count > 0) groups = std::min(groups, count);
+  }
+  return groups;
+}
+
 // What a sample counts in the difference of n samples' halves; parity 0: even positions.
 double half_factor(int n, int parity) {
   const double even = (n + 1) / 2, odd = n / 2;
@@ -115,7 +124,17 @@ SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const 
                   in_units(x[2] * factor, scale)};
   };
   RgbImage difference = make_rgb(n.width(), n.height());
-  const auto add_difference = [&](std::size_t piece, int i, const Rgb&, const Triple& values) {
+  const int groups = groups_of(n);
+  result.clamped_light.assign(static_cast<std::size_t>(groups),
+                              Image<float>(n.width(), n.height()));
+  const auto add_difference = [&](std::size_t piece, int i, const Rgb& x, const Triple& values) {
+    const double taken =
+        in_units(luminance_of(x), scale) - luminance(values[0], values[1], values[2]);
+    if (taken > 0.0) {
+      const int group = i % groups, of_group = (n[piece] - group + groups - 1) / groups;
+      result.clamped_light[static_cast<std::size_t>(group)][piece] +=
+          static_cast<float>(taken / of_group);
+    }
     const double factor = half_factor(n[piece], i % 2);
     for (std::size_t c = 0; c < 3; ++c)
       difference[c][piece] += factor * values[c];

@@ -88,7 +88,7 @@ std::vector<Image<float>> guided_means(std::vector<Image<float>> terms, const Gu
   for (GuidePyramid pyramid(sources, scale, options); pyramid.step() <= kLastStep;
        pyramid.coarsen()) {
     if (pyramid.step() < kFirstStep) continue;
-    const GuideImages guides = pyramid.guides();
+    const GuideImages guides = pyramid.take_guides();
     parallel_lattice_tiles(
         width, height, pyramid.step(), [&](const Lattice& lattice, const Rectangle& tile) {
           const WindowWeights weights(lattice, tile, kWindow, guides, clean, options);

@@ -4,10 +4,14 @@
 
 namespace spool {
 
-ScaleInputs finest_inputs(const SampleMoments& moments, std::vector<Image<float>> raw_features) {
+ScaleInputs finest_inputs(SampleMoments moments, std::vector<Image<float>> raw_features) {
   const Image<float> nowhere(moments.log_luminance.width(), moments.log_luminance.height());
-  return {moments.mean, moments.difference,     moments.log_luminance, nowhere,
-          nowhere,      std::move(raw_features)};
+  return {std::move(moments.mean),
+          std::move(moments.difference),
+          std::move(moments.log_luminance),
+          nowhere,
+          nowhere,
+          std::move(raw_features)};
 }
 
 ScaleInputs empty_inputs(int width, int height, std::size_t features) {

@@ -20,7 +20,7 @@ struct ScaleInputs {
   std::vector<Image<float>> features;  // raw
 };
 
-ScaleInputs finest_inputs(const SampleMoments& moments, std::vector<Image<float>> raw_features);
+ScaleInputs finest_inputs(SampleMoments moments, std::vector<Image<float>> raw_features);
 
 // Of the size of the image, to be filled tile by tile.
 ScaleInputs empty_inputs(int width, int height, std::size_t features);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lib/filters/twin_guides/agreed_light.h"
 #include "lib/filters/twin_guides/clean_features.h"
 #include "lib/filters/twin_guides/coarser_inputs.h"
 #include "lib/filters/twin_guides/guides.h"
@@ -30,7 +31,7 @@ std::vector<ScaleImages> fit_scales(ScaleInputs inputs, const CountImage& n,
       pyramid.coarsen();
       fit.ridge *= kRidgeOfCoarser;
     }
-    const GuideImages guides = pyramid.guides();
+    const GuideImages guides = pyramid.take_guides();
     const bool last = k + 1 == options.scales;
     ScaleInputs next = last ? ScaleInputs{} : empty_inputs(width, height, inputs.features.size());
     scales.push_back(empty_images(width, height));
@@ -62,14 +63,18 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
   for (const std::int32_t k : n.pixels())
     result.guards.add(Guard::kEmptyPiece, k == 0 ? 1 : 0);
   const RadianceScale scale = radiance_scale(statistics, result.guards);
-  const SampleMoments moments = sample_moments(
-      pool, n, sample_limits(pool, n, scale.mean / scale.unit), scale, result.guards);
-  SPOOL_ASSIGN(const CleanFeatures features, clean_features(pool, n, result.guards));
+  SampleMoments moments = sample_moments(pool, n, sample_limits(pool, n, scale.mean / scale.unit),
+                                         scale, result.guards);
+  SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
   const GuideSources sources = guide_sources(moments, features.clean);
-  const FloatRgb blended = blend_scales(
-      fit_scales(finest_inputs(moments, features.raw), n, sources, features.clean, scale, options),
-      sources, features.clean, scale, options);
+  const std::vector<Image<float>> clamped_light = std::move(moments.clamped_light);
+  const std::vector<ScaleImages> scales =
+      fit_scales(finest_inputs(std::move(moments), std::move(features.raw)), n, sources,
+                 features.clean, scale, options);
+  const FloatRgb blended =
+      return_agreed_light(blend_scales(scales, sources, features.clean, scale, options),
+                          clamped_light, options.agreement, scale);
 
   RgbImage image = make_rgb(n.width(), n.height());
   for (std::size_t c = 0; c < 3; ++c) {

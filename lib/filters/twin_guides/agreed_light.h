@@ -1,0 +1,23 @@
+// Gives back what the clamp took where independent samples agree on it: a single bright sample is a
+// firefly, but bright samples that come again all over a neighbourhood are light on rare paths.
+//
+//   r_k   = luminance that the clamp took from the samples of group k = position mod m, mean;
+//           m = min(4, smallest n_p > 0)
+//   light = min over k of G_sigma * r_k
+//   out'  = out (1 + light / (G_sigma * w)),   w = max(luminance(out), 0) + 0.1 L
+//
+// Every group has seen other samples, so what one of them lacks is not believed, and a single
+// sample changes nothing. Light returns to its neighbourhood, not to its pixel, in the shape of the
+// picture. The least of four means is below the mean: some of the light stays lost. Nothing happens
+// with fewer than two groups. Slow twin: tests/reference/twin_guides_reference.h.
+#pragma once
+
+#include "lib/filters/twin_guides/sample_moments.h"
+
+namespace spool {
+
+// `taken`: SampleMoments::clamped_light. sigma in pieces; 0: nothing is given back.
+FloatRgb return_agreed_light(FloatRgb out, const std::vector<Image<float>>& taken, double sigma,
+                             const RadianceScale& scale);
+
+}  // namespace spool
