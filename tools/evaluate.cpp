@@ -131,6 +131,7 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
   SPOOL_TRY(check_loop_filters(known_samplers(), request.plan.samplers, known_filters(),
                                request.plan.filters));
   request.folder = options.output;
+  request.exact_timing = options.timing == "exact";
   request.merge = options.merge;
   request.merge_from = options.merge_from;
   if (!options.shard.empty()) {

@@ -35,6 +35,7 @@ struct EvaluateOptions {
   bool fresh = false;
   bool no_pictures = false;
   bool dry_run = false;
+  std::string timing;  // "shared" or "exact"; empty: shared
   std::string shard;  // "i/N"
   bool merge = false;
   bool statistics_only = false;  // files: folders of results

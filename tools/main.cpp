@@ -341,6 +341,11 @@ std::string reference_names() {
 void add_parts_of_a_run(CLI::App& verb, EvaluateOptions& options) {
   verb.add_flag("--dry-run", options.dry_run,
                 "list the cells and about how long they will take; runs no command of the plan");
+  verb.add_option(
+          "--timing", options.timing,
+          "shared: results of small pictures are made beside each other, on all processors, "
+          "and the column `timing` says so; exact: one after another (shared)")
+      ->check(CLI::IsMember({"shared", "exact"}));
   verb.add_option("--shard", options.shard,
                   "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
   verb.add_flag("--merge", options.merge,

@@ -4,15 +4,13 @@
 #include <exception>
 #include <filesystem>
 #include <map>
-#include <numeric>
-#include <tuple>
+#include <mutex>
 #include <unordered_map>
 #include <utility>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "lib/core/parallel.h"
 #include "lib/core/radical_inverse.h"
+#include "lib/core/worker_threads.h"
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/experiment/peak_memory.h"
@@ -21,11 +19,6 @@
 
 namespace spool {
 namespace {
-
-bool same_sampling(const Cell& a, const Cell& b) {
-  return a.dump == b.dump && a.sampler == b.sampler && a.spp == b.spp &&
-         a.replicate == b.replicate && a.threads == b.threads;
-}
 
 // Equal for cells of one sampling run.
 std::string sampling_key(const Cell& cell) {
@@ -105,56 +98,95 @@ class Runner {
       : cells_(cells), options_(options), sources_(sources), callbacks_(callbacks) {}
 
   using Keep = std::function<void(std::size_t cell, CellResult&&)>;
-  using Share = std::function<void(double)>;  // of the work on one cell
 
   void run(const Keep& keep) {
-    const std::vector<std::size_t> order = work_order();
-    std::size_t done = 0;
-    const Share report = [&](double of_cell) {
-      if (!callbacks_.progress) return;
-      callbacks_.progress((static_cast<double>(done) + of_cell) /
-                          static_cast<double>(cells_.size()));
-    };
-    for (std::size_t begin = 0; begin < order.size();) {
+    const std::vector<Group> groups = work_groups();
+    for (std::size_t begin = 0; begin < groups.size() && !cancelled();) {
+      const int at_once = runs_at_once(groups[begin]);
       std::size_t end = begin + 1;
-      while (end < order.size() && same_sampling(cells_[order[begin]], cells_[order[end]]))
+      while (at_once > 1 && end < groups.size() && groups[end].dump() == groups[begin].dump())
         ++end;
-      if (cancelled()) break;
-      const Cell& first = cells_[order[begin]];
-      const ThreadLimit limit(first.threads);
-      const Result<ReadySampler> sampler = guarded([&] { return sources_.sampler(first.sampler); });
-      const bool by_filter = sampler && sampler->needs.filter_in_loop;
-      Result<SamplingRun> sampling = guarded([&] { return sample(first, sampler, report); });
-      for (std::size_t i = begin; i < end && !cancelled(); ++i) {
-        const Cell& cell = cells_[order[i]];
-        if (by_filter && i > begin) {
-          sampling = guarded([&] { return sample(cell, sampler, report); });
-        }
-        CellResult result = filter(cell, sampling, report);
-        ++done;
-        report(0.0);
-        if (keep) keep(order[i], std::move(result));
+      if (at_once == 1) {
+        run_group(groups[begin], {true, [&](double share) { report(share); }}, keep);
+      } else {
+        for_each_on_threads(end - begin, at_once, [&](std::size_t i) {
+          if (!cancelled()) run_group(groups[begin + i], {false, [](double) {}}, keep);
+        });
       }
       begin = end;
     }
   }
 
  private:
-  // Cells that share a recording, and of those the ones that share a sampling run, side by side;
-  // otherwise as they came.
-  std::vector<std::size_t> work_order() const {
-    std::vector<std::size_t> order, group(cells_.size()), dump(cells_.size());
-    std::unordered_map<std::string, std::size_t> groups, dumps;
+  using Share = std::function<void(double)>;  // of the work on one cell
+
+  // How a sampling run and its cells go: alone, or beside others.
+  struct Lane {
+    bool alone = true;
+    Share report;
+    CpuOf cpu() const { return alone ? CpuOf::kProcess : CpuOf::kThread; }
+  };
+
+  // Cells of one sampling run, in the order of the work.
+  struct Group {
+    const std::vector<Cell>* cells;
+    std::vector<std::size_t> members;
+    const Cell& first() const { return (*cells)[members.front()]; }
+    const std::string& dump() const { return first().dump; }
+  };
+
+  // Those that share a recording side by side; otherwise as they came.
+  std::vector<Group> work_groups() const {
+    std::vector<Group> groups;
+    std::unordered_map<std::string, std::size_t> group_of, dumps;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
-      group[i] = groups.try_emplace(sampling_key(cells_[i]), i).first->second;
-      dump[i] = dumps.try_emplace(cells_[i].dump, i).first->second;
+      const auto [at, fresh] = group_of.try_emplace(sampling_key(cells_[i]), groups.size());
+      if (fresh) groups.push_back({&cells_, {}});
+      groups[at->second].members.push_back(i);
+      dumps.try_emplace(cells_[i].dump, i);
     }
-    order.resize(cells_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return std::tie(dump[a], group[a]) < std::tie(dump[b], group[b]);
-    });
-    return order;
+    std::ranges::stable_sort(groups, {},
+                             [&](const Group& group) { return dumps.at(group.dump()); });
+    return groups;
+  }
+
+  int runs_at_once(const Group& group) {
+    const Cell& cell = group.first();
+    if (!sources_.runs_at_once || cell.threads != 0 || options_.repeats > 1) return 1;
+    const auto recording = guarded([&] { return load(cell.dump); });
+    return recording ? std::max(sources_.runs_at_once(**recording), 1) : 1;
+  }
+
+  void run_group(const Group& group, const Lane& lane, const Keep& keep) {
+    const Cell& first = group.first();
+    const ThreadLimit limit(first.threads);
+    const Result<ReadySampler> sampler = guarded([&] { return sources_.sampler(first.sampler); });
+    const bool by_filter = sampler && sampler->needs.filter_in_loop;
+    Result<SamplingRun> sampling = guarded([&] { return sample(first, sampler, lane); });
+    for (const std::size_t i : group.members) {
+      if (cancelled()) return;
+      const Cell& cell = cells_[i];
+      if (by_filter && i != group.members.front())
+        sampling = guarded([&] { return sample(cell, sampler, lane); });
+      CellResult result = filter(cell, sampling, lane);
+      report_finished();
+      if (keep) keep(i, std::move(result));
+    }
+  }
+
+  // Of the cell at work, which runs alone.
+  void report(double of_cell) {
+    const std::lock_guard lock(callback_);
+    if (!callbacks_.progress) return;
+    callbacks_.progress((static_cast<double>(done_) + of_cell) /
+                        static_cast<double>(cells_.size()));
+  }
+  void report_finished() {
+    {
+      const std::lock_guard lock(callback_);
+      ++done_;
+    }
+    report(0.0);
   }
 
   // An exception in one cell, memory that ran out above all, is that cell's error.
@@ -169,7 +201,10 @@ class Runner {
     }
   }
 
-  bool cancelled() const { return callbacks_.cancelled && callbacks_.cancelled(); }
+  bool cancelled() {
+    const std::lock_guard lock(callback_);
+    return callbacks_.cancelled && callbacks_.cancelled();
+  }
 
   Result<std::shared_ptr<const RecordedSamples>> load(const std::string& name) {
     if (!dump_ || dump_->name != name) {
@@ -182,7 +217,7 @@ class Runner {
   }
 
   Result<SamplingRun> sample(const Cell& cell, const Result<ReadySampler>& ready,
-                             const Share& report) {
+                             const Lane& lane) {
     SPOOL_ASSIGN(const auto recording, load(cell.dump));
     if (options_.order == ReplicateOrder::kRecorded && cell.replicate > 0) {
       return fail(ErrorCode::kUsage,
@@ -200,20 +235,21 @@ class Runner {
     if (options_.decision_split) sampler = split_decisions(std::move(sampler));
     SamplingContext context;
     context.seed = seed;
-    context.progress = [&](double share) { report(0.5 * share); };
-    context.cancelled = callbacks_.cancelled ? &callbacks_.cancelled : nullptr;
+    context.progress = [&](double share) { lane.report(0.5 * share); };
+    context.cancelled = callbacks_.cancelled ? &is_cancelled_ : nullptr;
     if (sampler.needs.filter_in_loop) {
       SPOOL_ASSIGN(const ReadyFilter filter, sources_.filter(cell.filter));
       SPOOL_TRY(check_loop_filter(cell.sampler, sampler.needs, cell.filter, filter.needs));
       context.filter = loop_filter(filter);
     }
-    reset_peak_memory();
+    if (lane.alone) reset_peak_memory();
     SamplingRun run{{}, {}, kind};
     std::vector<SamplePool> pools = {pool};
     if (kind == ReferenceKind::kCrossfit) pools = {pool.half(0), pool.half(1)};
     std::vector<StageTime> times;
     for (std::size_t i = 0; i < pools.size(); ++i) {
-      SPOOL_ASSIGN(SamplingResult sampled, timed(options_.repeats, times.emplace_back(), [&] {
+      SPOOL_ASSIGN(SamplingResult sampled,
+                   timed(options_.repeats, lane.cpu(), times.emplace_back(), [&] {
                      return sampler(pools[i], sample_budget(cell.spp, *recording), context);
                    }));
       SPOOL_ASSIGN(JudgingReference reference,
@@ -285,41 +321,45 @@ class Runner {
     return fail(ErrorCode::kUsage, "unknown reference");
   }
 
-  CellResult filter(const Cell& cell, const Result<SamplingRun>& sampling, const Share& report) {
+  CellResult filter(const Cell& cell, const Result<SamplingRun>& sampling, const Lane& lane) {
     CellResult result;
     result.cell = cell;
-    result.threads = static_cast<int>(oneapi::tbb::global_control::active_value(
-        oneapi::tbb::global_control::max_allowed_parallelism));
-    if (dump_) result.reading = std::exchange(dump_->reading, StageTime{});
-    const Result<void> outcome = sampling
-                                     ? guarded([&] { return judge(*sampling, result, report); })
-                                     : tl::unexpected<Error>(sampling.error());
+    result.alone = lane.alone;
+    result.threads = lane.alone ? allowed_threads() : 1;
+    const Result<void> outcome = sampling ? guarded([&] { return judge(*sampling, result, lane); })
+                                          : tl::unexpected<Error>(sampling.error());
     if (!outcome) {
       result.error = outcome.error();
-      if (callbacks_.finished) callbacks_.finished(result, nullptr);
+      finish(result, nullptr);
     }
     return result;
   }
 
-  Result<void> judge(const SamplingRun& run, CellResult& result, const Share& report) const {
+  void finish(CellResult& result, const CellImages* images) {
+    const std::lock_guard lock(callback_);
+    if (dump_) result.reading = std::exchange(dump_->reading, StageTime{});
+    if (callbacks_.finished) callbacks_.finished(result, images);
+  }
+
+  Result<void> judge(const SamplingRun& run, CellResult& result, const Lane& lane) {
     const RecordedSamples& recording = run.parts.front().pool.recording();
     SPOOL_ASSIGN(const ReadyFilter chosen, sources_.filter(result.cell.filter));
     const ReadyFilter filter = average_halves(chosen);
     FilterContext context;
     context.reference = recording.reference() ? &*recording.reference() : nullptr;
-    context.progress = [&](double share) { report(0.5 + 0.5 * share); };
+    context.progress = [&](double share) { lane.report(0.5 + 0.5 * share); };
     std::vector<Reconstruction> images;
     std::vector<StageTime> times;
     for (const SampledPart& part : run.parts) {
-      SPOOL_ASSIGN(Reconstruction image, timed(options_.repeats, times.emplace_back(), [&] {
-                     return filter(part.sampled.selection, part.pool, context);
-                   }));
+      SPOOL_ASSIGN(Reconstruction image,
+                   timed(options_.repeats, lane.cpu(), times.emplace_back(),
+                         [&] { return filter(part.sampled.selection, part.pool, context); }));
       SPOOL_TRY(check_size(image.image, recording, result.cell));
       images.push_back(std::move(image));
     }
     result.filtering = mean_time(times);
-    result.peak_memory = peak_memory();
-    const StageClock clock;
+    if (lane.alone) result.peak_memory = peak_memory();
+    const StageClock clock(lane.cpu());
     for (std::size_t i = 0; i < images.size(); ++i) {
       MetricTable table = error_metrics(images[i].image, run.parts[i].reference, options_.metrics);
       result.metrics = i == 0 ? std::move(table) : mean_table(std::move(result.metrics), table);
@@ -349,12 +389,10 @@ class Runner {
       result.log.spent = std::min(result.log.spent, log.spent);
       result.log.saturated_pieces = std::max(result.log.saturated_pieces, log.saturated_pieces);
     }
-    if (callbacks_.finished) {
-      const SampledPart& part = run.parts.front();
-      const CellImages shown{images.front().image, part.sampled.selection, images.front(),
-                             part.reference};
-      callbacks_.finished(result, &shown);
-    }
+    const SampledPart& part = run.parts.front();
+    const CellImages shown{images.front().image, part.sampled.selection, images.front(),
+                           part.reference};
+    finish(result, &shown);
     return {};
   }
 
@@ -390,6 +428,9 @@ class Runner {
   const ExperimentSources& sources_;
   const ExperimentCallbacks& callbacks_;
   std::optional<LoadedDump> dump_;  // one at a time: they are large
+  std::mutex callback_;             // held by who calls one, and around done_
+  std::size_t done_ = 0;            // cells
+  const std::function<bool()> is_cancelled_ = [this] { return cancelled(); };
 };
 
 }  // namespace

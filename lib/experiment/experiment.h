@@ -1,8 +1,9 @@
 // Runs cells - one recording, sampler, filter, budget and replicate each - and judges the images.
 //
 // Cells that differ in the filter only share one sampling run, unless the sampler needs the cell's
-// filter in its loop. An error in one cell is kept in its result; the others go on. Nothing is
-// written here: finished
+// filter in its loop. Where the sources say so, several sampling runs of a recording go beside each
+// other, each on a thread of its own: the same bits, but times of a machine that is shared. An
+// error in one cell is kept in its result; the others go on. Nothing is written here: finished
 // cells and their images are handed to a callback. How methods and recordings are found is handed
 // in, so that evaluation knows no method.
 #pragma once
@@ -59,6 +60,9 @@ struct ExperimentSources {
   std::function<Result<std::shared_ptr<const RecordedSamples>>(const std::string&)> load;
   std::function<Result<ReadySampler>(const MethodChoice&)> sampler;
   std::function<Result<ReadyFilter>(const MethodChoice&)> filter;
+  // How many sampling runs of this recording may go beside each other; absent: one. Cells that ask
+  // for threads or repeats, because they measure time, run alone always.
+  std::function<int(const RecordedSamples&)> runs_at_once = {};
 };
 
 struct CellResult {
@@ -81,6 +85,7 @@ struct CellResult {
   // Samples taken (of a list as long as a pixel's) and the number of pieces that gave so many.
   std::vector<std::pair<int, long long>> counts;
   int threads = 0;
+  bool alone = true;  // nothing else of the experiment ran meanwhile
   SamplingLog log;
   GuardCounts guards;                                      // of all stages
   std::vector<std::pair<std::string, MetricValue>> masks;  // energy ratio in each, by name
@@ -94,6 +99,7 @@ struct CellImages {
   const JudgingReference& reference;
 };
 
+// No two of them are called at the same time.
 struct ExperimentCallbacks {
   // After each cell; `images` is null when the cell failed. May change the result that is kept.
   std::function<void(CellResult&, const CellImages* images)> finished;

@@ -187,6 +187,13 @@ std::vector<ResultColumn> time_columns() {
                     }),
       timing_column("threads_used", "threads that the process was allowed",
                     [](const R& r) { return r.threads; }),
+      text_column(
+          "timing",
+          "alone: nothing else of the evaluation ran meanwhile; shared: other results were made "
+          "beside it, one thread each, so wall times (and efficiency) are of a shared machine, CPU "
+          "times of its thread (--timing exact: all alone)",
+          [](const R& r) { return std::string(r.alone ? "alone" : "shared"); },
+          ColumnKind::kTiming),
   };
 }
 

@@ -1,8 +1,10 @@
 #include "lib/experiment/experiment.h"
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <new>
 
 #include <gtest/gtest.h>
@@ -20,6 +22,7 @@ namespace {
 struct Laboratory {
   int loads = 0;
   std::map<std::string, int> sampled;  // runs by sampler
+  std::mutex counting;                 // of them
 
   ExperimentSources sources() {
     return {[this](const std::string& name) -> Result<std::shared_ptr<const RecordedSamples>> {
@@ -35,7 +38,10 @@ struct Laboratory {
   Result<ReadySampler> sampler(const MethodChoice& choice) {
     const SamplerFunction run = [this, choice](const SamplePool& pool, long long budget,
                                                const SamplingContext&) -> Result<SamplingResult> {
-      ++sampled[choice.name];
+      {
+        const std::lock_guard lock(counting);
+        ++sampled[choice.name];
+      }
       if (choice.name == "broken") return fail(ErrorCode::kData, "broken on purpose");
       SamplingResult result;
       result.selection.statistics = empty_statistics(pool);
@@ -211,6 +217,83 @@ TEST(Experiment, FreshSamplesChangeNoOtherColumn) {
     if (column.kind == ColumnKind::kTiming) continue;
     EXPECT_EQ(added, column.text(without[1]) != column.text(with[1])) << column.name;
   }
+}
+
+TEST(Experiment, RunsBesideEachOtherChangeNoResult) {
+  std::vector<Cell> cells = all_cells(
+      {"scene", "other", "absent"}, {method("uniform"), method("broken"), method("by_filter")},
+      {method("mean"), method("zero"), method("unknown")}, {4, 8}, 3);
+  Laboratory laboratory;
+  const auto alone = run_experiment(cells, {}, laboratory.sources());
+  const std::map<std::string, int> sampled = laboratory.sampled;
+  for (const int at_once : {1, 2, 3}) {
+    Laboratory beside;
+    ExperimentSources sources = beside.sources();
+    sources.runs_at_once = [&](const RecordedSamples&) { return at_once; };
+    std::atomic<int> inside = 0;
+    int finished = 0;
+    double share = 0.0;
+    const ExperimentCallbacks callbacks{.finished =
+                                            [&](CellResult&, const CellImages*) {
+                                              EXPECT_EQ(inside++, 0) << "two callbacks at a time";
+                                              ++finished;
+                                              --inside;
+                                            },
+                                        .progress =
+                                            [&](double now) {
+                                              EXPECT_EQ(inside++, 0) << "two callbacks at a time";
+                                              EXPECT_GE(now, share);
+                                              share = now;
+                                              --inside;
+                                            },
+                                        .cancelled = {}};
+    const auto results = run_experiment(cells, {}, sources, callbacks);
+    EXPECT_EQ(finished, static_cast<int>(cells.size()));
+    EXPECT_DOUBLE_EQ(share, 1.0);
+    EXPECT_EQ(beside.loads, laboratory.loads);
+    EXPECT_EQ(beside.sampled, sampled);
+    ASSERT_EQ(results.size(), alone.size());
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      for (const ResultColumn& column : result_columns()) {
+        if (column.kind == ColumnKind::kTiming) continue;
+        ASSERT_EQ(column.text(results[i]), column.text(alone[i])) << column.name << " " << i;
+      }
+      const bool loaded = cells[i].dump != "absent";
+      EXPECT_EQ(value_of(results[i], "timing"), at_once > 1 && loaded ? "shared" : "alone") << i;
+      if (results[i].error) continue;
+      EXPECT_EQ(value_of(results[i], "peak_memory_mb").empty(), at_once > 1);
+    }
+  }
+}
+
+TEST(Experiment, CellsThatMeasureTimeRunAlone) {
+  Laboratory laboratory;
+  ExperimentSources sources = laboratory.sources();
+  sources.runs_at_once = [](const RecordedSamples&) { return 3; };
+  ExperimentOptions options;
+  options.repeats = 2;
+  const auto cells = all_cells({"scene"}, {method("uniform")}, {method("mean")}, {4}, 2);
+  for (const CellResult& result : run_experiment(cells, options, sources))
+    EXPECT_EQ(value_of(result, "timing"), "alone");
+  const auto threads = all_cells({"scene"}, {method("uniform")}, {method("mean")}, {4}, 2, {1, 2});
+  for (const CellResult& result : run_experiment(threads, {}, sources))
+    EXPECT_EQ(value_of(result, "timing"), "alone");
+}
+
+TEST(Experiment, CancellingEndsRunsBesideEachOther) {
+  Laboratory laboratory;
+  ExperimentSources sources = laboratory.sources();
+  sources.runs_at_once = [](const RecordedSamples&) { return 3; };
+  int finished = 0;
+  const ExperimentCallbacks callbacks{
+      .finished = [&](CellResult&, const CellImages*) { ++finished; },
+      .progress = {},
+      .cancelled = [&] { return finished >= 2; }};
+  const auto cells = all_cells({"scene"}, {method("uniform")}, {method("mean")}, {4}, 40);
+  const auto results = run_experiment(cells, {}, sources, callbacks);
+  EXPECT_EQ(static_cast<int>(results.size()), finished);
+  EXPECT_GE(finished, 2);
+  EXPECT_LE(finished, 2 + 3);  // those at work end
 }
 
 TEST(Experiment, AFailedCellIsKeptAndTheOthersGoOn) {

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from conftest import read_exr, samples, write_dump
-from results_comparison import rows_of
+from results_comparison import assert_same_results, rows_of
 
 
 def test_every_cell_is_a_row_and_columns_are_the_listed_ones(good, dump, tmp_path):
@@ -111,3 +111,16 @@ def test_documentation_explains_every_column(good):
         described = name[:-3] if name.endswith("_se") and name[:-3] in metrics else name
         if not described.startswith("energy_ratio_d"):
             assert f"`{described}`" in page, name
+
+
+def test_results_beside_each_other_are_those_one_after_another(good, dump, tmp_path):
+    common = ["evaluate", dump, "--samplers", "uniform,multiscale", "--filters", "box,directional", "--spp", "2,4",
+              "--replicates", 3, "--threads", 3, "--quiet"]
+    good(*common, "-o", tmp_path / "shared")
+    good(*common, "--timing", "exact", "-o", tmp_path / "exact")
+    assert_same_results(tmp_path / "shared", tmp_path / "exact", images=True)
+    for folder, timing in (("shared", "shared"), ("exact", "alone")):
+        rows = rows_of(tmp_path / folder)
+        assert {row["timing"] for row in rows} == {timing}
+        assert {row["threads_used"] for row in rows} == {"1" if timing == "shared" else "3"}
+        assert all((row["peak_memory_mb"] == "") == (timing == "shared") for row in rows)

@@ -25,10 +25,6 @@ constexpr double kTrialSpp = 8;       // spent
 constexpr double kTrialSeconds = 10;  // at most, for all of them
 
 // Commands of somebody else are not run to see how long they take.
-bool is_foreign_code(const MethodChoice& method) {
-  return method.name == "exec" || method.name.starts_with("exec:");
-}
-
 bool runs_foreign_code(const Cell& cell) {
   return is_foreign_code(cell.sampler) || is_foreign_code(cell.filter);
 }

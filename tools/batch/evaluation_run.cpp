@@ -21,6 +21,7 @@
 #include "tools/batch/results_writer.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_manifest.h"
+#include "tools/batch/runs_at_once.h"
 #include "tools/batch/statistics.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
@@ -80,7 +81,11 @@ class PlanRun {
           return loaded;
         },
         [](const MethodChoice& choice) { return make_method(known_samplers(), choice); },
-        [](const MethodChoice& choice) { return make_method(known_filters(), choice); }};
+        [](const MethodChoice& choice) { return make_method(known_filters(), choice); },
+        [&](const RecordedSamples& samples) {
+          at_once_ = request_.exact_timing ? 1 : runs_at_once(request_.plan, samples);
+          return at_once_.load();
+        }};
     Result<void> written;  // the first failure to write ends the run
     const ExperimentCallbacks callbacks{
         .finished =
@@ -96,7 +101,8 @@ class PlanRun {
               progress.update(
                   estimate_.known() ? estimate_.share_done() : share,
                   fmt::format("{} of {} results{}", done_.load(), wanted_, best_.describe()),
-                  estimate_.known() ? std::optional(estimate_.seconds_left()) : std::nullopt);
+                  estimate_.known() ? std::optional(estimate_.seconds_left() / at_once_)
+                                    : std::nullopt);
             },
         .cancelled = [&] { return !written.has_value(); }};
     run_cells(missing_, request_.plan.experiment, sources, callbacks);
@@ -116,6 +122,7 @@ class PlanRun {
         continue;
       }
       writer.add(record->fields);
+      any_shared_ = any_shared_ || record->text("timing") == "shared";
       judge(cell, *record);
       if (is_pictured(cell)) {
         pictured.push_back({cell, record->number("mse")});
@@ -129,6 +136,11 @@ class PlanRun {
     }
     if (!common_.json && !common_.quiet) {
       print("\n");
+      if (any_shared_) {
+        print_line(
+            "times: of a machine that other results shared (column timing); --timing exact makes "
+            "one result after another");
+      }
       print_line(fmt::format("numbers: {}", (request_.folder / "results.csv").string()));
       if (request_.plan.pictures) print_line(fmt::format("pictures: {}", sheets));
       print(unused_layers_text(unused_layers(request_.plan)));
@@ -188,7 +200,7 @@ class PlanRun {
   Result<void> keep(CellResult& result, const CellImages* images) {
     const Cell& cell = result.cell;
     if (images && is_pictured(cell)) {
-      const StageClock clock;
+      const StageClock clock(result.alone ? CpuOf::kProcess : CpuOf::kThread);
       SPOOL_TRY(pictures_.add(result, *images));
       result.writing = clock.elapsed();
     }
@@ -248,9 +260,11 @@ class PlanRun {
   std::unordered_map<std::string, std::string> id_of_;  // of what is missing
   std::vector<std::pair<Cell, ResultRecord>> learnt_;
   std::atomic<std::size_t> done_ = 0;
+  std::atomic<int> at_once_ = 1;  // sampling runs beside each other
   std::size_t wanted_ = 0;
   std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0;
   std::string first_failure_;
+  bool any_shared_ = false;  // times are of a machine that other results shared
 };
 
 }  // namespace

@@ -16,6 +16,7 @@ struct RunRequest {
   Plan plan;
   std::filesystem::path folder;
   std::optional<Shard> shard;  // only the cells of this one; results are then made by merging
+  bool exact_timing = false;   // one result after another
   bool merge = false;          // no cell is run; results of what is there
   std::vector<std::filesystem::path> merge_from;  // folders whose cells and images are copied first
 };

@@ -21,6 +21,11 @@ namespace spool::tools {
 const SamplerList& known_samplers();
 const FilterList& known_filters();
 
+// A command of somebody else.
+inline bool is_foreign_code(const MethodChoice& method) {
+  return method.name == "exec" || method.name.starts_with("exec:");
+}
+
 // What stands beside the name of a method that is re-implemented by description, and what it means.
 inline constexpr const char* kByDescriptionMark = " [R]";
 inline constexpr const char* kByDescription =

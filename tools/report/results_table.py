@@ -13,7 +13,7 @@ from failure import USAGE, Failure
 
 COUNTED = {"spp": 1e-9, "replicate": 0.0, "threads": 0.0}  # of the key: numbers, and the least they may be
 KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")
-TEXT = {"dump", "sampler", "filter", "reference", "energy_masks", "guards", "error"}
+TEXT = {"dump", "sampler", "filter", "timing", "reference", "energy_masks", "guards", "error"}
 csv.field_size_limit(1 << 24)
 
 

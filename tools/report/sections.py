@@ -113,6 +113,8 @@ def run_html(manifest, combinations, labels, version):
         row.get("reference", "") for c in combinations for row in c.rows} - {""}))))
     threads = first.get("threads_used", math.nan)
     rows.append(("threads", "" if math.isnan(threads) else f"{threads:g}"))
+    if any(row.get("timing") == "shared" for c in combinations for row in c.rows):
+        rows.append(("times", "of a machine that other results shared (column timing)"))
     html = "".join(f"<dt>{escape(name)}</dt><dd>{_value_html(name, value)}</dd>"
                    for name, value in rows)
     hashes = {str(d.get("path", "")): d for d in manifest.get("dumps", []) if isinstance(d, dict)}

@@ -1,0 +1,12 @@
+// How many results of a plan are made beside each other.
+#pragma once
+
+#include "lib/experiment/plan.h"
+
+namespace spool::tools {
+
+// As many as there are threads, where the picture is small and memory allows it; one where a plan
+// runs commands of somebody else, whose own threads and time limits are theirs.
+int runs_at_once(const Plan& plan, const RecordedSamples& recording);
+
+}  // namespace spool::tools
