@@ -104,8 +104,10 @@ class Runner {
     for (std::size_t begin = 0; begin < groups.size() && !cancelled();) {
       const int at_once = runs_at_once(groups[begin]);
       std::size_t end = begin + 1;
-      while (at_once > 1 && end < groups.size() && groups[end].dump() == groups[begin].dump())
+      while (at_once > 1 && end < groups.size() && groups[end].first().threads == 0 &&
+             groups[end].dump() == groups[begin].dump()) {
         ++end;
+      }
       if (at_once == 1) {
         run_group(groups[begin], {true, [&](double share) { report(share); }}, keep);
       } else {
