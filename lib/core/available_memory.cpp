@@ -34,17 +34,19 @@ std::uint64_t entry_in(const fs::path& file, const std::string& wanted) {
   return 0;
 }
 
+// The system takes pages of files back, those that were just used last.
 struct GroupFiles {
-  const char *limit, *usage, *cache;
+  const char *limit, *usage, *inactive_cache, *active_cache;
 };
 constexpr GroupFiles kVersion1 = {"memory.limit_in_bytes", "memory.usage_in_bytes",
-                                  "total_inactive_file"};
-constexpr GroupFiles kVersion2 = {"memory.max", "memory.current", "inactive_file"};
+                                  "total_inactive_file", "total_active_file"};
+constexpr GroupFiles kVersion2 = {"memory.max", "memory.current", "inactive_file", "active_file"};
 
 std::optional<std::uint64_t> left_in(const fs::path& group, const GroupFiles& files) {
   const auto limit = number_in(group / files.limit), usage = number_in(group / files.usage);
   if (!limit || !usage) return {};
-  const std::uint64_t cache = entry_in(group / "memory.stat", files.cache);
+  const std::uint64_t cache = entry_in(group / "memory.stat", files.inactive_cache) +
+                              entry_in(group / "memory.stat", files.active_cache);
   const std::uint64_t used = *usage - std::min(*usage, cache);
   return *limit - std::min(*limit, used);
 }

@@ -16,7 +16,7 @@ namespace spool {
 std::optional<std::uint64_t> available_memory(std::uint64_t to_be_mapped = 0);
 
 // What the control groups leave, from the text of /proc/self/cgroup and the folder where groups are
-// mounted: the least over the groups and their parents of limit - (usage - file cache not in use).
+// mounted: the least over the groups and their parents of limit - (usage - file cache).
 std::optional<std::uint64_t> memory_left_in_groups(const std::string& groups,
                                                    const std::filesystem::path& mounted);
 

@@ -46,12 +46,16 @@ tl::unexpected<Error> missing(const SpoolReader& file, BlockPlace place) {
 // The layer's part of a block, whose first value is `first`.
 BlockValues decoded(std::vector<std::byte> block, DataType type, std::size_t first,
                     std::size_t count) {
-  if (type == DataType::kFloat32) {
+  if (type == DataType::kFloat32 && count * sizeof(float) == block.size()) {
     // Memory of new is aligned for floats.
     auto held = std::make_shared<const std::vector<std::byte>>(std::move(block));
-    return {reinterpret_cast<const float*>(held->data()) + first, held};
+    return {reinterpret_cast<const float*>(held->data()), held};
   }
   auto held = std::make_shared<std::vector<float>>(count);
+  if (type == DataType::kFloat32) {
+    std::memcpy(held->data(), block.data() + first * sizeof(float), count * sizeof(float));
+    return {held->data(), held};
+  }
   for (std::size_t i = 0; i < count; ++i) {
     std::uint16_t half = 0;
     std::memcpy(&half, block.data() + (first + i) * sizeof(half), sizeof(half));

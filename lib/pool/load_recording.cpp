@@ -6,8 +6,7 @@
 
 #include "formats/bounded_json.h"
 #include "formats/spool_reader.h"
-#include "lib/core/available_memory.h"
-#include "lib/pool/file_blocks.h"
+#include "lib/pool/holding.h"
 
 namespace spool {
 namespace {
@@ -24,35 +23,6 @@ struct WatchedDelete {
 std::optional<format::LayerInfo> sample_film(const SpoolReader& reader) {
   const auto layer = reader.find_layer("film");
   return layer && layer->scope == format::Scope::kSample ? layer : std::nullopt;
-}
-
-// What loading keeps in memory: blocks that cannot be used where they lie, and the reference.
-std::uint64_t bytes_to_load(const SpoolReader& reader, SampleFilm wanted) {
-  const format::DumpHeader& header = reader.header();
-  const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
-  std::uint64_t bytes = 0;
-  for (const char* layer : {"reference", "reference_variance"}) {
-    if (reader.find_layer(layer)) bytes += pixels * 3 * sizeof(double);
-  }
-  bytes += unmapped_bytes(reader, *reader.find_layer("radiance"), FileAccess::kMap);
-  const auto film = sample_film(reader);
-  if (wanted == SampleFilm::kLoad && film) {
-    bytes += unmapped_bytes(reader, *film, FileAccess::kMap);
-  }
-  return bytes;
-}
-
-Result<void> check_memory(const SpoolReader& reader, const WorkingMemory& work, SampleFilm film) {
-  const double pixels = static_cast<double>(reader.header().width) * reader.header().height;
-  const double needed =
-      static_cast<double>(bytes_to_load(reader, film)) + work.fixed + work.per_pixel * pixels;
-  const std::optional<std::uint64_t> available = available_memory(reader.file_bytes());
-  if (!available || needed <= static_cast<double>(*available)) return {};
-  return fail(ErrorCode::kData,
-              "{}: needs about {:.3g} GB of memory, {:.3g} GB are free: record it as f32 without "
-              "--compress, which stays in the file, or crop it, or raise the limit, or use a "
-              "larger machine",
-              reader.path().string(), needed / 1e9, static_cast<double>(*available) / 1e9);
 }
 
 // Written so that NaN fails.
@@ -80,10 +50,11 @@ Result<void> check_film(const SpoolReader& reader, const BlockView& block) {
 }
 
 Result<void> load_sample_film(const std::shared_ptr<const SpoolReader>& reader,
-                              const format::LayerInfo& layer, RecordedSamples& samples) {
-  LayerBlocks film(layer_grid(reader->header()), 2, file_blocks(reader, layer, FileAccess::kMap));
-  SPOOL_TRY(
-      film.read_all(true, [&](const BlockView& block) { return check_film(*reader, block); }));
+                              const format::LayerInfo& layer, const Holding& holding,
+                              RecordedSamples& samples) {
+  LayerBlocks film = held_layer(reader, layer, holding);
+  SPOOL_TRY(film.read_all(holding.keep(),
+                          [&](const BlockView& block) { return check_film(*reader, block); }));
   samples.set_sample_film(std::move(film));
   return {};
 }
@@ -100,11 +71,11 @@ Result<void> load_pass_film(const SpoolReader& reader, RecordedSamples& samples)
 }
 
 Result<void> load_film(const std::shared_ptr<const SpoolReader>& reader, SampleFilm wanted,
-                       RecordedSamples& samples) {
+                       const Holding& holding, RecordedSamples& samples) {
   const auto layer = reader->find_layer("film");
   if (!layer) return {};
   if (layer->components != std::vector<std::string>{"X", "Y"} ||
-      layer->scope == format::Scope::kPixel) {
+      layer->scope == format::Scope::kPixel || layer->type == format::DataType::kUint32) {
     return fail(
         ErrorCode::kData,
         "{}: layer film is not X, Y of each sample or pass: record it as formats/spool.md 10 "
@@ -112,7 +83,8 @@ Result<void> load_film(const std::shared_ptr<const SpoolReader>& reader, SampleF
         reader->path().string());
   }
   if (layer->scope == format::Scope::kPass) return load_pass_film(*reader, samples);
-  return wanted == SampleFilm::kLoad ? load_sample_film(reader, *layer, samples) : Result<void>();
+  return wanted == SampleFilm::kLoad ? load_sample_film(reader, *layer, holding, samples)
+                                     : Result<void>();
 }
 
 Result<RgbImage> pixel_image(const SpoolReader& reader, const char* layer) {
@@ -184,13 +156,17 @@ Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesys
                                                               SampleFilm film) {
   SPOOL_ASSIGN(SpoolReader opened, SpoolReader::open(path));
   const auto reader = std::make_shared<const SpoolReader>(std::move(opened));
-  SPOOL_TRY(check_memory(*reader, work, film));
-  LayerBlocks radiance(layer_grid(reader->header()), 3,
-                       file_blocks(reader, *reader->find_layer("radiance"), FileAccess::kMap));
+  const format::LayerInfo radiance = *reader->find_layer("radiance");
+  std::vector<format::LayerInfo> layers{radiance};
+  if (const auto positions = sample_film(*reader); positions && film == SampleFilm::kLoad) {
+    layers.push_back(*positions);
+  }
+  SPOOL_ASSIGN(const Holding holding, choose_holding(*reader, layers, work));
   SPOOL_ASSIGN(RecordedSamples samples,
-               RecordedSamples::create(path.string(), std::move(radiance), true, rules));
+               RecordedSamples::create(path.string(), held_layer(reader, radiance, holding),
+                                       holding.keep(), rules));
   samples.set_exchangeable(reader->header().sample_order == format::SampleOrder::kExchangeable);
-  SPOOL_TRY(load_film(reader, film, samples));
+  SPOOL_TRY(load_film(reader, film, holding, samples));
   SPOOL_TRY(load_reference(*reader, samples));
   load_cost(*reader, samples);
   offer_features(reader, samples);

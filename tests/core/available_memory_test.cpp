@@ -39,7 +39,8 @@ TEST_F(MemoryLeftInGroups, IsTheLeastOfAGroupAndItsParentsCacheNotCounted) {
 TEST_F(MemoryLeftInGroups, OfVersion1TakesTheMemoryController) {
   write("memory/x/memory.limit_in_bytes", "9000\n");
   write("memory/x/memory.usage_in_bytes", "8000\n");
-  write("memory/x/memory.stat", "inactive_file 1\ntotal_inactive_file 6000\n");
+  write("memory/x/memory.stat",
+        "inactive_file 1\ntotal_inactive_file 4000\ntotal_active_file 2000\n");
   EXPECT_EQ(memory_left_in_groups("11:cpuset:/y\n4:memory:/x\n", folder_), 7000u);
 }
 

@@ -1,11 +1,15 @@
 #include "lib/pool/load_recording.h"
 
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <span>
 
 #include <gtest/gtest.h>
 
 #include "formats/spool_writer.h"
+#include "lib/core/parallel.h"
 #include "lib/synthetic/scene_s.h"
 #include "lib/synthetic/write_synthetic.h"
 #include "tests/support/scratch_folder.h"
@@ -15,12 +19,13 @@ namespace {
 
 using test::ScratchFolder;
 
-void expect_same_samples(const RecordedSamples& a, const RecordedSamples& b) {
+// Of every `step`-th row and column.
+void expect_same_samples(const RecordedSamples& a, const RecordedSamples& b, int step = 1) {
   ASSERT_EQ(a.width(), b.width());
   ASSERT_EQ(a.height(), b.height());
   ASSERT_EQ(a.spp(), b.spp());
-  for (int y = 0; y < a.height(); ++y) {
-    for (int x = 0; x < a.width(); ++x) {
+  for (int y = 0; y < a.height(); y += step) {
+    for (int x = 0; x < a.width(); x += step) {
       for (int s = 0; s < a.spp(); ++s) {
         ASSERT_EQ(a.radiance(x, y, s), b.radiance(x, y, s)) << x << "," << y << "," << s;
         ASSERT_EQ(a.film(x, y, s).x, b.film(x, y, s).x);
@@ -107,6 +112,63 @@ TEST(LoadRecording, AppliesTheRules) {
   const auto refused = load_recording(folder / "n.spool", rules);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kData);
+}
+
+// An eighth of radiance and film positions of 40 x 36 pixels and 128 samples, as the environment
+// says.
+class LittleMemory {
+ public:
+  LittleMemory() { ::setenv("SPOOL_MEMORY", std::to_string(40 * 36 * 128 * 20 / 8).c_str(), 1); }
+  ~LittleMemory() { ::unsetenv("SPOOL_MEMORY"); }
+  LittleMemory(const LittleMemory&) = delete;
+  LittleMemory& operator=(const LittleMemory&) = delete;
+
+ private:
+  const ThreadLimit two_threads_{2};
+};
+
+TEST(LoadRecording, ReadsBlockByBlockWhatIsLargerThanMemory) {
+  const ScratchFolder folder;
+  WriteSyntheticOptions options;
+  options.tile_size = 16;
+  options.block_spp = 8;
+  options.writer.force = true;
+  for (const bool compress : {false, true}) {
+    options.writer.compress = compress;
+    ASSERT_TRUE(
+        write_synthetic("scene_s", 40, 36, 128, 5, folder / "s.spool", options).has_value());
+    const auto in_place = load_recording(folder / "s.spool");
+    ASSERT_TRUE(in_place.has_value()) << in_place.error().message;
+    EXPECT_TRUE((*in_place)->blocks().in_place());
+    const LittleMemory little;
+    const auto in_blocks = load_recording(folder / "s.spool");
+    ASSERT_TRUE(in_blocks.has_value()) << in_blocks.error().message;
+    EXPECT_FALSE((*in_blocks)->blocks().in_place());
+    expect_same_samples(**in_blocks, **in_place, 5);
+    EXPECT_TRUE(still_intact(*in_blocks).has_value());
+  }
+}
+
+TEST(LoadRecording, ABlockThatIsDamagedWhenItIsReadAgainIsSaid) {
+  const ScratchFolder folder;
+  WriteSyntheticOptions options;
+  options.tile_size = 16;
+  options.block_spp = 8;
+  ASSERT_TRUE(write_synthetic("scene_s", 40, 36, 128, 5, folder / "s.spool", options).has_value());
+  const LittleMemory little;
+  const auto loaded = load_recording(folder / "s.spool");
+  ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+  std::fstream file(folder / "s.spool", std::ios::in | std::ios::out | std::ios::binary);
+  const auto bytes = std::filesystem::file_size(folder / "s.spool");
+  for (std::uintmax_t at = 4096; at + 4096 < bytes; at += 1024)
+    file.seekp(static_cast<std::streamoff>(at)).put('?');
+  file.close();
+  for (int y = 0; y < 36; y += 4) {
+    for (int x = 0; x < 40; x += 4)
+      EXPECT_TRUE(is_ordinary((*loaded)->radiance(x, y, 127)));
+  }
+  ASSERT_FALSE(still_intact(*loaded).has_value());
+  EXPECT_EQ(still_intact(*loaded).error().code, ErrorCode::kDamage);
 }
 
 TEST(LoadRecording, MissingFileIsAnIoError) {

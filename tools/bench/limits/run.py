@@ -31,13 +31,15 @@ Written by `tools/dev.sh bench limits`; the source is `tools/bench/limits`.
 | samples a pixel | 65536 | the same |
 | layers, blocks, records | `formats/spool.md`, section 6 | the same |
 | budget | the samples recorded, less those held out | the program refuses before work, the library stops there and says so |
-| memory | 130 to 420 bytes a pixel by method (in its value, `memory`), 12 bytes a sample of what cannot be mapped (half floats, compressed, transposed tiles), 8 bytes a sample of film positions that differ from pixel to pixel, where a method asks for them | `replay`, `reconstruct` and `evaluate` compare what a recording needs with what is free, what control groups and `ulimit -v` and `-d` leave, and `SPOOL_MEMORY` (bytes), and refuse before work; pictures, views and quarter pixels are estimated roughly |
+| memory | 130 to 420 bytes a pixel by method (in its value, `memory`), 12 bytes a sample of radiance that cannot be mapped (half floats, compressed), 8 bytes a sample of film positions that cannot and that a method asks for | `replay`, `reconstruct` and `evaluate` compare what a recording needs with what is free, what control groups and `ulimit -v` and `-d` leave, and `SPOOL_MEMORY` (bytes), and read it block by block, or refuse before work; pictures, views and quarter pixels are estimated roughly |
 | disk | 12 bytes a sample in f32, 6 in f16 | recorders and `synth` stop with exit code 3; what was written can be recovered |
 
-A recording in f32 without compression is mapped: samples beyond memory are read from the file when they are taken. That
-goes well while a good part of the file stays in memory. Rows of the picture visit every block of every tile they cross,
-so with much less memory than recording the system's read-ahead pushes out what the next row needs: of 0.81 GB in 0.16 GB
-213 GB had been read after six minutes, with a read-ahead of 8 MB. Crop such a recording, or record fewer samples.
+A recording in f32 without compression is mapped, others are decoded into memory, while that and the work fit. A larger one is
+read block by block ([decision 0091](decisions/0091-blocks-are-read-again.md)): statistics go tile by tile and through the blocks of
+a tile in their order. Loading and taking the statistics of all samples of 0.81 GB (256x256, 1024 samples) in a
+control group of 0.10 GB took 75 to 82 MB and read every sample three times (the scan, the statistics, the signal once its exposure is known),
+in 1.6 to 2.0 times the CPU time of the same in memory; under `ulimit -v 300000` the same. A method that takes single samples from all over
+the picture (shuffled order, replicates, `multiscale` without tiles at many samples) reads blocks as often as they leave what is kept.
 
 Time grows with pixels and, much slower, with samples; memory with pixels only: a machine of 24 GB holds 4096x4096 with every method. Layers recorded beside radiance (half floats here) cost those methods that ask for them, and the others
 nothing.
