@@ -38,7 +38,7 @@ struct ExrFile {
 // or too large, kDamage when pixels are missing or do not decode.
 Result<ExrFile> read_exr(const std::filesystem::path& path, const ExrReadLimits& limits = {});
 
-// Writes ZIP-compressed scanlines under a temporary name, then renames. A value that the channel's
+// Writes compressed scanlines under a temporary name, then renames. A value that the channel's
 // type cannot hold (a half above 65504, a negative or fractional count) is an error with its pixel.
 Result<void> write_exr(const std::filesystem::path& path, const ExrFile& image,
                        const ExrWriteOptions& options = {});

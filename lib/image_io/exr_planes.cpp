@@ -124,7 +124,8 @@ Result<void> write_exr_planes(const std::filesystem::path& path, const ExrPlanes
   exr::ExrOutput stream(file.file());
   try {
     Imf::Header header(image.width, image.height);
-    header.compression() = Imf::ZIP_COMPRESSION;
+    header.compression() =
+        options.compression == ExrCompression::kZip ? Imf::ZIP_COMPRESSION : Imf::RLE_COMPRESSION;
     exr::write_attributes(image.attributes, header);
     Imf::FrameBuffer buffer;
     for (const ExrPlane& plane : image.planes) {

@@ -36,7 +36,7 @@ struct ExrPlanes {
 Result<ExrPlanes> read_exr_planes(const std::filesystem::path& path,
                                   const ExrReadLimits& limits = {});
 
-// One part, ZIP-compressed scanlines; written under a temporary name, then renamed.
+// One part, compressed scanlines; written under a temporary name, then renamed.
 Result<void> write_exr_planes(const std::filesystem::path& path, const ExrPlanes& image,
                               const ExrWriteOptions& options = {});
 

@@ -32,9 +32,13 @@ struct ExrReadLimits {
   int max_parts = 1;                                 // later ones are not looked at
 };
 
+// Both without loss. Run lengths take a seventh of the time of zip and half as many bytes again.
+enum class ExrCompression { kZip, kRunLengths };
+
 struct ExrWriteOptions {
   bool overwrite = false;
   bool shared = false;  // several processes may write it: AtomicFile::create
+  ExrCompression compression = ExrCompression::kZip;
 };
 
 }  // namespace spool

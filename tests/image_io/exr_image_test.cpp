@@ -37,7 +37,8 @@ TEST_F(ExrImage, ReadOfWriteIsIdentityForEveryTypeAndSize) {
     ExrFile image = three_types(width, height);
     image.text_attributes["sampler"] = "uniform";
     image.number_attributes["exposure_scale"] = 1.0 / 3.0;
-    ASSERT_TRUE(write_exr(file("a.exr"), image, {.overwrite = true}));
+    const auto compression = width == 97 ? ExrCompression::kRunLengths : ExrCompression::kZip;
+    ASSERT_TRUE(write_exr(file("a.exr"), image, {.overwrite = true, .compression = compression}));
     const auto back = read_exr(file("a.exr"));
     ASSERT_TRUE(back) << back.error().message;
     ASSERT_EQ(back->channels.size(), 3u);

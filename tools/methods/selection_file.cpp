@@ -171,7 +171,8 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
       {"spool.analysis_channel",
        signal.channel == AnalysisChannel::kMaxRgb ? "max_rgb" : "luminance"}};
   if (views != nullptr) add_view_layers(*views, file);
-  return write_exr(path, file, {.overwrite = overwrite});
+  return write_exr(path, file,
+                   {.overwrite = overwrite, .compression = ExrCompression::kRunLengths});
 }
 
 Result<SelectionFile> read_selection(const std::filesystem::path& path) {
