@@ -1,6 +1,7 @@
 // Intermediate images of a method, by the names of docs/method.md: kept only when somebody asked.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,15 +29,17 @@ class Views {
   Views() = default;
   explicit Views(std::vector<std::string> wanted) : wanted_(std::move(wanted)) {}
 
+  // Whether `name` is kept, or as the name of a family one of its members.
   bool wants(std::string_view name) const {
-    const std::string_view family = name.substr(0, name.find('.'));
-    for (const std::string& w : wanted_) {
-      if (w == name || w == family || w == "all") return true;
-    }
-    return false;
+    return std::any_of(wanted_.begin(), wanted_.end(), [&](const std::string& w) {
+      return asks_for(w, name) ||
+             (w.size() > name.size() && w.starts_with(name) && w[name.size()] == '.');
+    });
   }
   void add(std::string name, const Plane& image) {
-    if (wants(name)) views_.push_back({std::move(name), image});
+    const bool kept = std::any_of(wanted_.begin(), wanted_.end(),
+                                  [&](const std::string& w) { return asks_for(w, name); });
+    if (kept) views_.push_back({std::move(name), image});
   }
   // The next of a family that has one view a round: "error.0", "error.1".
   void add_next(const std::string& family, const Plane& image) {
@@ -50,6 +53,10 @@ class Views {
   const std::vector<View>& collected() const { return views_; }
 
  private:
+  static bool asks_for(std::string_view wanted, std::string_view name) {
+    return wanted == name || wanted == name.substr(0, name.find('.')) || wanted == "all";
+  }
+
   std::vector<std::string> wanted_;
   std::vector<View> views_;
 };

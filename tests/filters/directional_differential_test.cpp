@@ -1,7 +1,10 @@
 // The stages of the directional reconstruction against their slow twins, over small sizes.
 #include <gtest/gtest.h>
 
+#include "lib/filters/directional/base_image.h"
+#include "lib/filters/directional/base_step.h"
 #include "lib/filters/directional/sample_filter.h"
+#include "lib/pyramid/convolution.h"
 #include "lib/pyramid/laplacian_pyramid.h"
 #include "tests/filters/directional_cases.h"
 #include "tests/filters/small_pools.h"
@@ -48,6 +51,7 @@ void expect_same_sizes(const FilterSizeOptions& options, const char* what) {
       for (std::size_t k = 0; k < rounding.size(); ++k) {
         if (std::abs(expected.t[k][i]) < rounding[k]) decided = false;
         if (std::abs(expected.vote[k][i] - (0.5 - 1e-9)) < 1e-13) decided = false;
+        if (options.evidence > 0.0 && std::abs(expected.beyond[k][i]) < 1e-13) decided = false;
       }
       if (decided) {
         ASSERT_EQ(level[i], expected.level[i]) << what << " " << width << "x" << height;
@@ -64,6 +68,48 @@ void expect_same_sizes(const FilterSizeOptions& options, const char* what) {
 
 TEST(FilterSizeDifferential, RobustDefaultsAgree) {
   expect_same_sizes({}, "robust");
+}
+
+TEST(FilterSizeDifferential, EvidenceAgrees) {
+  FilterSizeOptions options;
+  for (const double evidence : {0.0, 0.5, 1.5}) {
+    options.evidence = evidence;
+    expect_same_sizes(options, "evidence");
+  }
+}
+
+TEST(FilterSizeDifferential, TheStepToTheBaseImageAgrees) {
+  for (const auto& [width, height] : all_sizes()) {
+    const auto c = random_size_case(width, height, 100);
+    for (const double evidence : {0.0, 1.0, 6.0}) {
+      DirectionalOptions options;
+      options.size.evidence = evidence;
+      Plane t;
+      const Plane expected = reference::refused_base(
+          c.mean, c.variance, base_taps(options.base).values, options.size, &t);
+      Tile tile;
+      tile.pieces.n = c.n;
+      tile.pieces.mean = {c.mean, c.mean, c.mean};
+      tile.pieces.variance = {c.variance, c.variance, c.variance};
+      tile.analysis.mean = c.mean;
+      tile.analysis.variance = c.variance;
+      GuardCounts guards;
+      Views views({"T"});
+      const Plane refused = apply_base(options, tile, &views, guards);
+      ASSERT_LT(reference::max_difference(views.collected()[0].image, t), 1e-14);
+      EXPECT_EQ(refused, expected) << width << "x" << height;
+      for (std::size_t i = 0; i < refused.size(); ++i) {
+        if (refused[i] > 0.0) {
+          ASSERT_EQ(tile.pieces.mean[1][i], c.mean[i]);
+          ASSERT_EQ(tile.analysis.variance[i], c.variance[i]);
+        }
+      }
+      const Plane all = convolve(c.mean, base_taps(BaseImage::kPixelGaussian));
+      for (std::size_t i = 0; i < refused.size(); ++i) {
+        if (refused[i] == 0.0) ASSERT_EQ(tile.pieces.mean[2][i], all[i]);
+      }
+    }
+  }
 }
 
 TEST(FilterSizeDifferential, EveryFactorAgrees) {
@@ -93,6 +139,7 @@ TEST(FilterSizeDifferential, SeveralSignalsDecideByTheMeanOfTheirCriteria) {
                                                   random_size_case(width, height, 2),
                                                   random_size_case(width, height, 3)};
     FilterSizeOptions options;
+    options.evidence = 0.0;
     options.smooth = SizeSmooth::kOff;
     std::vector<FilterSizeInput> inputs;
     std::vector<reference::FilterSizes> twins;
@@ -190,6 +237,7 @@ TEST(FilterWidthDifferential, WidthsAgreeWithBandsOfTheDefiningSums) {
       level[i] = static_cast<int>(5 * testing::random_unit(5, 5, i));
     for (const int bank_levels : {2, 3}) {
       DirectionalOptions options;
+      options.width.anisotropy = AnisotropySource::kFilterBank;
       options.bank.levels = bank_levels;
       const Pyramid pyramid = build_pyramid(mean, options.pyramid);
       const auto expected = reference::filter_widths(pyramid, variance, level, options);

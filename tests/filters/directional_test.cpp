@@ -41,9 +41,9 @@ std::vector<DirectionalOptions> variants() {
   old.size.factor.rule = SizeFactorRule::kLiteralClamped;
   old.filter.weighting = FilterWeighting::kPerSample;
   all.push_back(old);
-  DirectionalOptions tensor = robust_directional_options();
-  tensor.width.anisotropy = AnisotropySource::kStructureTensor;
-  all.push_back(tensor);
+  DirectionalOptions bank = robust_directional_options();
+  bank.width.anisotropy = AnisotropySource::kFilterBank;
+  all.push_back(bank);
   DirectionalOptions round = robust_directional_options();
   round.width.anisotropy = AnisotropySource::kNone;
   all.push_back(round);
@@ -203,6 +203,7 @@ TEST(Directional, AVerticalEdgeIsWidestAt90Degrees) {
   });
   DirectionalOptions options;
   options.size.factor.constant = 0.0;  // never stops: a filter everywhere
+  options.size.evidence = 0.0;
   const Reconstruction result = run(select_uniform(pool, 4), pool, options);
   const std::vector<double> beta = band_tangents(3);
   for (int y = 16; y < 48; ++y) {
@@ -399,7 +400,7 @@ TEST(Directional, TiledViewsAreJoined) {
   options.tile = 20;
   Views views({"level", "stop", "f.2"});
   const Reconstruction result = run(select_uniform(pool, 4), pool, options, &views);
-  ASSERT_EQ(views.collected().size(), 6u);
+  ASSERT_EQ(views.collected().size(), 7u);  // stop.base, too
   for (const View& view : views.collected()) {
     ASSERT_EQ(view.image.width(), 40);
     if (view.name != "level") continue;
@@ -423,10 +424,11 @@ TEST(Directional, AttenuationOfAnotherSizeIsAnErrorThatSaysBothSizes) {
 // are about 800 independent variances: the ratio's own deviation is near sqrt(2 / 800) = 0.05.
 TEST(Directional, EstimatedVarianceIsTheSpreadOverIndependentImages) {
   const int size = 44, repeats = 120;
-  for (const BaseImage base : {BaseImage::kNone, BaseImage::kPixelGaussian}) {
+  for (const BaseImage base : {BaseImage::kNone, BaseImage::kPixelGaussian, BaseImage::kChosen}) {
     DirectionalOptions options;
     options.base = base;
     options.size.factor.constant = 0.0;
+    options.size.evidence = 0.0;
     options.width.anisotropy = AnisotropySource::kNone;
     Plane sum(size, size), squares(size, size);
     double estimated = 0.0, measured = 0.0;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/filters/directional/size_factor.h"
 #include "tests/filters/directional_cases.h"
 #include "tests/reference/filter_size_reference.h"
 
@@ -80,6 +81,24 @@ TEST(FilterSize, AloneAPieceCannotStopAgainstItsNeighbours) {
   EXPECT_GT(size_of(c, {})(20, 20), 0);
 }
 
+TEST(FilterSize, NoVoteOverrulesALamp) {
+  // An even wall and a lamp in one piece: of the regions that begin at the lamp's neighbours only
+  // those to its right and below hold it, so most neighbours see nothing.
+  SizeCase c = flat_case(48, 48, 0.28, 1e-4);
+  c.mean(24, 24) = 968.0;
+  c.variance(24, 24) = 1.0;
+  FilterSizeOptions deaf;
+  deaf.evidence = 0.0;
+  EXPECT_GT(size_of(c, deaf)(25, 25), 0);
+  const CountImage level = size_of(c, {});
+  EXPECT_EQ(level(25, 25), 0);
+  EXPECT_EQ(level(24, 25), 0);
+  EXPECT_EQ(level(24, 24), 0);
+  EXPECT_GT(level(10, 10), 2);
+  c.variance(24, 24) = 968.0 * 968.0;  // a firefly: one sample, as uncertain as it is bright
+  EXPECT_GT(size_of(c, {})(24, 24), 0);
+}
+
 TEST(FilterSize, ASmallerFactorNeverMakesAFilterSmallerWithoutVotes) {
   const SizeCase c = testing::random_size_case(33, 21, 5);
   FilterSizeOptions options;
@@ -150,9 +169,10 @@ TEST(FilterSize, ALoneLargeFilterOnADiagonalEdgeIsClosedToOneStepAboveItsNeighbo
     for (int x = 0; x < 48; ++x)
       c.mean(x, y) = x == y ? 0.5 : (x > y ? 0.8 : 0.2);
   }
-  FilterSizeOptions closed;
+  FilterSizeOptions open, closed;
+  open.evidence = closed.evidence = 0.0;  // which would see the edge from the next regions
   closed.step = 1;
-  const CountImage open_level = size_of(c, {}), closed_level = size_of(c, closed);
+  const CountImage open_level = size_of(c, open), closed_level = size_of(c, closed);
   for (int i = 16; i < 32; ++i) {
     EXPECT_EQ(open_level(i, i), 4);  // its mean is 0.5 at every size
     const int beside = std::max(open_level(i + 1, i), open_level(i, i + 1));

@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "lib/filters/directional/base_image.h"
+#include "lib/filters/directional/base_step.h"
 #include "lib/filters/directional/filter_size.h"
 #include "lib/filters/directional/filter_width.h"
 #include "lib/filters/directional/sample_filter.h"
 #include "lib/filters/directional/tile.h"
-#include "lib/pyramid/convolution.h"
 #include "lib/pyramid/laplacian_pyramid.h"
 
 namespace spool {
@@ -27,23 +27,6 @@ Plane scaled(const Plane& plane, double factor) {
   for (double& v : result.pixels())
     v *= factor;
   return result;
-}
-
-// Means and variances of the pieces, of the signals that decide too, pass the taps of the base
-// image.
-void apply_base(BaseImage base, Tile& tile) {
-  if (base == BaseImage::kNone) return;
-  const Taps taps = base_taps(base), squares = squared_base_taps(base);
-  for (Plane& channel : tile.pieces.mean)
-    channel = convolve(channel, taps);
-  for (Plane& channel : tile.pieces.variance)
-    channel = convolve(channel, squares);
-  tile.analysis.mean = convolve(tile.analysis.mean, taps);
-  tile.analysis.variance = convolve(tile.analysis.variance, squares);
-  for (SizeChannel& channel : tile.channels) {
-    channel.mean = convolve(channel.mean, taps);
-    channel.variance = convolve(channel.variance, squares);
-  }
 }
 
 // Filter size of each piece [LiuZheng (9)]
@@ -108,14 +91,18 @@ FilteredTile filter_tile(Tile tile, const SamplePool& pool, const DirectionalOpt
   const bool by_sample =
       options.filter.granularity == FilterGranularity::kSample && pool.recording().has_film();
   const RgbImage sample_variance = by_sample ? tile.pieces.variance : RgbImage{};
-  apply_base(options.base, tile);
+  // The base image, where eq 9 does not refuse it
+  const Plane raw = apply_base(options, tile, views, result.guards);
 
   // Coarse and detail images of the final means [LiuZheng (1)-(4)]
   Pyramid pyramid = build_pyramid(tile.analysis.mean, options.pyramid);
   add_pyramid_views(pyramid, views);
 
-  // Filter size of each piece [LiuZheng (9)]
+  // Filter size of each piece [LiuZheng (9)]; who refused the base image has stopped before
   result.level = sizes_of(tile, pyramid, options, views, result.guards);
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    if (raw[i] > 0.0) result.level[i] = 0;
+  }
   tile.channels.clear();
   tile.analysis.mean = {};
   if (options.width.anisotropy == AnisotropySource::kFilterBank) pyramid.coarse.clear();
@@ -212,8 +199,8 @@ Filter directional_filter() {
                {"S.k", "variance (or contrast) of the mean over regions of level k (eq 9)"},
                {"q.k", "value of regions of level k (eq 9)"},
                {"w.k", "weight of the squared difference (eq 9)"},
-               {"T.k", "criterion of the size; positive stops (eq 9)"},
-               {"stop.k", "1 where the size stops at level k, after the vote"},
+               {"T.k", "criterion of the size; positive stops (eq 9); T.base: of the base image"},
+               {"stop.k", "1 where the size stops at level k, after the vote; stop.base: before"},
                {"base_variance", "variance of the base image, analysis signal"},
                {"level", "chosen size: 2^level pieces"},
                {"band_energy.k.i", "energy of direction i at level k"},

@@ -6,9 +6,8 @@
 // S_k: variance of the mean over R_k, (sum of v over R_k) / N^2, or the contrast V_k. q_k: mean
 // over R_k, or the pyramid's f_k. w_k: see SizeFactorRule. E[(q_{k+1} - q_k)^2] of pure noise is
 // S_k - S_{k+1}, so w is a significance test: stop where |dq| > sqrt(1 / w) standard deviations.
-// Votes: stop_k blurred with a Gaussian of sigma max(0.8, 0.7 2^k). `on` stops where the blurred
-// value is at least 1/2; `opens_only` takes the piece's own vote out (all but a weight of 0.01) and
-// stops where it *and* the piece itself want to.
+// The neighbours then vote (stop_votes.h). With `keep` (base_image.h) a piece that refused the base
+// image has size 1, whatever T_0 says: that step came first.
 // Slow twin: tests/reference/filter_size_reference.h.
 #pragma once
 
@@ -39,9 +38,5 @@ CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& op
 // and levels are those of the first. Views S.k.i and q.k.i where there are several.
 CountImage filter_size(std::span<const FilterSizeInput> inputs, const FilterSizeOptions& options,
                        Views* views, GuardCounts& guards);
-
-// z(gamma) = -ln(1 - (1.9 gamma)^(1 / sqrt 2)), the caution of the greedy selection
-// [RousselleKnausZwicker11]; multiplied by 1 - 1/N where N samples are averaged.
-double greedy_caution(double gamma);
 
 }  // namespace spool

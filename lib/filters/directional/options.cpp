@@ -71,6 +71,8 @@ OptionTable<FilterSizeOptions> filter_size_option_table() {
                                     {"on", SizeSmooth::kOn},
                                     {"off", SizeSmooth::kOff}},
                                    "vote of the neighbours on where the size stops"),
+      number_option<O>("evidence", &O::evidence, 0.0, 1e6,
+                       "standard deviations of a difference that no vote overrules; 0: any vote"),
       integer_option<O>("size_step", &O::step, 0, 16,
                         "levels that a size may lie above its neighbours' least; 0: any"),
   };
@@ -134,7 +136,9 @@ DirectionalOptions paper_directional_options() {
   options.size.factor_fallback = 0.0;
   options.size.track_a0 = true;
   options.size.smooth = SizeSmooth::kOff;
+  options.size.evidence = 0.0;
   options.bank.levels = 2;
+  options.width.anisotropy = AnisotropySource::kFilterBank;
   options.energy.measure = DirectionMeasure::kAbs;
   options.energy.noise_correct = false;
   options.energy.smoothing = 0.75;
@@ -158,8 +162,10 @@ OptionTable<DirectionalOptions> directional_option_table() {
       expert(expert(expert(expert(var_mode_option(&O::var_mode))))),
       choice_option<O, BaseImage>(
           "base", &O::base,
-          {{"pixel_gaussian", BaseImage::kPixelGaussian}, {"none", BaseImage::kNone}},
-          "small filter that every piece mean passes first; what size 1 means"),
+          {{"chosen", BaseImage::kChosen},
+           {"pixel_gaussian", BaseImage::kPixelGaussian},
+           {"none", BaseImage::kNone}},
+          "small filter that piece means pass first: where eq 9 says so, always, never"),
   };
   append_options(table, pyramid_option_table(), &O::pyramid);
   append_options(table, filter_size_option_table(), &O::size);

@@ -1,6 +1,7 @@
 // All options of the directional reconstruction and its two presets.
 //
-//   robust (default)  what recorded pools taught: sizes that only open, piece weights, a base image
+//   robust (default)  what recorded pools taught: a base image that can be refused, sizes that only
+//                     open unless the evidence is strong, directions of gradients, piece weights
 //   paper             the most literal reading of the text that can be defended
 // Nothing in the code asks for a preset's name; docs/method.md says what each symbol means.
 #pragma once
@@ -60,7 +61,8 @@ struct FilterSizeOptions {
   double factor_fallback = 0.10;  // where A_k + A_{k+1} = 0 or both were never updated
   bool track_a0 = false;          // A_0 as the sampler kept it; else A_0 := A_1
   SizeSmooth smooth = SizeSmooth::kOpensOnly;
-  int step = 0;  // a piece is at most so many levels above its 8 neighbours' least; 0: any
+  double evidence = 3.0;  // standard deviations of a difference that no vote overrules; 0: none
+  int step = 0;           // a piece is at most so many levels above its 8 neighbours' least; 0: any
 };
 
 enum class AnisotropySource {
@@ -73,7 +75,7 @@ enum class FilterAngle {
   kNormal,   // beta = wedge frequency angle: across them (demonstration)
 };
 struct FilterWidthOptions {
-  AnisotropySource anisotropy = AnisotropySource::kFilterBank;
+  AnisotropySource anisotropy = AnisotropySource::kStructureTensor;
   FilterAngle angle = FilterAngle::kTangent;
   double sigma_max = 0.40;  // widest standard deviation / 2^k
   double rho = 0.10;        // narrowest / widest
@@ -94,8 +96,10 @@ struct FilterOptions {
   FilterGranularity granularity = FilterGranularity::kPiece;
 };
 
+// What size 1 means; the filter's taps are exp(-2 d^2) - exp(-8), d = -1, 0, 1.
 enum class BaseImage {
-  kPixelGaussian,  // piece means filtered with taps exp(-2 d^2) - exp(-8), d = -1, 0, 1
+  kChosen,         // each piece's mean, or the filtered one: the first step of eq 9
+  kPixelGaussian,  // the filtered mean of every piece
   kNone,
 };
 enum class ReconstructionScope { kGlobal, kTile };
@@ -104,7 +108,7 @@ enum class Precision { kFloat32, kFloat64 };  // of bands, energies and weights;
 struct DirectionalOptions {
   bool normalise_exposure = true;
   VarianceMode var_mode = VarianceMode::kAuto;
-  BaseImage base = BaseImage::kPixelGaussian;
+  BaseImage base = BaseImage::kChosen;
   PyramidOptions pyramid;
   FilterSizeOptions size;
   BankOptions bank;

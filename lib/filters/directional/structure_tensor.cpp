@@ -31,24 +31,37 @@ Gradient gradient(const Plane& f) {
   return g;
 }
 
-double energy_of(const Plane& plane) {
-  double sum = 0.0;
-  for (const double v : plane.pixels())
-    sum += v * v;
-  return sum;
-}
-
-// Sums of squares of the responses of the two differences of f_{level-1} to a delta.
-std::pair<double, double> gradient_gains(const DirectionalOptions& options, int level) {
+// Sum of squares of the response of a difference of f_{level-1} to a delta. The filters are
+// separable and have sum 1, so one row tells the response a along an axis, and (sum of (Da)^2) (sum
+// of a^2) that of the image.
+double gradient_gain(const DirectionalOptions& options, int level) {
   const int n = 64 << level;  // wider than any response: taps reach 4 (2^k - 1) + 2
-  Plane delta(n, n);
-  delta(n / 2, n / 2) = 1.0;
+  Plane delta(n, 1);
+  delta(n / 2, 0) = 1.0;
   PyramidOptions pyramid = options.pyramid;
   pyramid.levels = level;
-  const Plane f = build_pyramid(convolve(delta, base_taps(options.base)), pyramid)
+  const Plane a = build_pyramid(convolve(delta, base_taps(options.base)), pyramid)
                       .coarse[static_cast<std::size_t>(level - 1)];
-  const Gradient g = gradient(f);
-  return {energy_of(g.x), energy_of(g.y)};
+  const Plane difference = gradient(a).x;
+  double differences = 0.0, values = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    differences += difference[i] * difference[i];
+    values += a[i] * a[i];
+  }
+  return differences * values;
+}
+
+// Unit vector across the structure of an angle in degrees.
+struct Normal {
+  double x, y;
+};
+std::vector<Normal> normals_of(std::span<const double> angles) {
+  std::vector<Normal> normals;
+  for (const double angle : angles) {
+    const double radians = (angle + 90.0) * std::numbers::pi / 180.0;
+    normals.push_back({std::cos(radians), std::sin(radians)});
+  }
+  return normals;
 }
 
 }  // namespace
@@ -71,7 +84,8 @@ DirectionalEnergy<T> structure_tensor_energy(const Pyramid& pyramid, const Plane
   xy = gaussian_blur(xy, sigma, options.energy.extension);
   yy = gaussian_blur(yy, sigma, options.energy.extension);
   const Plane noise = gaussian_blur(variance, sigma, options.energy.extension);
-  const auto [gain_x, gain_y] = gradient_gains(options, level);
+  const double gain = gradient_gain(options, level);
+  const std::vector<Normal> normals = normals_of(angles);
 
   DirectionalEnergy<T> result;
   result.energy.assign(angles.size(), Image<T>(width, height));
@@ -81,13 +95,11 @@ DirectionalEnergy<T> structure_tensor_energy(const Pyramid& pyramid, const Plane
     GuardCounts& row = caught[static_cast<std::size_t>(y)];
     for (int x = 0; x < width; ++x) {
       double largest = 0.0;
+      const double in_noise = gain * noise(x, y);
       for (std::size_t i = 0; i < angles.size(); ++i) {
-        const double radians = (angles[i] + 90.0) * std::numbers::pi / 180.0;
-        const double nx = std::cos(radians), ny = std::sin(radians);
+        const auto [nx, ny] = normals[i];
         double e = nx * nx * xx(x, y) + 2.0 * nx * ny * xy(x, y) + ny * ny * yy(x, y);
-        if (options.energy.noise_correct) {
-          e -= (nx * nx * gain_x + ny * ny * gain_y) * noise(x, y);
-        }
+        if (options.energy.noise_correct) e -= in_noise;
         if (e < 0.0) {
           row.add(Guard::kNegativeBandEnergy);
           e = 0.0;
@@ -95,8 +107,7 @@ DirectionalEnergy<T> structure_tensor_energy(const Pyramid& pyramid, const Plane
         largest = std::max(largest, e);
         result.energy[i](x, y) = static_cast<T>(e);
       }
-      const double mean_noise = 0.5 * (gain_x + gain_y) * noise(x, y);
-      if (largest <= 1e-3 * mean_noise || largest <= 1e-20) {
+      if (largest <= 1e-3 * in_noise || largest <= 1e-20) {
         row.add(Guard::kIsotropicFallback);
         result.isotropic(x, y) = 1;
       }

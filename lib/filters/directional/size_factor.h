@@ -1,0 +1,18 @@
+// The weight w_k of the squared difference in eq 9, by the rules of SizeFactorRule.
+#pragma once
+
+#include "lib/core/guards.h"
+#include "lib/core/image.h"
+#include "lib/filters/directional/filter_size.h"
+
+namespace spool {
+
+// w_k of every piece, for the step from R_k to R_{k+1}; the base image's step is weighed as k = 0.
+Plane size_factors(const FilterSizeInput& input, int k, const FilterSizeOptions& options,
+                   GuardCounts& guards);
+
+// z(gamma) = -ln(1 - (1.9 gamma)^(1 / sqrt 2)), the caution of the greedy selection
+// [RousselleKnausZwicker11]; multiplied by 1 - 1/N where N samples are averaged.
+double greedy_caution(double gamma);
+
+}  // namespace spool

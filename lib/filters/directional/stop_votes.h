@@ -1,0 +1,53 @@
+// Where a step of eq 9 stops: the criterion's sign, the neighbours' vote, and evidence that no vote
+// overrules.
+//
+//   votes      stop_k blurred with a Gaussian of sigma max(0.8, 0.7 2^k). `on` stops where the
+//              blurred value is at least 1/2; `opens_only` takes the piece's own vote out (all but
+//              a weight of 0.01) and stops where it *and* the piece itself want to
+//   evidence   (q_{k+1} - q_k)^2 > z^2 Var(q_{k+1} - q_k): the difference is beyond z standard
+//              deviations of its own noise. Such a piece stops, whatever its neighbours say
+//
+// A firefly is about one standard deviation of its own noise, and its neighbours' difference of
+// theirs, which holds its variance; a lamp is many. Variances that are small by chance would be
+// evidence of nothing: those of the test are at least the median of the nine around them, which one
+// lamp does not move. R_{k+1} reaches less far to the right and down than the filter's window: the
+// regions of the next piece to the right, below and both speak, too, and the loudest counts.
+#pragma once
+
+#include "lib/core/guards.h"
+#include "lib/core/image.h"
+#include "lib/filters/directional/options.h"
+
+namespace spool {
+
+// One step from a fine image of each piece to a coarser one, of one signal.
+struct SizeStep {
+  const Plane& fine_variance;    // S_k
+  const Plane& coarse_variance;  // S_{k+1}
+  const Plane& fine;             // q_k
+  const Plane& coarse;           // q_{k+1}
+  // Cautious forms of both variances; empty without evidence. Var(q_{k+1} - q_k) = that of q_{k+1}
+  // + own_share that of q_k, 1 - 2 q_k's share of q_{k+1}.
+  const Plane& fine_noise;
+  const Plane& coarse_noise;
+  double own_share = 0.5;
+  bool regions = true;  // q_{k+1} is of the region R_{k+1}, which has no middle piece
+};
+
+// Each variance, but at least the median of those of the piece and its eight neighbours.
+Plane cautious_variance(const Plane& variance);
+
+// What the signals together say of a step.
+struct SizeCriterion {
+  Plane t;       // T_k, the signals' mean
+  Plane beyond;  // sum of (q_{k+1} - q_k)^2 - z^2 Var; empty without evidence
+};
+
+// Adds what a signal says, over `signals` of them [LiuZheng (9)].
+void add_step(const SizeStep& step, const Plane& w, std::size_t signals, double evidence,
+              SizeCriterion& criterion);
+
+// 1 where the size stops, else 0; k = -1 is the step to the base image.
+Plane decide_stops(const SizeCriterion& criterion, int k, SizeSmooth rule, GuardCounts& guards);
+
+}  // namespace spool
