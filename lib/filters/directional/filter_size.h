@@ -16,20 +16,10 @@
 #include "lib/core/guards.h"
 #include "lib/core/image.h"
 #include "lib/core/view.h"
+#include "lib/filters/directional/filter_size_input.h"
 #include "lib/filters/directional/options.h"
 
 namespace spool {
-
-struct FilterSizeInput {
-  const Plane& mean;      // q_0 [y][x], exposed
-  const Plane& variance;  // v of `mean`
-  const CountImage& n;    // samples
-  const Plane& minimum;   // exposed extremes of the samples, for the contrast
-  const Plane& maximum;
-  std::span<const Plane> coarse;       // f_0 .. f_K, for size_coarse = lp
-  std::span<const Plane> attenuation;  // A_0 .. A_K, or empty
-  int levels = 4;                      // K
-};
 
 // k of each piece, 0 .. K. Views: S.k, q.k, w.k, T.k, stop.k.
 CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& options, Views* views,

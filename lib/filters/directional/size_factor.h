@@ -3,7 +3,8 @@
 
 #include "lib/core/guards.h"
 #include "lib/core/image.h"
-#include "lib/filters/directional/filter_size.h"
+#include "lib/filters/directional/filter_size_input.h"
+#include "lib/filters/directional/options.h"
 
 namespace spool {
 
