@@ -99,11 +99,11 @@ def fresh(r, budget):
 
 def directions(m):
     r = m.results
-    iso, bank = options("directional", "anisotropy=none"), options("directional", "bank_levels=3")
+    iso, bank = options("directional", "anisotropy=none"), options("directional", "anisotropy=bank,bank_levels=3")
     raw = (MULTISCALE, "box")
     said = [finding("the directional filter lowers the MSE of adaptive sampling", r, (MULTISCALE, bank), raw),
             finding("three stages of the bank are below the isotropic filter", r, (MULTISCALE, bank), (MULTISCALE, iso)),
-            finding("three stages are below two", r, (MULTISCALE, bank), (MULTISCALE, options("directional", "bank_levels=2"))),
+            finding("three stages are below two", r, (MULTISCALE, bank), (MULTISCALE, options("directional", "anisotropy=bank,bank_levels=2"))),
             finding("the literal preset with its filter is below uniform with box", r,
                     ("multiscale:paper", "directional:paper"), ("uniform", "box"))]
     return [*(curves(r, pool) for pool in r.pools), "\n".join(said)]
