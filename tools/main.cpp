@@ -35,6 +35,7 @@
 #include "tools/metrics_verb.h"
 #include "tools/pack.h"
 #include "tools/picture_verb.h"
+#include "tools/pixel_verb.h"
 #include "tools/reconstruct.h"
 #include "tools/recover.h"
 #include "tools/replay.h"
@@ -72,6 +73,7 @@ struct Program {
   ReportOptions report;
   FigureOptions figure;
   PictureOptions picture;
+  PixelOptions pixel;
   ListOptions list;
   Verb chosen;
 };
@@ -564,6 +566,43 @@ void add_picture(Program& program) {
       [&] { program.chosen = [&] { return run_picture(program.picture, program.common); }; });
 }
 
+void add_pixel(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "pixel", "the samples of a pixel in the order of a replay, and their running mean");
+  PixelOptions& options = program.pixel;
+  add_dump(verb, options.dump);
+  verb.add_option("--at", options.places, "X,Y from the upper left corner; may be given again")
+      ->required()
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_option("--samples", options.samples, "the first so many (all)")
+      ->check(CLI::Range(1, 65536));
+  CLI::Option* evaluation =
+      verb.add_option("--evaluation-seed", options.evaluation_seed,
+                      "the seed of an evaluation: the order in which its replicate 0 takes samples")
+          ->check(seed_check());
+  verb.add_option("--order", options.pool.order,
+                  "order of the samples: recorded (default) or shuffled by --seed")
+      ->transform(CLI::CheckedTransformer(
+                      std::map<std::string, PoolOrder>{{"recorded", PoolOrder::kRecorded},
+                                                       {"shuffled", PoolOrder::kShuffled}})
+                      .description(""))
+      ->option_text("recorded|shuffled")
+      ->excludes(evaluation);
+  verb.add_option("--seed", options.pool.seed, "seed of the order (0)")
+      ->check(seed_check())
+      ->excludes(evaluation);
+  verb.add_option("--holdout", options.pool.holdout, "samples per pixel that are never offered (0)")
+      ->check(CLI::Range(0, 65535));
+  add_common(verb, program.common, true, false);
+  verb.footer(
+      "A sampler that took n samples of the pixel took the first n of the list.\n"
+      "Examples:\n"
+      "  spool pixel dumps/tiny/chess.spool --at 20,30 --samples 16\n"
+      "  spool pixel dumps/tiny/chess.spool --at 20,30 --evaluation-seed 1 --json");
+  verb.callback([&] { program.chosen = [&] { return run_pixel(program.pixel, program.common); }; });
+}
+
 void add_list(Program& program) {
   CLI::App& verb =
       *program.app.add_subcommand("list", "what there is, with every option explained");
@@ -646,6 +685,7 @@ int run(int count, char** arguments) {
   add_report(program);
   add_figure(program);
   add_picture(program);
+  add_pixel(program);
   add_list(program);
   try {
     program.app.parse(count, arguments);

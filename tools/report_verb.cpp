@@ -1,5 +1,7 @@
 #include "tools/report_verb.h"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -11,6 +13,8 @@
 
 namespace spool::tools {
 namespace {
+
+namespace fs = std::filesystem;
 
 const char* name_of(Better better) {
   return better == Better::kLower ? "lower" : (better == Better::kHigher ? "higher" : "one");
@@ -41,6 +45,10 @@ Result<void> run_report(const ReportOptions& options, const CommonOptions& commo
                                     "--metric=" + options.metric, "--title=" + options.title,
                                     fmt::format("--max-image-mb={}", options.max_image_mb),
                                     "--vocabulary=/dev/stdin"};
+  // For the samples of single pixels, which the program reads (`spool pixel`).
+  std::error_code status;
+  const fs::path self = fs::read_symlink("/proc/self/exe", status);
+  if (!status) words.push_back("--program=" + self.string());
   if (common.force) words.emplace_back("--force");
   words.insert(words.end(), {"--", options.folder.string()});
   SPOOL_ASSIGN(const std::string said,

@@ -75,10 +75,10 @@ std::vector<NamedPanel> panels_of(const ResultImages& images, const PictureScale
                     one_channel("n", PixelType::kUint, density)});
   if (result.level) panels.push_back(size_panel(*result.level));
   if (result.dominant_direction) {
-    panels.push_back({"direction",
-                      {"dominant direction (degrees)",
-                       direction_picture(*result.dominant_direction), DirectionKey{}},
-                      one_channel("angle", PixelType::kFloat, *result.dominant_direction)});
+    panels.push_back(
+        {"direction",
+         {"direction (degrees)", direction_picture(*result.dominant_direction), DirectionKey{}},
+         one_channel("angle", PixelType::kFloat, *result.dominant_direction)});
   }
   if (images.reference && scale.error) {
     const Plane error = squared_error_map(result.image, *images.reference);

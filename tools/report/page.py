@@ -13,7 +13,7 @@ from assets import ASSETS, HERE, load_asset
 
 OWN_SCRIPTS = ("report_data.js", "charts.js", "image_codec.js", "picture_store.js", "colour_scales.js",
                "export_buttons.js", "headline.js", "crop_strip.js", "result_table.js", "viewer.js",
-               "viewer_panes.js", "viewer_insets.js", "viewer_controls.js", "viewer_pointers.js", "page_start.js")
+               "viewer_panes.js", "viewer_insets.js", "viewer_controls.js", "viewer_pointers.js", "pixel_panel.js", "page_start.js")
 
 
 def json_for_html(value):

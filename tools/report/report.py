@@ -40,6 +40,7 @@ def parse(arguments):
     parser.add_argument("--max-image-mb", type=float, default=40.0,
                         help="megabytes of images; beyond, crops and links to the EXRs (40)")
     parser.add_argument("--vocabulary", type=Path, help="meanings of columns as JSON")
+    parser.add_argument("--program", default="", help="the program spool, asked for the samples of single pixels")
     parser.add_argument("--title", default="")
     parser.add_argument("--force", action="store_true", help="replace the report")
     return parser.parse_args(arguments)
@@ -50,6 +51,7 @@ def make_report(options):
     from described import Described
     from headline_data import headline_budget
     from page import build_page
+    from pixel_data import pixel_answers
     from report_data import OWN_MEANINGS, quantity_names, report_data
     from result_images import dump_names, find_images, pack_images
     from results_table import choose_metric, read_results
@@ -70,8 +72,9 @@ def make_report(options):
     combinations = aggregate(table, statistics)
     labels = dump_names(dict.fromkeys(c.dump for c in combinations))
     labels.update({s["dump"]: s["group"] for s in statistics.scenes if s["group"]})
-    images = pack_images(find_images(options.folder, combinations),
-                         options.output.resolve().parent, options.max_image_mb)
+    found = find_images(options.folder, combinations)
+    images = pack_images(found, options.output.resolve().parent, options.max_image_mb)
+    pixels = pixel_answers(options.program, found, combinations, manifest)
     described = Described(manifest)
     described.mark(combinations)
     described.mark_statistics(statistics)
@@ -93,7 +96,7 @@ def make_report(options):
         ("guards", "Saturated, rejected, clamped", guards_html(combinations, labels, vocabulary)),
         ("run", "The run", run_html(manifest, combinations, labels, vocabulary.version)),
     ]
-    data = report_data(combinations, statistics, table.metrics, metric, labels, vocabulary, images)
+    data = report_data(combinations, statistics, table.metrics, metric, labels, vocabulary, images, pixels)
     html = build_page(title, sections, data, images.packed)
     write(options.output, html)
     size = options.output.stat().st_size / 1e6

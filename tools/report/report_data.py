@@ -27,7 +27,7 @@ def quantity_names(combinations, metrics):
     return [name for name in ordered + list(QUANTITIES_LAST) if name in known]
 
 
-def report_data(combinations, statistics, metrics, metric, labels, vocabulary, images):
+def report_data(combinations, statistics, metrics, metric, labels, vocabulary, images, pixels):
     names = quantity_names(combinations, metrics)
     dumps = list(dict.fromkeys(c.dump for c in combinations))
     samplers = list(dict.fromkeys(c.sampler for c in combinations))
@@ -47,6 +47,7 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "overall": [_overall(entry, len(dumps), samplers, filters, names, metric) for entry in statistics.overall],
         "budget": headline_budget(statistics, metric),
         "conditions": headline_conditions(statistics, metric, combinations, dumps),
+        "pixels": [{"dump": dumps.index(dump), "answers": answers} for dump, answers in pixels.items()],
         "pictures": _pictures(images, combinations, dumps),
     }
 

@@ -14,6 +14,7 @@ function buildViewer(view) {
     element('p', {class: 'note'}, 'Drag moves, wheel or + - zooms (after a click into the pictures), a b r or space flip, ',
       'e E exposure, [ ] budget, , . layer, 0 resets; drag a coloured frame to move its inset. Values have eleven bits ',
       'here; the EXR files have all.'), view.links);
+  buildPixelPanel(view);
   view.stage.addEventListener('keydown', (event) => onKey(view, event));
   listenToPointers(view);
 }

@@ -100,6 +100,17 @@ function drawMarks(view, context, {scale, left, top}, unit) {
     frame(inset.x, inset.y, inset.side, '#000', 4);
     frame(inset.x, inset.y, inset.side, insetColours[i], 2);
   });
+  const crop = view.scene().crop ?? [0, 0];
+  for (const {x, y} of pixelsOf(view.scene().dump)) {
+    context.beginPath();
+    context.arc(left + (x - crop[0] + 0.5) * scale, top + (y - crop[1] + 0.5) * scale, 4 * unit, 0, 2 * Math.PI);
+    context.strokeStyle = '#000';
+    context.lineWidth = 3 * unit;
+    context.stroke();
+    context.strokeStyle = '#fff';
+    context.lineWidth = 1.5 * unit;
+    context.stroke();
+  }
   const {pixel, cursor} = view.state;
   if (pixel) {
     frame(pixel.x, pixel.y, 1, '#000', 4);

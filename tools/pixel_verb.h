@@ -1,0 +1,27 @@
+// `spool pixel`: what was recorded at a pixel: its samples in the order in which a replay takes
+// them, their running mean with its interval, and a histogram of their luminance.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/pool/sample_pool.h"
+#include "tools/console.h"
+
+namespace spool::tools {
+
+struct PixelOptions {
+  std::filesystem::path dump;
+  std::vector<std::string> places;  // "X,Y"
+  int samples = 0;                  // of each pixel, the first ones; 0: all
+  PoolOptions pool;
+  // Of an evaluation: the order in which its replicate 0 takes samples.
+  std::optional<std::uint64_t> evaluation_seed;
+};
+
+Result<void> run_pixel(const PixelOptions& options, const CommonOptions& common);
+
+}  // namespace spool::tools
