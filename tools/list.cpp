@@ -49,7 +49,10 @@ std::vector<std::string> needs_of(const Needs& needs) {
   use(needs.features, "albedo, normal or depth");
   use(needs.film_positions, "film positions");
   if (needs.reference) words.emplace_back("the reference");
-  if (needs.filter_in_loop) words.emplace_back("the filter beside it");
+  if (needs.filter_in_loop) {
+    words.push_back(needs.loop_filter.empty() ? "the filter beside it"
+                                              : "in its loop: " + needs.loop_filter);
+  }
   return words;
 }
 

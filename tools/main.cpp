@@ -270,7 +270,8 @@ void add_replay(Program& program) {
   ReplayOptions& options = program.replay;
   add_dump(verb, options.dump);
   verb.add_option("--sampler", options.sampler, "see spool list samplers")->required();
-  verb.add_option("--filter", options.filter, "the filter in the loop of filtered_halves");
+  verb.add_option("--filter", options.filter,
+                  "in the loop of cross_halves and filtered_halves, in place of their own");
   verb.add_option("--spp", options.spp, "budget, samples per pixel on average")
       ->required()
       ->check(CLI::Range(1e-3, 65536.0));

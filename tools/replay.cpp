@@ -69,7 +69,13 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   SPOOL_TRY(check_exr_name(options.output));
   SPOOL_TRY(refuse_existing(options.output, common.force));
   std::vector<std::string> filters;  // in the loop of the sampler
-  if (!options.filter.empty()) filters.push_back(options.filter);
+  if (!options.filter.empty()) {
+    filters.push_back(options.filter);
+  } else {
+    SPOOL_ASSIGN(const Methods alone, choose_methods({options.sampler}, {}, options.method));
+    const std::string& named = alone.samplers[0].ready.needs.loop_filter;
+    if (!named.empty()) filters.push_back(named);
+  }
   SPOOL_ASSIGN(const Methods methods, choose_methods({options.sampler}, filters, options.method));
   const ChosenMethod<SamplerFunction>& chosen = methods.samplers[0];
   if (!methods.filters.empty()) {

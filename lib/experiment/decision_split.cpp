@@ -5,19 +5,10 @@
 #include <utility>
 
 #include "lib/sampling/spending.h"
+#include "lib/statistics/joined_halves.h"
 
 namespace spool {
 namespace {
-
-// Shortest prefixes of `pool` that hold the first n[h] samples of each of its halves.
-CountImage prefixes_over(const std::array<CountImage, 2>& n) {
-  CountImage prefix(n[0].width(), n[0].height());
-  for (std::size_t i = 0; i < prefix.size(); ++i) {
-    const std::int32_t even = n[0][i] > 0 ? 2 * n[0][i] - 1 : 0;
-    prefix[i] = std::max(even, 2 * n[1][i]);
-  }
-  return prefix;
-}
 
 CountImage at_most_capacity(CountImage n, const SamplePool& pool) {
   for (int y = 0; y < n.height(); ++y) {
@@ -42,7 +33,7 @@ Result<SamplingResult> sample_halves(const SamplerFunction& sampler, const Sampl
   SamplingResult result;
   result.log.budget = budget;
   result.selection.halves.resize(2);
-  std::array<CountImage, 2> looked_at;
+  std::array<CountImage, 2> looked;
   for (std::size_t h = 0; h < 2; ++h) {
     SamplingContext part = context;
     part.seed = mix(context.seed, h);
@@ -61,14 +52,14 @@ Result<SamplingResult> sample_halves(const SamplerFunction& sampler, const Sampl
         halves[other], at_most_capacity(decided.selection.statistics.n, halves[other]),
         decided.selection.statistics.signal);
     averaged.attenuation = std::move(decided.selection.attenuation);
-    looked_at[h] = std::move(decided.selection.statistics.n);
+    looked[h] = looked_at(decided.selection);
   }
   for (std::size_t h = 0; h < 2; ++h) {
     const CountImage& averaged = result.selection.halves[h].statistics.n;
     for (std::size_t i = 0; i < averaged.size(); ++i)
-      looked_at[h][i] = std::max(looked_at[h][i], averaged[i]);
+      looked[h][i] = std::max(looked[h][i], averaged[i]);
   }
-  result.selection.statistics = prefix_statistics(pool, prefixes_over(looked_at),
+  result.selection.statistics = prefix_statistics(pool, prefixes_over(looked[0], looked[1]),
                                                   result.selection.halves[0].statistics.signal);
   result.log.spent = count_samples(result.selection.statistics.n);
   // Guards of the halves have counted what ran out there; here it is said of the whole pool.
@@ -111,8 +102,11 @@ ReadySampler split_decisions(ReadySampler sampler) {
 ReadyFilter average_halves(ReadyFilter filter) {
   return {[run = std::move(filter.run)](const Selection& selection, const SamplePool& pool,
                                         const FilterContext& context) {
-            return selection.halves.empty() ? run(selection, pool, context)
-                                            : filter_halves(run, selection, pool, context);
+            if (selection.halves.empty()) return run(selection, pool, context);
+            if (selection.halves_use == HalvesUse::kTogether) {
+              return run(selection, pool_of_joined(pool, selection), context);
+            }
+            return filter_halves(run, selection, pool, context);
           },
           filter.needs};
 }

@@ -18,8 +18,9 @@ namespace spool {
 // than the other one wants is averaged as far as it goes.
 ReadySampler split_decisions(ReadySampler sampler);
 
-// The filter for selections with halves: the mean of the two images, a quarter of the sum of their
-// variances, level and direction of the even one. Other selections pass unchanged.
+// The filter for selections with halves. Where they are used apart: the mean of the two images, a
+// quarter of the sum of their variances, level and direction of the even one. Where they are used
+// together: the image of the samples of both. Other selections pass unchanged.
 ReadyFilter average_halves(ReadyFilter filter);
 
 }  // namespace spool

@@ -16,6 +16,7 @@
 #include "lib/experiment/peak_memory.h"
 #include "lib/experiment/stage_clock.h"
 #include "lib/sampling/spending.h"
+#include "lib/statistics/joined_halves.h"
 
 namespace spool {
 namespace {
@@ -163,7 +164,8 @@ class Runner {
     const Cell& first = group.first();
     const ThreadLimit limit(first.threads);
     const Result<ReadySampler> sampler = guarded([&] { return sources_.sampler(first.sampler); });
-    const bool by_filter = sampler && sampler->needs.filter_in_loop;
+    const bool by_filter =
+        sampler && sampler->needs.filter_in_loop && sampler->needs.loop_filter.empty();
     Result<SamplingRun> sampling = guarded([&] { return sample(first, sampler, lane); });
     for (const std::size_t i : group.members) {
       if (cancelled()) return;
@@ -240,8 +242,9 @@ class Runner {
     context.progress = [&](double share) { lane.report(0.5 * share); };
     context.cancelled = callbacks_.cancelled ? &is_cancelled_ : nullptr;
     if (sampler.needs.filter_in_loop) {
-      SPOOL_ASSIGN(const ReadyFilter filter, sources_.filter(cell.filter));
-      SPOOL_TRY(check_loop_filter(cell.sampler, sampler.needs, cell.filter, filter.needs));
+      SPOOL_ASSIGN(const MethodChoice in_loop, loop_choice(sampler.needs, cell.filter));
+      SPOOL_ASSIGN(const ReadyFilter filter, sources_.filter(in_loop));
+      SPOOL_TRY(check_loop_filter(cell.sampler, sampler.needs, in_loop, filter.needs));
       context.filter = loop_filter(filter);
     }
     if (lane.alone) reset_peak_memory();
@@ -256,7 +259,7 @@ class Runner {
                    }));
       SPOOL_ASSIGN(JudgingReference reference,
                    judging_reference(kind, pools[i], pools[pools.size() - 1 - i],
-                                     sampled.selection.statistics.n));
+                                     looked_at(sampled.selection)));
       run.parts.push_back({pools[i], std::move(sampled), std::move(reference), std::nullopt});
       if (options_.fresh) SPOOL_TRY(add_halves(run.parts.back(), sampler, context));
     }

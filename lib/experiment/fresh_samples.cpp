@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "lib/statistics/joined_halves.h"
+
 namespace spool {
 namespace {
 
@@ -28,6 +30,7 @@ Selection with_samples_of(const SamplePool& pool, const Selection& decided) {
                   decided.attenuation};
   for (std::size_t h = 0; h < decided.halves.size(); ++h)
     fresh.halves.push_back(with_samples_of(pool.half(static_cast<int>(h)), decided.halves[h]));
+  if (decided.halves_use == HalvesUse::kTogether) return join_halves(pool, std::move(fresh.halves));
   return fresh;
 }
 
@@ -48,7 +51,7 @@ CountImage looked_at(const SamplePool& pool, const HalfSelections& halves) {
   CountImage n(pool.width(), pool.height());
   for (const auto* selections : {&halves.own, &halves.fresh}) {
     for (int h = 0; h < 2; ++h) {
-      const CountImage& taken = (*selections)[static_cast<std::size_t>(h)].statistics.n;
+      const CountImage taken = looked_at((*selections)[static_cast<std::size_t>(h)]);
       for (std::size_t i = 0; i < n.size(); ++i) {
         // Sample j of half h is sample 2 j + h of the pool.
         if (taken[i] > 0) n[i] = std::max(n[i], 2 * (taken[i] - 1) + h + 1);

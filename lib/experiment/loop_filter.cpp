@@ -12,6 +12,11 @@ LoopFilter loop_filter(const ReadyFilter& filter) {
       };
 }
 
+Result<MethodChoice> loop_choice(const Needs& of_sampler, const MethodChoice& of_image) {
+  if (of_sampler.loop_filter.empty()) return of_image;
+  return parse_method(of_sampler.loop_filter, {});
+}
+
 Result<void> check_loop_filter(const MethodChoice& sampler, const Needs& of_sampler,
                                const MethodChoice& filter, const Needs& of_filter) {
   if (!of_sampler.filter_in_loop || !of_filter.reference) return {};
@@ -32,8 +37,9 @@ Result<void> check_loop_filters(const MethodList<SamplerFunction>& known_sampler
     Result<void> last;
     bool one_fits = filters.empty();
     for (const MethodChoice& filter : filters) {
-      SPOOL_ASSIGN(const ReadyFilter in_loop, make_method(known_filters, filter));
-      last = check_loop_filter(sampler, ready.needs, filter, in_loop.needs);
+      SPOOL_ASSIGN(const MethodChoice choice, loop_choice(ready.needs, filter));
+      SPOOL_ASSIGN(const ReadyFilter in_loop, make_method(known_filters, choice));
+      last = check_loop_filter(sampler, ready.needs, choice, in_loop.needs);
       one_fits = one_fits || last;
     }
     if (!one_fits) return last;

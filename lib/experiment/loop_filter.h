@@ -13,6 +13,9 @@ namespace spool {
 // Without views and without a reference, which no sampler may see.
 LoopFilter loop_filter(const ReadyFilter& filter);
 
+// The filter in the loop of a sampler: the one that it names, else that of the image.
+Result<MethodChoice> loop_choice(const Needs& of_sampler, const MethodChoice& of_image);
+
 // kUsage when `sampler` would have `filter` in its loop and `filter` needs the reference: no cell
 // of the two can succeed.
 Result<void> check_loop_filter(const MethodChoice& sampler, const Needs& of_sampler,

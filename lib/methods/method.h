@@ -30,7 +30,8 @@ struct Needs {
   Use features = Use::kNone;        // albedo, normal or depth of each sample
   Use film_positions = Use::kNone;  // where in its pixel each sample fell
   bool reference = false;           // an oracle: it knows the answer
-  bool filter_in_loop = false;      // a sampler that asks for the image of the filter beside it
+  bool filter_in_loop = false;      // a sampler that asks for the image of a filter
+  std::string loop_filter = {};     // that filter's name; empty: the filter of the image
   bool samples = true;              // false: an image made elsewhere, the same for any samples
   friend bool operator==(const Needs&, const Needs&) = default;
 };

@@ -13,6 +13,11 @@ int piece_of(const FilmPosition& film, int q) {
   return iy * q + ix;
 }
 
+// How many of the first `of` whole numbers are stride i + offset, i >= 0.
+int every(int stride, int offset, int of) {
+  return std::max(0, (of - offset + stride - 1) / stride);
+}
+
 }  // namespace
 
 Result<SamplePool> SamplePool::create(std::shared_ptr<const RecordedSamples> recording,
@@ -71,8 +76,8 @@ SamplePool SamplePool::half(int parity) const {
 
 bool SamplePool::as_recorded() const {
   return options_.order == PoolOrder::kRecorded && options_.start == 0.0 &&
-         options_.pieces_per_side == 1 && list_begin_.empty() && !is_half() && !limits_ &&
-         recording_->as_it_lies();
+         options_.pieces_per_side == 1 && list_begin_.empty() && !is_half() && !halves_first_ &&
+         !limits_ && recording_->as_it_lies();
 }
 
 SamplePool SamplePool::with_limits(Plane limits) const {
@@ -85,12 +90,39 @@ SamplePool SamplePool::with_limits(Plane limits) const {
   return pool;
 }
 
+SamplePool SamplePool::with_halves_first(CountImage even, CountImage odd) const {
+  SPOOL_CHECK(halves_first_ == nullptr);
+  SPOOL_CHECK(even.width() == width() && even.height() == height() && odd.same_size(even));
+  SamplePool pool = *this;
+  pool.stride_ = 1;
+  pool.offset_ = 0;
+  pool.halves_first_ =
+      std::make_shared<const HalvesFirst>(std::move(even), std::move(odd), stride_, offset_);
+  return pool;
+}
+
+int SamplePool::HalvesFirst::index(std::size_t piece, int i) const {
+  const int n[2] = {even[piece], odd[piece]};
+  const int longer = n[0] > n[1] ? 0 : 1;
+  const int both = n[1 - longer], all = n[longer];
+  if (i < 2 * both || i >= 2 * all) return stride * i + offset;
+  const int beyond = i - 2 * both;  // first what the longer half has more, then its gaps
+  const int j = beyond < all - both ? 2 * (both + beyond) + longer
+                                    : 2 * (both + beyond - (all - both)) + 1 - longer;
+  return stride * j + offset;
+}
+
+int SamplePool::count(int of_whole) const {
+  if (halves_first_) of_whole = every(halves_first_->stride, halves_first_->offset, of_whole);
+  return every(stride_, offset_, of_whole);
+}
+
 int SamplePool::size(int x, int y) const {
-  return std::max(0, (whole_size(x, y) - offset_ + stride_ - 1) / stride_);
+  return count(whole_size(x, y));
 }
 
 int SamplePool::capacity(int x, int y) const {
-  return std::max(0, (whole_capacity(x, y) - offset_ + stride_ - 1) / stride_);
+  return count(whole_capacity(x, y));
 }
 
 int SamplePool::whole_size(int x, int y) const {
@@ -119,6 +151,7 @@ long long SamplePool::total_capacity() const {
 int SamplePool::recorded_index(int x, int y, int i) const {
   const std::size_t p = static_cast<std::size_t>(y) * width() + x;
   int j = stride_ * i + offset_;
+  if (halves_first_) j = halves_first_->index(p, j);
   if (options_.start > 0.0) {
     const int all = whole_size(x, y);
     j += static_cast<int>(options_.start * all);

@@ -69,9 +69,13 @@ class SamplePool {
   // halves, for methods that filter both and compare. Its sample i is sample 2 i + parity of this
   // pool.
   SamplePool half(int parity) const;
-  bool is_half() const { return stride_ > 1; }
+  bool is_half() const { return stride_ > 1 || (halves_first_ && halves_first_->stride > 1); }
   // Pieces are pixels, and sample i of each is the i-th recorded one as it lies in the file.
   bool as_recorded() const;
+  // The same samples of each piece in another order: first the even[y][x] first samples of half(0)
+  // and the odd[y][x] first ones of half(1), in turn as long as both last; then the others. What is
+  // taken of both halves is a prefix of this pool. Counts are at most the capacities of the halves.
+  SamplePool with_halves_first(CountImage even, CountImage odd) const;
 
   // The same pool with every sample whose luminance exceeds that of its pixel in `limits` [y][x]
   // pixels, >= 0, scaled down to it: for methods that clamp (lib/kernels/sample_clamp.h). Of two
@@ -84,13 +88,23 @@ class SamplePool {
   int size(int x, int y) const;
 
  private:
+  // An order of halves as above, over samples stride i + offset of the whole pool.
+  struct HalvesFirst {
+    CountImage even, odd;
+    int stride = 1, offset = 0;
+    int index(std::size_t piece, int i) const;
+  };
+
+  int count(int of_whole) const;  // of that many samples of the whole pool, those that are here
   int whole_size(int x, int y) const;
   int whole_capacity(int x, int y) const;
 
   std::shared_ptr<const RecordedSamples> recording_;
   PoolOptions options_;
   std::shared_ptr<const Plane> limits_;  // luminance of a sample, per pixel; may be null
-  int stride_ = 1, offset_ = 0;          // sample i is sample stride_ i + offset_ of the whole pool
+  // Sample i is sample stride_ i + offset_ of the whole pool, or of the order of halves.
+  int stride_ = 1, offset_ = 0;
+  std::shared_ptr<const HalvesFirst> halves_first_;  // may be null
   // Recorded indices of each piece's samples, only where that is not simply 0 .. spp-1 (q = 2, or
   // rejected samples): lists_[list_begin_[p] .. list_begin_[p + 1]) for piece p.
   std::vector<std::uint16_t> lists_;

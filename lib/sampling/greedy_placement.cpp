@@ -9,7 +9,7 @@
 #include "lib/core/random.h"
 #include "lib/kernels/pixel_base.h"
 #include "lib/kernels/truncated_filter.h"
-#include "lib/sampling/filtered_halves.h"
+#include "lib/sampling/filter_disagreement.h"
 #include "lib/sampling/rounds.h"
 
 namespace spool {

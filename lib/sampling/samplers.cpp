@@ -2,6 +2,7 @@
 
 #include "lib/sampling/adaptive_wavelet.h"
 #include "lib/sampling/cross_bilateral.h"
+#include "lib/sampling/cross_halves.h"
 #include "lib/sampling/filtered_halves.h"
 #include "lib/sampling/greedy_error.h"
 #include "lib/sampling/mitchell.h"
@@ -17,7 +18,7 @@ const SamplerList& samplers() {
       "sampler",
       {uniform_sampler(), multiscale_sampler(), mitchell_sampler(), adaptive_wavelet_sampler(),
        greedy_error_sampler(), nl_means_sampler(), cross_bilateral_sampler(),
-       filtered_halves_sampler(), neyman_sampler()}};
+       filtered_halves_sampler(), cross_halves_sampler(), neyman_sampler()}};
   return list;
 }
 

@@ -12,12 +12,19 @@
 
 namespace spool {
 
+// What is made of the halves of a selection.
+enum class HalvesUse {
+  kApart,     // two images, which are averaged (lib/experiment/decision_split.h)
+  kTogether,  // one image of the samples of both (joined_halves.h)
+};
+
 struct Selection {
   PieceStatistics statistics;
   std::vector<Plane> attenuation;  // A_0 .. A_K [y][x], or empty when the sampler keeps none
-  // Where the even samples decided about the odd ones and the other way round: what is averaged of
-  // pool.half(0) and of pool.half(1) (lib/experiment/decision_split.h). Empty otherwise.
+  // Where the even samples decided about the odd ones and the other way round: what is taken of
+  // pool.half(0) and of pool.half(1). Empty otherwise.
   std::vector<Selection> halves = {};
+  HalvesUse halves_use = HalvesUse::kApart;
 };
 
 }  // namespace spool

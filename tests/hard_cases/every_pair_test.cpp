@@ -8,6 +8,7 @@
 
 #include "lib/metrics/error_metrics.h"
 #include "lib/sampling/spending.h"
+#include "lib/statistics/joined_halves.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/support/every_method.h"
 #include "tests/support/memory_pool.h"
@@ -54,7 +55,8 @@ Range range_of_taken(const SamplePool& pool, const CountImage& n, std::size_t c)
 double units_for_constants(const std::string& filter) {
   // Sums over hundreds of taps, divided by the sum of the taps.
   const bool many =
-      filter == "greedy_selection" || filter == "oracle_scale" || filter == "cross_bilateral";
+      filter == "greedy_selection" || filter == "oracle_scale" || filter == "cross_bilateral" ||
+      filter == "welch";
   return many ? 16 : 4;
 }
 
@@ -175,12 +177,16 @@ TEST_P(EveryHardCase, EveryPairOfMethodsKeepsItsPromise) {
       }
       ASSERT_TRUE(sampled.has_value()) << with << ": " << sampled.error().message;
       expect_sound_selection(pool, budget, *sampled, with);
-      expect_sound_statistics(pool, sampled->selection.statistics, with);
+      const std::vector<Selection>& halves = sampled->selection.halves;
+      for (std::size_t h = 0; h < halves.size(); ++h)
+        expect_sound_statistics(pool.half(static_cast<int>(h)), halves[h].statistics, with);
+      if (halves.empty()) expect_sound_statistics(pool, sampled->selection.statistics, with);
+      const SamplePool taken = halves.empty() ? pool : pool_of_joined(pool, sampled->selection);
       for (std::size_t r = 0; r < filters.size(); ++r) {
         // Without `whole`, every filter sees the first sampler and one other.
         if (!whole && s != 0 && s != 1 + r % (samplers.size() - 1)) continue;
         if (!whole && s != 0 && spp != hard.spp.back()) continue;
-        expect_sound_image(hard, pool, sampled->selection, filters[r], reference,
+        expect_sound_image(hard, taken, sampled->selection, filters[r], reference,
                            with + " + " + filters[r].label());
         if (HasFatalFailure()) return;
       }

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/filters/filters.h"
 #include "lib/pool/load_recording.h"
@@ -64,7 +65,7 @@ void run_every_pair(const SamplePool& pool, double spp, const std::set<std::stri
       }
       FilterContext context;
       context.reference = &*recording.reference();
-      const auto result = filter(*shared, pool, context);
+      const auto result = average_halves(filter)(*shared, pool, context);
       if (lacks_features(recording, filter.needs)) {
         ASSERT_FALSE(result.has_value()) << pair;
         expect_refused(result.error(), pair);

@@ -7,6 +7,7 @@
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
 #include "tests/sampling/multiscale_cases.h"
+#include "tests/support/every_method.h"
 #include "tests/support/scratch_folder.h"
 
 namespace spool::tools {
@@ -41,7 +42,8 @@ TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
     ASSERT_TRUE(selection.has_value()) << selection.error().message;
     EXPECT_EQ(selection->statistics, sampled->selection.statistics) << name;
     EXPECT_EQ(selection->attenuation, sampled->selection.attenuation) << name;
-    const auto filter = *make_method(filters(), {"directional", "", {{"size_factor", "literal"}}});
+    const auto filter =
+        average_halves(*make_method(filters(), {"directional", "", {{"size_factor", "literal"}}}));
     EXPECT_EQ(filter(*selection, again, FilterContext{})->image,
               filter(sampled->selection, pool, FilterContext{})->image);
   }
@@ -73,6 +75,25 @@ TEST(SelectionFile, HoldsASplitDecisionToTheLastBit) {
   cut->number_attributes.clear();
   ASSERT_TRUE(write_exr(path, *cut, {.overwrite = true}));
   EXPECT_EQ(read_selection(path).error().code, ErrorCode::kData);
+}
+
+TEST(SelectionFile, ASumThatIsNotThatOfTheHalvesIsRefused) {
+  const test::ScratchFolder folder;
+  const SamplePool pool = test::noisy_pool(8, 8, 16);
+  const auto sampled = (*make_method(samplers(), {"cross_halves", "", {}}))(
+      pool, 8 * 8 * 6, test::sampling_context());
+  const auto path = folder / "selection.exr";
+  ASSERT_TRUE(write_selection(path, sampled->selection, {"cross_halves", "noisy", {}}, false));
+  auto file = read_exr(path);
+  for (NamedPlane& channel : file->channels) {
+    if (channel.name == "n") channel.data(3, 4) += 1.0;
+  }
+  file->number_attributes.clear();
+  ASSERT_TRUE(write_exr(path, *file, {.overwrite = true}));
+  const auto applied = apply_selection(*read_selection(path), path, pool);
+  ASSERT_FALSE(applied.has_value());
+  EXPECT_EQ(applied.error().code, ErrorCode::kData);
+  EXPECT_NE(applied.error().message.find("even.n"), std::string::npos);
 }
 
 TEST(SelectionFile, AnAttenuationThatSomebodyChangedIsTaken) {

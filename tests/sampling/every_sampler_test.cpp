@@ -6,6 +6,7 @@
 #include "lib/core/parallel.h"
 #include "lib/sampling/samplers.h"
 #include "lib/sampling/spending.h"
+#include "lib/statistics/joined_halves.h"
 #include "tests/sampling/multiscale_cases.h"
 
 namespace spool {
@@ -59,7 +60,14 @@ TEST(EverySampler, StatisticsAreThoseOfThePrefixes) {
     const auto result = sampler_of(entry.name)(pool, 14 * 12 * 6, context);
     ASSERT_TRUE(result.has_value());
     const PieceStatistics& s = result->selection.statistics;
-    const PieceStatistics again = prefix_statistics(pool, s.n, s.signal);
+    PieceStatistics again = prefix_statistics(pool, s.n, s.signal);
+    std::vector<Selection> halves;
+    for (const Selection& half : result->selection.halves) {
+      halves.push_back({prefix_statistics(pool.half(static_cast<int>(halves.size())),
+                                          half.statistics.n, s.signal),
+                        {}});
+    }
+    if (!halves.empty()) again = join_halves(pool, std::move(halves)).statistics;
     EXPECT_EQ(s, again) << entry.name;  // to the last bit, whichever way the samples were taken
     EXPECT_NE(s.signal.exposure, 1.0) << entry.name;
   }
@@ -95,7 +103,8 @@ TEST(EverySampler, ButTheOracleLooksOnlyBehindTheCursor) {
     const auto clean = sampler_of(entry.name)(pool, width * height * 6, context);
     ASSERT_TRUE(clean.has_value());
     // The recording was checked at load; writing to its storage now bypasses every rule.
-    fill(&clean->selection.statistics.n);
+    const CountImage cursor = looked_at(clean->selection);
+    fill(&cursor);
     const auto poisoned = sampler_of(entry.name)(pool, width * height * 6, context);
     ASSERT_TRUE(poisoned.has_value());
     EXPECT_EQ(poisoned->selection.statistics, clean->selection.statistics) << entry.name;

@@ -32,9 +32,9 @@ TEST(SamplerList, HoldsEverySamplerInReadingOrder) {
     names.push_back(entry.name);
     if (entry.source == Source::kDescriptions) by_description.push_back(entry.name);
   }
-  EXPECT_THAT(names,
-              ElementsAre("uniform", "multiscale", "mitchell", "adaptive_wavelet", "greedy_error",
-                          "nl_means", "cross_bilateral", "filtered_halves", "neyman"));
+  EXPECT_THAT(names, ElementsAre("uniform", "multiscale", "mitchell", "adaptive_wavelet",
+                                 "greedy_error", "nl_means", "cross_bilateral", "filtered_halves",
+                                 "cross_halves", "neyman"));
   EXPECT_THAT(by_description, ElementsAre("mitchell", "adaptive_wavelet"));
 }
 

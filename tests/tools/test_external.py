@@ -299,22 +299,37 @@ def test_replicates_of_an_image_claim_no_exactness(good, dump, tmp_path):
 
 
 def test_an_oracle_in_the_loop_of_a_sampler_is_refused_before_any_work(run, dump, tmp_path):
-    words = ("filtered_halves with oracle_scale", "oracle", "leave one")
-    pair = ["--samplers", "uniform,filtered_halves", "--filters", "oracle_scale"]
+    words = ("with oracle_scale", "oracle", "leave one")
+    beside = "filtered_halves{filter=beside}"
+    pair = ["--samplers", f"uniform,{beside}", "--filters", "oracle_scale"]
     run("evaluate", dump, *pair, "--spp", 4, "-o", "r").failed_with(2, *words)
     run("evaluate", dump, *pair, "--spp", 4, "--dry-run").failed_with(2, *words)
     run("replay", dump, "--sampler", "filtered_halves", "--filter", "oracle_scale", "--spp", 4, "-o", "s.exr").failed_with(
         2, *words)
-    (tmp_path / "p.toml").write_text(f"""recordings = ["{dump}"]\nspp = [4]\nsamplers = ["filtered_halves"]
+    (tmp_path / "p.toml").write_text(f"""recordings = ["{dump}"]\nspp = [4]\nsamplers = ["{beside}"]
 filters = ["oracle_scale"]\n""")
     run("evaluate", "p.toml", "-o", "r").failed_with(2, *words)
     assert not (tmp_path / "r").exists()
     # Beside others, only the cells of the two fail, and say why.
-    run("evaluate", dump, "--samplers", "uniform,filtered_halves", "--filters", "box,oracle_scale", "--spp", 4,
+    run("evaluate", dump, "--samplers", f"uniform,{beside}", "--filters", "box,oracle_scale", "--spp", 4,
         "--replicates", 2, "--no-pictures", "-o", "r").failed_with(1, "2 of 8 results failed", *words)
     with open(tmp_path / "r" / "results.csv", newline="") as file:
         failed = [row for row in csv.DictReader(file) if row["error"]]
-    assert {(row["sampler"], row["filter"]) for row in failed} == {("filtered_halves", "oracle_scale")}
+    assert {(row["sampler"], row["filter"]) for row in failed} == {(beside, "oracle_scale")}
+
+
+def test_a_sampler_with_a_filter_of_its_own_works_beside_an_oracle(good, run, dump, tmp_path):
+    result = good("evaluate", dump, "--samplers", "filtered_halves,cross_halves", "--filters", "oracle_scale", "--spp", 8,
+                  "--replicates", 1, "--no-pictures", "-o", "r").out
+    assert "filtered_halves" in result and "cross_halves" in result
+    for name in ("cross_halves{filter=oracle_scale}", "cross_halves{filter=no_such}"):
+        run("evaluate", dump, "--samplers", name, "--filters", "box", "--spp", 4, "-o", "r2").failed_with(
+            2, name.split("=")[1][:-1])
+    good("replay", dump, "--sampler", "cross_halves", "--spp", 8, "-o", "s.exr")
+    image = exr.read(tmp_path / "s.exr")
+    assert image["n"].sum() == 8 * image["n"].size
+    assert np.array_equal(image["n"], image["even.n"] + image["odd.n"])
+    good("reconstruct", dump, "--selection", "s.exr", "--filter", "box", "-o", "box.exr")
 
 
 def test_an_external_filter_guides_filtered_halves(good, example, dump, tmp_path):
@@ -323,7 +338,7 @@ def test_an_external_filter_guides_filtered_halves(good, example, dump, tmp_path
          "--set", "sampler.rounds=2")
     n = counts(tmp_path)
     assert n.sum() == 8 * n.size and n.std() > 0.5
-    result = good("evaluate", dump, "--samplers", "filtered_halves{rounds=1}", "--filters", f"box,{median}", "--spp",
+    result = good("evaluate", dump, "--samplers", "filtered_halves{rounds=1,filter=beside}", "--filters", f"box,{median}", "--spp",
                   6, "--replicates", 1, "--no-pictures", "-o", "results").out
     assert "median.py" in result
 

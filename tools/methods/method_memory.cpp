@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lib/experiment/loop_filter.h"
 #include "tools/methods/external_methods.h"
 
 namespace spool::tools {
@@ -28,6 +29,16 @@ WorkingMemory larger(const WorkingMemory& a, const WorkingMemory& b) {
   return {std::max(a.per_pixel, b.per_pixel), std::max(a.fixed, b.fixed)};
 }
 
+// What a sampler has in its loop: the filter that it names, else those beside it.
+std::vector<MethodChoice> in_loop_of(const MethodChoice& sampler,
+                                     const std::vector<MethodChoice>& filters) {
+  const auto made = make_method(known_samplers(), sampler);
+  if (!made || !made->needs.filter_in_loop) return {};
+  if (made->needs.loop_filter.empty()) return filters;
+  const auto named = loop_choice(made->needs, {});
+  return named ? std::vector{*named} : std::vector<MethodChoice>{};
+}
+
 // A method that cannot be made says so elsewhere.
 template <class Function>
 bool uses_film(const MethodList<Function>& known, const MethodChoice& choice) {
@@ -39,10 +50,13 @@ bool uses_film(const MethodList<Function>& known, const MethodChoice& choice) {
 
 SampleFilm film_for(const std::vector<MethodChoice>& samplers,
                     const std::vector<MethodChoice>& filters, int pieces_per_side) {
-  const bool wanted =
-      pieces_per_side > 1 ||
-      std::ranges::any_of(samplers, [](const auto& c) { return uses_film(known_samplers(), c); }) ||
-      std::ranges::any_of(filters, [](const auto& c) { return uses_film(known_filters(), c); });
+  const auto filter_does = [](const MethodChoice& c) { return uses_film(known_filters(), c); };
+  const auto sampler_does = [&](const MethodChoice& c) {
+    return uses_film(known_samplers(), c) ||
+           std::ranges::any_of(in_loop_of(c, filters), filter_does);
+  };
+  const bool wanted = pieces_per_side > 1 || std::ranges::any_of(samplers, sampler_does) ||
+                      std::ranges::any_of(filters, filter_does);
   return wanted ? SampleFilm::kLoad : SampleFilm::kLeaveOut;
 }
 
@@ -57,7 +71,7 @@ WorkingMemory sampling_memory(const MethodChoice& sampler, const std::vector<Met
     return on_pieces(memory_of(known_samplers(), sampler), pieces_per_side);
   }
   WorkingMemory loop;
-  for (const MethodChoice& filter : filters)
+  for (const MethodChoice& filter : in_loop_of(sampler, filters))
     loop = larger(loop, memory_of(known_filters(), filter));
   const WorkingMemory own = known->memory;
   return on_pieces(

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lib/core/guards.h"
+#include "lib/statistics/joined_halves.h"
 #include "tools/methods/view_files.h"
 
 namespace spool::tools {
@@ -170,6 +171,9 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
       {"spool.pool_seed", std::to_string(info.pool.seed)},
       {"spool.analysis_channel",
        signal.channel == AnalysisChannel::kMaxRgb ? "max_rgb" : "luminance"}};
+  if (selection.halves_use == HalvesUse::kTogether) {
+    file.text_attributes["spool.halves"] = "together";
+  }
   if (views != nullptr) add_view_layers(*views, file);
   return write_exr(path, file,
                    {.overwrite = overwrite, .compression = ExrCompression::kRunLengths});
@@ -195,6 +199,10 @@ Result<SelectionFile> read_selection(const std::filesystem::path& path) {
     return fail(ErrorCode::kData,
                 "{}: has one of the channels even.n and odd.n: a split decision has both",
                 path.string());
+  }
+  const auto use = file.text_attributes.find("spool.halves");
+  if (!selection.halves.empty() && use != file.text_attributes.end() && use->second == "together") {
+    selection.halves_use = HalvesUse::kTogether;
   }
   return selection;
 }
@@ -229,7 +237,13 @@ Result<Selection> apply_selection(const SelectionFile& file, const std::filesyst
                  apply_selection(file.halves[h], path, pool.half(static_cast<int>(h))));
     selection.halves.push_back(std::move(half));
   }
-  return selection;
+  if (file.halves_use == HalvesUse::kApart) return selection;
+  Selection joined = join_halves(pool, std::move(selection.halves));
+  if (joined.statistics.n == file.n) return joined;
+  return fail(ErrorCode::kData,
+              "{}: channel n is not the sum of even.n and odd.n: write their sum, or leave even.n "
+              "and odd.n out",
+              path.string());
 }
 
 }  // namespace spool::tools

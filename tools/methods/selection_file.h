@@ -4,10 +4,10 @@
 // level, where the sampler keeps one, for people; `A_bits.k.high` and `A_bits.k.low` (uint) are the
 // same in all 64 bits, and count as long as `A.k` has not been changed since. Attributes of files
 // written here say which sampler made it, the order of the samples and the analysis signal, so that
-// `reconstruct` gives the very bits that `evaluate` gives. A selection with halves (a split
-// decision) has the same channels once more for each, `even.n`, `even.A.0`, .. `odd.n`, ..; its `n`
-// is all that was looked at. Any image of counts will do: without
-// `n`, channel Y or R or the first one is taken.
+// `reconstruct` gives the very bits that `evaluate` gives. A selection with halves has the same
+// channels once more for each, `even.n`, `even.A.0`, .. `odd.n`, ..; `n` is all that was looked at
+// in a split decision, and the sum of both where the attribute spool.halves is "together". Any
+// image of counts will do: without `n`, channel Y or R or the first one is taken.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +39,7 @@ struct SelectionFile {
   std::optional<AnalysisSignal> signal;
   std::optional<PoolOptions> pool;  // absent in images made elsewhere
   std::vector<SelectionFile> halves = {};
+  HalvesUse halves_use = HalvesUse::kApart;
 };
 
 // The counts in an image: channel n, or Y, or R, or the first; kData where one is no count.
@@ -47,8 +48,9 @@ Result<CountImage> counts_from_exr(const ExrFile& file, const std::string& name)
 // Counts must be whole and not negative; kData with the pixel otherwise.
 Result<SelectionFile> read_selection(const std::filesystem::path& path);
 
-// The statistics of that selection. kData where the file's size is not the pool's or a count is
-// larger than the pool's capacity there.
+// The statistics of that selection. kData where the file's size is not the pool's, a count is
+// larger than the pool's capacity there, or halves that are used together have another sum than
+// `n`.
 Result<Selection> apply_selection(const SelectionFile& file, const std::filesystem::path& path,
                                   const SamplePool& pool);
 
