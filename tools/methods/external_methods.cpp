@@ -5,6 +5,7 @@
 
 #include "lib/filters/filter_stage.h"
 #include "lib/filters/given_image.h"
+#include "lib/filters/oidn/oidn.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/sampling/asked_counts.h"
 #include "lib/sampling/given_counts.h"
@@ -208,6 +209,7 @@ const SamplerList& known_samplers() {
 const FilterList& known_filters() {
   static const FilterList all = [] {
     FilterList list = filters();
+    list.methods.push_back(with_stage_options(oidn_filter()));
     list.methods.push_back(with_stage_options(
         method_with_argument("image", "FILE.exr", "your own: an image that was made elsewhere",
                              OptionTable<NoOptions>{}, kMadeElsewhere, &make_image_filter)));

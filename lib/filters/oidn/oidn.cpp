@@ -1,0 +1,122 @@
+#include "lib/filters/oidn/oidn.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lib/kernels/piece_estimates.h"
+#include "lib/kernels/scene_luminance.h"
+#include "lib/statistics/feature_statistics.h"
+
+namespace spool {
+namespace {
+
+// [c][y][x] in double to [y][x][c] in float, each value between `least` and `most`.
+std::vector<float> interleaved(const RgbImage& image, double factor, double least, double most) {
+  std::vector<float> values(3 * image[0].size());
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < image[c].size(); ++i)
+      values[3 * i + c] = static_cast<float>(std::clamp(factor * image[c][i], least, most));
+  }
+  return values;
+}
+
+RgbImage planar(const std::vector<float>& values, int width, int height, double factor) {
+  RgbImage image = make_rgb(width, height);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < image[c].size(); ++i)
+      image[c][i] = factor * values[3 * i + c];
+  }
+  return image;
+}
+
+// The means of a layer of three channels; nothing where none was recorded.
+Result<std::vector<float>> feature(const SamplePool& pool, const CountImage& n,
+                                   const std::string& name, double least, GuardCounts& guards) {
+  for (const FeatureLayer& layer : pool.recording().features()) {
+    if (layer.name != name || layer.components.size() != 3) continue;
+    SPOOL_ASSIGN(FeatureStatistics statistics, feature_statistics(pool, n, layer, guards));
+    RgbImage mean = {std::move(statistics.mean[0]), std::move(statistics.mean[1]),
+                     std::move(statistics.mean[2])};
+    return interleaved(average_pieces(std::move(mean), pool.pieces_per_side()), 1.0, least, 1.0);
+  }
+  return std::vector<float>{};
+}
+
+OptionTable<OidnOptions> oidn_option_table() {
+  using O = OidnOptions;
+  const auto in_settings = [](auto option) {
+    OptionTable<O> table;
+    append_options<O, OidnSettings>(table, {std::move(option)}, &O::settings);
+    return table.front();
+  };
+  return {
+      choice_option<O, OidnFeatures>("features", &O::features,
+                                     {{"all", OidnFeatures::kAll},
+                                      {"albedo", OidnFeatures::kAlbedo},
+                                      {"off", OidnFeatures::kNone}},
+                                     "what it sees beside radiance, where it was recorded"),
+      in_settings(switch_option("prefilter", &OidnSettings::prefilter,
+                                "features are denoised by themselves first")),
+      in_settings(choice_option<OidnSettings, OidnQuality>("quality", &OidnSettings::quality,
+                                                           {{"high", OidnQuality::kHigh},
+                                                            {"balanced", OidnQuality::kBalanced},
+                                                            {"fast", OidnQuality::kFast}},
+                                                           "of the network, version 2"))};
+}
+
+}  // namespace
+
+Result<Reconstruction> reconstruct_oidn(const Selection& selection, const SamplePool& pool,
+                                        const OidnOptions& options, const FilterContext&) {
+  SPOOL_ASSIGN(const auto library, open_oidn());
+  const PieceStatistics& statistics = selection.statistics;
+  const auto counts = statistics.n.pixels();
+  if (std::ranges::none_of(counts, [](std::int32_t n) { return n > 0; })) {
+    return fail(ErrorCode::kData,
+                "selection: no piece has a sample: raise the budget or check the counts");
+  }
+  Reconstruction result;
+  const RgbImage mean = pixel_means(statistics, result.guards);
+  const int width = mean[0].width(), height = mean[0].height();
+  // A power of two costs no digit: a recording twice as bright gives the same bits.
+  const double unit = std::ldexp(1.0, -std::ilogb(scene_luminance(statistics, result.guards)));
+  OidnImages images{static_cast<std::size_t>(width),
+                    static_cast<std::size_t>(height),
+                    interleaved(mean, unit, 0.0, 1e30),
+                    {},
+                    {}};
+  if (options.features != OidnFeatures::kNone) {
+    SPOOL_ASSIGN(images.albedo, feature(pool, statistics.n, "albedo", 0.0, result.guards));
+  }
+  if (options.features == OidnFeatures::kAll && !images.albedo.empty()) {
+    SPOOL_ASSIGN(images.normal, feature(pool, statistics.n, "normal", -1.0, result.guards));
+  }
+  SPOOL_ASSIGN(const std::vector<float> denoised,
+               run_oidn(*library, std::move(images), options.settings));
+  result.image = planar(denoised, width, height, 1.0 / unit);
+  return result;
+}
+
+Filter oidn_filter() {
+  Filter filter = make_value<FilterFunction, OidnOptions>(
+      {.name = "oidn",
+       .summary = "Open Image Denoise, where it is installed: a network that others trained",
+       .options = oidn_option_table(),
+       .needs =
+           [](const OidnOptions& options) {
+             const bool sees = options.features != OidnFeatures::kNone;
+             return Needs{.features = sees ? Use::kWhenRecorded : Use::kNone};
+           },
+       .memory = {500, 9e7},  // version 2.5.1 on a picture of 256 x 256 pixels
+       .run = reconstruct_oidn});
+  filter.make = [make = filter.make](std::string_view preset,
+                                     const OptionValues& set) -> Result<ReadyFilter> {
+    SPOOL_ASSIGN(ReadyFilter ready, make(preset, set));
+    SPOOL_TRY(open_oidn());
+    return ready;
+  };
+  return filter;
+}
+
+}  // namespace spool

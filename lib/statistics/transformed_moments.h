@@ -1,0 +1,23 @@
+// Moments of transformed samples: what tests compare that want a distribution nearer to a normal
+// one.
+//
+//   T(x) = (x^lambda - 1) / lambda [BoxCox64],   T(x) = x for lambda = 1
+//
+// A negative sample counts as 0 for lambda < 1: a root is defined from there on. One pass, in
+// double [Meng15].
+#pragma once
+
+#include "lib/core/image.h"
+#include "lib/pool/sample_pool.h"
+
+namespace spool {
+
+struct TransformedMoments {
+  RgbImage mean, m2, m3;  // [c][y][x]: mean of T, sums of (T - mean)^2 and (T - mean)^3
+};
+
+// Of the first n(x, y) samples of every piece, each times `unit` > 0; 0 < lambda <= 1.
+TransformedMoments transformed_moments(const SamplePool& pool, const CountImage& n, double unit,
+                                       double lambda);
+
+}  // namespace spool
