@@ -62,7 +62,7 @@ def test_ten_lines_of_cpp_write_a_valid_file(tmp_path):
     body = [line for line in code.splitlines() if line not in head]
     (tmp_path / "mine.cpp").write_text(FRAME % ("\n".join(head), "\n".join(body) + "\n"))
     flags = os.environ.get("SPOOL_CXX_FLAGS", "").split()
-    subprocess.run([compiler, "-std=c++20", *flags, f"-I{ROOT}", "mine.cpp", library, "-lfmt", "-lz", "-lzstd", "-pthread",
+    subprocess.run([compiler, "-std=c++20", *flags, f"-I{ROOT}", "mine.cpp", library, "-lfmt", "-ldeflate", "-lz", "-lzstd", "-pthread",
                     "-o", "mine"], cwd=tmp_path, check=True)
     subprocess.run([tmp_path / "mine"], cwd=tmp_path, check=True)
     assert spool.check(tmp_path / "mine.spool").ok
