@@ -84,9 +84,11 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   }
   const ReadySampler sample = options.decision_split ? split_decisions(chosen.ready) : chosen.ready;
   SPOOL_ASSIGN(Views views, wanted_views(options, chosen.method->views));
+  MethodChoice counted = chosen.choice;  // with the filter that --filter puts into its loop
+  if (!chosen.ready.needs.loop_filter.empty()) counted.set.emplace_back("filter", "beside");
   SPOOL_ASSIGN(const auto recording,
                load_recording(options.dump, methods.rules,
-                              sampling_memory(chosen.choice, choices_of(methods.filters),
+                              sampling_memory(counted, choices_of(methods.filters),
                                               options.pool.pieces_per_side),
                               film_for(choices_of(methods.samplers), choices_of(methods.filters),
                                        options.pool.pieces_per_side)));

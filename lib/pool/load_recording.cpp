@@ -176,6 +176,7 @@ Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesys
 }
 
 Result<void> still_intact(const std::shared_ptr<const RecordedSamples>& recording) {
+  if (!recording) return {};  // it was refused: its cells say why
   const auto* watched = std::get_deleter<WatchedDelete>(recording);
   SPOOL_TRY(recording->failure());
   return watched != nullptr ? watched->file->intact() : Result<void>();

@@ -111,7 +111,7 @@ Sampler cross_halves_sampler() {
        .views = {{"error.i",
                   "relative difference of the filtered halves of half i % 2, round i / 2"}},
        .needs = [](const auto& options) { return loop_needs(options.filter); },
-       .memory = {250, 2e6},
+       .memory = {201, 2e6},
        .run = sample_cross_halves});
 }
 

@@ -64,10 +64,10 @@ double relative_error(const RgbImage& image, const Scene& scene) {
 }
 
 // Fixed kernels, base images of published methods that no pixel can refuse, thresholds that cut the
-// ringing of a lamp's wavelets unevenly.
+// ringing of a lamp's wavelets unevenly, variances pooled over a lamp and the dark beside it.
 bool smears(const std::string& label) {
   return label == "gaussian" || label == "greedy_selection" || label == "directional paper" ||
-         label == "wavelet_shrinkage";
+         label == "wavelet_shrinkage" || label == "welch pooled";
 }
 
 // Error of every filter over that of no filter.

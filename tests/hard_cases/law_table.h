@@ -52,9 +52,8 @@ inline constexpr std::array kFilterExceptions = {
                  "its coarsest scale and the means that choose scales reach further than any test "
                  "image is wide"},
     LawException{Law::kShift, "wavelet_shrinkage", "a decimated transform has a phase"},
-    LawException{Law::kShift, "directional robust",
+    LawException{Law::kShift, "directional paper",
                  "the sign filters of its bank reach further than any test image is wide"},
-    LawException{Law::kShift, "directional paper", "reach of the bank, as above"},
 };
 
 inline constexpr std::array kSamplerExceptions = {

@@ -15,7 +15,8 @@ from conftest import LONGEST_RUN, PROGRAM
 SLOW = int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))
 SIZE, SAMPLES = 256, 16
 SAMPLERS = ["uniform", "multiscale", "mitchell", "adaptive_wavelet", "greedy_error", "nl_means", "cross_bilateral", "neyman", "filtered_halves", "cross_halves"]
-FILTERS = ["box", "gaussian", "directional", "greedy_selection", "nl_means", "cross_bilateral", "multistage", "wavelet_shrinkage", "oracle_scale"]
+FILTERS = ["box", "gaussian", "directional", "greedy_selection", "nl_means", "cross_bilateral", "multistage", "wavelet_shrinkage", "oracle_scale",
+           "twin_guides", "welch"]
 GROUPS = {Path("/sys/fs/cgroup/memory"): "memory.limit_in_bytes", Path("/sys/fs/cgroup"): "memory.max"}
 
 pytestmark = pytest.mark.skipif(SLOW > 1, reason="a sanitizer takes memory of its own")
@@ -39,8 +40,9 @@ def recordings(tmp_path_factory):
 
 
 def command(verb, dump, method, folder):
-    return [PROGRAM, verb, str(dump), *{"replay": ["--sampler", method, "--spp", "4"], "reconstruct": ["--filter", method, "--spp", "4"],
-                                        "evaluate": ["--samplers", "uniform", "--filters", method, "--spp", "4", "--replicates", "2", "--no-pictures"]}[verb],
+    return [PROGRAM, verb, str(dump), *{"replay": ["--sampler", method, "--spp", "8"], "reconstruct": ["--filter", method, "--spp", "4"],
+                                        "evaluate": ["--samplers", "uniform", "--filters", method, "--spp", "4", "--replicates", "2", "--no-pictures",
+                                                     "--timing", "exact"]}[verb],  # one result after another
             *(["--filter", "box"] if method in ("filtered_halves", "cross_halves") else []), "--force", "-q", "--threads", "2",
             "-o", str(folder / ("results" if verb == "evaluate" else "out.exr"))]
 

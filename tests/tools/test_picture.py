@@ -32,8 +32,9 @@ def image(tmp_path):
 
 def test_exposure_and_srgb(good, image, tmp_path):
     for ev in (0, -1.5, 2):
-        good("picture", tmp_path / "a.exr", "--exposure", ev, "-o", tmp_path / "a.png", "--force")
-        seen = pixels(tmp_path / "a.png")
+        # A name for each: OpenImageIO keeps the pixels of a name it has read.
+        good("picture", tmp_path / "a.exr", "--exposure", ev, "-o", tmp_path / f"a{ev}.png")
+        seen = pixels(tmp_path / f"a{ev}.png")
         expected = srgb(image.astype(float) * 2.0 ** ev)
         assert seen.shape == (6, 8, 3) and seen[0, 0].tolist() == [255, 0, 200]  # not finite
         assert np.abs(seen - expected)[1:].max() <= 1

@@ -44,7 +44,8 @@ std::vector<UnusedLayers> unused_layers(const Plan& plan) {
   for (const std::string& path : plan.recordings) {
     const auto reader = format::SpoolReader::open(path);
     if (!reader) continue;
-    UnusedLayers unused{.recording = std::filesystem::path(path).filename().string()};
+    UnusedLayers unused;
+    unused.recording = std::filesystem::path(path).filename().string();
     double all = 0.0, not_read = 0.0;
     for (const format::LayerInfo& layer : reader->layers()) {
       if (layer.scope != format::Scope::kSample) continue;

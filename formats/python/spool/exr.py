@@ -4,7 +4,7 @@
     image = exr.read("statistics.exr")                  # {"R": float32 [y][x], ..., "n": uint32 [y][x]}
     exr.write("counts.exr", {"n": (image["n"] > 4).astype("u4")})
 
-Reads one part of scanlines, ZIP, ZIPS or no compression; writes scanlines without compression.
+Reads one part of scanlines, RLE, ZIP, ZIPS or no compression; writes scanlines without compression.
 The layout is that of OpenEXR's own page "OpenEXR File Layout". Sizes are checked against the
 length of the file before anything is allocated.
 """
@@ -19,7 +19,7 @@ from .error import SpoolError
 
 MAGIC = 20000630
 NOT_FLAT_SCANLINES = 0x200 | 0x800 | 0x1000  # tiled, deep, multi-part
-LINES_PER_CHUNK = {0: 1, 2: 1, 3: 16}  # none, ZIPS, ZIP
+LINES_PER_CHUNK = {0: 1, 1: 1, 2: 1, 3: 16}  # none, RLE, ZIPS, ZIP
 TYPES = {0: np.dtype("<u4"), 1: np.dtype("<f2"), 2: np.dtype("<f4")}
 MAX_PIXELS = 1 << 28
 DEFLATE_LIMIT = 1032  # no deflate stream expands further
@@ -135,8 +135,8 @@ def _chunk(packed, size, compression):
         if len(packed) != size:
             raise ValueError("a chunk of the wrong length")
         return np.frombuffer(packed, np.uint8)
-    inflate = zlib.decompressobj()
-    bytes_ = np.frombuffer(inflate.decompress(packed, size), np.uint8)
+    unpacked = _run_lengths(packed, size) if compression == 1 else zlib.decompressobj().decompress(packed, size)
+    bytes_ = np.frombuffer(unpacked, np.uint8)
     if len(bytes_) != size:
         raise ValueError("a chunk of the wrong length")
     # Differences around 128, then the two halves of the chunk interleaved.
@@ -148,6 +148,21 @@ def _chunk(packed, size, compression):
     result[0::2] = values[:half]
     result[1::2] = values[half:]
     return result
+
+
+def _run_lengths(packed, size):
+    """A signed count before each run: n + 1 times the next byte, or -n bytes as they stand."""
+    parts, at, left = [], 0, size
+    while at < len(packed) and left >= 0:
+        count = packed[at]
+        if count < 128:
+            parts.append(packed[at + 1:at + 2] * (count + 1))
+            at += 2
+        else:
+            parts.append(packed[at + 1:at + 1 + 256 - count])
+            at += 1 + 256 - count
+        left -= len(parts[-1])
+    return b"".join(parts)
 
 
 def _planes(raw, channels, width):

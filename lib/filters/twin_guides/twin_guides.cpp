@@ -92,6 +92,7 @@ Filter twin_guides_filter() {
            "local regression on position and features, weights from two guides of the samples",
        .options = twin_guides_option_table(),
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
+       .memory = {574, 5e6},
        .run = reconstruct_twin_guides});
 }
 

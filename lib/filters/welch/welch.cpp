@@ -237,6 +237,7 @@ Filter welch_filter() {
        .options = welch_option_table(),
        .presets = welch_presets(),
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
+       .memory = {273, 5e6},
        .run = reconstruct_welch});
 }
 
