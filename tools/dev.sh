@@ -29,7 +29,9 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 other, with the time left; stop it and go on over days
   addon [FILE]                  make the Blender add-on as one file to install
   bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
-  experiments [ID...] [--more]  run the standard plans (tools/plans) and write docs/experiments.md from their results;
+  experiments [ID...] [--more] [--full]
+                                run the standard plans (tools/plans) and write docs/experiments.md from their results;
+                                --full: on the recordings of full size that are there, docs/experiments_full.md;
                                 what is done is not done again (half an hour of two cores in all)
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
                                 and write docs/tuning.md; what is done is not done again (five minutes of CPU time)

@@ -10,7 +10,7 @@ POOL_TITLES = {
 
 
 def pool_title(pool):
-    return POOL_TITLES.get(pool, pool)
+    return POOL_TITLES.get(pool, pool.removesuffix("_256"))
 
 
 def number(value, digits=3):
