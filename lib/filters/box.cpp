@@ -1,16 +1,24 @@
 #include "lib/filters/box.h"
 
+#include <utility>
+
 #include "lib/kernels/piece_estimates.h"
 
 namespace spool {
 
 Result<Reconstruction> reconstruct_box(const Selection& selection, const SamplePool&,
-                                       const BoxOptions&, const FilterContext&) {
+                                       const BoxOptions&, const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
   const double exposure = analysis_exposure(statistics, result.guards);
   SPOOL_ASSIGN(PieceEstimates pieces, estimate_pieces(statistics, {}, exposure, result.guards));
   const int q = statistics.pieces_per_side;
+  for (const auto& [x, y] : wanted_pixels(context)) {
+    Footprint footprint{x, y, {}, {}};
+    for (int i = 0; i < q * q; ++i)
+      footprint.add(x, y, 1.0 / (q * q), pieces.mean, pieces.n.index(x * q + i % q, y * q + i / q));
+    context.footprints->add(std::move(footprint));
+  }
   result.image = average_pieces(std::move(pieces.mean), q);
   result.variance = average_piece_variance(std::move(pieces.variance), q);
   return result;
@@ -21,6 +29,7 @@ Filter box_filter() {
       {.name = "box",
        .summary = "mean of each pixel's samples, no filter",
        .memory = {188, 2e6},
+       .footprints = true,
        .run = reconstruct_box});
 }
 

@@ -8,9 +8,11 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lib/core/error.h"
+#include "lib/core/footprint.h"
 #include "lib/core/guards.h"
 #include "lib/core/view.h"
 #include "lib/methods/method.h"
@@ -32,7 +34,13 @@ struct FilterContext {
   Views* views = nullptr;                // intermediate images wanted, may be null
   const Reference* reference = nullptr;  // for oracles only, which say so in their needs
   std::function<void(double)> progress;  // share of the work done, may be empty
+  Footprints* footprints = nullptr;      // weights wanted of single pixels, may be null
 };
+
+// Pixels whose weights are wanted, (x, y).
+inline std::vector<std::pair<int, int>> wanted_pixels(const FilterContext& context) {
+  return context.footprints ? context.footprints->wanted() : std::vector<std::pair<int, int>>{};
+}
 
 // The pool is there for methods that need single samples behind the cursor (film positions,
 // halves); they must not look beyond n(x, y).

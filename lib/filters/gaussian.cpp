@@ -1,9 +1,27 @@
 #include "lib/filters/gaussian.h"
 
+#include "lib/core/extend.h"
 #include "lib/filters/box.h"
 #include "lib/pyramid/convolution.h"
 
 namespace spool {
+namespace {
+
+Footprint footprint_of(const Taps& taps, int x, int y, const RgbImage& means) {
+  Footprint footprint{x, y, {}, {}};
+  const int width = means[0].width(), height = means[0].height();
+  for (int j = taps.first; j <= taps.last(); ++j) {
+    for (int i = taps.first; i <= taps.last(); ++i) {
+      const int from_x = extend_symmetric(x - i, width), from_y = extend_symmetric(y - j, height);
+      const double weight = taps.values[static_cast<std::size_t>(i - taps.first)] *
+                            taps.values[static_cast<std::size_t>(j - taps.first)];
+      footprint.add(from_x, from_y, weight, means, means[0].index(from_x, from_y));
+    }
+  }
+  return footprint;
+}
+
+}  // namespace
 
 OptionTable<GaussianOptions> gaussian_option_table() {
   return {
@@ -15,8 +33,12 @@ OptionTable<GaussianOptions> gaussian_option_table() {
 Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const SamplePool& pool,
                                             const GaussianOptions& options,
                                             const FilterContext& context) {
-  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, {}, context));
+  FilterContext of_means = context;
+  of_means.footprints = nullptr;
+  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, {}, of_means));
   const Taps taps = gaussian_taps(options.sigma);
+  for (const auto& [x, y] : wanted_pixels(context))
+    context.footprints->add(footprint_of(taps, x, y, result.image));
   Taps squares = taps;
   for (double& tap : squares.values)
     tap *= tap;
@@ -33,6 +55,7 @@ Filter gaussian_filter() {
        .summary = "pixel means blurred with a Gaussian",
        .options = gaussian_option_table(),
        .memory = {188, 2e6},
+       .footprints = true,
        .run = reconstruct_gaussian});
 }
 
