@@ -7,6 +7,10 @@
 
 namespace spool {
 
+// robust; paper: s = 0, 1, 2, 4, 8, the risk smoothed with 8; cross_nl_means: patches of the image
+// beside the features, the authors' program's own default.
+const Presets<CrossBilateralOptions>& cross_bilateral_presets();
+
 // Errors: those of cross_bilateral().
 Result<Reconstruction> reconstruct_cross_bilateral(const Selection& selection,
                                                    const SamplePool& pool,

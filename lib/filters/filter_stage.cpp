@@ -12,6 +12,9 @@ namespace {
 
 enum class EnergyStage { kOff, kBox };
 
+// Bytes a pixel: the clamped samples' statistics, the image that is restored.
+constexpr double kClampMemory = 70, kEnergyMemory = 16;
+
 struct StageOptions {
   bool clamp = false;
   EnergyStage energy = EnergyStage::kOff;
@@ -39,10 +42,12 @@ Result<Reconstruction> run_stage(const FilterFunction& filter, const StageOption
                                  const Selection& selection, const SamplePool& pool,
                                  const FilterContext& context) {
   GuardCounts guards;
+  FilterContext inner = context;
+  if (options.energy == EnergyStage::kBox) inner.footprints = nullptr;  // its image is not the last
   Result<Reconstruction> result = [&] {
-    if (!options.clamp) return filter(selection, pool, context);
+    if (!options.clamp) return filter(selection, pool, inner);
     const ClampedSamples clamped = clamp_samples(selection, pool, {}, guards);
-    return filter(clamped.selection, clamped.pool, context);
+    return filter(clamped.selection, clamped.pool, inner);
   }();
   if (!result) return result;
   if (options.energy == EnergyStage::kBox) {
@@ -83,6 +88,8 @@ Filter with_stage_options(Filter filter) {
     SPOOL_ASSIGN(const StageOptions options, with_options(table, StageOptions{}, of_stage));
     SPOOL_ASSIGN(ReadyFilter ready, filter.make(preset, of_filter));
     if (!options.clamp && options.energy == EnergyStage::kOff) return ready;
+    if (options.clamp) ready.beside.per_pixel += kClampMemory;
+    if (options.energy == EnergyStage::kBox) ready.beside.per_pixel += kEnergyMemory;
     ready.run = [run = std::move(ready.run), options](const Selection& selection,
                                                       const SamplePool& pool,
                                                       const FilterContext& context) {

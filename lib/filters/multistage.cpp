@@ -1,6 +1,7 @@
 #include "lib/filters/multistage.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "lib/core/parallel.h"
@@ -11,19 +12,20 @@ namespace {
 
 constexpr int kCells = 4;      // per pixel side
 constexpr int kBandRows = 16;  // pixels whose cells are held together
+constexpr int kColumns = 32;   // pixels whose samples are read together
 
-// Sums of defined values, and how many there are.
+// Sums of defined values [c], and how many there are.
 struct Cells {
-  Plane sum, count;
-
-  Cells(int width, int height) : sum(width, height), count(width, height) {}
+  RgbImage sum;
+  Plane count;
 };
 
 // Replaces sums by means with count 1 where anything is defined.
 void take_means(Cells& cells) {
-  for (std::size_t i = 0; i < cells.sum.size(); ++i) {
+  for (std::size_t i = 0; i < cells.count.size(); ++i) {
     if (cells.count[i] == 0.0) continue;
-    cells.sum[i] /= cells.count[i];
+    for (Plane& sum : cells.sum)
+      sum[i] /= cells.count[i];
     cells.count[i] = 1.0;
   }
 }
@@ -48,7 +50,8 @@ Plane window_sum(const Plane& in, int first, int last) {
 }
 
 void apply_stage(Cells& cells, int first, int last) {
-  cells.sum = window_sum(cells.sum, first, last);
+  for (Plane& sum : cells.sum)
+    sum = window_sum(sum, first, last);
   cells.count = window_sum(cells.count, first, last);
   take_means(cells);
 }
@@ -57,19 +60,26 @@ int cell_of(float film) {
   return std::clamp(static_cast<int>(film * static_cast<float>(kCells)), 0, kCells - 1);
 }
 
-// Stage 0 for channel c of the rows [first, last) of pixels.
-Cells cell_means(const PieceStatistics& statistics, const SamplePool& pool, std::size_t c,
-                 int first, int last) {
+// Stage 0 for the rows [first, last) of pixels. Columns go together, so that a recording that is
+// read block by block is read once a band; every cell is of one pixel and sums in the order of its
+// samples.
+Cells cell_means(const PieceStatistics& statistics, const SamplePool& pool, int first, int last) {
   const int q = statistics.pieces_per_side;
-  Cells cells(kCells * (statistics.width() / q), kCells * (last - first));
-  for (int py = first * q; py < last * q; ++py) {
-    for (int px = 0; px < statistics.width(); ++px) {
-      for (int s = 0; s < statistics.n(px, py); ++s) {
-        const FilmPosition film = pool.film(px, py, s);
-        const int x = px / q * kCells + cell_of(film.x);
-        const int y = (py / q - first) * kCells + cell_of(film.y);
-        cells.sum(x, y) += static_cast<double>(pool.sample(px, py, s)[c]);
-        cells.count(x, y) += 1.0;
+  const int width = kCells * (statistics.width() / q), height = kCells * (last - first);
+  Cells cells{make_rgb(width, height), Plane(width, height)};
+  for (int left = 0; left < statistics.width(); left += kColumns * q) {
+    const int right = std::min(left + kColumns * q, statistics.width());
+    for (int py = first * q; py < last * q; ++py) {
+      for (int px = left; px < right; ++px) {
+        for (int s = 0; s < statistics.n(px, py); ++s) {
+          const FilmPosition film = pool.film(px, py, s);
+          const Rgb sample = pool.sample(px, py, s);
+          const int x = px / q * kCells + cell_of(film.x);
+          const int y = (py / q - first) * kCells + cell_of(film.y);
+          for (std::size_t c = 0; c < 3; ++c)
+            cells.sum[c](x, y) += static_cast<double>(sample[c]);
+          cells.count(x, y) += 1.0;
+        }
       }
     }
   }
@@ -77,27 +87,30 @@ Cells cell_means(const PieceStatistics& statistics, const SamplePool& pool, std:
   return cells;
 }
 
-// All stages for channel c of the rows [y0, y1) of pixels. The row above and the one below, whose
-// windows are not whole, hold all cells that these rows reach.
-void filter_band(const PieceStatistics& statistics, const SamplePool& pool, std::size_t c, int y0,
-                 int y1, Plane& image, CountImage& defined) {
-  const int first = std::max(0, y0 - 1), last = std::min(y1 + 1, image.height());
-  Cells cells = cell_means(statistics, pool, c, first, last);
+// All stages for the rows [y0, y1) of pixels. The row above and the one below, whose windows are
+// not whole, hold all cells that these rows reach.
+void filter_band(const PieceStatistics& statistics, const SamplePool& pool, int y0, int y1,
+                 RgbImage& image, CountImage& defined) {
+  const int first = std::max(0, y0 - 1), last = std::min(y1 + 1, image[0].height());
+  Cells cells = cell_means(statistics, pool, first, last);
   apply_stage(cells, -1, 0);
   apply_stage(cells, -1, 2);
   for (int y = y0; y < y1; ++y) {
-    for (int x = 0; x < image.width(); ++x) {
-      double sum = 0.0, count = 0.0;
+    for (int x = 0; x < image[0].width(); ++x) {
+      std::array<double, 3> sum{};
+      double count = 0.0;
       for (int j = 0; j < kCells; ++j) {
         for (int i = 0; i < kCells; ++i) {
           const int cx = x * kCells + i, cy = (y - first) * kCells + j;
           if (cells.count(cx, cy) == 0.0) continue;
-          sum += cells.sum(cx, cy);
+          for (std::size_t c = 0; c < 3; ++c)
+            sum[c] += cells.sum[c](cx, cy);
           count += 1.0;
         }
       }
       defined(x, y) = count > 0.0 ? 1 : 0;
-      image(x, y) = count > 0.0 ? sum / count : 0.0;
+      for (std::size_t c = 0; c < 3; ++c)
+        image[c](x, y) = count > 0.0 ? sum[c] / count : 0.0;
     }
   }
 }
@@ -105,24 +118,23 @@ void filter_band(const PieceStatistics& statistics, const SamplePool& pool, std:
 }  // namespace
 
 Result<Reconstruction> reconstruct_multistage(const Selection& selection, const SamplePool& pool,
-                                              const MultistageOptions&,
-                                              const FilterContext& context) {
-  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, {}, context));
+                                              const MultistageOptions&, const FilterContext&) {
+  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, {}, {}));
   if (!pool.recording().has_film()) {
     result.notes.push_back(
         "multistage: film positions were not recorded, so this is the box filter");
     return result;
   }
   result.variance.reset();
-  for (std::size_t c = 0; c < 3; ++c) {
-    Plane& image = result.image[c];
-    CountImage defined(image.width(), image.height());
-    const int bands = (image.height() + kBandRows - 1) / kBandRows;
-    parallel_for(static_cast<std::size_t>(bands), [&](std::size_t band) {
-      const int y0 = static_cast<int>(band) * kBandRows;
-      filter_band(selection.statistics, pool, c, y0, std::min(y0 + kBandRows, image.height()),
-                  image, defined);
-    });
+  const int height = result.image[0].height();
+  CountImage defined(result.image[0].width(), height);
+  const int bands = (height + kBandRows - 1) / kBandRows;
+  parallel_for(static_cast<std::size_t>(bands), [&](std::size_t band) {
+    const int y0 = static_cast<int>(band) * kBandRows;
+    filter_band(selection.statistics, pool, y0, std::min(y0 + kBandRows, height), result.image,
+                defined);
+  });
+  for (Plane& image : result.image) {
     GuardCounts counted_by_box;
     image = fill_empty_pieces(std::move(image), defined, 1, counted_by_box);
   }

@@ -8,17 +8,18 @@
 
 #include "lib/filters/filter.h"
 #include "lib/kernels/patch_filter.h"
-#include "lib/statistics/variance_of_mean.h"
+#include "lib/kernels/sample_half.h"
 
 namespace spool {
 
 struct NlMeansOptions {
-  PatchFilterOptions filter;
-  // A half of few samples often has variance 0 by chance, and distances are divided by it.
-  VarianceMode var_mode = VarianceMode::kPooled;
+  PatchFilterOptions filter{.window = 10, .patch = 3, .kappa = 0.35, .alpha = 1.0};
+  HalfVariance var_mode = HalfVariance::kBoth;
 };
 
 OptionTable<NlMeansOptions> nl_means_option_table();
+// robust; paper: kappa = 0.45, and the variance of a half by its own samples.
+const Presets<NlMeansOptions>& nl_means_presets();
 
 Result<Reconstruction> reconstruct_nl_means(const Selection& selection, const SamplePool& pool,
                                             const NlMeansOptions& options,

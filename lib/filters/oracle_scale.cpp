@@ -22,7 +22,7 @@ OptionTable<OracleScaleOptions> oracle_scale_option_table() {
 Result<Reconstruction> reconstruct_oracle_scale(const Selection& selection, const SamplePool& pool,
                                                 const OracleScaleOptions& options,
                                                 const FilterContext& context) {
-  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, {}, context));
+  SPOOL_ASSIGN(Reconstruction result, reconstruct_box(selection, pool, {}, {}));
   const RgbImage mean = result.image;
   const int width = mean[0].width(), height = mean[0].height();
   if (!context.reference || !context.reference->mean[0].same_size(mean[0])) {

@@ -6,6 +6,7 @@
 
 #include "lib/kernels/feature_guide.h"
 #include "lib/kernels/guided_means.h"
+#include "lib/kernels/kernel_footprint.h"
 #include "lib/kernels/piece_estimates.h"
 #include "lib/kernels/truncated_filter.h"
 
@@ -90,21 +91,41 @@ std::vector<Plane> estimate_risks(const FeatureGuide& guide, const FilteredInput
   return risk;
 }
 
-// The scale of least risk, smoothed, and the means filtered with it: all scales of a tile are
-// computed, one is kept.
-void filter_with_least_risk(const FeatureGuide& guide, const RgbImage& mean,
-                            const std::vector<Plane>& risk, const CrossBilateralOptions& options,
-                            RisksKept kept, CrossBilateralImage& result) {
+// The risk of the input itself, and of each tolerance.
+std::vector<Plane> estimate_patch_risks(const FeatureGuide& guide, const FilteredInput& input,
+                                        const CrossPatchOptions& options) {
+  std::vector<Plane> risk = cross_patch_risks(guide, input.image, input.variance, options);
+  Plane own(guide.width, guide.height);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < own.size(); ++i)
+      own[i] += input.variance[c][i] / 3.0;
+  }
+  risk.insert(risk.begin(), std::move(own));
+  return risk;
+}
+
+// What there is to choose from: the risk of every candidate.
+struct Candidates {
+  std::vector<Plane> risk;
+  std::vector<double> scales;  // of the last candidates, filtered while one is chosen
+};
+
+// The candidate of least risk, smoothed: all images of a tile are computed, one is kept. Candidates
+// without a scale leave the means as they are.
+void choose_least_risk(const FeatureGuide& guide, const RgbImage& mean,
+                       const Candidates& candidates, double risk_scale, RisksKept kept,
+                       CrossBilateralImage& result) {
   const int width = guide.width, height = guide.height;
-  const auto none = static_cast<std::size_t>(options.scales.front() == 0.0);
+  const std::vector<Plane>& risk = candidates.risk;
+  const std::size_t none = risk.size() - candidates.scales.size();
   std::vector<const Plane*> images;
   for (const Plane& plane : risk)
     images.push_back(&plane);
   for (const Plane& plane : mean)
     images.push_back(&plane);
-  std::vector<GuidedTarget> targets = {{options.risk_scale, 0, risk.size()}};
-  for (std::size_t s = none; s < risk.size(); ++s)
-    targets.push_back({options.scales[s], risk.size(), 3});
+  std::vector<GuidedTarget> targets = {{risk_scale, 0, risk.size()}};
+  for (const double scale : candidates.scales)
+    targets.push_back({scale, risk.size(), 3});
   result.image = make_rgb(width, height);
   result.scale = CountImage(width, height);
   result.risk = Plane(width, height);
@@ -136,7 +157,8 @@ void filter_with_least_risk(const FeatureGuide& guide, const RgbImage& mean,
 Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
                                             const SamplePool& pool, double exposure,
                                             const CrossBilateralOptions& options,
-                                            GuardCounts& guards, RisksKept kept) {
+                                            GuardCounts& guards, RisksKept kept,
+                                            Footprints* footprints) {
   if (pool.recording().features().empty()) {
     return fail(ErrorCode::kData,
                 "{}: cross_bilateral needs albedo, normal or depth of each sample, which were not "
@@ -144,12 +166,14 @@ Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
                 pool.recording().name());
   }
   const int width = statistics.width(), height = statistics.height();
-  const auto none = static_cast<std::size_t>(options.scales.front() == 0.0);
+  const bool patches = options.range == CrossRange::kPatches;
   CrossBilateralImage result;
-  std::vector<Plane> risk;
+  const FilledMeans mean(statistics);
+  Candidates candidates;
   FeatureGuide guide;
+  RgbImage compared;  // whose patches are
   {
-    SPOOL_ASSIGN(const FilteredInput input, filter_input(statistics, exposure, guards));
+    SPOOL_ASSIGN(FilteredInput input, filter_input(statistics, exposure, guards));
     SPOOL_ASSIGN(guide, make_feature_guide(
                             pool, statistics.n,
                             [&](std::string_view layer) {
@@ -158,21 +182,39 @@ Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
                                                          : options.sigma_depth;
                             },
                             guards));
-    risk = estimate_risks(guide, input, options, none);
+    if (patches) {
+      candidates.risk = estimate_patch_risks(guide, input, options.patches);
+    } else {
+      const auto none = static_cast<std::size_t>(options.scales.front() == 0.0);
+      candidates.risk = estimate_risks(guide, input, options, none);
+      candidates.scales.assign(options.scales.begin() + static_cast<std::ptrdiff_t>(none),
+                               options.scales.end());
+    }
     result.variance = Plane(width, height);
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t i = 0; i < result.variance.size(); ++i)
         result.variance[i] += input.variance[c][i] / 3.0;
     }
+    if (patches) compared = std::move(input.image);
   }
-
-  filter_with_least_risk(guide, *FilledMeans(statistics), risk, options, kept, result);
+  choose_least_risk(guide, *mean, candidates, options.risk_scale, kept, result);
+  if (patches) {
+    result.image = cross_patch_means(guide, compared, *mean, result.scale, options.patches);
+  } else if (footprints) {
+    for (const auto& [x, y] : footprints->wanted()) {
+      footprints->add(guided_footprint(guide, *mean, result.scale, options.scales,
+                                       statistics.pieces_per_side, x, y));
+    }
+  }
   return result;
 }
 
 OptionTable<CrossBilateralOptions> cross_bilateral_option_table() {
   using O = CrossBilateralOptions;
   return {
+      choice_option<O, CrossRange>("range", &O::range,
+                                   {{"none", CrossRange::kNone}, {"patches", CrossRange::kPatches}},
+                                   "patches: cross non-local means instead of cross-bilateral"),
       number_option<O>("sigma_normal", &O::sigma_normal, 1e-3, 1e3, "tolerance for normals"),
       number_option<O>("sigma_albedo", &O::sigma_albedo, 1e-3, 1e3, "tolerance for albedo"),
       number_option<O>("sigma_depth", &O::sigma_depth, 1e-3, 1e3,

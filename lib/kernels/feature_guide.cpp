@@ -97,7 +97,8 @@ Result<FeatureGuide> make_feature_guide(const SamplePool& pool, const CountImage
     for (std::size_t c = 0; c < feature.mean.size(); ++c) {
       entry.mean.push_back(to_float(feature.mean[c]));
       for (std::size_t i = 0; i < variance.size(); ++i)
-        variance[i] += feature.variance[c][i] / static_cast<double>(feature.mean.size());
+        variance[i] +=
+            std::max(1, n[i]) * feature.variance[c][i] / static_cast<double>(feature.mean.size());
     }
     entry.variance = to_float(variance);
     const double sigma = tolerance(layer.name);

@@ -3,7 +3,9 @@
 //
 //   w_pq = exp(-sum_f |f_p - f_q|^2 / (2 sigma_f^2 max(var_fp + var_fq, 0.01)))
 //
-// var_f is the mean over the feature's channels. w_pq = w_qp to the bit.
+// var_f is the variance of the samples - not of their mean: that is what the authors' program
+// divides by, and a tolerance that shrinks with n keeps pixels apart whose features are as noisy as
+// their radiance. It is the mean over the feature's channels. w_pq = w_qp to the bit.
 #pragma once
 
 #include <functional>
@@ -21,7 +23,7 @@ struct FeatureGuide {
   static constexpr std::size_t kMostFeatures = 3;  // albedo, normal, depth
   struct Feature {
     std::vector<Image<float>> mean;  // [channel][y][x] of pieces
-    Image<float> variance;           // of the means
+    Image<float> variance;           // of the samples
     float factor = 1.0f;             // 1 / (2 sigma_f^2)
   };
   int width = 0, height = 0;

@@ -1,9 +1,11 @@
 #include "lib/kernels/sample_half.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/piece_estimates.h"
+#include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
 namespace {
@@ -35,17 +37,49 @@ PieceStatistics half_of_channels(const PieceStatistics& statistics, const Sample
   return half;
 }
 
+VarianceOptions of_own_samples(HalfVariance variance) {
+  switch (variance) {
+    case HalfVariance::kRaw:
+      return {VarianceMode::kRaw};
+    case HalfVariance::kPooled:
+      return {VarianceMode::kPooled};
+    default:
+      return {VarianceMode::kAuto};
+  }
+}
+
+// The variance of a half's mean by the samples of both halves; of one sample, what is pooled.
+Result<Plane> variance_of_both(const PieceStatistics& statistics, std::size_t channel,
+                               const CountImage& n, double exposure) {
+  GuardCounts counted_on_the_whole;
+  SPOOL_ASSIGN(ChannelEstimates whole,
+               estimate_channel(statistics, channel, {}, exposure, counted_on_the_whole));
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    const int all = statistics.n[i];
+    if (all >= 2) {
+      whole.variance[i] = std::max(statistics.m2[channel][i] / (all - 1) / all,
+                                   variance_floor(whole.mean[i], 1.0 / exposure));
+    }
+    // An empty half's mean is its neighbours', as uncertain as one sample.
+    whole.variance[i] *= static_cast<double>(std::max(1, all)) / std::max(1, n[i]);
+  }
+  return std::move(whole.variance);
+}
+
 }  // namespace
 
 Result<SampleHalf> sample_half(const PieceStatistics& statistics, const SamplePool& pool,
-                               int parity, const VarianceOptions& options, double exposure) {
+                               int parity, HalfVariance variance, double exposure) {
   PieceStatistics half = half_of_channels(statistics, pool, parity);
   GuardCounts counted_on_the_whole;
   for (std::size_t c = 0; c < 3; ++c) {
-    SPOOL_ASSIGN(ChannelEstimates channel,
-                 estimate_channel(half, c, options, exposure, counted_on_the_whole));
+    SPOOL_ASSIGN(ChannelEstimates channel, estimate_channel(half, c, of_own_samples(variance),
+                                                            exposure, counted_on_the_whole));
     half.mean[c] = std::move(channel.mean);
     half.m2[c] = std::move(channel.variance);
+    if (variance == HalfVariance::kBoth) {
+      SPOOL_ASSIGN(half.m2[c], variance_of_both(statistics, c, half.n, exposure));
+    }
     for (double& value : half.mean[c].pixels())
       value *= exposure;
     for (double& value : half.m2[c].pixels())

@@ -71,7 +71,7 @@ Sampler cross_bilateral_sampler() {
        .options = cross_bilateral_sampling_option_table(),
        .views = {{"density.i", "what iteration i is apportioned over"}},
        .needs = [](const auto&) { return Needs{.features = Use::kRequired}; },
-       .memory = {232, 4.2e6},
+       .memory = {264, 6.8e6},
        .run = sample_cross_bilateral});
 }
 

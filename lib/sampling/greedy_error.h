@@ -5,7 +5,7 @@
 // until bias outweighs variance; the error estimate follows the climb:
 //
 //   MSE_0 = mean_c Var_0,  MSE_s = MSE_{s-1} + mean_c(loss - gain)
-//   e = MSE / (1e-3 + I^2) * m / (m + Nsum),  m = samples per pixel of the whole budget
+//   e = MSE / (0.1 + I^2) * m / (m + Nsum),  m = samples per pixel of the whole budget
 //
 // e is taken at the pixel's scale, in exposed units, and not below 0, where only rounding could
 // take it: the gains add up to Var_0 - Var_s. m / (m + Nsum) is the part of the error that m more

@@ -10,7 +10,9 @@
 namespace spool {
 namespace {
 
-constexpr double kRelativeFloor = 1e-3;  // in squared units of the exposed radiance
+// Squared exposed radiance. The publication has 1e-3 for pictures whose whites are near 1; their
+// mean luminance, 1 when exposed, is about 0.1, in recordings here 0.1 to 0.4.
+constexpr double kRelativeFloor = 1e-3 / (0.1 * 0.1);
 
 }  // namespace
 

@@ -11,14 +11,14 @@
 #include "lib/sampling/apportion.h"
 #include "lib/sampling/rounds.h"
 #include "lib/sampling/spending.h"
-#include "lib/statistics/variance_option.h"
 
 namespace spool {
 namespace {
 
-constexpr double kRelativeFloor = 1e-3;  // in squared units of the exposed radiance
-constexpr double kBlur = 0.8;            // sigma of the smoothing of the error, pieces
-constexpr double kLeastCount = 1e-3;     // a half without samples near a pixel
+// Squared exposed radiance; see lib/sampling/greedy_error_map.cpp.
+constexpr double kRelativeFloor = 1e-3 / (0.1 * 0.1);
+constexpr double kBlur = 0.8;         // sigma of the smoothing of the error, pieces
+constexpr double kLeastCount = 1e-3;  // a half without samples near a pixel
 
 // Apportions `share` over `error`, no piece beyond `most` in this iteration nor beyond its pool;
 // what that leaves over goes by room in the pool alone.
@@ -54,7 +54,7 @@ const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
         integer_option<O>("iterations", &O::iterations, 1, 1000, "iterations that share the rest"),
     };
     append_options(options, patch_filter_option_table(), &O::filter);
-    options.push_back(expert(var_mode_option(&O::var_mode)));
+    options.push_back(expert(half_variance_option(&O::var_mode)));
     return options;
   }();
   return table;
@@ -62,12 +62,11 @@ const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
 
 Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
                              const NlMeansSamplingOptions& options, GuardCounts& guards) {
-  const VarianceOptions variance{options.var_mode};
   std::array<HalfImage, 2> images;
   std::array<Plane, 2> counts;
   for (std::size_t h = 0; h < 2; ++h) {
-    SPOOL_ASSIGN(SampleHalf half, sample_half(statistics, pool, static_cast<int>(h), variance,
-                                              statistics.signal.exposure));
+    SPOOL_ASSIGN(SampleHalf half, sample_half(statistics, pool, static_cast<int>(h),
+                                              options.var_mode, statistics.signal.exposure));
     images[h] = std::move(half.image);
     counts[h] = Plane(statistics.width(), statistics.height());
     for (std::size_t i = 0; i < half.n.size(); ++i)

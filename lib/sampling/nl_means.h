@@ -4,7 +4,7 @@
 // Halves A and B (even and odd samples) are filtered with weights from each other
 // (lib/kernels/patch_filter.h):
 //
-//   error = sum over both halves of mean_c 2 (F_A - F_B)^2 / (1e-3 + F^2) / N,  F of that half
+//   error = sum over both halves of mean_c 2 (F_A - F_B)^2 / (0.1 + F^2) / N,  F of that half
 //
 // with N the half's sample count filtered by the same weights; blurred with a Gaussian of 0.8
 // pieces. An iteration apportions its share over the error, no pixel more than `spp` in one
@@ -12,8 +12,8 @@
 #pragma once
 
 #include "lib/kernels/patch_filter.h"
+#include "lib/kernels/sample_half.h"
 #include "lib/sampling/sampler.h"
-#include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
 
@@ -21,7 +21,7 @@ struct NlMeansSamplingOptions {
   std::optional<int> init_spp;  // per piece; empty: default_initial_samples(), at least 2
   int iterations = 8;
   PatchFilterOptions filter{7, 3, 0.45, 0.5};
-  VarianceMode var_mode = VarianceMode::kAuto;
+  HalfVariance var_mode = HalfVariance::kBoth;
 };
 
 const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table();

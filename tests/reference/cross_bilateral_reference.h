@@ -13,7 +13,7 @@ namespace spool::reference {
 struct Feature {
   std::string name;
   std::vector<Plane> mean;  // [c][y][x]
-  Plane variance;           // of the mean, mean over channels
+  Plane variance;           // of the samples, mean over channels
 };
 
 // All samples counted alike; every piece has at least 4, so nothing is pooled. q = 1.
@@ -42,7 +42,7 @@ inline std::vector<Feature> features(const SamplePool& pool, const CountImage& n
           for (int i = 0; i < count; ++i)
             squares += (value(i) - mean) * (value(i) - mean);
           feature.mean[c](x, y) = mean;
-          feature.variance(x, y) += squares / (count - 1) / count / static_cast<double>(channels);
+          feature.variance(x, y) += squares / (count - 1) / static_cast<double>(channels);
           largest = std::max(largest, std::abs(mean));
         }
       }

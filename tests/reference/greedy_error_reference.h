@@ -89,7 +89,7 @@ inline GreedyError greedy_error(const RgbImage& mean, const RgbImage& variance, 
         if (stopped(x, y)) continue;
         out.scale(x, y) = s;
         const double value = exposure * (image[0](x, y) + image[1](x, y) + image[2](x, y)) / 3;
-        out.error(x, y) = std::max(mse(x, y), 0.0) * exposure * exposure / (1e-3 + value * value) *
+        out.error(x, y) = std::max(mse(x, y), 0.0) * exposure * exposure / (0.1 + value * value) *
                           m / (m + under(x, y));
       }
     }

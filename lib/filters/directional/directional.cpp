@@ -8,6 +8,7 @@
 #include "lib/filters/directional/base_step.h"
 #include "lib/filters/directional/filter_size.h"
 #include "lib/filters/directional/filter_width.h"
+#include "lib/filters/directional/piece_footprint.h"
 #include "lib/filters/directional/sample_filter.h"
 #include "lib/filters/directional/tile.h"
 #include "lib/pyramid/laplacian_pyramid.h"
@@ -85,8 +86,9 @@ FilteredPieces weighted_means(const Tile& tile, const CountImage& level,
 
 template <class T>
 FilteredTile filter_tile(Tile tile, const SamplePool& pool, const DirectionalOptions& options,
-                         Views* views) {
+                         Views* views, Footprints* footprints) {
   FilteredTile result;
+  const RgbImage own_means = footprints ? tile.pieces.mean : RgbImage{};
   const Plane raw_variance = tile.analysis.variance;
   const bool by_sample =
       options.filter.granularity == FilterGranularity::kSample && pool.recording().has_film();
@@ -114,6 +116,11 @@ FilteredTile filter_tile(Tile tile, const SamplePool& pool, const DirectionalOpt
   // Weighted mean over the region [LiuZheng (10)-(12)]
   result.pieces =
       weighted_means(tile, result.level, widths, sample_variance, pool, options, result.guards);
+  if (footprints && !by_sample) {
+    tell_footprints<T>(
+        {own_means, raw, tile.pieces.n, result.level, widths, options, pool.pieces_per_side()},
+        *footprints);
+  }
   result.dominant = std::move(widths.dominant);
   if (views) {
     views->add("base_variance", tile.analysis.variance);
@@ -164,10 +171,13 @@ Result<Reconstruction> reconstruct_directional(const Selection& selection, const
   }
   whole.attenuation = selection.attenuation;
 
+  // Tiles that are filtered alone tell none.
+  Footprints* const footprints =
+      options.scope == ReconstructionScope::kGlobal ? context.footprints : nullptr;
   const TileFilter filter = [&](Tile tile, Views* views) {
     return options.precision == Precision::kFloat32
-               ? filter_tile<float>(std::move(tile), pool, options, views)
-               : filter_tile<double>(std::move(tile), pool, options, views);
+               ? filter_tile<float>(std::move(tile), pool, options, views, footprints)
+               : filter_tile<double>(std::move(tile), pool, options, views, footprints);
   };
   FilteredTile filtered =
       options.scope == ReconstructionScope::kTile
@@ -213,6 +223,7 @@ Filter directional_filter() {
              return Needs{.film_positions = inside ? Use::kWhenRecorded : Use::kNone};
            },
        .memory = {370, 2.6e6},
+       .footprints = true,
        .run = reconstruct_directional});
 }
 
