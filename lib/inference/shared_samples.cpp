@@ -35,7 +35,7 @@ double shared_share(std::span<const std::pair<int, long long>> counts, double re
   double shared = 0.0, all = 0.0;
   for (const auto& [count, pixels] : counts) {
     if (count <= 0) continue;
-    const double weight = static_cast<double>(count) * static_cast<double>(pixels);
+    const auto weight = static_cast<double>(pixels);
     const double taken = std::min(1.0, count / recorded);
     shared += weight * (taking == Taking::kOwnOrder ? taken : shared_on_a_ring(taken, replicates));
     all += weight;

@@ -17,8 +17,10 @@ enum class Taking {
 };
 
 // Share of the samples of a replicate that another replicate took too: mean over pairs of
-// replicates, and over the samples, so a pixel counts as often as it was sampled. `counts`: samples
-// taken and the number of pixels that took so many; all replicates are taken to be alike in it.
+// replicates, and over the pixels that took any: what varies from recording to recording are the
+// errors of pixels, which an adaptive sampler makes more alike than the samples it spends on them.
+// `counts`: samples taken and the number of pixels that took so many; all replicates are taken to
+// be alike in it.
 // `recorded`: samples per pixel of the recording. 0 for one replicate.
 double shared_share(std::span<const std::pair<int, long long>> counts, double recorded,
                     int replicates, Taking taking);

@@ -26,9 +26,9 @@ TEST(SharedShare, IsNoneWhereReplicatesFitInBesideEachOther) {
 
 TEST(SharedShare, OfOwnOrdersIsTheShareTaken) {
   EXPECT_DOUBLE_EQ(shared_share(Counts{{16, 100}}, 64, 8, Taking::kOwnOrder), 0.25);
-  // A pixel counts as often as it was sampled: (3 * 4 / 64 + 1 * 64 / 64 * 16) / (3 + 16).
-  EXPECT_DOUBLE_EQ(shared_share(Counts{{4, 3}, {64, 1}}, 64, 8, Taking::kOwnOrder),
-                   (12.0 / 16 + 64.0) / 76.0);
+  // Every pixel that was sampled counts once, however many samples it took.
+  EXPECT_DOUBLE_EQ(shared_share(Counts{{0, 5}, {4, 3}, {64, 1}}, 64, 8, Taking::kOwnOrder),
+                   (3 * 4.0 / 64 + 1.0) / 4.0);
 }
 
 // Places on a ring, counted one by one.
