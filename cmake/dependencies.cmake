@@ -1,6 +1,5 @@
 # Every library comes from a Debian 12 package; docs/building.md lists them.
 find_package(OpenEXR 3.1 CONFIG REQUIRED)
-find_package(CLI11 2.1 CONFIG REQUIRED)
 find_package(TBB 2021.8 CONFIG REQUIRED COMPONENTS tbb)
 find_package(zstd 1.5 CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
@@ -10,12 +9,21 @@ find_package(nlohmann_json 3.11 CONFIG REQUIRED)
 find_package(tomlplusplus 3.3 CONFIG REQUIRED)
 find_package(tl-expected 1.0 CONFIG REQUIRED)
 find_package(Boost 1.74 REQUIRED)  # headers: Boost.Math
-find_package(OpenImageIO 2.4 CONFIG REQUIRED)
-# Debian 12's target lists an OpenCV folder that only libopencv-core-dev would bring.
-get_target_property(spool_oiio_dirs OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
-list(FILTER spool_oiio_dirs EXCLUDE REGEX "opencv4")
-set_target_properties(OpenImageIO::OpenImageIO PROPERTIES
-  INTERFACE_INCLUDE_DIRECTORIES "${spool_oiio_dirs}")
+if(SPOOL_BUILD_PROGRAM)
+  find_package(CLI11 2.1 CONFIG REQUIRED)
+  find_package(PkgConfig REQUIRED)
+  pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib>=0.11)
+endif()
+if(SPOOL_BUILD_PROGRAM AND SPOOL_PNG STREQUAL "libpng")
+  find_package(PNG 1.6 REQUIRED)
+elseif(SPOOL_BUILD_PROGRAM)
+  find_package(OpenImageIO 2.4 CONFIG REQUIRED)
+  # Debian 12's target lists an OpenCV folder that only libopencv-core-dev would bring.
+  get_target_property(spool_oiio_dirs OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
+  list(FILTER spool_oiio_dirs EXCLUDE REGEX "opencv4")
+  set_target_properties(OpenImageIO::OpenImageIO PROPERTIES
+    INTERFACE_INCLUDE_DIRECTORIES "${spool_oiio_dirs}")
+endif()
 if(SPOOL_BUILD_TESTS)
   find_package(GTest 1.12 CONFIG REQUIRED)
   find_package(rapidcheck CONFIG REQUIRED)

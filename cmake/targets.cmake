@@ -1,8 +1,16 @@
 # What every target of Spool shares, and the two functions that make targets.
 
+# What whoever includes a header needs. -ffp-contract=off: a*b+c must have one result on every target; results are
+# promised bit for bit.
+add_library(spool_headers INTERFACE)
+target_include_directories(spool_headers INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+  $<INSTALL_INTERFACE:include/spool>)
+target_compile_features(spool_headers INTERFACE cxx_std_20)
+target_compile_options(spool_headers INTERFACE -ffp-contract=off)
+
+# What only the project's own sources are held to.
 add_library(spool_flags INTERFACE)
-target_include_directories(spool_flags INTERFACE ${PROJECT_SOURCE_DIR})
-# -ffp-contract=off: a*b+c must have one result on every target; results are promised bit for bit.
+target_link_libraries(spool_flags INTERFACE spool_headers)
 # -Werror=psabi: a wide vector that is passed by value between a clone and another function (lib/core/vector_clones.h).
 # -Wno-restrict: g++ 12 warns falsely about std::string (its bug 105651).
 # clang++: libstdc++'s std::stable_sort calls what it declares deprecated; `#pragma GCC ivdep` is not known.
@@ -11,11 +19,21 @@ target_compile_options(spool_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   $<$<CXX_COMPILER_ID:Clang>:-Wno-deprecated-declarations;-Wno-unknown-pragmas>)
 
-# spool_library(NAME SOURCES... LIBS...): a static library of one folder.
+# spool_library(NAME SOURCES... LIBS... [INTERNAL]): a static library of one folder. Others call spool_core spool::core,
+# built beside or installed; one that is INTERNAL is not for others. It can become part of a shared one (the Python
+# module), and what it holds is then seen in there only.
 function(spool_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL" "" "SOURCES;LIBS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_link_libraries(${name} PUBLIC spool_flags ${ARG_LIBS})
+  target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:spool_flags> PUBLIC spool_headers ${ARG_LIBS})
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  if(NOT ARG_INTERNAL)
+    string(REGEX REPLACE "^spool_" "" component ${name})
+    set_target_properties(${name} PROPERTIES EXPORT_NAME ${component})
+    add_library(spool::${component} ALIAS ${name})
+    set_property(GLOBAL APPEND PROPERTY SPOOL_COMPONENTS ${component})
+  endif()
 endfunction()
 
 # Time limits of tests are for a plain build; sanitizers are several times slower.
