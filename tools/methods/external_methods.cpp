@@ -11,6 +11,7 @@
 #include "lib/sampling/given_counts.h"
 #include "lib/sampling/rounds.h"
 #include "lib/sampling/spending.h"
+#include "tools/methods/called_methods.h"
 #include "tools/methods/external_process.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/statistics_file.h"
@@ -201,6 +202,9 @@ const SamplerList& known_samplers() {
     list.methods.push_back(method_with_argument(
         "exec", "COMMAND", "your own: a command that is asked for counts, round after round",
         exec_sampler_option_table(), Needs{}, &make_exec_sampler));
+    list.methods.push_back(
+        method_with_argument("python", "NAME", "your own: a function of a Python program",
+                             called_sampler_option_table(), Needs{}, &make_called_sampler));
     return list;
   }();
   return all;
@@ -216,6 +220,10 @@ const FilterList& known_filters() {
     list.methods.push_back(with_stage_options(method_with_argument(
         "exec", "COMMAND", "your own: a command that makes the image from the statistics",
         exec_option_table(), Needs{}, &make_exec_filter)));
+    // Without the options of a stage: what its own are, only the function knows.
+    list.methods.push_back(
+        method_with_argument("python", "NAME", "your own: a function of a Python program",
+                             called_filter_option_table(), Needs{}, &make_called_filter));
     return list;
   }();
   return all;

@@ -3,6 +3,8 @@
 //   counts:FILE.exr   sampler: an image of counts that somebody made
 //   image:FILE.exr    filter: an image that somebody made
 //   exec:COMMAND      either: a command that answers files with files
+//   python:NAME       either: a function of a Python program that holds this library
+//                     (called_methods.h)
 //
 // A command of a sampler is called once a round with two arguments: the statistics so far as an EXR
 // (statistics_file.h), and where to write an EXR of how many more samples each piece is to get. Its
@@ -24,6 +26,10 @@ const FilterList& known_filters();
 // A command of somebody else.
 inline bool is_foreign_code(const MethodChoice& method) {
   return method.name == "exec" || method.name.starts_with("exec:");
+}
+// Code of others, which may not like to be run several times at once.
+inline bool runs_alone(const MethodChoice& method) {
+  return is_foreign_code(method) || method.name == "python";
 }
 
 // What stands beside the name of a method that is re-implemented by description, and what it means.

@@ -13,11 +13,30 @@ constexpr double kSharedWithLoop = 39;
 // A sampling run stays while its images are filtered, and metrics take the same whatever they
 // judge.
 constexpr double kHeldWhileFiltering = 150, kJudging = 460;
+// An image that is shown: as it was made, and as it is written.
+constexpr double kView = 20;
 
+// One that cannot be made takes what the method takes with its default options.
 template <class Function>
 WorkingMemory memory_of(const MethodList<Function>& known, const MethodChoice& choice) {
   const Method<Function>* method = find_method(known, choice.name);
-  return method == nullptr ? kUnmeasuredMemory : method->memory;
+  WorkingMemory memory = method == nullptr ? kUnmeasuredMemory : method->memory;
+  if (const auto made = make_method(known, choice)) {
+    memory.per_pixel += made->beside.per_pixel;
+    memory.fixed += made->beside.fixed;
+  }
+  return memory;
+}
+
+// Images of a family, by the letters behind its name: levels and scales, directions, channels.
+double images_of(const ViewDescription& family) {
+  double images = 1.0;
+  for (std::size_t dot = family.name.find('.'); dot != std::string::npos;
+       dot = family.name.find('.', dot + 1)) {
+    const std::string index = family.name.substr(dot + 1, family.name.find('.', dot + 1) - dot - 1);
+    images *= index == "i" ? 8.0 : index == "c" ? 3.0 : 5.0;
+  }
+  return images;
 }
 
 WorkingMemory on_pieces(WorkingMemory memory, int pieces_per_side) {
@@ -58,6 +77,16 @@ SampleFilm film_for(const std::vector<MethodChoice>& samplers,
   const bool wanted = pieces_per_side > 1 || std::ranges::any_of(samplers, sampler_does) ||
                       std::ranges::any_of(filters, filter_does);
   return wanted ? SampleFilm::kLoad : SampleFilm::kLeaveOut;
+}
+
+WorkingMemory with_views(WorkingMemory memory, const std::vector<ViewDescription>& known,
+                         const Views& views, int pieces_per_side) {
+  double images = 0.0;
+  for (const ViewDescription& family : known) {
+    if (views.wants(family.name.substr(0, family.name.find('.')))) images += images_of(family);
+  }
+  memory.per_pixel += kView * images * pieces_per_side * pieces_per_side;
+  return memory;
 }
 
 WorkingMemory filtering_memory(const MethodChoice& filter, int pieces_per_side) {

@@ -15,6 +15,10 @@ namespace spool::tools {
 WorkingMemory sampling_memory(const MethodChoice& sampler, const std::vector<MethodChoice>& filters,
                               int pieces_per_side);
 WorkingMemory filtering_memory(const MethodChoice& filter, int pieces_per_side);
+// With the images that are kept to be shown, of the families that there are: roughly, as how many a
+// family has is known only when they are made.
+WorkingMemory with_views(WorkingMemory memory, const std::vector<ViewDescription>& known,
+                         const Views& views, int pieces_per_side);
 // The most that one of the cells of an evaluation takes.
 WorkingMemory evaluation_memory(const std::vector<MethodChoice>& samplers,
                                 const std::vector<MethodChoice>& filters, int pieces_per_side);

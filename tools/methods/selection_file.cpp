@@ -207,6 +207,15 @@ Result<SelectionFile> read_selection(const std::filesystem::path& path) {
   return selection;
 }
 
+SelectionFile contents_of(const Selection& selection, const PoolOptions& pool) {
+  SelectionFile file{selection.statistics.n, selection.attenuation, selection.statistics.signal,
+                     pool};
+  for (const Selection& half : selection.halves)
+    file.halves.push_back(contents_of(half, pool));
+  file.halves_use = selection.halves_use;
+  return file;
+}
+
 Result<Selection> apply_selection(const SelectionFile& file, const std::filesystem::path& path,
                                   const SamplePool& pool) {
   if (file.n.width() != pool.width() || file.n.height() != pool.height()) {

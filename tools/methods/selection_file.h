@@ -45,6 +45,9 @@ struct SelectionFile {
 // The counts in an image: channel n, or Y, or R, or the first; kData where one is no count.
 Result<CountImage> counts_from_exr(const ExrFile& file, const std::string& name);
 
+// What a file of `selection` holds, without the file.
+SelectionFile contents_of(const Selection& selection, const PoolOptions& pool);
+
 // Counts must be whole and not negative; kData with the pixel otherwise.
 Result<SelectionFile> read_selection(const std::filesystem::path& path);
 

@@ -34,6 +34,9 @@ Result<void> write_statistics(const std::filesystem::path& path, const PieceStat
         file.channels.push_back(
             {fmt::format("{}.{}", feature.layer.name, feature.layer.components[c]),
              PixelType::kFloat, feature.mean[c]});
+        file.channels.push_back(
+            {fmt::format("{}_variance.{}", feature.layer.name, feature.layer.components[c]),
+             PixelType::kFloat, feature.variance[c]});
       }
     }
   }

@@ -4,7 +4,8 @@
 //   R, G, B             float  their mean, radiance units; where n is 0, the neighbours'
 //   variance.R/G/B      float  estimated variance of that mean
 //   albedo.R, normal.X, depth.Z and so on, where asked for and recorded: means over the same
-//   samples (lib/statistics/feature_statistics.h)
+//   samples (lib/statistics/feature_statistics.h); albedo_variance.R and so on, the variances of
+//   those means
 //
 // All have the size of the grid of pieces (pixels, but for --pieces 2).
 #pragma once

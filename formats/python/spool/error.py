@@ -1,12 +1,12 @@
 """The one exception of this package: one line "FILE: what (where): what to do".
 
 `kind` is the class of failure in section 7 of the specification, or one of this package: "usage" (unknown layer, range
-outside the image, target exists), "absent" (a block that was never recorded), "missing_package". `code` is the exit
-code of the program `spool` for it.
+outside the image, target exists), "absent" (a block that was never recorded), "missing_package", "data" (it can be read
+and not used). `code` is the exit code of the program `spool` for it.
 """
 DATA, USAGE, IO, DAMAGE = 1, 2, 3, 4
 
-CODE_OF_KIND = {"not_spool": DATA, "unsupported": DATA, "invalid": DATA, "absent": DATA, "usage": USAGE,
+CODE_OF_KIND = {"not_spool": DATA, "unsupported": DATA, "invalid": DATA, "absent": DATA, "data": DATA, "usage": USAGE,
                 "missing_package": USAGE, "io": IO, "incomplete": DAMAGE, "damaged": DAMAGE}
 
 ADVICE = {"not_spool": "check the name", "unsupported": "use a newer reader",
@@ -19,6 +19,11 @@ class SpoolError(Exception):
         super().__init__(message)
         self.kind = kind
         self.message = message
+
+    @classmethod
+    def of_code(cls, code, message):
+        """The error of an exit code, where nothing more is known."""
+        return cls({DATA: "data", USAGE: "usage", IO: "io", DAMAGE: "damaged"}[code], message)
 
     @property
     def code(self):

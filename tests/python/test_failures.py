@@ -1,0 +1,108 @@
+"""Every failure is a SpoolError with the line and the exit code of the program."""
+import numpy as np
+import pytest
+
+import spool
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda path: spool.replay(path, "multiscal", 4), ("replay", "PATH", "--sampler", "multiscal", "--spp", "4", "-o", "n.exr")),
+    (lambda path: spool.replay(path, "multiscale", 4, alfa=1),
+     ("replay", "PATH", "--sampler", "multiscale", "--spp", "4", "--set", "sampler.alfa=1", "-o", "n.exr")),
+    (lambda path: spool.replay(path, "uniform", 400), ("replay", "PATH", "--sampler", "uniform", "--spp", "400", "-o", "n.exr")),
+    (lambda path: spool.replay(path, "multiscale", 4, views=["Q.1"]),
+     ("replay", "PATH", "--sampler", "multiscale", "--spp", "4", "--views", "Q.1", "-o", "n.exr")),
+    (lambda path: spool.reconstruct(path, None, "boks"), ("reconstruct", "PATH", "--filter", "boks", "-o", "i.exr")),
+    (lambda path: spool.reconstruct(path, None, "box", spp=99),
+     ("reconstruct", "PATH", "--filter", "box", "--spp", "99", "-o", "i.exr")),
+    (lambda path: spool.synth("edg", path="x.spool"), ("synth", "edg", "-o", "x.spool")),
+])
+def test_the_same_line(call, words, path, program):
+    code, line = program(*(path if word == "PATH" else word for word in words))
+    with pytest.raises(spool.SpoolError) as caught:
+        call(path)
+    assert (caught.value.code, caught.value.message) == (code, line) and code != 0 and "\n" not in line
+
+
+def test_a_damaged_file(path, program):
+    damaged = bytearray(path.read_bytes())
+    damaged[len(damaged) // 2] ^= 0x10
+    path.write_bytes(damaged)
+    code, line = program("replay", path, "--sampler", "uniform", "--spp", "4", "-o", "n.exr")
+    with pytest.raises(spool.SpoolError) as caught:
+        spool.replay(path, "uniform", 4)
+    assert (caught.value.code, caught.value.message) == (code, line) == (spool.DAMAGE, line)
+
+
+def test_a_plan(tmp_path, path, program):
+    plan = tmp_path / "plan.toml"
+    plan.write_text('recordings = ["scene.spool"]\nspp = [4]\nsamplers = ["unifrom"]\nfilters = ["box"]\n')
+    code, line = program("evaluate", plan, "-o", "r")
+    with pytest.raises(spool.SpoolError) as caught:
+        spool.evaluate(str(plan))
+    assert (caught.value.code, caught.value.message) == (code, line) == (spool.USAGE, line)
+    with pytest.raises(spool.SpoolError, match="spp"):
+        spool.evaluate({"recordings": path, "spp": "many"})
+    with pytest.raises(spool.SpoolError, match="nowhere.toml"):
+        spool.evaluate("nowhere.toml")
+
+
+def test_arrays():
+    with pytest.raises(spool.SpoolError, match="radiance has shape"):
+        spool.replay(np.zeros((4, 4, 3)), "uniform", 1)
+    with pytest.raises(spool.SpoolError, match="film has shape"):
+        spool.recording(np.zeros((4, 4, 2, 3)), film=np.zeros((4, 4, 2, 3)))
+    with pytest.raises(spool.SpoolError, match="film position") as caught:
+        spool.replay(spool.recording(np.ones((4, 4, 2, 3)), film=np.full((4, 4, 2, 2), 1.5)), "uniform", 1, pieces=2)
+    assert caught.value.code == spool.DATA
+    with pytest.raises(spool.SpoolError, match="-1 is no number of samples"):
+        spool.reconstruct(np.ones((4, 4, 2, 3)), np.full((4, 4), -1), "box")
+    with pytest.raises(spool.SpoolError, match="4 x 4, the dump 5 x 4|5 x 4"):
+        spool.reconstruct(np.ones((4, 5, 2, 3)), np.ones((4, 4)), "box")
+    with pytest.raises(spool.SpoolError, match="not finite"):
+        spool.metrics(np.full((4, 4, 3), np.nan), np.ones((4, 4, 3)))
+    with pytest.raises(spool.SpoolError, match="is 4 x 4 pixels, the reference 5 x 4"):
+        spool.metrics(np.ones((4, 4, 3)), np.ones((4, 5, 3)))
+
+
+@pytest.mark.parametrize("answer, words", [
+    (lambda s: np.full(s.n.shape, -1), "-1 is no number of samples"),
+    (lambda s: np.ones((3, 3)), "wants answered for"),
+    (lambda s: "all", "answers with numbers"),
+    (lambda s: 1 / 0, "ZeroDivisionError: division by zero"),
+])
+def test_a_sampler_that_fails(answer, words, dump):
+    failing = spool.sampler(lambda statistics: answer(statistics), label="failing")
+    with pytest.raises(spool.SpoolError, match=words) as caught:
+        spool.replay(dump, failing, 4)
+    assert caught.value.code == spool.DATA
+    results = pytest.raises(spool.SpoolError, spool.evaluate,
+                            {"recordings": [dump], "spp": [4], "replicates": 1, "samplers": [failing], "filters": ["box"]})
+    assert "\n" not in results.value.message
+
+
+def test_what_a_method_raised_stands_behind_the_error(dump):
+    @spool.filter
+    def broken(statistics):
+        raise KeyError("somewhere")
+
+    with pytest.raises(spool.SpoolError) as caught:
+        spool.reconstruct(dump, None, broken)
+    assert isinstance(caught.value.__cause__, KeyError)
+    with pytest.raises(spool.SpoolError, match="holds nan in channel G"):
+        spool.reconstruct(dump, None, spool.filter(lambda s: np.where([True, False, True], s.mean, np.nan)))
+    with pytest.raises(spool.SpoolError, match="image"):
+        spool.reconstruct(dump, None, spool.filter(lambda s: s.n))
+
+
+def test_options_of_functions(dump):
+    @spool.sampler
+    def choosy(statistics, strength=1.0, mode="a"):
+        return np.full(statistics.n.shape, strength)
+
+    with pytest.raises(spool.SpoolError, match="option strenght: unknown"):
+        spool.replay(dump, choosy, 4, strenght=2)
+    with pytest.raises(spool.SpoolError, match="is no float"):
+        spool.replay(dump, choosy, 4, strength="much")
+    with pytest.raises(spool.SpoolError, match="needs a default"):
+        spool.sampler(lambda statistics, strength: statistics.n)

@@ -1,0 +1,119 @@
+"""Samplers and filters that are Python functions take part beside the library's."""
+import numpy as np
+import pytest
+
+import spool
+
+
+@spool.sampler(rounds=3, init_spp=2)
+def flat(statistics, amount=2):
+    """The same everywhere."""
+    return np.full(statistics.n.shape, amount)
+
+
+@spool.sampler
+def by_weight(statistics):
+    return np.where(statistics.luminance > 1, 1.0, 0.0)
+
+
+@spool.filter
+def mean_of_samples(statistics, gain=1.0):
+    return statistics.mean * gain
+
+
+@spool.sampler(features=True)
+def sees_features(statistics):
+    assert set(statistics.features) == {"albedo", "normal", "depth"}
+    assert statistics.features["albedo"].shape == (*statistics.n.shape, 3)
+    return statistics.features["albedo"][..., 0]
+
+
+def test_whole_numbers_are_wants(dump):
+    assert (spool.replay(dump, flat, 8).counts == 8).all()  # 2 first, 3 rounds of 2
+    assert (spool.replay(dump, flat, 8, amount=1).counts == 5).all()
+    assert spool.replay(dump, flat, 8, amount=1, rounds=2, init_spp=1).counts.max() == 3
+
+
+def test_other_numbers_share_the_budget_out(dump):
+    chosen = spool.replay(dump, by_weight, 5)
+    wanted = spool.replay(dump, "uniform", 2).image @ (0.2126, 0.7152, 0.0722) > 1
+    assert chosen.log["spent"] == 5 * dump.width * dump.height
+    assert chosen.counts[wanted].mean() > 2 * chosen.counts[~wanted].mean()
+
+
+def test_what_a_sampler_is_told(dump, layers):
+    told = []
+
+    @spool.sampler(rounds=2, init_spp=3)
+    def curious(statistics):
+        told.append(statistics)
+        return np.ones(statistics.n.shape, int)
+
+    spool.replay(dump, curious, 7, seed=11)
+    first, second = told
+    assert (first.n == 3).all() and (second.n == 4).all() and (first.left == 13).all()
+    assert (first.round, first.rounds, first.seed) == (0, 2, 11) and second.round == 1
+    assert first.budget_left == 4 * 480 and first.share == 2 * 480
+    expected = layers["radiance"][:, :, :4].astype("f8")
+    assert np.allclose(second.mean, expected.mean(axis=2), rtol=1e-12)
+    assert np.allclose(second.variance, expected.var(axis=2, ddof=1) / 4, rtol=1e-9)
+
+
+def test_features(dump):
+    chosen = spool.replay(dump, sees_features, 6)
+    assert chosen.counts[-1, -1] > chosen.counts[0, 0]
+
+
+def test_a_filter(dump):
+    box = spool.reconstruct(dump, None, "box", spp=4)
+    assert np.array_equal(spool.reconstruct(dump, None, mean_of_samples, spp=4), box)
+    assert np.array_equal(spool.reconstruct(dump, None, mean_of_samples, spp=4, gain=2), 2 * box)
+
+
+def test_evaluate_judges_them_like_any_other(dump, path):
+    results = spool.evaluate({
+        "recordings": [dump], "spp": [5], "replicates": 3,
+        "samplers": ["uniform", {"name": flat, "rounds": 2, "amount": [1, 2], "label": "ours"}],
+        "filters": ["box", mean_of_samples]})
+    of = {(row["sampler"], row["filter"], row["replicate"]): row for row in results.rows}
+    assert {key[0] for key in of} == {"uniform", "ours{amount=1}", "ours{amount=2}"}
+    assert {key[1] for key in of} == {"box", "mean_of_samples"}
+    assert len(of) == 18 and not any(row["error"] for row in results.rows)
+    for (sampler, filter, replicate), row in of.items():
+        assert row["relmse"] == of[sampler, "box", replicate]["relmse"]
+    means = {(mean["sampler"], mean["filter"]): mean for mean in results.means}
+    assert len(means) == 6
+    value, low, high = means["ours{amount=2}", "box"]["quantities"]["relmse"]
+    assert low < value < high
+
+
+def test_another_function_of_the_same_name_is_another_method(dump, tmp_path):
+    def evaluate(function):
+        return spool.evaluate({"recordings": [dump], "spp": [4], "replicates": 1, "samplers": [function],
+                               "filters": ["box"]}, output=tmp_path / "kept").rows[0]["mse"]
+
+    @spool.sampler
+    def mine(statistics):
+        return np.ones(statistics.n.shape)
+    first = mine
+    assert evaluate(first) == evaluate(first)  # what is there is not done again
+
+    @spool.sampler
+    def mine(statistics):
+        return np.zeros(statistics.n.shape)
+    assert mine.key != first.key
+    with pytest.raises(spool.SpoolError, match="results that this plan does not have"):
+        evaluate(mine)
+
+
+def test_in_the_loop_of_a_sampler(dump):
+    chosen = spool.replay(dump, "filtered_halves", 6, filter=mean_of_samples)
+    assert np.array_equal(chosen.counts, spool.replay(dump, "filtered_halves", 6, filter="box").counts)
+
+
+def test_the_program_reads_such_results(dump, program, tmp_path):
+    spool.evaluate({"recordings": [dump], "spp": [5], "replicates": 2, "samplers": ["uniform", flat], "filters": ["box"]},
+                   output=tmp_path / "kept")
+    assert program("evaluate", "--statistics-only", "kept", "-q")[0] == 0
+    code, line = program("replay", dump.path, "--sampler", f"python:{flat.key}", "--spp", "4", "-o", "n.exr")
+    assert code == 2 and "is a function of a Python program" in line

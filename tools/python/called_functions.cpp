@@ -1,0 +1,192 @@
+#include "tools/python/called_functions.h"
+
+#include <nanobind/stl/string.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "lib/filters/given_image.h"
+#include "lib/kernels/piece_estimates.h"
+#include "lib/sampling/rounds.h"
+#include "lib/statistics/feature_statistics.h"
+#include "tools/methods/called_methods.h"
+#include "tools/python/arrays.h"
+
+namespace spool::python {
+namespace {
+
+// A Python object that any thread may let go.
+using Held = std::shared_ptr<const nb::object>;
+
+Held hold(nb::object object) {
+  return {new nb::object(std::move(object)), [](const nb::object* held) {
+            const nb::gil_scoped_acquire lock;
+            delete held;
+          }};
+}
+
+// `work` with the interpreter's lock; what it raises becomes the error of the method.
+template <class Work>
+auto with_python(const std::string& name, Work&& work) -> decltype(work()) {
+  const nb::gil_scoped_acquire lock;
+  try {
+    return work();
+  } catch (nb::python_error& error) {
+    const std::string type = nb::cast<std::string>(error.type().attr("__name__"));
+    const std::string text = nb::cast<std::string>(nb::str(error.value()));
+    return fail(type == "SpoolError" ? ErrorCode::kUsage : ErrorCode::kData, "python:{}: {}{}",
+                name, type == "SpoolError" ? "" : type + ": ", text);
+  }
+}
+
+struct CalledFunction {
+  std::string name;
+  tools::CalledOptions options;
+  Held function;
+};
+
+Result<CalledFunction> look_up(const Held& lookup, const char* kind, const std::string& name,
+                               const OptionValues& set) {
+  return with_python(name, [&]() -> Result<CalledFunction> {
+    nb::dict options;
+    for (const auto& [option, text] : set)
+      options[nb::str(option.c_str())] = text;
+    const nb::object made = (*lookup)(kind, name, options);
+    CalledFunction called{name, {}, hold(made)};
+    called.options.features = nb::cast<bool>(made.attr("features"));
+    called.options.asked.rounds = nb::cast<int>(made.attr("rounds"));
+    const nb::object first = made.attr("init_spp");
+    if (!first.is_none()) called.options.asked.init_spp = nb::cast<int>(first);
+    return called;
+  });
+}
+
+Needs needs_of(const CalledFunction& called) {
+  return {.features = called.options.features ? Use::kWhenRecorded : Use::kNone};
+}
+
+// What a function is told of the samples taken so far, before the interpreter is asked for.
+struct Known {
+  PieceEstimates pieces;
+  CountImage left;
+  std::vector<FeatureStatistics> features;
+};
+
+Result<Known> known_of(const PieceStatistics& statistics, const SamplePool& pool, bool features) {
+  GuardCounts guards;  // of a copy for others
+  Known known;
+  SPOOL_ASSIGN(known.pieces, estimate_pieces(statistics, {}, statistics.signal.exposure, guards));
+  known.left = CountImage(statistics.width(), statistics.height());
+  for (int y = 0; y < known.left.height(); ++y) {
+    for (int x = 0; x < known.left.width(); ++x)
+      known.left(x, y) = pool.capacity(x, y) - statistics.n(x, y);
+  }
+  if (features) {
+    SPOOL_ASSIGN(known.features, feature_statistics(pool, statistics.n, guards));
+  }
+  return known;
+}
+
+nb::dict to_python(const Known& known, const CountImage& n) {
+  nb::dict told, features;
+  told["mean"] = rgb_to_numpy(known.pieces.mean);
+  told["variance"] = rgb_to_numpy(known.pieces.variance);
+  told["n"] = counts_to_numpy(n);
+  told["left"] = counts_to_numpy(known.left);
+  for (const FeatureStatistics& feature : known.features) {
+    nb::list channels;
+    for (const Plane& channel : feature.mean)
+      channels.append(plane_to_numpy(channel));
+    features[nb::str(feature.layer.name.c_str())] = channels;
+  }
+  told["features"] = features;
+  return told;
+}
+
+// Whole numbers are wants; other numbers are shares of this round's part of the budget.
+Result<CountImage> answer_of(const nb::object& answer, const CountQuestion& question,
+                             const std::string& name) {
+  CountArray counts;
+  if (nb::try_cast(answer, counts, false)) return counts_from_numpy(counts, "python:" + name);
+  const auto weights = nb::cast<nb::ndarray<const double, nb::ndim<2>, nb::c_contig>>(answer);
+  Plane shares(static_cast<int>(weights.shape(1)), static_cast<int>(weights.shape(0)));
+  const CountImage& n = question.statistics.n;
+  if (!shares.same_size(n)) return CountImage(shares.width(), shares.height());
+  std::copy_n(weights.data(), shares.size(), shares.pixels().begin());
+  return hand_out(shares, n, question.pool, question.share);
+}
+
+Result<CountImage> ask(const CalledFunction& called, const CountQuestion& question) {
+  SPOOL_ASSIGN(const Known known,
+               known_of(question.statistics, question.pool, called.options.features));
+  return with_python(called.name, [&]() -> Result<CountImage> {
+    nb::dict told = to_python(known, question.statistics.n);
+    told["round"] = question.round;
+    told["rounds"] = question.rounds;
+    told["budget_left"] = question.left;
+    told["share"] = question.share;
+    told["seed"] = question.seed;
+    const nb::object answer = called.function->attr("ask")(told);
+    return answer_of(answer, question, called.name);
+  });
+}
+
+Result<ReadySampler> sampler_of(const CalledFunction& called) {
+  const SamplerFunction run = [called](const SamplePool& pool, long long budget,
+                                       const SamplingContext& context) {
+    Result<SamplingResult> result = sample_asked_counts(
+        pool, budget, called.options.asked,
+        [&](const CountQuestion& question) { return ask(called, question); }, context);
+    if (result || result.error().message.starts_with("python:")) return result;
+    return Result<SamplingResult>(
+        fail(result.error().code, "python:{}: {}", called.name, result.error().message));
+  };
+  return ReadySampler{run, needs_of(called)};
+}
+
+Result<RgbImage> image_of(const CalledFunction& called, const Known& known, const CountImage& n) {
+  return with_python(called.name, [&]() -> Result<RgbImage> {
+    const nb::object answer = called.function->attr("ask")(to_python(known, n));
+    const auto array = nb::cast<ImageArray>(answer);
+    for (std::size_t i = 0; i < array.size(); ++i) {
+      if (std::isfinite(array.data()[i])) continue;
+      const std::size_t pixel = i / 3;
+      return fail(ErrorCode::kData,
+                  "python:{}: answer: holds {} in channel {} (pixel {}, {}): every value must be "
+                  "finite",
+                  called.name, array.data()[i], "RGB"[i % 3], pixel % array.shape(1),
+                  pixel / array.shape(1));
+    }
+    return rgb_from_numpy(array);
+  });
+}
+
+Result<ReadyFilter> filter_of(const CalledFunction& called) {
+  const FilterFunction run = [called](const Selection& selection, const SamplePool& pool,
+                                      const FilterContext&) -> Result<Reconstruction> {
+    SPOOL_ASSIGN(const Known known, known_of(selection.statistics, pool, called.options.features));
+    SPOOL_ASSIGN(RgbImage image, image_of(called, known, selection.statistics.n));
+    return own_image(std::move(image), pool, "python:" + called.name + ": answer");
+  };
+  return ReadyFilter{run, needs_of(called)};
+}
+
+}  // namespace
+
+void call_methods_through(nb::object lookup) {
+  // Never let go: the list of methods ends after the interpreter.
+  const Held held(new nb::object(std::move(lookup)), [](const nb::object*) {});
+  tools::provide_called_methods(
+      {[held](const std::string& name, const OptionValues& set) -> Result<ReadySampler> {
+         SPOOL_ASSIGN(const CalledFunction called, look_up(held, "sampler", name, set));
+         return sampler_of(called);
+       },
+       [held](const std::string& name, const OptionValues& set) -> Result<ReadyFilter> {
+         SPOOL_ASSIGN(const CalledFunction called, look_up(held, "filter", name, set));
+         return filter_of(called);
+       }});
+}
+
+}  // namespace spool::python

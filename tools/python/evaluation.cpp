@@ -1,0 +1,82 @@
+#include "tools/python/evaluation.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "lib/experiment/loop_filter.h"
+#include "tools/batch/evaluation_run.h"
+#include "tools/mask_files.h"
+#include "tools/methods/external_methods.h"
+#include "tools/python/running.h"
+
+namespace spool::python {
+namespace {
+
+Result<tools::RunRequest> request_of(const std::string& plan, const std::string& name,
+                                     const std::string& folder, const std::string& output,
+                                     bool exact_timing) {
+  const SamplerList& samplers = tools::known_samplers();
+  const FilterList& filters = tools::known_filters();
+  tools::RunRequest request;
+  SPOOL_ASSIGN(request.plan, parse_plan(plan, name, folder, {samplers, filters}));
+  SPOOL_TRY(tools::read_masks(request.plan.experiment.masks));
+  SPOOL_TRY(check_loop_filters(samplers, request.plan.samplers, filters, request.plan.filters));
+  request.folder = output;
+  request.exact_timing = exact_timing;
+  return request;
+}
+
+void evaluated(const std::string& plan, const std::string& name, const std::string& folder,
+               const std::string& output, bool force, bool exact_timing,
+               const nb::object& progress) {
+  tools::CommonOptions common;
+  common.force = force;
+  common.quiet = true;
+  run_watched(
+      [&](Watch& watch) -> Result<void> {
+        SPOOL_ASSIGN(tools::RunRequest request,
+                     request_of(plan, name, folder, output, exact_timing));
+        request.progress = [&](double share, std::size_t done, std::size_t of) {
+          watch.update(share, done, of);
+        };
+        request.cancelled = [&] { return watch.stopped(); };
+        return tools::run_plan(request, common);
+      },
+      progress, 0);
+}
+
+template <class List>
+nb::list described(const List& list) {
+  nb::list methods;
+  for (const auto& method : list) {
+    nb::dict options, views, entry;
+    for (const OptionDescription& option : method.describe(""))
+      options[nb::str(option.name.c_str())] =
+          nb::make_tuple(option.value, option.allowed, option.help);
+    for (const ViewDescription& view : method.views)
+      views[nb::str(view.name.c_str())] = view.meaning;
+    entry["name"] = method.name;
+    entry["summary"] = method.summary;
+    entry["argument"] = method.argument;
+    entry["presets"] = nb::cast(method.presets);
+    entry["options"] = options;
+    entry["views"] = views;
+    methods.append(entry);
+  }
+  return methods;
+}
+
+}  // namespace
+
+void bind_evaluate(nb::module_& module) {
+  module.def("evaluate", &evaluated, nb::arg("plan"), nb::arg("name"), nb::arg("folder"),
+             nb::arg("output"), nb::arg("force"), nb::arg("exact_timing"),
+             nb::arg("progress").none());
+}
+
+void bind_methods(nb::module_& module) {
+  module.def("samplers", [] { return described(tools::known_samplers()); });
+  module.def("filters", [] { return described(tools::known_filters()); });
+}
+
+}  // namespace spool::python

@@ -1,0 +1,23 @@
+// The module spool._core: what tools/python/spool makes its functions of.
+#include <nanobind/nanobind.h>
+
+#include "formats/lost_pages.h"
+#include "tools/python/called_functions.h"
+#include "tools/python/evaluation.h"
+#include "tools/python/steps.h"
+
+NB_MODULE(_core, module) {
+  // What an interpreter still holds at its end is no leak worth a page of text.
+  nanobind::set_leak_warnings(false);
+  // A recording that is cut while it is mapped is an error, as in the program, and no SIGBUS.
+  spool::format::survive_lost_pages();
+  module.attr("version") = SPOOL_VERSION;
+  module.def("call_methods_through", &spool::python::call_methods_through);
+  spool::python::bind_source(module);
+  spool::python::bind_replay(module);
+  spool::python::bind_reconstruct(module);
+  spool::python::bind_metrics(module);
+  spool::python::bind_synth(module);
+  spool::python::bind_evaluate(module);
+  spool::python::bind_methods(module);
+}

@@ -1,0 +1,27 @@
+"""Spool in Python: recordings of single samples, adaptive samplers replayed on them, filters, errors.
+
+    import spool
+    dump = spool.open("chess.spool")
+    selection = spool.replay(dump, "multiscale", spp=8)
+    image = spool.reconstruct(dump, selection, "directional")
+    print(spool.metrics(image, dump.pixel("reference"))["relmse"])
+
+The same functions as the program `spool`, the same bits. Every failure is a SpoolError with the line that the program
+prints and its exit code. Readers and writers of the file format are those of formats/python.
+"""
+from ._core import version as __version__
+from .channel import Channel, Layer
+from .check import Report, check
+from .error import DAMAGE, DATA, IO, USAGE, SpoolError
+from .evaluation import Results, evaluate, results
+from .judging import metrics
+from .method_lists import filters, samplers
+from .own_methods import Method, Statistics, filter, sampler  # noqa: A004 - read as spool.filter
+from .recordings import Dump, Recording, open, recording, synth  # noqa: A004 - spool.open is the name a user expects
+from .save import write
+from .steps import Reconstruction, Selection, reconstruct, replay
+from .writer import Writer
+
+__all__ = ["Channel", "DAMAGE", "DATA", "Dump", "IO", "Layer", "Method", "Reconstruction", "Recording", "Report", "Results",
+           "Selection", "SpoolError", "Statistics", "USAGE", "Writer", "check", "evaluate", "filter", "filters", "metrics",
+           "open", "reconstruct", "recording", "replay", "results", "sampler", "samplers", "synth", "write"]
