@@ -10,9 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/core/random.h"
-#include "lib/inference/student.h"
 #include "lib/pool/load_recording.h"
 #include "tools/json_text.h"
+#include "tools/methods/method_memory.h"
+#include "tools/one_replay.h"
+#include "tools/pixel_answer.h"
 
 namespace spool::tools {
 namespace {
@@ -22,6 +24,10 @@ using nlohmann::ordered_json;
 struct Place {
   int x = 0, y = 0;
 };
+
+std::vector<std::string> list_of_one(const std::string& name) {
+  return name.empty() ? std::vector<std::string>{} : std::vector<std::string>{name};
+}
 
 Result<Place> parse_place(const std::string& text, const SamplePool& pool) {
   Place place;
@@ -40,76 +46,13 @@ Result<Place> parse_place(const std::string& text, const SamplePool& pool) {
   return place;
 }
 
-struct Running {
-  std::vector<double> mean, low, high;  // of the luminance of the first 1, 2, ... samples
-};
-
-// The interval is Student's of the samples as they are; of one sample there is none.
-Running running_mean(const std::vector<double>& values) {
-  Running running;
-  double mean = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double n = static_cast<double>(i + 1), delta = values[i] - mean;
-    mean += delta / n;
-    squares += delta * (values[i] - mean);
-    const double half =
-        i == 0 ? NAN : student_quantile(0.975, n - 1.0) * std::sqrt(squares / (n - 1.0) / n);
-    running.mean.push_back(mean);
-    running.low.push_back(mean - half);
-    running.high.push_back(mean + half);
-  }
-  return running;
-}
-
-// Of the positive values on a logarithmic axis; the others are counted apart.
-ordered_json histogram(const std::vector<double>& values) {
-  constexpr int kBins = 24;
-  std::vector<double> positive;
-  std::ranges::copy_if(values, std::back_inserter(positive),
-                       [](double v) { return v > 0.0 && std::isfinite(v); });
-  ordered_json result = {{"not_positive", values.size() - positive.size()},
-                         {"edges", ordered_json::array()},
-                         {"counts", ordered_json::array()}};
-  if (positive.empty()) return result;
-  const auto [low, high] = std::ranges::minmax(positive);
-  const double first = std::log10(low);
-  const double step = std::max((std::log10(high) - first) / kBins, 1e-3);  // of equal values, too
-  std::vector<int> counts(kBins);
-  for (const double v : positive)
-    ++counts[static_cast<std::size_t>(
-        std::clamp(static_cast<int>((std::log10(v) - first) / step), 0, kBins - 1))];
-  for (int b = 0; b <= kBins; ++b)
-    result["edges"].push_back(std::pow(10.0, first + b * step));
-  result["counts"] = counts;
-  return result;
-}
-
-ordered_json describe_pixel(const SamplePool& pool, Place place, int most) {
-  const int capacity = pool.capacity(place.x, place.y);
-  const int count = most > 0 ? std::min(most, capacity) : capacity;
-  ordered_json pixel = {{"x", place.x}, {"y", place.y}, {"capacity", capacity}};
-  std::vector<int> recorded;
-  std::vector<std::array<float, 3>> samples;
-  std::vector<double> values;
-  for (int i = 0; i < count; ++i) {
-    const Rgb value = pool.sample(place.x, place.y, i);
-    recorded.push_back(pool.recorded_index(place.x, place.y, i));
-    samples.push_back({value[0], value[1], value[2]});
-    values.push_back(luminance(value[0], value[1], value[2]));
-  }
-  Running running = running_mean(values);
-  pixel["recorded"] = recorded;
-  pixel["samples"] = samples;
-  pixel["mean"] = running.mean;
-  pixel["low"] = running.low;
-  pixel["high"] = running.high;
-  pixel["histogram"] = histogram(values);
-  return pixel;
-}
-
 void print_pixel(const ordered_json& pixel) {
-  print_line(fmt::format("pixel {},{}: {} samples to take", pixel["x"].get<int>(),
-                         pixel["y"].get<int>(), pixel["capacity"].get<int>()));
+  const std::string taken = pixel.contains("taken")
+                                ? fmt::format(", {} took {}", pixel["sampler"].get<std::string>(),
+                                              pixel["taken"].get<int>())
+                                : "";
+  print_line(fmt::format("pixel {},{}: {} samples to take{}", pixel["x"].get<int>(),
+                         pixel["y"].get<int>(), pixel["capacity"].get<int>(), taken));
   std::vector<std::vector<std::string>> rows = {
       {"take", "recorded", "R", "G", "B", "mean luminance", "95 % from", "to"}};
   const auto number = [](const ordered_json& value) {
@@ -126,6 +69,87 @@ void print_pixel(const ordered_json& pixel) {
   print(format_columns(rows, 0));
 }
 
+// The largest weights, and how they lie around the pixel.
+void print_footprint(const ordered_json& pixel) {
+  const ordered_json& told = pixel["footprint"];
+  if (told.is_null()) {
+    print_line("footprint: this filter does not say its weights");
+    return;
+  }
+  for (const ordered_json& shape : told["shapes"]) {
+    std::string widths;
+    for (const ordered_json& width : shape["widths"])
+      widths +=
+          fmt::format(" {:.4g} at {:.4g} degrees;", width[1].get<double>(), width[0].get<double>());
+    const double direction = shape["direction"].get<double>();
+    print_line(
+        fmt::format("footprint: size {}, direction {}{}{}", shape["size"].get<int>(),
+                    std::isnan(direction) ? "none" : fmt::format("{:.4g} degrees", direction),
+                    widths.empty() ? "" : ", widths", widths));
+  }
+  std::vector<ordered_json> taps = told["taps"].get<std::vector<ordered_json>>();
+  std::ranges::stable_sort(taps, [](const ordered_json& a, const ordered_json& b) {
+    return a[2].get<double>() > b[2].get<double>();
+  });
+  constexpr std::size_t kMostShown = 25;
+  std::vector<std::vector<std::string>> rows = {{"dx", "dy", "weight", "R", "G", "B"}};
+  for (std::size_t i = 0; i < std::min(taps.size(), kMostShown); ++i) {
+    const ordered_json& tap = taps[i];
+    rows.push_back({fmt::format("{:+d}", tap[0].get<int>() - pixel["x"].get<int>()),
+                    fmt::format("{:+d}", tap[1].get<int>() - pixel["y"].get<int>()),
+                    fmt::format("{:.4g}", tap[2].get<double>())});
+    for (std::size_t c = 3; c < 6; ++c)
+      rows.back().push_back(fmt::format("{:.5g}", tap[c].get<double>()));
+  }
+  print(format_columns(rows, 0));
+  if (taps.size() > kMostShown)
+    print_line(fmt::format("and {} smaller weights: --json has all", taps.size() - kMostShown));
+}
+
+// How many samples a sampler took of each pixel, and what a filter made of them.
+Result<void> add_replay(const PixelOptions& options, const ReplayMethods& methods,
+                        const SamplePool& pool, ordered_json& pixels) {
+  SPOOL_ASSIGN(const SamplingResult sampled, sample_once(methods, pool, options.spp));
+  std::vector<std::pair<int, int>> places;
+  for (ordered_json& pixel : pixels) {
+    places.emplace_back(pixel["x"].get<int>(), pixel["y"].get<int>());
+    pixel["sampler"] = options.sampler;
+    pixel["taken"] = sampled.selection.statistics.n(places.back().first, places.back().second);
+  }
+  if (options.filter.empty()) return {};
+  Footprints footprints(places);
+  SPOOL_ASSIGN(const Reconstruction result,
+               filter_once(methods, sampled.selection, pool, &footprints));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto [x, y] = places[i];
+    pixels[i]["filter"] = options.filter;
+    pixels[i]["image"] = {result.image[0](x, y), result.image[1](x, y), result.image[2](x, y)};
+    pixels[i]["footprint"] =
+        footprints.told().empty() ? ordered_json() : footprint_answer(footprints.told()[i]);
+  }
+  return {};
+}
+
+Result<ReplayMethods> replay_methods(const PixelOptions& options, Methods& methods) {
+  ReplayMethods replay;
+  if (!methods.samplers.empty()) {
+    replay.sampler_choice = methods.samplers[0].choice;
+    replay.sampler = methods.samplers[0].ready;
+  }
+  if (!methods.filters.empty()) {
+    replay.filter_choice = methods.filters[0].choice;
+    replay.filter = methods.filters[0].ready;
+  }
+  if (!options.filter.empty() && options.sampler.empty()) {
+    return fail(ErrorCode::kUsage, "--filter {}: say with --sampler and --spp which samples",
+                options.filter);
+  }
+  if (options.sampler.empty() != (options.spp == 0.0)) {
+    return fail(ErrorCode::kUsage, "--sampler and --spp go together: give both, or none");
+  }
+  return replay;
+}
+
 }  // namespace
 
 Result<void> run_pixel(const PixelOptions& options, const CommonOptions& common) {
@@ -134,20 +158,30 @@ Result<void> run_pixel(const PixelOptions& options, const CommonOptions& common)
     order.order = PoolOrder::kShuffled;
     order.seed = mix(*options.evaluation_seed, std::uint64_t{0});
   }
-  SPOOL_ASSIGN(const auto recording, load_recording(options.dump, {}, {}, SampleFilm::kLeaveOut));
+  SPOOL_ASSIGN(Methods methods, choose_methods(list_of_one(options.sampler),
+                                               list_of_one(options.filter), options.method));
+  SPOOL_ASSIGN(const ReplayMethods replay, replay_methods(options, methods));
+  const auto samplers = choices_of(methods.samplers), filters = choices_of(methods.filters);
+  WorkingMemory memory;
+  if (!samplers.empty()) memory = evaluation_memory(samplers, filters, 1);
+  SPOOL_ASSIGN(const auto recording,
+               load_recording(options.dump, methods.rules, memory, film_for(samplers, filters, 1)));
   SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, order));
   ordered_json pixels = ordered_json::array();
   for (const std::string& text : options.places) {
     SPOOL_ASSIGN(const Place place, parse_place(text, pool));
-    pixels.push_back(describe_pixel(pool, place, options.samples));
+    pixels.push_back(pixel_answer(pool, place.x, place.y, options.samples));
   }
+  if (!options.sampler.empty()) SPOOL_TRY(add_replay(options, replay, pool, pixels));
   SPOOL_TRY(still_intact(recording));
   if (common.json) {
     print(json_text(pixels));
     return {};
   }
-  for (const ordered_json& pixel : pixels)
+  for (const ordered_json& pixel : pixels) {
     print_pixel(pixel);
+    if (pixel.contains("footprint")) print_footprint(pixel);
+  }
   return {};
 }
 

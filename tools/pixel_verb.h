@@ -1,5 +1,6 @@
 // `spool pixel`: what was recorded at a pixel: its samples in the order in which a replay takes
-// them, their running mean with its interval, and a histogram of their luminance.
+// them, their running mean with its interval, and a histogram of their luminance; how many of them
+// a sampler takes, and with which weights a filter makes the pixel.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +11,7 @@
 
 #include "lib/pool/sample_pool.h"
 #include "tools/console.h"
+#include "tools/methods/method_settings.h"
 
 namespace spool::tools {
 
@@ -20,6 +22,9 @@ struct PixelOptions {
   PoolOptions pool;
   // Of an evaluation: the order in which its replicate 0 takes samples.
   std::optional<std::uint64_t> evaluation_seed;
+  std::string sampler, filter;  // empty: none
+  double spp = 0.0;             // of the sampler
+  MethodOptions method;
 };
 
 Result<void> run_pixel(const PixelOptions& options, const CommonOptions& common);

@@ -22,4 +22,7 @@ struct ReportOptions {
 // Errors are those of run_generator (tools/page_generator.h) and of the script.
 Result<void> run_report(const ReportOptions& options, const CommonOptions& common);
 
+// The page for `spool view`: it asks the program that serves it about pixels.
+Result<std::string> served_report(const std::filesystem::path& folder);
+
 }  // namespace spool::tools

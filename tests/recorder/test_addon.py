@@ -94,13 +94,59 @@ s.camera = camera
 spool(%r)
 assert bpy.ops.render.spool_record() == {'FINISHED'}
 assert os.path.exists(r.file) and not os.path.exists(r.file + '.passes')
+assert recording.recording.message == 'recorded and checked: ' + r.file, recording.recording.message
+
+# The page: served, and reached through a file that only its owner reads.
+import re, stat, urllib.request, webbrowser
+asked = []
+webbrowser.open = lambda url: asked.append(url) or True
+assert bpy.ops.render.spool_view.poll() and bpy.ops.render.spool_view() == {'FINISHED'}
+path = asked[0].removeprefix('file://')
+assert stat.S_IMODE(os.stat(path).st_mode) == 0o600
+url = re.search('url=(.*?)"', open(path).read()).group(1).replace('&amp;', '&')
+assert url.startswith('http://127.0.0.1:') and b'<html' in urllib.request.urlopen(url).read()
+first = sys.modules[name + '.viewing'].server
+assert bpy.ops.render.spool_view() == {'FINISHED'} and first.poll() is not None
+server = sys.modules[name + '.viewing'].server
+spool('/no/such/program')
+kept = recording.recording.file
+recording.recording.file = os.path.join(tmp, 'gone.spool')
+assert not bpy.ops.render.spool_view.poll()
+recording.recording.file = tmp                       # a folder that holds no results
+refused(bpy.ops.render.spool_view, 'spool: ')
+recording.recording.file = kept
+assert bpy.ops.render.spool_view() == {'FINISHED'}
+server = sys.modules[name + '.viewing'].server
+
 refused(bpy.ops.render.spool_record, 'exists: choose another file')
 bpy.ops.preferences.addon_disable(module=name)
-assert not hasattr(s, 'spool_recording')
+assert not hasattr(s, 'spool_recording') and server.poll() is not None
 print('THE END')
 """ % SPOOL)
     told = subprocess.run([SPOOL, "info", tmp_path / "scene.spool"], capture_output=True, text=True).stdout
     assert "16 x 12" in told and "3 per pixel" in told and "depth (Z)" in told
+
+
+def test_a_file_that_is_not_whole_is_not_called_recorded_and_pip_s_program_is_found(archive, tmp_path):
+    scripts = tmp_path / "environment/bin"
+    scripts.mkdir(parents=True)
+    program = scripts / "spool-of-pip"
+    program.write_text(f"""#!/bin/sh
+{SPOOL} "$@" || exit $?
+if [ "$1" = pack ]; then printf x | dd of={tmp_path}/bad.spool bs=1 seek=2000 conv=notrunc 2>/dev/null; fi
+""")
+    program.chmod(0o755)
+    run(archive, tmp_path, """
+os.environ['VIRTUAL_ENV'] = os.path.join(tmp, 'environment')
+assert recording.find_program('spool-of-pip') == os.path.join(tmp, 'environment', 'bin', 'spool-of-pip')
+assert recording.find_program('/no/such/program') is None
+spool('spool-of-pip')
+r.file = os.path.join(tmp, 'bad.spool')
+refused(bpy.ops.render.spool_record, 'bad.spool')
+assert recording.recording.state == 'failed', recording.recording.message
+assert os.path.isdir(r.file + '.passes')
+print('THE END')
+""")
 
 
 def test_a_cancelled_recording_goes_on_and_gives_the_same_bits(archive, tmp_path):

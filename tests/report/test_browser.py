@@ -115,6 +115,19 @@ def test_charts_have_points_and_asymmetric_error_bars_where_the_data_say(opened,
     assert axes == ["log", "log"]
 
 
+def test_bars_at_one_budget_stand_beside_each_other_and_times_have_their_unit(opened):
+    places = opened.page.evaluate("document.getElementById('budget-chart').data.filter(t => t.customdata).map(t => "
+                                  "[t.x, t.customdata])")
+    first = [x for xs, budgets in places for x, spp in zip(xs, budgets) if spp == budgets[0]]
+    assert len(first) == 9 and len(set(first)) == 9 and max(first) / min(first) < 1.1
+    axis = opened.page.evaluate("(({ticktext, tickvals}) => [ticktext, tickvals])("
+                                "document.getElementById('pareto-chart')._fullLayout.xaxis)")
+    if axis[0]:  # an axis shorter than a factor of two has plotly's own
+        assert all(text.endswith(" s") and float(text[:-2]) == pytest.approx(value) for text, value in zip(*axis))
+    else:
+        assert opened.page.evaluate("document.getElementById('pareto-chart')._fullLayout.xaxis.title.text").endswith("s")
+
+
 def test_the_tab_key_reaches_the_charts_controls_before_the_images(opened):
     opened.open_images()
     assert opened.page.locator("[tabindex]").evaluate_all(

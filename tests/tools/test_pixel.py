@@ -51,3 +51,35 @@ def test_what_is_wrong_is_named(run, scene):
     run("pixel", scene, "--at", "-1,2").failed_with(2, "X,Y")
     text = run("pixel", scene, "--at", "1,2", "--samples", "3")
     assert text.code == 0 and len(text.out.strip().splitlines()) == 5
+
+
+@pytest.mark.parametrize("filter_", ["directional", "gaussian", "nl_means", "box"])
+def test_a_footprint_makes_the_pixel_of_replay_and_reconstruct(good, scene, tmp_path, filter_):
+    good("replay", scene, "--sampler", "multiscale", "--spp", "4", "-o", tmp_path / "n.exr", "-q")
+    good("reconstruct", scene, "--selection", tmp_path / "n.exr", "--filter", filter_, "-o", tmp_path / "i.exr", "-q")
+    counts, image = exr.read(tmp_path / "n.exr")["n"], exr.read(tmp_path / "i.exr")
+    places = ((0, 0), (7, 5), (15, 9))
+    pixels = good("pixel", scene, *[w for x, y in places for w in ("--at", f"{x},{y}")], "--sampler", "multiscale", "--spp", "4",
+                  "--filter", filter_, "--json").json
+    for (x, y), pixel in zip(places, pixels):
+        assert pixel["taken"] == counts[y, x]
+        made = [image[c][y, x] for c in "RGB"]
+        np.testing.assert_allclose(pixel["image"], made, rtol=1e-6)
+        taps = np.array(pixel["footprint"]["taps"])
+        assert taps[:, 2].sum() == pytest.approx(1.0, abs=1e-9)
+        np.testing.assert_allclose(taps[:, 2] @ taps[:, 3:], made, rtol=1e-5)
+        if filter_ != "nl_means":  # whose taps are means of halves
+            for tx, ty, _, *value in taps[:4]:
+                there, = good("pixel", scene, "--at", f"{int(tx)},{int(ty)}", "--json").json
+                n = int(counts[int(ty), int(tx)])
+                np.testing.assert_allclose(value, np.mean(there["samples"][:n], axis=0), rtol=1e-5)
+
+
+def test_a_filter_that_cannot_say_says_so(run, good, scene):
+    pixel, = good("pixel", scene, "--at", "3,3", "--sampler", "uniform", "--spp", "4", "--filter", "wavelet_shrinkage", "--json").json
+    assert pixel["footprint"] is None and len(pixel["image"]) == 3
+    text = good("pixel", scene, "--at", "3,3", "--sampler", "uniform", "--spp", "4", "--filter", "directional").out
+    assert "footprint: size" in text and "uniform took 4" in text
+    run("pixel", scene, "--at", "3,3", "--filter", "box").failed_with(2, "--sampler")
+    run("pixel", scene, "--at", "3,3", "--sampler", "uniform").failed_with(2, "--spp")
+    run("pixel", scene, "--at", "3,3", "--sampler", "uniform", "--spp", "99", "--filter", "box").failed_with(1, "record more")

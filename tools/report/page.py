@@ -13,7 +13,7 @@ from assets import ASSETS, HERE, load_asset
 
 OWN_SCRIPTS = ("report_data.js", "charts.js", "image_codec.js", "picture_store.js", "colour_scales.js",
                "export_buttons.js", "headline.js", "crop_strip.js", "result_table.js", "viewer.js",
-               "viewer_panes.js", "viewer_insets.js", "viewer_controls.js", "viewer_pointers.js", "pixel_panel.js", "page_start.js")
+               "viewer_panes.js", "viewer_insets.js", "viewer_controls.js", "viewer_pointers.js", "pixel_panel.js", "footprint.js", "live.js", "page_start.js")
 
 
 def json_for_html(value):
@@ -29,14 +29,15 @@ def script_for_html(source):
     return source.replace("<!--", "<\\!--")
 
 
-def build_page(title, sections, data, packed):
-    """`sections`: [(id, heading, HTML)], in order."""
+def build_page(title, sections, data, packed, served=False):
+    """`sections`: [(id, heading, HTML)], in order. `served`: by spool view, which the page may ask."""
     scripts = [script_for_html(load_asset(asset.script)) for asset in ASSETS]
     own = "\n".join((HERE / name).read_text(encoding="utf-8") for name in OWN_SCRIPTS)
     scripts.append(script_for_html(f"(() => {{\n'use strict';\n{own}\n}})();"))
     hashes = " ".join(f"'sha256-{_hash(script)}'" for script in scripts)
     policy = (f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; "
-              "img-src data: blob:; base-uri 'none'; form-action 'none'")
+              "img-src data: blob:; base-uri 'none'; form-action 'none'"
+              + ("; connect-src 'self'" if served else ""))
     style = (HERE / "style.css").read_text(encoding="utf-8")
     links = "".join(f'<a href="#{id_}">{escape(heading)}</a>' for id_, heading, _ in sections)
     body = "".join(f'<section id="{id_}"><h2>{escape(heading)}</h2>{html}</section>\n'

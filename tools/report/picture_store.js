@@ -13,6 +13,7 @@ const unpackedPictures = new Recent(24), paintedPictures = new Recent(12);
 
 // Promise of {width, height, channels, values [y][x][c]}; null where it is not stored.
 function loadPicture(set, name) {
+  if (set?.live) return livePicture(set, name);
   const index = set?.images[name];
   if (index === undefined) return Promise.resolve(null);
   return unpackedPictures.get(index, async () => {

@@ -1,10 +1,13 @@
 """What was recorded at a few pixels of each recording, for the page: the program's own answer (`spool pixel --json`).
 
-The order is that of replicate 0, whose pictures the page shows: a sampler that took n samples took the first n.
+The order is that of replicate 0, whose pictures the page shows: a sampler that took n samples took the first n. Weights of
+filters that can say them come from the same sampler and filter, run once more.
 """
 
 import json
+import re
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
@@ -15,22 +18,20 @@ from inset_windows import relative_error
 MOST_PIXELS = 12  # of a recording
 MOST_SAMPLES = 256
 SECONDS = 300
+FOOTPRINT_SECONDS = 60  # for all of them; later ones are left out
+METHOD = r"(\w+)(?::\w+)?(?:\{[^{}]*\})?"  # lib/methods/method_text.h, without a label
+LEAST_WEIGHT = 1e-3  # of the largest: smaller ones are not drawn
 JUDGED_APART = ("independent", "leave_selected_out")  # nothing is held out of the list
 
 
-def pixel_answers(program, found, combinations, manifest):
-    """{recording: [answer]}; nothing where the order is not known, or the recording is not there any more."""
-    plan = manifest.get("plan")
-    if not program or not isinstance(plan, dict):
+def pixel_answers(program, found, combinations, manifest, vocabulary):
+    """{recording: {"answers": [answer], "footprints": {combination: [footprint]}}}; nothing where the order is not known, or the recording is not there any more."""
+    known = replay_order(manifest)
+    if not program or known is None:
         return {}
-    plain = plan.get("pieces_per_side", 1) == 1 and not plan.get("decision_split") and isinstance(plan.get("seed"), int)
-    order = {"recorded": ["--order", "recorded"], "disjoint": ["--evaluation-seed", str(plan.get("seed"))],
-             "shuffled": ["--evaluation-seed", str(plan.get("seed"))]}.get(plan.get("order"))
-    if not plain or order is None:
-        return {}
-    paths = {Path(str(d.get("path"))).name: str(d["path"]) for d in manifest.get("dumps", [])
-             if isinstance(d, dict) and d.get("path")}
-    answers = {}
+    order = ["--order", "recorded"] if known == "recorded" else ["--evaluation-seed", str(known)]
+    paths = recording_paths(manifest)
+    answers, end = {}, time.monotonic() + FOOTPRINT_SECONDS
     for dump in dict.fromkeys(entry.dump for entry in found):
         path = paths.get(Path(dump).name)
         rows = [row for c in combinations if c.dump == dump for row in c.rows]
@@ -39,12 +40,53 @@ def pixel_answers(program, found, combinations, manifest):
         places = choose_pixels([entry.paths for entry in found if entry.dump == dump])
         answer = ask(program, path, order, places)
         if answer:
-            answers[dump] = answer
+            footprints = {}
+            for entry in found:
+                if entry.dump == dump and time.monotonic() < end:
+                    told = footprints_of(program, path, order, places, combinations[entry.combination], vocabulary)
+                    if told:
+                        footprints[entry.combination] = told
+            answers[dump] = {"answers": answer, "footprints": footprints}
     return answers
 
 
-def ask(program, path, order, places):
-    words = [program, "pixel", "--json", *order, "--samples", str(MOST_SAMPLES)]
+def replay_order(manifest):
+    """"recorded", or the seed of an evaluation whose replicate 0 takes the samples of pixels in the order that the seed
+    says; None where pixels have no such order."""
+    plan = manifest.get("plan")
+    if not isinstance(plan, dict) or plan.get("pieces_per_side", 1) != 1 or plan.get("decision_split"):
+        return None
+    if not isinstance(plan.get("seed"), int) or plan.get("order") not in ("recorded", "disjoint", "shuffled"):
+        return None
+    return "recorded" if plan["order"] == "recorded" else plan["seed"]
+
+
+def recording_paths(manifest):
+    """{file name: path} of the recordings that were evaluated."""
+    return {Path(str(d.get("path"))).name: str(d["path"]) for d in manifest.get("dumps", [])
+            if isinstance(d, dict) and d.get("path")}
+
+
+def footprints_of(program, path, order, places, combination, vocabulary):
+    """[{"taps": [[dx, dy, weight]], "shapes"}] of the places; nothing where the filter does not say. Only methods of the
+    program itself are run: the names come from a folder that anybody may have made."""
+    written = [re.fullmatch(METHOD, label) for label in (combination.sampler, combination.filter)]
+    names = [found.group(1) if found else "" for found in written]
+    if names[0] not in vocabulary.samplers or names[1] not in vocabulary.telling_filters:
+        return []
+    more = ["--samples", "1", f"--sampler={combination.sampler}", f"--filter={combination.filter}", f"--spp={combination.spp:g}"]
+    told = [pixel.get("footprint") for pixel in ask(program, path, [*order, *more], places, ())]
+    return [_drawn(*place, footprint) for place, footprint in zip(places, told)] if told and all(told) else []
+
+
+def _drawn(x, y, footprint):
+    most = max((tap[2] for tap in footprint["taps"]), default=0.0)
+    taps = [[tap[0] - x, tap[1] - y, tap[2]] for tap in footprint["taps"] if tap[2] >= LEAST_WEIGHT * most]
+    return {"taps": taps, "shapes": footprint["shapes"]}
+
+
+def ask(program, path, order, places, samples=("--samples", str(MOST_SAMPLES))):
+    words = [program, "pixel", "--json", *order, *samples]
     words += [word for x, y in places for word in ("--at", f"{x},{y}")]
     try:
         done = subprocess.run([*words, "--", path], capture_output=True, timeout=SECONDS, check=False)

@@ -19,12 +19,15 @@ function storedPixel(view) {
 
 async function drawPixelPanel(view) {
   const panel = view.pixelPanel, all = pixelsOf(view.scene().dump);
-  if (all.length === 0) return;
-  const found = storedPixel(view);
+  if (all.length === 0 && !report.live) return;
+  const asked = view.pixelAsked = `${JSON.stringify(view.state.pixel)} ${view.state.scene} ${view.pair().map((set) => set.combination)}`;
+  const found = report.live ? await livePixelOf(view, asked) : storedPixel(view);
+  if (asked !== view.pixelAsked) return;
   if (!found) {
     if (panel.dataset.at) Plotly.purge(panel.querySelector('.running'));
     panel.dataset.at = '';
-    panel.replaceChildren(element('p', {class: 'note'}, view.state.pixel ?
+    panel.replaceChildren(element('p', {class: 'note'}, report.live ?
+      view.pixelFailure ?? 'Touch a pixel: what was recorded there, and which samples A and B took.' : view.state.pixel ?
       'The samples of this pixel are not in the page; "spool pixel FILE --at X,Y" tells them. Round marks have theirs.' :
       'Touch a pixel with a round mark: what was recorded there, and which samples A and B took.'));
     return;
@@ -49,12 +52,25 @@ async function drawPixelPanel(view) {
     element('h3', {}, `Pixel ${found.x}, ${found.y}: its samples in the order in which they are taken`),
     sampleStrip(found, taken, view.scene().exposure + view.state.exposure),
     element('p', {class: 'note'}, notes.join('. '), '.'),
+    footprintFigures(view, found),
     element('div', {class: 'charts'}, element('figure', {}, element('h3', {}, 'Mean of the first samples, 95 % interval'), running),
       element('figure', {}, element('h3', {}, 'Luminance of the samples'), histogram)));
   const {reference} = view.images;
   const truth = reference ? luminanceAt(reference.values, (found.y - crop[1]) * reference.width + found.x - crop[0]) : NaN;
   drawRunning(running, found, taken, truth);
   drawHistogram(histogram, found);
+}
+
+// Asked once for a pixel and a pair.
+async function livePixelOf(view, asked) {
+  if (view.pixelTold?.asked !== asked) view.pixelTold = {asked, answer: livePixel(view)};
+  try {
+    view.pixelFailure = null;
+    return await view.pixelTold.answer;
+  } catch (error) {
+    view.pixelFailure = error.message;
+    return null;
+  }
 }
 
 // A square for each sample in its colour; below, what A and B took.
@@ -97,7 +113,7 @@ function drawRunning(target, {mean, low, high}, taken, truth) {
   }
   taken.forEach((n, i) => {
     if (n >= 1 && n <= last) {
-      lines.push({type: 'scatter', mode: 'markers+text', x: [n], y: [mean[n - 1]], text: ['AB'[i]], textposition: 'top center',
+      lines.push({type: 'scatter', mode: 'markers+text', x: [n], y: [mean[n - 1]], text: ['AB'[i]], textposition: taken[0] === taken[1] ? ['top left', 'top right'][i] : 'top center',
         name: `${'AB'[i]} stopped`, marker: {color: insetColours[i], size: 10, line: {color: '#000', width: 1}}});
     }
   });

@@ -42,6 +42,7 @@ def parse(arguments):
     parser.add_argument("--vocabulary", type=Path, help="meanings of columns as JSON")
     parser.add_argument("--program", default="", help="the program spool, asked for the samples of single pixels")
     parser.add_argument("--title", default="")
+    parser.add_argument("--served", action="store_true", help="for spool view: the page asks the program that serves it")
     parser.add_argument("--force", action="store_true", help="replace the report")
     return parser.parse_args(arguments)
 
@@ -61,7 +62,7 @@ def make_report(options):
     from summary import is_biased, summarise
     from vocabulary import read_manifest, read_vocabulary
 
-    if options.output.exists() and not options.force:
+    if not options.served and options.output.exists() and not options.force:
         raise Failure(f"{options.output}: exists: choose another name or give --force", USAGE)
     if not options.max_image_mb >= 0.0:
         raise Failure(f"--max-image-mb: {options.max_image_mb} is no size", USAGE)
@@ -74,7 +75,9 @@ def make_report(options):
     labels.update({s["dump"]: s["group"] for s in statistics.scenes if s["group"]})
     found = find_images(options.folder, combinations)
     images = pack_images(found, options.output.resolve().parent, options.max_image_mb)
-    pixels = pixel_answers(options.program, found, combinations, manifest)
+    if options.served:  # every pixel answers, and no file but the page is served
+        images = images._replace(sets=[entry._replace(links={}) for entry in images.sets])
+    pixels = {} if options.served else pixel_answers(options.program, found, combinations, manifest, vocabulary)
     described = Described(manifest)
     described.mark(combinations)
     described.mark_statistics(statistics)
@@ -92,11 +95,13 @@ def make_report(options):
         ("table", "All results",
          biased + described.note() + '<div id="table-area"></div>'
          + quantities_html(names, vocabulary, OWN_MEANINGS)),
-        ("images", "Images", biased + images_html(images)),
+        ("images", "Images", biased + (LIVE if options.served else "") + images_html(images)),
         ("guards", "Saturated, rejected, clamped", guards_html(combinations, labels, vocabulary)),
         ("run", "The run", run_html(manifest, combinations, labels, vocabulary.version)),
     ]
     data = report_data(combinations, statistics, table.metrics, metric, labels, vocabulary, images, pixels)
+    if options.served:
+        return build_page(title, sections, {**data, "live": True}, images.packed, served=True)
     html = build_page(title, sections, data, images.packed)
     write(options.output, html)
     size = options.output.stat().st_size / 1e6
@@ -106,6 +111,9 @@ def make_report(options):
 
 BIASED = ('<p class="warning biased">Biased: judged by the samples that the images were made of. Do not '
           "compare methods by these errors.</p>")
+
+
+LIVE = '<p><a href="live">Other budgets and methods, replayed now</a></p>'
 
 
 def images_html(images):

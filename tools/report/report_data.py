@@ -47,7 +47,7 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "overall": [_overall(entry, len(dumps), samplers, filters, names, metric) for entry in statistics.overall],
         "budget": headline_budget(statistics, metric),
         "conditions": headline_conditions(statistics, metric, combinations, dumps),
-        "pixels": [{"dump": dumps.index(dump), "answers": answers} for dump, answers in pixels.items()],
+        "pixels": [{"dump": dumps.index(dump), **answers} for dump, answers in pixels.items()],
         "pictures": _pictures(images, combinations, dumps),
     }
 

@@ -13,7 +13,7 @@ from failure import USAGE, Failure
 
 COUNTED = {"spp": 1e-9, "replicate": 0.0, "threads": 0.0}  # of the key: numbers, and the least they may be
 KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")
-TEXT = {"dump", "sampler", "filter", "timing", "reference", "energy_masks", "guards", "error"}
+TEXT = {"dump", "dump_path", "sampler", "filter", "timing", "reference", "energy_masks", "guards", "error"}
 csv.field_size_limit(1 << 24)
 
 
@@ -49,6 +49,7 @@ def _read(path, reader):
                           f"{len(header)}: run spool evaluate again")
         row = {name: field if name in TEXT else _number(path, reader.line_num, name, field)
                for name, field in zip(header, fields)}
+        row["dump"] = row.get("dump_path", row["dump"])  # as statistics.json names it
         key = tuple(row[name] for name in KEY)
         if key in seen:
             raise Failure(f"{path}: line {reader.line_num} repeats an earlier result: keep one")

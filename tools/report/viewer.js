@@ -13,8 +13,10 @@ function startImages(area) {
   view.scene = () => scenes[state.scene];
   view.sets = () => setsOf(view.scene().dump);
   view.budgets = () => budgetsOf(view.sets());
-  view.candidates = () => view.sets().filter(
-    (set) => report.combinations[set.combination].spp === view.budgets()[state.budget]);
+  view.candidates = () => {
+    const sets = view.sets(), spp = budgetsOf(sets)[state.budget];
+    return sets.filter((set) => report.combinations[set.combination].spp === spp);
+  };
   view.names = () => view.candidates().map((set) => methodOf(report.combinations[set.combination]));
   view.pair = () => [view.candidates()[state.a], view.candidates()[state.b]];
   view.choose = (change) => {
@@ -26,7 +28,7 @@ function startImages(area) {
       ['a', 'b'].forEach((side, i) => { state[side] = Math.max(0, view.names().indexOf(kept[i])); });
     }
     if (['scene', 'a', 'b'].some((key) => key in change)) state.insets = [];
-    return loadShown(view).then(() => render(view));
+    return loadShown(view).then(() => render(view), (error) => sayFailure(view, error));
   };
   Object.assign(state, firstChoice(view));
   buildViewer(view);
@@ -50,19 +52,28 @@ function startImages(area) {
 
 let openInViewer = () => {};
 
-// The baseline against the method that ranks first among those with pictures, at the middle budget.
+// A picture that the program did not compute; one that was asked past is no failure.
+function sayFailure(view, error) {
+  if (!report.live) throw error;
+  if (error.name !== 'AbortError' && error.message !== 'superseded') view.status.textContent = error.message;
+}
+
+// The baseline against the method that ranks first among those with pictures, at the middle budget; without ranks, the
+// project's own.
 function firstChoice(view) {
-  const budget = Math.floor((view.budgets().length - 1) / 2);
+  // What has to be replayed first is small.
+  const budget = view.sets()[0].live ? Math.max(0, view.budgets().indexOf(4)) : Math.floor((view.budgets().length - 1) / 2);
   view.state.budget = budget;
   const names = view.names();
   const ranked = rankedMethods(view.scene().dump, view.budgets()[budget]).filter((name) => names.includes(name));
   return {budget, a: Math.max(0, names.indexOf('uniform + box')),
-    b: ranked.length > 0 ? names.indexOf(ranked[0]) : names.length - 1};
+    b: names.indexOf([ranked[0], 'multiscale + directional', names.at(-1)].find((name) => names.includes(name)))};
 }
 
 // Pictures of the layer that is shown, and the values behind them: view.shown[face] = {name, picture, values}.
 async function loadShown(view) {
   const serial = ++view.serial, {state} = view, [a, b] = view.pair();
+  if (a.live) nextLiveTurn();
   const layer = layers[state.layer];
   const of = async (set) => {
     const picture = await loadPicture(set, layer.picture);
@@ -70,6 +81,10 @@ async function loadShown(view) {
   };
   const [imageA, imageB, reference, shownA, shownB] = await Promise.all([loadPicture(a, 'estimate'),
     loadPicture(b, 'estimate'), loadPicture(a.images.reference !== undefined ? a : b, 'reference'), of(a), of(b)]);
+  for (const set of [a, b].filter((entry) => entry.live && serial === view.serial)) {
+    const {spent, relmse} = await liveAnswer('replay', parametersOf(set));
+    set.said = `: ${spent} samples${relmse === undefined ? '' : `, relMSE ${numberText(relmse)}`}`;
+  }
   if (serial !== view.serial) return;
   const name = (set) => methodOf(report.combinations[set.combination]);
   view.images = {a: imageA, b: imageB, reference};
@@ -90,6 +105,7 @@ function facePainting(view, face) {
 
 function linkList(set, letter) {
   const c = report.combinations[set.combination];
+  if (set.live) return [`${letter}, ${methodOf(c)}, ${c.spp} spp${set.said ?? ''}. `];
   return [`${letter}, ${methodOf(c)}, ${c.spp} spp: `, ...Object.entries(set.links).flatMap(
     ([name, href], i) => [i > 0 ? ', ' : '', element('a', {href}, `${name}.exr`)]), '. '];
 }

@@ -12,8 +12,8 @@ function buildViewer(view) {
   view.links = element('p', {class: 'note'});
   view.area.append(view.controls, view.tabs, element('div', {class: 'work'}, view.stage, view.insets), view.status,
     element('p', {class: 'note'}, 'Drag moves, wheel or + - zooms (after a click into the pictures), a b r or space flip, ',
-      'e E exposure, [ ] budget, , . layer, 0 resets; drag a coloured frame to move its inset. Values have eleven bits ',
-      'here; the EXR files have all.'), view.links);
+      'e E exposure, [ ] budget, , . layer, 0 resets; drag a coloured frame to move its inset. ',
+      view.sets()[0].live ? '' : 'Values have eleven bits here; the EXR files have all.'), view.links);
   buildPixelPanel(view);
   view.stage.addEventListener('keydown', (event) => onKey(view, event));
   listenToPointers(view);

@@ -16,6 +16,9 @@ class Vocabulary:
         self._metrics = _by_name(data.get("metrics"))
         self._columns = _by_name(data.get("columns"))
         self._guards = _by_name(data.get("guards"))
+        # Methods of the program itself; other names may be commands.
+        self.samplers = frozenset(data.get("samplers") or [])
+        self.telling_filters = frozenset(data.get("footprints") or [])
 
     def meaning(self, column):
         entry = self._metrics.get(column) or self._columns.get(column) or {}

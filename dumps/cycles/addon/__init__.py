@@ -7,17 +7,17 @@ add-on folder as `spool_recorder`, this folder works as it stands.
 """
 import bpy
 
-from .operators import Cancel, Estimate, Record, Resume
+from .operators import Cancel, Estimate, Record, Resume, View
 from .panel import Panel, Preferences
 from .settings import Settings
 
 bl_info = {
-    "name": "Spool recorder", "blender": (3, 4, 0), "category": "Render", "version": (0, 2, 0),
+    "name": "Spool recorder", "blender": (3, 4, 0), "category": "Render", "version": (0, 3, 0),
     "description": "Record every sample of a Cycles rendering",
     "location": "Properties > Render > Sample recording",
 }
 
-CLASSES = (Preferences, Settings, Record, Resume, Cancel, Estimate, Panel)
+CLASSES = (Preferences, Settings, Record, Resume, Cancel, Estimate, View, Panel)
 
 
 def register():
@@ -27,8 +27,9 @@ def register():
 
 
 def unregister():
-    from . import recording
+    from . import recording, viewing
     recording.cancel()                     # what was recorded stays, Resume goes on
+    viewing.close()
     del bpy.types.Scene.spool_recording
     for kind in reversed(CLASSES):
         bpy.utils.unregister_class(kind)

@@ -2,7 +2,7 @@
 done, unless `wait` is off; with one they return at once and a timer looks after it."""
 import bpy
 
-from . import recording
+from . import recording, viewing
 
 
 class _Start:
@@ -71,6 +71,23 @@ class Estimate(bpy.types.Operator):
             self.report({"ERROR"}, error)
             return {"CANCELLED"}
         self.report({"INFO"}, "; ".join(Estimate.lines))
+        return {"FINISHED"}
+
+
+class View(bpy.types.Operator):
+    bl_idname = "render.spool_view"
+    bl_label = "Open in the browser"
+    bl_description = "Look at what was recorded: any budget, any pixel and its samples, on a page of this machine"
+
+    @classmethod
+    def poll(cls, context):
+        return recording.dump() is not None
+
+    def execute(self, context):
+        error = viewing.open_page(*recording.dump())
+        if error:
+            self.report({"ERROR"}, error)
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 

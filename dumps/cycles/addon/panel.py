@@ -4,7 +4,7 @@ import time
 import bpy
 
 from . import recording
-from .operators import Cancel, Estimate, Record, Resume
+from .operators import Cancel, Estimate, Record, Resume, View
 
 
 class Preferences(bpy.types.AddonPreferences):
@@ -12,7 +12,8 @@ class Preferences(bpy.types.AddonPreferences):
 
     spool: bpy.props.StringProperty(
         name="spool", subtype="FILE_PATH", default="spool",
-        description="The program that packs passes into a dump; without it the folder of passes is left")
+        description="The program that packs passes into a dump and checks it: a path, or a name that is looked for on "
+                    "the path and where pip puts programs; without it the folder of passes is left")
 
     def draw(self, context):
         self.layout.prop(self, "spool")
@@ -49,13 +50,15 @@ class Panel(bpy.types.Panel):
             row.operator(Estimate.bl_idname, icon="TIME")
             if now is not None:
                 layout.label(text=now.message, icon="ERROR" if now.state == "failed" else "INFO")
+            if recording.dump():
+                layout.operator(View.bl_idname, icon="URL")
             for line in Estimate.lines:
                 layout.label(text=line)
 
 
 def _draw_progress(layout, now):
     done = now.finished()
-    text = "packing" if now.state == "packing" else "%d of %d" % (done, now.total)
+    text = "%d of %d" % (done, now.total) if now.state == "recording" else now.state
     if 0 < done < now.total:
         text += ", %d s" % (time.monotonic() - now.begin)
     if hasattr(layout, "progress"):        # 4.0

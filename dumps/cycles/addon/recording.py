@@ -1,4 +1,4 @@
-"""The recording under way, at most one: a Blender that records, then the program that packs.
+"""The recording under way, at most one: a Blender that records, then the program that packs and checks.
 
 `recording` is None or the Recording that was started last. All calls return at once, `tick` excepted
 when it is asked to wait.
@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import time
 
 import bpy
@@ -19,7 +20,7 @@ recording = None
 
 
 class Recording:
-    """state: `recording`, `packing`, then `done`, `cancelled` or `failed`; message: one line."""
+    """state: `recording`, `packing`, `checking`, then `done`, `cancelled` or `failed`; message: one line."""
 
     def __init__(self, file, folder, command, pack, total):
         self.file, self.folder, self.pack, self.total = file, folder, pack, total
@@ -27,7 +28,7 @@ class Recording:
         self._start(command)
 
     def running(self):
-        return self.state in ("recording", "packing")
+        return self.state in ("recording", "packing", "checking")
 
     def finished(self):
         """Passes and batches that are on disk."""
@@ -51,8 +52,9 @@ class Recording:
         except subprocess.TimeoutExpired:
             self.process.kill()            # at any moment: what is on disk is whole
             self.process.wait()
-        if self.state == "packing" and os.path.exists(self.file):
-            self._ended(0)
+        if self.state in ("packing", "checking") and os.path.exists(self.file):
+            shutil.rmtree(self.folder, ignore_errors=True)
+            self.state, self.message = "done", "recorded, not checked: %s" % self.file
             return
         self.state, self.message = "cancelled", "cancelled with %d of %d: Resume goes on" % (
             self.finished(), self.total)
@@ -69,11 +71,14 @@ class Recording:
             self.state = "packing"
             self._start(self.pack)
         elif self.state == "packing":
+            self.state = "checking"        # every checksum of the file that is on the disk now
+            self._start([self.pack[0], "check", "-q", self.file])
+        elif self.state == "checking":
             shutil.rmtree(self.folder, ignore_errors=True)
-            self.state, self.message = "done", "recorded: %s" % self.file
+            self.state, self.message = "done", "recorded and checked: %s" % self.file
         else:
             self.state = "done"
-            self.message = "recorded in %s; spool pack makes it a dump (set the program in the preferences)" \
+            self.message = "recorded in %s; spool pack makes it a dump (pip install spool-lab, or set the program in the preferences)" \
                 % self.folder
 
     def _last_line(self):
@@ -114,6 +119,13 @@ def start(context, resume):
     return ""
 
 
+def dump():
+    """(program, file) of the recording that was made last, None while there is none."""
+    if recording is None or recording.state != "done" or not recording.pack or not os.path.exists(recording.file):
+        return None
+    return recording.pack[0], recording.file
+
+
 def cancel():
     if recording:
         recording.cancel()
@@ -150,11 +162,23 @@ def command_line(settings, blend, more):
 
 
 def pack_command(context, folder, file):
-    """None where the program spool is neither set in the preferences nor on the path."""
+    """None where the program spool is not found."""
     addon = context.preferences.addons.get(__package__)
-    program = shutil.which(bpy.path.abspath(addon.preferences.spool) if addon else
-                           os.environ.get("SPOOL", "spool"))
+    program = find_program(bpy.path.abspath(addon.preferences.spool) if addon else os.environ.get("SPOOL", "spool"))
     return [program, "pack", folder, "-o", file, "--compress"] if program else None
+
+
+def find_program(chosen):
+    """What the preferences name; a bare name: on the path, then where pip puts the program of the package spool-lab:
+    beside Blender's Python, in a virtual environment, for one user. A window manager's path often lacks these."""
+    found = shutil.which(chosen)
+    if found or os.path.dirname(chosen):
+        return found
+    scripts = "Scripts" if os.name == "nt" else "bin"
+    folders = [os.path.join(sys.prefix, scripts), sysconfig.get_path("scripts", os.name + "_user")]
+    if os.environ.get("VIRTUAL_ENV"):
+        folders.insert(0, os.path.join(os.environ["VIRTUAL_ENV"], scripts))
+    return shutil.which(chosen, path=os.pathsep.join(folders))
 
 
 def batches_of(reference):

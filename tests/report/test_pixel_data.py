@@ -1,0 +1,48 @@
+"""Weights of filters in the report: of the program's own methods only, in what is drawn of them."""
+
+import json
+import stat
+from types import SimpleNamespace
+
+import pytest
+
+from pixel_data import footprints_of
+from vocabulary import Vocabulary
+
+OWN = Vocabulary({"samplers": ["uniform", "multiscale"], "footprints": ["box", "directional"]})
+TOLD = {"taps": [[12, 10, 0.7, 1.0, 1.0, 1.0], [13, 9, 0.2999, 1.0, 1.0, 1.0], [14, 9, 0.0001, 1.0, 1.0, 1.0]],
+        "shapes": [{"size": 4, "direction": 30.0, "widths": [[30.0, 1.6]]}]}
+
+
+@pytest.fixture
+def program(tmp_path):
+    path = tmp_path / "program"
+    (tmp_path / "answer").write_text(json.dumps([{"footprint": TOLD}]))
+    path.write_text(f"#!/bin/sh\necho \"$@\" >> '{tmp_path}/asked'\ncat '{tmp_path}/answer'\n")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    return path
+
+
+def told(program, sampler, filter_):
+    combination = SimpleNamespace(sampler=sampler, filter=filter_, spp=8.0)
+    return footprints_of(str(program), "a.spool", ["--order", "recorded"], [(12, 10)], combination, OWN)
+
+
+def test_weights_are_around_the_pixel_and_the_smallest_are_left_out(program, tmp_path):
+    footprint, = told(program, "multiscale{alpha=0.9}", "directional:paper")
+    assert footprint == {"taps": [[0, 0, 0.7], [1, -1, 0.2999]], "shapes": TOLD["shapes"]}
+    asked = (tmp_path / "asked").read_text()
+    assert "--sampler=multiscale{alpha=0.9} --filter=directional:paper --spp=8" in asked and "--at 12,10" in asked
+
+
+@pytest.mark.parametrize("sampler, filter_", [("exec:touch x", "box"), ("uniform", "exec:touch x"), ("uniform", "nl_means"),
+                                              ("--sampler=exec:x", "box"), ("", "box"), ("counts:n.exr", "box"),
+                                              ("uniform=exec:touch x", "box"), ("uniform\n", "box")])
+def test_a_name_that_is_no_method_of_the_program_is_never_asked_for(program, tmp_path, sampler, filter_):
+    assert told(program, sampler, filter_) == []
+    assert not (tmp_path / "asked").exists()
+
+
+def test_a_filter_that_says_nothing_is_left_out(program, tmp_path):
+    (tmp_path / "answer").write_text(json.dumps([{"footprint": None}]))
+    assert told(program, "uniform", "box") == []

@@ -1,0 +1,223 @@
+"""`spool view`: what it answers, and to whom."""
+
+import http.client
+import json
+import os
+import signal
+import socket
+import struct
+import subprocess
+import threading
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+
+from spool import exr
+
+ASSETS = os.environ.get("SPOOL_REPORT_ASSETS", os.path.expanduser("~/.cache/spool/report-assets"))
+pytestmark = pytest.mark.skipif(not os.path.exists(os.path.join(ASSETS, "plotly-basic.min.js")),
+                                reason="SKIPPED: tools/report/fetch_assets.sh has not been run")
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    path = tmp_path_factory.mktemp("view") / "s.spool"
+    subprocess.run([os.environ["SPOOL_PROGRAM"], "synth", "scene_s", "--size", "24x16", "--samples", "32", "--seed", "3", "-q",
+                    "-o", str(path)], check=True)
+    return path
+
+
+class Served:
+    def __init__(self, *words):
+        self.process = subprocess.Popen([os.environ["SPOOL_PROGRAM"], "view", "--json", *map(str, words)], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        assert line, self.process.stderr.read()
+        self.url = json.loads(line)["url"]
+        self.host, self.port = urlsplit(self.url).hostname, urlsplit(self.url).port
+        self.root = urlsplit(self.url).path
+
+    def ask(self, path, method="GET", headers=None, body=None):
+        connection = http.client.HTTPConnection(self.host, self.port, timeout=120)
+        connection.request(method, path, body=body, headers=headers or {})
+        answer = connection.getresponse()
+        answer.content = answer.read()
+        connection.close()
+        return answer
+
+    def json(self, name):
+        answer = self.ask(self.root + name)
+        assert answer.status == 200, answer.content
+        return json.loads(answer.content)
+
+    def planes(self, name):
+        answer = self.ask(self.root + name)
+        assert answer.status == 200, answer.content
+        length, = struct.unpack("<I", answer.content[:4])
+        said, at, planes = json.loads(answer.content[4:4 + length]), 4 + length, {}
+        for plane in said["planes"]:
+            size = said["width"] * said["height"] * plane["channels"]
+            values = np.frombuffer(answer.content, "<f4", size, at)
+            planes[plane["name"]] = values.reshape(said["height"], said["width"], plane["channels"])
+            at += 4 * size
+        assert at == len(answer.content)
+        return said, planes
+
+    def key(self, sampler, filter_, spp, recording=0):
+        choices = self.json("choices")
+        return (f"recording={recording}&sampler={choices['samplers'].index(sampler)}"
+                f"&filter={choices['filters'].index(filter_)}&spp={spp}")
+
+    def end(self, how=signal.SIGINT):
+        self.process.send_signal(how)
+        _, said = self.process.communicate(timeout=20)
+        return self.process.returncode, said
+
+
+@pytest.fixture(scope="module")
+def served(scene):
+    server = Served(scene)
+    yield server
+    server.process.kill()
+    server.process.communicate()
+
+
+def test_it_listens_here_only_at_an_address_nobody_guesses(served):
+    assert served.host == "127.0.0.1" and len(served.root.strip("/")) == 32
+    for path in ("/", "/choices", "/" + "0" * 32 + "/", "/" + "0" * 32 + "/choices", served.root[:-2] + "/choices"):
+        assert served.ask(path).status == 403, path
+    other = Served(served.process.args[3])
+    assert other.root != served.root
+    assert other.end()[0] == 130
+    with socket.socket() as elsewhere, pytest.raises(OSError):
+        elsewhere.settimeout(2)
+        elsewhere.connect((socket.gethostbyname(socket.gethostname()), served.port))
+        if elsewhere.getpeername()[0] == "127.0.0.1":
+            raise OSError("this machine's name is 127.0.0.1")
+
+
+def test_another_host_is_refused_even_with_the_token(served):
+    for host in ("evil.example", f"evil.example:{served.port}", "127.0.0.1", f"127.0.0.1:{served.port + 1}", ""):
+        assert served.ask(served.root + "choices", headers={"Host": host}).status == 403, host
+    assert served.ask(served.root + "choices", headers={"Host": f"localhost:{served.port}"}).status == 200
+
+
+def test_only_get_and_no_word_that_lets_others_read(served):
+    for method in ("POST", "PUT", "DELETE", "OPTIONS", "PATCH", "HEAD"):
+        assert served.ask(served.root + "choices", method=method).status == 405, method
+    answer = served.ask(served.root + "choices", headers={"Origin": "http://evil.example"})
+    names = {name.lower() for name, _ in answer.getheaders()}
+    assert not any(name.startswith("access-control") for name in names)
+    assert answer.getheader("X-Content-Type-Options") == "nosniff" and answer.getheader("Cache-Control") == "no-store"
+    assert answer.getheader("Cross-Origin-Resource-Policy") == "same-origin"
+
+
+def test_nothing_is_served_but_what_the_page_names(served, scene):
+    for path in ("../../../../etc/passwd", "..%2f..%2fetc%2fpasswd", "%2e%2e/%2e%2e/etc/passwd", "s.spool", str(scene), "choices/",
+                 "choices/../../etc/passwd", "choices%00.html"):
+        answer = served.ask(served.root + path)
+        assert answer.status in (400, 403, 404), path
+        assert b"root:" not in answer.content
+
+
+def test_what_is_too_large_or_no_number_is_refused_and_the_server_goes_on(served):
+    assert served.ask(served.root + "choices?" + "a" * 20000).status in (400, 414)
+    assert served.ask(served.root + "choices", method="POST", body=b"x" * 3000000).status in (405, 413)
+    for query in ("recording=9&x=0&y=0", "recording=0&x=24&y=0", "recording=0&x=-1&y=0", "recording=zero&x=0&y=0",
+                  "recording=0&x=99999999999999&y=0", "recording=0&x=1e3&y=1"):
+        answer = served.ask(f"{served.root}pixel?{query}")
+        assert answer.status == 400 and "error" in json.loads(answer.content), query
+    for query in ("recording=0&sampler=0&filter=0&spp=nan", "recording=0&sampler=0&filter=0&spp=1e300", "recording=0&spp=4",
+                  "recording=0&sampler=99&filter=0&spp=4", "recording=0&sampler=0&filter=99&spp=4"):
+        assert served.ask(f"{served.root}replay?{query}").status == 400, query
+    answer = served.ask(f"{served.root}replay?recording=0&sampler=0&filter=0&spp=400")
+    assert answer.status == 422 and "record more" in json.loads(answer.content)["error"]
+    assert served.json("choices")["recordings"][0]["width"] == 24
+
+
+def test_a_replay_is_that_of_the_program(served, good, scene, tmp_path):
+    for sampler, filter_, spp in (("uniform", "box", 4), ("multiscale", "directional", 6.5)):
+        said, planes = served.planes("replay?" + served.key(sampler, filter_, spp))
+        good("replay", scene, "--sampler", sampler, "--spp", str(spp), "-o", tmp_path / "n.exr", "-q", "--force")
+        good("reconstruct", scene, "--selection", tmp_path / "n.exr", "--filter", filter_, "-o", tmp_path / "i.exr", "-q", "--force")
+        counts, image = exr.read(tmp_path / "n.exr")["n"], exr.read(tmp_path / "i.exr")
+        assert said["spent"] == counts.sum() and said["relmse"] > 0
+        np.testing.assert_array_equal(planes["density"][..., 0], counts)
+        for c, name in enumerate("RGB"):
+            np.testing.assert_array_equal(planes["estimate"][..., c], image[name].astype("f4"))
+
+
+def test_a_pixel_is_that_of_the_program(served, good, scene):
+    told = served.json("pixel?x=7&y=5&" + served.key("multiscale", "directional", 6))
+    asked, = good("pixel", scene, "--at", "7,5", "--sampler", "multiscale", "--spp", "6", "--filter", "directional", "--json").json
+    assert {name: value for name, value in asked.items() if name not in ("sampler", "filter")} == told
+    plain, = good("pixel", scene, "--at", "7,5", "--json").json
+    assert served.json("pixel?recording=0&x=7&y=5") == plain
+    _, planes = served.planes("reference?recording=0")
+    assert planes["reference"].shape == (16, 24, 3) and np.isfinite(planes["reference"]).all()
+
+
+def test_two_at_a_time_get_the_same_answers(served):
+    keys = [served.key(sampler, filter_, spp) for sampler in ("uniform", "multiscale") for filter_ in ("gaussian", "nl_means")
+            for spp in (2, 3, 5)]
+    alone = [served.ask(f"{served.root}replay?{key}").content for key in keys]
+    fresh = Served(served.process.args[3])
+    got = [[None] * len(keys) for _ in range(2)]
+
+    def client(i):
+        for k, key in enumerate(keys):
+            got[i][k] = fresh.ask(f"{fresh.root}replay?{key}").content
+
+    threads = [threading.Thread(target=client, args=(i,)) for i in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert fresh.end()[0] == 130
+    assert got[0] == alone and got[1] == alone
+
+
+def test_a_replay_that_its_page_has_asked_past_is_given_up(served):
+    old = "replay?" + served.key("multiscale", "directional", 7) + "&page=p&turn=1"
+    new = "replay?" + served.key("multiscale", "directional", 8) + "&page=p&turn=2"
+    assert served.ask(served.root + new).status == 200
+    answer = served.ask(served.root + old)
+    assert answer.status == 409 and json.loads(answer.content)["error"] == "superseded"
+    assert served.ask(served.root + old.replace("page=p", "page=q")).status == 200
+
+
+def test_ctrl_c_ends_it_and_a_taken_port_is_no_failure(scene):
+    first = Served(scene)
+    second = Served(scene, "--port", first.port)
+    assert second.port != first.port
+    code, said = first.end()
+    assert code == 130 and "no longer served" in said and said.count("\n") == 1
+    assert second.end(signal.SIGTERM)[0] == 143
+
+
+def test_results_serve_their_report_and_only_methods_of_the_program(good, scene, tmp_path):
+    good("evaluate", scene, "--samplers", "uniform,multiscale", "--filters", "box,directional", "--spp", "4", "--replicates", "2",
+         "--seed", "9", "-o", tmp_path / "r", "-q")
+    table = (tmp_path / "r" / "results.csv").read_text().splitlines()
+    row = table[1].replace("uniform", "exec:touch " + str(tmp_path / "ran"))
+    (tmp_path / "r" / "results.csv").write_text("\n".join([*table, row]) + "\n")
+    server = Served(tmp_path / "r")
+    try:
+        choices = server.json("choices")
+        assert choices["samplers"] == ["uniform", "multiscale"] and choices["filters"] == ["box", "directional"]
+        page = server.ask(server.root)
+        assert page.status == 200 and b"connect-src 'self'" in page.content and b'id="headline-area"' in page.content
+        assert server.ask(server.root + "live").status == 200
+        _, planes = server.planes("replay?" + server.key("multiscale", "directional", 4))
+        estimate = exr.read(tmp_path / "r" / "s_multiscale_directional_4spp" / "estimate.exr")
+        np.testing.assert_allclose(planes["estimate"][..., 1], estimate["G"], rtol=1e-6)
+        assert not (tmp_path / "ran").exists()
+    finally:
+        assert server.end()[0] == 130
+
+
+def test_what_cannot_be_served_is_said_before(run, tmp_path):
+    run("view", tmp_path / "none.spool").failed_with(3, "none.spool")
+    (tmp_path / "empty").mkdir()
+    run("view", tmp_path / "empty").failed_with(3, "results.csv")

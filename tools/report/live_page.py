@@ -1,0 +1,68 @@
+"""The page of `spool view`, whose pictures the program computes while somebody looks.
+
+usage: live_page.py [--title TEXT]    prints the page
+       live_page.py --facts DIR       prints what a folder of results says of its recordings and methods, as JSON
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from failure import NO_NUMPY, Failure, guarded  # noqa: E402
+
+
+def main(arguments=None):
+    return guarded(lambda: _main(arguments))
+
+
+def _main(arguments):
+    parser = argparse.ArgumentParser(prog="spool view", description=__doc__.split("\n", 1)[0])
+    parser.add_argument("--title", default="")
+    parser.add_argument("--facts", type=Path)
+    options = parser.parse_args(arguments)
+    if not options.facts:
+        return page(options.title)
+    try:
+        import numpy  # noqa: F401
+    except ImportError as error:
+        raise Failure("spool view needs numpy: apt-get install python3-numpy", NO_NUMPY) from error
+    return json.dumps(facts(options.facts))
+
+
+def page(title):
+    from page import build_page, licences_html
+
+    # Filled by live.js with what the program says.
+    data = {"dumps": [], "samplers": [], "filters": [], "metric": "relmse", "metrics": [], "quantities": [], "combinations": [],
+            "overall": [], "budget": None, "conditions": [], "pixels": [], "live": True,
+            "pictures": {"scenes": [], "images": [], "sets": []}}
+    sections = [("images", "Replayed now", '<div id="live-area"></div>'), ("run", "Scripts of others", licences_html())]
+    return build_page(f"Spool: {title}", sections, data, [], served=True)
+
+
+def facts(folder):
+    from pixel_data import recording_paths, replay_order
+    from result_images import dump_names
+    from results_table import read_results
+    from statistics_file import read_statistics
+    from vocabulary import read_manifest
+
+    rows = read_results(folder / "results.csv").rows
+    manifest = read_manifest(folder)
+    order, paths = replay_order(manifest), recording_paths(manifest)
+    labels = dump_names(dict.fromkeys(row["dump"] for row in rows))
+    labels.update({s["dump"]: s["group"] for s in read_statistics(folder).scenes if s["group"]})
+    found = [{"path": paths[Path(dump).name], "label": label} for dump, label in labels.items()
+             if Path(dump).name in paths and Path(paths[Path(dump).name]).is_file()]
+    return {"recordings": found if order is not None else [],
+            "samplers": list(dict.fromkeys(row["sampler"] for row in rows)),
+            "filters": list(dict.fromkeys(row["filter"] for row in rows)),
+            "seed": order if isinstance(order, int) else None}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

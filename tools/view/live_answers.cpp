@@ -1,0 +1,207 @@
+#include "tools/view/live_answers.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "lib/image_io/picture.h"
+#include "lib/statistics/piece_statistics.h"
+#include "tools/json_text.h"
+
+namespace spool::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+// A number of a request; kUsage where it is none.
+template <class Number>
+Result<Number> number_of(const Query& query, std::string_view name) {
+  const std::string text = query(name);
+  Number value{};
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, value);
+  if (parsed.ec == std::errc() && parsed.ptr == end) return value;
+  return fail(ErrorCode::kUsage, "{} '{}': is no number", name, text.substr(0, 40));
+}
+
+Result<ReplayKey> key_of(const Query& query) {
+  ReplayKey key;
+  SPOOL_ASSIGN(key.recording, number_of<std::size_t>(query, "recording"));
+  SPOOL_ASSIGN(key.sampler, number_of<std::size_t>(query, "sampler"));
+  SPOOL_ASSIGN(key.filter, number_of<std::size_t>(query, "filter"));
+  SPOOL_ASSIGN(key.spp, number_of<double>(query, "spp"));
+  if (key.spp >= 1e-3 && key.spp <= 65536.0) return key;
+  return fail(ErrorCode::kUsage, "spp {}: from 0.001 to 65536", key.spp);
+}
+
+Turn turn_of(const Query& query) {
+  Turn turn{query("page").substr(0, 40), 0};
+  const Result<long long> number = number_of<long long>(query, "turn");
+  if (!number) return {};
+  turn.number = *number;
+  return turn;
+}
+
+Answer answer_of(const Error& error) {
+  return {error.code == ErrorCode::kUsage ? 400 : 422, "application/json",
+          json_text({{"error", error.message}})};
+}
+template <class Value>
+Answer json_answer(const Result<Value>& value) {
+  return value ? Answer{200, "application/json", json_text(*value)} : answer_of(value.error());
+}
+
+// Planes behind what is said of them.
+class PlaneText {
+ public:
+  PlaneText(int width, int height)
+      : said_({{"width", width}, {"height", height}, {"planes", ordered_json::array()}}) {}
+
+  void say(const std::string& name, const ordered_json& value) { said_[name] = value; }
+  // value(channel, pixel)
+  template <class Value>
+  void add(const std::string& name, std::size_t channels, std::size_t pixels, Value&& value) {
+    said_["planes"].push_back({{"name", name}, {"channels", channels}});
+    for (std::size_t p = 0; p < pixels; ++p) {
+      for (std::size_t c = 0; c < channels; ++c)
+        values_.push_back(static_cast<float>(value(c, p)));
+    }
+  }
+  void add(const std::string& name, const RgbImage& image) {
+    add(name, 3, image[0].size(), [&](std::size_t c, std::size_t p) { return image[c][p]; });
+  }
+  template <class T>
+  void add(const std::string& name, const Image<T>& image) {
+    add(name, 1, image.size(), [&](std::size_t, std::size_t p) { return image[p]; });
+  }
+  Answer answer() const {
+    std::string text = json_text(said_);
+    text.append((4 - text.size() % 4) % 4, ' ');
+    std::string body;
+    for (int shift = 0; shift < 32; shift += 8)
+      body += static_cast<char>(text.size() >> shift & 255u);
+    body += text;
+    const std::size_t begin = body.size();
+    body.resize(begin + values_.size() * sizeof(float));
+    std::memcpy(body.data() + begin, values_.data(), values_.size() * sizeof(float));
+    return {200, "application/octet-stream", std::move(body)};
+  }
+
+ private:
+  ordered_json said_;
+  std::vector<float> values_;
+};
+
+Answer replay_answer(LiveReplays& replays, const Query& query) {
+  const Result<ReplayKey> key = key_of(query);
+  if (!key) return answer_of(key.error());
+  const auto replayed = replays.replay(*key, turn_of(query));
+  if (!replayed) return answer_of(replayed.error());
+  if (*replayed == nullptr) return {409, "application/json", json_text({{"error", "superseded"}})};
+  const LiveReplay& replay = **replayed;
+  const auto opened = replays.open(key->recording);
+  if (!opened) return answer_of(opened.error());
+  const RgbImage& image = replay.result.image;
+  PlaneText planes(image[0].width(), image[0].height());
+  planes.say("spent", replay.sampled.log.spent);
+  if (replay.relmse && std::isfinite(*replay.relmse)) planes.say("relmse", *replay.relmse);
+  planes.add("estimate", image);
+  planes.add("density", replay.sampled.selection.statistics.n);
+  if ((*opened)->reference) {
+    planes.add("squared_error", squared_error_map(image, *(*opened)->reference));
+  }
+  if (replay.result.level) planes.add("filter_size", *replay.result.level);
+  if (replay.result.dominant_direction) planes.add("direction", *replay.result.dominant_direction);
+  return planes.answer();
+}
+
+Answer reference_answer(LiveReplays& replays, const Query& query) {
+  const Result<std::size_t> index = number_of<std::size_t>(query, "recording");
+  if (!index) return answer_of(index.error());
+  const auto opened = replays.open(*index);
+  if (!opened) return answer_of(opened.error());
+  if (!(*opened)->reference) return {404, "application/json", json_text({{"error", "none"}})};
+  const RgbImage& mean = (*opened)->reference->mean;
+  PlaneText planes(mean[0].width(), mean[0].height());
+  planes.add("reference", mean);
+  return planes.answer();
+}
+
+Result<ordered_json> pixel_told(LiveReplays& replays, const Query& query) {
+  SPOOL_ASSIGN(const int x, number_of<int>(query, "x"));
+  SPOOL_ASSIGN(const int y, number_of<int>(query, "y"));
+  if (query("sampler").empty()) {
+    SPOOL_ASSIGN(const std::size_t recording, number_of<std::size_t>(query, "recording"));
+    return replays.pixel(recording, x, y);
+  }
+  SPOOL_ASSIGN(const ReplayKey key, key_of(query));
+  return replays.pixel(key, x, y);
+}
+
+// Of the first four samples: enough to choose an exposure by.
+RgbImage first_means(const SamplePool& pool) {
+  PieceStatistics statistics = empty_statistics(pool);
+  take_everywhere(statistics, pool, 4);
+  return statistics.mean;
+}
+
+// EV that brings the picture's middle to grey, in half steps, and its mean luminance.
+std::pair<double, double> exposure_and_mean(const OpenRecording& opened) {
+  const RgbImage guide = opened.reference ? opened.reference->mean : first_means(opened.pool);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < guide[0].size(); ++i) {
+    const double y = luminance(guide[0][i], guide[1][i], guide[2][i]);
+    sum += std::isfinite(y) ? y : 0.0;
+  }
+  const double mean = sum / static_cast<double>(guide[0].size());
+  const double exposure = std::log2(tone_exposure(guide));
+  return {std::isfinite(exposure) ? std::round(2.0 * exposure) / 2.0 : 0.0,
+          mean > 0.0 ? mean : 1.0};
+}
+
+// A recording that cannot be opened has no size: the page says why.
+ordered_json described(LiveReplays& replays, std::size_t index) {
+  ordered_json told = {{"label", replays.choices().recordings[index].label}};
+  const auto opened = replays.open(index);
+  if (!opened) {
+    told["error"] = opened.error().message;
+    return told;
+  }
+  const auto [exposure, mean] = exposure_and_mean(**opened);
+  told.update({{"width", (*opened)->pool.width()},
+               {"height", (*opened)->pool.height()},
+               {"spp", (*opened)->recording->spp()},
+               {"exposure", exposure},
+               {"mean", mean},
+               {"reference", (*opened)->reference.has_value()}});
+  return told;
+}
+
+Answer choices_answer(LiveReplays& replays) {
+  ordered_json told = {{"recordings", ordered_json::array()},
+                       {"samplers", ordered_json::array()},
+                       {"filters", ordered_json::array()}};
+  for (std::size_t i = 0; i < replays.choices().recordings.size(); ++i)
+    told["recordings"].push_back(described(replays, i));
+  for (const MethodChoice& sampler : replays.choices().samplers)
+    told["samplers"].push_back(sampler.label());
+  for (const MethodChoice& filter : replays.choices().filters)
+    told["filters"].push_back(filter.label());
+  return {200, "application/json", json_text(told)};
+}
+
+}  // namespace
+
+Answers live_answers(const std::shared_ptr<LiveReplays>& replays) {
+  return {
+      {"choices", [replays](const Query&) { return choices_answer(*replays); }},
+      {"replay", [replays](const Query& query) { return replay_answer(*replays, query); }},
+      {"reference", [replays](const Query& query) { return reference_answer(*replays, query); }},
+      {"pixel",
+       [replays](const Query& query) { return json_answer(pixel_told(*replays, query)); }}};
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,17 @@
+// The answers of `spool view` to its page, by name: choices, replay, reference, pixel.
+#pragma once
+
+#include <memory>
+
+#include "tools/view/live_replays.h"
+#include "tools/view/local_server.h"
+
+namespace spool::tools {
+
+// `choices`: recordings with size and exposure, samplers and filters by label.
+// `replay`, `reference`: planes. First a number of four bytes, lowest first, and so many bytes of
+// JSON that say width, height and planes; then the planes as 32-bit floats [y][x][c].
+// `pixel`: as `spool pixel --json`.
+Answers live_answers(const std::shared_ptr<LiveReplays>& replays);
+
+}  // namespace spool::tools

@@ -1,0 +1,92 @@
+// Replays and pixels of recordings, computed when somebody asks, kept while there is room.
+//
+// Any number of threads may ask. One replay is computed at a time, on all threads of the program; a
+// replay that its own page has asked past - a slider that went on - is given up.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/core/error.h"
+#include "lib/experiment/reference.h"
+#include "lib/filters/filter.h"
+#include "lib/methods/method_text.h"
+#include "lib/pool/sample_pool.h"
+#include "lib/sampling/sampler.h"
+#include "tools/one_replay.h"
+#include "tools/view/bounded_cache.h"
+
+namespace spool::tools {
+
+// What can be asked for, by index; methods of the library only, never a command.
+struct LiveChoices {
+  struct Recording {
+    std::filesystem::path path;
+    std::string label;
+  };
+  std::vector<Recording> recordings;
+  PoolOptions order;  // of every recording's samples
+  std::vector<MethodChoice> samplers, filters;
+};
+
+struct OpenRecording {
+  std::shared_ptr<const RecordedSamples> recording;
+  SamplePool pool;
+  std::optional<JudgingReference> reference;  // the recorded one
+};
+
+struct LiveReplay {
+  SamplingResult sampled;
+  Reconstruction result;
+  std::optional<double> relmse;  // against the recorded reference
+};
+
+struct ReplayKey {
+  std::size_t recording = 0, sampler = 0, filter = 0;
+  double spp = 0.0;
+};
+
+// Of one page, later ones are larger. Without a page nothing is given up.
+struct Turn {
+  std::string page;
+  long long number = 0;
+};
+
+class LiveReplays {
+ public:
+  LiveReplays(LiveChoices choices, std::size_t most_bytes);
+
+  const LiveChoices& choices() const { return choices_; }
+  // Errors: those of load_recording; kUsage where there is no such recording.
+  Result<std::shared_ptr<const OpenRecording>> open(std::size_t recording);
+  // Null when a later turn of the page has come. Errors: those of the methods.
+  Result<std::shared_ptr<const LiveReplay>> replay(const ReplayKey& key, const Turn& turn);
+  // As `spool pixel --json` tells it; kUsage where there is no such pixel.
+  Result<nlohmann::ordered_json> pixel(std::size_t recording, int x, int y);
+  // The same with what the sampler took and the filter's footprint.
+  Result<nlohmann::ordered_json> pixel(const ReplayKey& key, int x, int y);
+
+ private:
+  Result<ReplayMethods> methods_of(const ReplayKey& key) const;
+  bool superseded(const Turn& turn);
+  void note_turn(const Turn& turn);
+  Result<std::shared_ptr<const LiveReplay>> compute(const ReplayKey& key, const Turn& turn,
+                                                    const OpenRecording& from);
+
+  const LiveChoices choices_;
+  std::mutex kept_;                         // of what follows
+  BoundedCache<OpenRecording> recordings_;  // counts recordings, not bytes
+  BoundedCache<LiveReplay> replays_;
+  std::map<std::string, long long> latest_;  // turn of each page
+  std::mutex opening_, working_;
+};
+
+}  // namespace spool::tools

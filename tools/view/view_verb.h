@@ -1,0 +1,19 @@
+// `spool view`: the page of a recording or of an evaluation, served to this machine only, so that
+// any budget is replayed and any pixel answers while one looks.
+#pragma once
+
+#include <filesystem>
+
+#include "tools/console.h"
+
+namespace spool::tools {
+
+struct ViewOptions {
+  std::filesystem::path target;  // a recording, or a folder of results
+  int port = 0;                  // 0: any
+};
+
+// Serves until the process is interrupted.
+Result<void> run_view(const ViewOptions& options, const CommonOptions& common);
+
+}  // namespace spool::tools
