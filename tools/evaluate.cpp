@@ -98,9 +98,7 @@ Result<Plan> plan_of_file(const EvaluateOptions& options) {
   SPOOL_TRY(refuse_options_beside_plan(options));
   SPOOL_ASSIGN(Plan plan, read_plan(options.files.front(), {known_samplers(), known_filters()}));
   if (options.no_pictures) plan.pictures = false;
-  for (EnergyMask& mask : plan.experiment.masks) {
-    SPOOL_ASSIGN(mask.plane, read_mask(mask.path));
-  }
+  SPOOL_TRY(read_masks(plan.experiment.masks));
   return plan;
 }
 

@@ -65,6 +65,7 @@ ordered_json describe(const MethodList<Function>& entries) {
                     {"argument", entry.argument},
                     {"by_description", entry.source == Source::kDescriptions},
                     {"needs", needs_of(entry.needs)},
+                    {"footprints", entry.footprints},
                     {"presets", entry.presets},
                     {"options", options_of(entry)}});
   }
@@ -82,6 +83,7 @@ void print_methods(const ordered_json& list, const std::string& part, bool all) 
     if (const auto needs = method.value("needs", std::vector<std::string>()); !needs.empty()) {
       print(fmt::format("  needs {}\n", fmt::join(needs, ", ")));
     }
+    if (method.value("footprints", false)) print("  says its weights: spool pixel --filter\n");
     std::vector<std::vector<std::string>> rows;
     std::vector<std::string> header = {"  --set " + part + ".", "allowed"};
     std::size_t left_out = 0;

@@ -27,4 +27,11 @@ Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>
   return masks;
 }
 
+Result<void> read_masks(std::vector<EnergyMask>& masks) {
+  for (EnergyMask& mask : masks) {
+    SPOOL_ASSIGN(mask.plane, read_mask(mask.path));
+  }
+  return {};
+}
+
 }  // namespace spool::tools

@@ -14,4 +14,7 @@ Result<Plane> read_mask(const std::string& path);
 // "NAME=FILE"; kUsage for other texts.
 Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts);
 
+// The planes of masks that have names and paths only.
+Result<void> read_masks(std::vector<EnergyMask>& masks);
+
 }  // namespace spool::tools

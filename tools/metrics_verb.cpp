@@ -21,7 +21,19 @@ Result<RgbImage> read_rgb(const std::filesystem::path& path) {
   return rgb_from_exr(file, path.string());
 }
 
-Result<MetricOptions> metric_options(const std::vector<std::string>& settings) {
+std::string value_text(double value) {
+  return std::isnan(value) ? "n/a" : fmt::format("{:.6g}", value);
+}
+
+ordered_json number(double value) {
+  if (std::isnan(value)) return nullptr;
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+}  // namespace
+
+Result<MetricOptions> metric_settings(const std::vector<std::string>& settings) {
   MetricOptions metric;
   metric.perceptual = Perceptual::kAll;
   for (const std::string& text : settings) {
@@ -35,38 +47,32 @@ Result<MetricOptions> metric_options(const std::vector<std::string>& settings) {
   return metric;
 }
 
-Result<void> check_size(const RgbImage& image, const RgbImage& reference,
-                        const std::filesystem::path& path) {
+Result<void> check_same_size(const RgbImage& image, const RgbImage& reference,
+                             const std::string& name) {
   if (image[0].width() == reference[0].width() && image[0].height() == reference[0].height()) {
     return {};
   }
   return fail(ErrorCode::kData, "{}: is {} x {} pixels, the reference {} x {}: crop one of them",
-              path.string(), image[0].width(), image[0].height(), reference[0].width(),
+              name, image[0].width(), image[0].height(), reference[0].width(),
               reference[0].height());
 }
 
-std::string value_text(double value) {
-  return std::isnan(value) ? "n/a" : fmt::format("{:.6g}", value);
+Result<void> check_finite(const MetricTable& table, const std::string& name) {
+  if (!table.failed) return {};
+  return fail(ErrorCode::kData, "{}: {} pixels are not finite and were left out", name,
+              table.excluded_estimate);
 }
-
-ordered_json number(double value) {
-  if (std::isnan(value)) return nullptr;
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return value;
-}
-
-}  // namespace
 
 Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
   if (!options.error_map.empty()) SPOOL_TRY(check_exr_name(options.error_map));
-  SPOOL_ASSIGN(const MetricOptions metric, metric_options(options.settings));
+  SPOOL_ASSIGN(const MetricOptions metric, metric_settings(options.settings));
   SPOOL_ASSIGN(const RgbImage image, read_rgb(options.image));
   JudgingReference reference;
   SPOOL_ASSIGN(reference.mean, read_rgb(options.reference));
-  SPOOL_TRY(check_size(image, reference.mean, options.image));
+  SPOOL_TRY(check_same_size(image, reference.mean, options.image.string()));
   if (!options.variance.empty()) {
     SPOOL_ASSIGN(reference.variance, read_rgb(options.variance));
-    SPOOL_TRY(check_size(*reference.variance, reference.mean, options.variance));
+    SPOOL_TRY(check_same_size(*reference.variance, reference.mean, options.variance.string()));
   }
   SPOOL_ASSIGN(const std::vector<EnergyMask> masks, read_energy_masks(options.masks));
   const MetricTable table = error_metrics(image, reference, metric);
@@ -105,11 +111,7 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
                     "(--set rel_scale=none: as they are); +- one standard error\n",
                     table.pixels, table.relative_scale));
   }
-  if (table.failed) {
-    return fail(ErrorCode::kData, "{}: {} pixels are not finite and were left out",
-                options.image.string(), table.excluded_estimate);
-  }
-  return {};
+  return check_finite(table, options.image.string());
 }
 
 }  // namespace spool::tools

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/metrics/error_metrics.h"
 #include "tools/console.h"
 
 namespace spool::tools {
@@ -16,6 +17,16 @@ struct MetricsOptions {
   std::vector<std::string> settings;  // "OPTION=VALUE" of the metrics
   std::filesystem::path error_map;    // squared error per pixel as EXR; empty: none
 };
+
+// "OPTION=VALUE" of all metrics, the perceptual ones included.
+Result<MetricOptions> metric_settings(const std::vector<std::string>& settings);
+
+// kData when the image `name` and the reference differ in size.
+Result<void> check_same_size(const RgbImage& image, const RgbImage& reference,
+                             const std::string& name);
+
+// kData when pixels of the image `name` had to be left out.
+Result<void> check_finite(const MetricTable& table, const std::string& name);
 
 Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common);
 

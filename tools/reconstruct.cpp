@@ -47,23 +47,26 @@ struct Input {
   Selection selection;
 };
 
-Result<Input> load_input(const ReconstructOptions& options, const SanitiseRules& rules,
-                         const WorkingMemory& work, SampleFilm film) {
-  if (options.selection.empty()) {
-    SPOOL_ASSIGN(const auto recording, load_recording(options.dump, rules, work, film));
-    SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, options.pool));
-    SelectionFile all;
-    SPOOL_ASSIGN(all.n, uniform_counts(pool, options.spp));
-    SPOOL_ASSIGN(Selection selection, apply_selection(all, options.dump, pool));
-    return Input{recording, std::move(pool), std::move(selection)};
-  }
-  SPOOL_ASSIGN(const SelectionFile file, read_selection(options.selection));
-  const PoolOptions pool_options = file.pool.value_or(options.pool);
-  if (pool_options.pieces_per_side > 1) film = SampleFilm::kLoad;
-  SPOOL_ASSIGN(const auto recording, load_recording(options.dump, rules, work, film));
+Result<Input> load_input(const ReconstructOptions& options,
+                         const std::optional<SelectionFile>& selection, const Methods& methods,
+                         const std::vector<ViewDescription>& known, const Views& views,
+                         const LoadRecording& load) {
+  const PoolOptions pool_options =
+      selection ? selection->pool.value_or(options.pool) : options.pool;
+  const int pieces = pool_options.pieces_per_side;
+  const WorkingMemory work =
+      with_views(filtering_memory(methods.filters[0].choice, pieces), known, views, pieces);
+  SPOOL_ASSIGN(const auto recording,
+               load(methods.rules, work, film_for({}, choices_of(methods.filters), pieces)));
   SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, pool_options));
-  SPOOL_ASSIGN(Selection selection, apply_selection(file, options.selection, pool));
-  return Input{recording, std::move(pool), std::move(selection)};
+  SelectionFile all;
+  if (!selection) {
+    SPOOL_ASSIGN(all.n, uniform_counts(pool, options.spp));
+  }
+  SPOOL_ASSIGN(Selection selected,
+               apply_selection(selection ? *selection : all,
+                               selection ? options.selection : options.dump, pool));
+  return Input{recording, std::move(pool), std::move(selected)};
 }
 
 ExrFile image_file(const Reconstruction& result, bool layers) {
@@ -105,47 +108,92 @@ Result<void> write_piece_views(const ReconstructOptions& options, const SamplePo
 }
 
 // For eyes, not for measuring: sRGB, exposed as the pictures of an evaluation are.
-Result<void> write_picture(const std::filesystem::path& path, const Input& input,
-                           const Reconstruction& result, bool overwrite) {
-  const Result<JudgingReference> reference = independent_reference(input.pool.recording());
-  const RgbImage& guide = reference ? reference->mean : result.image;
-  return write_png(path, tone_map(result.image, tone_exposure(guide)), overwrite);
+Result<void> write_picture(const std::filesystem::path& path, const Reconstructed& done,
+                           bool overwrite) {
+  const Result<JudgingReference> reference = independent_reference(done.pool.recording());
+  const RgbImage& guide = reference ? reference->mean : done.made.image;
+  return write_png(path, tone_map(done.made.image, tone_exposure(guide)), overwrite);
 }
 
-Result<void> write_pictures(const ReconstructOptions& options, const Input& input,
-                            const Reconstruction& result, bool overwrite) {
+Result<void> write_pictures(const ReconstructOptions& options, const Reconstructed& done,
+                            bool overwrite) {
   std::error_code status;
   std::filesystem::create_directories(options.pictures, status);
-  const CountImage& counts = input.selection.statistics.n;
-  const Result<JudgingReference> reference = independent_reference(input.pool.recording());
+  const CountImage& counts = done.selection.statistics.n;
+  const Result<JudgingReference> reference = independent_reference(done.pool.recording());
   const ResultImages images{fmt::format("{}  {}", options.dump.filename().string(), options.filter),
-                            &result, &counts, reference ? &*reference : nullptr};
+                            &done.made, &counts, reference ? &*reference : nullptr};
   const PictureScale scale =
-      picture_scale(images.reference, result.image, *std::ranges::max_element(counts.pixels()));
+      picture_scale(images.reference, done.made.image, *std::ranges::max_element(counts.pixels()));
   SPOOL_TRY(write_result_pictures(options.pictures, images, scale, overwrite));
   return write_contact_sheet(options.pictures / "contact_sheet.png", images, scale, overwrite);
 }
 
-void say_what_was_made(const ReconstructOptions& options, const Input& input,
-                       const Reconstruction& result, double seconds, const CommonOptions& common) {
-  const int width = result.image[0].width(), height = result.image[0].height();
+void say_what_was_made(const ReconstructOptions& options, const Reconstructed& done,
+                       const CommonOptions& common) {
+  const int width = done.made.image[0].width(), height = done.made.image[0].height();
   if (common.json) {
-    GuardCounts guards = input.pool.recording().guards();
-    guards += result.guards;
     print(json_text({{"filter", options.filter},
                      {"output", options.output.string()},
                      {"width", width},
                      {"height", height},
-                     {"notes", result.notes},
-                     {"guards", guard_listing(guards)},
-                     {"seconds", seconds}}));
+                     {"notes", done.made.notes},
+                     {"guards", guard_listing(done.guards)},
+                     {"seconds", done.seconds}}));
   } else if (!common.quiet) {
     print_line(fmt::format("{}: {} x {} pixels, {}", options.output.string(), width, height,
-                           format_seconds(seconds)));
+                           format_seconds(done.seconds)));
   }
 }
 
+Result<void> write_result(const ReconstructOptions& options, const Reconstructed& done,
+                          bool as_picture, const CommonOptions& common) {
+  ExrFile file = image_file(done.made, options.layers);
+  const bool of_pieces = !add_view_layers(done.views, file).empty();
+  file.text_attributes = {{"spool.filter", options.filter}, {"spool.dump", options.dump.string()}};
+  if (as_picture) {
+    SPOOL_TRY(write_picture(options.output, done, common.force));
+  } else {
+    SPOOL_TRY(write_exr(options.output, file, {.overwrite = common.force}));
+  }
+  if (of_pieces) {
+    SPOOL_TRY(write_piece_views(options, done.pool, done.views, common));
+  }
+  if (options.pictures.empty()) return {};
+  SPOOL_TRY(write_pictures(options, done, common.force));
+  return write_view_pictures(done.views, options.pictures / "views", common.force);
+}
+
 }  // namespace
+
+Result<Reconstructed> reconstruct(const ReconstructOptions& options,
+                                  const std::optional<SelectionFile>& selection,
+                                  const LoadRecording& load,
+                                  const std::function<void(double)>& progress) {
+  SPOOL_ASSIGN(const Methods methods, choose_methods({}, {options.filter}, options.method));
+  const ReadyFilter filter = average_halves(methods.filters[0].ready);
+  const std::vector<std::string> wanted = split_list(options.views);
+  std::vector<ViewDescription> known = methods.filters[0].method->views;
+  known.insert(known.end(), selection_views().begin(), selection_views().end());
+  known.insert(known.end(), image_views().begin(), image_views().end());
+  SPOOL_TRY(check_views(wanted, known));
+  Views views(wanted);
+  SPOOL_ASSIGN(Input input, load_input(options, selection, methods, known, views, load));
+  const auto& reference = input.pool.recording().reference();
+  const FilterContext context{&views, reference ? &*reference : nullptr, progress};
+  const auto start = std::chrono::steady_clock::now();
+  Result<Reconstruction> filtered = filter(input.selection, input.pool, context);
+  SPOOL_TRY(still_intact(input.recording));  // before what a method says about lost samples
+  SPOOL_ASSIGN(Reconstruction made, std::move(filtered));
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  add_selection_views(input.selection, views);
+  add_image_views(made, views);
+  GuardCounts guards = input.recording->guards();
+  guards += made.guards;
+  return Reconstructed{
+      std::move(input.pool), std::move(input.selection), std::move(made), std::move(views), guards,
+      seconds.count()};
+}
 
 Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common) {
   const bool as_picture = is_png_name(options.output);
@@ -155,45 +203,23 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
                 options.output.string());
   }
   SPOOL_TRY(refuse_existing(options.output, common.force));
-  SPOOL_ASSIGN(const Methods methods, choose_methods({}, {options.filter}, options.method));
-  const ReadyFilter filter = average_halves(methods.filters[0].ready);
-  const std::vector<std::string> wanted = split_list(options.views);
-  std::vector<ViewDescription> known = methods.filters[0].method->views;
-  known.insert(known.end(), selection_views().begin(), selection_views().end());
-  known.insert(known.end(), image_views().begin(), image_views().end());
-  SPOOL_TRY(check_views(wanted, known));
-  const int pieces = options.pool.pieces_per_side;
-  const WorkingMemory work = filtering_memory(methods.filters[0].choice, pieces);
-  const SampleFilm film = film_for({}, choices_of(methods.filters), pieces);
-  SPOOL_ASSIGN(const Input input, load_input(options, methods.rules, work, film));
-  Progress progress("reconstruct " + options.filter, common.quiet);
-  Views views(wanted);
-  const auto& reference = input.pool.recording().reference();
-  const FilterContext context{&views, reference ? &*reference : nullptr,
-                              [&](double share) { progress.update(share); }};
-  const auto start = std::chrono::steady_clock::now();
-  Result<Reconstruction> filtered = filter(input.selection, input.pool, context);
-  SPOOL_TRY(still_intact(input.recording));  // before what a method says about lost samples
-  SPOOL_ASSIGN(const Reconstruction result, std::move(filtered));
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  ExrFile file = image_file(result, options.layers);
-  add_selection_views(input.selection, views);
-  add_image_views(result, views);
-  const bool of_pieces = !add_view_layers(views, file).empty();
-  file.text_attributes = {{"spool.filter", options.filter}, {"spool.dump", options.dump.string()}};
-  if (as_picture) {
-    SPOOL_TRY(write_picture(options.output, input, result, common.force));
-  } else {
-    SPOOL_TRY(write_exr(options.output, file, {.overwrite = common.force}));
+  std::optional<SelectionFile> selection;
+  if (!options.selection.empty()) {
+    SPOOL_ASSIGN(selection, read_selection(options.selection));
   }
-  if (of_pieces) {
-    SPOOL_TRY(write_piece_views(options, input.pool, views, common));
-  }
-  if (!options.pictures.empty()) {
-    SPOOL_TRY(write_pictures(options, input, result, common.force));
-    SPOOL_TRY(write_view_pictures(views, options.pictures / "views", common.force));
-  }
-  say_what_was_made(options, input, result, seconds.count(), common);
+  std::optional<Progress> progress;  // from when the recording is there
+  SPOOL_ASSIGN(const Reconstructed done,
+               reconstruct(
+                   options, selection,
+                   [&](const SanitiseRules& rules, const WorkingMemory& work, SampleFilm film) {
+                     auto recording = load_recording(options.dump, rules, work, film);
+                     progress.emplace("reconstruct " + options.filter, common.quiet);
+                     return recording;
+                   },
+                   [&](double share) { progress->update(share); }));
+  progress.reset();
+  SPOOL_TRY(write_result(options, done, as_picture, common));
+  say_what_was_made(options, done, common);
   return {};
 }
 

@@ -2,12 +2,17 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
+#include "lib/core/view.h"
+#include "lib/filters/filter.h"
 #include "lib/pool/sample_pool.h"
 #include "tools/console.h"
 #include "tools/methods/method_settings.h"
+#include "tools/methods/selection_file.h"
+#include "tools/replay.h"
 
 namespace spool::tools {
 
@@ -25,5 +30,22 @@ struct ReconstructOptions {
 };
 
 Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common);
+
+struct Reconstructed {
+  SamplePool pool;
+  Selection selection;
+  Reconstruction made;
+  Views views;  // those asked for, of the filter, the selection and the image
+  GuardCounts guards;
+  double seconds = 0.0;
+};
+
+// The reconstruction itself; nothing is read but through `load`, and nothing written. Without a
+// selection the first `options.spp` samples of every pixel; options.selection is its name in
+// errors.
+Result<Reconstructed> reconstruct(const ReconstructOptions& options,
+                                  const std::optional<SelectionFile>& selection,
+                                  const LoadRecording& load,
+                                  const std::function<void(double)>& progress);
 
 }  // namespace spool::tools

@@ -1,13 +1,14 @@
 #include "tools/replay.h"
 
 #include <chrono>
+#include <optional>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/image_io/atomic_file.h"
-#include "lib/pool/load_recording.h"
 #include "lib/sampling/spending.h"
 #include "tools/guard_listing.h"
 #include "tools/json_text.h"
@@ -36,9 +37,15 @@ ordered_json describe(const ReplayOptions& options, const SamplingLog& log,
           {"seconds", seconds}};
 }
 
-Result<Views> wanted_views(const ReplayOptions& options, std::vector<ViewDescription> known) {
-  const std::vector<std::string> wanted = split_list(options.views);
+std::vector<ViewDescription> views_of(const Sampler& sampler) {
+  std::vector<ViewDescription> known = sampler.views;
   known.insert(known.end(), selection_views().begin(), selection_views().end());
+  return known;
+}
+
+Result<Views> wanted_views(const ReplayOptions& options,
+                           const std::vector<ViewDescription>& known) {
+  const std::vector<std::string> wanted = split_list(options.views);
   SPOOL_TRY(check_views(wanted, known));
   if (!options.pictures.empty() && wanted.empty()) {
     return fail(
@@ -65,9 +72,8 @@ Result<long long> checked_budget(const SamplePool& pool, double spp) {
   return budget;
 }
 
-Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common) {
-  SPOOL_TRY(check_exr_name(options.output));
-  SPOOL_TRY(refuse_existing(options.output, common.force));
+Result<Replayed> replay(const ReplayOptions& options, const LoadRecording& load,
+                        const std::function<void(double)>& progress) {
   std::vector<std::string> filters;  // in the loop of the sampler
   if (!options.filter.empty()) {
     filters.push_back(options.filter);
@@ -83,44 +89,63 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
                                 methods.filters[0].ready.needs));
   }
   const ReadySampler sample = options.decision_split ? split_decisions(chosen.ready) : chosen.ready;
-  SPOOL_ASSIGN(Views views, wanted_views(options, chosen.method->views));
+  const std::vector<ViewDescription> known = views_of(*chosen.method);
+  SPOOL_ASSIGN(Views views, wanted_views(options, known));
   MethodChoice counted = chosen.choice;  // with the filter that --filter puts into its loop
   if (!chosen.ready.needs.loop_filter.empty()) counted.set.emplace_back("filter", "beside");
   SPOOL_ASSIGN(const auto recording,
-               load_recording(options.dump, methods.rules,
-                              sampling_memory(counted, choices_of(methods.filters),
-                                              options.pool.pieces_per_side),
-                              film_for(choices_of(methods.samplers), choices_of(methods.filters),
-                                       options.pool.pieces_per_side)));
-  SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, options.pool));
+               load(methods.rules,
+                    with_views(sampling_memory(counted, choices_of(methods.filters),
+                                               options.pool.pieces_per_side),
+                               known, views, options.pool.pieces_per_side),
+                    film_for(choices_of(methods.samplers), choices_of(methods.filters),
+                             options.pool.pieces_per_side)));
+  SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, options.pool));
   SPOOL_ASSIGN(const long long budget, checked_budget(pool, options.spp));
-  Progress progress("replay " + options.sampler, common.quiet);
   SamplingContext context;
   context.seed = options.pool.seed;
   context.views = &views;
-  context.progress = [&](double share) { progress.update(share); };
+  context.progress = progress;
   if (!methods.filters.empty()) context.filter = loop_filter(methods.filters[0].ready);
   const auto start = std::chrono::steady_clock::now();
   Result<SamplingResult> sampled = sample(pool, budget, context);
   SPOOL_TRY(
       still_intact(recording));  // goes before what a method says about samples that were lost
-  SPOOL_ASSIGN(const SamplingResult result, std::move(sampled));
+  SPOOL_ASSIGN(SamplingResult result, std::move(sampled));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   add_selection_views(result.selection, views);
-  SPOOL_TRY(write_selection(options.output, result.selection,
+  GuardCounts guards = recording->guards();
+  guards += result.log.guards;
+  return Replayed{std::move(pool), std::move(result), std::move(views), guards, seconds.count()};
+}
+
+Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(check_exr_name(options.output));
+  SPOOL_TRY(refuse_existing(options.output, common.force));
+  std::optional<Progress> progress;  // from when the recording is there
+  SPOOL_ASSIGN(const Replayed done,
+               replay(
+                   options,
+                   [&](const SanitiseRules& rules, const WorkingMemory& work, SampleFilm film) {
+                     auto recording = load_recording(options.dump, rules, work, film);
+                     progress.emplace("replay " + options.sampler, common.quiet);
+                     return recording;
+                   },
+                   [&](double share) { progress->update(share); }));
+  progress.reset();
+  SPOOL_TRY(write_selection(options.output, done.sampled.selection,
                             {options.sampler, options.dump.string(), options.pool}, common.force,
-                            &views));
+                            &done.views));
   if (!options.pictures.empty()) {
-    SPOOL_TRY(write_view_pictures(views, options.pictures, common.force));
+    SPOOL_TRY(write_view_pictures(done.views, options.pictures, common.force));
   }
+  const SamplingLog& log = done.sampled.log;
   if (common.json) {
-    GuardCounts guards = recording->guards();
-    guards += result.log.guards;
-    print(json_text(describe(options, result.log, guards, seconds.count())));
+    print(json_text(describe(options, log, done.guards, done.seconds)));
   } else if (!common.quiet) {
     print_line(fmt::format("{}: {} samples taken of {} asked for, {} pieces ran out, {}",
-                           options.output.string(), result.log.spent, result.log.budget,
-                           result.log.saturated_pieces, format_seconds(seconds.count())));
+                           options.output.string(), log.spent, log.budget, log.saturated_pieces,
+                           format_seconds(done.seconds)));
   }
   return {};
 }

@@ -3,9 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 
+#include "lib/core/view.h"
+#include "lib/pool/load_recording.h"
 #include "lib/pool/sample_pool.h"
+#include "lib/sampling/sampler.h"
 #include "tools/console.h"
 #include "tools/methods/method_settings.h"
 
@@ -25,6 +30,22 @@ struct ReplayOptions {
 };
 
 Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common);
+
+// How a command gets its recording: what its methods need of it is known by then.
+using LoadRecording = std::function<Result<std::shared_ptr<const RecordedSamples>>(
+    const SanitiseRules&, const WorkingMemory&, SampleFilm)>;
+
+struct Replayed {
+  SamplePool pool;
+  SamplingResult sampled;
+  Views views;  // those asked for, of the sampler and of its selection
+  GuardCounts guards;
+  double seconds = 0.0;
+};
+
+// The replay itself; nothing is read but through `load`, and nothing written.
+Result<Replayed> replay(const ReplayOptions& options, const LoadRecording& load,
+                        const std::function<void(double)>& progress);
 
 // kData when the pool cannot pay for `spp` samples per pixel.
 Result<long long> checked_budget(const SamplePool& pool, double spp);

@@ -1,0 +1,67 @@
+#include "tools/command_line/program.h"
+
+#include <charconv>
+#include <cstdint>
+#include <limits>
+#include <map>
+
+namespace spool::tools {
+
+// The switches of a verb; every verb takes --threads and --quiet.
+void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force) {
+  if (json) verb.add_flag("--json", common.json, "print JSON instead of text");
+  if (force) verb.add_flag("--force", common.force, "replace what exists");
+  verb.add_flag("--quiet,-q", common.quiet, "no progress, no remarks");
+  verb.add_option("--threads", common.threads,
+                  "threads to use, 0 for all; the results do not depend on it")
+      ->check(CLI::Range(0, 1024));
+}
+
+// A seed as plans have it, too: TOML has no larger numbers. CLI11 itself wraps what is negative.
+CLI::Validator seed_check() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        std::int64_t seed = -1;
+        const char* end = text.data() + text.size();
+        const auto parsed = std::from_chars(text.data(), end, seed);
+        if (parsed.ec == std::errc() && parsed.ptr == end && seed >= 0) return "";
+        return fmt::format("a seed is a whole number from 0 to {}, not {}",
+                           std::numeric_limits<std::int64_t>::max(), text);
+      },
+      "");
+}
+
+void add_dump(CLI::App& verb, std::filesystem::path& dump) {
+  verb.add_option("FILE", dump, "a recorded dump, NAME.spool")->required();
+}
+
+void add_output(CLI::App& verb, std::filesystem::path& output, const std::string& help) {
+  verb.add_option("-o,--output", output, help)->required();
+}
+
+void add_method(CLI::App& verb, MethodOptions& method) {
+  verb.add_option("--preset", method.preset,
+                  "values of all options at once: see spool list presets");
+  verb.add_option("--set", method.settings,
+                  "an option of a method, PART.OPTION=VALUE; PART is sampler, filter, pool or the "
+                  "name of one method; may be given several times")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+void add_pool(CLI::App& verb, PoolOptions& pool) {
+  verb.add_option("--order", pool.order,
+                  "order of each pixel's samples: recorded (default) or shuffled by --seed")
+      ->transform(CLI::CheckedTransformer(
+                      std::map<std::string, PoolOrder>{{"recorded", PoolOrder::kRecorded},
+                                                       {"shuffled", PoolOrder::kShuffled}})
+                      .description(""))
+      ->option_text("recorded|shuffled");
+  verb.add_option("--seed", pool.seed, "seed of the order and of the method (0)")
+      ->check(seed_check());
+  verb.add_option("--holdout", pool.holdout, "samples per pixel that are never offered (0)")
+      ->check(CLI::Range(0, 65535));
+  verb.add_option("--pieces", pool.pieces_per_side, kPieces)->check(CLI::Range(1, 2));
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,79 @@
+// What a command line becomes: every verb is a function with a plain struct of options, filled by
+// CLI11, which is included here and by nobody outside of this folder.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/check.h"
+#include "tools/compare.h"
+#include "tools/completion.h"
+#include "tools/console.h"
+#include "tools/convert.h"
+#include "tools/evaluate.h"
+#include "tools/figure_verb.h"
+#include "tools/info.h"
+#include "tools/list.h"
+#include "tools/manual_verbs.h"
+#include "tools/metrics_verb.h"
+#include "tools/pack.h"
+#include "tools/picture_verb.h"
+#include "tools/pixel_verb.h"
+#include "tools/reconstruct.h"
+#include "tools/recover.h"
+#include "tools/replay.h"
+#include "tools/report_verb.h"
+#include "tools/synth.h"
+#include "tools/view/view_verb.h"
+
+namespace spool::tools {
+
+using Verb = std::function<Result<void>()>;
+
+struct Program {
+  CLI::App app{
+      "Spool: a laboratory for adaptive sampling and reconstruction in Monte Carlo "
+      "rendering.\nRecords every sample of an image once, replays samplers on the record, "
+      "filters, and measures."};
+  CommonOptions common;
+  InfoOptions info;
+  CheckOptions check;
+  RecoverOptions recover;
+  PackVerbOptions pack;
+  ConvertOptions convert;
+  SynthOptions synth;
+  ReplayOptions replay;
+  ReconstructOptions reconstruct;
+  EvaluateOptions evaluate;
+  MetricsOptions metrics;
+  CompareOptions compare;
+  ReportOptions report;
+  FigureOptions figure;
+  PictureOptions picture;
+  PixelOptions pixel;
+  ViewOptions view;
+  ListOptions list;
+  CompletionOptions completion;
+  ManOptions man;
+  Verb chosen;
+};
+
+// The switches of a verb; every verb takes --threads and --quiet.
+void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force);
+// A seed as plans have it, too: TOML has no larger numbers.
+CLI::Validator seed_check();
+void add_dump(CLI::App& verb, std::filesystem::path& dump);
+void add_output(CLI::App& verb, std::filesystem::path& output, const std::string& help);
+void add_method(CLI::App& verb, MethodOptions& method);
+void add_pool(CLI::App& verb, PoolOptions& pool);
+
+inline constexpr const char* kPieces =
+    "pieces per side of a pixel: 1, or 2 where film positions were recorded (1)";
+inline constexpr const char* kDecisionSplit =
+    "the even samples of a pixel decide how many odd ones are averaged, and the odd ones about the "
+    "even: unbiased, noisier, takes more than the budget";
+
+}  // namespace spool::tools

@@ -1,0 +1,132 @@
+#include "tools/command_line/recording_verbs.h"
+
+#include "lib/core/option_table.h"
+#include "lib/exchange/foreign_formats.h"
+#include "lib/synthetic/synthetic_scenes.h"
+
+namespace spool::tools {
+
+void add_info(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand("info", "what was recorded");
+  add_dump(verb, program.info.dump);
+  add_common(verb, program.common, true, false);
+  verb.footer(
+      "Examples:\n"
+      "  spool info dumps/tiny/chess.spool\n"
+      "  spool info dumps/tiny/chess.spool --json | jq .samples_per_pixel");
+  verb.callback([&] { program.chosen = [&] { return run_info(program.info, program.common); }; });
+}
+
+void add_check(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand("check", "verify every record of a dump");
+  add_dump(verb, program.check.dump);
+  add_common(verb, program.common, true, false);
+  verb.footer(
+      "Exit code 4 and a list of what is lost when the file is damaged or incomplete.\n"
+      "Examples:\n"
+      "  spool check dumps/tiny/chess.spool\n"
+      "  for f in *.spool; do spool check -q $f || echo \"$f is damaged\"; done");
+  verb.callback([&] { program.chosen = [&] { return run_check(program.check, program.common); }; });
+}
+
+void add_recover(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("recover", "all intact records of a damaged dump, as a new one");
+  verb.add_option("IN", program.recover.input, "a cut or damaged dump")->required();
+  verb.add_option("OUT", program.recover.output, "the dump to write")->required();
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "Exit code 4 and a list of what is lost when anything is; the new file is whole in itself.\n"
+      "Examples:\n"
+      "  spool recover damaged.spool saved.spool\n"
+      "  spool recover night.spool.partial saved.spool    (a recording that was interrupted)");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_recover(program.recover, program.common); }; });
+}
+
+void add_pack(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "pack", "folders of recorded passes, or a foreign file, become one dump");
+  format::PackOptions& pack = program.pack.pack;
+  verb.add_option("SOURCES", program.pack.sources,
+                  "folders that a recorder wrote, joined in this order; or a foreign file")
+      ->required();
+  std::vector<std::string> kinds = names_of(exchange::import_formats());
+  kinds.insert(kinds.begin(), "passes");
+  verb.add_option("--from", program.pack.from,
+                  fmt::format("what SOURCES are: {} (default passes)", fmt::join(kinds, ", ")))
+      ->check(CLI::IsMember(kinds).description(""))
+      ->option_text("FORMAT");
+  add_output(verb, program.pack.output, "the dump to write, NAME.spool");
+  verb.add_flag("--compress", pack.compress, "zstd, where it saves 5 % or more");
+  verb.add_flag("--half-radiance", pack.radiance_f16, "radiance as 16-bit floats (32)");
+  verb.add_flag("--full-features", pack.features_f32, "features as 32-bit floats (16)");
+  verb.add_option("--set", program.pack.settings,
+                  "import.OPTION=VALUE, an option of the foreign format: see spool list imports")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_option("--max-expansion", program.pack.max_expansion,
+                  "of foreign files: how many times larger than its source the dump may be (100)")
+      ->check(CLI::Range(uint64_t{1}, interchange::kMaxExpansionTimes));
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "docs/formats.md says what each foreign format holds and what is converted or dropped.\n"
+      "Examples:\n"
+      "  spool pack chess.passes -o chess.spool\n"
+      "  spool pack machine1.passes machine2.passes --compress -o chess.spool\n"
+      "  spool pack --from npz samples.npz --set import.layout=HWSC -o mine.spool\n"
+      "  spool pack --from exr-folder renders --set import.map=albedo=DiffCol \\\n"
+      "    -o mine.spool");
+  verb.callback([&] { program.chosen = [&] { return run_pack(program.pack, program.common); }; });
+}
+
+void add_convert(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("convert", "a dump becomes a neighbour's file or folder");
+  ConvertOptions& options = program.convert;
+  verb.add_option("IN", options.input, "a recorded dump, NAME.spool")->required();
+  const std::vector<std::string> kinds = names_of(exchange::export_formats());
+  verb.add_option("--to", options.to, fmt::format("{}", fmt::join(kinds, ", ")))
+      ->required()
+      ->check(CLI::IsMember(kinds).description(""))
+      ->option_text("FORMAT REQUIRED");
+  verb.add_option("--set", options.settings,
+                  "export.OPTION=VALUE, an option of the format: see spool list exports")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_output(verb, options.output,
+             "npz, bcd, deep-exr: the file; bcd-stats: P.exr, P_cov.exr, P_hist.exr; exr-folder, "
+             "oidn: the folder");
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "What a format has no place for is refused or named. docs/formats.md tells more.\n"
+      "Examples:\n"
+      "  spool convert dumps/tiny/chess.spool --to npz -o chess.npz\n"
+      "  spool convert dumps/tiny/chess.spool --to oidn --set export.spp=1,2,4,8 -o oidn_set\n"
+      "  spool convert dumps/tiny/chess.spool --to bcd-stats --set export.spp=16 -o chess_bcd");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_convert(program.convert, program.common); }; });
+}
+
+void add_synth(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "synth", "an analytic scene with its exact reference, as a dump; needs no renderer");
+  SynthOptions& options = program.synth;
+  verb.add_option("NAME", options.scene, "see spool list scenes")->required();
+  verb.add_option("--size", options.size, "WxH or N pixels (128x128)");
+  verb.add_option("--samples", options.spp, "per pixel (64)")->check(CLI::Range(1, 65536));
+  verb.add_option("--seed", options.seed, "of the samples (1)")->check(seed_check());
+  verb.add_option("--set", options.settings, "OPTION=VALUE of the scene: see spool list scenes")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_flag("--compress", options.compress, "zstd, where it saves 5 % or more");
+  add_output(verb, options.output, "the dump to write, NAME.spool");
+  add_common(verb, program.common, false, true);
+  verb.footer(
+      "Examples:\n"
+      "  spool synth scene_s --size 128 --samples 64 -o s.spool\n"
+      "  spool synth slanted_edge --set angle=45 -o edge.spool");
+  verb.callback([&] { program.chosen = [&] { return run_synth(program.synth, program.common); }; });
+}
+
+}  // namespace spool::tools

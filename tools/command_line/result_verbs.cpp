@@ -1,0 +1,246 @@
+#include "tools/command_line/result_verbs.h"
+
+#include "lib/core/option_table.h"
+#include "lib/experiment/reference.h"
+#include "lib/experiment/result_record.h"
+
+namespace spool::tools {
+namespace {
+
+std::string reference_names() {
+  std::string names;
+  for (const ReferenceDescription& kind : reference_kinds())
+    names += (names.empty() ? "" : ", ") + kind.name + (kind.biased ? " (biased)" : "");
+  return names;
+}
+
+// An evaluation that is looked at beforehand, spread over machines, or put together.
+void add_parts_of_a_run(CLI::App& verb, EvaluateOptions& options) {
+  verb.add_flag("--dry-run", options.dry_run,
+                "list the cells and about how long they will take; runs no command of the plan");
+  verb.add_option(
+          "--timing", options.timing,
+          "shared: results of small pictures are made beside each other, on all processors, "
+          "and the column `timing` says so; exact: one after another (shared)")
+      ->check(CLI::IsMember({"shared", "exact"}));
+  verb.add_option("--shard", options.shard,
+                  "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
+  verb.add_flag("--merge", options.merge,
+                "run nothing: make the results of the cells that are done");
+  verb.add_flag("--statistics-only", options.statistics_only,
+                "run nothing: compute statistics.json of these folders of results anew");
+  verb.add_option("--from", options.merge_from,
+                  "with --merge: folders whose cells are taken over first; may be given several "
+                  "times")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+}  // namespace
+
+void add_evaluate(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "evaluate", "every sampler with every filter at every budget: error, time, pictures");
+  EvaluateOptions& options = program.evaluate;
+  verb.add_option("FILES", options.files,
+                  "recorded dumps; one PLAN.toml that says everything; or, with --statistics-only, "
+                  "folders of results")
+      ->required();
+  verb.add_option("--samplers", options.samplers, "a,b:PRESET,LABEL=c{OPTION=VALUE} (uniform)");
+  verb.add_option("--filters", options.filters, "the same of filters (box)");
+  verb.add_option("--spp", options.spp, "budgets in samples per pixel: 4,8,16");
+  verb.add_option("--replicates", options.replicates,
+                  "repetitions, with samples that no other has as far as they reach (8)")
+      ->check(CLI::Range(1, 100000));
+  verb.add_option("--repeats", options.repeats,
+                  "times each stage is run for the median of its time (1)")
+      ->check(CLI::Range(1, 1000));
+  verb.add_option("--sweep-threads", options.cell_threads,
+                  "run everything with each of these numbers of threads: 1,2,4");
+  add_method(verb, options.methods);
+  verb.add_option("--reference", options.reference,
+                  "what images are judged by: " + reference_names() +
+                      " (default: the first of these that the dump can give)");
+  verb.add_option("--holdout", options.holdout,
+                  "samples per pixel kept for judging (a quarter, where they are needed)")
+      ->check(CLI::Range(0, 65535));
+  verb.add_option("--seed", options.seed, "seed of all replicates (1)")->check(seed_check());
+  verb.add_flag("--recorded-order", options.recorded_order,
+                "take samples in recorded order; all replicates are then alike");
+  verb.add_option("--pieces", options.pieces_per_side, kPieces)->check(CLI::Range(1, 2));
+  verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
+  verb.add_flag("--fresh", options.fresh,
+                "also apply the counts to samples that had no say in them, and take bias and "
+                "variance apart: columns *_fresh, *_bias2, *_variance; three times the work");
+  verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
+  add_parts_of_a_run(verb, options);
+  verb.add_option("-o,--output", options.output, "folder for the results and the pictures");
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "results.csv and results.jsonl have one row per recording, sampler, filter, budget and\n"
+      "replicate: spool list columns. A run that was interrupted goes on when started again;\n"
+      "--force starts it anew. MSE is debiased by the variance of the reference and may be "
+      "slightly\n"
+      "negative. `pool` judges an image by the samples it was made of: biased, and differently "
+      "for\n"
+      "each method.\n"
+      "Examples:\n"
+      "  spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \\\n"
+      "    --filters box,directional --spp 4,8,16 -o results\n"
+      "  spool evaluate tools/plans/quick.toml -o results\n"
+      "  spool evaluate plan.toml --dry-run\n"
+      "  spool evaluate --statistics-only results\n"
+      "  spool evaluate plan.toml --shard 3/16 -o shared/results       (on machine 3 of 16)\n"
+      "  spool evaluate plan.toml --merge -o shared/results            (when all are done)");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_evaluate(program.evaluate, program.common); }; });
+}
+
+void add_metrics(Program& program) {
+  CLI::App& verb =
+      *program.app.add_subcommand("metrics", "every metric of one image against another");
+  MetricsOptions& options = program.metrics;
+  verb.add_option("IMAGE", options.image, "an EXR: R, G, B or one channel, scene-linear")
+      ->required();
+  verb.add_option("REFERENCE", options.reference, "an EXR of the same size")->required();
+  verb.add_option("--variance", options.variance,
+                  "EXR with the variance of the reference's mean: errors are debiased by it");
+  verb.add_option("--mask", options.masks,
+                  "NAME=FILE.exr: energy ratio where the mask is above 0.5; several times")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_option("--set", options.settings,
+                  "OPTION=VALUE of the metrics (spool list metrics): rel_scale=none")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_option("--error-map", options.error_map, "also write the squared error of each pixel");
+  add_common(verb, program.common, true, true);
+  verb.footer(
+      "Examples:\n"
+      "  spool metrics mine.exr reference.exr\n"
+      "  spool metrics mine.exr reference.exr --json --set rel_scale=none --set rel_eps=0.001");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_metrics(program.metrics, program.common); }; });
+}
+
+void add_compare(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "compare", "what became better or worse between two evaluations, beyond the noise");
+  CompareOptions& options = program.compare;
+  verb.add_option("BEFORE", options.before, "a folder of spool evaluate")->required();
+  verb.add_option("AFTER", options.after, "another one")->required();
+  verb.add_option("--metric", options.metrics,
+                  "one or several: " + fmt::format("{}", fmt::join(compared_metrics(), ", ")) +
+                      ", cpu (relmse)");
+  verb.add_option("--significance", options.significance,
+                  "chance of a claim where nothing changed, of all comparisons together (0.05)")
+      ->check(CLI::Range(0.0, 1.0));
+  verb.add_option("--match", options.match_name,
+                  "label: methods with the same options; name: whatever their options (label)")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, bool>{{"label", false}, {"name", true}}));
+  verb.add_option("--tolerance", options.tolerance,
+                  "relative changes up to this are let pass: 0.01 (0)")
+      ->check(CLI::Range(0.0, 1e6));
+  verb.add_flag("--all", options.all, "also list what did not change");
+  add_common(verb, program.common, true, false);
+  verb.footer(
+      "Exit code 1 when something became worse, failed, or is missing in AFTER: for a build\n"
+      "machine. Differences are paired where both drew the same samples.\n"
+      "Examples:\n"
+      "  spool evaluate plan.toml -o new && spool compare accepted new\n"
+      "  spool compare accepted new --metric relmse,cpu --tolerance 0.02\n"
+      "  spool compare alpha_03 alpha_04 --match name");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_compare(program.compare, program.common); }; });
+}
+
+void add_report(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "report", "one HTML file of an evaluation: results at a glance, charts, table, images");
+  ReportOptions& options = program.report;
+  verb.add_option("DIR", options.folder, "the folder that spool evaluate -o DIR wrote")->required();
+  add_output(verb, options.output, "the HTML file; it needs no network and no other file");
+  verb.add_option("--metric", options.metric, "the error that the summary compares (relmse)");
+  verb.add_option("--max-image-mb", options.max_image_mb,
+                  "megabytes of images in the page; beyond, crops and links to the EXRs (40)")
+      ->check(CLI::Range(0.0, 1e6));
+  verb.add_option("--title", options.title, "heading of the page (names of the recordings)");
+  add_common(verb, program.common, false, true);
+  verb.footer(
+      "Needs Python 3 with numpy (SPOOL_PYTHON names the interpreter) and, once, the scripts that\n"
+      "tools/report/fetch_assets.sh fetches.\n"
+      "Examples:\n"
+      "  spool evaluate dumps/tiny/chess.spool --spp 4,8,16 -o results\n"
+      "  spool report results -o report.html");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_report(program.report, program.common); }; });
+}
+
+void add_figure(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "figure", "figures and tables of an evaluation for a paper: PDF, SVG, PNG, LaTeX");
+  FigureOptions& options = program.figure;
+  verb.add_option("SOURCE", options.source,
+                  "the folder that spool evaluate -o DIR wrote, or PLAN.toml, which is evaluated "
+                  "into FOLDER/results first")
+      ->required();
+  add_output(verb, options.output, "the folder of the figures");
+  verb.add_option("--metric", options.metric, "the error (relmse)");
+  verb.add_option("--spp", options.spp, "budget of the comparisons (the middle one)")
+      ->check(CLI::Range(0.0, 65536.0));
+  verb.add_option("--recording", options.recordings, "compare on this one; may be given again");
+  verb.add_option(
+          "--method", options.methods,
+          "'SAMPLER + FILTER' to show, in this order; may be given again (uniform + box and "
+          "the best)")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_common(verb, program.common, false, true);
+  verb.footer(
+      "Writes comparison_RECORDING (reference, insets where methods differ most, error maps, "
+      "numbers)\nand curves, each as .pdf, .svg and .png; curves.csv and curves.py, which draws "
+      "it; "
+      "table.tex\nand table.md. Bold: told apart from every other method. Needs Python 3 with "
+      "numpy and matplotlib.\n"
+      "Examples:\n"
+      "  spool figure results -o figures\n"
+      "  spool figure results -o figures --spp 4 --method 'uniform + box' \\\n"
+      "    --method 'multiscale + directional'\n"
+      "  spool figure tools/plans/quick.toml -o figures");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_figure(program.figure, program.common); }; });
+}
+
+void add_picture(Program& program) {
+  CLI::App& verb = *program.app.add_subcommand(
+      "picture", "an EXR as a PNG to look at: tone-mapped, or false colour with its bar");
+  PictureOptions& options = program.picture;
+  verb.add_option("IMAGE", options.image, "an OpenEXR image")->required();
+  CLI::Option* exposure =
+      verb.add_option("--exposure", options.exposure,
+                      "EV: values times 2^EV, then sRGB (the log-average luminance becomes middle "
+                      "grey)")
+          ->check(CLI::Range(-100.0, 100.0));
+  verb.add_option("--like", options.like, "take the automatic exposure from this image")
+      ->excludes(exposure);
+  CLI::Option* colour = verb.add_flag("--false-colour", options.false_colour,
+                                      "one channel, or the luminance, as colours with a bar");
+  colour->excludes(exposure);
+  verb.add_option("--channel", options.channel, "of --false-colour: its name")->needs(colour);
+  verb.add_option("--range", options.range, "of --false-colour: LOW,HIGH (all values)")
+      ->needs(colour);
+  verb.add_flag("--log", options.log, "of --false-colour: a logarithmic scale")->needs(colour);
+  add_output(verb, options.output, "the picture to write, NAME.png");
+  add_common(verb, program.common, false, true);
+  verb.footer(
+      "For eyes, not for measuring. Pixels that are not finite are magenta.\n"
+      "Examples:\n"
+      "  spool picture image.exr -o image.png\n"
+      "  spool picture image.exr --like reference.exr -o image.png\n"
+      "  spool picture density.exr --false-colour --log --range 1,64 -o density.png");
+  verb.callback(
+      [&] { program.chosen = [&] { return run_picture(program.picture, program.common); }; });
+}
+
+}  // namespace spool::tools
