@@ -50,7 +50,7 @@ class Results:
             rows.sort(key=lambda row: row["replicate"])
 
     def _add(self, row):
-        key = (_pool(row["dump"]), *_name(row), row["spp"], row["threads"])
+        key = (_pool(row.get("dump_path", row["dump"])), *_name(row), row["spp"], row["threads"])
         if row["error"]:
             self.failed[key] = row["error"]
         else:
