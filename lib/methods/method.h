@@ -41,6 +41,7 @@ template <class Function>
 struct Ready {
   Function run;
   Needs needs;
+  WorkingMemory beside = {};  // what its options take beside the method's own memory
 
   template <class... Arguments>
   auto operator()(Arguments&&... arguments) const {
@@ -61,6 +62,7 @@ struct Method {
   std::vector<ViewDescription> views;
   Needs needs;                               // with the default options
   WorkingMemory memory = kUnmeasuredMemory;  // its own; a filter in its loop takes more
+  bool footprints = false;                   // a filter that can say its weights (footprint.h)
   std::function<std::vector<OptionDescription>(std::string_view preset)> describe;
   // An empty preset is the default. Errors kUsage: an unknown preset or option, a wrong value.
   std::function<Result<Ready<Function>>(std::string_view preset, const OptionValues& set)> make;
@@ -96,6 +98,7 @@ struct MethodParts {
   std::vector<ViewDescription> views = {};
   std::function<Needs(const Options&)> needs = nullptr;  // none: nothing but samples
   WorkingMemory memory = kUnmeasuredMemory;
+  bool footprints = false;
   typename WithOptions<Function, Options>::Type run = nullptr;
 
   Result<Options> preset(std::string_view wanted) const {
@@ -120,6 +123,7 @@ Method<Function> make_value(MethodParts<Function, Options> parts) {
   method.views = parts.views;
   method.needs = parts.needs_of(parts.presets.front().second);
   method.memory = parts.memory;
+  method.footprints = parts.footprints;
   for (const auto& preset : parts.presets) {
     if (!preset.first.empty()) method.presets.push_back(preset.first);
   }

@@ -508,7 +508,8 @@ TEST(ResultTable, RowsHaveAFieldForEveryColumnAndQuoteWhatNeedsIt) {
   result.cell = {"a \"b\", c", {"s", "p", {{"x", "1"}, {"y", "2"}}}, method("f"), 2.5, 3};
   result.error = Error{ErrorCode::kData, "no"};
   const std::string row = to_csv_row(result);
-  EXPECT_EQ(row.substr(0, 45), "\"a \"\"b\"\", c\",\"s:p{x=1,y=2}\",f,2.5,3,0,,,,,,,,");
+  EXPECT_EQ(row.substr(0, 58),
+            "\"a \"\"b\"\", c\",\"s:p{x=1,y=2}\",f,2.5,3,0,\"a \"\"b\"\", c\",,,,,,,,");
   std::size_t commas = 0;
   bool quoted = false;
   for (const char c : row) {
@@ -526,6 +527,7 @@ TEST(ResultTable, JsonLinesHaveNumbersNullsAndEscapedText) {
   result.metrics.values[static_cast<std::size_t>(metric_index("psnr_tm"))].value =
       std::numeric_limits<double>::infinity();
   const std::string line = to_json_line(result_fields(result));
+  EXPECT_NE(line.find(R"("dump_path":"a \"b\"\n",)"), std::string::npos);
   EXPECT_EQ(line.substr(0, 52), R"({"dump":"a \"b\"\n","sampler":"s","filter":"f","spp")");
   EXPECT_NE(line.find(R"("mse":0.1,"mse_se":null,)"), std::string::npos);
   EXPECT_NE(line.find(R"("psnr_tm":"inf")"), std::string::npos);

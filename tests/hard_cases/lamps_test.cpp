@@ -64,10 +64,12 @@ double relative_error(const RgbImage& image, const Scene& scene) {
 }
 
 // Fixed kernels, base images of published methods that no pixel can refuse, thresholds that cut the
-// ringing of a lamp's wavelets unevenly, variances pooled over a lamp and the dark beside it.
+// ringing of a lamp's wavelets unevenly, variances pooled over a lamp and the dark beside it or
+// taken from the few samples of a half, a risk that takes means with a lamp in them for normal.
 bool smears(const std::string& label) {
   return label == "gaussian" || label == "greedy_selection" || label == "directional paper" ||
-         label == "wavelet_shrinkage" || label == "welch pooled";
+         label == "wavelet_shrinkage" || label == "welch pooled" || label == "nl_means paper" ||
+         label == "cross_bilateral cross_nl_means";
 }
 
 // Error of every filter over that of no filter.

@@ -174,6 +174,22 @@ group = "one"
     assert [c["spp"] for c in found["conditions"] if c["metric"] == "mse"] == [2, 4, 8]
 
 
+def test_recordings_of_a_group_must_be_alike(run, dump, tmp_path):
+    radiance, mean = samples(seed=5)
+    reference = mean[:, :, None].repeat(3, axis=2).astype("<f4")
+    plan = PLAN.format(seed=1).replace('recordings = ["scene.spool"]', "") + "".join(
+        f'\n[[dump]]\nfile = "{name}.spool"\ngroup = "one"\n' for name in ("scene", "other"))
+    (tmp_path / "p.toml").write_text(plan)
+    other = tmp_path / "other.spool"
+    for cut, judge in [(radiance[:, :-1], reference[:, :-1]), (radiance[:, :, :-1], reference), (radiance, None)]:
+        other.unlink(missing_ok=True)
+        write_dump(other, cut, **({} if judge is None else {"reference": judge, "reference_variance": 0 * judge}))
+        for options in (["-o", "p"], ["--dry-run"]):
+            run("evaluate", "p.toml", *options).failed_with(1, "other.spool", "group", "of its own")
+    (tmp_path / "p.toml").write_text('reference = "holdout"\nholdout = 4\n' + plan)
+    assert run("evaluate", "p.toml", "-o", "p").code == 0  # judged by a part of each
+
+
 def test_ranks_among_methods_that_keep_the_energy(good, dump, tmp_path):
     (tmp_path / "p.toml").write_text("energy_band = [2, 3]\n" + PLAN.format(seed=1))
     good("evaluate", "p.toml", "-o", "p")

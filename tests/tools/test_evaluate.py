@@ -124,3 +124,13 @@ def test_results_beside_each_other_are_those_one_after_another(good, dump, tmp_p
         assert {row["timing"] for row in rows} == {timing}
         assert {row["threads_used"] for row in rows} == {"1" if timing == "shared" else "3"}
         assert all((row["peak_memory_mb"] == "") == (timing == "shared") for row in rows)
+
+
+def test_a_recording_has_a_name_and_its_path_stands_apart(good, dump, tmp_path):
+    (tmp_path / "else").mkdir()
+    other = tmp_path / "else" / "scene.spool"
+    other.write_bytes(dump.read_bytes())
+    for path, out in ((dump, "one"), (other, "two")):
+        good("evaluate", path, "--spp", 2, "--replicates", 1, "--no-pictures", "-o", out, "-q")
+        rows = rows_of(tmp_path / out)
+        assert {(row["dump"], row["dump_path"]) for row in rows} == {("scene", str(path))}

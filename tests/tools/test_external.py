@@ -352,3 +352,16 @@ def test_methods_carry_their_presets_and_options_in_their_names(good, run, dump)
     run("evaluate", dump, "--samplers", "multiscale:papr", "--spp", 4, "-o", "r2").failed_with(2, "paper")
     run("evaluate", dump, "--samplers", "multiscale{alpha=0.3", "--spp", 4, "-o", "r2").failed_with(2, "brace")
     run("evaluate", dump, "--samplers", "multiscale{alhpa=0.3}", "--spp", 4, "-o", "r2").failed_with(2, "alpha")
+
+
+def test_features_come_with_the_variances_of_their_means(good, script, tmp_path):
+    seen = tmp_path / "seen.exr"
+    command = script("f.py", answer("{c: image[c] for c in 'RGB'}") + f"import shutil; shutil.copy(sys.argv[1], {str(seen)!r})\n")
+    chess = Path(__file__).resolve().parents[2] / "dumps" / "tiny" / "chess.spool"
+    variance = {}
+    for spp in (8, 32):
+        good("reconstruct", chess, "--filter", command, "--set", "filter.features=on", "--spp", spp, "--force", "-o", "o.exr")
+        image = exr.read(seen)
+        assert {"albedo.R", "albedo_variance.R", "normal_variance.Y", "depth_variance.Z"} <= set(image)
+        variance[spp] = image["albedo_variance.G"].mean()
+    assert 3.4 < variance[8] / variance[32] < 4.6  # a fourth with four times the samples

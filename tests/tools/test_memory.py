@@ -83,9 +83,18 @@ def test_what_a_sampler_needs_is_known_within_a_tenth(recordings, tmp_path, samp
     compare(command("replay", recordings / "plain.spool", sampler, tmp_path))
 
 
-@pytest.mark.parametrize("filter_name", FILTERS)
+@pytest.mark.parametrize("filter_name", [*FILTERS, "box{clamp=on}", "box{energy=box}", "directional{clamp=on}", "nl_means{clamp=on,energy=box}"])
 def test_what_a_filter_needs_is_known_within_a_tenth(recordings, tmp_path, filter_name):
     compare(command("reconstruct", recordings / "plain.spool", filter_name, tmp_path))
+
+
+@pytest.mark.parametrize("verb, method", [("replay", "multiscale"), ("reconstruct", "directional")])
+def test_images_that_are_shown_are_counted_roughly(recordings, tmp_path, verb, method):
+    """How many a family has is known when they are made; refused too late would be a killed process."""
+    arguments = [*command(verb, recordings / "plain.spool", method, tmp_path), "--views", "all"]
+    ratio = said(arguments) / taken(arguments)
+    print(f"{ratio:.3f} {arguments[1:]}")
+    assert 0.75 < ratio < 1.5, ratio
 
 
 @pytest.mark.parametrize("dump", ["half", "film"])
@@ -163,3 +172,53 @@ def test_limits_of_the_process_count(recordings, tmp_path, limit):
     assert done.returncode == 0, done.stderr
     done = run((140 << 20) if limit == "RLIMIT_AS" else (100 << 20))
     assert done.returncode == 1 and "GB of memory" in done.stderr and len(done.stderr.splitlines()) == 1, (done.returncode, done.stderr)
+
+
+@pytest.fixture(scope="module")
+def long_recording(tmp_path_factory):
+    """Little picture, many samples, film positions: eight times the memory that it may take."""
+    folder = tmp_path_factory.mktemp("long")
+    random = np.random.default_rng(2)
+    side, samples = 96, 400
+    radiance = random.exponential(1, (side, side, samples, 3)).astype("f4")
+    film = random.random((side, side, samples, 2)).astype("f4")
+    spool.write(folder / "long.spool", radiance, sample_order="exchangeable", film=film, tile_size=16, block_spp=16)
+    spool.write(folder / "half.spool", radiance.astype("f2"), sample_order="exchangeable", film=(0.99 * film).astype("f2"), tile_size=16, block_spp=16)
+    return folder
+
+
+def watched(arguments, memory):
+    """Most anonymous memory and bytes read of a run that may take so much, as last seen."""
+    with subprocess.Popen(arguments, env={**os.environ, "SPOOL_MEMORY": str(int(memory))}, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                          text=True) as process:
+        most, read = 0, 0
+        while process.poll() is None:
+            try:
+                anonymous = re.search(r"RssAnon:\s+(\d+) kB", Path(f"/proc/{process.pid}/status").read_text())
+                most = max(most, 1024 * int(anonymous.group(1)) if anonymous else 0)
+                read = max(read, int(re.search(r"rchar: (\d+)", Path(f"/proc/{process.pid}/io").read_text()).group(1)))
+            except OSError:
+                pass
+            time.sleep(0.0005)
+        assert process.returncode == 0, process.stderr.read()
+    return most, read
+
+
+@pytest.mark.parametrize("dump", ["long", "half"])
+@pytest.mark.parametrize("verb, method", [("replay", "uniform"), ("replay", "multiscale{tile=16}"), ("reconstruct", "box"), ("reconstruct", "gaussian"),
+                                          ("reconstruct", "directional"), ("reconstruct", "multistage")])
+def test_a_recording_larger_than_memory_is_read_block_by_block(long_recording, tmp_path, dump, verb, method):
+    """The same bytes as in place, memory as it was given, and each pass over the samples reads them once."""
+    recording = long_recording / f"{dump}.spool"
+    size = (long_recording / "long.spool").stat().st_size  # of the samples as they are used
+    arguments = command(verb, recording, method, tmp_path)
+    arguments[arguments.index("--spp") + 1] = "200"
+    arguments[-1] = str(tmp_path / "in_place.exr")
+    watched(arguments, 1 << 40)
+    arguments[-1] = str(tmp_path / "in_blocks.exr")
+    anonymous, read = watched(arguments, size / 8)
+    print(f"{anonymous / 1e6:.1f} MB taken of {size / 8e6:.1f} MB, {read / recording.stat().st_size:.2f} times the file read")
+    assert anonymous < 1.1 * size / 8 + 4e6  # program and libraries
+    # multistage works on bands of rows, two at a time, each with a row of its neighbours: a block is read for up to three of them.
+    assert read < (8 if method == "multistage" else 3) * recording.stat().st_size
+    assert (tmp_path / "in_blocks.exr").read_bytes() == (tmp_path / "in_place.exr").read_bytes()

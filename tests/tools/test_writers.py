@@ -144,14 +144,26 @@ def test_of_two_writers_of_one_output_one_wins_and_the_other_says_so(good, tmp_p
     assert force or max(outcomes) > 0
 
 
+def is_locked(folder):
+    """Whether somebody is between looking at the target and renaming: others wait for him for a while only."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return False
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+
+
 def stopped_while_writing(words, folder):
-    """A writer that stands still (SIGSTOP) with its temporary file begun."""
+    """A writer that stands still (SIGSTOP) with its temporary file begun, and not yet about to rename it."""
     for _ in range(100):
         writer = subprocess.Popen([PROGRAM, *words], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         while writer.poll() is None and not leftovers(folder / "out"):
             pass
         writer.send_signal(signal.SIGSTOP)
-        if writer.poll() is None and leftovers(folder / "out"):
+        if writer.poll() is None and leftovers(folder / "out") and not is_locked(folder / "out"):
             return writer
         writer.send_signal(signal.SIGCONT)
         assert writer.wait(120) == 0

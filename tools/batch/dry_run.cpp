@@ -11,6 +11,7 @@
 #include "lib/experiment/result_table.h"
 #include "lib/synthetic/scene_s.h"
 #include "tools/batch/cell_store.h"
+#include "tools/batch/run_folder.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
 #include "tools/json_text.h"
@@ -117,6 +118,7 @@ void print_listing(const RunRequest& request, const Listing& cells, std::size_t 
 
 Result<void> print_dry_run(const RunRequest& request, const CommonOptions& common) {
   const Plan& plan = request.plan;
+  SPOOL_TRY(check_dumps(plan));
   std::map<std::string, double> pixels;
   for (const std::string& dump : plan.recordings) {
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));

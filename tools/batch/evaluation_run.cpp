@@ -63,10 +63,7 @@ class PlanRun {
       estimate_.learn(cell, record);
     learnt_.clear();
     Progress progress("evaluate", common_.quiet);
-    const InterruptNote note([this] {
-      return fmt::format("{} of {} results are kept in {}: the same command goes on from there",
-                         done_.load(), wanted_, request_.folder.string());
-    });
+    const InterruptNote note([this] { return kept_text(); });
     std::shared_ptr<const RecordedSamples> recording;  // that of the cells at work
     const ExperimentSources sources{
         [&](const std::string& dump) {
@@ -103,10 +100,13 @@ class PlanRun {
                   fmt::format("{} of {} results{}", done_.load(), wanted_, best_.describe()),
                   estimate_.known() ? std::optional(estimate_.seconds_left() / at_once_)
                                     : std::nullopt);
+              if (request_.progress) request_.progress(share, done_.load(), wanted_);
             },
-        .cancelled = [&] { return !written.has_value(); }};
+        .cancelled = [&] { return !written.has_value() || stopped(); }};
     run_cells(missing_, request_.plan.experiment, sources, callbacks);
-    return written;
+    SPOOL_TRY(written);
+    if (!stopped()) return {};
+    return fail(ErrorCode::kData, "interrupted; {}", kept_text());
   }
 
   // What is there becomes results.csv, results.jsonl, sheets and the printed summary.
@@ -165,6 +165,13 @@ class PlanRun {
   }
 
  private:
+  bool stopped() const { return request_.cancelled && request_.cancelled(); }
+
+  std::string kept_text() const {
+    return fmt::format("{} of {} results are kept in {}: the same command goes on from there",
+                       done_.load(), wanted_, request_.folder.string());
+  }
+
   bool in_shard(const Cell& cell) const {
     return !request_.shard ||
            shard_of(cell, request_.plan, request_.shard->count) == request_.shard->index;

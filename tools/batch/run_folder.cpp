@@ -30,6 +30,28 @@ void sweep(const fs::path& folder, std::chrono::seconds age) {
   }
 }
 
+// Replicates of a group are counted together, as of one recording that is longer: so its
+// recordings have one size and one number of samples, and are judged by one kind of reference.
+Result<void> check_alike(const PlanScene& scene, const std::string& other, const Plan& plan) {
+  SPOOL_ASSIGN(const format::SpoolReader a, format::SpoolReader::open(scene.recordings.front()));
+  SPOOL_ASSIGN(const format::SpoolReader b, format::SpoolReader::open(other));
+  const auto differ = [&](const std::string& first, const std::string& second) {
+    return fail(ErrorCode::kData,
+                "{}: {}, but {} of the same group \"{}\" {}: a group is of recordings of one "
+                "scene, made alike; give this one a group of its own",
+                other, second, scene.recordings.front(), scene.group, first);
+  };
+  const auto size = [](const format::DumpHeader& h) {
+    return fmt::format("has {} x {} pixels with {} samples", h.width, h.height, h.spp);
+  };
+  if (size(a.header()) != size(b.header())) return differ(size(a.header()), size(b.header()));
+  const auto judged = [](const format::SpoolReader& r) {
+    return std::string(r.find_layer("reference") ? "has a reference of its own" : "has none");
+  };
+  if (!plan.experiment.reference && judged(a) != judged(b)) return differ(judged(a), judged(b));
+  return {};
+}
+
 }  // namespace
 
 Result<NamedCells> name_cells(const Plan& plan) {
@@ -57,6 +79,10 @@ Result<void> check_dumps(const Plan& plan) {
                     dump, spp, reader.header().spp);
       }
     }
+  }
+  for (const PlanScene& scene : scenes_of(plan)) {
+    for (const std::string& other : scene.recordings)
+      SPOOL_TRY(check_alike(scene, other, plan));
   }
   return {};
 }

@@ -20,7 +20,7 @@ struct NamedCells {
 // kUsage when two cells would have one name.
 Result<NamedCells> name_cells(const Plan& plan);
 
-// kData when a recording cannot give what the plan asks of it.
+// kData when a recording cannot give what the plan asks of it, or is not like others of its group.
 Result<void> check_dumps(const Plan& plan);
 
 // A folder of ours is continued, unfinished files of killed runs removed; a strange one is not

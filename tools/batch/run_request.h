@@ -1,7 +1,9 @@
 // What is asked of one run of a plan.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -19,6 +21,9 @@ struct RunRequest {
   bool exact_timing = false;   // one result after another
   bool merge = false;          // no cell is run; results of what is there
   std::vector<std::filesystem::path> merge_from;  // folders whose cells and images are copied first
+  // How far it is, and whether to end after the result at work; from any thread, both may be empty.
+  std::function<void(double share, std::size_t results, std::size_t of)> progress;
+  std::function<bool()> cancelled;
 };
 
 }  // namespace spool::tools

@@ -17,8 +17,8 @@ constexpr long long kSmallPicture = 256 * 256;  // pixels
 
 int runs_at_once(const Plan& plan, const RecordedSamples& recording) {
   const long long pixels = static_cast<long long>(recording.width()) * recording.height();
-  if (pixels > kSmallPicture || std::ranges::any_of(plan.samplers, is_foreign_code) ||
-      std::ranges::any_of(plan.filters, is_foreign_code)) {
+  if (pixels > kSmallPicture || std::ranges::any_of(plan.samplers, runs_alone) ||
+      std::ranges::any_of(plan.filters, runs_alone)) {
     return 1;
   }
   const WorkingMemory each =
