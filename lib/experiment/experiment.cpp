@@ -14,6 +14,7 @@
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/experiment/peak_memory.h"
+#include "lib/experiment/sample_kurtosis.h"
 #include "lib/experiment/stage_clock.h"
 #include "lib/sampling/spending.h"
 #include "lib/statistics/joined_halves.h"
@@ -31,6 +32,7 @@ std::string sampling_key(const Cell& cell) {
 struct LoadedDump {
   std::string name;
   Result<std::shared_ptr<const RecordedSamples>> samples;
+  double kurtosis;
   StageTime reading;  // handed to the first cell; then 0
 };
 
@@ -47,6 +49,7 @@ struct SamplingRun {
   std::vector<SampledPart> parts;
   StageTime time;  // of one part
   ReferenceKind kind;
+  double kurtosis;  // of the recording's samples
 };
 
 // The mean of two tables of one size, for the two halves of crossfit; guards and pixels are sums.
@@ -215,7 +218,9 @@ class Runner {
       dump_.reset();  // frees the last recording before the next one is read
       const StageClock clock;
       auto samples = sources_.load(name);
-      dump_ = LoadedDump{name, std::move(samples), clock.elapsed()};
+      const StageTime reading = clock.elapsed();
+      const double kurtosis = samples ? sample_kurtosis(**samples) : 0.0;
+      dump_ = LoadedDump{name, std::move(samples), kurtosis, reading};
     }
     return dump_->samples;
   }
@@ -248,7 +253,7 @@ class Runner {
       context.filter = loop_filter(filter);
     }
     if (lane.alone) reset_peak_memory();
-    SamplingRun run{{}, {}, kind};
+    SamplingRun run{{}, {}, kind, dump_->kurtosis};
     std::vector<SamplePool> pools = {pool};
     if (kind == ReferenceKind::kCrossfit) pools = {pool.half(0), pool.half(1)};
     std::vector<StageTime> times;
@@ -380,6 +385,7 @@ class Runner {
     result.height = recording.height();
     result.pieces_per_side = run.parts.front().pool.pieces_per_side();
     result.recorded_spp = recording.spp();
+    result.recorded_kurtosis = run.kurtosis;
     result.counts = counts_of(run.parts);
     result.sampling = run.time;
     result.cost_per_sample = recording.cost_per_sample();

@@ -82,6 +82,7 @@ struct CellResult {
   std::optional<std::uint64_t> peak_memory;  // bytes of the process while it sampled and filtered
   std::optional<double> cost_per_sample;     // seconds, as recorded
   int recorded_spp = 0;                      // samples per pixel of the recording
+  double recorded_kurtosis = 0.0;            // of its samples (sample_kurtosis.h)
   // Samples taken (of a list as long as a pixel's) and the number of pieces that gave so many.
   std::vector<std::pair<int, long long>> counts;
   int threads = 0;

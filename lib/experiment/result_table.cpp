@@ -215,6 +215,10 @@ std::vector<ResultColumn> judging_columns() {
                     [](const R& r) { return r.holdout; }),
       number_column("recorded_spp", "samples per pixel of the recording, the held-out ones too",
                     [](const R& r) { return r.recorded_spp; }),
+      number_column("recorded_kurtosis",
+                    "excess kurtosis of the recorded samples about the mean of their pixel: 0 for "
+                    "normal noise, large where rare bright samples make the variance",
+                    [](const R& r) { return r.recorded_kurtosis; }),
       number_column("width", "pixels", [](const R& r) { return r.width; }),
       number_column("height", "pixels", [](const R& r) { return r.height; }),
       number_column("relative_scale", "factor on both images in the relative metrics",

@@ -20,7 +20,7 @@ double log_or_nan(double value) {
 Series gap_at(const BudgetCurve& curve, const Series& target, std::size_t left, double share) {
   const Series& a = curve.series[left];
   const Series& b = curve.series[left + 1];
-  Series gap{{}, std::max({a.shared, b.shared, target.shared})};
+  Series gap{{}, std::max({a.correlation, b.correlation, target.correlation})};
   for (std::size_t r = 0; r < target.values.size(); ++r) {
     const double from = log_or_nan(a.values[r]), to = log_or_nan(b.values[r]);
     gap.values.push_back((1.0 - share) * from + share * to - log_or_nan(target.values[r]));
@@ -77,7 +77,7 @@ Interval error_slope(const BudgetCurve& curve) {
   SPOOL_CHECK_EQ(curve.spp.size(), curve.series.size());
   Series slopes;
   for (const Series& series : curve.series)
-    slopes.shared = std::max(slopes.shared, series.shared);
+    slopes.correlation = std::max(slopes.correlation, series.correlation);
   const std::size_t replicates = curve.series.empty() ? 0 : curve.series.front().values.size();
   for (std::size_t r = 0; r < replicates; ++r) {
     std::vector<double> errors;

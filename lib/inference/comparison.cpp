@@ -28,6 +28,30 @@ std::vector<double> costs(const Series& series, Better better, bool logarithmic)
   return result;
 }
 
+// Of values that both have; 0 where either does not vary.
+double sample_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  double mean_a = 0.0, mean_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+  int n = 0;
+  for (std::size_t r = 0; r < a.size(); ++r) {
+    if (!std::isfinite(a[r]) || !std::isfinite(b[r])) continue;
+    ++n;
+    const double from_a = a[r] - mean_a, from_b = b[r] - mean_b;
+    mean_a += from_a / n;
+    mean_b += from_b / n;
+    aa += from_a * (a[r] - mean_a);
+    bb += from_b * (b[r] - mean_b);
+    ab += from_a * (b[r] - mean_b);
+  }
+  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
+}
+
+double difference_correlation(const Series& a, const Series& b, const std::vector<double>& costs_a,
+                              const std::vector<double>& costs_b) {
+  return shared_by_differences(std::max(a.correlation, b.correlation),
+                               shared_by_methods(a.taken, b.taken),
+                               sample_correlation(costs_a, costs_b));
+}
+
 // A difference without any spread is certain; none at all has p = 1.
 void test(Comparison& c, double standard_error, double freedom) {
   c.standard_error = standard_error;
@@ -68,7 +92,7 @@ Comparison compare_paired(const Series& a, const Series& b, Better better) {
     if (std::isfinite(first[r]) && std::isfinite(second[r]))
       differences.push_back(first[r] - second[r]);
   }
-  const MeanError found = mean_error(differences, std::max(a.shared, b.shared));
+  const MeanError found = mean_error(differences, difference_correlation(a, b, first, second));
   c.n = found.n;
   c.difference = found.mean;
   c.identical = c.n > 0 && a.values == b.values;
@@ -80,8 +104,8 @@ Comparison compare_paired(const Series& a, const Series& b, Better better) {
 Comparison compare_independent(const Series& a, const Series& b, Better better) {
   Comparison c;
   c.logarithmic = compares_logarithms(a, b, better);
-  const MeanError first = mean_error(costs(a, better, c.logarithmic), a.shared);
-  const MeanError second = mean_error(costs(b, better, c.logarithmic), b.shared);
+  const MeanError first = mean_error(costs(a, better, c.logarithmic), a.correlation);
+  const MeanError second = mean_error(costs(b, better, c.logarithmic), b.correlation);
   c.n = std::min(first.n, second.n);
   c.difference = first.mean - second.mean;
   c.identical = c.n > 0 && a.values == b.values;

@@ -56,8 +56,8 @@ bool all_positive(std::span<const double> values) {
   return any;
 }
 
-MeanError mean_error(std::span<const double> values, double shared) {
-  SPOOL_CHECK_GE(shared, 0.0);
+MeanError mean_error(std::span<const double> values, double correlation) {
+  SPOOL_CHECK_GE(correlation, 0.0);
   MeanError found;
   double mean = 0.0, m2 = 0.0;
   for (const double value : values) {
@@ -73,11 +73,11 @@ MeanError mean_error(std::span<const double> values, double shared) {
   const double n = found.n;
   if (m2 == 0.0) {
     found.standard_error = 0.0;
-  } else if (shared >= 1.0) {
+  } else if (correlation >= 1.0) {
     found.standard_error = kInfinity;
   } else {
     found.standard_error =
-        std::sqrt(m2 / (n - 1.0) / n * (1.0 + (n - 1.0) * shared) / (1.0 - shared));
+        std::sqrt(m2 / (n - 1.0) / n * (1.0 + (n - 1.0) * correlation) / (1.0 - correlation));
   }
   return found;
 }
@@ -86,7 +86,7 @@ Interval mean_interval(const Series& series, Range range, double level) {
   Interval interval;
   interval.logarithmic = range == Range::kPositive && all_positive(series.values);
   const MeanError found =
-      mean_error(interval.logarithmic ? logarithms(series.values) : series.values, series.shared);
+      mean_error(interval.logarithmic ? logarithms(series.values) : series.values, series.correlation);
   interval.n = found.n;
   interval.mean = found.mean;
   double reach = kNaN;

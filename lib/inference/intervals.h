@@ -8,7 +8,7 @@
 // Replicates that share samples vary less among each other than recordings do. With m values of
 // variance s^2 and correlation c between any two, the mean has the variance
 //   s^2 / m (1 + (m - 1) c) / (1 - c),
-// as E s^2 is only 1 - c of the whole variance; c is `shared` (shared_samples.h). With c = 0 this
+// as E s^2 is only 1 - c of the whole variance; c is `correlation` (shared_samples.h). With c = 0 this
 // is the usual s^2 / m. The interval for c = 0 whatever was shared speaks of one recording whose
 // samples are put into other orders, and of nothing else.
 #pragma once
@@ -16,6 +16,8 @@
 #include <limits>
 #include <span>
 #include <vector>
+
+#include "lib/inference/shared_samples.h"
 
 namespace spool {
 
@@ -27,7 +29,8 @@ enum class Range {
 
 struct Series {
   std::vector<double> values;  // [replicate]; NaN: no result
-  double shared = 0;           // correlation of two replicates, 0 .. 1
+  double correlation = 0;      // of two replicates, 0 .. 1
+  TakenSamples taken = {};     // says what two methods have in common; may be left empty
 
   // Several values, all the same: replicates of one image, which do not say how exact it is.
   bool alike() const;
@@ -63,7 +66,7 @@ struct MeanError {
   double mean = std::numeric_limits<double>::quiet_NaN();
   double standard_error = std::numeric_limits<double>::quiet_NaN();
 };
-MeanError mean_error(std::span<const double> values, double shared);
+MeanError mean_error(std::span<const double> values, double correlation);
 
 bool all_positive(std::span<const double> values);  // and one at least is finite
 

@@ -17,7 +17,7 @@ std::string key_of(std::size_t parts) {
 
 TEST(TomlNesting, CountsPartsOfKeysWhereverTheyStand) {
   const std::string deep = key_of(kMaxTomlDepth + 2), flat = key_of(kMaxTomlDepth + 1);
-  for (const std::string& before :
+  for (const std::string before :
        {"", "x = 1\n", "x = \"\"\"\n. \\\"\"\"\"\"\n", "x = 'a\"'\n", "# \"\n"}) {
     const std::size_t line =
         static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;

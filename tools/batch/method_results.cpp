@@ -48,6 +48,9 @@ class Shares {
  public:
   void add(const ResultRecord& record, const std::string& dump) {
     if (!(recorded_ > 0.0)) recorded_ = recorded_spp(record, dump);
+    if (const double kurtosis = record.number("recorded_kurtosis"); std::isfinite(kurtosis)) {
+      kurtosis_ = std::isnan(kurtosis_) ? kurtosis : std::max(kurtosis_, kurtosis);
+    }
     if (record.counts.empty()) {
       mean_ = record.number("samples_spent") / (record.number("width") * record.number("height"));
     }
@@ -57,18 +60,16 @@ class Shares {
 
   bool known() const { return recorded_ > 0.0 && (!pieces_.empty() || std::isfinite(mean_)); }
 
-  double share(const Plan& plan, std::size_t recordings) const {
-    std::vector<std::pair<int, long long>> counts(pieces_.begin(), pieces_.end());
-    if (counts.empty()) counts.emplace_back(static_cast<int>(std::lround(mean_)), 1);
-    const bool ring = plan.experiment.order == ReplicateOrder::kDisjoint;
-    const double shared = shared_share(counts, recorded_, plan.replicates,
-                                       ring ? Taking::kOneAround : Taking::kOwnOrder);
-    return over_recordings(shared, plan.replicates, static_cast<int>(recordings));
+  // `spp`: the budget, of which the mean of a pixel's samples is made.
+  TakenSamples taken(double spp) const {
+    TakenSamples found{{pieces_.begin(), pieces_.end()}, recorded_, rare_share(kurtosis_, spp)};
+    if (found.counts.empty()) found.counts.emplace_back(static_cast<int>(std::lround(mean_)), 1);
+    return found;
   }
 
  private:
   std::map<int, long long> pieces_;
-  double recorded_ = kNaN, mean_ = kNaN;
+  double recorded_ = kNaN, mean_ = kNaN, kurtosis_ = kNaN;
 };
 
 void add_record(MethodResults& method, const Result<ResultRecord>& found) {
@@ -101,7 +102,8 @@ std::size_t quantity_index(const std::string& name) {
 }
 
 Series MethodResults::series(std::size_t quantity) const {
-  return {values[quantity], quantities()[quantity].is_metric ? shared : 0.0};
+  if (!quantities()[quantity].is_metric) return {values[quantity], 0.0};
+  return {values[quantity], correlation, taken};
 }
 
 bool MethodResults::one_image() const {
@@ -139,7 +141,15 @@ std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene
         }
       }
       method.shared_known = shares.known();
-      if (shares.known()) method.shared = shares.share(plan, scene.recordings.size());
+      if (shares.known()) {
+        const auto recordings = static_cast<int>(scene.recordings.size());
+        const bool ring = plan.experiment.order == ReplicateOrder::kDisjoint;
+        method.taken = shares.taken(spp);
+        const Shared shared = shared_by_replicates(method.taken, plan.replicates,
+                                                   ring ? Taking::kOneAround : Taking::kOwnOrder);
+        method.shared = over_recordings(shared.samples, plan.replicates, recordings);
+        method.correlation = over_recordings(shared.correlation, plan.replicates, recordings);
+      }
       methods.push_back(std::move(method));
     }
   }

@@ -33,7 +33,9 @@ struct MethodResults {
   int done = 0, failed = 0;
   bool biased = false;
   std::string reference;
-  double shared = 0;         // correlation of the replicates of a metric (shared_samples.h)
+  TakenSamples taken;
+  double shared = 0;         // share of a replicate's samples that another took too
+  double correlation = 0;    // of the replicates of a metric (shared_samples.h)
   bool shared_known = true;  // false: the size of the recording is not known
 
   std::string name() const { return sampler.label() + " + " + filter.label(); }

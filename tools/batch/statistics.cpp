@@ -57,6 +57,7 @@ class SceneStudy {
         entry["failed"] = method.failed;
         entry["one_image"] = method.one_image();
         entry["shared"] = method.shared;
+        entry["correlation"] = method.correlation;
         entry["reference"] = method.reference;
         for (std::size_t q = 0; q < quantities().size(); ++q) {
           ordered_json found = interval_json(method.interval(q));

@@ -44,9 +44,10 @@ way round. False verdicts: a method compared with itself on another recording, a
 LIMITS = """- Where samples have a tail of infinite variance, the logarithm of an error of eight replicates still has a mean and the interval
   is about that mean. The expectation of the squared error itself does not exist there, and no interval can hold it
   [BahadurSavage56].
-- Replicates of adaptive samplers share samples in the pixels that take many. The widening takes the share as the correlation, which
-  is right for rare events and too much where noise has many small parts: intervals then cover more than they say, most where
-  two methods with the same noise are compared ([decision 84](decisions/0084-a-pixel-shares-once.md) counts other rules).
+- Replicates that share samples are alike by how heavy the tail of the samples is
+  ([decision 86](decisions/0086-rare-events-share-as-a-whole.md)). Where an adaptive sampler takes the samples of the next
+  replicates, its ratio to `uniform` varies less among recordings than independent replicates would: there intervals cover more than
+  they say.
 - In the scene with fireflies a picture of 256 pixels at 4 samples holds one firefly or none, so its error has two values and
   eight replicates seldom show both: 79 % is what Student's interval gives of such a distribution. Larger pictures hold many.
 - The truth is a mean over the trials: it has 1 / sqrt(trials) of the spread of one."""

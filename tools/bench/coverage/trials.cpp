@@ -6,6 +6,7 @@
 
 #include "lib/core/check.h"
 #include "lib/core/random.h"
+#include "lib/experiment/sample_kurtosis.h"
 #include "lib/filters/filters.h"
 #include "lib/inference/shared_samples.h"
 #include "lib/pool/load_recording.h"
@@ -40,6 +41,7 @@ Trial run_trial(const World& world, const Protocol& protocol, std::uint64_t tria
       },
       [](const MethodChoice& m) { return make_method(samplers(), m); },
       [](const MethodChoice& m) { return make_method(filters(), m); }};
+  const double kurtosis = sample_kurtosis(*recording);
   std::vector<Cell> cells;
   for (const auto& [sampler, filter] : protocol.methods) {
     for (const double spp : protocol.spp) {
@@ -51,7 +53,8 @@ Trial run_trial(const World& world, const Protocol& protocol, std::uint64_t tria
   Trial found(protocol.methods.size(), std::vector<Series>(protocol.spp.size()));
   std::size_t i = 0;
   for (std::vector<Series>& method : found) {
-    for (Series& series : method) {
+    for (std::size_t b = 0; b < protocol.spp.size(); ++b) {
+      Series& series = method[b];
       std::map<int, long long> pieces;
       for (int r = 0; r < protocol.replicates; ++r, ++i) {
         const CellResult& result = results[i];
@@ -63,10 +66,13 @@ Trial run_trial(const World& world, const Protocol& protocol, std::uint64_t tria
         for (const auto& [count, number] : result.counts)
           pieces[count] += number;
       }
-      const std::vector<std::pair<int, long long>> counts(pieces.begin(), pieces.end());
-      series.shared = shared_share(
-          counts, recording->spp(), protocol.replicates,
-          protocol.order == ReplicateOrder::kDisjoint ? Taking::kOneAround : Taking::kOwnOrder);
+      series.taken = {{pieces.begin(), pieces.end()},
+                      static_cast<double>(recording->spp()),
+                      rare_share(kurtosis, protocol.spp[b])};
+      const Taking taking =
+          protocol.order == ReplicateOrder::kDisjoint ? Taking::kOneAround : Taking::kOwnOrder;
+      series.correlation =
+          shared_by_replicates(series.taken, protocol.replicates, taking).correlation;
     }
   }
   return found;
