@@ -24,7 +24,19 @@ def test_mse_in_recorded_order_is_that_of_numpy(good, dump, tmp_path):
     expected = ((estimate - mean[:, :, None].astype("<f4")) ** 2).mean()
     row = rows_of(tmp_path / "out")[0]
     assert np.isclose(float(row["mse"]), expected, rtol=1e-6)
+    assert np.isclose(float(row["recorded_kurtosis"]), kurtosis_of(radiance))
     assert row["error"] == "" and int(row["samples_spent"]) == 4 * mean.size
+
+
+def kurtosis_of(radiance):
+    """Of samples [y][x][s][c]: fourth cumulant over squared variance, weighted as in relMSE (Fisher's k-statistics)."""
+    values = radiance.astype(float).mean(axis=-1).reshape(-1, radiance.shape[2])
+    n, means = values.shape[-1], values.mean(axis=-1)
+    m2, m4 = (((values - means[:, None]) ** k).mean(axis=-1) for k in (2, 4))
+    k2 = m2 * n / (n - 1)
+    k4 = n * n * ((n + 1) * m4 - 3 * (n - 1) * m2**2) / ((n - 1) * (n - 2) * (n - 3))
+    weight = 1 / (means**2 + 0.01 * means.mean() ** 2) ** 2
+    return (weight * k4).sum() / (weight * (k2**2 - k4 / n) * (n - 1) / (n + 1)).sum()
 
 
 def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
@@ -35,10 +47,13 @@ def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
     assert np.isclose(ratio[0], by_filter["gaussian"]["quantities"]["mse"][0] / mean)
     logs = np.log([float(r["mse"]) for r in rows_of(tmp_path / "out") if r["filter"] == "box"])
     assert len(logs) == 8 and np.isclose(np.log(mean), np.mean(logs))
-    # 16 samples hold four replicates of 4: as exact as four independent ones, of which another share is a quarter.
-    shared = by_filter["box"]["shared"]
-    assert np.isclose(shared, 1 / 7)
-    error = np.std(logs, ddof=1) / 8**0.5 * ((1 + 7 * shared) / (1 - shared))**0.5
+    # On a ring of 16 samples, of every eight replicates of 4 two share a half with each.
+    assert np.isclose(by_filter["box"]["shared"], 1 / 7)
+    kurtosis = kurtosis_of(samples()[0])
+    rare = max(kurtosis, 0) / 4 / (2 + max(kurtosis, 0) / 4)
+    alike = rare / 7 + (1 - rare) / 14
+    assert np.isclose(by_filter["box"]["correlation"], alike)
+    error = np.std(logs, ddof=1) / 8**0.5 * ((1 + 7 * alike) / (1 - alike))**0.5
     assert np.isclose(np.log(high / mean), 2.364624 * error) and np.isclose(np.log(mean / low), 2.364624 * error)
     text = good("evaluate", dump, "--spp", 4, "-o", "text").out
     assert f"{mean:.4g} [" in text and "results.csv" in text and "share up to 14 %" in text
