@@ -38,6 +38,29 @@ TEST(ComparePaired, WhatBothShareCancels) {
   EXPECT_LT(shared.p, 0.001);
 }
 
+TEST(ComparePaired, OfTwoSamplersIsWidenedByWhatTheyDoNotShare) {
+  Series a{{1.0, 1.3, 0.9, 1.2}, 0.2}, b{{2.0, 2.2, 1.9, 2.5}, 0.15};
+  const auto widening = [](const Comparison& found) {
+    double squares = 0.0, mean = 0.0;
+    const double logs[] = {std::log(1.0 / 2.0), std::log(1.3 / 2.2), std::log(0.9 / 1.9),
+                           std::log(1.2 / 2.5)};
+    for (const double value : logs)
+      mean += value / 4;
+    for (const double value : logs)
+      squares += (value - mean) * (value - mean) / 3;
+    return found.standard_error * found.standard_error / (squares / 4);
+  };
+  EXPECT_NEAR(widening(compare_paired(a, b, Better::kLower)), (1 + 3 * 0.2) / 0.8, 1e-12);
+  a.taken = {{{16, 10}}, 64, 0.0};
+  b.taken = {{{4, 5}, {32, 5}}, 64, 0.0};
+  // The logarithms correlate by more than the samples explain, (4/16 + 16/32) / 2: nothing is left.
+  EXPECT_NEAR(widening(compare_paired(a, b, Better::kLower)), 1.0, 1e-12);
+  b.taken.counts = {{15, 4}, {17, 6}};
+  const double same = (4 * 15.0 / 16 + 6 * 16.0 / 17) / 10, measured = 0.7978226101515229;
+  const double left = 0.2 * (1 - measured / same) / (1 - measured);
+  EXPECT_NEAR(widening(compare_paired(a, b, Better::kLower)), (1 + 3 * left) / (1 - left), 1e-12);
+}
+
 TEST(ComparePaired, NoDifferenceAndOneImage) {
   const Series a = noisy(1.0, 0.1, 1);
   const Comparison same = compare_paired(a, a, Better::kLower);
