@@ -16,6 +16,8 @@ samples ([decision 70](decisions/0070-what-an-interval-is-about.md)). Pictures a
 distributions whose samples are drawn with replacement. The truth is the mean over all trials. Of {trials} trials, an
 interval that is right covers in 95 % +- {noise:.1f} (one standard deviation of the count); wanted are 93 to 97 %.
 
+{summary}
+
 {table}
 
 "Real spread" is the standard deviation of the estimate over recordings, relative to the standard error that the interval is
@@ -25,7 +27,7 @@ made of: 1 where the error is right, above 1 where it is too small.
 
 Five replicates that each shuffle the same samples, arithmetic means, Student's interval as if they were independent: about the
 order of the samples, read as if it were about the scene. At 16 samples of 64. "shuffled, widened" are the same replicates
-judged as they are today (`order = "shuffled"`): by logarithms, with the share 16/64 and more of common samples allowed for.
+judged as they are today (`order = "shuffled"`): by logarithms, with what 16/64 and more of common samples make alike allowed for.
 
 {before}
 
@@ -62,6 +64,18 @@ def rows_of(world, before):
     return [r for r in world["rows"] if (r["interval"].startswith(("before", "shuffled"))) == before]
 
 
+def summary(worlds):
+    """What the table says, in two sentences: scenes whose tails allow an interval, and the others."""
+    heavy = [w for w in worlds if "fireflies" in w["world"] or "tail" in w["world"]]
+    shares = {id(w): [100 * r["covered"] / r["trials"] for r in rows_of(w, False)] for w in worlds}
+    usual = [c for w in worlds if w not in heavy for c in shares[id(w)]]
+    inside = sum(93 <= c <= 97 for c in usual)
+    lines = [f"Of the {len(usual)} rows of {', '.join(w['world'].split(',')[0] for w in worlds if w not in heavy)}, {inside} are inside; "
+             f"the least is {min(usual):.1f} %, the most {max(usual):.1f} %."]
+    lines += [f"{w['world'][0].upper()}{w['world'][1:]}: {min(shares[id(w)]):.0f} to {max(shares[id(w)]):.0f} %." for w in heavy]
+    return "\n".join(lines) + " What forbids more there stands below."
+
+
 def coverage_table(worlds, before):
     lines = ["| scene | interval | of | spp | covers | real spread |", "|---|---|---|---|---|---|"]
     for world in worlds:
@@ -85,7 +99,7 @@ def main():
     found = json.loads(subprocess.run([program, *sys.argv[2:]], check=True, capture_output=True, text=True).stdout)
     worlds, trials = found["worlds"], found["worlds"][0]["rows"][0]["trials"]
     PAGE.write_text(TEXT.format(trials=trials, side=found["side"], noise=100 * math.sqrt(0.95 * 0.05 / trials),
-                                table=coverage_table(worlds, False), before=coverage_table(worlds, True),
+                                summary=summary(worlds), table=coverage_table(worlds, False), before=coverage_table(worlds, True),
                                 verdicts=verdict_table(worlds), limits=LIMITS), encoding="utf-8")
     print(coverage_table(worlds, False), coverage_table(worlds, True), verdict_table(worlds), sep="\n\n")
 
