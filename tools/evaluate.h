@@ -36,7 +36,7 @@ struct EvaluateOptions {
   bool no_pictures = false;
   bool dry_run = false;
   std::string timing;  // "shared" or "exact"; empty: shared
-  std::string shard;  // "i/N"
+  std::string shard;   // "i/N"
   bool merge = false;
   bool statistics_only = false;  // files: folders of results
   std::vector<std::filesystem::path> merge_from;

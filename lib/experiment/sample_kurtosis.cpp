@@ -37,8 +37,8 @@ PixelCumulants cumulants(const RecordedSamples& recording, int x, int y) {
     m4 += square * square / n;
   }
   const double k2 = n / (n - 1.0) * m2;
-  found.fourth = n * n * ((n + 1.0) * m4 - 3.0 * (n - 1.0) * m2 * m2) /
-                 ((n - 1.0) * (n - 2.0) * (n - 3.0));
+  found.fourth =
+      n * n * ((n + 1.0) * m4 - 3.0 * (n - 1.0) * m2 * m2) / ((n - 1.0) * (n - 2.0) * (n - 3.0));
   // The square of k2 is too large by its own variance, fourth / n + 2 sigma^4 / (n - 1).
   found.squared_variance = (k2 * k2 - found.fourth / n) * (n - 1.0) / (n + 1.0);
   found.known = true;

@@ -85,8 +85,8 @@ MeanError mean_error(std::span<const double> values, double correlation) {
 Interval mean_interval(const Series& series, Range range, double level) {
   Interval interval;
   interval.logarithmic = range == Range::kPositive && all_positive(series.values);
-  const MeanError found =
-      mean_error(interval.logarithmic ? logarithms(series.values) : series.values, series.correlation);
+  const MeanError found = mean_error(
+      interval.logarithmic ? logarithms(series.values) : series.values, series.correlation);
   interval.n = found.n;
   interval.mean = found.mean;
   double reach = kNaN;

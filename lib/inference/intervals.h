@@ -8,9 +8,9 @@
 // Replicates that share samples vary less among each other than recordings do. With m values of
 // variance s^2 and correlation c between any two, the mean has the variance
 //   s^2 / m (1 + (m - 1) c) / (1 - c),
-// as E s^2 is only 1 - c of the whole variance; c is `correlation` (shared_samples.h). With c = 0 this
-// is the usual s^2 / m. The interval for c = 0 whatever was shared speaks of one recording whose
-// samples are put into other orders, and of nothing else.
+// as E s^2 is only 1 - c of the whole variance; c is `correlation` (shared_samples.h). With c = 0
+// this is the usual s^2 / m. The interval for c = 0 whatever was shared speaks of one recording
+// whose samples are put into other orders, and of nothing else.
 #pragma once
 
 #include <limits>

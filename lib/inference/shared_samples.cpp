@@ -51,8 +51,8 @@ Shared shared_by_replicates(const TakenSamples& taken, int replicates, Taking ta
   for (const auto& [count, pieces] : taken.counts) {
     if (count <= 0) continue;
     const auto weight = static_cast<double>(pieces);
-    const Shared piece = of_a_piece(std::min(1.0, count / taken.recorded), taken.rare,
-                                    replicates, taking);
+    const Shared piece =
+        of_a_piece(std::min(1.0, count / taken.recorded), taken.rare, replicates, taking);
     mean.samples += weight * piece.samples;
     mean.correlation += weight * piece.correlation;
     all += weight;

@@ -4,10 +4,10 @@
 // Replicates of a recording with N samples per piece of a pixel that take n of it overlap there
 // once they are more than N / n. Squared errors of two images that share the part c of the samples
 // of a piece correlate by c^2 where its noise has many small parts, by c where it is one rare event
-// that both have or have not. Both are there: the variance of the square of a mean of n samples with
-// variance s^2 and fourth cumulant k is 2 s^4 / n^2 + k / n^3, and its two terms correlate by c^2
-// and by c. So the excess kurtosis k / s^4 of the samples (lib/experiment/sample_kurtosis.h) says
-// how much of either there is. docs/coverage.md counts what the intervals made of it hold.
+// that both have or have not. Both are there: the variance of the square of a mean of n samples
+// with variance s^2 and fourth cumulant k is 2 s^4 / n^2 + k / n^3, and its two terms correlate by
+// c^2 and by c. So the excess kurtosis k / s^4 of the samples (lib/experiment/sample_kurtosis.h)
+// says how much of either there is. docs/coverage.md counts what the intervals made of it hold.
 #pragma once
 
 #include <span>

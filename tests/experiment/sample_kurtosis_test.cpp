@@ -66,8 +66,8 @@ TEST(SampleKurtosis, IsTheSameInAnyUnit) {
 }
 
 TEST(SampleKurtosis, IsNotKnownOfConstantsAndOfThreeSamples) {
-  EXPECT_TRUE(std::isnan(sample_kurtosis(
-      recording(4, 16, [](std::size_t, std::size_t) { return 0.5; }))));
+  EXPECT_TRUE(
+      std::isnan(sample_kurtosis(recording(4, 16, [](std::size_t, std::size_t) { return 0.5; }))));
   EXPECT_TRUE(std::isnan(
       sample_kurtosis(recording(4, 3, [](std::size_t, std::size_t i) { return uniform(i); }))));
 }

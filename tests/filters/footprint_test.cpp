@@ -128,7 +128,8 @@ TEST(Footprint, AskingChangesNoBit) {
   for (const Filter& filter : filters()) {
     if (!filter.footprints) continue;
     const Told told = tell(filter.name, {}, pool, selection);
-    const auto alone = (*make_method(filters(), {filter.name, "", {}}))(selection, pool, FilterContext{});
+    const auto alone =
+        (*make_method(filters(), {filter.name, "", {}}))(selection, pool, FilterContext{});
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_EQ(told.result.image[c].pixels().size(), alone->image[c].pixels().size());
     for (std::size_t i = 0; i < alone->image[0].size(); ++i)

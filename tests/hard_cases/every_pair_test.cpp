@@ -54,9 +54,8 @@ Range range_of_taken(const SamplePool& pool, const CountImage& n, std::size_t c)
 // Units in the last place within which a constant picture comes out constant.
 double units_for_constants(const std::string& filter) {
   // Sums over hundreds of taps, divided by the sum of the taps.
-  const bool many =
-      filter == "greedy_selection" || filter == "oracle_scale" || filter == "cross_bilateral" ||
-      filter == "welch";
+  const bool many = filter == "greedy_selection" || filter == "oracle_scale" ||
+                    filter == "cross_bilateral" || filter == "welch";
   return many ? 16 : 4;
 }
 
