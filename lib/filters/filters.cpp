@@ -14,6 +14,7 @@
 #include "lib/filters/oracle_scale.h"
 #include "lib/filters/twin_guides/twin_guides.h"
 #include "lib/filters/wavelet_shrinkage.h"
+#include "lib/filters/welch/stater.h"
 #include "lib/filters/welch/welch.h"
 
 namespace spool {
@@ -24,7 +25,7 @@ const FilterList& filters() {
                       {box_filter(), clamped_filter(), gaussian_filter(), directional_filter(),
                        greedy_selection_filter(), nl_means_filter(), cross_bilateral_filter(),
                        multistage_filter(), wavelet_shrinkage_filter(), oracle_scale_filter(),
-                       twin_guides_filter(), welch_filter()}};
+                       twin_guides_filter(), welch_filter(), stater_filter()}};
     for (Filter& filter : all.methods)
       filter = with_stage_options(std::move(filter));
     return all;

@@ -3,6 +3,7 @@
 #include "lib/sampling/adaptive_wavelet.h"
 #include "lib/sampling/cross_bilateral.h"
 #include "lib/sampling/cross_halves.h"
+#include "lib/sampling/denoised_variance.h"
 #include "lib/sampling/filtered_halves.h"
 #include "lib/sampling/greedy_error.h"
 #include "lib/sampling/mitchell.h"
@@ -18,7 +19,8 @@ const SamplerList& samplers() {
       "sampler",
       {uniform_sampler(), multiscale_sampler(), mitchell_sampler(), adaptive_wavelet_sampler(),
        greedy_error_sampler(), nl_means_sampler(), cross_bilateral_sampler(),
-       filtered_halves_sampler(), cross_halves_sampler(), neyman_sampler()}};
+       denoised_variance_sampler(), filtered_halves_sampler(), cross_halves_sampler(),
+       neyman_sampler()}};
   return list;
 }
 

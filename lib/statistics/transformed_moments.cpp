@@ -14,17 +14,18 @@ double power(double x, double lambda) {
   return std::pow(x, lambda);
 }
 
-double transformed(double x, double lambda) {
+}  // namespace
+
+double transformed_sample(double x, double lambda) {
   return lambda == 1.0 ? x : (power(std::max(x, 0.0), lambda) - 1.0) / lambda;
 }
 
-}  // namespace
-
 TransformedMoments transformed_moments(const SamplePool& pool, const CountImage& n, double unit,
-                                       double lambda) {
-  SPOOL_CHECK(lambda > 0.0 && lambda <= 1.0);
+                                       double lambda, HighestMoment highest) {
+  SPOOL_CHECK(lambda > 0.0);
   const auto zeros = [&] { return make_rgb(n.width(), n.height()); };
-  TransformedMoments moments{zeros(), zeros(), zeros()};
+  const bool fourth = highest == HighestMoment::kFourth;
+  TransformedMoments moments{zeros(), zeros(), zeros(), fourth ? zeros() : RgbImage{}};
   parallel_rows(0, n.height(), [&](int y) {
     for (int x = 0; x < n.width(); ++x) {
       const std::size_t p = n.index(x, y);
@@ -32,8 +33,13 @@ TransformedMoments transformed_moments(const SamplePool& pool, const CountImage&
         const Rgb sample = pool.sample(x, y, i);
         for (std::size_t c = 0; c < 3; ++c) {
           double &mean = moments.mean[c][p], &m2 = moments.m2[c][p], &m3 = moments.m3[c][p];
-          const double delta = transformed(unit * static_cast<double>(sample[c]), lambda) - mean;
-          const double share = delta / (i + 1), term = delta * share * i;
+          const double value = transformed_sample(unit * static_cast<double>(sample[c]), lambda);
+          const double delta = value - mean, k = i + 1;
+          const double share = delta / k, term = delta * share * i;
+          if (fourth) {
+            moments.m4[c][p] += term * share * share * (k * k - 3.0 * k + 3.0) +
+                                6.0 * share * share * m2 - 4.0 * share * m3;
+          }
           m3 += term * share * (i - 1) - 3.0 * share * m2;
           m2 += term;
           mean += share;

@@ -3,7 +3,7 @@
 //
 //   T(x) = (x^lambda - 1) / lambda [BoxCox64],   T(x) = x for lambda = 1
 //
-// A negative sample counts as 0 for lambda < 1: a root is defined from there on. One pass, in
+// A negative sample counts as 0 for other lambda: a root is defined from there on. One pass, in
 // double [Meng15].
 #pragma once
 
@@ -12,12 +12,18 @@
 
 namespace spool {
 
+double transformed_sample(double x, double lambda);
+
 struct TransformedMoments {
   RgbImage mean, m2, m3;  // [c][y][x]: mean of T, sums of (T - mean)^2 and (T - mean)^3
+  RgbImage m4;            // of (T - mean)^4, where asked for
 };
 
-// Of the first n(x, y) samples of every piece, each times `unit` > 0; 0 < lambda <= 1.
+enum class HighestMoment { kThird, kFourth };
+
+// Of the first n(x, y) samples of every piece, each times `unit` > 0; lambda > 0.
 TransformedMoments transformed_moments(const SamplePool& pool, const CountImage& n, double unit,
-                                       double lambda);
+                                       double lambda,
+                                       HighestMoment highest = HighestMoment::kThird);
 
 }  // namespace spool

@@ -55,7 +55,7 @@ Range range_of_taken(const SamplePool& pool, const CountImage& n, std::size_t c)
 double units_for_constants(const std::string& filter) {
   // Sums over hundreds of taps, divided by the sum of the taps.
   const bool many = filter == "greedy_selection" || filter == "oracle_scale" ||
-                    filter == "cross_bilateral" || filter == "welch";
+                    filter == "cross_bilateral" || filter == "welch" || filter == "stater";
   return many ? 16 : 4;
 }
 

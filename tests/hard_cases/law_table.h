@@ -42,6 +42,9 @@ inline constexpr std::array kFilterExceptions = {
     LawException{Law::kChannels, "twin_guides", "clamps and limits by luminance"},
     LawException{Law::kConstant, "welch statmc", "tests square roots of the samples"},
     LawException{Law::kConstant, "welch pooled", "tests fourth roots, too"},
+    LawException{Law::kConstant, "stater mcl", "tests fourth roots, too"},
+    LawException{Law::kConstant, "stater mc", "tests fourth roots, too"},
+    LawException{Law::kConstant, "stater m", "tests fourth roots, too"},
     LawException{Law::kConstant, "nl_means robust",
                  "distances are divided by the variance of few samples plus an epsilon of the "
                  "exposed image"},

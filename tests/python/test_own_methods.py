@@ -25,6 +25,8 @@ def mean_of_samples(statistics, gain=1.0):
 def sees_features(statistics):
     assert set(statistics.features) == {"albedo", "normal", "depth"}
     assert statistics.features["albedo"].shape == (*statistics.n.shape, 3)
+    assert statistics.feature_variances["albedo"].shape == (*statistics.n.shape, 3)
+    assert (statistics.feature_variances["depth"] >= 0).all() and statistics.moments == {}
     return statistics.features["albedo"][..., 0]
 
 
@@ -62,6 +64,23 @@ def test_what_a_sampler_is_told(dump, layers):
 def test_features(dump):
     chosen = spool.replay(dump, sees_features, 6)
     assert chosen.counts[-1, -1] > chosen.counts[0, 0]
+
+
+@spool.filter(moments=(0.25, 1))
+def sees_moments(statistics):
+    assert list(statistics.moments) == [0.25, 1.0]
+    assert np.allclose(statistics.moments[1.0]["mean"], statistics.mean)
+    assert np.allclose(statistics.moments[1.0]["m2"] / 30, statistics.variance, rtol=1e-6)
+    fourth = statistics.moments[0.25]
+    assert (fourth["m4"] * 6 >= 0.999 * fourth["m2"] ** 2).all() and (fourth["m2"] > 0).any()
+    return (1 + 0.25 * fourth["mean"]) ** 4
+
+
+def test_moments_of_transformed_samples(dump):
+    seen = spool.reconstruct(dump, None, sees_moments, spp=6)
+    box = spool.reconstruct(dump, None, "box", spp=6)
+    assert (seen <= box * 1.0001).all() and seen.mean() > 0.5 * box.mean()  # power means
+    assert "moments" in str(pytest.raises(spool.SpoolError, spool.reconstruct, dump, None, sees_moments, spp=6, moments="9").value)
 
 
 def test_a_filter(dump):

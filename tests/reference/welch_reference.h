@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "lib/filters/welch/pair_filter.h"
+#include "lib/kernels/pair_filter.h"
 #include "lib/statistics/transformed_moments.h"
 
 namespace spool::reference {
@@ -15,7 +15,7 @@ namespace spool::reference {
 inline TransformedMoments transformed_moments(const SamplePool& pool, const CountImage& n,
                                               double unit, double lambda) {
   const auto zeros = [&] { return make_rgb(n.width(), n.height()); };
-  TransformedMoments moments{zeros(), zeros(), zeros()};
+  TransformedMoments moments{zeros(), zeros(), zeros(), zeros()};
   for (int y = 0; y < n.height(); ++y) {
     for (int x = 0; x < n.width(); ++x) {
       for (std::size_t c = 0; c < 3; ++c) {
@@ -32,6 +32,7 @@ inline TransformedMoments transformed_moments(const SamplePool& pool, const Coun
         for (const double v : values) {
           moments.m2[c](x, y) += (v - mean) * (v - mean);
           moments.m3[c](x, y) += (v - mean) * (v - mean) * (v - mean);
+          moments.m4[c](x, y) += std::pow(v - mean, 4);
         }
       }
     }

@@ -364,4 +364,11 @@ def test_features_come_with_the_variances_of_their_means(good, script, tmp_path)
         image = exr.read(seen)
         assert {"albedo.R", "albedo_variance.R", "normal_variance.Y", "depth_variance.Z"} <= set(image)
         variance[spp] = image["albedo_variance.G"].mean()
+    good("reconstruct", chess, "--filter", command, "--set", "filter.moments=0.25+1", "--spp", 8, "--force", "-o", "o.exr")
+    image = exr.read(seen)
+    assert np.allclose(image["mean_1.G"], image["G"], rtol=1e-6) and "albedo.R" not in image
+    # The variance of a mean of 8 samples, and roots, whose powers are smaller.
+    assert np.allclose(image["m2_1.R"] / 56, image["variance.R"], rtol=1e-3, atol=1e-9)
+    assert {f"{m}_0.25.{c}" for m in ("mean", "m2", "m3", "m4") for c in "RGB"} <= set(image)
+    assert (image["m4_0.25.B"] * 8 >= image["m2_0.25.B"] ** 2 * 0.999).all()
     assert 3.4 < variance[8] / variance[32] < 4.6  # a fourth with four times the samples

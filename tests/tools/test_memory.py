@@ -14,9 +14,9 @@ from conftest import LONGEST_RUN, PROGRAM
 
 SLOW = int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))
 SIZE, SAMPLES = 256, 16
-SAMPLERS = ["uniform", "multiscale", "mitchell", "adaptive_wavelet", "greedy_error", "nl_means", "cross_bilateral", "neyman", "filtered_halves", "cross_halves"]
+SAMPLERS = ["uniform", "multiscale", "mitchell", "adaptive_wavelet", "greedy_error", "nl_means", "cross_bilateral", "neyman", "filtered_halves", "cross_halves", "denoised_variance"]
 FILTERS = ["box", "gaussian", "directional", "greedy_selection", "nl_means", "cross_bilateral", "multistage", "wavelet_shrinkage", "oracle_scale",
-           "twin_guides", "welch"]
+           "twin_guides", "welch", "stater"]
 GROUPS = {Path("/sys/fs/cgroup/memory"): "memory.limit_in_bytes", Path("/sys/fs/cgroup"): "memory.max"}
 
 pytestmark = pytest.mark.skipif(SLOW > 1, reason="a sanitizer takes memory of its own")

@@ -19,11 +19,6 @@ tl::unexpected<Error> nobody(const std::string& name) {
               name);
 }
 
-Option<CalledOptions> features_option() {
-  return switch_option<CalledOptions>("features", &CalledOptions::features,
-                                      "also hand over the means of albedo, normal and depth");
-}
-
 }  // namespace
 
 void provide_called_methods(CalledMethods methods) {
@@ -57,14 +52,15 @@ const OptionTable<CalledOptions>& called_sampler_option_table() {
                                   integer_option<O>("rounds", &O::rounds, 1, 1000,
                                                     "times that the function is asked")},
                    &CalledOptions::asked);
-    options.push_back(features_option());
+    for (Option<CalledOptions>& option : told_option_table(&CalledOptions::told))
+      options.push_back(std::move(option));
     return options;
   }();
   return table;
 }
 
 const OptionTable<CalledOptions>& called_filter_option_table() {
-  static const OptionTable<CalledOptions> table = {features_option()};
+  static const OptionTable<CalledOptions> table = told_option_table(&CalledOptions::told);
   return table;
 }
 

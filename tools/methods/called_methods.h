@@ -10,6 +10,7 @@
 #include "lib/filters/filter.h"
 #include "lib/sampling/asked_counts.h"
 #include "lib/sampling/sampler.h"
+#include "tools/methods/statistics_file.h"
 
 namespace spool::tools {
 
@@ -25,10 +26,10 @@ void provide_called_methods(CalledMethods methods);
 Result<ReadySampler> make_called_sampler(const std::string& name, const OptionValues& set);
 Result<ReadyFilter> make_called_filter(const std::string& name, const OptionValues& set);
 
-// What a sampler that is asked for counts can be told; `features`: hand over their means, too.
+// What a sampler that is asked for counts can be told.
 struct CalledOptions {
   AskedCountsOptions asked;
-  bool features = false;
+  ToldStatistics told;
 };
 const OptionTable<CalledOptions>& called_sampler_option_table();
 const OptionTable<CalledOptions>& called_filter_option_table();

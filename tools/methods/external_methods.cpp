@@ -23,7 +23,7 @@ struct NoOptions {};
 
 struct ExecOptions {
   double timeout = 600.0;
-  bool features = false;
+  ToldStatistics told;
 };
 
 struct ExecSamplerOptions {
@@ -33,12 +33,13 @@ struct ExecSamplerOptions {
 
 const OptionTable<ExecOptions>& exec_option_table() {
   using O = ExecOptions;
-  static const OptionTable<O> table = {
-      number_option<O>("timeout", &O::timeout, 0.001, 1e6,
-                       "seconds that one call of the command may take"),
-      switch_option<O>("features", &O::features,
-                       "also hand over the means of albedo, normal and depth"),
-  };
+  static const OptionTable<O> table = [] {
+    OptionTable<O> options = told_option_table(&O::told);
+    options.insert(options.begin(),
+                   number_option<O>("timeout", &O::timeout, 0.001, 1e6,
+                                    "seconds that one call of the command may take"));
+    return options;
+  }();
   return table;
 }
 
@@ -58,7 +59,7 @@ const OptionTable<ExecSamplerOptions>& exec_sampler_option_table() {
 }
 
 Needs needs_of(const ExecOptions& options) {
-  return {.features = options.features ? Use::kWhenRecorded : Use::kNone};
+  return {.features = options.told.features ? Use::kWhenRecorded : Use::kNone};
 }
 
 constexpr Needs kMadeElsewhere{.samples = false};
@@ -70,7 +71,7 @@ Result<ExrFile> call(const std::string& command, const PieceStatistics& statisti
                      const std::function<bool()>* cancelled) {
   SPOOL_ASSIGN(const ExchangeFolder folder, ExchangeFolder::create());
   const std::filesystem::path input = folder / "statistics.exr", output = folder / "answer.exr";
-  SPOOL_TRY(write_statistics(input, statistics, pool, options.features));
+  SPOOL_TRY(write_statistics(input, statistics, pool, options.told));
   SPOOL_TRY(run_external({command,
                           {input.string(), output.string()},
                           std::move(environment),

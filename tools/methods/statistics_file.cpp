@@ -5,11 +5,26 @@
 #include "lib/image_io/exr_image.h"
 #include "lib/kernels/piece_estimates.h"
 #include "lib/statistics/feature_statistics.h"
+#include "lib/statistics/transformed_moments.h"
 
 namespace spool::tools {
+namespace {
+
+void add_moments(ExrFile& file, const SamplePool& pool, const CountImage& n, double lambda) {
+  TransformedMoments moments = transformed_moments(pool, n, 1.0, lambda, HighestMoment::kFourth);
+  for (auto [name, image] : {std::pair{"mean", &moments.mean}, std::pair{"m2", &moments.m2},
+                             std::pair{"m3", &moments.m3}, std::pair{"m4", &moments.m4}}) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      file.channels.push_back({fmt::format("{}_{}.{}", name, lambda, "RGB"[c]), PixelType::kFloat,
+                               std::move((*image)[c])});
+    }
+  }
+}
+
+}  // namespace
 
 Result<void> write_statistics(const std::filesystem::path& path, const PieceStatistics& statistics,
-                              const SamplePool& pool, bool features) {
+                              const SamplePool& pool, const ToldStatistics& told) {
   GuardCounts guards;  // of a copy for others; the method that asks counts its own
   SPOOL_ASSIGN(PieceEstimates pieces,
                estimate_pieces(statistics, {}, statistics.signal.exposure, guards));
@@ -27,7 +42,9 @@ Result<void> write_statistics(const std::filesystem::path& path, const PieceStat
   }
   file.channels.push_back({"n", PixelType::kUint, std::move(n)});
   file.channels.push_back({"left", PixelType::kUint, std::move(left)});
-  if (features) {
+  for (const double lambda : told.moments)
+    add_moments(file, pool, statistics.n, lambda);
+  if (told.features) {
     SPOOL_ASSIGN(const auto layers, feature_statistics(pool, statistics.n, guards));
     for (const FeatureStatistics& feature : layers) {
       for (std::size_t c = 0; c < feature.mean.size(); ++c) {

@@ -1,6 +1,7 @@
 #include "tools/python/called_functions.h"
 
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <cmath>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "lib/kernels/piece_estimates.h"
 #include "lib/sampling/rounds.h"
 #include "lib/statistics/feature_statistics.h"
+#include "lib/statistics/transformed_moments.h"
 #include "tools/methods/called_methods.h"
 #include "tools/python/arrays.h"
 
@@ -55,7 +57,8 @@ Result<CalledFunction> look_up(const Held& lookup, const char* kind, const std::
       options[nb::str(option.c_str())] = text;
     const nb::object made = (*lookup)(kind, name, options);
     CalledFunction called{name, {}, hold(made)};
-    called.options.features = nb::cast<bool>(made.attr("features"));
+    called.options.told.features = nb::cast<bool>(made.attr("features"));
+    called.options.told.moments = nb::cast<std::vector<double>>(made.attr("moments"));
     called.options.asked.rounds = nb::cast<int>(made.attr("rounds"));
     const nb::object first = made.attr("init_spp");
     if (!first.is_none()) called.options.asked.init_spp = nb::cast<int>(first);
@@ -64,7 +67,7 @@ Result<CalledFunction> look_up(const Held& lookup, const char* kind, const std::
 }
 
 Needs needs_of(const CalledFunction& called) {
-  return {.features = called.options.features ? Use::kWhenRecorded : Use::kNone};
+  return {.features = called.options.told.features ? Use::kWhenRecorded : Use::kNone};
 }
 
 // What a function is told of the samples taken so far, before the interpreter is asked for.
@@ -72,9 +75,11 @@ struct Known {
   PieceEstimates pieces;
   CountImage left;
   std::vector<FeatureStatistics> features;
+  std::vector<std::pair<double, TransformedMoments>> moments;  // by lambda
 };
 
-Result<Known> known_of(const PieceStatistics& statistics, const SamplePool& pool, bool features) {
+Result<Known> known_of(const PieceStatistics& statistics, const SamplePool& pool,
+                       const tools::ToldStatistics& told) {
   GuardCounts guards;  // of a copy for others
   Known known;
   SPOOL_ASSIGN(known.pieces, estimate_pieces(statistics, {}, statistics.signal.exposure, guards));
@@ -83,25 +88,45 @@ Result<Known> known_of(const PieceStatistics& statistics, const SamplePool& pool
     for (int x = 0; x < known.left.width(); ++x)
       known.left(x, y) = pool.capacity(x, y) - statistics.n(x, y);
   }
-  if (features) {
+  if (told.features) {
     SPOOL_ASSIGN(known.features, feature_statistics(pool, statistics.n, guards));
+  }
+  for (const double lambda : told.moments) {
+    known.moments.emplace_back(
+        lambda, transformed_moments(pool, statistics.n, 1.0, lambda, HighestMoment::kFourth));
   }
   return known;
 }
 
+nb::list list_of(const std::vector<Plane>& planes) {
+  nb::list channels;
+  for (const Plane& channel : planes)
+    channels.append(plane_to_numpy(channel));
+  return channels;
+}
+
 nb::dict to_python(const Known& known, const CountImage& n) {
-  nb::dict told, features;
+  nb::dict told, features, variances, moments;
   told["mean"] = rgb_to_numpy(known.pieces.mean);
   told["variance"] = rgb_to_numpy(known.pieces.variance);
   told["n"] = counts_to_numpy(n);
   told["left"] = counts_to_numpy(known.left);
   for (const FeatureStatistics& feature : known.features) {
-    nb::list channels;
-    for (const Plane& channel : feature.mean)
-      channels.append(plane_to_numpy(channel));
-    features[nb::str(feature.layer.name.c_str())] = channels;
+    const nb::str name(feature.layer.name.c_str());
+    features[name] = list_of(feature.mean);
+    variances[name] = list_of(feature.variance);
   }
   told["features"] = features;
+  told["feature_variances"] = variances;
+  for (const auto& [lambda, of] : known.moments) {
+    nb::dict one;
+    one["mean"] = rgb_to_numpy(of.mean);
+    one["m2"] = rgb_to_numpy(of.m2);
+    one["m3"] = rgb_to_numpy(of.m3);
+    one["m4"] = rgb_to_numpy(of.m4);
+    moments[nb::float_(lambda)] = one;
+  }
+  told["moments"] = moments;
   return told;
 }
 
@@ -120,7 +145,7 @@ Result<CountImage> answer_of(const nb::object& answer, const CountQuestion& ques
 
 Result<CountImage> ask(const CalledFunction& called, const CountQuestion& question) {
   SPOOL_ASSIGN(const Known known,
-               known_of(question.statistics, question.pool, called.options.features));
+               known_of(question.statistics, question.pool, called.options.told));
   return with_python(called.name, [&]() -> Result<CountImage> {
     nb::dict told = to_python(known, question.statistics.n);
     told["round"] = question.round;
@@ -166,7 +191,7 @@ Result<RgbImage> image_of(const CalledFunction& called, const Known& known, cons
 Result<ReadyFilter> filter_of(const CalledFunction& called) {
   const FilterFunction run = [called](const Selection& selection, const SamplePool& pool,
                                       const FilterContext&) -> Result<Reconstruction> {
-    SPOOL_ASSIGN(const Known known, known_of(selection.statistics, pool, called.options.features));
+    SPOOL_ASSIGN(const Known known, known_of(selection.statistics, pool, called.options.told));
     SPOOL_ASSIGN(RgbImage image, image_of(called, known, selection.statistics.n));
     return own_image(std::move(image), pool, "python:" + called.name + ": answer");
   };

@@ -23,7 +23,8 @@
 
 #include "lib/core/option_table.h"
 #include "lib/filters/filter.h"
-#include "lib/filters/welch/pair_filter.h"
+#include "lib/kernels/pair_features.h"
+#include "lib/kernels/pair_filter.h"
 
 namespace spool {
 
@@ -35,8 +36,7 @@ struct WelchOptions {
   bool johnson = true;
   bool pooled = false;
   PairWindow window = {20, 10.0};
-  double sigma_albedo = 0.02, sigma_normal = 0.1;
-  bool feature_noise = false;
+  PairFeatureOptions features;
 };
 
 const Presets<WelchOptions>& welch_presets();

@@ -26,6 +26,8 @@ class Statistics:
     n: np.ndarray  # [y][x], samples taken
     left: np.ndarray  # [y][x], samples that are left to take
     features: dict = field(default_factory=dict)  # {"albedo": [y][x][c]}, where asked for and recorded
+    feature_variances: dict = field(default_factory=dict)  # of those means, in the same way
+    moments: dict = field(default_factory=dict)  # {0.25: {"mean", "m2", "m3", "m4": [y][x][3]}}, for each lambda asked for
     round: int = 0  # these five are a sampler's alone: 0 .. rounds - 1
     rounds: int = 1
     budget_left: int = 0  # samples
@@ -41,10 +43,10 @@ class Statistics:
 class Method:
     """A function as a method; calling it calls the function."""
 
-    def __init__(self, function, kind, init_spp, rounds, features, label):
+    def __init__(self, function, kind, init_spp, rounds, features, moments, label):
         self.function, self.kind = function, kind
         self.label = label or function.__name__
-        self.init_spp, self.rounds, self.features = init_spp, rounds, features
+        self.init_spp, self.rounds, self.features, self.moments = init_spp, rounds, features, moments
         parameters = list(inspect.signature(function).parameters.values())[1:]
         self.defaults = {p.name: p.default for p in parameters if p.kind is not p.VAR_KEYWORD}
         for name, default in self.defaults.items():
@@ -64,7 +66,7 @@ class Method:
     def with_options(self, texts):
         """Ready to be called, with its options as texts."""
         given = dict(texts)
-        own = {"features": self.features, **({"init_spp": self.init_spp, "rounds": self.rounds} if self.kind == "sampler"
+        own = {"features": self.features, "moments": self.moments, **({"init_spp": self.init_spp, "rounds": self.rounds} if self.kind == "sampler"
                                              else {})}
         chosen = {name: given.pop(name) for name in list(given) if name in own}
         options = dict(self.defaults)
@@ -76,7 +78,8 @@ class Method:
         first = chosen.get("init_spp", self.init_spp)
         return _Ready(self, options, None if first in (None, "auto") else _value_of("init_spp", first, 1),
                       _value_of("rounds", chosen.get("rounds", self.rounds), 1),
-                      _value_of("features", chosen.get("features", self.features), True))
+                      _value_of("features", chosen.get("features", self.features), True),
+                      _lambdas(chosen.get("moments", self.moments)))
 
 
 @dataclass(frozen=True)
@@ -86,10 +89,12 @@ class _Ready:
     init_spp: int | None
     rounds: int
     features: bool
+    moments: list
 
     def ask(self, told):
         """What the module calls: the arrays of Statistics in, wants [y][x] or an image [y][x][3] out."""
-        told["features"] = {name: np.stack(channels, axis=-1) for name, channels in told["features"].items()}
+        for layers in ("features", "feature_variances"):
+            told[layers] = {name: np.stack(channels, axis=-1) for name, channels in told[layers].items()}
         statistics = Statistics(**told)
         try:
             answer = np.asarray(self.method.function(statistics, **self.options))
@@ -100,24 +105,25 @@ class _Ready:
 
 
 def sampler(function: Callable | None = None, *, init_spp: int | None = None, rounds: int = 4, features: bool = False,
-            label: str | None = None) -> Method | Callable[[Callable], Method]:
+            moments: tuple[float, ...] = (), label: str | None = None) -> Method | Callable[[Callable], Method]:
     """Makes a function a sampler.
 
     It is asked `rounds` times, after every pixel took `init_spp` samples (None: 4 from 8 samples per pixel on, else 2),
     with Statistics, and answers [y][x]: whole numbers are how many more samples it wants; other numbers are weights by
-    which its share of the budget is given out. `features`: also the means of albedo, normal and depth. Further
+    which its share of the budget is given out. `features`: also the means of albedo, normal and depth, and their
+    variances. `moments`: also moments of the samples transformed with these lambda, as (x^lambda - 1) / lambda. Further
     parameters with defaults are options. `label`: its name in tables, else the function's.
     """
     def make(of):
-        return Method(of, "sampler", init_spp, rounds, features, label)
+        return Method(of, "sampler", init_spp, rounds, features, moments, label)
     return make(function) if function else make
 
 
-def filter(function: Callable | None = None, *, features: bool = False,
+def filter(function: Callable | None = None, *, features: bool = False, moments: tuple[float, ...] = (),
            label: str | None = None) -> Method | Callable[[Callable], Method]:
     """Makes a function a filter: Statistics in, an image [y][x][3] of finite values out."""
     def make(of):
-        return Method(of, "filter", None, 1, features, label)
+        return Method(of, "filter", None, 1, features, moments, label)
     return make(function) if function else make
 
 
@@ -170,6 +176,15 @@ def _value_of(name, text, like):
     except (KeyError, ValueError):
         raise SpoolError("usage", f"option {name}: '{text}' is no {type(like).__name__}: its default is "
                                   f"{option_text(like)}") from None
+
+
+def _lambdas(moments):
+    """Of transforms, from numbers or from a text as the program writes it: off, 0.25, 0.25+1."""
+    parts = ([] if moments == "off" else moments.split("+")) if isinstance(moments, str) else np.atleast_1d(moments).tolist()
+    chosen = [_value_of("moments", part, 1.0) for part in parts]
+    if not all(0 < value <= 4 for value in chosen):
+        raise SpoolError("usage", f"option moments: {moments}: each lambda is above 0, at most 4")
+    return [float(value) for value in chosen]
 
 
 def _code_of(function):

@@ -1,4 +1,4 @@
-#include "lib/filters/welch/pair_filter.h"
+#include "lib/kernels/pair_filter.h"
 
 #include <algorithm>
 #include <cmath>

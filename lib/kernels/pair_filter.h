@@ -18,6 +18,8 @@
 
 namespace spool {
 
+inline constexpr double kSymmetricTest = 1e20;  // kappa = infinity: 0 times it is still a number
+
 struct PairTest {
   std::vector<Image<float>> mean, half2;  // [plane][y][x]; h > 0. Empty: all serve
   double kappa = 0.0;

@@ -1,0 +1,35 @@
+// What filters by tests of pairs share: intervals around means, means over the neighbours that
+// serve, and the options of both.
+#pragma once
+
+#include "lib/core/guards.h"
+#include "lib/core/option_table.h"
+#include "lib/kernels/pair_features.h"
+#include "lib/kernels/pair_filter.h"
+#include "lib/statistics/piece_statistics.h"
+#include "lib/statistics/student_table.h"
+
+namespace spool {
+
+struct IntervalRule {
+  double theta = 1.0;         // factor on the squared half widths
+  bool centre_alone = false;  // n - 1 degrees of freedom, not 2 n - 2
+};
+
+// Adds the test of three channels: means, variances of means, of `samples` samples [y][x].
+void add_test(PairTest& test, const RgbImage& mean, const RgbImage& variance, const Plane& samples,
+              const IntervalRule& rule, const StudentTable& student);
+
+// A power of two that brings radiance near 1, where roots differ from logarithms.
+double test_unit(const PieceStatistics& statistics);
+
+// Means of `image` over the neighbours that serve, weighted by their counts; where none serves an
+// empty piece its value stays.
+RgbImage filtered_means(const RgbImage& image, const CountImage& n, const PairTest& test,
+                        const PairFeatures& features, const PairWindow& window,
+                        GuardCounts& guards);
+
+OptionTable<PairFeatureOptions> pair_feature_option_table();
+OptionTable<PairWindow> pair_window_option_table();
+
+}  // namespace spool
