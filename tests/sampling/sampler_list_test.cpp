@@ -33,8 +33,8 @@ TEST(SamplerList, HoldsEverySamplerInReadingOrder) {
     if (entry.source == Source::kDescriptions) by_description.push_back(entry.name);
   }
   EXPECT_THAT(names, ElementsAre("uniform", "multiscale", "mitchell", "adaptive_wavelet",
-                                 "greedy_error", "nl_means", "cross_bilateral",
-                                 "denoised_variance", "filtered_halves", "cross_halves", "neyman"));
+                                 "greedy_error", "nl_means", "cross_bilateral", "denoised_variance",
+                                 "filtered_halves", "cross_halves", "neyman"));
   EXPECT_THAT(by_description, ElementsAre("mitchell", "adaptive_wavelet", "denoised_variance"));
 }
 

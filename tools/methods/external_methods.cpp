@@ -62,7 +62,9 @@ Needs needs_of(const ExecOptions& options) {
   return {.features = options.told.features ? Use::kWhenRecorded : Use::kNone};
 }
 
-constexpr Needs kMadeElsewhere{.samples = false};
+Needs made_elsewhere() {
+  return {.samples = false};
+}
 
 // One call: the statistics go out, the answer comes back as the EXR that the command wrote.
 Result<ExrFile> call(const std::string& command, const PieceStatistics& statistics,
@@ -168,7 +170,7 @@ Result<ReadyFilter> make_image_filter(const std::string& path, const OptionValue
   SPOOL_TRY(with_options(OptionTable<NoOptions>{}, NoOptions{}, set));
   SPOOL_ASSIGN(const ExrFile file, read_exr(path));
   SPOOL_ASSIGN(RgbImage image, rgb_from_exr(file, path));
-  return ReadyFilter{given_image(std::move(image), "image:" + path), kMadeElsewhere};
+  return ReadyFilter{given_image(std::move(image), "image:" + path), made_elsewhere()};
 }
 
 // A method whose argument stands where others have a preset.
@@ -181,7 +183,7 @@ Method<Function> method_with_argument(std::string name, std::string argument, st
   method.name = name;
   method.argument = argument;
   method.summary = std::move(summary);
-  method.needs = needs;
+  method.needs = std::move(needs);
   method.describe = [table](std::string_view) { return describe_options(table, Options{}); };
   method.make = [=](std::string_view given, const OptionValues& set) -> Result<Ready<Function>> {
     if (given.empty()) {
@@ -217,7 +219,7 @@ const FilterList& known_filters() {
     list.methods.push_back(with_stage_options(oidn_filter()));
     list.methods.push_back(with_stage_options(
         method_with_argument("image", "FILE.exr", "your own: an image that was made elsewhere",
-                             OptionTable<NoOptions>{}, kMadeElsewhere, &make_image_filter)));
+                             OptionTable<NoOptions>{}, made_elsewhere(), &make_image_filter)));
     list.methods.push_back(with_stage_options(method_with_argument(
         "exec", "COMMAND", "your own: a command that makes the image from the statistics",
         exec_option_table(), Needs{}, &make_exec_filter)));

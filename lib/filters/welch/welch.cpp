@@ -78,6 +78,7 @@ PairTest pair_test(const Selection& selection, const SamplePool& pool, const Pai
                    double unit, const WelchOptions& options) {
   const CountImage& n = selection.statistics.n;
   std::vector<Estimates> all;
+  all.reserve(options.lambda.size());
   for (const double lambda : options.lambda)
     all.push_back(estimates(pool, n, unit, lambda, options.johnson));
   Plane samples(n.width(), n.height());
