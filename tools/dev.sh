@@ -54,6 +54,8 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   trap [CTEST ARGS]             the numeric tests with invalid operations and divisions by zero trapped
   bits                          hashes of fixed results: g++ and clang++, release and debug, each vector width of the machine
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
+  strangers                     what the pages say of a filter, sampler, option, metric and import of one's own, done in a copy
+                                of the tree, built and used; how many files each touches (docs/decisions/0140)
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   clean                         remove build/ and demo-output/
 SPOOL_JOBS sets how many compilers run at once (default: one per core).
@@ -500,6 +502,11 @@ mutate() {
   exec python3 tests/mutation/mutate.py "$@"
 }
 
+strangers() {
+  setup build
+  /usr/bin/python3 tests/strangers/strangers.py
+}
+
 # --- lint --------------------------------------------------------------------------------------
 
 cpp_files() { git ls-files --cached --others --exclude-standard '*.h' '*.cpp'; }
@@ -551,6 +558,7 @@ case "${1:-help}" in
   trap) shift; trap_floating_point "$@" ;;
   bits) shift; bits "$@" ;;
   mutate) shift; mutate "$@" ;;
+  strangers) strangers ;;
   lint) shift; lint "$@" ;;
   clean) rm -rf build demo-output ;;
   help | -h | --help) usage ;;
