@@ -54,10 +54,9 @@ Result<Input> load_input(const ReconstructOptions& options,
   const PoolOptions pool_options =
       selection ? selection->pool.value_or(options.pool) : options.pool;
   const int pieces = pool_options.pieces_per_side;
-  const WorkingMemory work =
-      with_views(filtering_memory(methods.filters[0].choice, pieces), known, views, pieces);
-  SPOOL_ASSIGN(const auto recording,
-               load(methods.rules, work, film_for({}, choices_of(methods.filters), pieces)));
+  const Demands filter = demands_of(methods.filters[0]);
+  const WorkingMemory work = with_views(filtering_memory(filter, pieces), known, views, pieces);
+  SPOOL_ASSIGN(const auto recording, load(methods.rules, work, film_for({}, {filter}, pieces)));
   SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, pool_options));
   SelectionFile all;
   if (!selection) {

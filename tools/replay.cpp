@@ -74,15 +74,8 @@ Result<long long> checked_budget(const SamplePool& pool, double spp) {
 
 Result<Replayed> replay(const ReplayOptions& options, const LoadRecording& load,
                         const std::function<void(double)>& progress) {
-  std::vector<std::string> filters;  // in the loop of the sampler
-  if (!options.filter.empty()) {
-    filters.push_back(options.filter);
-  } else {
-    SPOOL_ASSIGN(const Methods alone, choose_methods({options.sampler}, {}, options.method));
-    const std::string& named = alone.samplers[0].ready.needs.loop_filter;
-    if (!named.empty()) filters.push_back(named);
-  }
-  SPOOL_ASSIGN(const Methods methods, choose_methods({options.sampler}, filters, options.method));
+  SPOOL_ASSIGN(const Methods methods,
+               choose_with_loop_filter(options.sampler, options.filter, options.method));
   const ChosenMethod<SamplerFunction>& chosen = methods.samplers[0];
   if (!methods.filters.empty()) {
     SPOOL_TRY(check_loop_filter(chosen.choice, chosen.ready.needs, methods.filters[0].choice,
@@ -91,15 +84,14 @@ Result<Replayed> replay(const ReplayOptions& options, const LoadRecording& load,
   const ReadySampler sample = options.decision_split ? split_decisions(chosen.ready) : chosen.ready;
   const std::vector<ViewDescription> known = views_of(*chosen.method);
   SPOOL_ASSIGN(Views views, wanted_views(options, known));
-  MethodChoice counted = chosen.choice;  // with the filter that --filter puts into its loop
-  if (!chosen.ready.needs.loop_filter.empty()) counted.set.emplace_back("filter", "beside");
+  const int pieces = options.pool.pieces_per_side;
+  Demands sampler = demands_of(chosen);
+  sampler.needs.loop_filter.clear();  // the one in its loop is methods.filters
+  const std::vector<Demands> filters = demands_of(methods.filters);
+  const WorkingMemory work =
+      with_views(sampling_memory(sampler, filters, pieces), known, views, pieces);
   SPOOL_ASSIGN(const auto recording,
-               load(methods.rules,
-                    with_views(sampling_memory(counted, choices_of(methods.filters),
-                                               options.pool.pieces_per_side),
-                               known, views, options.pool.pieces_per_side),
-                    film_for(choices_of(methods.samplers), choices_of(methods.filters),
-                             options.pool.pieces_per_side)));
+               load(methods.rules, work, film_for({sampler}, filters, pieces)));
   SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, options.pool));
   SPOOL_ASSIGN(const long long budget, checked_budget(pool, options.spp));
   SamplingContext context;

@@ -2,12 +2,23 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
 namespace spool {
+namespace {
+
+// What was called otherwise in version 0.1.0, and is called now.
+constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {{"K", "levels"}};
+
+}  // namespace
 
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
+  for (const auto& [before, now] : kRenamed) {
+    if (word == before && std::ranges::find(candidates, now) != candidates.end())
+      return std::string(now);
+  }
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {

@@ -88,8 +88,8 @@ Filter with_stage_options(Filter filter) {
     SPOOL_ASSIGN(const StageOptions options, with_options(table, StageOptions{}, of_stage));
     SPOOL_ASSIGN(ReadyFilter ready, filter.make(preset, of_filter));
     if (!options.clamp && options.energy == EnergyStage::kOff) return ready;
-    if (options.clamp) ready.beside.per_pixel += kClampMemory;
-    if (options.energy == EnergyStage::kBox) ready.beside.per_pixel += kEnergyMemory;
+    if (options.clamp) ready.memory.per_pixel += kClampMemory;
+    if (options.energy == EnergyStage::kBox) ready.memory.per_pixel += kEnergyMemory;
     ready.run = [run = std::move(ready.run), options](const Selection& selection,
                                                       const SamplePool& pool,
                                                       const FilterContext& context) {

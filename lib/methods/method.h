@@ -36,21 +36,21 @@ struct Needs {
   friend bool operator==(const Needs&, const Needs&) = default;
 };
 
+// Of methods of other people, and of those that nobody has measured.
+inline constexpr WorkingMemory kUnmeasuredMemory = {400, 5e6};
+
 // A method with its options chosen. It is called as its function is.
 template <class Function>
 struct Ready {
   Function run;
   Needs needs;
-  WorkingMemory beside = {};  // what its options take beside the method's own memory
+  WorkingMemory memory = kUnmeasuredMemory;  // its own; a filter in its loop takes more
 
   template <class... Arguments>
   auto operator()(Arguments&&... arguments) const {
     return run(std::forward<Arguments>(arguments)...);
   }
 };
-
-// Of methods of other people, and of those that nobody has measured.
-inline constexpr WorkingMemory kUnmeasuredMemory = {400, 5e6};
 
 template <class Function>
 struct Method {
@@ -60,13 +60,21 @@ struct Method {
   std::vector<std::string> presets;  // the first is the default; empty: no presets
   std::string argument;              // "FILE.exr": what NAME:... takes where others have a preset
   std::vector<ViewDescription> views;
-  Needs needs;                               // with the default options
-  WorkingMemory memory = kUnmeasuredMemory;  // its own; a filter in its loop takes more
-  bool footprints = false;                   // a filter that can say its weights (footprint.h)
+  Needs needs;              // with the default options
+  bool footprints = false;  // a filter that can say its weights (footprint.h)
   std::function<std::vector<OptionDescription>(std::string_view preset)> describe;
   // An empty preset is the default. Errors kUsage: an unknown preset or option, a wrong value.
   std::function<Result<Ready<Function>>(std::string_view preset, const OptionValues& set)> make;
 };
+
+// `method` with its options chosen, ready to run; `kind` is for errors.
+template <class Function>
+Result<Ready<Function>> make_ready(std::string_view kind, const Method<Function>& method,
+                                   std::string_view preset, const OptionValues& set) {
+  Result<Ready<Function>> ready = method.make(preset, set);
+  if (ready || ready.error().code != ErrorCode::kUsage) return ready;
+  return fail(ErrorCode::kUsage, "{} {}: {}", kind, method.name, ready.error().message);
+}
 
 // The presets by name, the default first. One preset named "" means that the method has none.
 template <class Options>
@@ -122,7 +130,6 @@ Method<Function> make_value(MethodParts<Function, Options> parts) {
   method.source = parts.source;
   method.views = parts.views;
   method.needs = parts.needs_of(parts.presets.front().second);
-  method.memory = parts.memory;
   method.footprints = parts.footprints;
   for (const auto& preset : parts.presets) {
     if (!preset.first.empty()) method.presets.push_back(preset.first);
@@ -136,7 +143,7 @@ Method<Function> make_value(MethodParts<Function, Options> parts) {
     SPOOL_ASSIGN(const Options start, parts.preset(preset));
     SPOOL_ASSIGN(const Options options, with_options(parts.options, start, set));
     return Ready<Function>{WithOptions<Function, Options>::bind(parts.run, options),
-                           parts.needs_of(options)};
+                           parts.needs_of(options), parts.memory};
   };
   return method;
 }

@@ -68,9 +68,7 @@ Result<MethodChoice> choose_method(const MethodList<Function>& list, std::string
 template <class Function>
 Result<Ready<Function>> make_method(const MethodList<Function>& list, const MethodChoice& choice) {
   SPOOL_ASSIGN(const Method<Function>* method, known_method(list, choice.name));
-  Result<Ready<Function>> ready = method->make(choice.preset, choice.set);
-  if (ready || ready.error().code != ErrorCode::kUsage) return ready;
-  return fail(ready.error().code, "{} {}: {}", list.kind, choice.name, ready.error().message);
+  return make_ready(list.kind, *method, choice.preset, choice.set);
 }
 
 }  // namespace spool

@@ -50,11 +50,6 @@ void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const 
                coarse);
 }
 
-void detail_box(const Plane& fine, const Plane& coarse, const PyramidOptions& options, int k,
-                const Rectangle& box, Plane& detail) {
-  subtract_prediction(fine, coarse, options, k, box, detail);
-}
-
 Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options) {
   Pyramid pyramid;
   rebuild_pyramid(pyramid, f0, options);
@@ -155,7 +150,7 @@ OptionTable<PyramidOptions> pyramid_option_table() {
           "detail", &O::detail,
           {{"cycle_spun", LaplacianDetail::kCycleSpun}, {"phase00", LaplacianDetail::kPhase00}},
           "detail image of eq 4")),
-      integer_option<O>("K", &O::levels, 1, 6, "levels of the pyramid"),
+      integer_option<O>("levels", &O::levels, 1, 6, "levels of the pyramid: K"),
   };
 }
 

@@ -49,12 +49,9 @@ Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options);
 // build_pyramid into storage that exists; f0 may be pyramid.coarse[0] itself.
 void rebuild_pyramid(Pyramid& pyramid, const Plane& f0, const PyramidOptions& options);
 
-// One step of it on `box`: f_{k+1} from f_k, and d_k from both. Outputs have the size of the
-// inputs.
+// One step of it on `box`: f_{k+1} from f_k. The output has the size of the input.
 void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const Rectangle& box,
                  Plane& coarse);
-void detail_box(const Plane& fine, const Plane& coarse, const PyramidOptions& options, int k,
-                const Rectangle& box, Plane& detail);
 
 // f_0 from f_K and the details.
 Plane collapse(const Pyramid& pyramid, const PyramidOptions& options);

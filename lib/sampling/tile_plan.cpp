@@ -29,8 +29,8 @@ Result<std::vector<Rectangle>> plan_tiles(int width, int height, int tile_size, 
   SPOOL_CHECK_GT(smallest, 0);
   if (tile_size == 0) return std::vector<Rectangle>{{0, 0, width, height}};
   if (tile_size < smallest || tile_size % smallest != 0) {
-    return fail(ErrorCode::kUsage, "option tile: {} is not 0 or a multiple of 2^K = {}", tile_size,
-                smallest);
+    return fail(ErrorCode::kUsage, "option tile: {} is not 0 or a multiple of 2^levels = {}",
+                tile_size, smallest);
   }
   const std::vector<int> xs = borders(width, tile_size, smallest);
   const std::vector<int> ys = borders(height, tile_size, smallest);

@@ -160,6 +160,8 @@ TEST(OptionTable, InfinityIsReadWhereTheRangeIsOpen) {
 TEST(NearestName, FindsTyposAndIgnoresStrangers) {
   EXPECT_EQ(nearest_name("unifrom", {"mitchell", "uniform"}), "uniform");
   EXPECT_EQ(nearest_name("zzzzzzzzz", {"mitchell", "uniform"}), "");
+  EXPECT_EQ(nearest_name("K", {"P", "alpha", "levels"}), "levels");  // as version 0.1.0 called it
+  EXPECT_EQ(nearest_name("K", {"alpha"}), "");
 }
 
 TEST(Views, CollectOnlyWhatWasAskedFor) {

@@ -22,7 +22,7 @@ TEST(MultiscaleDeterminism, ThreadsDoNotChangeABit) {
             {"parallel", "rows"}},
            {{"update", "exact"},
             {"tile", "32"},
-            {"K", "2"},
+            {"levels", "2"},
             {"tile_halo", "none"},
             {"parallel", "tiles"}}}) {
     const MultiscaleOptions options = test::multiscale_options("robust", set);

@@ -33,12 +33,12 @@ std::vector<Case> cases() {
       {"max_rgb", {{"analysis_channel", "max_rgb"}}},
       {"per_channel", {{"analysis_channel", "per_channel"}}},
       {"literal", {{"contrast", "literal"}}},
-      {"haar", {{"filter", "haar"}, {"K", "3"}}},
-      {"nine_seven", {{"filter", "9-7"}, {"K", "2"}}},
-      {"db3", {{"filter", "db3"}, {"K", "2"}}},
+      {"haar", {{"filter", "haar"}, {"levels", "3"}}},
+      {"nine_seven", {{"filter", "9-7"}, {"levels", "2"}}},
+      {"db3", {{"filter", "db3"}, {"levels", "2"}}},
       {"swapped", {{"filter_roles", "swapped"}}},
-      {"phase00", {{"detail", "phase00"}, {"K", "2"}}},
-      {"same_k", {{"d_index", "same_k"}, {"K", "3"}}},
+      {"phase00", {{"detail", "phase00"}, {"levels", "2"}}},
+      {"same_k", {{"d_index", "same_k"}, {"levels", "3"}}},
       {"relative", {{"d_norm", "relative"}}},
       {"no_difference", {{"d_norm", "off"}}},
       {"region", {{"A_update", "region"}, {"alpha", "0.3"}}},
@@ -118,9 +118,9 @@ TEST(MultiscaleTwinSizes, CountsAreTheSameAndImagesAgree) {
   for (const auto& [width, height] : test::twin_sizes()) {
     SCOPED_TRACE(fmt::format("{} x {}", width, height));
     for (const char* update : {"epoch", "exact"}) {
-      expect_the_twin(
-          test::multiscale_options("robust", {{"update", update}, {"epochs", "5"}, {"K", "3"}}),
-          width, height, {width * height * 5LL / 2});
+      expect_the_twin(test::multiscale_options(
+                          "robust", {{"update", update}, {"epochs", "5"}, {"levels", "3"}}),
+                      width, height, {width * height * 5LL / 2});
     }
   }
 }
@@ -132,8 +132,8 @@ INSTANTIATE_TEST_SUITE_P(Options, MultiscaleTwin, testing::ValuesIn(cases()),
 TEST(MultiscaleExact, LocalUpdatesEqualFullRecomputation) {
   for (const OptionValues& set :
        std::vector<OptionValues>{{},
-                                 {{"filter", "9-7"}, {"K", "3"}},
-                                 {{"filter", "db3"}, {"d_index", "same_k"}, {"K", "2"}},
+                                 {{"filter", "9-7"}, {"levels", "3"}},
+                                 {{"filter", "db3"}, {"d_index", "same_k"}, {"levels", "2"}},
                                  {{"detail", "phase00"}, {"d_norm", "relative"}},
                                  {{"A_update", "any_touch"}}}) {
     const MultiscaleOptions options = test::multiscale_options("robust", set);
@@ -183,10 +183,10 @@ TEST(MultiscaleExact, LocalUpdatesEqualFullRecomputation) {
 TEST(MultiscaleEpoch, LocalUpdatesEqualFullRecomputation) {
   for (const OptionValues& set :
        std::vector<OptionValues>{{},
-                                 {{"filter", "9-7"}, {"K", "3"}},
-                                 {{"filter", "db3"}, {"d_index", "same_k"}, {"K", "2"}},
+                                 {{"filter", "9-7"}, {"levels", "3"}},
+                                 {{"filter", "db3"}, {"d_index", "same_k"}, {"levels", "2"}},
                                  {{"detail", "phase00"}, {"d_norm", "relative"}},
-                                 {{"analysis_channel", "per_channel"}, {"K", "5"}},
+                                 {{"analysis_channel", "per_channel"}, {"levels", "5"}},
                                  {{"A_update", "any_touch"}}}) {
     const MultiscaleOptions options = test::multiscale_options("robust", set);
     const int width = 140, height = 131;  // four blocks

@@ -213,8 +213,8 @@ TEST(MultiscaleTiles, AFrozenHaloGivesThePrioritiesOfTheWholeImage) {
   const SamplePool pool = test::noisy_pool(150, 70, 4);
   for (const OptionValues& set :
        std::vector<OptionValues>{{},
-                                 {{"filter", "9-7"}, {"K", "3"}},
-                                 {{"detail", "phase00"}, {"d_index", "same_k"}, {"K", "3"}}}) {
+                                 {{"filter", "9-7"}, {"levels", "3"}},
+                                 {{"detail", "phase00"}, {"d_index", "same_k"}, {"levels", "3"}}}) {
     MultiscaleOptions options = multiscale_options("robust", set);
     options.init_spp = 2;
     std::vector<std::vector<View>> collected;
@@ -240,7 +240,7 @@ TEST(MultiscaleViews, NamesAndImagesAreThoseOfTheMethod) {
   SamplingContext context;
   context.views = &views;
   const SamplingResult result =
-      run_multiscale(pool, 19 * 23 * 4, multiscale_options("robust", {{"K", "3"}}), context);
+      run_multiscale(pool, 19 * 23 * 4, multiscale_options("robust", {{"levels", "3"}}), context);
   std::map<std::string, Plane> by_name;
   for (const View& view : views.collected())
     by_name[view.name] = view.image;

@@ -64,23 +64,23 @@ class PlanRun {
     learnt_.clear();
     Progress progress("evaluate", common_.quiet);
     const InterruptNote note([this] { return kept_text(); });
+    const int pieces = request_.plan.experiment.pieces_per_side;
+    SPOOL_ASSIGN(const PlanDemands methods,
+                 demands_of(request_.plan.samplers, request_.plan.filters));
+    const WorkingMemory memory = evaluation_memory(methods.samplers, methods.filters, pieces);
+    const SampleFilm film = film_for(methods.samplers, methods.filters, pieces);
     std::shared_ptr<const RecordedSamples> recording;  // that of the cells at work
     const ExperimentSources sources{
         [&](const std::string& dump) {
           recording.reset();  // frees the last one before the next is read
-          auto loaded =
-              load_recording(dump, request_.plan.rules,
-                             evaluation_memory(request_.plan.samplers, request_.plan.filters,
-                                               request_.plan.experiment.pieces_per_side),
-                             film_for(request_.plan.samplers, request_.plan.filters,
-                                      request_.plan.experiment.pieces_per_side));
+          auto loaded = load_recording(dump, request_.plan.rules, memory, film);
           if (loaded) recording = *loaded;
           return loaded;
         },
         [](const MethodChoice& choice) { return make_method(known_samplers(), choice); },
         [](const MethodChoice& choice) { return make_method(known_filters(), choice); },
         [&](const RecordedSamples& samples) {
-          at_once_ = request_.exact_timing ? 1 : runs_at_once(request_.plan, samples);
+          at_once_ = request_.exact_timing ? 1 : runs_at_once(request_.plan, samples, memory);
           return at_once_.load();
         }};
     Result<void> written;  // the first failure to write ends the run

@@ -5,7 +5,6 @@
 #include "lib/core/available_memory.h"
 #include "lib/core/worker_threads.h"
 #include "tools/methods/external_methods.h"
-#include "tools/methods/method_memory.h"
 
 namespace spool::tools {
 namespace {
@@ -15,14 +14,12 @@ constexpr long long kSmallPicture = 256 * 256;  // pixels
 
 }  // namespace
 
-int runs_at_once(const Plan& plan, const RecordedSamples& recording) {
+int runs_at_once(const Plan& plan, const RecordedSamples& recording, const WorkingMemory& each) {
   const long long pixels = static_cast<long long>(recording.width()) * recording.height();
   if (pixels > kSmallPicture || std::ranges::any_of(plan.samplers, runs_alone) ||
       std::ranges::any_of(plan.filters, runs_alone)) {
     return 1;
   }
-  const WorkingMemory each =
-      evaluation_memory(plan.samplers, plan.filters, plan.experiment.pieces_per_side);
   const double bytes = each.per_pixel * static_cast<double>(pixels) + each.fixed;
   const auto free = available_memory();
   if (!free) return 1;

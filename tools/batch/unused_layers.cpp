@@ -7,24 +7,21 @@
 
 #include "formats/spool_reader.h"
 #include "lib/core/visible_text.h"
-#include "tools/methods/external_methods.h"
+#include "tools/methods/method_memory.h"
 
 namespace spool::tools {
 namespace {
 
-// What the methods read beside radiance. One that cannot be made counts as reading nothing: the run
-// says what is wrong with it.
+// What the methods read beside radiance.
 Needs needs_of(const Plan& plan) {
   Needs all{.film_positions = plan.experiment.pieces_per_side > 1 ? Use::kRequired : Use::kNone};
-  const auto add = [&](const Needs& needs) {
-    all.features = std::max(all.features, needs.features);
-    all.film_positions = std::max(all.film_positions, needs.film_positions);
-  };
-  for (const MethodChoice& choice : plan.samplers) {
-    if (const auto made = make_method(known_samplers(), choice)) add(made->needs);
-  }
-  for (const MethodChoice& choice : plan.filters) {
-    if (const auto made = make_method(known_filters(), choice)) add(made->needs);
+  const auto methods = demands_of(plan.samplers, plan.filters);
+  if (!methods) return all;  // the run says what is wrong with one of them
+  for (const auto* kind : {&methods->samplers, &methods->filters}) {
+    for (const Demands& method : *kind) {
+      all.features = std::max(all.features, method.needs.features);
+      all.film_positions = std::max(all.film_positions, method.needs.film_positions);
+    }
   }
   return all;
 }

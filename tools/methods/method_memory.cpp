@@ -16,16 +16,15 @@ constexpr double kHeldWhileFiltering = 150, kJudging = 460;
 // An image that is shown: as it was made, and as it is written.
 constexpr double kView = 20;
 
-// One that cannot be made takes what the method takes with its default options.
 template <class Function>
-WorkingMemory memory_of(const MethodList<Function>& known, const MethodChoice& choice) {
-  const Method<Function>* method = find_method(known, choice.name);
-  WorkingMemory memory = method == nullptr ? kUnmeasuredMemory : method->memory;
-  if (const auto made = make_method(known, choice)) {
-    memory.per_pixel += made->beside.per_pixel;
-    memory.fixed += made->beside.fixed;
+Result<std::vector<Demands>> demands_of(const MethodList<Function>& known,
+                                        const std::vector<MethodChoice>& choices) {
+  std::vector<Demands> all;
+  for (const MethodChoice& choice : choices) {
+    SPOOL_ASSIGN(const Ready<Function> made, make_method(known, choice));
+    all.push_back({made.needs, made.memory});
   }
-  return memory;
+  return all;
 }
 
 // Images of a family, by the letters behind its name: levels and scales, directions, channels.
@@ -49,33 +48,35 @@ WorkingMemory larger(const WorkingMemory& a, const WorkingMemory& b) {
 }
 
 // What a sampler has in its loop: the filter that it names, else those beside it.
-std::vector<MethodChoice> in_loop_of(const MethodChoice& sampler,
-                                     const std::vector<MethodChoice>& filters) {
-  const auto made = make_method(known_samplers(), sampler);
-  if (!made || !made->needs.filter_in_loop) return {};
-  if (made->needs.loop_filter.empty()) return filters;
-  const auto named = loop_choice(made->needs, {});
-  return named ? std::vector{*named} : std::vector<MethodChoice>{};
+std::vector<Demands> in_loop_of(const Demands& sampler, const std::vector<Demands>& filters) {
+  if (!sampler.needs.filter_in_loop) return {};
+  if (sampler.needs.loop_filter.empty()) return filters;
+  const auto named = loop_choice(sampler.needs, {});
+  if (!named) return {};  // whoever runs the sampler says so
+  return demands_of(known_filters(), {*named}).value_or(std::vector<Demands>{});
 }
 
-// A method that cannot be made says so elsewhere.
-template <class Function>
-bool uses_film(const MethodList<Function>& known, const MethodChoice& choice) {
-  const auto made = make_method(known, choice);
-  return !made || made->needs.film_positions != Use::kNone;
+bool uses_film(const Demands& method) {
+  return method.needs.film_positions != Use::kNone;
 }
 
 }  // namespace
 
-SampleFilm film_for(const std::vector<MethodChoice>& samplers,
-                    const std::vector<MethodChoice>& filters, int pieces_per_side) {
-  const auto filter_does = [](const MethodChoice& c) { return uses_film(known_filters(), c); };
-  const auto sampler_does = [&](const MethodChoice& c) {
-    return uses_film(known_samplers(), c) ||
-           std::ranges::any_of(in_loop_of(c, filters), filter_does);
-  };
-  const bool wanted = pieces_per_side > 1 || std::ranges::any_of(samplers, sampler_does) ||
-                      std::ranges::any_of(filters, filter_does);
+Result<PlanDemands> demands_of(const std::vector<MethodChoice>& samplers,
+                               const std::vector<MethodChoice>& filters) {
+  PlanDemands all;
+  SPOOL_ASSIGN(all.samplers, demands_of(known_samplers(), samplers));
+  SPOOL_ASSIGN(all.filters, demands_of(known_filters(), filters));
+  return all;
+}
+
+SampleFilm film_for(const std::vector<Demands>& samplers, const std::vector<Demands>& filters,
+                    int pieces_per_side) {
+  const bool wanted =
+      pieces_per_side > 1 || std::ranges::any_of(filters, uses_film) ||
+      std::ranges::any_of(samplers, [&](const Demands& sampler) {
+        return uses_film(sampler) || std::ranges::any_of(in_loop_of(sampler, filters), uses_film);
+      });
   return wanted ? SampleFilm::kLoad : SampleFilm::kLeaveOut;
 }
 
@@ -89,32 +90,29 @@ WorkingMemory with_views(WorkingMemory memory, const std::vector<ViewDescription
   return memory;
 }
 
-WorkingMemory filtering_memory(const MethodChoice& filter, int pieces_per_side) {
-  return on_pieces(memory_of(known_filters(), filter), pieces_per_side);
+WorkingMemory filtering_memory(const Demands& filter, int pieces_per_side) {
+  return on_pieces(filter.memory, pieces_per_side);
 }
 
-WorkingMemory sampling_memory(const MethodChoice& sampler, const std::vector<MethodChoice>& filters,
+WorkingMemory sampling_memory(const Demands& sampler, const std::vector<Demands>& filters,
                               int pieces_per_side) {
-  const Sampler* known = find_method(known_samplers(), sampler.name);
-  if (known == nullptr || !known->needs.filter_in_loop) {
-    return on_pieces(memory_of(known_samplers(), sampler), pieces_per_side);
-  }
+  const WorkingMemory& own = sampler.memory;
+  if (!sampler.needs.filter_in_loop) return on_pieces(own, pieces_per_side);
   WorkingMemory loop;
-  for (const MethodChoice& filter : in_loop_of(sampler, filters))
-    loop = larger(loop, memory_of(known_filters(), filter));
-  const WorkingMemory own = known->memory;
+  for (const Demands& filter : in_loop_of(sampler, filters))
+    loop = larger(loop, filter.memory);
   return on_pieces(
       {own.per_pixel + loop.per_pixel - kSharedWithLoop, std::max(own.fixed, loop.fixed)},
       pieces_per_side);
 }
 
-WorkingMemory evaluation_memory(const std::vector<MethodChoice>& samplers,
-                                const std::vector<MethodChoice>& filters, int pieces_per_side) {
+WorkingMemory evaluation_memory(const std::vector<Demands>& samplers,
+                                const std::vector<Demands>& filters, int pieces_per_side) {
   WorkingMemory most;
-  for (const MethodChoice& sampler : samplers)
+  for (const Demands& sampler : samplers)
     most = larger(most, sampling_memory(sampler, filters, pieces_per_side));
   WorkingMemory filtering;
-  for (const MethodChoice& filter : filters)
+  for (const Demands& filter : filters)
     filtering = larger(filtering, filtering_memory(filter, pieces_per_side));
   filtering.per_pixel = std::max(filtering.per_pixel + kHeldWhileFiltering, kJudging);
   return larger(most, filtering);

@@ -80,7 +80,7 @@ Result<std::vector<ChosenMethod<Function>>> choose(const MethodList<Function>& k
     choice.set.insert(choice.set.end(), own.begin(), own.end());
     const bool has_preset = std::ranges::find(method.presets, preset) != method.presets.end();
     if (choice.preset.empty() && has_preset) choice.preset = preset;
-    SPOOL_ASSIGN(Ready<Function> ready, make_method(known, choice));
+    SPOOL_ASSIGN(Ready<Function> ready, make_ready(known.kind, method, choice.preset, choice.set));
     chosen.push_back({std::move(choice), &method, std::move(ready)});
   }
   SPOOL_TRY(check_distinct(known.kind, choices_of(chosen)));
@@ -141,27 +141,46 @@ Error unused(const Setting& setting, const Choices<SamplerFunction>& samplers,
                                  : did_you_mean(setting.part, parts))};
 }
 
-}  // namespace
-
-Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
-                               const std::vector<std::string>& filter_names,
-                               const MethodOptions& options) {
+// `filters_beside` tells the names of the filters, once the samplers are made.
+template <class FiltersBeside>
+Result<Methods> choose_beside(const std::vector<std::string>& sampler_names,
+                              const FiltersBeside& filters_beside, const MethodOptions& options) {
   SPOOL_ASSIGN(std::vector<Setting> settings, parse_settings(options.settings));
   SPOOL_ASSIGN(const auto samplers, Choices<SamplerFunction>::of(known_samplers(), sampler_names));
-  SPOOL_ASSIGN(const auto filters, Choices<FilterFunction>::of(known_filters(), filter_names));
+  Methods methods;
+  SPOOL_ASSIGN(methods.samplers, choose(known_samplers(), samplers, options.preset, settings));
+  SPOOL_ASSIGN(const auto filters,
+               Choices<FilterFunction>::of(known_filters(), filters_beside(methods.samplers)));
+  SPOOL_ASSIGN(methods.filters, choose(known_filters(), filters, options.preset, settings));
   std::vector<std::string> presets;
   collect_presets(samplers, presets);
   collect_presets(filters, presets);
   SPOOL_TRY(check_preset(options.preset, presets));
-  Methods methods;
-  SPOOL_ASSIGN(methods.samplers, choose(known_samplers(), samplers, options.preset, settings));
-  SPOOL_ASSIGN(methods.filters, choose(known_filters(), filters, options.preset, settings));
   SPOOL_ASSIGN(methods.rules, make_options("pool", sanitise_option_table(), settings));
   SPOOL_ASSIGN(methods.metrics, make_options("metrics", metric_option_table(), settings));
   for (const Setting& setting : settings) {
     if (!setting.used) return tl::unexpected<Error>(unused(setting, samplers, filters));
   }
   return methods;
+}
+
+}  // namespace
+
+Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
+                               const std::vector<std::string>& filter_names,
+                               const MethodOptions& options) {
+  return choose_beside(sampler_names, [&](const auto&) { return filter_names; }, options);
+}
+
+Result<Methods> choose_with_loop_filter(const std::string& sampler_name,
+                                        const std::string& filter_name,
+                                        const MethodOptions& options) {
+  const auto in_loop = [&](const std::vector<ChosenMethod<SamplerFunction>>& samplers) {
+    const std::string& name =
+        filter_name.empty() ? samplers[0].ready.needs.loop_filter : filter_name;
+    return name.empty() ? std::vector<std::string>{} : std::vector{name};
+  };
+  return choose_beside({sampler_name}, in_loop, options);
 }
 
 }  // namespace spool::tools

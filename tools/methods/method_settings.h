@@ -51,5 +51,10 @@ struct Methods {
 Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
                                const std::vector<std::string>& filter_names,
                                const MethodOptions& options);
+// A sampler and the filter in its loop: the one called `filter_name`; where that is empty, the one
+// that the sampler names, if it names one.
+Result<Methods> choose_with_loop_filter(const std::string& sampler_name,
+                                        const std::string& filter_name,
+                                        const MethodOptions& options);
 
 }  // namespace spool::tools

@@ -33,8 +33,9 @@ std::string text_of(const ReplayKey& key) {
 
 Result<std::shared_ptr<const OpenRecording>> open_recording(const LiveChoices& choices,
                                                             std::size_t index) {
-  const WorkingMemory memory = evaluation_memory(choices.samplers, choices.filters, 1);
-  const SampleFilm film = film_for(choices.samplers, choices.filters, 1);
+  SPOOL_ASSIGN(const PlanDemands methods, demands_of(choices.samplers, choices.filters));
+  const WorkingMemory memory = evaluation_memory(methods.samplers, methods.filters, 1);
+  const SampleFilm film = film_for(methods.samplers, methods.filters, 1);
   SPOOL_ASSIGN(const auto recording,
                load_recording(choices.recordings[index].path, {}, memory, film));
   SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, choices.order));

@@ -130,20 +130,25 @@ FilteredTile filter_tile(Tile tile, const SamplePool& pool, const DirectionalOpt
   return result;
 }
 
+Result<void> check_attenuation(const Selection& selection) {
+  const CountImage& n = selection.statistics.n;
+  for (const Plane& a : selection.attenuation) {
+    if (a.same_size(n)) continue;
+    return fail(ErrorCode::kData,
+                "selection: attenuation has {} x {} pieces, the counts have {} x {}: hand over "
+                "both from one run",
+                a.width(), a.height(), n.width(), n.height());
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Reconstruction> reconstruct_directional(const Selection& selection, const SamplePool& pool,
                                                const DirectionalOptions& options,
                                                const FilterContext& context) {
+  SPOOL_TRY(check_attenuation(selection));
   const PieceStatistics& taken = selection.statistics;
-  for (const Plane& a : selection.attenuation) {
-    if (!a.same_size(taken.n)) {
-      return fail(ErrorCode::kData,
-                  "selection: attenuation has {} x {} pieces, the counts have {} x {}: hand over "
-                  "both from one run",
-                  a.width(), a.height(), taken.width(), taken.height());
-    }
-  }
   const SizeChannels channels = options.size.channels;
   std::optional<PieceStatistics> seen_otherwise;
   if (channels == SizeChannels::kLuminance || channels == SizeChannels::kMaxRgb) {

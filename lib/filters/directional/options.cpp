@@ -159,7 +159,7 @@ OptionTable<DirectionalOptions> directional_option_table() {
       expert(choice_option<O, bool>(
           "exposure", &O::normalise_exposure, {{"normalise", true}, {"none", false}},
           "bring the mean luminance of a bare selection to 1 before deciding")),
-      expert(expert(expert(expert(var_mode_option(&O::var_mode))))),
+      expert(var_mode_option(&O::var_mode)),
       choice_option<O, BaseImage>(
           "base", &O::base,
           {{"chosen", BaseImage::kChosen},

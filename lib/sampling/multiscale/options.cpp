@@ -66,7 +66,7 @@ OptionTable<O> sampling_options() {
           {{"rows", ParallelOver::kRows}, {"tiles", ParallelOver::kTiles}},
           "what runs in parallel; never changes a result")),
       integer_option<O>("tile", &O::tile, 0, 65536,
-                        "pieces per tile side, a multiple of 2^K; 0: no tiles"),
+                        "pieces per tile side, a multiple of 2^levels; 0: no tiles"),
       expert(choice_option<O, TileHalo>("tile_halo", &O::tile_halo,
                                         {{"frozen", TileHalo::kFrozen}, {"none", TileHalo::kNone}},
                                         "what a tile sees of its neighbours")),
