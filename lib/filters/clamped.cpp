@@ -47,11 +47,6 @@ std::optional<BrightSample> brightest(const SamplePool& pool, const CountImage& 
 
 }  // namespace
 
-OptionTable<ClampedOptions> clamped_option_table() {
-  return {number_option("factor", &ClampedOptions::factor, 0.0, 1e6,
-                        "largest sample of a pixel in units of its neighbours' mean")};
-}
-
 Result<Reconstruction> reconstruct_clamped(const Selection& selection, const SamplePool& pool,
                                            const ClampedOptions& options, const FilterContext&) {
   const auto counts = selection.statistics.n.pixels();
@@ -88,10 +83,15 @@ Result<Reconstruction> reconstruct_clamped(const Selection& selection, const Sam
 }
 
 Filter clamped_filter() {
-  return make_value<FilterFunction, ClampedOptions>(
+  using O = ClampedOptions;
+  return make_value<FilterFunction, O>(
       {.name = "clamped",
        .summary = "control: box with the brightest sample of a pixel limited by its neighbours",
-       .options = clamped_option_table(),
+       .options =
+           {
+               number_option("factor", &O::factor, 0.0, 1e6,
+                             "largest sample of a pixel in units of its neighbours' mean"),
+           },
        .run = reconstruct_clamped});
 }
 

@@ -19,8 +19,6 @@ struct ClampedOptions {
   double factor = 4.0;
 };
 
-OptionTable<ClampedOptions> clamped_option_table();
-
 Result<Reconstruction> reconstruct_clamped(const Selection& selection, const SamplePool& pool,
                                            const ClampedOptions& options, const FilterContext&);
 

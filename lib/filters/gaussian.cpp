@@ -23,13 +23,6 @@ Footprint footprint_of(const Taps& taps, int x, int y, const RgbImage& means) {
 
 }  // namespace
 
-OptionTable<GaussianOptions> gaussian_option_table() {
-  return {
-      number_option("sigma", &GaussianOptions::sigma, 0.0, 64.0,
-                    "standard deviation in pixels; 0 is the box filter"),
-  };
-}
-
 Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const SamplePool& pool,
                                             const GaussianOptions& options,
                                             const FilterContext& context) {
@@ -50,10 +43,15 @@ Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const Sa
 }
 
 Filter gaussian_filter() {
-  return make_value<FilterFunction, GaussianOptions>(
+  using O = GaussianOptions;
+  return make_value<FilterFunction, O>(
       {.name = "gaussian",
        .summary = "pixel means blurred with a Gaussian",
-       .options = gaussian_option_table(),
+       .options =
+           {
+               number_option("sigma", &O::sigma, 0.0, 64.0,
+                             "standard deviation in pixels; 0 is the box filter"),
+           },
        .memory = {188, 2e6},
        .footprints = true,
        .run = reconstruct_gaussian});

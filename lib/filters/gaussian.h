@@ -16,8 +16,6 @@ struct GaussianOptions {
   double sigma = 1.0;  // pixels
 };
 
-OptionTable<GaussianOptions> gaussian_option_table();
-
 Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const SamplePool& pool,
                                             const GaussianOptions& options,
                                             const FilterContext& context);

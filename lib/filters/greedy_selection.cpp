@@ -23,19 +23,6 @@ double greedy_scale(int s) {
   return std::pow(2.0, 0.5 * (s - 2));
 }
 
-OptionTable<GreedySelectionOptions> greedy_selection_option_table() {
-  using O = GreedySelectionOptions;
-  return {
-      expert(choice_option<O, GreedyGrid>("grid", &O::grid,
-                                          {{"auto", GreedyGrid::kAuto},
-                                           {"pixel", GreedyGrid::kPixel},
-                                           {"subpixel", GreedyGrid::kSubpixel}},
-                                          "cells that the base image starts from")),
-      number_option<O>("gamma", &O::gamma, 0.0, 0.526, "caution: larger stops earlier"),
-      expert(var_mode_option(&O::var_mode)),
-  };
-}
-
 Result<Reconstruction> reconstruct_greedy_selection(const Selection& selection,
                                                     const SamplePool& pool,
                                                     const GreedySelectionOptions& options,
@@ -86,10 +73,20 @@ Result<Reconstruction> reconstruct_greedy_selection(const Selection& selection,
 }
 
 Filter greedy_selection_filter() {
-  return make_value<FilterFunction, GreedySelectionOptions>(
+  using O = GreedySelectionOptions;
+  return make_value<FilterFunction, O>(
       {.name = "greedy_selection",
        .summary = "each pixel's best Gaussian by incremental bias and variance",
-       .options = greedy_selection_option_table(),
+       .options =
+           {
+               expert(choice_option("grid", &O::grid,
+                                    {{"auto", GreedyGrid::kAuto},
+                                     {"pixel", GreedyGrid::kPixel},
+                                     {"subpixel", GreedyGrid::kSubpixel}},
+                                    "cells that the base image starts from")),
+               number_option("gamma", &O::gamma, 0.0, 0.526, "caution: larger stops earlier"),
+               expert(var_mode_option(&O::var_mode)),
+           },
        .views = {{"stop.s", "1 where scale s stops, after the vote"},
                  {"level", "chosen scale; 0: the base image"}},
        .needs =

@@ -28,8 +28,6 @@ struct GreedySelectionOptions {
   VarianceMode var_mode = VarianceMode::kAuto;
 };
 
-OptionTable<GreedySelectionOptions> greedy_selection_option_table();
-
 // sigma_s, s >= 1, pixels.
 double greedy_scale(int s);
 

@@ -11,14 +11,6 @@
 
 namespace spool {
 
-OptionTable<OracleScaleOptions> oracle_scale_option_table() {
-  using O = OracleScaleOptions;
-  return {
-      number_option<O>("error_smoothing", &O::error_smoothing, 0.0, 16.0,
-                       "blur of the squared error that decides, pixels"),
-  };
-}
-
 Result<Reconstruction> reconstruct_oracle_scale(const Selection& selection, const SamplePool& pool,
                                                 const OracleScaleOptions& options,
                                                 const FilterContext& context) {
@@ -64,10 +56,15 @@ Result<Reconstruction> reconstruct_oracle_scale(const Selection& selection, cons
 }
 
 Filter oracle_scale_filter() {
-  return make_value<FilterFunction, OracleScaleOptions>(
+  using O = OracleScaleOptions;
+  return make_value<FilterFunction, O>(
       {.name = "oracle_scale",
        .summary = "the Gaussian nearest to the reference at each pixel (an oracle)",
-       .options = oracle_scale_option_table(),
+       .options =
+           {
+               number_option("error_smoothing", &O::error_smoothing, 0.0, 16.0,
+                             "blur of the squared error that decides, pixels"),
+           },
        .needs = [](const auto&) { return Needs{.reference = true}; },
        .memory = {220, 2e6},
        .run = reconstruct_oracle_scale});

@@ -16,8 +16,6 @@ struct OracleScaleOptions {
   double error_smoothing = 1.0;  // pixels
 };
 
-OptionTable<OracleScaleOptions> oracle_scale_option_table();
-
 // Error kData without a reference of the image's size.
 Result<Reconstruction> reconstruct_oracle_scale(const Selection& selection, const SamplePool& pool,
                                                 const OracleScaleOptions& options,

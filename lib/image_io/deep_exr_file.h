@@ -72,7 +72,4 @@ class DeepExrWriter {
   std::unique_ptr<State> state_;
 };
 
-// Whether part 0 is deep; false when it cannot be read.
-bool is_deep_exr(const std::filesystem::path& path);
-
 }  // namespace spool

@@ -11,7 +11,6 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStandardAttributes.h>
-#include <OpenEXR/ImfTestFile.h>
 
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_geometry.h"
@@ -146,11 +145,6 @@ Result<void> write_exr_planes(const std::filesystem::path& path, const ExrPlanes
   }
   SPOOL_TRY(stream.finished());
   return file.commit();
-}
-
-bool is_deep_exr(const std::filesystem::path& path) {
-  bool tiled = false, deep = false, several = false;
-  return Imf::isOpenExrFile(path.c_str(), tiled, deep, several) && deep;
 }
 
 }  // namespace spool

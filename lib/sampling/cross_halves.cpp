@@ -63,16 +63,6 @@ SamplingResult end_halves(std::array<Half, 2> halves, const SamplePool& pool, lo
 
 }  // namespace
 
-const OptionTable<CrossHalvesOptions>& cross_halves_option_table() {
-  using O = CrossHalvesOptions;
-  static const OptionTable<O> table = {
-      number_option<O>("start", &O::start, 0.0, 1.0, "share of the budget that is uniform"),
-      integer_option<O>("rounds", &O::rounds, 1, 1000, "rounds that share the rest"),
-      loop_filter_option<O>(&O::filter),
-  };
-  return table;
-}
-
 Result<SamplingResult> sample_cross_halves(const SamplePool& pool, long long budget,
                                            const CrossHalvesOptions& options,
                                            const SamplingContext& context) {
@@ -103,11 +93,17 @@ Result<SamplingResult> sample_cross_halves(const SamplePool& pool, long long bud
 }
 
 Sampler cross_halves_sampler() {
-  return make_value<SamplerFunction, CrossHalvesOptions>(
+  using O = CrossHalvesOptions;
+  return make_value<SamplerFunction, O>(
       {.name = "cross_halves",
        .summary = "two halves of the samples: where the filter in the loop disagrees on one of "
                   "them, the other one samples",
-       .options = cross_halves_option_table(),
+       .options =
+           {
+               number_option("start", &O::start, 0.0, 1.0, "share of the budget that is uniform"),
+               integer_option("rounds", &O::rounds, 1, 1000, "rounds that share the rest"),
+               loop_filter_option(&O::filter),
+           },
        .views = {{"error.i",
                   "relative difference of the filtered halves of half i % 2, round i / 2"}},
        .needs = [](const auto& options) { return loop_needs(options.filter); },

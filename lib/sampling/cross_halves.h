@@ -25,8 +25,6 @@ struct CrossHalvesOptions {
   std::string filter = kDefaultLoopFilter;
 };
 
-const OptionTable<CrossHalvesOptions>& cross_halves_option_table();
-
 // Errors: kUsage without a filter; whatever the filter returns.
 Result<SamplingResult> sample_cross_halves(const SamplePool& pool, long long budget,
                                            const CrossHalvesOptions& options,

@@ -9,15 +9,6 @@
 
 namespace spool {
 
-const OptionTable<FilteredHalvesOptions>& filtered_halves_option_table() {
-  using O = FilteredHalvesOptions;
-  static const OptionTable<O> table = {
-      integer_option<O>("rounds", &O::rounds, 1, 1000, "rounds that share the rest"),
-      loop_filter_option<O>(&O::filter),
-  };
-  return table;
-}
-
 Result<SamplingResult> sample_filtered_halves(const SamplePool& pool, long long budget,
                                               const FilteredHalvesOptions& options,
                                               const SamplingContext& context) {
@@ -42,10 +33,15 @@ Result<SamplingResult> sample_filtered_halves(const SamplePool& pool, long long 
 }
 
 Sampler filtered_halves_sampler() {
-  return make_value<SamplerFunction, FilteredHalvesOptions>(
+  using O = FilteredHalvesOptions;
+  return make_value<SamplerFunction, O>(
       {.name = "filtered_halves",
        .summary = "where the filter in the loop disagrees on two halves of the samples",
-       .options = filtered_halves_option_table(),
+       .options =
+           {
+               integer_option("rounds", &O::rounds, 1, 1000, "rounds that share the rest"),
+               loop_filter_option(&O::filter),
+           },
        .views = {{"error.i", "relative difference of the two filtered halves, round i"}},
        .needs = [](const auto& options) { return loop_needs(options.filter); },
        .memory = {128, 2e6},

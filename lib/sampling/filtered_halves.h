@@ -18,8 +18,6 @@ struct FilteredHalvesOptions {
   std::string filter = kDefaultLoopFilter;
 };
 
-const OptionTable<FilteredHalvesOptions>& filtered_halves_option_table();
-
 // Errors: kUsage without a filter; whatever the filter returns.
 Result<SamplingResult> sample_filtered_halves(const SamplePool& pool, long long budget,
                                               const FilteredHalvesOptions& options,

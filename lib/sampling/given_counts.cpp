@@ -28,11 +28,4 @@ Result<SamplingResult> sample_given_counts(const SamplePool& pool, long long bud
   return end_spending(std::move(spending), pool);
 }
 
-SamplerFunction given_counts_sampler(CountImage counts, std::string name) {
-  return [counts = std::move(counts), name = std::move(name)](
-             const SamplePool& pool, long long budget, const SamplingContext& context) {
-    return sample_given_counts(pool, budget, counts, name, context);
-  };
-}
-
 }  // namespace spool

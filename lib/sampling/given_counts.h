@@ -14,6 +14,4 @@ Result<SamplingResult> sample_given_counts(const SamplePool& pool, long long bud
                                            const CountImage& counts, const std::string& name,
                                            const SamplingContext& context);
 
-SamplerFunction given_counts_sampler(CountImage counts, std::string name);
-
 }  // namespace spool

@@ -79,18 +79,6 @@ Plane pool_deviation(const SamplePool& pool, const RgbImage& weight) {
 
 }  // namespace
 
-const OptionTable<NeymanOptions>& neyman_option_table() {
-  using O = NeymanOptions;
-  static const OptionTable<O> table = {
-      choice_option<O, NeymanTarget>(
-          "minimise", &O::minimise,
-          {{"mse", NeymanTarget::kSquaredError}, {"relmse", NeymanTarget::kRelativeError}},
-          "the error that no other counts make smaller"),
-      integer_option<O>("init_spp", &O::init_spp, 1, 65535, "least samples of a piece"),
-  };
-  return table;
-}
-
 Result<SamplingResult> sample_neyman(const SamplePool& pool, long long budget,
                                      const NeymanOptions& options, const SamplingContext& context) {
   CountImage n = initial_counts(pool, budget, options.init_spp, context.seed);
@@ -113,10 +101,18 @@ Result<SamplingResult> sample_neyman(const SamplePool& pool, long long budget,
 }
 
 Sampler neyman_sampler() {
-  return make_value<SamplerFunction, NeymanOptions>(
+  using O = NeymanOptions;
+  return make_value<SamplerFunction, O>(
       {.name = "neyman",
        .summary = "oracle: by the deviation of everything recorded",
-       .options = neyman_option_table(),
+       .options =
+           {
+               choice_option(
+                   "minimise", &O::minimise,
+                   {{"mse", NeymanTarget::kSquaredError}, {"relmse", NeymanTarget::kRelativeError}},
+                   "the error that no other counts make smaller"),
+               integer_option("init_spp", &O::init_spp, 1, 65535, "least samples of a piece"),
+           },
        .views = {{"deviation", "deviation of everything recorded"}},
        .memory = {156, 2e6},
        .run = sample_neyman});

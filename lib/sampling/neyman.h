@@ -23,8 +23,6 @@ struct NeymanOptions {
   int init_spp = 1;  // every piece, whatever its deviation
 };
 
-const OptionTable<NeymanOptions>& neyman_option_table();
-
 // The deviations count the held-out samples too.
 Result<SamplingResult> sample_neyman(const SamplePool& pool, long long budget,
                                      const NeymanOptions& options, const SamplingContext& context);

@@ -3,12 +3,9 @@
 //   literal  ((max - min) / (max + min))^2, and 0 (counted) where |max + min| < 1e-30
 //   guarded  C = (max - min) / (|max| + |min| + 1e-4), C^2: the same for positive samples up to the
 //            epsilon, and in [0, 1] always. The literal form reaches 4e6 for 0.1 and -0.0999.
-// Fewer than two samples: 0.
 #pragma once
 
 #include "lib/core/guards.h"
-#include "lib/core/image.h"
-#include "lib/statistics/piece_statistics.h"
 
 namespace spool {
 
@@ -18,8 +15,5 @@ enum class ContrastForm { kGuarded, kLiteral };
 inline constexpr double kContrastEpsilon = 1e-4;
 
 double squared_contrast(double minimum, double maximum, ContrastForm form, GuardCounts& guards);
-
-// [y][x]; of the analysis signal.
-Plane squared_contrast(const PieceStatistics& statistics, ContrastForm form, GuardCounts& guards);
 
 }  // namespace spool

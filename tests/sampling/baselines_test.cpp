@@ -153,17 +153,19 @@ TEST(GivenCounts, AreTakenAsTheyAreOrRefused) {
   CountImage counts(6, 5, 2);
   counts(1, 1) = 0;
   counts(2, 3) = 4;
-  const SamplerFunction sampler = given_counts_sampler(counts, "mine.exr");
-  const auto result = sampler(pool, 17, {});
+  const auto take = [&](const CountImage& wanted) {
+    return sample_given_counts(pool, 17, wanted, "mine.exr", {});
+  };
+  const auto result = take(counts);
   ASSERT_TRUE(result.has_value());
   EXPECT_EQ(result->selection.statistics.n, counts);
   EXPECT_EQ(result->log.budget, 17);
   EXPECT_EQ(result->log.spent, 60);
   counts(2, 3) = 5;
-  EXPECT_EQ(given_counts_sampler(counts, "mine.exr")(pool, 17, {}).error().code, ErrorCode::kData);
+  EXPECT_EQ(take(counts).error().code, ErrorCode::kData);
   counts(2, 3) = -1;
-  EXPECT_FALSE(given_counts_sampler(counts, "mine.exr")(pool, 17, {}).has_value());
-  EXPECT_FALSE(given_counts_sampler(CountImage(5, 6, 1), "mine.exr")(pool, 17, {}).has_value());
+  EXPECT_FALSE(take(counts).has_value());
+  EXPECT_FALSE(take(CountImage(5, 6, 1)).has_value());
 }
 
 TEST(Neyman, CountsAreProportionalToTheDeviation) {

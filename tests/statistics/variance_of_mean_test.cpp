@@ -135,16 +135,5 @@ TEST(Contrast, LiteralIsZeroAndCountedWhereItIsNotDefined) {
   EXPECT_EQ(guards[Guard::kContrastUndefined], 2u);
 }
 
-TEST(Contrast, FewerThanTwoSamplesHaveNone) {
-  const SamplePool pool = memory_pool(3, 1, 4, wild_radiance);
-  CountImage counts(3, 1);
-  counts(1, 0) = 1, counts(2, 0) = 4;
-  GuardCounts guards;
-  const Plane c = squared_contrast(prefix_statistics(pool, counts), ContrastForm::kGuarded, guards);
-  EXPECT_EQ(c(0, 0), 0.0);
-  EXPECT_EQ(c(1, 0), 0.0);
-  EXPECT_GT(c(2, 0), 0.0);
-}
-
 }  // namespace
 }  // namespace spool

@@ -1,6 +1,6 @@
 """twin_guides beside Open Image Denoise: twin_guides_sizes.py PROGRAM RECORDING... [--spp 8] [--set scales=1]...
 
-Needs the package pyoidn. Both get the first samples of each pixel in recorded order. Judged here as in twin_guides_figures.py,
+Needs the library of Open Image Denoise (docs/own_methods.md). Both get the first samples of each pixel in recorded order. Judged here as in twin_guides_figures.py,
 without the largest 0.1 % of the errors; what the reference's own noise adds is taken off both. Of the three ways to call OIDN
 (colour alone, with albedo and normal, with both prefiltered) the one with the smallest error counts: picked with the reference.
 Prints a line for each recording: error of OIDN, then for each --set (and without one) error over that and energy ratio.
@@ -12,12 +12,13 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-import pyoidn
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "formats/python"))
 import spool  # noqa: E402
 from spool import exr  # noqa: E402
+
+OIDN = "oidn{features=off}", "oidn{prefilter=off}", "oidn"
 
 
 def without_largest(errors):
@@ -39,59 +40,21 @@ class Judge:
         return image.mean() / self.reference.mean()
 
 
-def denoised(device, kind, image, **auxiliary):
-    """Auxiliary images with a leading "clean" are prefiltered."""
-    clean = auxiliary.pop("clean", False)
-    height, width, _ = image.shape
-    result = np.zeros((height, width, 3), np.float32)
-    run = pyoidn.Filter(device, "RT")
-    images = {name: np.ascontiguousarray(a, np.float32) for name, a in {kind: image, **auxiliary}.items()}
-    for name, array in {**images, "output": result}.items():
-        run.set_image(name, array, pyoidn.OIDN_FORMAT_FLOAT3, width, height)
-    if kind == "color":
-        run.set_bool("hdr", True)
-    if clean:
-        run.set_bool("cleanAux", True)
-    run.commit()
-    run.execute()
-    return result
-
-
-def best_of_oidn(judge, radiance, features):
-    device = pyoidn.Device()
-    device.commit()
-    images = [denoised(device, "color", radiance)]
-    if {"albedo", "normal"} <= features.keys():
-        images.append(denoised(device, "color", radiance, **features))
-        clean = {name: denoised(device, name, image) for name, image in features.items()}
-        images.append(denoised(device, "color", radiance, clean=True, **clean))
-    return min(judge.error(image) for image in images)
-
-
-def filtered(program, recording, spp, settings, folder):
+def filtered(program, recording, spp, method, folder):
     selection, image = folder / "n.exr", folder / "image.exr"
-    for path in (selection, image):
-        path.unlink(missing_ok=True)
-    subprocess.run([program, "replay", recording, "--sampler", "uniform", "--spp", str(spp), "-q", "-o", selection], check=True)
-    options = [word for setting in settings for word in ("--set", f"twin_guides.{setting}")]
-    subprocess.run([program, "reconstruct", recording, "--selection", selection, "--filter", "twin_guides", "-q", "-o", image,
-                    *options], check=True)
+    subprocess.run([program, "replay", recording, "--sampler", "uniform", "--spp", str(spp), "-q", "--force", "-o", selection], check=True)
+    subprocess.run([program, "reconstruct", recording, "--selection", selection, "--filter", method, "-q", "--force", "-o", image], check=True)
     planes = exr.read(image)
     return np.stack([planes[c] for c in "RGB"], axis=-1).astype(float)
 
 
 def line(program, recording, spp, choices, folder):
     with spool.open(recording) as dump:
-        samples = dump.read("radiance", count=spp).astype(float)
-        judge = Judge(dump, samples)
-        features = {}
-        for name in ("albedo", "normal"):
-            if name in dump.layers:
-                features[name] = dump.read(name, count=spp).astype(np.float32).mean(axis=2)
-    oidn = best_of_oidn(judge, samples.mean(axis=2), features)
+        judge = Judge(dump, dump.read("radiance", count=spp).astype(float))
+    oidn = min(judge.error(filtered(program, recording, spp, method, folder)) for method in OIDN)
     cells = [recording.stem, "x".join(map(str, judge.reference.shape[1::-1])), f"{oidn:.5f}"]
     for settings in choices:
-        image = filtered(program, recording, spp, settings, folder)
+        image = filtered(program, recording, spp, f"twin_guides{{{settings}}}", folder)
         cells.append(f"{judge.error(image) / oidn:.3f} / {judge.energy(image):.3f}")
     return cells
 
@@ -103,8 +66,8 @@ def main():
     parser.add_argument("--spp", type=int, default=8)
     parser.add_argument("--set", action="append", default=[], help="options of the filter, a column each: scales=1,slack=3")
     arguments = parser.parse_args()
-    choices = [[]] + [settings.split(",") for settings in arguments.set]
-    print("| recording | size | OIDN | " + " | ".join(",".join(c) or "defaults" for c in choices) + " |")
+    choices = ["", *arguments.set]
+    print("| recording | size | OIDN | " + " | ".join(c or "defaults" for c in choices) + " |")
     print("|---" * (len(choices) + 3) + "|")
     with tempfile.TemporaryDirectory() as folder:
         for recording in arguments.recordings:

@@ -10,7 +10,7 @@
 #include "lib/image_io/atomic_file.h"
 #include "lib/metrics/metric_list.h"
 #include "lib/synthetic/write_synthetic.h"
-#include "tools/metrics_verb.h"
+#include "tools/metrics.h"
 #include "tools/python/arrays.h"
 #include "tools/python/running.h"
 #include "tools/python/source.h"

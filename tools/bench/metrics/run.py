@@ -60,10 +60,36 @@ def make_images(program, folder):
         yield name, estimate, folder / f"out/{name}_reference.exr"
 
 
+def ms_ssim(a, b):
+    import numpy as np
+    from scipy.ndimage import correlate1d
+    taps = np.exp(-0.5 * (np.arange(-5, 6) / 1.5) ** 2)
+    taps /= taps.sum()
+
+    def window_mean(v):
+        return correlate1d(correlate1d(v, taps, axis=0), taps, axis=1)[5:-5, 5:-5]
+
+    scales = 1
+    while scales < 5 and min(a.shape) >> scales >= 11:
+        scales += 1
+    exponents = np.array([0.0448, 0.2856, 0.3001, 0.2363, 0.1333])[:scales]
+    exponents /= exponents.sum()
+    product = 1.0
+    for j, exponent in enumerate(exponents):
+        ma, mb = window_mean(a), window_mean(b)
+        va, vb, ab = window_mean(a * a) - ma**2, window_mean(b * b) - mb**2, window_mean(a * b) - ma * mb
+        term = (2 * ab + 9e-4) / (va + vb + 9e-4)
+        if j == scales - 1:
+            term = term * (2 * ma * mb + 1e-4) / (ma**2 + mb**2 + 1e-4)
+        product *= max(term.mean(), 0) ** exponent
+        h, w = a.shape[0] // 2 * 2, a.shape[1] // 2 * 2
+        a, b = (v[:h, :w].reshape(h // 2, 2, w // 2, 2).mean(axis=(1, 3)) for v in (a, b))
+    return product
+
+
 def independent(image, reference):
     import flip_evaluator
     import numpy as np
-    from scipy.ndimage import correlate1d
     from skimage.metrics import mean_squared_error, peak_signal_noise_ratio, structural_similarity
     weights = np.array([0.2126, 0.7152, 0.0722])
     exposure = 0.18 / np.exp(np.mean(np.log(np.maximum(reference @ weights, 0) + 1e-4)))
@@ -71,29 +97,6 @@ def independent(image, reference):
     def tone(v):
         v = np.clip(exposure * v, 0, 1)
         return np.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
-
-    def window_mean(v):
-        taps = np.exp(-0.5 * (np.arange(-5, 6) / 1.5) ** 2)
-        taps /= taps.sum()
-        return correlate1d(correlate1d(v, taps, axis=0), taps, axis=1)[5:-5, 5:-5]
-
-    def ms_ssim(a, b):
-        scales = 1
-        while scales < 5 and min(a.shape) >> scales >= 11:
-            scales += 1
-        exponents = np.array([0.0448, 0.2856, 0.3001, 0.2363, 0.1333])[:scales]
-        exponents /= exponents.sum()
-        product = 1.0
-        for j, exponent in enumerate(exponents):
-            ma, mb = window_mean(a), window_mean(b)
-            va, vb, ab = window_mean(a * a) - ma**2, window_mean(b * b) - mb**2, window_mean(a * b) - ma * mb
-            term = (2 * ab + 9e-4) / (va + vb + 9e-4)
-            if j == scales - 1:
-                term = term * (2 * ma * mb + 1e-4) / (ma**2 + mb**2 + 1e-4)
-            product *= max(term.mean(), 0) ** exponent
-            h, w = a.shape[0] // 2 * 2, a.shape[1] // 2 * 2
-            a, b = (v[:h, :w].reshape(h // 2, 2, w // 2, 2).mean(axis=(1, 3)) for v in (a, b))
-        return product
 
     def flip(kind, a, b):
         return flip_evaluator.evaluate(b.astype("f4"), a.astype("f4"), kind, inputsRGB=kind == "LDR", applyMagma=False)[1]

@@ -1,4 +1,4 @@
-#include "tools/report_verb.h"
+#include "tools/report.h"
 
 #include <filesystem>
 #include <system_error>

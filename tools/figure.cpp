@@ -1,4 +1,4 @@
-#include "tools/figure_verb.h"
+#include "tools/figure.h"
 
 #include <utility>
 

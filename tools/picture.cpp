@@ -1,4 +1,4 @@
-#include "tools/picture_verb.h"
+#include "tools/picture.h"
 
 #include <array>
 #include <charconv>

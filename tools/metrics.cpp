@@ -1,4 +1,4 @@
-#include "tools/metrics_verb.h"
+#include "tools/metrics.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "tools/view/view_verb.h"
+#include "tools/view/view.h"
 
 #include <cstdio>
 #include <memory>
@@ -15,7 +15,7 @@
 #include "tools/interrupt.h"
 #include "tools/json_text.h"
 #include "tools/page_generator.h"
-#include "tools/report_verb.h"
+#include "tools/report.h"
 #include "tools/view/live_answers.h"
 
 namespace spool::tools {

@@ -1,4 +1,4 @@
-#include "tools/pixel_verb.h"
+#include "tools/pixel.h"
 
 #include <algorithm>
 #include <array>
@@ -161,7 +161,7 @@ Result<void> run_pixel(const PixelOptions& options, const CommonOptions& common)
   SPOOL_ASSIGN(Methods methods, choose_methods(list_of_one(options.sampler),
                                                list_of_one(options.filter), options.method));
   SPOOL_ASSIGN(const ReplayMethods replay, replay_methods(options, methods));
-  const auto samplers = choices_of(methods.samplers), filters = choices_of(methods.filters);
+  const auto samplers = demands_of(methods.samplers), filters = demands_of(methods.filters);
   WorkingMemory memory;
   if (!samplers.empty()) memory = evaluation_memory(samplers, filters, 1);
   SPOOL_ASSIGN(const auto recording,
