@@ -91,7 +91,9 @@ TEST(JoinedHalves, HaveTheMeanOfBothMeansAndItsVariance) {
       const double sample_variance = all.m2[c][i] / (n - 1);
       EXPECT_NEAR(m2 / ((n - 1) * n), sample_variance * (1 / a + 1 / b) / 4,
                   1e-12 * sample_variance);
-      if (a == b) EXPECT_EQ(m2, all.m2[c][i]);
+      if (a == b) {
+        EXPECT_EQ(m2, all.m2[c][i]);
+      }
     }
   }
 }

@@ -95,7 +95,7 @@ def copy_tree(target):
 def build(tree):
     environment = {**os.environ, "CCACHE_BASEDIR": os.environ.get("CCACHE_BASEDIR", str(tree))}
     jobs = os.environ.get("SPOOL_JOBS", str(os.cpu_count()))
-    subprocess.run(["cmake", "--preset", "release", "-DBUILD_TESTING=OFF"], cwd=tree, env=environment, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--preset", "release", "-DSPOOL_BUILD_TESTS=OFF"], cwd=tree, env=environment, check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["ninja", "-C", "build/release", "-j", jobs, "--quiet", "spool"], cwd=tree, env=environment, check=True)
     return tree / "build/release/spool"
 
