@@ -118,7 +118,8 @@ void list_losses(Rescue& rescue, const std::vector<IndexEntry>& indexed) {
     if (entry.header.is(kTypeData)) name(key_of(entry.header));
     known.insert(entry.header.sequence);
   }
-  for (uint16_t group = 0; group < geometry.groups().size(); ++group) {
+  const auto groups = static_cast<uint16_t>(geometry.groups().size());  // at most 16
+  for (uint16_t group = 0; group < groups; ++group) {
     for (uint32_t tile = 0; tile < geometry.groups()[group].tiles; ++tile) {
       for (uint32_t block = 0; block < geometry.groups()[group].blocks; ++block) {
         const uint32_t slot = *geometry.slot(group, tile, block);

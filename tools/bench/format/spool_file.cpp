@@ -60,7 +60,8 @@ DumpHeader header_of(const RecordedSamples& samples) {
 
 template <class Visit>
 void for_each_block(const DumpGeometry& geometry, const Visit& visit) {
-  for (uint16_t group = 0; group < geometry.groups().size(); ++group)
+  const auto groups = static_cast<uint16_t>(geometry.groups().size());  // at most 16
+  for (uint16_t group = 0; group < groups; ++group)
     for (uint32_t tile = 0; tile < geometry.groups()[group].tiles; ++tile)
       for (uint32_t block = 0; block < geometry.groups()[group].blocks; ++block)
         visit(group, tile, block);
