@@ -114,10 +114,11 @@ Compared compared(const SamplePool& pool, int least) {
   GuardCounts guards;
   const RadianceScale scale = radiance_scale(selection.statistics, guards);
   const CountImage& n = selection.statistics.n;
+  const double sigma = TwinGuidesOptions{}.clamp_sigma;
   // The twin of the limits wants samples in every pixel.
   return {pool, n,
-          least > 0 ? reference::sample_limits(pool, n, 16.0, 2.0, 0.005)
-                    : sample_limits(pool, n, scale.mean / scale.unit),
+          least > 0 ? reference::sample_limits(pool, n, 16.0, sigma, 0.005)
+                    : sample_limits(pool, n, scale.mean / scale.unit, {.sigma = sigma}),
           scale};
 }
 

@@ -34,7 +34,7 @@ def filtered(program, recording, spp, folder):
     subprocess.run([program, "replay", recording, "--sampler", "uniform", "--spp", str(spp), "-q", "-o", selection],
                    check=True)
     subprocess.run([program, "reconstruct", recording, "--selection", selection, "--filter", "twin_guides", "--set",
-                    "twin_guides.scales=1", "--set", "twin_guides.agreement=0", "-q", "-o", image], check=True)
+                    "twin_guides.scales=1", "--set", "twin_guides.agreement=0", "--set", "twin_guides.clamp_sigma=2", "-q", "-o", image], check=True)
     return np.asarray(oiio.ImageBuf(str(image)).get_pixels(oiio.FLOAT), dtype=float)[..., :3]
 
 

@@ -25,6 +25,8 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table() {
       number_option("ridge", &O::ridge, 1e-3, 1e3, "on the slopes of the fit"),
       number_option("limit", &O::limit, 1.0, 1e12,
                     "of a neighbour's luminance, times the window's"),
+      number_option("clamp_sigma", &O::clamp_sigma, 0.1, 64.0,
+                    "neighbourhood by which single samples are clamped, pixels"),
       number_option("agreement", &O::agreement, 0.0, 64.0,
                     "reach over which clamped light that samples agree on returns, pixels"),
   };

@@ -63,8 +63,9 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
   for (const std::int32_t k : n.pixels())
     result.guards.add(Guard::kEmptyPiece, k == 0 ? 1 : 0);
   const RadianceScale scale = radiance_scale(statistics, result.guards);
-  SampleMoments moments = sample_moments(pool, n, sample_limits(pool, n, scale.mean / scale.unit),
-                                         scale, result.guards);
+  const Plane limits =
+      sample_limits(pool, n, scale.mean / scale.unit, {.sigma = options.clamp_sigma});
+  SampleMoments moments = sample_moments(pool, n, limits, scale, result.guards);
   SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
   const GuideSources sources = guide_sources(moments, features.clean);
