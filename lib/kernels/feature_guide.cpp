@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "lib/core/exponential.h"
@@ -12,12 +13,13 @@
 namespace spool {
 namespace {
 
-constexpr float kLeastVariance = 1e-2f;
+constexpr float kLeastVariance = FeatureGuide::kLeastVariance;
+constexpr double kMostVariance = 1e12;  // so that those of all features times each other are finite
 
-Image<float> to_float(const Plane& plane) {
+Image<float> to_float(const Plane& plane, double most = std::numeric_limits<float>::max()) {
   Image<float> image(plane.width(), plane.height());
   for (std::size_t i = 0; i < plane.size(); ++i)
-    image[i] = static_cast<float>(plane[i]);
+    image[i] = static_cast<float>(std::min(plane[i], most));
   return image;
 }
 
@@ -32,8 +34,8 @@ struct FeatureRows {
 constexpr int kLanes = 16;
 typedef float Floats __attribute__((vector_size(kLanes * sizeof(float))));
 
-// to[x] = exp(-sum of the features' terms); kLanes pieces at once, the last of them twice where
-// `count` is no multiple.
+// to[x] = exp(-sum of the features' terms), which are brought to one denominator: a division costs
+// as much as the rest. kLanes pieces at once, the last of them twice where `count` is no multiple.
 SPOOL_VECTOR_CLONES
 void weights_of_rows(const FeatureRows* features, std::size_t feature_count, int count,
                      float* __restrict to) {
@@ -44,7 +46,7 @@ void weights_of_rows(const FeatureRows* features, std::size_t feature_count, int
       std::memcpy(&values, row + x, sizeof(values));
     };
     Floats a, b;
-    Floats distance{};
+    Floats distances{}, divisor = Floats{} + 1.0f;
     for (std::size_t f = 0; f < feature_count; ++f) {
       const FeatureRows& feature = features[f];
       Floats squares{};
@@ -58,10 +60,12 @@ void weights_of_rows(const FeatureRows* features, std::size_t feature_count, int
       load(feature.vq, b);
       const Floats sum = a + b;
       const Floats variance = sum > kLeastVariance ? sum : Floats{} + kLeastVariance;
-      distance += feature.factor * squares / variance;
+      distances = distances * variance + feature.factor * squares * divisor;
+      divisor *= variance;
     }
+    distances /= divisor;
     float weights[kLanes];
-    std::memcpy(weights, &distance, sizeof(weights));
+    std::memcpy(weights, &distances, sizeof(weights));
     for (int l = 0; l < kLanes; ++l)
       weights[l] = exp_negative(weights[l]);
     std::memcpy(to + x, weights, sizeof(weights));
@@ -69,7 +73,7 @@ void weights_of_rows(const FeatureRows* features, std::size_t feature_count, int
 }
 
 float weight_of_piece(const FeatureRows* features, std::size_t feature_count, int x) {
-  float distance = 0.0f;
+  float distances = 0.0f, divisor = 1.0f;
   for (std::size_t f = 0; f < feature_count; ++f) {
     const FeatureRows& feature = features[f];
     float squares = 0.0f;
@@ -77,9 +81,11 @@ float weight_of_piece(const FeatureRows* features, std::size_t feature_count, in
       const float difference = feature.p[c][x] - feature.q[c][x];
       squares += difference * difference;
     }
-    distance += feature.factor * squares / std::max(kLeastVariance, feature.vp[x] + feature.vq[x]);
+    const float variance = std::max(kLeastVariance, feature.vp[x] + feature.vq[x]);
+    distances = distances * variance + feature.factor * squares * divisor;
+    divisor *= variance;
   }
-  return exp_negative(distance);
+  return exp_negative(distances / divisor);
 }
 
 }  // namespace
@@ -100,7 +106,7 @@ Result<FeatureGuide> make_feature_guide(const SamplePool& pool, const CountImage
         variance[i] +=
             std::max(1, n[i]) * feature.variance[c][i] / static_cast<double>(feature.mean.size());
     }
-    entry.variance = to_float(variance);
+    entry.variance = to_float(variance, kMostVariance);
     const double sigma = tolerance(layer.name);
     entry.factor = static_cast<float>(1.0 / (2.0 * sigma * sigma));
     guide.features.push_back(std::move(entry));

@@ -21,6 +21,7 @@ namespace spool {
 
 struct FeatureGuide {
   static constexpr std::size_t kMostFeatures = 3;  // albedo, normal, depth
+  static constexpr float kLeastVariance = 1e-2f;   // of two pieces together
   struct Feature {
     std::vector<Image<float>> mean;  // [channel][y][x] of pieces
     Image<float> variance;           // of the samples

@@ -11,7 +11,7 @@ namespace {
 
 // Pieces whose distances, weights and sums are computed together: all that an offset reads and
 // writes stays in the cache of one core.
-constexpr int kTile = 80;
+constexpr int kTileWidth = 128, kTileHeight = 64;
 
 }  // namespace
 
@@ -19,17 +19,19 @@ void filter_tiles(
     std::span<const GuidedTargets> guided, const PatchFilterOptions& options,
     const std::function<void(const Rectangle&, std::span<const std::vector<Plane>>)>& use) {
   const int width = guided[0].targets[0]->width(), height = guided[0].targets[0]->height();
-  const int across = (width + kTile - 1) / kTile, down = (height + kTile - 1) / kTile;
-  parallel_for(
-      static_cast<std::size_t>(across) * static_cast<std::size_t>(down), [&](std::size_t i) {
-        const int x0 = static_cast<int>(i) % across * kTile;
-        const int y0 = static_cast<int>(i) / across * kTile;
-        const Rectangle tile = {x0, y0, std::min(x0 + kTile, width), std::min(y0 + kTile, height)};
-        std::vector<std::vector<Plane>> filtered;
-        for (const GuidedTargets& targets : guided)
-          filtered.push_back(filter_tile(targets, options, tile));
-        use(tile, filtered);
-      });
+  const int across = (width + kTileWidth - 1) / kTileWidth;
+  const int down = (height + kTileHeight - 1) / kTileHeight;
+  parallel_for(static_cast<std::size_t>(across) * static_cast<std::size_t>(down),
+               [&](std::size_t i) {
+                 const int x0 = static_cast<int>(i) % across * kTileWidth;
+                 const int y0 = static_cast<int>(i) / across * kTileHeight;
+                 const Rectangle tile = {x0, y0, std::min(x0 + kTileWidth, width),
+                                         std::min(y0 + kTileHeight, height)};
+                 std::vector<std::vector<Plane>> filtered;
+                 for (const GuidedTargets& targets : guided)
+                   filtered.push_back(filter_tile(targets, options, tile));
+                 use(tile, filtered);
+               });
 }
 
 RgbImage filter_with_guide(const RgbImage& target, const HalfImage& guide,

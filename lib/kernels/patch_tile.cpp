@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <utility>
 
 #include "lib/core/exponential.h"
@@ -11,98 +12,119 @@
 namespace spool {
 namespace {
 
-constexpr double kEpsilon = 1e-10;
-constexpr double kLeastWeight = 0.05;
+constexpr float kEpsilon = 1e-10f;
+constexpr float kLeastWeight = 0.05f;
+constexpr double kMostMean = 1e15, kMostVariance = 1e10;  // the latter times kappa^2
 constexpr std::size_t kMostTargets = 4;
+constexpr int kUsualSide = 7;  // of a patch
+constexpr int kLanes = 16;     // rows are rounded up to as many, so that no loop has a rest
 
-// d2 before its boxes, for `width` pieces p of a row; q is the piece at the offset. The channels
-// are brought to one denominator: a division costs as much as all the rest. a, v: pointers to the
-// row of each channel.
+typedef float Floats __attribute__((vector_size(kLanes * sizeof(float))));
+
+int whole_lanes(int width) {
+  return (width + kLanes - 1) / kLanes * kLanes;
+}
+
+// A row of the guide: a pointer to each channel of the means and of kappa^2 times the variances.
 struct GuideRow {
-  const double* a[3];
-  const double* v[3];
+  const float* a[3];
+  const float* v[3];
 };
 
+// Three times d2 before its boxes, for `width` pieces p of a row; q is the piece at the offset. The
+// channels are brought to one denominator: a division costs as much as all the rest. Variances are
+// at most kMostVariance, so that three of them times each other stay in float.
 SPOOL_VECTOR_CLONES
-void distance_row(const GuideRow& p, const GuideRow& q, double alpha, double kappa2, int width,
-                  double* __restrict to) {
-  const double *a0 = p.a[0], *a1 = p.a[1], *a2 = p.a[2];
-  const double *b0 = q.a[0], *b1 = q.a[1], *b2 = q.a[2];
-  const double *v0 = p.v[0], *v1 = p.v[1], *v2 = p.v[2];
-  const double *u0 = q.v[0], *u1 = q.v[1], *u2 = q.v[2];
-  const auto term = [=](double ap, double aq, double vp, double vq) {
-    const double difference = ap - aq;
-    return (difference * difference - alpha * (vp + std::min(vq, vp))) /
-           (kEpsilon + kappa2 * (vp + vq));
+void distance_row(const GuideRow& p, const GuideRow& q, float noise, int width,
+                  float* __restrict to) {
+  const float *a0 = p.a[0], *a1 = p.a[1], *a2 = p.a[2];
+  const float *b0 = q.a[0], *b1 = q.a[1], *b2 = q.a[2];
+  const float *v0 = p.v[0], *v1 = p.v[1], *v2 = p.v[2];
+  const float *u0 = q.v[0], *u1 = q.v[1], *u2 = q.v[2];
+  const auto numerator = [=](float ap, float aq, float vp, float vq) {
+    const float difference = ap - aq;
+    return difference * difference - noise * (vp + std::min(vq, vp));
   };
   for (int x = 0; x < width; ++x) {
-    to[x] = (term(a0[x], b0[x], v0[x], u0[x]) + term(a1[x], b1[x], v1[x], u1[x]) +
-             term(a2[x], b2[x], v2[x], u2[x])) /
-            3.0;
+    const float d0 = kEpsilon + (v0[x] + u0[x]), d1 = kEpsilon + (v1[x] + u1[x]),
+                d2 = kEpsilon + (v2[x] + u2[x]);
+    const float n0 = numerator(a0[x], b0[x], v0[x], u0[x]),
+                n1 = numerator(a1[x], b1[x], v1[x], u1[x]),
+                n2 = numerator(a2[x], b2[x], v2[x], u2[x]);
+    const float d01 = d0 * d1;
+    to[x] = ((n0 * d1 + n1 * d0) * d2 + n2 * d01) / (d01 * d2);
   }
 }
 
-// to[x] = from[x] + ... + from[x + terms - 1], in that order.
-SPOOL_VECTOR_CLONES
-void sum_along_row(const double* from, int terms, int width, double* __restrict to) {
-  if (terms == 7) {  // the usual patch, without stores in between
-    for (int x = 0; x < width; ++x) {
-      to[x] = from[x] + from[x + 1] + from[x + 2] + from[x + 3] + from[x + 4] + from[x + 5] +
-              from[x + 6];
+// The last rows that were summed along x; a new one takes the place of the oldest.
+class RowRing {
+ public:
+  RowRing(int rows, int width)
+      : rows_(rows), sums_(std::size_t(rows) * std::size_t(width)), slots_(2 * std::size_t(rows)) {
+    for (std::size_t i = 0; i < slots_.size(); ++i)
+      slots_[i] = &sums_[i % std::size_t(rows) * std::size_t(width)];
+  }
+  // The rows, oldest first; the last one is to be written.
+  float* const* next() {
+    newest_ = (newest_ + 1) % rows_;
+    return &slots_[std::size_t(newest_ + 1)];
+  }
+
+ private:
+  int rows_, newest_ = 0;
+  std::vector<float> sums_;
+  std::vector<float*> slots_;  // every row twice, so that any `rows` of them follow each other
+};
+
+enum class BoxOf { kDistances, kWeights };
+
+// One more row of a box of side x side: rows[side - 1] becomes sums along `from`, and `to` scale
+// times the sums of all rows, oldest first; of distances, the weights that they make. kSide: side,
+// or 0.
+template <int kSide, BoxOf kOf>
+SPOOL_VECTOR_CLONES void box_row(const float* from, float* const* rows, int any_side, float scale,
+                                 int width, float* to) {
+  const int side = kSide > 0 ? kSide : any_side;
+  for (int x = 0; x < width; x += kLanes) {
+    Floats along, down, value;
+    std::memcpy(&along, from + x, sizeof(Floats));
+    for (int i = 1; i < side; ++i) {
+      std::memcpy(&value, from + x + i, sizeof(Floats));
+      along += value;
     }
-    return;
-  }
-  std::copy_n(from, width, to);
-  for (int i = 1; i < terms; ++i) {
-    for (int x = 0; x < width; ++x)
-      to[x] += from[x + i];
-  }
-}
-
-// to = scale (row 0 + row 1 + ...), in that order.
-SPOOL_VECTOR_CLONES
-void sum_of_rows(const double* from, std::ptrdiff_t stride, int terms, double scale, int width,
-                 double* __restrict to) {
-  if (terms == 7) {
-    for (int x = 0; x < width; ++x) {
-      const double* f = from + x;
-      to[x] = (f[0] + f[stride] + f[2 * stride] + f[3 * stride] + f[4 * stride] + f[5 * stride] +
-               f[6 * stride]) *
-              scale;
+    std::memcpy(rows[side - 1] + x, &along, sizeof(Floats));
+    std::memcpy(&down, rows[0] + x, sizeof(Floats));
+    for (int j = 1; j < side; ++j) {
+      std::memcpy(&value, rows[j] + x, sizeof(Floats));
+      down += value;
     }
-    return;
+    down *= scale;
+    float result[kLanes];
+    std::memcpy(result, &down, sizeof(Floats));
+    if constexpr (kOf == BoxOf::kDistances) {
+      for (float& d : result)
+        d = exp_negative(d > 0.0f ? d : 0.0f);
+    }
+    std::memcpy(to + x, result, sizeof(Floats));
   }
-  std::copy_n(from, width, to);
-  for (int j = 1; j < terms; ++j) {
-    const double* f = from + j * stride;
-    for (int x = 0; x < width; ++x)
-      to[x] += f[x];
-  }
-  for (int x = 0; x < width; ++x)
-    to[x] *= scale;
-}
-
-SPOOL_VECTOR_CLONES
-void weights_of_distances(double* __restrict row, int width) {
-  for (int x = 0; x < width; ++x)
-    row[x] = exp_negative(row[x] > 0.0 ? row[x] : 0.0);
 }
 
 // sums[i] += weight * from[i] and total += weight; weights below the least one count as 0, which
 // adds nothing.
 template <int kTargets>
-SPOOL_VECTOR_CLONES void add_targets(double* __restrict weight, int width, double* __restrict total,
-                                     const double* const* from, double* const* sums) {
+SPOOL_VECTOR_CLONES void add_targets(const float* __restrict weight, int width,
+                                     float* __restrict total, const float* const* from,
+                                     float* const* sums) {
   static_assert(kTargets >= 1 && kTargets <= 4);
-  const double *f0 = from[0], *f1 = from[kTargets > 1 ? 1 : 0], *f2 = from[kTargets > 2 ? 2 : 0],
-               *f3 = from[kTargets > 3 ? 3 : 0];
-  double* __restrict s0 = sums[0];
-  double* __restrict s1 = sums[kTargets > 1 ? 1 : 0];
-  double* __restrict s2 = sums[kTargets > 2 ? 2 : 0];
-  double* __restrict s3 = sums[kTargets > 3 ? 3 : 0];
+  const float *f0 = from[0], *f1 = from[kTargets > 1 ? 1 : 0], *f2 = from[kTargets > 2 ? 2 : 0],
+              *f3 = from[kTargets > 3 ? 3 : 0];
+  float* __restrict s0 = sums[0];
+  float* __restrict s1 = sums[kTargets > 1 ? 1 : 0];
+  float* __restrict s2 = sums[kTargets > 2 ? 2 : 0];
+  float* __restrict s3 = sums[kTargets > 3 ? 3 : 0];
 #pragma GCC ivdep
   for (int x = 0; x < width; ++x) {
-    const double w = weight[x] < kLeastWeight ? 0.0 : weight[x];
+    const float w = weight[x] < kLeastWeight ? 0.0f : weight[x];
     total[x] += w;
     s0[x] += w * f0[x];
     if constexpr (kTargets > 1) s1[x] += w * f1[x];
@@ -111,23 +133,39 @@ SPOOL_VECTOR_CLONES void add_targets(double* __restrict weight, int width, doubl
   }
 }
 
+// to += from, and from = 0.
 SPOOL_VECTOR_CLONES
-void divide(double* __restrict sum, const double* total, int width) {
-  for (int x = 0; x < width; ++x)
-    sum[x] /= total[x];
+void move_sums(float* __restrict from, std::size_t count, double* __restrict to) {
+  for (std::size_t i = 0; i < count; ++i) {
+    to[i] += static_cast<double>(from[i]);
+    from[i] = 0.0f;
+  }
 }
 
-// The part of an image around a tile, mirrored where it leaves the image.
-Plane around(const Plane& image, const Rectangle& tile, int border) {
-  Plane result(tile.width() + 2 * border, tile.height() + 2 * border);
-  std::vector<int> columns(static_cast<std::size_t>(result.width()));
-  for (int x = 0; x < result.width(); ++x)
+// A weighted sum: of one row of offsets in float, of all rows in double.
+struct Sum {
+  Image<float> row;
+  Plane all;
+  void finish_row() { move_sums(row.pixels().data(), row.size(), all.pixels().data()); }
+};
+
+// `factor` times the part of an image around a tile, mirrored where it leaves the image, at most
+// `most` and at least -most; rows are whole lanes long, zero beyond the part.
+Image<float> around(const Plane& image, const Rectangle& tile, int border, double factor,
+                    double most) {
+  const int width = tile.width() + 2 * border;
+  // The last offset reads whole lanes from there on.
+  Image<float> result(whole_lanes(width + kLanes), tile.height() + 2 * border);
+  std::vector<int> columns(static_cast<std::size_t>(width));
+  for (int x = 0; x < width; ++x)
     columns[static_cast<std::size_t>(x)] = extend_symmetric(x + tile.x0 - border, image.width());
   for (int y = 0; y < result.height(); ++y) {
     const double* from = image.row(extend_symmetric(y + tile.y0 - border, image.height())).data();
-    double* to = result.row(y).data();
-    for (int x = 0; x < result.width(); ++x)
-      to[x] = from[columns[static_cast<std::size_t>(x)]];
+    float* to = result.row(y).data();
+    for (int x = 0; x < width; ++x) {
+      const double value = factor * from[columns[static_cast<std::size_t>(x)]];
+      to[x] = static_cast<float>(std::clamp(value, -most, most));
+    }
   }
   return result;
 }
@@ -136,21 +174,31 @@ Plane around(const Plane& image, const Rectangle& tile, int border) {
 class Tile {
  public:
   Tile(const GuidedTargets& guided, const PatchFilterOptions& options, const Rectangle& tile)
-      : options_(options), width_(tile.width()), height_(tile.height()) {
+      : options_(options),
+        width_(tile.width()),
+        height_(tile.height()),
+        side_(2 * options.patch + 1),
+        noise_(static_cast<float>(options.alpha / (options.kappa * options.kappa))),
+        distances_(side_, whole_lanes(width_ + 2 * options.patch)),
+        weights_(side_, whole_lanes(width_)) {
     const HalfImage& guide = *guided.guide;
     const int border = options.window + 2 * options.patch;
     for (std::size_t c = 0; c < 3; ++c) {
-      a_[c] = around(guide.mean[c], tile, border);
-      v_[c] = around(guide.variance[c], tile, border);
+      a_[c] = around(guide.mean[c], tile, border, 1.0, kMostMean);
+      v_[c] = around(guide.variance[c], tile, border, options.kappa * options.kappa, kMostVariance);
     }
     for (const Plane* target : guided.targets) {
-      from_.push_back(around(*target, tile, options.window));
-      sums_.push_back(around(*target, tile, 0));  // the centre, with weight 1
+      from_.push_back(around(*target, tile, options.window, 1.0, kMostMean));
+      sums_.push_back(empty_sum(0.0));
+      for (int y = 0; y < height_; ++y) {  // the centre, with weight 1
+        for (int x = 0; x < width_; ++x)
+          sums_.back().all(x, y) =
+              static_cast<double>(from_.back()(options.window + x, options.window + y));
+      }
     }
-    total_ = Plane(width_, height_, 1.0);
-    distance_sums_ = Plane(width_ + 2 * options.patch, height_ + 4 * options.patch);
-    weight_sums_ = Plane(width_, height_ + 2 * options.patch);
-    row_.resize(static_cast<std::size_t>(width_ + 4 * options.patch));
+    total_ = empty_sum(1.0);
+    row_.resize(static_cast<std::size_t>(whole_lanes(width_ + 4 * options.patch) + side_));
+    boxes_ = row_;
   }
 
   std::vector<Plane> run() {
@@ -159,15 +207,27 @@ class Tile {
       for (int dx = -r; dx <= r; ++dx) {
         if (dx != 0 || dy != 0) add_offset(dx, dy);
       }
+      total_.finish_row();
+      for (Sum& sum : sums_)
+        sum.finish_row();
     }
-    for (Plane& sums : sums_) {
-      for (int y = 0; y < height_; ++y)
-        divide(sums.row(y).data(), total_.row(y).data(), width_);
+    std::vector<Plane> means;
+    for (const Sum& sum : sums_) {
+      Plane& mean = means.emplace_back(width_, height_);
+      for (int y = 0; y < height_; ++y) {
+        for (int x = 0; x < width_; ++x)
+          mean(x, y) = sum.all(x, y) / total_.all(x, y);
+      }
     }
-    return std::move(sums_);
+    return means;
   }
 
  private:
+  Sum empty_sum(double of_centre) const {
+    const int width = whole_lanes(width_);
+    return {Image<float>(width, height_), Plane(width, height_, of_centre)};
+  }
+
   // Rows of the guide that p and q of the given offset read for row y of d2.
   GuideRow guide_row(int y, int dx, int dy) const {
     GuideRow row;
@@ -179,50 +239,52 @@ class Tile {
     return row;
   }
 
+  // row_ becomes a row of boxes that end with it; before there are `side` rows, of no meaning.
+  template <BoxOf kOf>
+  void box(RowRing& ring, float scale, int width) {
+    const auto row = side_ == kUsualSide ? box_row<kUsualSide, kOf> : box_row<0, kOf>;
+    row(row_.data(), ring.next(), side_, scale, width, boxes_.data());
+    std::swap(row_, boxes_);
+  }
+
+  // Row by row: distances, their boxes, weights, their boxes.
   void add_offset(int dx, int dy) {
-    const int f = options_.patch, side = 2 * f + 1;
-    const double scale = 1.0 / (side * side);
-    double* row = row_.data();
+    const int f = options_.patch;
+    const float scale = 1.0f / static_cast<float>(side_ * side_);
     for (int y = 0; y < height_ + 4 * f; ++y) {
-      distance_row(guide_row(y, 0, 0), guide_row(y, dx, dy), options_.alpha,
-                   options_.kappa * options_.kappa, width_ + 4 * f, row);
-      sum_along_row(row, side, width_ + 2 * f, distance_sums_.row(y).data());
-    }
-    for (int y = 0; y < height_ + 2 * f; ++y) {
-      sum_of_rows(distance_sums_.row(y).data(), distance_sums_.width(), side, scale, width_ + 2 * f,
-                  row);
-      weights_of_distances(row, width_ + 2 * f);
-      sum_along_row(row, side, width_, weight_sums_.row(y).data());
-    }
-    for (int y = 0; y < height_; ++y) {
-      sum_of_rows(weight_sums_.row(y).data(), weight_sums_.width(), side, scale, width_, row);
-      add_row(y, dx, dy);
+      distance_row(guide_row(y, 0, 0), guide_row(y, dx, dy), noise_, whole_lanes(width_ + 4 * f),
+                   row_.data());
+      box<BoxOf::kDistances>(distances_, scale / 3.0f, whole_lanes(width_ + 2 * f));
+      if (y < 2 * f) continue;
+      box<BoxOf::kWeights>(weights_, scale, whole_lanes(width_));
+      if (y >= 4 * f) add_row(y - 4 * f, dx, dy);
     }
   }
 
   // row_ holds the weights of row y with the row of the offset.
   void add_row(int y, int dx, int dy) {
-    std::array<const double*, kMostTargets> from;
-    std::array<double*, kMostTargets> sums;
+    std::array<const float*, kMostTargets> from;
+    std::array<float*, kMostTargets> sums;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
       from[i] = &from_[i](options_.window + dx, y + options_.window + dy);
-      sums[i] = sums_[i].row(y).data();
+      sums[i] = sums_[i].row.row(y).data();
     }
     (sums_.size() == 1   ? add_targets<1>
      : sums_.size() == 2 ? add_targets<2>
-     : sums_.size() == 3
-         ? add_targets<3>
-         : add_targets<4>)(row_.data(), width_, total_.row(y).data(), from.data(), sums.data());
+     : sums_.size() == 3 ? add_targets<3>
+                         : add_targets<4>)(row_.data(), whole_lanes(width_),
+                                           total_.row.row(y).data(), from.data(), sums.data());
   }
 
   const PatchFilterOptions& options_;
-  int width_ = 0, height_ = 0;
-  RgbImage a_, v_;                     // of the guide, 2 patch + window beyond the tile
-  std::vector<Plane> from_;            // targets, window beyond the tile
-  std::vector<Plane> sums_;            // of the tile
-  Plane total_;                        // weights added so far
-  Plane distance_sums_, weight_sums_;  // along rows
-  std::vector<double> row_;
+  int width_, height_, side_;
+  float noise_;                        // alpha / kappa^2
+  std::array<Image<float>, 3> a_, v_;  // of the guide, 2 patch + window beyond the tile
+  std::vector<Image<float>> from_;     // targets, window beyond the tile
+  std::vector<Sum> sums_;              // of the tile
+  Sum total_;                          // of the weights
+  RowRing distances_, weights_;        // sums along rows
+  std::vector<float> row_, boxes_;
 };
 
 }  // namespace

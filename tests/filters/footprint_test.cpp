@@ -52,7 +52,7 @@ void expect_pixels_made(const std::string& name, const Told& told) {
       for (std::size_t c = 0; c < 3; ++c)
         value[c] += tap.weighted[c];
     }
-    EXPECT_NEAR(weight, 1.0, 1e-9) << name;
+    EXPECT_NEAR(weight, 1.0, 1e-7) << name;
     for (std::size_t c = 0; c < 3; ++c) {
       const double made = told.result.image[c](footprint.x, footprint.y);
       EXPECT_NEAR(value[c], made, 1e-5 * std::abs(made)) << name << " " << footprint.x;
