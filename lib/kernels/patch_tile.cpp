@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <utility>
 
@@ -56,13 +57,22 @@ void distance_row(const GuideRow& p, const GuideRow& q, float noise, int width,
   }
 }
 
+// The first of `storage` that starts a cache line, on which vectors then lie; kLanes - 1 are to
+// spare.
+float* aligned(std::vector<float>& storage) {
+  const auto address = reinterpret_cast<std::uintptr_t>(storage.data()) / sizeof(float);
+  return storage.data() + (kLanes - address % kLanes) % kLanes;
+}
+
 // The last rows that were summed along x; a new one takes the place of the oldest.
 class RowRing {
  public:
   RowRing(int rows, int width)
-      : rows_(rows), sums_(std::size_t(rows) * std::size_t(width)), slots_(2 * std::size_t(rows)) {
+      : rows_(rows),
+        sums_(std::size_t(rows) * std::size_t(width) + kLanes),
+        slots_(2 * std::size_t(rows)) {
     for (std::size_t i = 0; i < slots_.size(); ++i)
-      slots_[i] = &sums_[i % std::size_t(rows) * std::size_t(width)];
+      slots_[i] = aligned(sums_) + i % std::size_t(rows) * std::size_t(width);
   }
   // The rows, oldest first; the last one is to be written.
   float* const* next() {
@@ -156,16 +166,21 @@ Image<float> around(const Plane& image, const Rectangle& tile, int border, doubl
   const int width = tile.width() + 2 * border;
   // The last offset reads whole lanes from there on.
   Image<float> result(whole_lanes(width + kLanes), tile.height() + 2 * border);
-  std::vector<int> columns(static_cast<std::size_t>(width));
-  for (int x = 0; x < width; ++x)
-    columns[static_cast<std::size_t>(x)] = extend_symmetric(x + tile.x0 - border, image.width());
+  const int x0 = tile.x0 - border;
   for (int y = 0; y < result.height(); ++y) {
     const double* from = image.row(extend_symmetric(y + tile.y0 - border, image.height())).data();
     float* to = result.row(y).data();
-    for (int x = 0; x < width; ++x) {
-      const double value = factor * from[columns[static_cast<std::size_t>(x)]];
-      to[x] = static_cast<float>(std::clamp(value, -most, most));
-    }
+    const auto copy = [&](int x, int source) {
+      to[x] = static_cast<float>(std::clamp(factor * from[source], -most, most));
+    };
+    const int inside0 = std::clamp(-x0, 0, width);
+    const int inside1 = std::clamp(image.width() - x0, inside0, width);
+    for (int x = 0; x < inside0; ++x)
+      copy(x, extend_symmetric(x0 + x, image.width()));
+    for (int x = inside0; x < inside1; ++x)
+      copy(x, x0 + x);
+    for (int x = inside1; x < width; ++x)
+      copy(x, extend_symmetric(x0 + x, image.width()));
   }
   return result;
 }
@@ -197,8 +212,10 @@ class Tile {
       }
     }
     total_ = empty_sum(1.0);
-    row_.resize(static_cast<std::size_t>(whole_lanes(width_ + 4 * options.patch) + side_));
-    boxes_ = row_;
+    const int longest = whole_lanes(whole_lanes(width_ + 4 * options.patch) + side_);
+    rows_.resize(static_cast<std::size_t>(2 * longest + kLanes));
+    row_ = aligned(rows_);
+    boxes_ = row_ + longest;
   }
 
   std::vector<Plane> run() {
@@ -243,7 +260,7 @@ class Tile {
   template <BoxOf kOf>
   void box(RowRing& ring, float scale, int width) {
     const auto row = side_ == kUsualSide ? box_row<kUsualSide, kOf> : box_row<0, kOf>;
-    row(row_.data(), ring.next(), side_, scale, width, boxes_.data());
+    row(row_, ring.next(), side_, scale, width, boxes_);
     std::swap(row_, boxes_);
   }
 
@@ -253,7 +270,7 @@ class Tile {
     const float scale = 1.0f / static_cast<float>(side_ * side_);
     for (int y = 0; y < height_ + 4 * f; ++y) {
       distance_row(guide_row(y, 0, 0), guide_row(y, dx, dy), noise_, whole_lanes(width_ + 4 * f),
-                   row_.data());
+                   row_);
       box<BoxOf::kDistances>(distances_, scale / 3.0f, whole_lanes(width_ + 2 * f));
       if (y < 2 * f) continue;
       box<BoxOf::kWeights>(weights_, scale, whole_lanes(width_));
@@ -272,8 +289,8 @@ class Tile {
     (sums_.size() == 1   ? add_targets<1>
      : sums_.size() == 2 ? add_targets<2>
      : sums_.size() == 3 ? add_targets<3>
-                         : add_targets<4>)(row_.data(), whole_lanes(width_),
-                                           total_.row.row(y).data(), from.data(), sums.data());
+                         : add_targets<4>)(row_, whole_lanes(width_), total_.row.row(y).data(),
+                                           from.data(), sums.data());
   }
 
   const PatchFilterOptions& options_;
@@ -284,7 +301,8 @@ class Tile {
   std::vector<Sum> sums_;              // of the tile
   Sum total_;                          // of the weights
   RowRing distances_, weights_;        // sums along rows
-  std::vector<float> row_, boxes_;
+  std::vector<float> rows_;            // row_ and boxes_
+  float *row_ = nullptr, *boxes_ = nullptr;
 };
 
 }  // namespace

@@ -10,33 +10,6 @@
 namespace spool {
 namespace {
 
-// Count, mean and M2 of each channel, and no more.
-PieceStatistics half_of_channels(const PieceStatistics& statistics, const SamplePool& pool,
-                                 int parity) {
-  const int width = statistics.width(), height = statistics.height();
-  PieceStatistics half;
-  half.pieces_per_side = statistics.pieces_per_side;
-  half.n = CountImage(width, height);
-  half.mean = make_rgb(width, height);
-  half.m2 = make_rgb(width, height);
-  parallel_rows(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const std::size_t p = statistics.n.index(x, y);
-      for (int s = parity; s < statistics.n[p]; s += 2) {
-        const Rgb radiance = pool.sample(x, y, s);
-        ++half.n[p];
-        for (std::size_t c = 0; c < 3; ++c) {
-          const double value = static_cast<double>(radiance[c]);
-          const double delta = value - half.mean[c][p];
-          half.mean[c][p] += delta / half.n[p];
-          half.m2[c][p] += delta * (value - half.mean[c][p]);
-        }
-      }
-    }
-  });
-  return half;
-}
-
 VarianceOptions of_own_samples(HalfVariance variance) {
   switch (variance) {
     case HalfVariance::kRaw:
@@ -48,12 +21,21 @@ VarianceOptions of_own_samples(HalfVariance variance) {
   }
 }
 
+// Mean and variance of the samples of both halves; pooled only where a piece needs it.
+Result<ChannelEstimates> estimate_both(const PieceStatistics& statistics, std::size_t channel,
+                                       double exposure) {
+  const auto n = statistics.n.pixels();
+  if (std::all_of(n.begin(), n.end(), [](std::int32_t k) { return k >= 2; }))
+    return ChannelEstimates{statistics.mean[channel],
+                            Plane(statistics.width(), statistics.height())};
+  GuardCounts counted_on_the_whole;
+  return estimate_channel(statistics, channel, {}, exposure, counted_on_the_whole);
+}
+
 // The variance of a half's mean by the samples of both halves; of one sample, what is pooled.
 Result<Plane> variance_of_both(const PieceStatistics& statistics, std::size_t channel,
                                const CountImage& n, double exposure) {
-  GuardCounts counted_on_the_whole;
-  SPOOL_ASSIGN(ChannelEstimates whole,
-               estimate_channel(statistics, channel, {}, exposure, counted_on_the_whole));
+  SPOOL_ASSIGN(ChannelEstimates whole, estimate_both(statistics, channel, exposure));
   for (std::size_t i = 0; i < n.size(); ++i) {
     const int all = statistics.n[i];
     if (all >= 2) {
@@ -66,26 +48,83 @@ Result<Plane> variance_of_both(const PieceStatistics& statistics, std::size_t ch
   return std::move(whole.variance);
 }
 
+// Mean and variance of a channel by the half's own samples.
+Result<ChannelEstimates> estimate_own(const HalfSums& half, const PieceStatistics& statistics,
+                                      std::size_t channel, HalfVariance variance, double exposure) {
+  PieceStatistics own;
+  own.pieces_per_side = statistics.pieces_per_side;
+  own.n = half.n;
+  own.mean[channel] = half.mean[channel];
+  own.m2[channel] = half.m2[channel];
+  GuardCounts counted_on_the_whole;
+  return estimate_channel(own, channel, of_own_samples(variance), exposure, counted_on_the_whole);
+}
+
+// Mean by the half's samples, variance by those of both.
+Result<ChannelEstimates> estimate_of_both(const HalfSums& half, const PieceStatistics& statistics,
+                                          std::size_t channel, double exposure) {
+  GuardCounts counted_on_the_whole;
+  SPOOL_ASSIGN(Plane variance, variance_of_both(statistics, channel, half.n, exposure));
+  return ChannelEstimates{fill_empty_pieces(half.mean[channel], half.n, statistics.pieces_per_side,
+                                            counted_on_the_whole),
+                          std::move(variance)};
+}
+
 }  // namespace
+
+HalfSums empty_half(int width, int height, int parity, HalfVariance variance) {
+  HalfSums half{parity, CountImage(width, height), make_rgb(width, height), {}};
+  if (variance != HalfVariance::kBoth) half.m2 = make_rgb(width, height);
+  return half;
+}
+
+void take_up_to(const CountImage& n, const SamplePool& pool, HalfSums& half) {
+  const bool own_variance = !half.m2[0].empty();
+  parallel_rows(0, n.height(), [&](int y) {
+    for (int x = 0; x < n.width(); ++x) {
+      const std::size_t p = n.index(x, y);
+      for (int s = half.parity + 2 * half.n[p]; s < n[p]; s += 2) {
+        const Rgb radiance = pool.sample(x, y, s);
+        ++half.n[p];
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double value = static_cast<double>(radiance[c]);
+          const double delta = value - half.mean[c][p];
+          half.mean[c][p] += delta / half.n[p];
+          if (own_variance) half.m2[c][p] += delta * (value - half.mean[c][p]);
+        }
+      }
+    }
+  });
+}
+
+Result<SampleHalf> sample_half(const HalfSums& half, const PieceStatistics& statistics,
+                               HalfVariance variance, double exposure) {
+  SampleHalf result{half.n, {}};
+  if (std::all_of(half.n.pixels().begin(), half.n.pixels().end(),
+                  [](std::int32_t n) { return n == 0; })) {
+    return fail(ErrorCode::kData,
+                "selection: no piece has a sample: raise the budget or check the counts");
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    SPOOL_ASSIGN(ChannelEstimates channel,
+                 variance == HalfVariance::kBoth
+                     ? estimate_of_both(half, statistics, c, exposure)
+                     : estimate_own(half, statistics, c, variance, exposure));
+    for (double& value : channel.mean.pixels())
+      value *= exposure;
+    for (double& value : channel.variance.pixels())
+      value *= exposure * exposure;
+    result.image.mean[c] = std::move(channel.mean);
+    result.image.variance[c] = std::move(channel.variance);
+  }
+  return result;
+}
 
 Result<SampleHalf> sample_half(const PieceStatistics& statistics, const SamplePool& pool,
                                int parity, HalfVariance variance, double exposure) {
-  PieceStatistics half = half_of_channels(statistics, pool, parity);
-  GuardCounts counted_on_the_whole;
-  for (std::size_t c = 0; c < 3; ++c) {
-    SPOOL_ASSIGN(ChannelEstimates channel, estimate_channel(half, c, of_own_samples(variance),
-                                                            exposure, counted_on_the_whole));
-    half.mean[c] = std::move(channel.mean);
-    half.m2[c] = std::move(channel.variance);
-    if (variance == HalfVariance::kBoth) {
-      SPOOL_ASSIGN(half.m2[c], variance_of_both(statistics, c, half.n, exposure));
-    }
-    for (double& value : half.mean[c].pixels())
-      value *= exposure;
-    for (double& value : half.m2[c].pixels())
-      value *= exposure * exposure;
-  }
-  return SampleHalf{std::move(half.n), {std::move(half.mean), std::move(half.m2)}};
+  HalfSums half = empty_half(statistics.width(), statistics.height(), parity, variance);
+  take_up_to(statistics.n, pool, half);
+  return sample_half(half, statistics, variance, exposure);
 }
 
 }  // namespace spool

@@ -25,8 +25,23 @@ struct SampleHalf {
   HalfImage image;  // exposed; empty pieces filled
 };
 
-// parity 0: the even samples, 1: the odd ones. Guards are counted on the whole, not on its halves.
-// Error kData when the half has no sample.
+// Welford of every second sample of each piece. parity 0: the even samples, 1: the odd ones.
+struct HalfSums {
+  int parity = 0;
+  CountImage n;
+  RgbImage mean, m2;  // radiance; m2 empty where the half needs no variance of its own
+};
+
+HalfSums empty_half(int width, int height, int parity, HalfVariance variance);
+
+// Takes what the half does not have yet of the first n samples of each piece.
+void take_up_to(const CountImage& n, const SamplePool& pool, HalfSums& half);
+
+// The image of a half that has all its samples of `statistics`. Guards are counted on the whole,
+// not on its halves. Error kData when the half has no sample.
+Result<SampleHalf> sample_half(const HalfSums& half, const PieceStatistics& statistics,
+                               HalfVariance variance, double exposure);
+// All of it at once.
 Result<SampleHalf> sample_half(const PieceStatistics& statistics, const SamplePool& pool,
                                int parity, HalfVariance variance, double exposure);
 

@@ -60,13 +60,14 @@ const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
   return table;
 }
 
-Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
+Result<Plane> nl_means_error(const std::array<HalfSums, 2>& halves,
+                             const PieceStatistics& statistics,
                              const NlMeansSamplingOptions& options, GuardCounts& guards) {
   std::array<HalfImage, 2> images;
   std::array<Plane, 2> counts;
   for (std::size_t h = 0; h < 2; ++h) {
-    SPOOL_ASSIGN(SampleHalf half, sample_half(statistics, pool, static_cast<int>(h),
-                                              options.var_mode, statistics.signal.exposure));
+    SPOOL_ASSIGN(SampleHalf half,
+                 sample_half(halves[h], statistics, options.var_mode, statistics.signal.exposure));
     images[h] = std::move(half.image);
     counts[h] = Plane(statistics.width(), statistics.height());
     for (std::size_t i = 0; i < half.n.size(); ++i)
@@ -108,6 +109,12 @@ Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool
   return error;
 }
 
+std::array<HalfSums, 2> empty_halves(const SamplePool& pool,
+                                     const NlMeansSamplingOptions& options) {
+  return {empty_half(pool.width(), pool.height(), 0, options.var_mode),
+          empty_half(pool.width(), pool.height(), 1, options.var_mode)};
+}
+
 Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
                                        const NlMeansSamplingOptions& options,
                                        const SamplingContext& context) {
@@ -117,9 +124,12 @@ Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
       begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed));
   const long long pieces = static_cast<long long>(pool.width()) * pool.height();
   const long long most = std::max(1LL, budget / pieces);
+  std::array<HalfSums, 2> halves = empty_halves(pool, options);
   const auto choose = [&](long long share) -> Result<CountImage> {
+    for (HalfSums& half : halves)
+      take_up_to(spending.statistics.n, pool, half);
     SPOOL_ASSIGN(Plane error,
-                 nl_means_error(spending.statistics, pool, options, spending.log.guards));
+                 nl_means_error(halves, spending.statistics, options, spending.log.guards));
     if (context.views != nullptr) context.views->add_next("error", error);
     error = gaussian_blur(error, kBlur);
     return hand_out_limited(error, spending.statistics.n, pool, share, most);

@@ -11,6 +11,9 @@
 // iteration. Slow twin: tests/reference/nl_means_reference.h.
 #pragma once
 
+#include <array>
+#include <optional>
+
 #include "lib/kernels/patch_filter.h"
 #include "lib/kernels/sample_half.h"
 #include "lib/sampling/sampler.h"
@@ -30,8 +33,12 @@ Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
                                        const NlMeansSamplingOptions& options,
                                        const SamplingContext& context);
 
-// The error of every piece before the blur; halves of the samples in `statistics`.
-Result<Plane> nl_means_error(const PieceStatistics& statistics, const SamplePool& pool,
+// The halves of a pool of which nothing is taken yet.
+std::array<HalfSums, 2> empty_halves(const SamplePool& pool, const NlMeansSamplingOptions& options);
+
+// The error of every piece before the blur; the halves have all samples of `statistics`.
+Result<Plane> nl_means_error(const std::array<HalfSums, 2>& halves,
+                             const PieceStatistics& statistics,
                              const NlMeansSamplingOptions& options, GuardCounts& guards);
 
 Sampler nl_means_sampler();
