@@ -69,7 +69,7 @@ std::vector<Plane> estimate_risks(const FeatureGuide& guide, const FilteredInput
   std::vector<GuidedTarget> targets;
   for (std::size_t s = none; s < options.scales.size(); ++s)
     targets.push_back({options.scales[s], 0, 3});
-  const std::array<GuidedImage, 3> images = {{{&y[0]}, {&y[1]}, {&y[2]}}};
+  const std::array<const Plane*, 3> images = {&y[0], &y[1], &y[2]};
   guided_means(guide, images, targets, [&](const Rectangle& tile, const auto& means) {
     for (std::size_t s = 0; s < risk.size(); ++s) {
       for (int py = tile.y0; py < tile.y1; ++py) {
@@ -112,17 +112,17 @@ struct Candidates {
 
 // The candidate of least risk, smoothed: all images of a tile are computed, one is kept. Candidates
 // without a scale leave the means as they are.
-void choose_least_risk(const FeatureGuide& guide, const RgbImage& mean, double exposure,
+void choose_least_risk(const FeatureGuide& guide, const RgbImage& mean,
                        const Candidates& candidates, double risk_scale, RisksKept kept,
                        CrossBilateralImage& result) {
   const int width = guide.width, height = guide.height;
   const std::vector<Plane>& risk = candidates.risk;
   const std::size_t none = risk.size() - candidates.scales.size();
-  std::vector<GuidedImage> images;
+  std::vector<const Plane*> images;
   for (const Plane& plane : risk)
-    images.push_back({&plane});
+    images.push_back(&plane);
   for (const Plane& plane : mean)
-    images.push_back({&plane, exposure});
+    images.push_back(&plane);
   std::vector<GuidedTarget> targets = {{risk_scale, 0, risk.size()}};
   for (const double scale : candidates.scales)
     targets.push_back({scale, risk.size(), 3});
@@ -143,7 +143,7 @@ void choose_least_risk(const FeatureGuide& guide, const RgbImage& mean, double e
         result.scale(x, y) = static_cast<std::int32_t>(least);
         for (std::size_t c = 0; c < 3; ++c) {
           result.image[c](x, y) =
-              least < none ? mean[c](x, y) : means[1 + least - none].values[c](ix, iy) / exposure;
+              least < none ? mean[c](x, y) : means[1 + least - none].values[c](ix, iy);
         }
         for (std::size_t s = 0; s < result.all.size(); ++s)
           result.all[s](x, y) = smooth(s);
@@ -197,7 +197,7 @@ Result<CrossBilateralImage> cross_bilateral(const PieceStatistics& statistics,
     }
     if (patches) compared = std::move(input.image);
   }
-  choose_least_risk(guide, *mean, exposure, candidates, options.risk_scale, kept, result);
+  choose_least_risk(guide, *mean, candidates, options.risk_scale, kept, result);
   if (patches) {
     result.image = cross_patch_means(guide, compared, *mean, result.scale, options.patches);
   } else if (footprints) {

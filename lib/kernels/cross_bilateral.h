@@ -9,10 +9,10 @@
 // s = 0 is the input itself. y, v: the image and its variance after the small pixel filter; the
 // output is F_s of the means themselves, at the scale whose risk, smoothed with the weights of a
 // scale of its own, is least (ties: the smallest). Windows are cut at the border. var_f is the
-// sample variance, mean over the feature's channels (lib/kernels/feature_guide.h). Weights and
-// sums over a row of the window are float (lib/kernels/guided_means.h). With range=patches the
-// candidates are those of cross non-local means, one for each tolerance instead of each s
-// (lib/kernels/cross_patches.h). Slow twin: tests/reference/cross_bilateral_reference.h.
+// sample variance, mean over the feature's channels (lib/kernels/feature_guide.h). Weights are
+// float, sums double (lib/kernels/guided_means.h). With range=patches the candidates are those of
+// cross non-local means, one for each tolerance instead of each s (lib/kernels/cross_patches.h).
+// Slow twin: tests/reference/cross_bilateral_reference.h.
 #pragma once
 
 #include <vector>

@@ -14,7 +14,7 @@ namespace {
 constexpr float kLeastVariance = FeatureGuide::kLeastVariance;
 constexpr std::size_t kMostFeatures = FeatureGuide::kMostFeatures;
 constexpr std::size_t kMostChannels = 3 * kMostFeatures;
-constexpr int kLanes = 16;
+constexpr int kLanes = GuideTile::kLanes;
 typedef float Floats __attribute__((vector_size(kLanes * sizeof(float))));
 
 // Features of two rows of pieces, channels one after the other.

@@ -13,13 +13,15 @@ namespace spool {
 
 class GuideTile {
  public:
+  static constexpr int kLanes = 16;
+
   // For offsets up to `across` in x and `down` in y.
   GuideTile(const FeatureGuide& guide, const Rectangle& tile, int across, int down);
 
   // Weights of the pieces of row y with those of row qy: to[(dx + across) * stride + i] is of the
   // piece x = tile.x0 - across + i and the one at dx from it, 0 where either is beyond the image.
   // Of pieces beside the tile, with `beside`, those whose other piece is in the tile; no others
-  // have a meaning. `to` has whole lanes of 16: stride >= lanes of tile.width() + 2 across.
+  // have a meaning. `to` has whole lanes: stride >= lanes of tile.width() + 2 across.
   void weights(int y, int qy, bool beside, std::ptrdiff_t stride, float* to) const;
 
  private:

@@ -3,9 +3,8 @@
 //
 //   mean(p) = sum of g_s(p - q) w_pq value_q / sum of g_s(p - q) w_pq,  |q - p| <= round(2 s)
 //
-// Windows are cut at the border. Weights, values (at most 1e30) and the sum over a row of the
-// window are float, the sum of its rows double; every piece's sums run over its neighbours row by
-// row, so their bits depend neither on tiles nor on threads. Slow twin:
+// Windows are cut at the border. Weights are float, sums double; every piece's sums run over its
+// neighbours row by row, so their bits depend neither on tiles nor on threads. Slow twin:
 // tests/reference/cross_bilateral_reference.h.
 #pragma once
 
@@ -17,12 +16,6 @@
 #include "lib/kernels/feature_guide.h"
 
 namespace spool {
-
-// `factor` brings the values near 1, where float has its digits; means are of factor times value.
-struct GuidedImage {
-  const Plane* plane = nullptr;
-  double factor = 1.0;
-};
 
 // A Gaussian and what it is applied to: `count` images from the one of index `first` on.
 struct GuidedTarget {
@@ -38,7 +31,7 @@ struct GuidedMeans {
 
 // Calls `use` with every tile of the image and its means, [target]; in parallel.
 void guided_means(
-    const FeatureGuide& guide, std::span<const GuidedImage> images,
+    const FeatureGuide& guide, std::span<const Plane* const> images,
     const std::vector<GuidedTarget>& targets,
     const std::function<void(const Rectangle& tile, const std::vector<GuidedMeans>& means)>& use);
 

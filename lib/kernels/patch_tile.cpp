@@ -119,27 +119,28 @@ SPOOL_VECTOR_CLONES void box_row(const float* from, float* const* rows, int any_
   }
 }
 
-// sums[i] += weight * from[i] and total += weight; weights below the least one count as 0, which
-// adds nothing.
+// sums[i] += weight * (from[i] - own[i]) and total += weight; weights below the least one count as
+// 0, which adds nothing.
 template <int kTargets>
 SPOOL_VECTOR_CLONES void add_targets(const float* __restrict weight, int width,
                                      float* __restrict total, const float* const* from,
-                                     float* const* sums) {
+                                     const float* const* own, float* const* sums) {
   static_assert(kTargets >= 1 && kTargets <= 4);
-  const float *f0 = from[0], *f1 = from[kTargets > 1 ? 1 : 0], *f2 = from[kTargets > 2 ? 2 : 0],
-              *f3 = from[kTargets > 3 ? 3 : 0];
+  constexpr int k1 = kTargets > 1 ? 1 : 0, k2 = kTargets > 2 ? 2 : 0, k3 = kTargets > 3 ? 3 : 0;
+  const float *f0 = from[0], *f1 = from[k1], *f2 = from[k2], *f3 = from[k3];
+  const float *o0 = own[0], *o1 = own[k1], *o2 = own[k2], *o3 = own[k3];
   float* __restrict s0 = sums[0];
-  float* __restrict s1 = sums[kTargets > 1 ? 1 : 0];
-  float* __restrict s2 = sums[kTargets > 2 ? 2 : 0];
-  float* __restrict s3 = sums[kTargets > 3 ? 3 : 0];
+  float* __restrict s1 = sums[k1];
+  float* __restrict s2 = sums[k2];
+  float* __restrict s3 = sums[k3];
 #pragma GCC ivdep
   for (int x = 0; x < width; ++x) {
     const float w = weight[x] < kLeastWeight ? 0.0f : weight[x];
     total[x] += w;
-    s0[x] += w * f0[x];
-    if constexpr (kTargets > 1) s1[x] += w * f1[x];
-    if constexpr (kTargets > 2) s2[x] += w * f2[x];
-    if constexpr (kTargets > 3) s3[x] += w * f3[x];
+    s0[x] += w * (f0[x] - o0[x]);
+    if constexpr (kTargets > 1) s1[x] += w * (f1[x] - o1[x]);
+    if constexpr (kTargets > 2) s2[x] += w * (f2[x] - o2[x]);
+    if constexpr (kTargets > 3) s3[x] += w * (f3[x] - o3[x]);
   }
 }
 
@@ -152,7 +153,9 @@ void move_sums(float* __restrict from, std::size_t count, double* __restrict to)
   }
 }
 
-// A weighted sum: of one row of offsets in float, of all rows in double.
+// A weighted sum: of one row of offsets in float, of all rows in double. Of targets it is of what
+// they differ from the piece's own, so that alike pieces stay what they are to the last bit of a
+// double, and the result lies between what it is made of.
 struct Sum {
   Image<float> row;
   Plane all;
@@ -189,7 +192,9 @@ Image<float> around(const Plane& image, const Rectangle& tile, int border, doubl
 class Tile {
  public:
   Tile(const GuidedTargets& guided, const PatchFilterOptions& options, const Rectangle& tile)
-      : options_(options),
+      : guided_(guided),
+        options_(options),
+        tile_(tile),
         width_(tile.width()),
         height_(tile.height()),
         side_(2 * options.patch + 1),
@@ -205,11 +210,6 @@ class Tile {
     for (const Plane* target : guided.targets) {
       from_.push_back(around(*target, tile, options.window, 1.0, kMostMean));
       sums_.push_back(empty_sum(0.0));
-      for (int y = 0; y < height_; ++y) {  // the centre, with weight 1
-        for (int x = 0; x < width_; ++x)
-          sums_.back().all(x, y) =
-              static_cast<double>(from_.back()(options.window + x, options.window + y));
-      }
     }
     total_ = empty_sum(1.0);
     const int longest = whole_lanes(whole_lanes(width_ + 4 * options.patch) + side_);
@@ -229,11 +229,13 @@ class Tile {
         sum.finish_row();
     }
     std::vector<Plane> means;
-    for (const Sum& sum : sums_) {
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      const Plane& target = *guided_.targets[i];
       Plane& mean = means.emplace_back(width_, height_);
       for (int y = 0; y < height_; ++y) {
-        for (int x = 0; x < width_; ++x)
-          mean(x, y) = sum.all(x, y) / total_.all(x, y);
+        for (int x = 0; x < width_; ++x) {
+          mean(x, y) = target(tile_.x0 + x, tile_.y0 + y) + sums_[i].all(x, y) / total_.all(x, y);
+        }
       }
     }
     return means;
@@ -280,26 +282,29 @@ class Tile {
 
   // row_ holds the weights of row y with the row of the offset.
   void add_row(int y, int dx, int dy) {
-    std::array<const float*, kMostTargets> from;
+    std::array<const float*, kMostTargets> from, own;
     std::array<float*, kMostTargets> sums;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
       from[i] = &from_[i](options_.window + dx, y + options_.window + dy);
+      own[i] = &from_[i](options_.window, y + options_.window);
       sums[i] = sums_[i].row.row(y).data();
     }
     (sums_.size() == 1   ? add_targets<1>
      : sums_.size() == 2 ? add_targets<2>
      : sums_.size() == 3 ? add_targets<3>
                          : add_targets<4>)(row_, whole_lanes(width_), total_.row.row(y).data(),
-                                           from.data(), sums.data());
+                                           from.data(), own.data(), sums.data());
   }
 
+  const GuidedTargets& guided_;
   const PatchFilterOptions& options_;
+  Rectangle tile_;
   int width_, height_, side_;
   float noise_;                        // alpha / kappa^2
   std::array<Image<float>, 3> a_, v_;  // of the guide, 2 patch + window beyond the tile
   std::vector<Image<float>> from_;     // targets, window beyond the tile
   std::vector<Sum> sums_;              // of the tile
-  Sum total_;                          // of the weights
+  Sum total_;                          // of the weights, the centre's is 1
   RowRing distances_, weights_;        // sums along rows
   std::vector<float> rows_;            // row_ and boxes_
   float *row_ = nullptr, *boxes_ = nullptr;
