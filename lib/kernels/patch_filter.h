@@ -5,9 +5,9 @@
 //   w = box(exp(-max(0, box(d2)))) with boxes over the patch of (2 f + 1)^2, 0 below 0.05, and 1 at
 //   the centre; result(p) = sum of w target_q / sum of w over |q - p| <= r in x and y
 //
-// a, v: means and variances of the guide. Borders are mirrored. Distances, weights and the sums over
-// a row of the window - of what targets differ from the piece's own - are float, sums over its rows
-// double; for that, means count as at most 1e15 and kappa^2 v as at most 1e10. Tiles run in
+// a, v: means and variances of the guide. Borders are mirrored. Distances, weights and the sums
+// over a row of the window - of what targets differ from the piece's own - are float, sums over its
+// rows double; for that, means count as at most 1e15 and kappa^2 v as at most 1e10. Tiles run in
 // parallel, and every piece's sum takes the offsets in one order, so bits do not depend on threads.
 // Slow twin: tests/reference/nl_means_reference.h.
 #pragma once
