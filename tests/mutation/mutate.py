@@ -117,8 +117,9 @@ def write_table(path, mutations, known):
     """The outcome of each bug as a page."""
     tried = [m for m in mutations if m["id"] in known]
     killed = sum(known[m["id"]]["outcome"] == "killed" for m in tried)
+    newer = "" if len(tried) == len(mutations) else f" {len(mutations) - len(tried)} newer or changed ones have not run."
     lines = ["# Seeded bugs", "", "Written by `tools/dev.sh mutate`; the bugs are `mutations.toml`. "
-             f"{killed} of {len(tried)} killed.", "", "| bug | file | outcome | by |", "|---|---|---|---|"]
+             f"{killed} of {len(tried)} killed.{newer}", "", "| bug | file | outcome | by |", "|---|---|---|---|"]
     for m in tried:
         result = known[m["id"]]
         by = result["by"].removeprefix("test_") if result["outcome"] == "killed" else ""
