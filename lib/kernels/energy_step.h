@@ -7,9 +7,9 @@
 // G is a Gaussian with nothing beyond the border, hence its own adjoint, so the sum of out' is the
 // sum of M up to rounding, in each channel, whatever w is. The light moves by some sigma: it
 // returns to its neighbourhood, not to its pixel. A wide sigma adds little noise (M is a noisy
-// image). Where much light was lost or won out' may be negative. A pixel that is not finite in
-// either image keeps its value and takes no part. Slow twin:
-// tests/reference/energy_step_reference.h.
+// image), a small floor leaves dark places alone (decision 121). Where much light was lost or won
+// out' may be negative. A pixel that is not finite in either image keeps its value and takes no
+// part. Slow twin: tests/reference/energy_step_reference.h.
 #pragma once
 
 #include "lib/core/guards.h"
@@ -18,8 +18,8 @@
 namespace spool {
 
 struct EnergyStepOptions {
-  double sigma = 32.0;  // pixels
-  double floor = 0.8;   // in units of the scene's luminance
+  double sigma = 128.0;  // pixels
+  double floor = 0.2;    // in units of the scene's luminance
 };
 
 // `mean`: M, of the size of `out`; `unit`: U > 0, radiance units (scene_luminance.h).

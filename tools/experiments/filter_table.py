@@ -1,7 +1,8 @@
 """Table of filters from results of `spool evaluate`: filter_table.py RESULTS... [--metric relmse_trimmed].
 
 A line for each sampler and filter, a column for each budget: geometric mean over recordings of the mean over replicates,
-divided by that of uniform + box at the same budget; mean energy ratio; CPU seconds of the filter per megapixel.
+divided by that of `--against` at the same budget; mean energy ratio; CPU seconds of the filter per megapixel, the median.
+With --each a line for each recording instead, of the smallest and largest of which a goal may speak.
 """
 import argparse
 import csv
@@ -16,7 +17,8 @@ def read(folders):
     for folder in folders:
         with open(Path(folder) / "results.csv", encoding="utf-8", newline="") as stream:
             for row in csv.DictReader(stream):
-                cells[row["sampler"], row["filter"], float(row["spp"])][row["dump"]].append(row)
+                if not row["error"]:
+                    cells[row["sampler"], row["filter"], float(row["spp"])][row["dump"]].append(row)
     return cells
 
 
@@ -25,26 +27,47 @@ def mean(rows, column):
     return sum(values) / len(values)
 
 
-def geometric_ratio(of, to, metric):
+def ratios(of, to, metric):
     """Over the recordings that both have."""
-    logs = [math.log(mean(of[name], metric) / mean(to[name], metric)) for name in of if name in to]
-    return math.exp(sum(logs) / len(logs))
+    return {name: mean(of[name], metric) / mean(to[name], metric) for name in of if name in to}
 
 
-def table(cells, metric, pixels):
+def geometric_mean(values):
+    return math.exp(sum(map(math.log, values)) / len(values))
+
+
+def cost(rows):
+    """CPU seconds per megapixel."""
+    values = sorted(float(row["cpu_filtering"]) / int(row["width"]) / int(row["height"]) * 1e6 for row in rows)
+    return values[len(values) // 2]
+
+
+def table(cells, metric, against):
     budgets = sorted({spp for _, _, spp in cells})
     lines = ["| sampler + filter | " + " | ".join(f"{spp:g} spp" for spp in budgets) + " | CPU-s/MP |",
              "|---" * (len(budgets) + 2) + "|"]
     for sampler, name in sorted({key[:2] for key in cells}):
-        columns = []
+        columns, rows = [], []
         for spp in budgets:
             of = cells[sampler, name, spp]
-            energies = [mean(rows, "energy_ratio") for rows in of.values()]
-            columns.append(f"{geometric_ratio(of, cells['uniform', 'box', spp], metric):.3f} / "
-                           f"{sum(energies) / len(energies):.3f}")
-        cost = [float(row["cpu_filtering"]) for spp in budgets for rows in cells[sampler, name, spp].values() for row in rows]
-        columns.append(f"{sorted(cost)[len(cost) // 2] / pixels * 1e6:.1f}")
-        lines.append(f"| {sampler} + {name} | " + " | ".join(columns) + " |")
+            found = ratios(of, cells[(*against, spp)], metric).values()
+            energies = [mean(each, "energy_ratio") for each in of.values()]
+            columns.append(f"{geometric_mean(found):.3f} / {sum(energies) / len(energies):.3f}" if found else "")
+            rows += [row for each in of.values() for row in each]
+        lines.append(f"| {sampler} + {name} | " + " | ".join(columns) + f" | {cost(rows):.1f} |")
+    return "\n".join(lines)
+
+
+def table_of_each(cells, metric, against):
+    budgets = sorted({spp for _, _, spp in cells})
+    recordings = sorted({name for of in cells.values() for name in of})
+    lines = ["| sampler + filter | spp | " + " | ".join(recordings) + " |", "|---" * (len(recordings) + 2) + "|"]
+    for sampler, name in sorted({key[:2] for key in cells}):
+        for spp in budgets:
+            of = cells[sampler, name, spp]
+            found = ratios(of, cells[(*against, spp)], metric)
+            columns = [f"{found[r]:.3f} / {mean(of[r], 'energy_ratio'):.3f}" if r in found else "" for r in recordings]
+            lines.append(f"| {sampler} + {name} | {spp:g} | " + " | ".join(columns) + " |")
     return "\n".join(lines)
 
 
@@ -52,9 +75,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", nargs="+", help="folders of spool evaluate")
     parser.add_argument("--metric", default="relmse_trimmed")
-    parser.add_argument("--pixels", type=int, default=64 * 64, help="of a recording, for the cost")
+    parser.add_argument("--against", default="uniform + box", help="SAMPLER + FILTER whose error is 1")
+    parser.add_argument("--each", action="store_true", help="every recording by itself")
     options = parser.parse_args()
-    print(table(read(options.results), options.metric, options.pixels))
+    make = table_of_each if options.each else table
+    print(make(read(options.results), options.metric, tuple(options.against.split(" + ", 1))))
 
 
 if __name__ == "__main__":
