@@ -62,9 +62,11 @@ Result<Input> load_input(const ReconstructOptions& options,
   if (!selection) {
     SPOOL_ASSIGN(all.n, uniform_counts(pool, options.spp));
   }
-  SPOOL_ASSIGN(Selection selected,
-               apply_selection(selection ? *selection : all,
-                               selection ? options.selection : options.dump, pool));
+  const bool looked_at = methods.filters[0].ready.needs.signal || !options.views.empty();
+  SPOOL_ASSIGN(
+      Selection selected,
+      apply_selection(selection ? *selection : all, selection ? options.selection : options.dump,
+                      pool, looked_at ? SignalOf::kSelection : SignalOf::kNoOne));
   return Input{recording, std::move(pool), std::move(selected)};
 }
 

@@ -28,6 +28,7 @@ Filter box_filter() {
   return make_value<FilterFunction, BoxOptions>(
       {.name = "box",
        .summary = "mean of each pixel's samples, no filter",
+       .needs = [](const auto&) { return Needs{.signal = false}; },
        .memory = {188, 2e6},
        .footprints = true,
        .run = reconstruct_box});

@@ -52,6 +52,7 @@ Filter gaussian_filter() {
                number_option("sigma", &O::sigma, 0.0, 64.0,
                              "standard deviation in pixels; 0 is the box filter"),
            },
+       .needs = [](const auto&) { return Needs{.signal = false}; },
        .memory = {188, 2e6},
        .footprints = true,
        .run = reconstruct_gaussian});

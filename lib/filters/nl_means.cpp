@@ -114,6 +114,7 @@ Filter nl_means_filter() {
            "patches that look alike are averaged, weights from the other half of the samples",
        .options = nl_means_option_table(),
        .presets = nl_means_presets(),
+       .needs = [](const auto&) { return Needs{.signal = false}; },
        .memory = {215, 4.7e6},
        .footprints = true,
        .run = reconstruct_nl_means});

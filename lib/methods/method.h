@@ -32,6 +32,7 @@ struct Needs {
   bool reference = false;           // an oracle: it knows the answer
   bool filter_in_loop = false;      // a sampler that asks for the image of a filter
   std::string loop_filter = {};     // that filter's name; empty: the filter of the image
+  bool signal = true;               // false: no analysis signal but the mean that exposes it
   bool samples = true;              // false: an image made elsewhere, the same for any samples
   friend bool operator==(const Needs&, const Needs&) = default;
 };

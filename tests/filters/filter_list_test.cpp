@@ -35,6 +35,33 @@ TEST(FilterList, EveryDescribedValueCanBeSetAgain) {
   }
 }
 
+// Who needs no analysis signal gets the statistics of a selection without one: same image, and as
+// many such filters as there are.
+TEST(FilterList, FiltersThatNeedNoSignalMakeTheSameImageWithoutIt) {
+  const SamplePool pool = testing::make_pool(13, 9, 8, testing::noisy_picture(13, 9, 7));
+  const auto count = [](int x, int y) { return 2 + (3 * x + y) % 5; };
+  const Selection plain = testing::select_counts(pool, count);
+  Selection exposed = plain;
+  GuardCounts guards;
+  AnalysisSignal signal;
+  signal.exposure = exposure_of(plain.statistics, guards);
+  set_signal(exposed.statistics, pool, signal);
+  ASSERT_NE(signal.exposure, 1.0);
+  std::set<std::string> without;
+  for (const Filter& entry : filters()) {
+    const auto filter = make_method(filters(), {entry.name, "", {}});
+    ASSERT_TRUE(filter.has_value());
+    if (filter->needs.signal) continue;
+    without.insert(entry.name);
+    const auto a = filter->run(plain, pool, {}), b = filter->run(exposed, pool, {});
+    ASSERT_TRUE(a.has_value() && b.has_value()) << entry.name;
+    EXPECT_EQ(a->image, b->image) << entry.name;
+  }
+  EXPECT_EQ(without, (std::set<std::string>{"box", "gaussian", "nl_means"}));
+  const auto clamped = make_method(filters(), {"box", "", {{"clamp", "on"}}});
+  EXPECT_TRUE(clamped->needs.signal);
+}
+
 TEST(FilterList, UnknownNamesAreUsageErrorsThatNameTheNearest) {
   const auto filter = make_method(filters(), {"bxo", "", {}});
   ASSERT_FALSE(filter.has_value());

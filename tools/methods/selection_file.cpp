@@ -217,7 +217,7 @@ SelectionFile contents_of(const Selection& selection, const PoolOptions& pool) {
 }
 
 Result<Selection> apply_selection(const SelectionFile& file, const std::filesystem::path& path,
-                                  const SamplePool& pool) {
+                                  const SamplePool& pool, SignalOf of) {
   if (file.n.width() != pool.width() || file.n.height() != pool.height()) {
     return fail(ErrorCode::kData,
                 "{}: is {} x {}, the dump {} x {}: a selection has the dump's size", path.string(),
@@ -236,11 +236,13 @@ Result<Selection> apply_selection(const SelectionFile& file, const std::filesyst
   Selection selection;
   selection.statistics = prefix_statistics(pool, file.n);
   selection.attenuation = file.attenuation;
-  AnalysisSignal signal;
-  GuardCounts guards;
-  signal.exposure = exposure_of(selection.statistics, guards);
-  if (file.signal) signal = *file.signal;
-  set_signal(selection.statistics, pool, signal);
+  if (of == SignalOf::kSelection || file.signal) {
+    AnalysisSignal signal;
+    GuardCounts guards;
+    signal.exposure = exposure_of(selection.statistics, guards);
+    if (file.signal) signal = *file.signal;
+    set_signal(selection.statistics, pool, signal);
+  }
   for (std::size_t h = 0; h < file.halves.size(); ++h) {
     SPOOL_ASSIGN(Selection half,
                  apply_selection(file.halves[h], path, pool.half(static_cast<int>(h))));

@@ -51,10 +51,14 @@ SelectionFile contents_of(const Selection& selection, const PoolOptions& pool);
 // Counts must be whole and not negative; kData with the pixel otherwise.
 Result<SelectionFile> read_selection(const std::filesystem::path& path);
 
+// Whether the analysis signal is made; without it the statistics have it as it is before any
+// exposure, which is enough to expose it (lib/kernels/piece_estimates.h).
+enum class SignalOf { kSelection, kNoOne };
+
 // The statistics of that selection. kData where the file's size is not the pool's, a count is
 // larger than the pool's capacity there, or halves that are used together have another sum than
 // `n`.
 Result<Selection> apply_selection(const SelectionFile& file, const std::filesystem::path& path,
-                                  const SamplePool& pool);
+                                  const SamplePool& pool, SignalOf signal = SignalOf::kSelection);
 
 }  // namespace spool::tools
