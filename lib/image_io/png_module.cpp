@@ -16,6 +16,9 @@ extern "C" int spool_make_png(int width, int height, const unsigned char* rgb,
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
     OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", "sRGB");
+    // Fast rather than small: pictures of noise hardly compress.
+    spec.attribute("png:compressionLevel", 1);
+    spec.attribute("png:filter", 0x20);  // each pixel less the one above it
     OIIO::Filesystem::IOVecOutput memory;
     OIIO::Filesystem::IOProxy* proxy = &memory;
     spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
