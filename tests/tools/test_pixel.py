@@ -66,7 +66,7 @@ def test_a_footprint_makes_the_pixel_of_replay_and_reconstruct(good, scene, tmp_
         made = [image[c][y, x] for c in "RGB"]
         np.testing.assert_allclose(pixel["image"], made, rtol=1e-6)
         taps = np.array(pixel["footprint"]["taps"])
-        assert taps[:, 2].sum() == pytest.approx(1.0, abs=1e-9)
+        assert taps[:, 2].sum() == pytest.approx(1.0, abs=1e-7)  # nl_means weighs in float
         np.testing.assert_allclose(taps[:, 2] @ taps[:, 3:], made, rtol=1e-5)
         if filter_ != "nl_means":  # whose taps are means of halves
             for tx, ty, _, *value in taps[:4]:
