@@ -144,7 +144,7 @@ Sampler nl_means_sampler() {
        .summary = "where NL-means disagrees on two halves of the samples",
        .options = nl_means_sampling_option_table(),
        .views = {{"error.i", "error before its smoothing, iteration i"}},
-       .memory = {218, 4.7e6},
+       .memory = {274, 4.7e6},
        .run = sample_nl_means});
 }
 
