@@ -106,7 +106,9 @@ TEST(FilterSizeDifferential, TheStepToTheBaseImageAgrees) {
       }
       const Plane all = convolve(c.mean, base_taps(BaseImage::kPixelGaussian));
       for (std::size_t i = 0; i < refused.size(); ++i) {
-        if (refused[i] == 0.0) ASSERT_EQ(tile.pieces.mean[2][i], all[i]);
+        if (refused[i] == 0.0) {
+          ASSERT_EQ(tile.pieces.mean[2][i], all[i]);
+        }
       }
     }
   }
