@@ -89,7 +89,7 @@ void print_footprint(const ordered_json& pixel) {
   }
   std::vector<ordered_json> taps = told["taps"].get<std::vector<ordered_json>>();
   std::ranges::stable_sort(taps, [](const ordered_json& a, const ordered_json& b) {
-    return a[2].get<double>() > b[2].get<double>();
+    return std::abs(a[2].get<double>()) > std::abs(b[2].get<double>());
   });
   constexpr std::size_t kMostShown = 25;
   std::vector<std::vector<std::string>> rows = {{"dx", "dy", "weight", "R", "G", "B"}};

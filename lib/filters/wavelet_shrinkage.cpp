@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "lib/core/extend.h"
 #include "lib/core/parallel.h"
 #include "lib/kernels/piece_estimates.h"
 
@@ -21,6 +24,36 @@ void shrink_band(Plane& coefficients, const Plane& variance, const Rectangle& ba
   });
 }
 
+// What was kept of each coefficient.
+Plane kept_share(const Plane& after, const Plane& before) {
+  Plane kept(after.width(), after.height());
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    kept[i] = before[i] == 0.0 ? 0.0 : after[i] / before[i];
+  return kept;
+}
+
+// One channel of the footprint. Where each coefficient keeps a given share of itself the filter is
+// linear: the pixel's row of its matrix is found by the transposed transforms.
+void add_channel(const Plane& kept, const RgbImage& mean, std::size_t c, int levels,
+                 Footprint& to) {
+  Plane row(kept.width(), kept.height());
+  row(to.x, to.y) = 1.0;
+  transposed_inverse_transform(row, levels);
+  for (std::size_t i = 0; i < row.size(); ++i)
+    row[i] *= kept[i];
+  transposed_forward_transform(row, levels);
+  for (int y = 0; y < row.height(); ++y) {
+    for (int x = 0; x < row.width(); ++x) {
+      if (row(x, y) == 0.0) continue;
+      const int from_x = extend_symmetric(x, mean[c].width());
+      const int from_y = extend_symmetric(y, mean[c].height());
+      FootprintTap& tap = to.taps[{from_y, from_x}];
+      tap.weight += row(x, y) / 3.0;
+      tap.weighted[c] += row(x, y) * mean[c](from_x, from_y);
+    }
+  }
+}
+
 }  // namespace
 
 OptionTable<WaveletShrinkageOptions> wavelet_shrinkage_option_table() {
@@ -34,7 +67,7 @@ OptionTable<WaveletShrinkageOptions> wavelet_shrinkage_option_table() {
 
 Result<Reconstruction> reconstruct_wavelet_shrinkage(const Selection& selection, const SamplePool&,
                                                      const WaveletShrinkageOptions& options,
-                                                     const FilterContext&) {
+                                                     const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   const int q = statistics.pieces_per_side;
   Reconstruction result;
@@ -43,22 +76,33 @@ Result<Reconstruction> reconstruct_wavelet_shrinkage(const Selection& selection,
   const RgbImage mean = average_pieces(std::move(pieces.mean), q);
   const RgbImage variance = average_piece_variance(std::move(pieces.variance), q);
   result.image = make_rgb(mean[0].width(), mean[0].height());
+  std::vector<Footprint> footprints;
+  for (const auto& [x, y] : wanted_pixels(context))
+    footprints.push_back({x, y, {}, {}});
   for (std::size_t c = 0; c < 3; ++c) {
     Plane w = padded_for_transform(mean[c], options.levels);
     Plane v = padded_for_transform(variance[c], options.levels);
     forward_transform(w, options.levels, TransformOf::kValues);
     forward_transform(v, options.levels, TransformOf::kVariances);
+    const Plane before = footprints.empty() ? Plane{} : w;
     for (int l = 0; l < options.levels; ++l) {
       const int width = w.width() >> l, height = w.height() >> l;
       shrink_band(w, v, {width / 2, 0, width, height / 2}, options.lambda);
       shrink_band(w, v, {0, height / 2, width / 2, height}, options.lambda);
       shrink_band(w, v, {width / 2, height / 2, width, height}, options.lambda);
     }
+    if (!footprints.empty()) {
+      const Plane kept = kept_share(w, before);
+      for (Footprint& footprint : footprints)
+        add_channel(kept, mean, c, options.levels, footprint);
+    }
     inverse_transform(w, options.levels);
     parallel_rows(0, mean[c].height(), [&](int y) {
       std::copy_n(w.row(y).data(), mean[c].width(), result.image[c].row(y).data());
     });
   }
+  for (Footprint& footprint : footprints)
+    context.footprints->add(std::move(footprint));
   return result;
 }
 
@@ -69,6 +113,7 @@ Filter wavelet_shrinkage_filter() {
        .source = Source::kDescriptions,
        .options = wavelet_shrinkage_option_table(),
        .memory = {180, 2e6},
+       .footprints = true,
        .run = reconstruct_wavelet_shrinkage});
 }
 

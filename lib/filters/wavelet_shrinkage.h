@@ -7,7 +7,8 @@
 //
 // Decimated, square decomposition of the image padded by half-sample symmetry to multiples of 2^L.
 // 9-7 wavelet: DC gain sqrt 2 per dimension, whole-sample symmetric borders. Negative
-// results are kept. lambda = 0 returns the input.
+// results are kept. lambda = 0 returns the input. A footprint holds what each coefficient keeps of
+// itself; channels keep different shares, so a tap's weight is the mean of three.
 // Slow twin: tests/reference/wavelet_transform_reference.h.
 #pragma once
 

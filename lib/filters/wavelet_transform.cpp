@@ -1,5 +1,6 @@
 #include "lib/filters/wavelet_transform.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -72,6 +73,36 @@ void join_line(std::vector<double>& line, std::vector<double>& out, const Bank& 
   line.swap(out);
 }
 
+// What split_line gathers this scatters.
+void split_line_transposed(std::vector<double>& line, std::vector<double>& out, const Bank& bank) {
+  const int n = static_cast<int>(line.size()), half = n / 2;
+  std::ranges::fill(out, 0.0);
+  const auto scatter = [&](const Taps& taps, int centre, double value) {
+    for (int m = taps.first; m <= taps.last(); ++m)
+      out[static_cast<std::size_t>(extend(centre - m, n, Extension::kWhole))] +=
+          tap_at(taps, m) * value;
+  };
+  for (int i = 0; i < half; ++i) {
+    scatter(bank.low, 2 * i, line[static_cast<std::size_t>(i)]);
+    scatter(bank.high, 2 * i + 1, line[static_cast<std::size_t>(half + i)]);
+  }
+  line.swap(out);
+}
+
+void join_line_transposed(std::vector<double>& line, std::vector<double>& out, const Bank& bank) {
+  const int n = static_cast<int>(line.size()), half = n / 2;
+  std::ranges::fill(out, 0.0);
+  for (int x = 0; x < n; ++x) {
+    for (int m = bank.rebuild_high.first; m <= bank.rebuild_high.last(); ++m) {
+      const int p = extend(x - m, n, Extension::kWhole);
+      out[static_cast<std::size_t>(p % 2 == 0 ? p / 2 : half + p / 2)] +=
+          tap_at(p % 2 == 0 ? bank.rebuild_low : bank.rebuild_high, m) *
+          line[static_cast<std::size_t>(x)];
+    }
+  }
+  line.swap(out);
+}
+
 // line_step on every row of the w x h corner, or on every column.
 template <class Step>
 void over_rows(Plane& image, int w, int h, Step&& line_step) {
@@ -138,6 +169,32 @@ void inverse_transform(Plane& image, int levels) {
     };
     over_columns(image, w, h, join);
     over_rows(image, w, h, join);
+  }
+}
+
+void transposed_forward_transform(Plane& image, int levels) {
+  check_sides(image, levels);
+  const Bank bank = cdf97_bank();
+  for (int l = levels - 1; l >= 0; --l) {
+    const int w = image.width() >> l, h = image.height() >> l;
+    const auto split = [&](std::vector<double>& line, std::vector<double>& out) {
+      split_line_transposed(line, out, bank);
+    };
+    over_columns(image, w, h, split);
+    over_rows(image, w, h, split);
+  }
+}
+
+void transposed_inverse_transform(Plane& image, int levels) {
+  check_sides(image, levels);
+  const Bank bank = cdf97_bank();
+  for (int l = 0; l < levels; ++l) {
+    const int w = image.width() >> l, h = image.height() >> l;
+    const auto join = [&](std::vector<double>& line, std::vector<double>& out) {
+      join_line_transposed(line, out, bank);
+    };
+    over_rows(image, w, h, join);
+    over_columns(image, w, h, join);
   }
 }
 

@@ -24,4 +24,10 @@ Plane padded_for_transform(const Plane& image, int levels);
 void forward_transform(Plane& image, int levels, TransformOf of);
 void inverse_transform(Plane& image, int levels);
 
+// Of both transforms of values the transposed matrices: a row of a matrix, that is which pixels
+// make a coefficient or which coefficients make a pixel, is its transpose times what is 1 there and
+// 0 elsewhere.
+void transposed_forward_transform(Plane& image, int levels);
+void transposed_inverse_transform(Plane& image, int levels);
+
 }  // namespace spool

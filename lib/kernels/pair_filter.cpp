@@ -89,11 +89,31 @@ class RowFilter {
     finish(y, means);
   }
 
- private:
   struct Place {
     int x, y;
   };
+  struct Weight {
+    Place from;
+    double weight;
+  };
 
+  // Of one piece, not yet over their sum: those above 0.
+  std::vector<Weight> weights_of(Place at) const {
+    const int r = window_.radius;
+    std::vector<float> distance(1), refused(1), weight(1);
+    std::vector<Weight> weights;
+    for (int dy = -r; dy <= r; ++dy) {
+      for (int dx = -r; dx <= r; ++dx) {
+        const Place from{at.x + dx, at.y + dy};
+        if (dx * dx + dy * dy > r * r || !count_.bounds().contains(from.x, from.y)) continue;
+        weigh(at, {dx, dy}, 1, distance, refused, weight);
+        if (weight[0] > 0.0f) weights.push_back({from, weight[0]});
+      }
+    }
+    return weights;
+  }
+
+ private:
   void weigh(Place at, Place to, int width, std::vector<float>& distance,
              std::vector<float>& refused, std::vector<float>& weight) const {
     const auto rows = [&](const Image<float>& image) {
@@ -138,6 +158,19 @@ PairMeans pair_filter(const std::vector<const Plane*>& values, const PairTest& t
   const RowFilter filter(values, test, features, count, window);
   parallel_rows(0, count.height(), [&](int y) { filter.run(y, means); });
   return means;
+}
+
+void add_pair_footprint(const RgbImage& values, const PairTest& test, const PairFeatures& features,
+                        const Image<float>& count, const PairWindow& window, int x, int y,
+                        double share, int q, Footprint& to) {
+  const std::vector<RowFilter::Weight> weights =
+      RowFilter({}, test, features, count, window).weights_of({x, y});
+  double sum = 0.0;
+  for (const auto& [from, weight] : weights)
+    sum += weight;
+  if (weights.empty()) to.add(x / q, y / q, share, values, values[0].index(x, y));
+  for (const auto& [from, weight] : weights)
+    to.add(from.x / q, from.y / q, share * weight / sum, values, values[0].index(from.x, from.y));
 }
 
 }  // namespace spool

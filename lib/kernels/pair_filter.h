@@ -14,6 +14,7 @@
 
 #include <vector>
 
+#include "lib/core/footprint.h"
 #include "lib/core/image.h"
 
 namespace spool {
@@ -43,5 +44,11 @@ struct PairMeans {
 PairMeans pair_filter(const std::vector<const Plane*>& values, const PairTest& test,
                       const PairFeatures& features, const Image<float>& count,
                       const PairWindow& window);
+
+// Adds `share` of the weights that make piece (x, y) to the footprint of its pixel, `q` pieces a
+// side. Where all weights are 0 the piece stands for itself.
+void add_pair_footprint(const RgbImage& values, const PairTest& test, const PairFeatures& features,
+                        const Image<float>& count, const PairWindow& window, int x, int y,
+                        double share, int q, Footprint& to);
 
 }  // namespace spool

@@ -1,5 +1,6 @@
 // The baselines against their slow twins.
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -118,6 +119,24 @@ TEST(WaveletTransformDifferential, OneLevelAgreesForValuesAndVariances) {
       const Plane expected = reference::forward_level(image, of == TransformOf::kValues ? 1 : 2);
       EXPECT_LT(reference::max_difference(transformed, expected), 1e-13) << width << "x" << height;
     }
+  }
+}
+
+// <T x, y> = <x, T' y>: what the transposed matrix is.
+TEST(WaveletTransformDifferential, TheTransposedOnesAreTransposed) {
+  const Plane a = reference::noise_image(32, 48, 61), b = reference::noise_image(32, 48, 62);
+  const auto product = [](const Plane& x, const Plane& y) {
+    return std::inner_product(x.pixels().begin(), x.pixels().end(), y.pixels().begin(), 0.0);
+  };
+  for (const int levels : {1, 2, 4}) {
+    Plane of_a = a, of_b = b;
+    forward_transform(of_a, levels, TransformOf::kValues);
+    transposed_forward_transform(of_b, levels);
+    EXPECT_NEAR(product(of_a, b), product(a, of_b), 1e-10) << levels;
+    of_a = a, of_b = b;
+    inverse_transform(of_a, levels);
+    transposed_inverse_transform(of_b, levels);
+    EXPECT_NEAR(product(of_a, b), product(a, of_b), 1e-10) << levels;
   }
 }
 

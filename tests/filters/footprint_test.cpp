@@ -71,7 +71,7 @@ TEST(Footprint, WeightsSumToOneAndMakeThePixelForEveryFilterThatTells) {
     const SamplePool pieces = edge_pool({.pieces_per_side = 2});
     expect_pixels_made(filter.name, tell(filter.name, {}, pieces, uneven_selection(pieces)));
   }
-  EXPECT_GE(telling, 5);
+  EXPECT_GE(telling, 8);
 }
 
 TEST(Footprint, OthersTellNothing) {
@@ -92,6 +92,27 @@ TEST(Footprint, FollowsTheOptionsOfDirectional) {
         Settings{{"recon_precision", "float64"}}, Settings{{"clamp", "on"}}}) {
     SCOPED_TRACE(set[0].first + "=" + set[0].second);
     expect_pixels_made("directional", tell("directional", set, pool, selection));
+  }
+}
+
+TEST(Footprint, FollowsTheOptionsOfWelchAndShrinkage) {
+  const SamplePool pool = edge_pool();
+  const Selection selection = uneven_selection(pool);
+  for (const Settings& set : {Settings{{"pooled", "on"}}, Settings{{"kappa", "0"}},
+                              Settings{{"theta", "0"}}, Settings{{"radius", "2"}}}) {
+    SCOPED_TRACE(set[0].first + "=" + set[0].second);
+    expect_pixels_made("welch", tell("welch", set, pool, selection));
+  }
+  for (const Settings& set : {Settings{{"levels", "1"}}, Settings{{"lambda", "0"}},
+                              Settings{{"lambda", "5"}, {"levels", "6"}}}) {
+    SCOPED_TRACE(set[0].first + "=" + set[0].second);
+    expect_pixels_made("wavelet_shrinkage", tell("wavelet_shrinkage", set, pool, selection));
+  }
+  // Nothing is shrunk: the pixel itself.
+  for (const Footprint& footprint :
+       tell("wavelet_shrinkage", {{"lambda", "0"}}, pool, selection).footprints) {
+    for (const auto& [place, tap] : footprint.taps)
+      EXPECT_NEAR(tap.weight, place == std::pair(footprint.y, footprint.x) ? 1.0 : 0.0, 1e-9);
   }
 }
 

@@ -34,6 +34,7 @@ struct ChosenMethod {
 template <class Function>
 std::vector<MethodChoice> choices_of(const std::vector<ChosenMethod<Function>>& chosen) {
   std::vector<MethodChoice> choices;
+  choices.reserve(chosen.size());
   for (const ChosenMethod<Function>& method : chosen)
     choices.push_back(method.choice);
   return choices;

@@ -23,7 +23,7 @@ function footprintFigures(view, found) {
   return area;
 }
 
-// A square for each pixel that took part; the frame is the pixel itself.
+// A square for each pixel that took part, red where its weight is negative; the frame is the pixel itself.
 function footprintCanvas({taps}, largest) {
   const reach = Math.max(2, ...taps.map(([dx, dy]) => Math.max(Math.abs(dx), Math.abs(dy)))), across = 2 * reach + 1;
   const side = Math.max(2, Math.floor(260 / across)), canvas = canvasOf(across * side, across * side);
@@ -31,8 +31,8 @@ function footprintCanvas({taps}, largest) {
   context.fillStyle = '#000';
   context.fillRect(0, 0, canvas.width, canvas.height);
   for (const [dx, dy, weight] of taps) {
-    const c = 3 * Math.round(255 * Math.max(0, weight / largest) ** 0.5);
-    context.fillStyle = `rgb(${table[c]}, ${table[c + 1]}, ${table[c + 2]})`;
+    const share = Math.min(1, Math.abs(weight) / largest) ** 0.5, c = 3 * Math.round(255 * share);
+    context.fillStyle = weight < 0 ? `rgb(${Math.round(255 * share)}, 0, 0)` : `rgb(${table[c]}, ${table[c + 1]}, ${table[c + 2]})`;
     context.fillRect((dx + reach) * side, (dy + reach) * side, side, side);
   }
   context.strokeStyle = '#fff';

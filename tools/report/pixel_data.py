@@ -80,8 +80,8 @@ def footprints_of(program, path, order, places, combination, vocabulary):
 
 
 def _drawn(x, y, footprint):
-    most = max((tap[2] for tap in footprint["taps"]), default=0.0)
-    taps = [[tap[0] - x, tap[1] - y, tap[2]] for tap in footprint["taps"] if tap[2] >= LEAST_WEIGHT * most]
+    most = max((abs(tap[2]) for tap in footprint["taps"]), default=0.0)
+    taps = [[tap[0] - x, tap[1] - y, tap[2]] for tap in footprint["taps"] if abs(tap[2]) >= LEAST_WEIGHT * most]
     return {"taps": taps, "shapes": footprint["shapes"]}
 
 

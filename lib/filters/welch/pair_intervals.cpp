@@ -1,6 +1,7 @@
 #include "lib/filters/welch/pair_intervals.h"
 
 #include <cmath>
+#include <utility>
 
 #include "lib/kernels/denoised_variance.h"
 #include "lib/kernels/scene_luminance.h"
@@ -46,6 +47,22 @@ RgbImage filtered_means(const RgbImage& image, const CountImage& n, const PairTe
       result[c][i] = means.value[c][i];
   }
   return result;
+}
+
+void add_footprints(const RgbImage& image, const PieceStatistics& statistics, const PairTest& test,
+                    const PairFeatures& features, const PairWindow& window,
+                    const FilterContext& context) {
+  if (wanted_pixels(context).empty()) return;
+  const Image<float> count = float_counts(statistics.n);
+  const int q = statistics.pieces_per_side;
+  for (const auto& [x, y] : wanted_pixels(context)) {
+    Footprint footprint{x, y, {}, {}};
+    for (int i = 0; i < q * q; ++i) {
+      add_pair_footprint(image, test, features, count, window, x * q + i % q, y * q + i / q,
+                         1.0 / (q * q), q, footprint);
+    }
+    context.footprints->add(std::move(footprint));
+  }
 }
 
 OptionTable<PairFeatureOptions> pair_feature_option_table() {

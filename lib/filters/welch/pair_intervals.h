@@ -4,6 +4,7 @@
 
 #include "lib/core/guards.h"
 #include "lib/core/option_table.h"
+#include "lib/filters/filter.h"
 #include "lib/kernels/pair_features.h"
 #include "lib/kernels/pair_filter.h"
 #include "lib/statistics/piece_statistics.h"
@@ -28,6 +29,10 @@ double test_unit(const PieceStatistics& statistics);
 RgbImage filtered_means(const RgbImage& image, const CountImage& n, const PairTest& test,
                         const PairFeatures& features, const PairWindow& window,
                         GuardCounts& guards);
+// The weights of these means, in the pixels that `context` asks for.
+void add_footprints(const RgbImage& image, const PieceStatistics& statistics, const PairTest& test,
+                    const PairFeatures& features, const PairWindow& window,
+                    const FilterContext& context);
 
 OptionTable<PairFeatureOptions> pair_feature_option_table();
 OptionTable<PairWindow> pair_window_option_table();

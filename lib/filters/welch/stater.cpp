@@ -88,7 +88,7 @@ OptionTable<StaterOptions> stater_option_table() {
 }
 
 Result<Reconstruction> reconstruct_stater(const Selection& selection, const SamplePool& pool,
-                                          const StaterOptions& options, const FilterContext&) {
+                                          const StaterOptions& options, const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
   const double exposure = analysis_exposure(statistics, result.guards);
@@ -104,6 +104,7 @@ Result<Reconstruction> reconstruct_stater(const Selection& selection, const Samp
   result.image = average_pieces(
       filtered_means(pieces.mean, statistics.n, test, features, options.window, result.guards),
       statistics.pieces_per_side);
+  add_footprints(pieces.mean, statistics, test, features, options.window, context);
   return result;
 }
 
@@ -121,6 +122,7 @@ Filter stater_filter() {
                           .film_positions = options.slope ? Use::kWhenRecorded : Use::kNone};
            },
        .memory = {478, 5e6},
+       .footprints = true,
        .run = reconstruct_stater});
 }
 

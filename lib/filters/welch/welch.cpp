@@ -136,7 +136,8 @@ OptionTable<WelchOptions> welch_option_table() {
 }
 
 Result<Reconstruction> reconstruct_welch(const Selection& selection, const SamplePool& pool,
-                                         const WelchOptions& options, const FilterContext&) {
+                                         const WelchOptions& options,
+                                         const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
   const double exposure = analysis_exposure(statistics, result.guards);
@@ -149,6 +150,7 @@ Result<Reconstruction> reconstruct_welch(const Selection& selection, const Sampl
   RgbImage image =
       filtered_means(pieces.mean, statistics.n, test, features, options.window, result.guards);
   result.image = average_pieces(std::move(image), statistics.pieces_per_side);
+  add_footprints(pieces.mean, statistics, test, features, options.window, context);
   return result;
 }
 
@@ -160,6 +162,7 @@ Filter welch_filter() {
        .presets = welch_presets(),
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
        .memory = {273, 5e6},
+       .footprints = true,
        .run = reconstruct_welch});
 }
 
