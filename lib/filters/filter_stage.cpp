@@ -64,7 +64,7 @@ Result<Reconstruction> run_stage(const FilterFunction& filter, const StageOption
 
 }  // namespace
 
-Filter with_stage_options(Filter filter) {
+Filter with_stage_options(Filter filter, OwnOptions own) {
   const OptionTable<StageOptions> table = table_beside(filter);
   Filter staged = filter;
   staged.describe = [filter, table](std::string_view preset) {
@@ -73,14 +73,14 @@ Filter with_stage_options(Filter filter) {
       all.push_back(std::move(option));
     return all;
   };
-  staged.make = [filter, table](std::string_view preset,
-                                const OptionValues& set) -> Result<ReadyFilter> {
+  staged.make = [filter, table, own](std::string_view preset,
+                                     const OptionValues& set) -> Result<ReadyFilter> {
     const std::vector<std::string> of_the_stage = names_of(table);
     std::vector<std::string> known = names_of(filter.describe(preset));
     known.insert(known.end(), of_the_stage.begin(), of_the_stage.end());
     OptionValues of_stage, of_filter;
     for (const auto& value : set) {
-      if (std::ranges::find(known, value.first) == known.end())
+      if (own == OwnOptions::kDescribed && std::ranges::find(known, value.first) == known.end())
         return fail(ErrorCode::kUsage, "{}", unknown_name("option", value.first, known));
       const bool here = std::ranges::find(of_the_stage, value.first) != of_the_stage.end();
       (here ? of_stage : of_filter).push_back(value);

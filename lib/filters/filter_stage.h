@@ -14,7 +14,12 @@
 
 namespace spool {
 
-// `filter` with those of the options above that it has none of the same name for.
-Filter with_stage_options(Filter filter);
+enum class OwnOptions {
+  kDescribed,      // all; an unknown name is refused here, where the nearest one is known
+  kKnownWhenMade,  // of a filter that somebody else made: it refuses by itself
+};
+
+// `filter` with those of the options above that it describes none of the same name for.
+Filter with_stage_options(Filter filter, OwnOptions own = OwnOptions::kDescribed);
 
 }  // namespace spool

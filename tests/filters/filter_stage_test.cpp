@@ -91,6 +91,17 @@ TEST(FilterStage, OptionOfTheFilterItselfWins) {
   EXPECT_FALSE(own.make("", {{"energy", "box"}}).has_value());
 }
 
+TEST(FilterStage, OptionsThatOnlyTheFilterKnowsReachIt) {
+  Filter secret = box_filter();
+  secret.make = [make = secret.make](std::string_view preset, const OptionValues& set) {
+    return set == OptionValues{{"hidden", "7"}} ? make(preset, {}) : make(preset, set);
+  };
+  EXPECT_FALSE(with_stage_options(secret).make("", {{"hidden", "7"}}).has_value());
+  const Filter open = with_stage_options(secret, OwnOptions::kKnownWhenMade);
+  EXPECT_TRUE(open.make("", {{"hidden", "7"}, {"clamp", "on"}}).has_value());
+  EXPECT_FALSE(open.make("", {{"clamps", "on"}}).has_value());
+}
+
 TEST(FilterStage, WrongValuesAndUnknownOptionsAreRefused) {
   const Filter box = with_stage_options(box_filter());
   EXPECT_FALSE(box.make("", {{"energy", "all"}}).has_value());

@@ -49,4 +49,5 @@ def program(tmp_path):
         done = subprocess.run([PROGRAM, *map(str, words)], cwd=tmp_path, text=True, capture_output=True,
                               timeout=LONGEST_RUN)
         return done.returncode, done.stderr.strip().removeprefix("spool: ")
+    run.folder = tmp_path
     return run

@@ -83,6 +83,34 @@ def test_moments_of_transformed_samples(dump):
     assert "moments" in str(pytest.raises(spool.SpoolError, spool.reconstruct, dump, None, sees_moments, spp=6, moments="9").value)
 
 
+def test_features_have_variances(dump, layers):
+    told = []
+
+    @spool.filter(features=True)
+    def curious(statistics):
+        told.append(statistics)
+        return statistics.mean
+
+    spool.reconstruct(dump, None, curious, spp=8)
+    normals = layers["normal"][:, :, :8].astype("f8")
+    assert np.allclose(told[0].features["normal"], normals.mean(axis=2), rtol=1e-6, atol=1e-7)
+    assert np.allclose(told[0].feature_variances["normal"], normals.var(axis=2, ddof=1) / 8, rtol=1e-5)
+    assert told[0].feature_variances["albedo"].max() < 1e-12  # the same in every sample
+
+
+def test_the_stage_of_every_filter_stands_around_it_too(dump):
+    box = spool.reconstruct(dump, None, "box", spp=6, clamp=True)
+    assert np.array_equal(spool.reconstruct(dump, None, mean_of_samples, spp=6, clamp=True), box)
+    assert not np.array_equal(box, spool.reconstruct(dump, None, "box", spp=6))
+    dim = spool.reconstruct(dump, None, mean_of_samples, spp=6, gain=0.5, energy="box")
+    whole = spool.reconstruct(dump, None, "box", spp=6)
+    assert dim.sum() == pytest.approx(whole.sum(), rel=1e-3)  # half of it without
+    with pytest.raises(spool.SpoolError, match="energy already"):
+        spool.filter(lambda statistics, energy=1.0: statistics.mean, label="takes the name")
+    with pytest.raises(spool.SpoolError, match="option gian: unknown"):
+        spool.reconstruct(dump, None, mean_of_samples, spp=6, gian=2, clamp=True)
+
+
 def test_a_filter(dump):
     box = spool.reconstruct(dump, None, "box", spp=4)
     assert np.array_equal(spool.reconstruct(dump, None, mean_of_samples, spp=4), box)

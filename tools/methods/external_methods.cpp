@@ -223,10 +223,10 @@ const FilterList& known_filters() {
     list.methods.push_back(with_stage_options(method_with_argument(
         "exec", "COMMAND", "your own: a command that makes the image from the statistics",
         exec_option_table(), Needs{}, &make_exec_filter)));
-    // Without the options of a stage: what its own are, only the function knows.
-    list.methods.push_back(
+    list.methods.push_back(with_stage_options(
         method_with_argument("python", "NAME", "your own: a function of a Python program",
-                             called_filter_option_table(), Needs{}, &make_called_filter));
+                             called_filter_option_table(), Needs{}, &make_called_filter),
+        OwnOptions::kKnownWhenMade));
     return list;
   }();
   return all;

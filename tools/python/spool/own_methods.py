@@ -13,6 +13,7 @@ from . import _core
 from .error import SpoolError
 from .recordings import option_text
 
+_OF_THE_STAGE = ("clamp", "energy")  # options that every filter has, handled by the library
 _MADE = {}  # by kind and key: how the library finds the function of a name that stands in a plan
 _LAST = {}  # what a function raised: the library hands on a line of text only
 
@@ -52,6 +53,8 @@ class Method:
         for name, default in self.defaults.items():
             if default is inspect.Parameter.empty or not isinstance(default, (bool, int, float, str)):
                 raise SpoolError("usage", f"{self.label}: option {name} needs a default: a number, a text, True or False")
+            if kind == "filter" and name in _OF_THE_STAGE:
+                raise SpoolError("usage", f"{self.label}: every filter has an option {name} already: name yours otherwise")
         # Results are kept by what made them: another function of the same name is another method.
         self.key = f"{function.__name__}@{hashlib.sha256(_code_of(function).encode()).hexdigest()[:8]}"
         _MADE[kind, self.key] = self
@@ -121,7 +124,10 @@ def sampler(function: Callable | None = None, *, init_spp: int | None = None, ro
 
 def filter(function: Callable | None = None, *, features: bool = False, moments: tuple[float, ...] = (),
            label: str | None = None) -> Method | Callable[[Callable], Method]:
-    """Makes a function a filter: Statistics in, an image [y][x][3] of finite values out."""
+    """Makes a function a filter: Statistics in, an image [y][x][3] of finite values out.
+
+    `features`, `label` and further parameters as of a sampler; `clamp` and `energy` are options of every filter.
+    """
     def make(of):
         return Method(of, "filter", None, 1, features, moments, label)
     return make(function) if function else make
