@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/filters/filters.h"
 #include "lib/image_io/exr_image.h"
@@ -19,7 +20,7 @@ Result<SamplingResult> sample(const Sampler& sampler, const SamplePool& pool) {
   SamplingContext context;
   OptionValues options;
   if (sampler.needs.filter_in_loop) {
-    SPOOL_ASSIGN(const ReadyFilter box, make_method(filters(), {.name = "box"}));
+    SPOOL_ASSIGN(const ReadyFilter box, make_method(filters(), {"box", "", {}}));
     context.filter = loop_filter(box);
     options = {{"filter", "box"}};
   }
@@ -36,7 +37,8 @@ Result<void> every_pair(const char* file, const std::filesystem::path& folder) {
     for (const Filter& filter : filters()) {
       FilterContext context;
       context.reference = reference ? &*reference : nullptr;
-      SPOOL_ASSIGN(const ReadyFilter ready, filter.make("", {}));
+      SPOOL_ASSIGN(ReadyFilter whole, filter.make("", {}));
+      const ReadyFilter ready = average_halves(std::move(whole));
       SPOOL_ASSIGN(const Reconstruction made, ready(taken.selection, pool, context));
       SPOOL_TRY(write_exr(folder / (sampler.name + "." + filter.name + ".exr"),
                           exr_from_rgb(made.image), {}));

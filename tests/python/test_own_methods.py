@@ -95,13 +95,16 @@ def test_features_have_variances(dump, layers):
     normals = layers["normal"][:, :, :8].astype("f8")
     assert np.allclose(told[0].features["normal"], normals.mean(axis=2), rtol=1e-6, atol=1e-7)
     assert np.allclose(told[0].feature_variances["normal"], normals.var(axis=2, ddof=1) / 8, rtol=1e-5)
-    assert told[0].feature_variances["albedo"].max() < 1e-12  # the same in every sample
+    # The same in every sample: what is left is the least variance that a mean has (lib/statistics/variance_of_mean.h).
+    assert (told[0].feature_variances["albedo"] <= 1.001 * (1e-6 * told[0].features["albedo"] + 1e-9) ** 2).all()
 
 
-def test_the_stage_of_every_filter_stands_around_it_too(dump):
-    box = spool.reconstruct(dump, None, "box", spp=6, clamp=True)
-    assert np.array_equal(spool.reconstruct(dump, None, mean_of_samples, spp=6, clamp=True), box)
-    assert not np.array_equal(box, spool.reconstruct(dump, None, "box", spp=6))
+def test_the_stage_of_every_filter_stands_around_it_too(dump, layers):
+    layers["radiance"][7, 7, 2] = 500.0
+    bright = spool.recording(layers["radiance"])
+    box = spool.reconstruct(bright, None, "box", spp=6, clamp=True)
+    assert np.array_equal(spool.reconstruct(bright, None, mean_of_samples, spp=6, clamp=True), box)
+    assert box[7, 7, 0] < 0.5 * spool.reconstruct(bright, None, "box", spp=6)[7, 7, 0]
     dim = spool.reconstruct(dump, None, mean_of_samples, spp=6, gain=0.5, energy="box")
     whole = spool.reconstruct(dump, None, "box", spp=6)
     assert dim.sum() == pytest.approx(whole.sum(), rel=1e-3)  # half of it without

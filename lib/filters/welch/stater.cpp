@@ -88,7 +88,8 @@ OptionTable<StaterOptions> stater_option_table() {
 }
 
 Result<Reconstruction> reconstruct_stater(const Selection& selection, const SamplePool& pool,
-                                          const StaterOptions& options, const FilterContext& context) {
+                                          const StaterOptions& options,
+                                          const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
   const double exposure = analysis_exposure(statistics, result.guards);
