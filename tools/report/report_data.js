@@ -55,8 +55,8 @@ const isDark = () => darkQuery.matches;
 
 // Colours of samplers, told apart on the page's light and dark grounds and by colour-blind readers.
 const palettes = {
-  light: ['#0072b2', '#d55e00', '#00805c', '#aa3377', '#8a6d00', '#3d9bd1', '#7f3fbf', '#666666'],
-  dark: ['#4da3e0', '#ff8a4c', '#2fc79b', '#e277b0', '#e0b84c', '#9ad4f5', '#b794f4', '#bbbbbb'],
+  light: ['#0072b2', '#d55e00', '#00805c', '#aa3377', '#44aa99', '#332288', '#5c3d00', '#222222'],
+  dark: ['#4da3e0', '#ff8a4c', '#2fc79b', '#f7e3a1', '#7d6bd6', '#9ad4f5', '#fff176', '#eeeeee'],
 };
 const samplerColour = (sampler) => {
   const palette = isDark() ? palettes.dark : palettes.light;
