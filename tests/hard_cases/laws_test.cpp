@@ -109,10 +109,11 @@ double distance(const Reconstruction& was, const Moved& moved, const Reconstruct
   return largest;
 }
 
-// Directions are computed and features compared in float, the rest in double; twin_guides is float
-// throughout, with a fit of ten coefficients.
+// Directions are computed, features compared and patches summed in float (decision 110), the rest
+// in double; twin_guides is float throughout, with a fit of ten coefficients.
 double tolerance_of(const NamedFilter& filter, const Moved& moved) {
-  const bool in_float = filter.name == "directional" || filter.name == "cross_bilateral";
+  const bool in_float =
+      filter.name == "directional" || filter.name == "cross_bilateral" || filter.name == "nl_means";
   const bool all_in_float = filter.name == "twin_guides";
   return (all_in_float ? 1e5 : in_float ? 1e3 : 1.0) * moved.tolerance;
 }
