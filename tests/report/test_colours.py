@@ -13,6 +13,7 @@ import pytest
 REPORT = Path(__file__).resolve().parents[2] / "tools" / "report"
 sys.path.insert(0, str(REPORT))
 import draw_curves  # noqa: E402
+import figure_comparison  # noqa: E402
 
 XYZ = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]])
 LMS = np.array([[17.8824, 43.5161, 4.11935], [3.45565, 27.1554, 3.86714], [0.0299566, 0.184309, 1.46709]])
@@ -51,6 +52,11 @@ def test_lines_of_a_figure_differ_without_any_colour():
     assert len(draw_curves.COLOURS) == len(draw_curves.MARKERS) == len(draw_curves.DASHES) == 8
     assert len(set(draw_curves.MARKERS)) == len(set(map(str, draw_curves.DASHES))) == 8
     assert max(map(lightness, draw_curves.COLOURS)) < 75  # none is lost on paper, of lightness 100
+
+
+def test_frames_of_insets_differ_without_any_colour():
+    (first, dash), (second, other_dash) = figure_comparison.FRAMES
+    assert abs(lightness(first) - lightness(second)) > 20 and dash != other_dash
 
 
 @pytest.mark.parametrize("ramp", ["inferno", "viridis", "magma"])

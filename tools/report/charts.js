@@ -1,7 +1,8 @@
 // Error against time and error against budget of one recording, both axes logarithmic.
-// Colour = sampler, symbol and dash = filter.
+// Colour, and a full, open or dotted symbol = sampler; symbol and dash = filter. So lines differ in grey print, too.
 const symbols = ['circle', 'square', 'diamond', 'cross', 'x', 'triangle-up', 'triangle-down', 'star',
   'pentagon', 'hexagon2', 'hourglass', 'bowtie'];
+const fillings = ['', '-open', '-dot', '-open-dot'];
 const dashes = ['solid', 'dash', 'dot', 'dashdot', 'longdash', 'longdashdot'];
 
 // Plotly reads a subset of HTML in its labels.
@@ -81,7 +82,7 @@ function traces(combinations, {x, dodge, metric}) {
       x: xs.map((p) => p.mean * aside), customdata: xs.map((p) => p.mean), y: ys.map((p) => p.mean),
       error_y: errorBar(ys, colour), error_x: errorBar(xs, colour),
       text: group.map(hoverText), hovertemplate: '%{text}<extra></extra>',
-      marker: {color: colour, symbol: symbols[filter % symbols.length], size: 9},
+      marker: {color: colour, symbol: symbols[filter % symbols.length] + fillings[sampler % fillings.length], size: 9},
       line: {color: colour, width: 1.2, dash: dashes[filter % dashes.length]},
     };
   });
@@ -144,7 +145,7 @@ function startCharts(area) {
     const drawable = known.filter((c) => isPositive(interval(c, shown.metric).mean));
     const timed = drawable.filter((c) => isPositive(interval(c, 'seconds_total').mean));
     const hidden = known.length - drawable.length;
-    note.textContent = 'Bars are 95 % intervals; colour is the sampler, symbol and dash the filter. ' +
+    note.textContent = 'Bars are 95 % intervals; colour and filling are the sampler, symbol and dash the filter. ' +
       'Points of a line are budgets; lines stand a little aside where their bars would meet.' + (shown.dump < report.dumps.length ? '' :
         ' Geometric means over the recordings, which are taken as given.') + (hidden === 0 ? '' :
         ` Not drawn, for they have no value above zero: ${hidden} of ${known.length}.`);
@@ -181,7 +182,11 @@ function filterControls(withDump) {
   };
   const swatch = (i) => {
     const node = element('span', {class: 'swatch', 'aria-hidden': 'true'});
-    const paint = () => { node.style.background = samplerColour(i); };
+    const open = fillings[i % fillings.length].startsWith('-open');
+    const paint = () => {
+      node.style.background = open ? 'none' : samplerColour(i);
+      node.style.boxShadow = `inset 0 0 0 2px ${samplerColour(i)}`;
+    };
     darkQuery.addEventListener('change', paint);
     paint();
     return node;

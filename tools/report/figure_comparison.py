@@ -11,7 +11,7 @@ from exr_image import read_exr, rgb, single
 from inset_windows import choose_windows
 from result_images import tone_mapped
 
-FRAMES = ("#e69f00", "#56b4e9")
+FRAMES = (("#e69f00", "-"), ("#0072b2", "--"))  # colour and dash: told apart in grey, too
 
 
 def draw_comparison(panels, reference_path, exposure, output):
@@ -39,19 +39,19 @@ def draw_comparison(panels, reference_path, exposure, output):
         axes = place(0.0, top, shown * width / height, shown)
         axes.imshow(tone_mapped(reference, exposure), interpolation="nearest")
         axes.set_title("reference" if reference_path else literal(panels[-1][0]))
-        for window, colour in zip(windows, FRAMES):
+        for window, (colour, dash) in zip(windows, FRAMES):
             axes.add_patch(Rectangle((window.x - 0.5, window.y - 0.5), window.width, window.height, fill=False,
-                                     edgecolor=colour, linewidth=1.4))
+                                     edgecolor=colour, linestyle=dash, linewidth=1.4))
         images = list(zip([panel[0] for panel in panels], estimates))
         if reference_path:
             images.append(("reference", reference))
         left = big + 0.15 * cell
         for column, (name, image) in enumerate(images):
-            for row, (window, colour) in enumerate(zip(windows, FRAMES)):
+            for row, (window, (colour, dash)) in enumerate(zip(windows, FRAMES)):
                 axes = place(left + column * cell, top + row * cell, 0.96 * cell, 0.96 * cell)
                 axes.imshow(tone_mapped(window.of(image), exposure), interpolation="nearest")
                 for spine in axes.spines.values():
-                    spine.set(edgecolor=colour, linewidth=1.4)
+                    spine.set(edgecolor=colour, linestyle=dash, linewidth=1.4)
                 if row == 0:
                     axes.set_title(_broken(name), fontsize=6.5)
         mean = float(np.mean(reference[np.isfinite(reference)]))
