@@ -45,11 +45,9 @@ inline constexpr std::array kFilterExceptions = {
     LawException{Law::kConstant, "stater mcl", "tests fourth roots, too"},
     LawException{Law::kConstant, "stater mc", "tests fourth roots, too"},
     LawException{Law::kConstant, "stater m", "tests fourth roots, too"},
-    LawException{Law::kConstant, "nl_means robust",
+    LawException{Law::kConstant, "nl_means paper",
                  "distances are divided by the variance of few samples plus an epsilon of the "
                  "exposed image"},
-    LawException{Law::kConstant, "nl_means paper", "the epsilon, as above"},
-    LawException{Law::kChannels, "nl_means robust", "the epsilon, as above"},
     LawException{Law::kChannels, "nl_means paper", "the epsilon, as above"},
     LawException{Law::kConstant, "cross_bilateral cross_nl_means",
                  "tolerances of patches are in units of the exposed image"},
