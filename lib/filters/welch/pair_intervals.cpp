@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lib/kernels/denoised_variance.h"
+#include "lib/kernels/piece_estimates.h"
 #include "lib/kernels/scene_luminance.h"
 
 namespace spool {
@@ -12,28 +13,7 @@ namespace {
 // Intervals are a little wider than the test says, so that equal pixels without variance pass.
 constexpr double kWiderBy = 1e-6, kLeastHalf2 = 1e-12;
 
-}  // namespace
-
-void add_test(PairTest& test, const RgbImage& mean, const RgbImage& variance, const Plane& samples,
-              const IntervalRule& rule, const StudentTable& student) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    Image<float> half2(samples.width(), samples.height());
-    for (std::size_t i = 0; i < half2.size(); ++i) {
-      const double n = samples[i];
-      const double t = student(rule.centre_alone ? n - 1.0 : 2.0 * n - 2.0);
-      half2[i] =
-          static_cast<float>(rule.theta * t * t * variance[c][i] * (1.0 + kWiderBy) + kLeastHalf2);
-    }
-    test.mean.push_back(to_float(mean[c]));
-    test.half2.push_back(std::move(half2));
-  }
-}
-
-double test_unit(const PieceStatistics& statistics) {
-  GuardCounts counted_by_the_caller;
-  return std::ldexp(1.0, -std::ilogb(scene_luminance(statistics, counted_by_the_caller)));
-}
-
+// Where no neighbour of an empty piece serves, its value stays.
 RgbImage filtered_means(const RgbImage& image, const CountImage& n, const PairTest& test,
                         const PairFeatures& features, const PairWindow& window,
                         GuardCounts& guards) {
@@ -63,6 +43,46 @@ void add_footprints(const RgbImage& image, const PieceStatistics& statistics, co
     }
     context.footprints->add(std::move(footprint));
   }
+}
+
+}  // namespace
+
+void add_test(PairTest& test, const RgbImage& mean, const RgbImage& variance, const Plane& samples,
+              const IntervalRule& rule, const StudentTable& student) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    Image<float> half2(samples.width(), samples.height());
+    for (std::size_t i = 0; i < half2.size(); ++i) {
+      const double n = samples[i];
+      const double t = student(rule.centre_alone ? n - 1.0 : 2.0 * n - 2.0);
+      half2[i] =
+          static_cast<float>(rule.theta * t * t * variance[c][i] * (1.0 + kWiderBy) + kLeastHalf2);
+    }
+    test.mean.push_back(to_float(mean[c]));
+    test.half2.push_back(std::move(half2));
+  }
+}
+
+double test_unit(const PieceStatistics& statistics) {
+  GuardCounts counted_by_the_caller;
+  return std::ldexp(1.0, -std::ilogb(scene_luminance(statistics, counted_by_the_caller)));
+}
+
+Result<Reconstruction> reconstruct_by_test(
+    const Selection& selection, const SamplePool& pool, const PairFeatureOptions& of_features,
+    const PairWindow& window, const FilterContext& context,
+    const std::function<PairTest(const PairFeatures&)>& test_of) {
+  const PieceStatistics& statistics = selection.statistics;
+  Reconstruction result;
+  const double exposure = analysis_exposure(statistics, result.guards);
+  SPOOL_ASSIGN(const PieceEstimates pieces,
+               estimate_pieces(statistics, {}, exposure, result.guards));
+  SPOOL_ASSIGN(const PairFeatures features,
+               pair_features(pool, statistics.n, of_features, result.guards));
+  const PairTest test = test_of(features);
+  RgbImage image = filtered_means(pieces.mean, statistics.n, test, features, window, result.guards);
+  result.image = average_pieces(std::move(image), statistics.pieces_per_side);
+  add_footprints(pieces.mean, statistics, test, features, window, context);
+  return result;
 }
 
 OptionTable<PairFeatureOptions> pair_feature_option_table() {

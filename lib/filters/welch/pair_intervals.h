@@ -2,7 +2,8 @@
 // serve, and the options of both.
 #pragma once
 
-#include "lib/core/guards.h"
+#include <functional>
+
 #include "lib/core/option_table.h"
 #include "lib/filters/filter.h"
 #include "lib/kernels/pair_features.h"
@@ -24,15 +25,13 @@ void add_test(PairTest& test, const RgbImage& mean, const RgbImage& variance, co
 // A power of two that brings radiance near 1, where roots differ from logarithms.
 double test_unit(const PieceStatistics& statistics);
 
-// Means of `image` over the neighbours that serve, weighted by their counts; where none serves an
-// empty piece its value stays.
-RgbImage filtered_means(const RgbImage& image, const CountImage& n, const PairTest& test,
-                        const PairFeatures& features, const PairWindow& window,
-                        GuardCounts& guards);
-// The weights of these means, in the pixels that `context` asks for.
-void add_footprints(const RgbImage& image, const PieceStatistics& statistics, const PairTest& test,
-                    const PairFeatures& features, const PairWindow& window,
-                    const FilterContext& context);
+// The filter around a test: means over the neighbours that serve, weighted by their counts, and the
+// weights in the pixels that `context` asks for. Where none serves an empty piece keeps the value
+// that its neighbours gave it. Errors: those of features.
+Result<Reconstruction> reconstruct_by_test(
+    const Selection& selection, const SamplePool& pool, const PairFeatureOptions& of_features,
+    const PairWindow& window, const FilterContext& context,
+    const std::function<PairTest(const PairFeatures&)>& test_of);
 
 OptionTable<PairFeatureOptions> pair_feature_option_table();
 OptionTable<PairWindow> pair_window_option_table();

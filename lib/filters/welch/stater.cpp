@@ -5,7 +5,6 @@
 
 #include "lib/filters/welch/pair_intervals.h"
 #include "lib/kernels/denoised_variance.h"
-#include "lib/kernels/piece_estimates.h"
 #include "lib/statistics/student_table.h"
 #include "lib/statistics/transformed_moments.h"
 
@@ -90,22 +89,15 @@ OptionTable<StaterOptions> stater_option_table() {
 Result<Reconstruction> reconstruct_stater(const Selection& selection, const SamplePool& pool,
                                           const StaterOptions& options,
                                           const FilterContext& context) {
-  const PieceStatistics& statistics = selection.statistics;
-  Reconstruction result;
-  const double exposure = analysis_exposure(statistics, result.guards);
-  SPOOL_ASSIGN(const PieceEstimates pieces,
-               estimate_pieces(statistics, {}, exposure, result.guards));
-  SPOOL_ASSIGN(const PairFeatures features,
-               pair_features(pool, statistics.n, options.features, result.guards));
-  if (options.slope && !pool.recording().has_film()) {
-    result.notes.emplace_back(
+  const auto test_of = [&](const PairFeatures& features) {
+    return pair_test(selection.statistics, pool, features, options);
+  };
+  Result<Reconstruction> result =
+      reconstruct_by_test(selection, pool, options.features, options.window, context, test_of);
+  if (result && options.slope && !pool.recording().has_film()) {
+    result->notes.emplace_back(
         "stater: film positions were not recorded, so variances keep what a slope adds to them");
   }
-  const PairTest test = pair_test(statistics, pool, features, options);
-  result.image = average_pieces(
-      filtered_means(pieces.mean, statistics.n, test, features, options.window, result.guards),
-      statistics.pieces_per_side);
-  add_footprints(pieces.mean, statistics, test, features, options.window, context);
   return result;
 }
 

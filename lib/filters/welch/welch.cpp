@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "lib/filters/welch/pair_intervals.h"
-#include "lib/kernels/piece_estimates.h"
 #include "lib/statistics/student_table.h"
 #include "lib/statistics/transformed_moments.h"
 #include "lib/statistics/variance_of_mean.h"
@@ -138,20 +137,10 @@ OptionTable<WelchOptions> welch_option_table() {
 Result<Reconstruction> reconstruct_welch(const Selection& selection, const SamplePool& pool,
                                          const WelchOptions& options,
                                          const FilterContext& context) {
-  const PieceStatistics& statistics = selection.statistics;
-  Reconstruction result;
-  const double exposure = analysis_exposure(statistics, result.guards);
-  SPOOL_ASSIGN(const PieceEstimates pieces,
-               estimate_pieces(statistics, {}, exposure, result.guards));
-  SPOOL_ASSIGN(const PairFeatures features,
-               pair_features(pool, statistics.n, options.features, result.guards));
-  const double unit = test_unit(statistics);
-  const PairTest test = pair_test(selection, pool, features, unit, options);
-  RgbImage image =
-      filtered_means(pieces.mean, statistics.n, test, features, options.window, result.guards);
-  result.image = average_pieces(std::move(image), statistics.pieces_per_side);
-  add_footprints(pieces.mean, statistics, test, features, options.window, context);
-  return result;
+  const auto test_of = [&](const PairFeatures& features) {
+    return pair_test(selection, pool, features, test_unit(selection.statistics), options);
+  };
+  return reconstruct_by_test(selection, pool, options.features, options.window, context, test_of);
 }
 
 Filter welch_filter() {
