@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <mutex>
 #include <utility>
 
 #include "lib/core/parallel.h"
@@ -87,12 +88,21 @@ Cells cell_means(const PieceStatistics& statistics, const SamplePool& pool, int 
   return cells;
 }
 
+// The same, one band at a time where samples are read block by block: bands of several threads
+// would put each other's blocks out of memory, and each would be read many times.
+Cells cell_means_in_turn(const PieceStatistics& statistics, const SamplePool& pool, int first,
+                         int last, std::mutex& reading) {
+  std::unique_lock turn(reading, std::defer_lock);
+  if (!pool.recording().blocks().in_place()) turn.lock();
+  return cell_means(statistics, pool, first, last);
+}
+
 // All stages for the rows [y0, y1) of pixels. The row above and the one below, whose windows are
 // not whole, hold all cells that these rows reach.
 void filter_band(const PieceStatistics& statistics, const SamplePool& pool, int y0, int y1,
-                 RgbImage& image, CountImage& defined) {
+                 std::mutex& reading, RgbImage& image, CountImage& defined) {
   const int first = std::max(0, y0 - 1), last = std::min(y1 + 1, image[0].height());
-  Cells cells = cell_means(statistics, pool, first, last);
+  Cells cells = cell_means_in_turn(statistics, pool, first, last, reading);
   apply_stage(cells, -1, 0);
   apply_stage(cells, -1, 2);
   for (int y = y0; y < y1; ++y) {
@@ -129,10 +139,11 @@ Result<Reconstruction> reconstruct_multistage(const Selection& selection, const 
   const int height = result.image[0].height();
   CountImage defined(result.image[0].width(), height);
   const int bands = (height + kBandRows - 1) / kBandRows;
+  std::mutex reading;
   parallel_for(static_cast<std::size_t>(bands), [&](std::size_t band) {
     const int y0 = static_cast<int>(band) * kBandRows;
-    filter_band(selection.statistics, pool, y0, std::min(y0 + kBandRows, height), result.image,
-                defined);
+    filter_band(selection.statistics, pool, y0, std::min(y0 + kBandRows, height), reading,
+                result.image, defined);
   });
   for (Plane& image : result.image) {
     GuardCounts counted_by_box;
