@@ -82,8 +82,19 @@ def show(pools, folder, scenes):
     print("to do: %s of CPU" % duration(sum(seconds_of(pool) for pool in pools.values() if state(pool, folder) != "here")))
 
 
+def need_reader():
+    """What a finished recording is compared with its pin by: said before hours of rendering, not after."""
+    try:
+        import spool  # noqa: F401
+        import zstandard  # noqa: F401
+    except ImportError as error:
+        raise io_failure("%s has no %s, which compares a recording with what is pinned: apt-get install python3-numpy "
+                         "python3-zstandard and run /usr/bin/python3 dumps/pools.py" % (sys.executable, error.name))
+
+
 def record(chosen, folder, scenes):
     """Names of the pools that failed."""
+    need_reader()
     os.makedirs(folder, exist_ok=True)
     lock = open(os.path.join(folder, ".lock"), "w")
     try:

@@ -181,3 +181,11 @@ def test_time_left_follows_the_pace(monkeypatch):
     pool = {"samples": 256, "reference": 4096}
     assert pool_run.share_done(pool, "pool", 1, 2) == pytest.approx(128 / 4352)
     assert pool_run.share_done(pool, "reference", 1, 2) == pytest.approx((256 + 2048) / 4352)
+
+
+def test_a_python_without_numpy_is_refused_before_anything_is_rendered(place):
+    finished = subprocess.run([sys.executable, "-S", "-E", POOLS, "--pools", str(place / "pools.toml"), "--record", "one"],
+                              capture_output=True, text=True, env={**os.environ, "SPOOL_RECORDINGS": str(place / "recordings")})
+    assert finished.returncode == 3, finished.stderr
+    assert "numpy" in finished.stderr and "apt-get install" in finished.stderr and "Traceback" not in finished.stderr
+    assert not (place / "recordings").exists()
