@@ -38,10 +38,11 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 PYTHON (default /usr/bin/python3), one for all from 3.12 on
   addon [FILE]                  make the Blender add-on as one file to install
   bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
-  experiments [ID...] [--more] [--full]
-                                run the standard plans (tools/plans) and write docs/experiments.md from their results;
-                                --full: on the recordings of full size that are there, docs/experiments_full.md;
+  experiments [ID...] [--more]  run the standard plans (tools/plans) and write docs/experiments.md from their results;
                                 what is done is not done again (half an hour of two cores in all)
+  experiments --full [ID...] [--recording NAME]
+                                on the recordings of full size that are here, added to what other machines measured, and
+                                docs/experiments_full.md from all of it; --write-only: the page alone
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
                                 and write docs/tuning.md; what is done is not done again (five minutes of CPU time)
   hard [CTEST ARGS]             the hard cases whole: every pair of methods, full sizes, many replicates

@@ -1,6 +1,7 @@
 """A1 to A12: one part of the method at a time."""
 from chapter import Chapter
 from inference import ratio_of
+from results import canonical
 from tables import curves, finding, pool_title, table, with_interval
 
 M = "multiscale"
@@ -10,12 +11,21 @@ def o(name, text):
     return f"{name}{{{text}}}"
 
 
+def as_printed(method):
+    """The same options in the preset `paper`."""
+    name, brace, text = method.partition("{")
+    return f"{name}:paper{brace}{text}"
+
+
 def sampling(variants, statements, column="mse"):
-    """Tables of sampler variants, raw and filtered, and whether the statements came out."""
+    """Tables of sampler variants, raw and filtered, and whether the statements came out; of the preset `paper` where it was run."""
     def body(m):
         r = m.results
-        blocks = [curves(r, pool, column, methods=[(v, f) for f in r.filters for v in variants]) for pool in r.pools]
+        more = [s for s in r.samplers if s != "uniform" and s not in map(canonical, variants)]
+        blocks = [curves(r, pool, column, methods=[(v, f) for f in r.filters for v in (*variants, *more)]) for pool in r.pools]
         said = [finding(f"{text}, {f}", r, (a, f), (b, f)) for text, a, b in statements for f in r.filters]
+        said += [finding(f"preset paper: {text.replace('the default reading', 'fractional')}, {f}", r, (as_printed(a), f), (as_printed(b), f))
+                 for text, a, b in statements for f in r.filters if canonical(as_printed(a)) in more and canonical(as_printed(b)) in more]
         return [*blocks, "\n".join(said)]
     return body
 

@@ -12,7 +12,7 @@ BUDGET_HEADER = "at samples per pixel"
 # Okabe and Ito's colours, told apart by colour-blind readers, and their markers for grey print.
 STYLES = list(zip(["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#b0a000"], "osD^vP*"))
 INK = "#7f7f7f"
-PANELS, HIGHLIGHTED = 6, 7
+PANELS, HIGHLIGHTED = 12, 7
 
 plt.rcParams.update({
     "svg.hashsalt": "spool", "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9, "text.color": INK,

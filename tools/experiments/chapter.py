@@ -14,6 +14,10 @@ class Chapter:
     apart: str = ""        # what cannot be replayed on our pools, and why
     optional: tuple = ()   # further plans, shown when they were run
     stand_in: str = ""     # a plan with the same methods, whose results are shown while its own were not made
+    apart_at_full: str | None = None  # instead of `apart` on recordings of full size
+
+    def apart_full(self):
+        return self.apart if self.apart_at_full is None else self.apart_at_full
 
 
 @dataclass
@@ -22,3 +26,4 @@ class Material:
     results: object        # Results of its plans
     density: dict          # {(pool, sampler, spp): {measure: [one per replicate]}}
     by_plan: dict          # {plan: Results}
+    every_cell: str = ""   # where every figure is to be found

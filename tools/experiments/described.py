@@ -2,17 +2,20 @@
 import json
 import re
 
+import measured
+
 MARK = "[R] marks re-implementations by description, not from the primary text: indicative only."
 
 
-def described(folders):
-    """Names of such methods in the manifests of the folders."""
-    names = set()
-    for folder in folders:
-        manifest = json.loads((folder / "manifest.json").read_text())
-        for kind in ("samplers", "filters"):
-            names |= {m["name"] for m in manifest["plan"][kind] if m.get("by_description")}
-    return names
+def in_folder(folder):
+    """Names of such methods in the manifest of a folder of `spool evaluate`."""
+    plan = json.loads((folder / "manifest.json").read_text())["plan"]
+    return {m["name"] for kind in ("samplers", "filters") for m in plan[kind] if m.get("by_description")}
+
+
+def described(sources):
+    """Names of such methods in folders, or files of measured.py."""
+    return set().union(*(in_folder(s) if s.is_dir() else measured.read_head(s)["described"] for s in sources))
 
 
 def marked(blocks, names):

@@ -41,23 +41,37 @@ def shown(image, exposure):
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
+def settings_of(kind, method):
+    """(name with preset, --set arguments) of a method with options: name{a=1,b=2}."""
+    name, _, options = method.partition("{")
+    pairs = [part for part in options.removesuffix("}").split(",") if part]
+    return name, [word for pair in pairs for word in ("--set", f"{kind}.{pair}")]
+
+
 class Runs:
     """The program's files in a folder."""
 
-    def __init__(self, program, recording, folder):
-        self.program, self.recording, self.folder = program, recording, folder
+    def __init__(self, program, recording, folder, spp=SPP):
+        self.program, self.recording, self.folder, self.spp, self.made = program, recording, folder, str(spp), 0
 
     def spool(self, *arguments):
         return subprocess.run([self.program, *arguments], check=True, capture_output=True, text=True).stdout
 
-    def replay(self, sampler):
-        target = self.folder / f"{sampler}.exr"
-        self.spool("replay", self.recording, "--sampler", sampler, "--spp", SPP, "--order", "shuffled", "-o", target, "-q")
+    def target(self, kind):
+        self.made += 1
+        return self.folder / f"{kind}_{self.made}.exr"
+
+    def replay(self, sampler, *more):
+        """Replicate 0 of the program's orders: the counts, and views that `more` asks for."""
+        name, settings = settings_of("sampler", sampler)
+        target = self.target("counts")
+        self.spool("replay", self.recording, "--sampler", name, *settings, "--spp", self.spp, "--order", "shuffled", "-o", target, "-q", *more)
         return target
 
-    def image(self, counts, name, *more):
-        target = self.folder / f"{counts.stem}_{name}.exr"
-        self.spool("reconstruct", self.recording, "--selection", counts, "--filter", name, "-o", target, "-q", *more)
+    def image(self, counts, filter_name, *more):
+        name, settings = settings_of("filter", filter_name)
+        target = self.target("image")
+        self.spool("reconstruct", self.recording, "--selection", counts, "--filter", name, *settings, "-o", target, "-q", *more)
         return target
 
 

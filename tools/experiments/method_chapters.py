@@ -1,6 +1,8 @@
 """Every sampler with every filter, and the comparison with the figures of independent prototypes."""
+import math
+
 from chapter import Chapter
-from inference import mean_of
+from inference import mean_of, ratio_of
 from tables import curves, finding, number, pool_title, table, with_interval
 
 BASE = ("uniform", "box")
@@ -15,15 +17,29 @@ def matrix(r, cell, corner):
     return table([corner, *r.filters], [[s, *(cell(s, f) for f in r.filters)] for s in r.samplers])
 
 
+def over_recordings(r, column, method, spp):
+    """Ratio to uniform + box, geometric mean over the recordings, of each plan's folder; of recordings measured one by one the
+    mean of their logarithms is taken replicate by replicate."""
+    found = r.overall(column, *method, spp)
+    if found or len(r.pools) < 2:
+        return found
+    series = [(r.values(column, p, *method, spp), r.values(column, p, *BASE, spp)) for p in r.pools]
+    if not all(a and len(a) == len(b) and min(*a, *b) > 0 for a, b in series):
+        return []
+    def middle(i):
+        return [math.exp(sum(map(math.log, values)) / len(values)) for values in zip(*(pair[i] for pair in series))]
+    return [ratio_of(middle(0), middle(1))]
+
+
 def overview(m):
     r = m.results
     blocks = []
     for spp in r.budgets:
         def over_pools(s, f):
-            found = r.overall("relmse", s, f, spp)  # noqa: B023
+            found = over_recordings(r, "relmse", (s, f), spp)  # noqa: B023
             return "; ".join(map(with_interval, found)) if found else "–"
         blocks.append(f"relMSE relative to uniform with box at {spp:g} samples per pixel, geometric mean over the pools"
-                      f"{' of each plan' if len(r.folders) > 1 else ''}:\n\n"
+                      f"{' of each plan' if len(r.overall('relmse', *BASE, spp)) > 1 else ''}:\n\n"
                       + matrix(r, over_pools, "sampler \\ filter"))
     rows = []
     for pool in r.pools:
@@ -47,14 +63,12 @@ def overview(m):
         times.append([s, "", milliseconds(r.values("cpu_sampling", p, s, "box", 8) for p in r.pools)])
     for f in r.filters:
         times.append(["", f, milliseconds(r.values("cpu_filtering", p, "uniform", f, 8) for p in r.pools)])
-    blocks += ["\n".join(said), "CPU time at 8 samples per pixel, 64 x 64 pixels, mean over the pools (samplers without a "
+    blocks += ["\n".join(said), "CPU time at 8 samples per pixel, mean over the pools (samplers without a "
                "filter in the loop):\n\n" + table(["sampler", "filter", "CPU"], times)]
     if r.failed:
         blocks.append("Refused: " + "; ".join(sorted({f"`{k[1]}` with `{k[2]}` ({e.split(':')[-1].strip()})"
                                                       for k, e in r.failed.items()})) + ".")
-    blocks.append("Every cell with its standard error, as MSE, relMSE and energy ratio at each budget, and time: "
-                  "[experiments_methods.md](experiments_methods.md).")
-    return blocks
+    return [*blocks, m.every_cell]
 
 
 def all_cells(r):

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 # A table of that many rows or fewer can be read where it stands.
 SHORT = 8
+STATEMENTS = "| statement |"  # a table of verdicts stays on the page however long it is
 INTERVAL = re.compile(r"(.*?) \[([^,\]]+), ([^\]]+)\]$")
 
 
@@ -91,7 +92,8 @@ class Chapter:
 
     def take(self, block):
         """Keeps prose and short tables; long tables leave their place to the links."""
-        if not is_table(block) or block.count("\n") - 1 <= SHORT and "at samples per pixel" not in block:
+        short = block.count("\n") - 1 <= SHORT and "at samples per pixel" not in block
+        if not is_table(block) or short or block.startswith(STATEMENTS):
             self.blocks.append(block)
             return
         caption = ""

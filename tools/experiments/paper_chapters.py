@@ -60,7 +60,8 @@ def filters_over_budget(m):
                          (options(MULTISCALE + preset, f"filter={name}"), "box"), budgets=budgets)
                  for name in ("haar", "9-7", "db3")]
         said.append(finding(f"{shown}: 5-3 is below uniform sampling in MSE", r, five, ("uniform", "box"), budgets=budgets))
-    return [*(curves(r, pool) for pool in r.pools), "\n".join(said)]
+    halved = any(r.values("mse_fresh", pool, *five, 8) for pool in r.pools)
+    return [*(curves(r, pool) for pool in r.pools), *([fresh(r, 8)] if halved else []), "\n".join(said)]
 
 
 def samplers_over_budget(m):
@@ -88,13 +89,13 @@ def fresh(r, budget):
         for sampler in r.samplers:
             cell = (pool, sampler, "box", budget)
             rows.append([pool_title(pool), sampler,
-                         *(mean_text(r.values(c, *cell)) for c in ("mse", "mse_fresh", "mse_bias2", "relmse", "relmse_fresh",
-                                                                   "energy_ratio", "energy_fresh"))])
+                         *(mean_text(r.values(c, *cell)) for c in ("mse", "mse_fresh", "mse_bias2", "mse_variance", "relmse",
+                                                                   "relmse_fresh", "energy_ratio", "energy_fresh"))])
     return (f"Counts decided on one half of each pixel's samples and applied to the other, at {budget} samples per pixel, no "
             "filter. Where the fresh error is above the own one, the gain was light that was lost, not a better distribution. "
             "The oracles `neyman` are bounds for the fresh errors, each for its own; an adaptive sampler's own error can lie "
             "below them, because part of it is bias:\n\n"
-            + table(["pool", "sampler", "MSE", "MSE, fresh", "bias²", "relMSE", "relMSE, fresh", "energy", "energy, fresh"], rows))
+            + table(["pool", "sampler", "MSE", "MSE, fresh", "bias²", "variance", "relMSE", "relMSE, fresh", "energy", "energy, fresh"], rows))
 
 
 def directions(m):
@@ -110,18 +111,27 @@ def directions(m):
 
 
 def density(m):
-    rows = []
-    for (pool, sampler, _), found in m.density.items():
-        rows.append([sampler, *(mean_text(found.get(c, [])) for c in ("correlation", "block_index", "near_edges"))])
-    blocks = next(iter(m.density.values()))["edge_area"][0]
-    wavelet = {k[1]: v for k, v in m.density.items()}
-    index = mean_of(wavelet["adaptive_wavelet"]["block_index"]).mean
-    ours = mean_of(wavelet[MULTISCALE]["block_index"]).mean
-    return [f"chess at 16 samples per pixel; edges are {100 * blocks:.0f} % of the image:\n\n"
-            + table(["sampler", "correlation of the count with the pool's deviation", "block artefact index (16 pixels)",
-                     "adaptive samples near edges"], rows),
-            f"- The samples of AWR lie in dyadic blocks (index above 1.5): {'agrees' if index > 1.5 else '**disagrees**'} "
-            f"({index:.2f}). Multiscale shows none: {'agrees' if ours < 1.2 else '**disagrees**'} ({ours:.2f})."]
+    blocks, said = [], []
+    for pool in dict.fromkeys(key[0] for key in m.density):
+        found = {sampler: measures for (p, sampler, _), measures in m.density.items() if p == pool}
+        rows = [[sampler, *(mean_text(measures.get(c, [])) for c in ("correlation", "block_index", "near_edges"))]
+                for sampler, measures in found.items()]
+        area = next(iter(found.values()))["edge_area"][0]
+        blocks.append(f"{pool_title(pool)} at 16 samples per pixel; edges are {100 * area:.0f} % of the image:\n\n"
+                      + table(["sampler", "correlation of the count with the pool's deviation", "block artefact index (16 pixels)",
+                               "adaptive samples near edges"], rows))
+        index, ours = (mean_of(found[s]["block_index"]).mean for s in ("adaptive_wavelet", MULTISCALE))
+        said.append((pool_title(pool), index, ours))
+    return [*blocks, "\n".join([
+        threshold("the samples of AWR lie in dyadic blocks (index above 1.5)", [(p, a, a > 1.5) for p, a, _ in said]),
+        threshold("multiscale shows no blocks (index below 1.2)", [(p, b, b < 1.2) for p, _, b in said])])]
+
+
+def threshold(statement, found):
+    """A line as those of tables.finding; found: [(recording, value, whether it holds)]."""
+    held = sum(holds for _, _, holds in found)
+    verdict = "agrees" if held == len(found) else "**mixed**" if held else "**disagrees**"
+    return f"- {statement}: {verdict}. " + ". ".join(f"{pool}: {value:.2f}" for pool, value, _ in found) + "."
 
 
 def threads(m):
@@ -161,8 +171,10 @@ def tiles(m):
 
 def borders(m):
     rows = []
-    for (_, sampler, _), found in m.density.items():
-        rows.append([sampler, mean_text(found.get("tile_jump", [])), mean_text(found.get("block_index", []))])
+    several = len({key[0] for key in m.density}) > 1
+    for (pool, sampler, _), found in m.density.items():
+        rows.append([f"{pool_title(pool)}, {sampler}" if several else sampler, mean_text(found.get("tile_jump", [])),
+                     mean_text(found.get("block_index", []))])
     return ["Mean jump of the count across borders, relative to jumps elsewhere:\n\n"
             + table(["sampler", "at its tiles", "at multiples of 16"], rows)]
 
@@ -215,7 +227,8 @@ CHAPTERS = [
     Chapter("E6", "Figure 11a: time over threads", ["e6_threads"], "2 to 4 times faster on 8 threads.", threads,
             apart="A replay traces no rays. The paper's times hold rendering, which scales by itself."),
     Chapter("E7", "Figure 11b: error over tiles", ["e7_tiles"], "Tiles do not considerably affect the error.", tiles,
-            apart="128 x 128 pixels: tiles of 128 are the whole image and are left out."),
+            apart="128 x 128 pixels: tiles of 128 are the whole image and are left out.",
+            apart_at_full="512 x 512 pixels, 64 samples."),
     Chapter("E8", "Figures 11c-f: borders of tiles", ["e8_tile_borders"],
             "The density shows the tiles. A prototype found jumps of 1.6 to 6 with tiles and 1 without.", borders,
             density=True),

@@ -7,6 +7,7 @@ import json
 import sys
 from pathlib import PurePosixPath
 
+import measured
 from inference import ORDER, Interval, interval_of
 
 VERSION = 1
@@ -34,7 +35,7 @@ def read_statistics(folder):
 
 
 class Results:
-    """The results of one folder or several, by (pool, sampler, filter, spp, threads)."""
+    """The results of one folder or file of measured.py or several, by (pool, sampler, filter, spp, threads)."""
 
     def __init__(self, folders):
         self.folders = list(folders)
@@ -43,9 +44,13 @@ class Results:
         self._overall = {}  # (sampler, filter, spp, threads, metric): [ratio of each folder]
         self._best = {}   # (pool, spp, threads, metric): methods by mean with (letters, against the best)
         for folder in self.folders:
-            for line in (folder / "results.jsonl").read_text().splitlines():
-                self._add(json.loads(line))
-            self._add_statistics(read_statistics(folder))
+            if folder.is_dir():
+                rows, statistics = map(json.loads, (folder / "results.jsonl").read_text().splitlines()), read_statistics(folder)
+            else:
+                rows, statistics = measured.load(folder)
+            for row in rows:
+                self._add(row)
+            self._add_statistics(statistics)
         for rows in self._rows.values():
             rows.sort(key=lambda row: row["replicate"])
 

@@ -5,7 +5,8 @@ from inference import mean_of
 
 POOL_TITLES = {
     "scene_s": "scene S", "scene_s_fireflies": "scene S with fireflies", "scene_s_128": "scene S, 128 x 128",
-    "scene_s_fireflies_128": "scene S with fireflies, 128 x 128",
+    "scene_s_fireflies_128": "scene S with fireflies, 128 x 128", "scene_s_512": "scene S, 512 x 512",
+    "scene_s_fireflies_512": "scene S with fireflies, 512 x 512",
 }
 
 

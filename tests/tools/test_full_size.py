@@ -1,0 +1,207 @@
+"""Experiments at full size: each recording's results are kept small, several machines add to one page, what changed is said."""
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools/experiments"))
+import full_page  # noqa: E402
+import full_size  # noqa: E402
+import measured  # noqa: E402
+from chapter import Chapter  # noqa: E402
+from inference import use_program  # noqa: E402
+from results import Results  # noqa: E402
+from statements import change_rows, of_the_paper, statements  # noqa: E402
+from tables import curves, finding  # noqa: E402
+
+PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
+use_program(PROGRAM)
+OURS, UNIFORM = ("multiscale", "box"), ("uniform", "box")
+PLAN = """title = "small"
+recordings = ["../../dumps/tiny/chess.spool", "../../dumps/tiny/table.spool"]
+spp = [4]
+replicates = 8
+pictures = true
+samplers = ["multiscale", "uniform", "mitchell"]
+filters = ["box", "gaussian", "cross_bilateral"]
+"""
+
+
+def synth(path, seed):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    subprocess.run([PROGRAM, "synth", "scene_s", "--size", "24", "--samples", "64", "--seed", str(seed), "-o", path, "-q"], check=True)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """Two recordings, as of chess and table at full size."""
+    folder = tmp_path_factory.mktemp("recorded")
+    synth(folder / "chess_256.spool", 1)
+    synth(folder / "table_256.spool", 2)
+    return folder
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch, recorded):
+    """A function that makes a machine with some recordings; all share plans and what is kept."""
+    monkeypatch.setattr(full_size, "OTHERS", ())
+    monkeypatch.setattr(full_size, "commit", lambda: "abc 2026-01-01")
+    plans = tmp_path / "plans"
+    plans.mkdir()
+    (plans / "small.toml").write_text(PLAN)
+
+    def machine(name, *recordings):
+        folder = tmp_path / name / "recordings"
+        folder.mkdir(parents=True, exist_ok=True)
+        for recording in recordings:
+            shutil.copy(recorded / f"{recording}.spool", folder)
+        monkeypatch.setattr(full_size, "RECORDINGS", folder)
+        return full_size.Measuring(PROGRAM, plans, tmp_path / name / "scratch", tmp_path / "kept")
+    return machine
+
+
+def page_of(measuring, small="# Small\n"):
+    def body(m):
+        return [*(curves(m.results, p) for p in m.results.pools), finding("ours is below uniform in MSE", m.results, OURS, UNIFORM)]
+    chapter = Chapter("E2", "Title", ["small"], "what?", body)
+    return "\n\n".join(full_page.blocks([chapter], measuring, small))
+
+
+def test_what_is_kept_says_what_the_folder_says(place):
+    machine = place("one", "chess_256")
+    assert machine.measure("small", "chess_256", False)
+    kept = machine.kept("small", "chess_256")
+    folder = next(p for p in (machine.scratch / "small/chess_256").iterdir() if p.is_dir())
+    whole, small = Results([folder]), Results([kept])
+    assert small.samplers == whole.samplers and small.budgets == whole.budgets and small.pools == whole.pools == ["chess_256"]
+    methods = [(s, f) for s in whole.samplers for f in ("box", "gaussian")]
+    for m in methods:
+        assert small.values("mse", "chess_256", *m, 4) == whole.values("mse", "chess_256", *m, 4)
+        for column in ("mse", "relmse", "energy_ratio"):
+            assert small.figure(column, "chess_256", *m, 4)[:3] == pytest.approx(whole.figure(column, "chess_256", *m, 4)[:3], rel=1e-5)
+        for other in methods:
+            for column in ("mse", "relmse"):
+                assert small.order(column, "chess_256", 4, m, other) == whole.order(column, "chess_256", 4, m, other)
+                assert small.ratio(column, "chess_256", 4, m, other)[:3] == pytest.approx(
+                    whole.ratio(column, "chess_256", 4, m, other)[:3], rel=1e-3, nan_ok=True)
+    assert {k[2] for k in small.failed} == {"cross_bilateral"} == {k[2] for k in whole.failed}  # needs features
+    assert [m for m, _ in small.ranked("mse", "chess_256", 4)] == [m for m, _ in whole.ranked("mse", "chess_256", 4)]
+    assert kept.stat().st_size < 12e3
+
+
+def test_machines_add_to_one_page(place):
+    first = place("one", "chess_256")
+    assert first.measure("small", "chess_256", False) and not first.measure("small", "table_256", False)
+    text = page_of(first)
+    assert "Recordings: chess. Not measured yet: table." in text and "Measured by spool" in text
+    assert "[R] marks" in text  # mitchell is by description
+    second = place("two", "table_256")
+    before = first.kept("small", "chess_256").read_bytes()
+    assert second.measure("small", "table_256", False)
+    assert first.kept("small", "chess_256").read_bytes() == before
+    text = page_of(second)
+    assert "Recordings: chess, table." in text and "Not measured yet" not in text and "**older:**" not in text
+    assert text.index("chess, mse") < text.index("table, mse")
+
+
+def test_what_was_measured_is_not_measured_again(place):
+    machine = place("one", "chess_256")
+    assert machine.measure("small", "chess_256", False)
+    assert not machine.measure("small", "chess_256", False)
+    other = place("two", "chess_256")  # a machine that has nothing but the tree and the recording
+    assert not other.measure("small", "chess_256", False)
+    synth(full_size.RECORDINGS / "chess_256.spool.new", 7)
+    os.replace(full_size.RECORDINGS / "chess_256.spool.new", full_size.RECORDINGS / "chess_256.spool")
+    assert other.measure("small", "chess_256", False), "other samples are another recording"
+
+
+def test_results_of_an_older_program_or_plan_are_marked(place, monkeypatch):
+    machine = place("one", "chess_256", "table_256")
+    machine.measure("small", "chess_256", False)
+    monkeypatch.setattr(full_size, "commit", lambda: "def 2026-02-01")
+    machine.measure("small", "table_256", False)
+    text = page_of(machine)
+    assert "Measured by spool" in text and "def 2026-02-01; **older:** chess by spool" in text and "**By an older plan" not in text
+    (machine.plans / "small.toml").write_text(PLAN.replace("spp = [4]", "spp = [8]"))
+    assert "**By an older plan:** chess, table." in page_of(machine)
+    assert machine.measure("small", "chess_256", False)
+    assert "**By an older plan:** table." in page_of(machine)
+
+
+def test_a_plan_gets_more_methods_and_keys_at_full_size(place):
+    machine = place("one")
+    (machine.plans / "full_size").mkdir()
+    (machine.plans / "full_size/small.toml").write_text('# More.\nfresh = true\n[[sampler]]\nname = "multiscale"\npreset = "paper"\n')
+    text = full_size.plan_text(machine.plans / "small.toml", "/somewhere/chess_256.spool")
+    import tomllib
+    plan = tomllib.loads(text)
+    assert plan["recordings"] == ["/somewhere/chess_256.spool"] and plan["fresh"] and not plan["pictures"]
+    assert plan["replicates"] == full_size.REPLICATES and plan["sampler"] == [{"name": "multiscale", "preset": "paper"}]
+    assert full_size.plan_hash(text) == full_size.plan_hash(text.replace("/somewhere", "/elsewhere"))
+
+
+def test_every_plan_of_the_tree_has_a_text_at_full_size():
+    plans = ROOT / "tools/plans"
+    for path in [*plans.glob("[ea][0-9]*.toml"), plans / "methods.toml", plans / "features.toml"]:
+        full_size.plan_hash(full_size.plan_text(path, "x.spool"))
+    assert all((plans / path.name).exists() for path in (plans / "full_size").glob("*.toml"))
+
+
+SMALL = """## E1: Levels
+
+- 5-3 puts more there than Haar: table, robust: yes; table, paper: **no**; scene S, robust: not told apart.
+
+## E2: Budgets
+
+- paper: 5-3 is below haar in MSE: **disagrees**, in part not told apart. Table: not told apart at 16; above at 4, 8 spp. scene S: above at 4 spp.
+- 5-3 is below db3: agrees. Table: below at 4 spp.
+- multiscale is below mitchell: undecided: not told apart. Table: not told apart at 4 spp.
+- never run: not measured. Not measured.
+"""
+FULL = """## E1: Levels
+
+- 5-3 puts more there than Haar: table, robust: yes; scene S, robust: yes.
+
+## E2: Budgets
+
+- paper: 5-3 is below haar in MSE: agrees. Table: below at 4, 8, 16 spp. torus: below at 4 spp. scene S: above at 4 spp.
+- 5-3 is below db3: **mixed**. Table: below at 4 spp. torus: above at 4 spp.
+- multiscale is below mitchell: undecided: not told apart. Table: not told apart at 4 spp.
+"""
+
+
+def test_statements_that_changed_are_found():
+    before, after = statements(SMALL), statements(FULL)
+    assert before["E1", "5-3 puts more there than Haar"].verdict == "**mixed**"
+    assert after["E1", "5-3 puts more there than Haar"].verdict == "agrees"
+    assert before["E2", "multiscale is below mitchell"].verdict == "undecided: not told apart"
+    rows = change_rows(before, after)
+    assert [row[0] for row in rows] == ["E1: 5-3 puts more there than Haar", "E2: paper: 5-3 is below haar in MSE", "E2: 5-3 is below db3"]
+    assert rows[1][1:] == ["**disagrees**, in part not told apart", "agrees",
+                           "table: not told apart at 16; above at 4, 8 → below at 4, 8, 16"]
+    assert rows[0][3] == "scene S, robust: not told apart → yes" and rows[2][3] == "–"
+    gained, lost, agree, total = of_the_paper(before, after)
+    assert [s.text for s in gained] == ["5-3 puts more there than Haar", "paper: 5-3 is below haar in MSE"]
+    assert [s.text for s in lost] == ["5-3 is below db3"] and (len(agree), len(total)) == (2, 4)
+
+
+def test_the_pages_of_the_tree_have_statements():
+    found = statements((ROOT / "docs/experiments.md").read_text(encoding="utf-8"))
+    assert {chapter for chapter, _ in found} >= {"E1", "E2", "E3", "E4", "A1", "A7"}
+
+
+def test_a_file_of_another_format_counts_as_missing(tmp_path):
+    path = tmp_path / "x.jsonl"
+    assert measured.read_head(path) is None
+    path.write_text(json.dumps({"measured": 0}) + "\n")
+    assert measured.read_head(path) is None
+
+
+def test_what_is_in_the_tree_is_small():
+    files = list((ROOT / "docs/results/experiments_full/measured").glob("*/*.jsonl"))
+    assert sum(f.stat().st_size for f in files) < 10e6 and all(f.stat().st_size < 500e3 for f in files)

@@ -1,0 +1,93 @@
+"""Statements of two generated pages, their verdicts, and which of them changed from one page to the other.
+
+A statement is a line "- STATEMENT: VERDICT. Pool: below at 4 spp. pool: ..." (tables.finding), or one that answers yes or no
+recording by recording (E1).
+"""
+import re
+from dataclasses import dataclass, field
+
+VERDICT = re.compile(r"^- (?P<text>.+?): (?P<verdict>agrees|\*\*disagrees\*\*|\*\*mixed\*\*|undecided|not measured)"
+                     r"(?P<more>, in part not told apart|: not told apart)?[ .](?P<pools>.*)$")
+ANSWERS = re.compile(r"^- (?P<text>.+?): (?P<pools>[^:]+: (?:yes|not told apart|\*\*no\*\*)(?:; [^:;]+: (?:yes|not told apart|\*\*no\*\*))*)\.$")
+# Ours or about rivals, in chapters that otherwise ask what the paper says.
+OURS = ("control that only clamps", "mitchell is below uniform", "one region a step", "tiles of")
+
+
+@dataclass
+class Statement:
+    chapter: str
+    text: str
+    verdict: str
+    pools: dict = field(default_factory=dict)  # {recording: what was found on it}
+
+    @property
+    def agrees(self):
+        return self.verdict.startswith("agrees")
+
+    @property
+    def of_the_paper(self):
+        return self.chapter.startswith("E") and not any(words in self.text for words in OURS)
+
+
+def _of_pools(text):
+    found = {}
+    for part in re.split(r" spp\. ?", text):
+        pool, colon, said = part.strip().partition(": ")
+        if colon:
+            found[pool[0].lower() + pool[1:]] = said
+    return found
+
+
+def _answered(chapter, match):
+    pools = dict(part.rsplit(": ", 1) for part in match["pools"].split("; "))
+    yes, no = (sum(word == said for said in pools.values()) for word in ("yes", "**no**"))
+    rest = ", in part not told apart" if yes + no < len(pools) else ""
+    verdict = ("**mixed**" if yes and no else f"agrees{rest}" if yes else f"**disagrees**{rest}" if no else "undecided: not told apart")
+    return Statement(chapter, match["text"], verdict, {p[0].lower() + p[1:]: said for p, said in pools.items()})
+
+
+def statements(page):
+    """{(chapter, text): Statement} of a generated page."""
+    chapter, found, last = "", {}, ""
+    for line in page.splitlines():
+        if line.startswith("## "):
+            chapter = line[3:].split(":")[0]
+        for pattern in (VERDICT, ANSWERS):
+            match = pattern.match(line)
+            if not match:
+                continue
+            text = match["text"]
+            if text.startswith("... "):  # goes on with the statement before
+                text = f"{last} {text}"
+            else:
+                last = text
+            said = (Statement(chapter, text, match["verdict"] + (match["more"] or ""), _of_pools(match["pools"]))
+                    if pattern is VERDICT else _answered(chapter, match))
+            said.text = text
+            found[chapter, text] = said
+            break
+    return found
+
+
+def same_recordings(before, after):
+    """What changed on recordings of the same scene: 'scene S: above at 4 -> below at 4'."""
+    return [f"{pool}: {said} → {after.pools[pool]}" for pool, said in before.pools.items()
+            if pool in after.pools and after.pools[pool] != said]
+
+
+def change_rows(before, after):
+    """[[statement, verdict before, verdict after, what changed on the same scenes]] of statements with another verdict; measured in both."""
+    rows = []
+    for key, now in after.items():
+        then = before.get(key)
+        if then and "not measured" not in (then.verdict, now.verdict) and then.verdict != now.verdict:
+            rows.append([f"{now.chapter}: {now.text}", then.verdict, now.verdict, "; ".join(same_recordings(then, now)) or "–"])
+    return rows
+
+
+def of_the_paper(before, after):
+    """Statements of the paper: (those that agree now and did not, those that do not any more, all that agree now, all)."""
+    both = [(before.get(k), now) for k, now in after.items() if now.of_the_paper and now.verdict != "not measured"]
+    gained = [now for then, now in both if then and not then.agrees and now.agrees]
+    lost = [now for then, now in both if then and then.agrees and not now.agrees]
+    return gained, lost, [now for _, now in both if now.agrees], [now for _, now in both]
