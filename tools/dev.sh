@@ -44,7 +44,8 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 on the recordings of full size that are here, added to what other machines measured, and
                                 docs/experiments_full.md from all of it; --write-only: the page alone
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
-                                and write docs/tuning.md; what is done is not done again (five minutes of CPU time)
+                                and write docs/tuning.md; what is done is not done again (five minutes of CPU time);
+                                tune --full: its part about recordings of full size, from those that are here or were measured
   hard [CTEST ARGS]             the hard cases whole: every pair of methods, full sizes, many replicates
   endure [CTEST ARGS]           evaluations killed at 20 moments, a Slurm that loses a node, a plan of 10,000 cells
   trust [CTEST ARGS]            the format's tests at their whole numbers (bit flips, killed writers, power loss, 6 GB file);

@@ -44,6 +44,7 @@ MORE = {  # besides the plan's own recordings and those by others
     "e9_chess": ("scene_s", "chess_sequence_256", "chess_512"),
     "e10_balls": ("table_256", "mist_256", "caustic_256", "fireflies_256", "caustic_mitsuba_256", "table_512"),
     "features": ("mist_256",),
+    "tuning_full": ("caustic_mitsuba_256", "fireflies_256", "scene_s", "scene_s_fireflies"),
 }
 ALONE = ("e7_tiles", "e8_tile_borders")  # on their own recordings only
 

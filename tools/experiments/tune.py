@@ -3,6 +3,7 @@
 
     tools/dev.sh tune                 candidates, rivals, the choice, its judgement; what is done is not done again
     tools/dev.sh tune --write-only    only the page, from the results that are there
+    tools/dev.sh tune --full          its last part alone: the same question on recordings of full size (tuning_full.py)
 
 The candidates are those of tools/plans/tuning.toml, on the pools that choose. For each of these the choice is made from
 the others and judged on it; the choice from all is judged on pools that never choose (tools/experiments/tuning_pools.py).
@@ -18,6 +19,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from page_tables import take_apart  # noqa: E402
+import tuning_full  # noqa: E402
+from full_size import Measuring  # noqa: E402
 from pools import PLANS, make_pools  # noqa: E402
 from inference import use_program  # noqa: E402
 from results import Results  # noqa: E402
@@ -40,6 +43,7 @@ def parse():
     parser.add_argument("--output", default=ROOT / "docs/tuning.md", type=Path)
     parser.add_argument("--threads", default="0")
     parser.add_argument("--write-only", action="store_true")
+    parser.add_argument("--full", action="store_true", help="on recordings of full size that are here")
     return parser.parse_args()
 
 
@@ -134,9 +138,24 @@ def choices(left_out, from_all):
             | {p: from_all.candidate for p in APART})
 
 
+def full_section(arguments):
+    """Of the page, from all that was ever measured; measures first, where that is asked."""
+    folder = arguments.output.parent / "results"
+    measuring = Measuring(arguments.program, PLANS, ROOT / "build/experiments_full", folder / "experiments_full/measured", arguments.threads)
+    if arguments.full and not arguments.write_only:
+        for name in (*tuning_full.CHOOSING, *tuning_full.APART):
+            measuring.measure(tuning_full.PLAN, name, False)
+    text = tuning_full.section(measuring.sources(tuning_full.PLAN), measuring.missing(tuning_full.PLAN))
+    return take_apart(text, "tuning_full", folder)
+
+
 def main():
     arguments = parse()
     use_program(arguments.program)
+    if arguments.full:
+        page_now = arguments.output.read_text(encoding="utf-8")
+        write_whole(arguments.output, tuning_full.with_section(page_now, full_section(arguments)))
+        return
     make_pools(arguments.program, PLANS / "pools")
     folder = evaluate(PLANS / "tuning.toml", arguments.results / "candidates", arguments)
     if folder is None:
@@ -158,7 +177,8 @@ def main():
     settings = [(c, methods(c)) for c in [*singles(from_all.candidate)[1:], from_all.candidate]]
     text = page(scores, left_out, from_all, judged, chosen, (SAMPLER, FILTER), BUDGETS,
                 (Results([alone]), settings) if alone else None)
-    write_whole(arguments.output, take_apart(text, arguments.output.stem, arguments.output.parent / "results"))
+    text = take_apart(text, arguments.output.stem, arguments.output.parent / "results")
+    write_whole(arguments.output, tuning_full.with_section(text, full_section(arguments)))
 
 
 if __name__ == "__main__":
