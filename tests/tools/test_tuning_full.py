@@ -11,6 +11,7 @@ import tuning_full  # noqa: E402
 from full_size import recordings_of  # noqa: E402
 from inference import use_program  # noqa: E402
 from results import Results  # noqa: E402
+from whole_file import with_last_part  # noqa: E402
 
 use_program(os.environ.get("SPOOL_PROGRAM", "spool"))
 WOBBLE = [0.98, 1.0, 1.01, 0.99]
@@ -61,8 +62,8 @@ def test_fewer_than_three_choose_nothing_and_what_is_missing_is_named(section):
 
 
 def test_the_part_replaces_itself_and_leaves_the_page():
-    once = tuning_full.with_section("# Tuning\n\nWords.\n", tuning_full.TITLE + "\n\nOld.\n")
-    assert tuning_full.with_section(once, tuning_full.TITLE + "\n\nNew.\n") == "# Tuning\n\nWords.\n\n## At full size\n\nNew.\n"
+    once = with_last_part("# Tuning\n\nWords.\n", tuning_full.TITLE, tuning_full.TITLE + "\n\nOld.\n")
+    assert with_last_part(once, tuning_full.TITLE, tuning_full.TITLE + "\n\nNew.\n") == "# Tuning\n\nWords.\n\n## At full size\n\nNew.\n"
 
 
 def test_every_recording_of_the_plan_has_its_role():

@@ -18,6 +18,7 @@ import numpy as np
 
 from results import Results
 from tables import table, with_interval
+from whole_file import with_last_part
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "formats" / "python"))
@@ -163,8 +164,9 @@ def main():
     gain = table(["layer", "method", "scene", "without it", "with it", "best of radiance alone"],
                  gain_rows(Results([arguments.folder / "results"])))
     needs = table(["recording", "renderer", "a sample needs", "what it shows"], needs_rows())
-    arguments.output.write_text(PAGE.format(needs=needs, cost=cost, gain=gain, size=SIZE, samples=SAMPLES, reference=REFERENCE,
-                                            spp=SPP, replicates=REPLICATES))
+    import scene_needs_full  # which asks this file for its readers
+    text = PAGE.format(needs=needs, cost=cost, gain=gain, size=SIZE, samples=SAMPLES, reference=REFERENCE, spp=SPP, replicates=REPLICATES)
+    arguments.output.write_text(with_last_part(text, scene_needs_full.TITLE, scene_needs_full.part()))
 
 
 if __name__ == "__main__":

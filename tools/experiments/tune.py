@@ -28,7 +28,7 @@ from tuning_choice import Candidate, Scores  # noqa: E402
 from tuning_page import page  # noqa: E402
 from tuning_pools import ALONE, APART, CHOOSING, SECOND, recording  # noqa: E402
 from tuning_verdict import RIVALS  # noqa: E402
-from whole_file import write_whole  # noqa: E402
+from whole_file import with_last_part, write_whole  # noqa: E402
 
 ROOT = PLANS.parents[1]
 SAMPLER, FILTER = "multiscale", "directional"
@@ -154,7 +154,7 @@ def main():
     use_program(arguments.program)
     if arguments.full:
         page_now = arguments.output.read_text(encoding="utf-8")
-        write_whole(arguments.output, tuning_full.with_section(page_now, full_section(arguments)))
+        write_whole(arguments.output, with_last_part(page_now, tuning_full.TITLE, full_section(arguments)))
         return
     make_pools(arguments.program, PLANS / "pools")
     folder = evaluate(PLANS / "tuning.toml", arguments.results / "candidates", arguments)
@@ -178,7 +178,7 @@ def main():
     text = page(scores, left_out, from_all, judged, chosen, (SAMPLER, FILTER), BUDGETS,
                 (Results([alone]), settings) if alone else None)
     text = take_apart(text, arguments.output.stem, arguments.output.parent / "results")
-    write_whole(arguments.output, tuning_full.with_section(text, full_section(arguments)))
+    write_whole(arguments.output, with_last_part(text, tuning_full.TITLE, full_section(arguments)))
 
 
 if __name__ == "__main__":

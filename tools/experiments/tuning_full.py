@@ -110,9 +110,3 @@ def section(sources, missing):
     blocks += [f"Each candidate at {BUDGETS[-1]} samples per pixel, relMSE over that of the defaults; score on those that choose (-0.01 is 1 %):",
                table(["options", "score", *map(pool_title, (*choosing, *apart))], alone_rows(results, scores, methods, choosing, apart))]
     return "\n\n".join(blocks) + "\n"
-
-
-def with_section(page, text):
-    """The page with its part about full size, which stands last, replaced."""
-    before = page.partition(TITLE)[0].rstrip("\n")
-    return f"{before}\n\n{text}"

@@ -13,3 +13,9 @@ def write_whole(path, text):
     except BaseException:
         os.unlink(name)
         raise
+
+
+def with_last_part(page, title, text):
+    """A page whose last part, which begins with this heading, is replaced or added."""
+    before = page.partition(title)[0].rstrip("\n")
+    return f"{before}\n\n{text}"
