@@ -94,6 +94,18 @@ def test_what_is_kept_says_what_the_folder_says(place):
     assert kept.stat().st_size < 12e3
 
 
+def test_pairs_are_kept_whichever_method_stands_first(tmp_path):
+    methods = [{"sampler": s, "filter": "box", "compared": True} for s in ("best", "worst")]
+    condition = {"dump": "d/x.spool", "spp": 4.0, "threads": 0, "metric": "mse", "ranking": methods, "pairs": [[1, 0, 2.0, 1.6, 2.5, 0.01, "worse"]]}
+    (tmp_path / "statistics.json").write_text(json.dumps({"version": 1, "results": [], "conditions": [condition], "overall": []}))
+    rows = [{"dump": "d/x.spool", "sampler": s, "filter": "box", "spp": 4.0, "threads": 0, "replicate": 0, "mse": 1.0, "error": ""} for s in ("best", "worst")]
+    (tmp_path / "results.jsonl").write_text("\n".join(map(json.dumps, rows)))
+    measured.keep(tmp_path, {"recording": "x", "described": []}, tmp_path / "kept.jsonl")
+    kept, a, b = Results([tmp_path / "kept.jsonl"]), ("best", "box"), ("worst", "box")
+    assert kept.order("mse", "x", 4, a, b) == -1 and kept.order("mse", "x", 4, b, a) == 1
+    assert kept.ratio("mse", "x", 4, a, b)[:3] == pytest.approx((0.5, 0.4, 0.625)) and kept.ratio("mse", "x", 4, b, a).mean == pytest.approx(2.0)
+
+
 def test_machines_add_to_one_page(place):
     first = place("one", "chess_256")
     assert first.measure("small", "chess_256", False) and not first.measure("small", "table_256", False)

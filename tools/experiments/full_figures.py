@@ -39,12 +39,13 @@ LEVELS = ListedColormap(["#404040", "#440154", "#31688e", "#35b779", "#fde725"])
 
 
 def save(figure, path):
-    """A PNG of 256 colours: a third of the bytes, and noise hides the steps."""
+    """A PNG of 256 colours, dithered: a third of the bytes."""
     buffer = io.BytesIO()
     figure.savefig(buffer, dpi=100)
     plt.close(figure)
     path.parent.mkdir(parents=True, exist_ok=True)
-    Image.open(buffer).convert("RGB").quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
+    whole = Image.open(buffer).convert("RGB")
+    whole.quantize(palette=whole.quantize(256), dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
     print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB", flush=True)
 
 
