@@ -50,6 +50,7 @@ def parse_options(arguments):
                         help="how pixels leave Blender; all give the same bits")
     parser.add_argument("--dry-run", action="store_true",
                         help="print what the scene needs and what a recording would cost")
+    parser.add_argument("--plan", metavar="PLAN.toml", help="with --dry-run: say which layers no method of this plan reads")
     options = parser.parse_args(arguments)
     check_options(options)
     return options

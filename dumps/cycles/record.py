@@ -179,6 +179,10 @@ def dry_run(recorder, options):
     stored = sum(2 if c["dtype"] == "f16" else 4 for c in describe_channels(recorder.plan))
     dump_bytes = pixels * (stored * options.samples + (24 if recorder.batches else 0))
     rest = per_pass * options.samples + per_batch * recorder.batches
+    left = ""
+    if options.plan:
+        from plan_layers import unread  # which an older Blender's Python cannot read
+        left = "\n" + (unread(options.plan, list(recorder.plan)) or "the methods of %s read all layers" % options.plan)
     return "\n".join((
         "scene %s, camera %s, %dx%d, Cycles %s" % (recorder.identity["name"], recorder.camera.data.name,
                                                    recorder.width, recorder.height,
@@ -189,7 +193,7 @@ def dry_run(recorder, options):
             options.samples, per_pass, recorder.batches, recorder.batch_spp, per_batch),
         "estimate %s (%.2f minutes), folder %s, dump at most %s" % (
             duration(seconds[0] + rest), (seconds[0] + rest) / 60, size(folder_bytes),
-            size(dump_bytes))))
+            size(dump_bytes)))) + left
 
 
 def silence_blender():

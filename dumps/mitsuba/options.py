@@ -36,6 +36,7 @@ def parse(arguments, about):
     parser.add_argument("--no-verify", action="store_true", help="do not test the samples and keep what was found")
     parser.add_argument("--force", action="store_true", help="replace an existing file")
     parser.add_argument("--dry-run", action="store_true", help="say what the scene needs and what it will cost")
+    parser.add_argument("--plan", metavar="PLAN.toml", help="with --dry-run: say which layers no method of this plan reads")
     options = parser.parse_args(arguments)
     check(options)
     return options

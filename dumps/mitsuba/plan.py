@@ -2,6 +2,7 @@
 import time
 
 from channels import LAYERS
+from plan_layers import unread
 from progress import duration, size as size_text
 from seeds import SPARE, chunk_seed
 
@@ -57,6 +58,8 @@ def describe(options, recordable, tracer, layers, dtypes):
         size_text(per_sample * pixels * options.samples + (REFERENCE_BYTES * pixels if options.reference else 0))))
     for line in reference_hint(options.samples, options.reference, pool, reference):
         print(line)
+    if options.plan:
+        print(unread(options.plan, layers) or "the methods of %s read all layers" % options.plan)
 
 
 def reference_hint(samples, reference, pool_seconds, reference_seconds):

@@ -107,6 +107,13 @@ def directions(m):
             finding("three stages are below two", r, (MULTISCALE, bank), (MULTISCALE, options("directional", "anisotropy=bank,bank_levels=2"))),
             finding("the literal preset with its filter is below uniform with box", r,
                     ("multiscale:paper", "directional:paper"), ("uniform", "box"))]
+    for text, setting in (("with S the variance of the coarse mean", "size_factor=literal,size_variance=coarse_var"),
+                          ("with the reciprocal factor", "size_factor=inverse"),
+                          ("with both", "size_factor=inverse,size_variance=coarse_var")):
+        reading = ("multiscale:paper", options("directional:paper", setting))
+        if reading[1] in r.filters:
+            said.append(finding(f"the literal preset {text} is below uniform with box", r, reading, ("uniform", "box")))
+            said.append(finding(f"the literal preset {text} is below the preset as it is", r, reading, ("multiscale:paper", "directional:paper")))
     return [*(curves(r, pool) for pool in r.pools), "\n".join(said)]
 
 

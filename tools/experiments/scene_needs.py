@@ -122,7 +122,7 @@ keeps it.
 
 What a recording *holds* is another question: features and film positions are for methods that read them. A recording without
 them is smaller, and replay reads a layer only when a method of the run asks for it. `spool evaluate`, and its `--dry-run`, name the
-layers of each recording that no method of the plan reads.
+layers of each recording that no method of the plan reads; before anything is recorded, `--dry-run --plan PLAN.toml` of a recorder does.
 
 ## What a layer costs
 

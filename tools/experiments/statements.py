@@ -82,7 +82,7 @@ def change_rows(before, after):
         then = before.get(key)
         if then and "not measured" not in (then.verdict, now.verdict) and then.verdict != now.verdict:
             rows.append([f"{now.chapter}: {now.text}", then.verdict, now.verdict, "; ".join(same_recordings(then, now)) or "–"])
-    return rows
+    return sorted(rows, key=lambda row: row[3] == "–")  # first what does not change by other recordings alone
 
 
 def of_the_paper(before, after):
