@@ -13,6 +13,7 @@ BUDGET_HEADER = "at samples per pixel"
 STYLES = list(zip(["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#b0a000"], "osD^vP*"))
 INK = "#7f7f7f"
 PANELS, HIGHLIGHTED = 12, 7
+WIDTH_OF_NAMES = 6.2  # inches
 
 plt.rcParams.update({
     "svg.hashsalt": "spool", "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9, "text.color": INK,
@@ -81,7 +82,7 @@ def plot(path, tables):
     named = best_of(panels)
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
-    figure, grid = plt.subplots(rows, columns, figsize=(3.1 * columns, 2.5 * rows + 0.22 * len(named)), squeeze=False)
+    figure, grid = plt.subplots(rows, columns, figsize=(max(3.1 * columns, WIDTH_OF_NAMES), 2.5 * rows + 0.22 * len(named)), squeeze=False)
     for axes, table, (lines, base) in zip(grid.flat, tables, panels):
         draw(axes, lines, base, named)
         axes.set_title(table.caption, fontsize=9)
