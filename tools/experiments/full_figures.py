@@ -24,7 +24,7 @@ from matplotlib.patches import Rectangle  # noqa: E402
 from PIL import Image  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from full_picture import ROOT, Runs, reference_of, relative_error, rgb, shown, spool  # noqa: E402
+from full_picture import ROOT, Runs, reference_of, relative_error, rgb, shown, spool, trimmed_error  # noqa: E402
 from full_size import ANALYTIC, Recordings  # noqa: E402
 
 FOLDER = ROOT / "docs/images/full_size"
@@ -156,7 +156,8 @@ def beside(p, methods, titles, crops):
                 spine.set(color=FRAMES[row % 2], linewidth=2)
         if column < len(images):
             energy = image.sum() / p.reference.sum()
-            axes[-1][column].set_xlabel(f"relMSE {relative_error(image, p.reference):.2g}, energy {energy:.3f}", fontsize=9)
+            axes[-1][column].set_xlabel(f"relMSE {relative_error(image, p.reference):.2g},\n{trimmed_error(image, p.reference):.2g} without the worst "
+                                        f"0.1 %,\nenergy {energy:.3f}", fontsize=9)
     return figure
 
 

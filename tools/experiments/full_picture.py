@@ -104,6 +104,12 @@ def relative_error(image, reference):
     return float(np.mean((image - reference) ** 2 / (reference ** 2 + 0.01)))
 
 
+def trimmed_error(image, reference):
+    """Without the worst 0.1 % of the pixels, as relmse_trimmed."""
+    errors = np.sort(np.mean((image - reference) ** 2 / (reference ** 2 + 0.01), axis=-1).ravel())
+    return float(errors[:errors.size - int(np.ceil(0.001 * errors.size))].mean())
+
+
 def draw(arguments, noisy, ours, reference, counts, sizes):
     exposure = arguments.exposure or 0.9 / np.percentile(reference, 95)
     crops = [tuple(map(int, text.split(","))) for text in arguments.crop or CROPS]

@@ -122,7 +122,7 @@ def part():
     if not found:
         return TITLE + "\n\nNot measured yet.\n"
     return "\n\n".join([
-        TITLE, "Written by `tools/experiments/scene_needs_full.py` from what was measured on any machine ([results](results/scene_needs)); pictures of "
+        TITLE, "Written by `tools/experiments/scene_needs_full.py` from what was measured on any machine (`docs/results/scene_needs`); pictures of "
         f"256 x 256 pixels, 256 samples, compressed; the file has the reference, too. Time is that of short recordings of the same picture "
         f"({SHORT} samples, median of {TURNS}, relative to radiance alone); a busy machine moves it by a fifth.",
         table(["recording", "renderer", "layers", "bytes a sample", "file, MB", "relative", "time of a sample"], cost_rows(found)),
