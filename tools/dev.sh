@@ -42,7 +42,8 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 what is done is not done again (half an hour of two cores in all)
   experiments --full [ID...] [--recording NAME]
                                 on the recordings of full size that are here, added to what other machines measured, and
-                                docs/experiments_full.md from all of it; --write-only: the page alone
+                                docs/experiments_full.md from all of it; --write-only: the page alone; stop it and go on any time
+                                (about an hour of CPU time a recording in all)
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
                                 and write docs/tuning.md; what is done is not done again (five minutes of CPU time);
                                 tune --full: its part about recordings of full size, from those that are here or were measured

@@ -34,6 +34,7 @@ DIRECTIONS = (("box", "no filter"), ("directional{anisotropy=none}", "isotropic"
               ("directional{anisotropy=bank,bank_levels=3}", "bank, three stages"), ("directional", "directional"))
 METHODS = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "wavelet_shrinkage"),
            ("greedy_error", "greedy_selection"), ("multiscale:paper", "directional:paper"), ("multiscale", "directional"))
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 FRAMES = ("#e69f00", "#56b4e9")
 LEVELS = ListedColormap(["#404040", "#440154", "#31688e", "#35b779", "#fde725"])  # 0 (none), 1 .. 4
 
@@ -155,9 +156,9 @@ def beside(p, methods, titles, crops):
             for spine in below.spines.values():
                 spine.set(color=FRAMES[row % 2], linewidth=2)
         if column < len(images):
-            energy = image.sum() / p.reference.sum()
-            axes[-1][column].set_xlabel(f"relMSE {relative_error(image, p.reference):.2g},\n{trimmed_error(image, p.reference):.2g} without the worst "
-                                        f"0.1 %,\nenergy {energy:.3f}", fontsize=9)
+            energy, unit = image.sum() / p.reference.sum(), (p.reference @ LUMINANCE).mean()  # as the column relmse
+            errors = [error(image / unit, p.reference / unit) for error in (relative_error, trimmed_error)]
+            axes[-1][column].set_xlabel(f"relMSE {errors[0]:.2g},\n{errors[1]:.2g} without the worst 0.1 %,\nenergy {energy:.3f}", fontsize=9)
     return figure
 
 

@@ -146,14 +146,14 @@ def write_every_cell(arguments):
 def full(arguments):
     measuring = Measuring(arguments.program, PLANS, arguments.results, arguments.output / "results/experiments_full/measured",
                           arguments.threads, arguments.again)
+    small = (arguments.output / "experiments.md").read_text(encoding="utf-8")
     # Of many methods last: what is cheap is on the page first.
     chapters = sorted(full_page.chapters_of(chosen_of(CHAPTERS, arguments)), key=lambda c: c.id in ("methods", "features"))
     for chapter in () if arguments.write_only else chapters:
-        for plan in chapter.plans:
-            for name in recordings_of(PLANS / f"{plan}.toml"):
-                if not arguments.recording or name in arguments.recording:
-                    measuring.measure(plan, name, chapter.density)
-    small = (arguments.output / "experiments.md").read_text(encoding="utf-8")
+        done_now = [measuring.measure(plan, name, chapter.density) for plan in chapter.plans
+                    for name in recordings_of(PLANS / f"{plan}.toml") if not arguments.recording or name in arguments.recording]
+        if any(done_now):  # the run may be stopped any time
+            write(arguments.output / "experiments_full.md", full_page.blocks(CHAPTERS, measuring, small))
     write(arguments.output / "experiments_full.md", full_page.blocks(CHAPTERS, measuring, small))
 
 
