@@ -5,13 +5,14 @@
         [--figure e1 e4 e5 e8 e9]   default: all that the recording has its use for
         [--crop X,Y,SIDE]...        windows of e4 and e9; default: where the methods differ most
 
+Images that a picture is made of stay in build/full_figures: remove them to have them made again.
+
 Columns are methods. e1 (Figure 7): samples and the level that took most of them, by wavelet. e5 (Figure 9): samples of every sampler.
 e8 (Figures 11c-f): samples with tiles. e4 (Figure 10), e9 (Figures 11 and 12): pictures with crops beside the reference.
 """
 import argparse
 import io
 import sys
-import tempfile
 from pathlib import Path
 
 import matplotlib
@@ -50,10 +51,10 @@ def save(figure, path):
     print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB", flush=True)
 
 
-def grid(rows, columns, aspect, width=12.0):
-    """aspect: height of a panel over its width, of each row."""
+def grid(rows, columns, aspect, width=12.0, bar=0.08):
+    """aspect: height of a panel over its width, of each row; bar: share of the width that a colour bar takes."""
     side = width / columns
-    figure, axes = plt.subplots(rows, columns, figsize=(width, sum(0.92 * side * a + 0.25 for a in aspect[:rows])), squeeze=False, layout="constrained",
+    figure, axes = plt.subplots(rows, columns, figsize=(width, sum((1 - bar) * side * a + 0.25 for a in aspect[:rows])), squeeze=False, layout="constrained",
                                 gridspec_kw={"height_ratios": aspect[:rows]})
     for axis in axes.flat:
         axis.set_xticks([])
@@ -146,7 +147,7 @@ def windows(images, reference, side=48, count=2):
 def beside(p, methods, titles, crops):
     images = [p.image(*method) for method in methods]
     crops = crops or windows(images, p.reference)
-    figure, axes = grid(1 + len(crops), len(images) + 1, [p.aspect] + [1.0] * len(crops), width=14.0)
+    figure, axes = grid(1 + len(crops), len(images) + 1, [p.aspect] + [1.0] * len(crops), width=10.5, bar=0.0)
     for column, (image, title) in enumerate(zip([*images, p.reference], [*titles, "reference"])):
         p.photo(axes[0][column], image, title)
         for row, (x, y, side) in enumerate(crops):
@@ -158,7 +159,7 @@ def beside(p, methods, titles, crops):
         if column < len(images):
             energy, unit = image.sum() / p.reference.sum(), (p.reference @ LUMINANCE).mean()  # as the column relmse
             errors = [error(image / unit, p.reference / unit) for error in (relative_error, trimmed_error)]
-            axes[-1][column].set_xlabel(f"relMSE {errors[0]:.2g},\n{errors[1]:.2g} without the worst 0.1 %,\nenergy {energy:.3f}", fontsize=9)
+            axes[-1][column].set_xlabel(f"relMSE {errors[0]:.2g}\ntrimmed {errors[1]:.2g}\nenergy {energy:.3f}", fontsize=9)
     return figure
 
 
@@ -191,9 +192,10 @@ def main():
         chosen = arguments.figure or (["e8"] if name in ANALYTIC and name.endswith("_512") else ["e1", "e4", "e5", "e9"])
         for figure in chosen:
             spp, cropped, draw = FIGURES[figure]
-            with tempfile.TemporaryDirectory() as scratch:
-                pictures = Pictures(arguments.program, path, Path(scratch), spp)
-                save(draw(pictures, crops) if cropped else draw(pictures), FOLDER / f"{figure}_{name}.png")
+            folder = ROOT / "build/full_figures" / f"{name}_{here.hash(name)[:8]}_{spp}"
+            folder.mkdir(parents=True, exist_ok=True)
+            pictures = Pictures(arguments.program, path, folder, spp)
+            save(draw(pictures, crops) if cropped else draw(pictures), FOLDER / f"{figure}_{name}.png")
 
 
 if __name__ == "__main__":

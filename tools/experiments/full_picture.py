@@ -7,6 +7,7 @@ Columns: uniform samples as they are; multiscale samples with the project's own 
 samples; the level of the filter that `directional` chose. Rows: the picture, then crops. Errors stand under the columns.
 """
 import argparse
+import re
 import subprocess
 import sys
 import tempfile
@@ -52,26 +53,28 @@ class Runs:
     """The program's files in a folder."""
 
     def __init__(self, program, recording, folder, spp=SPP):
-        self.program, self.recording, self.folder, self.spp, self.made = program, recording, folder, str(spp), 0
+        self.program, self.recording, self.folder, self.spp = program, recording, folder, str(spp)
 
     def spool(self, *arguments):
         return subprocess.run([self.program, *arguments], check=True, capture_output=True, text=True).stdout
 
-    def target(self, kind):
-        self.made += 1
-        return self.folder / f"{kind}_{self.made}.exr"
+    def target(self, *words):
+        """A file named by what it holds: what is there already is not made again."""
+        return self.folder / (re.sub(r"[^\w.=-]+", "_", "-".join(map(str, words))) + ".exr")
 
     def replay(self, sampler, *more):
-        """Replicate 0 of the program's orders: the counts, and views that `more` asks for."""
+        """Of a shuffled order: the counts, and views that `more` asks for."""
         name, settings = settings_of("sampler", sampler)
-        target = self.target("counts")
-        self.spool("replay", self.recording, "--sampler", name, *settings, "--spp", self.spp, "--order", "shuffled", "-o", target, "-q", *more)
+        target = self.target("counts", sampler, *more)
+        if not target.exists():
+            self.spool("replay", self.recording, "--sampler", name, *settings, "--spp", self.spp, "--order", "shuffled", "-o", target, "-q", *more)
         return target
 
     def image(self, counts, filter_name, *more):
         name, settings = settings_of("filter", filter_name)
-        target = self.target("image")
-        self.spool("reconstruct", self.recording, "--selection", counts, "--filter", name, *settings, "-o", target, "-q", *more)
+        target = self.target("image", counts.stem, filter_name)
+        if not target.exists():
+            self.spool("reconstruct", self.recording, "--selection", counts, "--filter", name, *settings, "-o", target, "-q", *more)
         return target
 
 
