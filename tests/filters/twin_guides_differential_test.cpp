@@ -8,6 +8,7 @@
 #include "lib/filters/twin_guides/twin_guides.h"
 #include "lib/filters/twin_guides/window_weights.h"
 #include "lib/kernels/sample_clamp.h"
+#include "tests/filters/feature_images.h"
 #include "tests/filters/small_pools.h"
 #include "tests/reference/sample_clamp_reference.h"
 #include "tests/reference/test_images.h"
@@ -18,87 +19,11 @@ namespace spool {
 namespace {
 
 using testing::make_pool;
+using testing::noisy_features;
 using testing::noisy_picture;
 using testing::select_counts;
-
-Image<float> to_float(const Plane& plane) {
-  Image<float> image(plane.width(), plane.height());
-  for (std::size_t i = 0; i < plane.size(); ++i)
-    image[i] = static_cast<float>(plane[i]);
-  return image;
-}
-
-Plane to_double(const Image<float>& image) {
-  Plane plane(image.width(), image.height());
-  for (std::size_t i = 0; i < plane.size(); ++i)
-    plane[i] = image[i];
-  return plane;
-}
-
-reference::Planes to_double(const std::vector<Image<float>>& images) {
-  reference::Planes planes;
-  for (const Image<float>& image : images)
-    planes.push_back(to_double(image));
-  return planes;
-}
-
-// Features with an edge and noise of an unequal, known size.
-FeatureImages noisy_features(int width, int height, std::size_t channels) {
-  FeatureImages features;
-  for (std::size_t c = 0; c < channels; ++c) {
-    Plane value = reference::noise_image(width, height, 10 + c);
-    Plane variance = reference::noise_image(width, height, 20 + c);
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        value(x, y) = 0.1 * value(x, y) + (2 * x + y > width ? 0.5 : 0.0);
-        variance(x, y) = 0.02 * variance(x, y) * variance(x, y);
-      }
-    }
-    features.value.push_back(to_float(value));
-    features.variance.push_back(to_float(variance));
-  }
-  return features;
-}
-
-void blend_agrees(int width, int height, std::size_t channels, const BlendOptions& options) {
-  const FeatureImages f = noisy_features(width, height, channels);
-  std::vector<Image<float>> values, variances;
-  for (std::uint64_t i = 0; i < 3; ++i) {
-    values.push_back(to_float(reference::noise_image(width, height, 30 + i)));
-    Plane v = reference::noise_image(width, height, 40 + i);
-    for (double& value : v.pixels())
-      value *= value;
-    variances.push_back(to_float(v));
-  }
-  const auto twin = reference::blend(to_double(values), to_double(variances), to_double(f.value),
-                                     to_double(f.variance), static_cast<double>(options.tau),
-                                     options.patch, options.radius, options.sigma);
-  // Two tiles, so that one of them has a neighbour.
-  const int half = width / 2;
-  for (const Rectangle& tile : {Rectangle{0, 0, half, height}, Rectangle{half, 0, width, height}}) {
-    if (tile.empty()) continue;
-    const Blend blend = feature_blend(
-        tile, std::vector<const Image<float>*>{&values[0], &values[1], &values[2]},
-        std::vector<const Image<float>*>{&variances[0], &variances[1], &variances[2]}, f, options);
-    for (int y = tile.y0; y < tile.y1; ++y) {
-      for (int x = tile.x0; x < tile.x1; ++x) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          ASSERT_NEAR(blend.mean[i](x - tile.x0, y), twin.mean[i](x, y), 2e-6);
-          ASSERT_NEAR(blend.variance[i](x - tile.x0, y), twin.variance[i](x, y), 2e-6);
-        }
-      }
-    }
-  }
-}
-
-TEST(TwinGuidesDifferential, MeansUnderTheFeaturesWeights) {
-  for (const auto& [width, height] : test::twin_sizes()) {
-    blend_agrees(width, height, 7, {1e-3f, 1, 5, 4.0});
-    blend_agrees(width, height, 1, {1e-2f, 0, 2, 0.7});
-    blend_agrees(width, height, 0, {1e-2f, 0, 2, 0.7});
-  }
-  blend_agrees(43, 21, 3, {1e-3f, 2, 3, 1.5});
-}
+using testing::to_double;
+using testing::to_float;
 
 // Pool with noisy features, counts from 1 or 2 to 8, and what both sides make of it.
 struct Compared {

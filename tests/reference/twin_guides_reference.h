@@ -12,6 +12,7 @@
 #include "lib/statistics/feature_statistics.h"
 #include "lib/statistics/piece_statistics.h"
 #include "lib/statistics/variance_of_mean.h"
+#include "tests/reference/feature_fit_reference.h"
 
 namespace spool::reference {
 
@@ -528,7 +529,7 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, const P
   }
   Planes clean, clean_variance;
   if (!raw.empty()) {
-    BlendResult cleaned = blend(raw, raw_variance, raw, raw_variance, 1e-3, 1, 5, 4.0);
+    FittedFeatures cleaned = feature_fit(raw, raw_variance, {1e-3, 1.5, 3.0, 1, 5, 4.0, 0.01});
     clean = cleaned.mean;
     clean_variance = cleaned.variance;
   }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lib/core/parallel.h"
+#include "lib/filters/twin_guides/feature_fit.h"
 #include "lib/filters/twin_guides/tiles.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
@@ -13,7 +14,6 @@ namespace spool {
 namespace {
 
 constexpr double kLargestFeature = 4.0;  // albedos and normals beyond are no surface's
-constexpr BlendOptions kCleaning = {1e-3f, 1, 5, 4.0};
 
 Image<float> to_float(const Plane& plane) {
   Image<float> image(plane.width(), plane.height());
@@ -51,14 +51,9 @@ CleanFeatures clean_features(FeatureImages raw) {
     return std::vector<Image<float>>(raw.value.size(), Image<float>(width, height));
   };
   FeatureImages clean{images(), images()};
-  std::vector<const Image<float>*> values, variances;
-  for (std::size_t c = 0; c < raw.value.size(); ++c) {
-    values.push_back(&raw.value[c]);
-    variances.push_back(&raw.variance[c]);
-  }
   parallel_tiles(width, height, [&](const Rectangle& tile) {
-    const Blend blend = feature_blend(tile, values, variances, raw, kCleaning);
-    for (std::size_t c = 0; c < values.size(); ++c) {
+    const Blend blend = feature_fit(tile, raw, {});
+    for (std::size_t c = 0; c < raw.value.size(); ++c) {
       for (int y = tile.y0; y < tile.y1; ++y) {
         std::copy_n(blend.mean[c].row(y - tile.y0).data(), tile.width(),
                     &clean.value[c](tile.x0, y));

@@ -1,10 +1,10 @@
-// Recorded features, and the same cleaned by themselves: each piece's mean becomes a mean over the
-// pieces whose features look alike (feature_blend.h), which takes the noise of lens and motion off
-// and leaves edges.
+// Recorded features, and the same cleaned by themselves: each piece's mean becomes the value of a
+// line through the pieces whose features look alike (feature_fit.h), which takes the noise of lens
+// and motion off and leaves edges and ramps.
 //
 // Channels are those of albedo, normal and depth, as many as were recorded; none is allowed. Values
 // are clipped to [-4, 4], depth is divided by its largest mean. A piece without samples has its
-// neighbours' features. Slow twin: tests/reference/twin_guides_reference.h.
+// neighbours' features. Slow twin: tests/reference/feature_fit_reference.h.
 #pragma once
 
 #include <vector>

@@ -20,7 +20,7 @@ struct TwinGuidesOptions {
   double tau = 0.10;          // difference of logarithms that tells two pieces apart
   double feature_gain = 0.1;  // weight of the distance of features
   double cut = 4.0;           // distance at which a weight is 0
-  double ridge = 0.20;        // on every coefficient of the fit but the constant
+  double ridge = 0.05;        // on every coefficient of the fit but the constant
   double clamp_sigma = 8.0;   // neighbourhood that says what a sample may be, pixels
   double agreement = 16.0;    // reach of the light that samples agree on, pieces; 0: none returns
   double limit = 20.0;        // of a piece's luminance, times what its window says
