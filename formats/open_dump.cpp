@@ -244,20 +244,27 @@ Result<OpenDump> open_dump(const std::filesystem::path& path) {
   return dump;
 }
 
-Result<std::vector<std::byte>> read_payload(const FileHandle& file, const IndexEntry& entry,
-                                            bool with_pad) {
+Result<void> read_payload_into(const FileHandle& file, const IndexEntry& entry,
+                               std::span<std::byte> bytes) {
   const auto stored = static_cast<size_t>(entry.header.stored_bytes);
-  std::vector<std::byte> bytes(with_pad ? *checked_pad64(stored) : stored);
   SPOOL_TRY(file.read_at(entry.offset + kUnit, bytes));
   const auto damage = [&](std::string_view what) {
     return tl::unexpected(
         file_error(file.path(),
                    {kDamaged, fmt::format("{} ({})", what, describe(entry.header, entry.offset))}));
   };
-  if (crc32(std::span(bytes).first(stored)) != entry.header.payload_crc32) {
+  if (crc32(bytes.first(stored)) != entry.header.payload_crc32) {
     return damage("payload does not match its checksum");
   }
-  if (!is_zero_pad(std::span(bytes).subspan(stored))) return damage("pad bytes are not 0");
+  if (!is_zero_pad(bytes.subspan(stored))) return damage("pad bytes are not 0");
+  return {};
+}
+
+Result<std::vector<std::byte>> read_payload(const FileHandle& file, const IndexEntry& entry,
+                                            bool with_pad) {
+  const auto stored = static_cast<size_t>(entry.header.stored_bytes);
+  std::vector<std::byte> bytes(with_pad ? *checked_pad64(stored) : stored);
+  SPOOL_TRY(read_payload_into(file, entry, bytes));
   bytes.resize(stored);
   return bytes;
 }

@@ -36,6 +36,10 @@ Result<OpenDump> open_dump(const std::filesystem::path& path);
 Result<std::vector<std::byte>> read_payload(const FileHandle& file, const IndexEntry& entry,
                                             bool with_pad = false);
 
+// The same into memory of the caller: as many bytes as the payload has, or with its pad.
+Result<void> read_payload_into(const FileHandle& file, const IndexEntry& entry,
+                               std::span<std::byte> bytes);
+
 // The decoded payload of a DATA record of a valid geometry.
 Judged<std::vector<std::byte>> decode_block(const RecordHeader& record,
                                             const DumpGeometry& geometry,

@@ -156,6 +156,10 @@ bool SpoolReader::is_raw(uint16_t group, uint32_t tile, uint32_t block) const {
   return record && state_->dump.entries[*record].header.codec == 0;
 }
 
+uint64_t SpoolReader::raw_bytes(uint16_t group, uint32_t tile, uint32_t block) const {
+  return state_->dump.geometry.raw_bytes(group, tile, block);
+}
+
 Result<std::span<const std::byte>> SpoolReader::map_block(uint16_t group, uint32_t tile,
                                                           uint32_t block) const {
   State& state = *state_;
@@ -210,6 +214,18 @@ Result<std::vector<std::byte>> SpoolReader::read_block(uint16_t group, uint32_t 
          fmt::format("{} ({})", plain.error().what, describe(entry.header, entry.offset))}));
   }
   return std::move(*plain);
+}
+
+Result<void> SpoolReader::read_raw_block(uint16_t group, uint32_t tile, uint32_t block,
+                                         std::span<std::byte> bytes) const {
+  const State& state = *state_;
+  SPOOL_ASSIGN(const uint32_t record, state.find_record(group, tile, block));
+  const IndexEntry& entry = state.dump.entries[record];
+  if (entry.header.codec != 0 || entry.header.stored_bytes != bytes.size()) {
+    return state.refuse(ErrorCode::kUsage, "block is compressed or has not {} bytes ({}): read it",
+                        bytes.size(), describe(entry.header, entry.offset));
+  }
+  return read_payload_into(state.dump.file, entry, bytes);
 }
 
 std::vector<LayerInfo> SpoolReader::layers() const {

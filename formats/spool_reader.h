@@ -50,6 +50,8 @@ class SpoolReader {
   bool has_block(uint16_t group, uint32_t tile, uint32_t block) const;
   bool is_raw(uint16_t group, uint32_t tile, uint32_t block) const;
 
+  uint64_t raw_bytes(uint16_t group, uint32_t tile, uint32_t block) const;  // decoded
+
   // The stored bytes in place, dtype[channel][y][x][sample]; raw blocks only. Verified once per
   // process before they are handed out. Valid while the reader lives; cutting the file meanwhile
   // raises SIGBUS (POSIX), or with survive_lost_pages() turns what was cut into zeros: whoever
@@ -61,6 +63,11 @@ class SpoolReader {
 
   // The decoded bytes, dtype[channel][y][x][sample]; verified each time.
   Result<std::vector<std::byte>> read_block(uint16_t group, uint32_t tile, uint32_t block) const;
+
+  // The same of a raw block, into `bytes`, which are as many as the block has: memory that is
+  // nowhere set before it is read.
+  Result<void> read_raw_block(uint16_t group, uint32_t tile, uint32_t block,
+                              std::span<std::byte> bytes) const;
 
   std::vector<LayerInfo> layers() const;
   std::optional<LayerInfo> find_layer(std::string_view layer) const;

@@ -5,9 +5,10 @@
 #include <fstream>
 #include <sstream>
 
-#include <oneapi/tbb/task_arena.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+#include "lib/core/worker_threads.h"
 
 namespace spool {
 namespace {
@@ -102,8 +103,7 @@ std::optional<std::uint64_t> available_memory(std::uint64_t to_be_mapped) {
   std::ifstream own("/proc/self/cgroup");
   const std::string groups((std::istreambuf_iterator<char>(own)), {});
   take_least(bytes, memory_left_in_groups(groups, "/sys/fs/cgroup"));
-  const auto threads =
-      static_cast<std::uint64_t>(oneapi::tbb::this_task_arena::max_concurrency() - 1);
+  const auto threads = static_cast<std::uint64_t>(allowed_threads() - 1);  // beside this one
   take_least(bytes, left_of_limit(RLIMIT_AS, 0, to_be_mapped + threads * kBytesPerThread));
   take_least(bytes, left_of_limit(RLIMIT_DATA, 5, threads * kBytesPerThread));
   if (const char* limit = std::getenv("SPOOL_MEMORY")) {

@@ -1,7 +1,10 @@
 #include "lib/pool/file_blocks.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -43,25 +46,35 @@ tl::unexpected<Error> missing(const SpoolReader& file, BlockPlace place) {
               rect.x0, rect.y0, rect.x1 - 1, rect.y1 - 1);
 }
 
+// Plain floats are read to where they stay: a recording larger than memory is mostly this.
+// Of a block that holds other layers, too, only the layer's `count` values from `first` on stay.
+Result<BlockValues> read_floats(const SpoolReader& file, std::uint16_t group, BlockPlace place,
+                                std::size_t first, std::size_t count) {
+  const auto all =
+      static_cast<std::size_t>(file.raw_bytes(group, place.tile, place.block)) / sizeof(float);
+  auto held = std::make_shared_for_overwrite<float[]>(all);
+  SPOOL_TRY(file.read_raw_block(group, place.tile, place.block,
+                                std::as_writable_bytes(std::span(held.get(), all))));
+  if (all == count) return BlockValues{held.get(), held};
+  const auto part = std::make_shared_for_overwrite<float[]>(count);
+  std::copy_n(held.get() + first, count, part.get());
+  return BlockValues{part.get(), part};
+}
+
 // The layer's part of a block, whose first value is `first`.
-BlockValues decoded(std::vector<std::byte> block, DataType type, std::size_t first,
+BlockValues decoded(const std::vector<std::byte>& block, DataType type, std::size_t first,
                     std::size_t count) {
-  if (type == DataType::kFloat32 && count * sizeof(float) == block.size()) {
-    // Memory of new is aligned for floats.
-    auto held = std::make_shared<const std::vector<std::byte>>(std::move(block));
-    return {reinterpret_cast<const float*>(held->data()), held};
-  }
-  auto held = std::make_shared<std::vector<float>>(count);
-  if (type == DataType::kFloat32) {
-    std::memcpy(held->data(), block.data() + first * sizeof(float), count * sizeof(float));
-    return {held->data(), held};
+  auto held = std::make_shared_for_overwrite<float[]>(count);
+  if (type == DataType::kFloat32) {  // it was compressed
+    std::memcpy(held.get(), block.data() + first * sizeof(float), count * sizeof(float));
+    return {held.get(), held};
   }
   for (std::size_t i = 0; i < count; ++i) {
     std::uint16_t half = 0;
     std::memcpy(&half, block.data() + (first + i) * sizeof(half), sizeof(half));
-    (*held)[i] = format::half_to_float(half);
+    held[i] = format::half_to_float(half);
   }
-  return {held->data(), held};
+  return {held.get(), held};
 }
 
 }  // namespace
@@ -84,8 +97,12 @@ BlockReader file_blocks(std::shared_ptr<const SpoolReader> file, const format::L
       // Payloads start at a multiple of 64.
       return BlockValues{reinterpret_cast<const float*>(bytes.data()) + first, nullptr};
     }
-    SPOOL_ASSIGN(auto bytes, file->read_block(layer.group, place.tile, place.block));
-    return decoded(std::move(bytes), layer.type, first, layer.channel_count * plane);
+    const std::size_t count = layer.channel_count * plane;
+    if (can_be_mapped(*file, layer, place)) {
+      return read_floats(*file, layer.group, place, first, count);
+    }
+    SPOOL_ASSIGN(const auto bytes, file->read_block(layer.group, place.tile, place.block));
+    return decoded(bytes, layer.type, first, count);
   };
 }
 

@@ -174,6 +174,16 @@ def test_limits_of_the_process_count(recordings, tmp_path, limit):
     assert done.returncode == 1 and "GB of memory" in done.stderr and len(done.stderr.splitlines()) == 1, (done.returncode, done.stderr)
 
 
+def test_one_thread_needs_no_addresses_for_others(recordings, tmp_path):
+    """A further thread takes 72 MB of addresses; of `ulimit -v` nothing is set aside for threads that there will not be."""
+    arguments = command("reconstruct", recordings / "half.spool", "directional", tmp_path)
+    for threads, code in (("1", 0), ("2", 1)):
+        arguments[arguments.index("--threads") + 1] = threads
+        done = subprocess.run(arguments, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (140 << 20, 140 << 20)), capture_output=True,
+                              text=True, timeout=LONGEST_RUN)
+        assert done.returncode == code, (threads, done.returncode, done.stderr)
+
+
 @pytest.fixture(scope="module")
 def long_recording(tmp_path_factory):
     """Little picture, many samples, film positions: eight times the memory that it may take."""
