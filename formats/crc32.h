@@ -7,6 +7,7 @@
 
 namespace spool::format {
 
-uint32_t crc32(std::span<const std::byte> bytes);
+// `before` is the checksum of what stands in front of `bytes`.
+uint32_t crc32(std::span<const std::byte> bytes, uint32_t before = 0);
 
 }  // namespace spool::format

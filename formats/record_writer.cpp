@@ -1,5 +1,6 @@
 #include "formats/record_writer.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "formats/checked_math.h"
@@ -120,9 +121,11 @@ void RecordWriter::build(RecordHeader& record, std::span<const std::byte> stored
   record.stored_bytes = stored.size();
   record.payload_crc32 = crc32(stored);
   const UnitBytes head = encode(record);
-  buffer_.assign(kUnit + *checked_pad64(stored.size()), std::byte{0});
+  buffer_.resize(kUnit + *checked_pad64(stored.size()));  // no byte is set twice but the pad
   std::memcpy(buffer_.data(), head.data(), kUnit);
   std::memcpy(buffer_.data() + kUnit, stored.data(), stored.size());
+  std::fill(buffer_.begin() + static_cast<std::ptrdiff_t>(kUnit + stored.size()), buffer_.end(),
+            std::byte{0});
 }
 
 Result<void> RecordWriter::append(RecordHeader record, std::span<const std::byte> stored) {

@@ -20,7 +20,8 @@ using format::GroupLayout;
 using format::Scope;
 using format::SpoolWriter;
 
-constexpr uint64_t kBoxBytes = uint64_t{64} << 20;
+constexpr uint64_t kTileBytes = uint64_t{64} << 20;  // of the blocks that are made at a time
+constexpr uint64_t kBoxBytes = uint64_t{256} << 10;  // of rows of a source, in the cache
 constexpr uint32_t kDefaultBlockSpp = 16;
 
 // Layers in file order, each with its group; sorts plan.layers accordingly.
@@ -78,47 +79,81 @@ DumpHeader make_header(const DumpPlan& plan, const std::vector<uint16_t>& groups
   return header;
 }
 
+// Memory that is used again from tile to tile.
+struct Scratch {
+  std::vector<std::byte> box;                    // rows of a layer
+  std::vector<std::vector<std::byte>> payloads;  // blocks of a tile
+};
+
+// Blocks [block, last] of one tile of one group; their samples are [begin, end).
+struct TilePart {
+  uint16_t group = 0;
+  uint32_t tile = 0, block = 0, last = 0;
+  uint32_t begin = 0, end = 0;
+  format::PixelRect rect;
+};
+
+// A layer's values, whose first channel is `channel` of the group, into the blocks of a tile.
+Result<void> fill_layer(const DumpGeometry& geometry, const TilePart& part,
+                        const ForeignLayer& layer, uint64_t channel, const std::string& source,
+                        Scratch& scratch, ValueCounts& counts) {
+  const format::PixelRect& rect = part.rect;
+  const uint64_t pixels = uint64_t{rect.width()} * rect.height();
+  const uint64_t row_bytes = uint64_t{rect.width()} * (part.end - part.begin) *
+                             layer.array.stride() * element_bytes(layer.array.type);
+  const auto rows =
+      static_cast<uint32_t>(std::clamp<uint64_t>(kBoxBytes / row_bytes, 1, rect.height()));
+  for (uint32_t y = rect.y0; y < rect.y1; y += rows) {
+    const uint32_t y1 = std::min(y + rows, rect.y1);
+    SPOOL_TRY(read_box(layer.array, {y, y1, rect.x0, rect.x1, part.begin, part.end}, scratch.box));
+    for (uint32_t b = part.block; b <= part.last; ++b) {
+      const uint32_t first = geometry.block_begin(part.group, b);
+      const uint32_t count = geometry.block_count(part.group, b);
+      const uint64_t plane =
+          pixels * count * format::bytes_per_value(geometry.groups()[part.group].type);
+      const auto out = std::span(scratch.payloads[b - part.block])
+                           .subspan(channel * plane, layer.array.components * plane);
+      const BoxPart box{uint64_t{rect.width()} * (y1 - y), uint64_t{rect.width()} * (y - rect.y0),
+                        part.end - part.begin, first - part.begin, count};
+      if (!to_planar(scratch.box, layer.array, box, pixels, out, counts))
+        return fail(ErrorCode::kData,
+                    "{}: {} holds a value beyond float32 (tile {}, samples {} to {}): scale it",
+                    source, layer.name, part.tile, first, first + count - 1);
+    }
+  }
+  return {};
+}
+
 // All blocks of one tile of one group.
 Result<void> write_tile(SpoolWriter& writer, const DumpGeometry& geometry, uint16_t group,
                         uint32_t tile, std::span<const ForeignLayer> layers,
-                        const std::string& source, ValueCounts& counts) {
+                        const std::string& source, Scratch& scratch, ValueCounts& counts) {
   const GroupLayout& layout = geometry.groups()[group];
-  const format::PixelRect rect =
+  TilePart part{group, tile, 0, 0, 0, 0, {}};
+  part.rect =
       layout.scope == Scope::kPass ? format::PixelRect{0, 0, 1, 1} : geometry.tile_rect(tile);
-  const uint64_t pixels = uint64_t{rect.width()} * rect.height();
+  const uint64_t pixels = uint64_t{part.rect.width()} * part.rect.height();
   uint64_t widest = 1;  // source bytes of one sample of the widest layer
   for (const ForeignLayer& layer : layers)
     widest = std::max(widest, pixels * layer.array.stride() * element_bytes(layer.array.type));
   const uint64_t full = geometry.block_count(group, 0);
-  const uint32_t step = static_cast<uint32_t>(std::max<uint64_t>(1, kBoxBytes / (widest * full)));
-  for (uint32_t block = 0; block < layout.blocks; block += step) {
-    const uint32_t last = std::min(layout.blocks, block + step) - 1;
-    const uint32_t begin = geometry.block_begin(group, block);
-    const uint32_t end = geometry.block_begin(group, last) + geometry.block_count(group, last);
-    std::vector<std::vector<std::byte>> payloads;
-    for (uint32_t b = block; b <= last; ++b)
-      payloads.emplace_back(geometry.raw_bytes(group, tile, b));
+  const uint32_t step = static_cast<uint32_t>(std::max<uint64_t>(1, kTileBytes / (widest * full)));
+  for (part.block = 0; part.block < layout.blocks; part.block += step) {
+    part.last = std::min(layout.blocks, part.block + step) - 1;
+    part.begin = geometry.block_begin(group, part.block);
+    part.end = geometry.block_begin(group, part.last) + geometry.block_count(group, part.last);
+    scratch.payloads.resize(part.last - part.block + 1);
+    for (uint32_t b = part.block; b <= part.last; ++b)
+      scratch.payloads[b - part.block].resize(geometry.raw_bytes(group, tile, b));
     uint64_t channel = 0;
     for (const ForeignLayer& layer : layers) {
-      SPOOL_ASSIGN(const auto box,
-                   read_box(layer.array, {rect.y0, rect.y1, rect.x0, rect.x1, begin, end}));
-      for (uint32_t b = block; b <= last; ++b) {
-        const uint32_t count = geometry.block_count(group, b);
-        const uint64_t plane = pixels * count * format::bytes_per_value(layout.type);
-        const auto out =
-            std::span(payloads[b - block]).subspan(channel * plane, layer.array.components * plane);
-        if (!to_planar(box, layer.array, pixels, end - begin,
-                       geometry.block_begin(group, b) - begin, count, out, counts))
-          return fail(ErrorCode::kData,
-                      "{}: {} holds a value beyond float32 (tile {}, samples {} to {}): scale it",
-                      source, layer.name, tile, geometry.block_begin(group, b),
-                      geometry.block_begin(group, b) + count - 1);
-      }
+      SPOOL_TRY(fill_layer(geometry, part, layer, channel, source, scratch, counts));
       channel += layer.array.components;
     }
-    for (uint32_t b = block; b <= last; ++b)
+    for (uint32_t b = part.block; b <= part.last; ++b)
       SPOOL_TRY(writer.write_block(group, tile, geometry.block_begin(group, b),
-                                   geometry.block_count(group, b), payloads[b - block]));
+                                   geometry.block_count(group, b),
+                                   scratch.payloads[b - part.block]));
   }
   return {};
 }
@@ -180,6 +215,7 @@ Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
 
   ImportReport report{plan.width, plan.height, plan.spp, {}, {}, {}};
   bool half = false;
+  Scratch scratch;
   for (const ForeignLayer& layer : plan.layers) {
     report.layers.push_back(layer.name);
     half = half || layer.array.type == ElementType::kFloat16;
@@ -193,7 +229,8 @@ Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
       ++end;
     const auto members = std::span(plan.layers).subspan(first, end - first);
     for (uint32_t tile = 0; tile < geometry.groups()[groups[first]].tiles; ++tile)
-      SPOOL_TRY(write_tile(writer, geometry, groups[first], tile, members, source, report.counts));
+      SPOOL_TRY(write_tile(writer, geometry, groups[first], tile, members, source, scratch,
+                           report.counts));
     first = end;
   }
   SPOOL_TRY(writer.finish());

@@ -1,9 +1,8 @@
 #include "formats/interchange/sample_array.h"
 
+#include <cassert>
 #include <cmath>
 #include <cstring>
-
-#include "formats/byte_io.h"
 
 namespace spool::interchange {
 namespace {
@@ -47,22 +46,49 @@ Result<void> read_sample_major(const SampleArray& array, const SampleBox& box,
   return {};
 }
 
-template <class T>
-void scatter(std::span<const std::byte> box, const SampleArray& array, uint64_t pixels,
-             uint32_t box_samples, uint32_t first, uint32_t count, std::span<std::byte> out,
-             auto&& convert) {
-  const uint64_t stride = array.stride();
-  size_t to = 0;
-  for (uint32_t c = 0; c < array.components; ++c) {
-    for (uint64_t p = 0; p < pixels; ++p) {
-      for (uint32_t s = 0; s < count; ++s) {
-        const T source =
-            format::load<T>(box, ((p * box_samples + first + s) * stride + c) * sizeof(T));
-        const auto stored = convert(source);
-        format::store(out, to, stored);
-        to += sizeof(stored);
+// Samples of a box [y][x][s][c + skipped] on their way to planes [c][y][x][s].
+struct Transposition {
+  std::span<const std::byte> box;
+  std::span<std::byte> out;
+  BoxPart part;
+  uint64_t block_pixels = 0;
+  uint32_t components = 0, stride = 0;
+};
+
+// A pixel's samples lie in the cache while its components are taken apart. `Stride` is that of the
+// array where it is known before, so that the innermost loop runs in vectors; 0: any.
+template <class T, uint32_t Stride, class Convert>
+void scatter_by(const Transposition& from, Convert& convert) {
+  using Stored = decltype(convert(T{}));
+  const BoxPart& part = from.part;
+  const size_t stride = Stride != 0 ? Stride : from.stride;
+  const size_t run = part.count * sizeof(Stored), plane = from.block_pixels * run;
+  assert(plane * from.components == from.out.size());
+  assert((part.to + part.pixels) * run <= plane && part.first + part.count <= part.samples);
+  assert(part.pixels * part.samples * stride * sizeof(T) == from.box.size());
+  for (uint64_t p = 0; p < part.pixels; ++p) {
+    const std::byte* pixel = from.box.data() + (p * part.samples + part.first) * stride * sizeof(T);
+    for (uint32_t c = 0; c < from.components; ++c) {
+      std::byte* to = from.out.data() + c * plane + (part.to + p) * run;
+      for (uint32_t s = 0; s < part.count; ++s) {
+        T source;  // at any alignment
+        std::memcpy(&source, pixel + (s * stride + c) * sizeof(T), sizeof(T));
+        const Stored stored = convert(source);
+        std::memcpy(to + s * sizeof(Stored), &stored, sizeof(Stored));
       }
     }
+  }
+}
+
+template <class T, class Convert>
+void scatter(const Transposition& from, Convert&& convert) {
+  switch (from.stride) {
+    case 1:
+      return scatter_by<T, 1>(from, convert);
+    case 3:
+      return scatter_by<T, 3>(from, convert);
+    default:
+      return scatter_by<T, 0>(from, convert);
   }
 }
 
@@ -98,51 +124,50 @@ format::DataType stored_type(ElementType type) {
   return format::DataType::kFloat32;
 }
 
-Result<std::vector<std::byte>> read_box(const SampleArray& array, const SampleBox& box) {
-  std::vector<std::byte> out(element_bytes(array.type) * array.stride() * (box.y1 - box.y0) *
-                             (box.x1 - box.x0) * (box.s1 - box.s0));
-  SPOOL_TRY(array.sample_major ? read_sample_major(array, box, out)
-                               : read_pixel_major(array, box, out));
-  return out;
+Result<void> read_box(const SampleArray& array, const SampleBox& box, std::vector<std::byte>& out) {
+  out.resize(element_bytes(array.type) * array.stride() * (box.y1 - box.y0) * (box.x1 - box.x0) *
+             (box.s1 - box.s0));
+  return array.sample_major ? read_sample_major(array, box, out)
+                            : read_pixel_major(array, box, out);
 }
 
-bool to_planar(std::span<const std::byte> box, const SampleArray& array, uint64_t pixels,
-               uint32_t box_samples, uint32_t first, uint32_t count, std::span<std::byte> out,
-               ValueCounts& counts) {
+bool to_planar(std::span<const std::byte> box, const SampleArray& array, const BoxPart& part,
+               uint64_t block_pixels, std::span<std::byte> out, ValueCounts& counts) {
   bool all_fit = true;
-  const auto run = [&]<class T>(T, auto&& convert) {
-    scatter<T>(box, array, pixels, box_samples, first, count, out, convert);
-  };
+  const Transposition from{box, out, part, block_pixels, array.components, array.stride()};
+  uint32_t non_finite = 0, at_half_limit = 0;  // as wide as the values, for loops in vectors
   switch (array.type) {
     case ElementType::kFloat16:
-      run(uint16_t{}, [&](uint16_t half) {
+      scatter<uint16_t>(from, [&](uint16_t half) {
         const uint16_t magnitude = half & 0x7FFF;
-        counts.non_finite += magnitude >= 0x7C00;
-        counts.at_half_limit += magnitude == 0x7BFF || magnitude == 0x7C00;
+        non_finite += magnitude >= 0x7C00;
+        at_half_limit += magnitude == 0x7BFF || magnitude == 0x7C00;
         return half;
       });
       break;
     case ElementType::kFloat32:
-      run(uint32_t{}, [&](uint32_t bits) {  // as bits: a NaN keeps its payload
-        counts.non_finite += (bits & 0x7F800000) == 0x7F800000;
+      scatter<uint32_t>(from, [&](uint32_t bits) {  // as bits: a NaN keeps its payload
+        non_finite += (bits & 0x7F800000) == 0x7F800000;
         return bits;
       });
       break;
     case ElementType::kFloat64:
-      run(double{}, [&](double value) {
+      scatter<double>(from, [&](double value) {
         const float narrow = static_cast<float>(value);
-        counts.non_finite += !std::isfinite(value);
+        non_finite += !std::isfinite(value);
         if (std::isfinite(value) && !std::isfinite(narrow)) all_fit = false;
         return narrow;
       });
       break;
     case ElementType::kUint32:
-      run(uint32_t{}, [](uint32_t value) { return value; });
+      scatter<uint32_t>(from, [](uint32_t value) { return value; });
       break;
     case ElementType::kUint8:
-      run(uint8_t{}, [](uint8_t value) { return uint32_t{value}; });
+      scatter<uint8_t>(from, [](uint8_t value) { return uint32_t{value}; });
       break;
   }
+  counts.non_finite += non_finite;
+  counts.at_half_limit += at_half_limit;
   return all_fit;
 }
 

@@ -42,8 +42,9 @@ struct SampleBox {
   uint32_t s0 = 0, s1 = 0;
 };
 
-// Elements [y][x][s][c] of a box inside the array, in the array's own type, skipped ones included.
-Result<std::vector<std::byte>> read_box(const SampleArray& array, const SampleBox& box);
+// Elements [y][x][s][c] of a box inside the array, in the array's own type, skipped ones included;
+// `out` becomes as large as they are.
+Result<void> read_box(const SampleArray& array, const SampleBox& box, std::vector<std::byte>& out);
 
 // What was noticed while values were taken over.
 struct ValueCounts {
@@ -51,11 +52,18 @@ struct ValueCounts {
   uint64_t at_half_limit = 0;  // |v| = 65504 or infinite in an f16 source
 };
 
-// Samples [first, first + count) of a box of `box_samples` samples per pixel, as the planar block
-// stored[c][y][x][s] of stored_type(array.type). `out` has exactly that size. False when a finite
-// f64 does not fit f32.
-bool to_planar(std::span<const std::byte> box, const SampleArray& array, uint64_t pixels,
-               uint32_t box_samples, uint32_t first, uint32_t count, std::span<std::byte> out,
-               ValueCounts& counts);
+// Pixels and samples of a box that go into a block, and where: the box holds `pixels` pixels of
+// `samples` samples each; samples [first, first + count) of them become those of the block's pixels
+// from `to` on.
+struct BoxPart {
+  uint64_t pixels = 0, to = 0;
+  uint32_t samples = 0, first = 0, count = 0;
+};
+
+// That part as the planar block stored[c][y][x][s] of stored_type(array.type). `out` is the whole
+// block of `block_pixels` pixels and has exactly that size. False when a finite f64 does not fit
+// f32. A box should stay in the processor's cache: each block goes through it.
+bool to_planar(std::span<const std::byte> box, const SampleArray& array, const BoxPart& part,
+               uint64_t block_pixels, std::span<std::byte> out, ValueCounts& counts);
 
 }  // namespace spool::interchange

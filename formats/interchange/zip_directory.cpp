@@ -7,6 +7,7 @@
 
 #include "formats/byte_io.h"
 #include "formats/checked_math.h"
+#include "formats/crc32.h"
 
 namespace spool::interchange {
 namespace {
@@ -287,8 +288,7 @@ Result<std::vector<ZipMember>> read_zip_directory(const FileHandle& file) {
 Result<void> decode_member(const FileHandle& file, const ZipMember& member, const ByteSink& sink) {
   uint32_t crc = 0;
   SPOOL_TRY(decode(file, member, member.bytes, [&](std::span<const std::byte> piece) {
-    crc = static_cast<uint32_t>(
-        ::crc32_z(crc, reinterpret_cast<const Bytef*>(piece.data()), piece.size()));
+    crc = format::crc32(piece, crc);
     return sink(piece);
   }));
   if (crc != member.crc32)
