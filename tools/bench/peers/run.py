@@ -17,31 +17,34 @@ from speed_page import replace_section  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
 RESULTS = ROOT / "docs" / "results" / "peers"
-TITLES = {"filter": "filter", "sampler": "sampler (8 of 64)", "file": "reading all samples", "judge": "judging an image"}
+TITLES = {"filter": "filter of 8 uniform samples", "pair": "sampler and filter, 8 of 64 samples", "sampler": "sampler, 8 of 64", "file": "reading all samples",
+          "region": "reading a region of 64x64 pixels", "pack": "packing", "judge": "judging an image"}
+IMAGES = ("filter", "pair")                    # kinds that give an image, which has an error
+OIDN = "Open Image Denoise, albedo and normal"
 
 
 def measure(build, arguments):
     cache = Path(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache"))) / "spool"
     python = os.environ.get("SPOOL_PEERS_PYTHON", cache / "peers-venv" / "bin" / "python")
     done = subprocess.run([python, Path(__file__).with_name("subjects.py"), build / "spool", str(arguments.size),
-                           str(arguments.turns)], env={**os.environ, "PYTHONPATH": str(build / "python")}, check=True,
+                           str(arguments.turns), str(arguments.longest), arguments.without], env={**os.environ, "PYTHONPATH": str(build / "python")}, check=True,
                           stdout=subprocess.PIPE, text=True)
     return json.loads(done.stdout)
 
 
 def unit_of(rows, kind):
     """What the costs of a kind are told in: multiples of this subject's."""
-    names = {"filter": "Open Image Denoise, albedo and normal", "sampler": "Open Image Denoise, albedo and normal",
-             "file": "numpy: mean of each pixel's samples", "judge": "flip-evaluator: LDR FLIP"}
+    names = {"filter": OIDN, "pair": OIDN, "sampler": OIDN, "file": "numpy: mean of each pixel's samples",
+             "region": "h5py: region, fletcher32", "pack": "numpy: load the npz, h5py: write, fletcher32", "judge": "flip-evaluator: LDR FLIP"}
     return next(r for r in rows if r["name"] == names[kind])
 
 
 def table(rows, kind):
     one = unit_of(rows, kind)
-    lines = [f"| {TITLES[kind]} | {one['unit']} | times {one['name']} |" + (" relMSE | energy |" if kind == "filter" else ""),
-             "|---|---|---|" + ("---|---|" if kind == "filter" else "")]
+    lines = [f"| {TITLES[kind]} | {one['unit']} | times {one['name']} |" + (" relMSE | energy |" if kind in IMAGES else ""),
+             "|---|---|---|" + ("---|---|" if kind in IMAGES else "")]
     for row in sorted((r for r in rows if r["kind"] == kind), key=lambda r: r["cost"]):
-        error = f" {row['relmse']:.3g} | {row['energy']:.3f} |" if kind == "filter" else ""
+        error = f" {row['relmse']:.3g} | {row['energy']:.3f} |" if kind in IMAGES else ""
         lines.append(f"| {row['name']} | {row['cost']:.3g} | {row['cost'] / one['cost']:.2g} |{error}")
     return "\n".join(lines)
 
@@ -49,15 +52,16 @@ def table(rows, kind):
 def draw(rows, path):
     """Error against cost, both logarithmic, every filter named."""
     plt.rcParams["svg.fonttype"], plt.rcParams["svg.hashsalt"] = "path", "spool"
-    figure, axes = plt.subplots(figsize=(8, 5))
-    for row in (r for r in rows if r["kind"] == "filter"):
+    figure, axes = plt.subplots(figsize=(9, 6))
+    for row in (r for r in rows if r["kind"] in IMAGES):
         ours = row["name"].startswith("spool")
-        axes.plot(row["cost"], row["relmse"], "o" if ours else "s", color="#0072b2" if ours else "#d55e00")
+        axes.plot(row["cost"], row["relmse"], "s" if not ours else "o" if row["kind"] == "filter" else "D", color="#0072b2" if ours else "#d55e00",
+                  fillstyle="none" if row["kind"] == "pair" else "full")
         label = row["name"].split(": ")[-1].replace("Open Image Denoise", "OIDN")
         far = row["cost"] > 3  # its name stands to the left
         axes.annotate(label, (row["cost"], row["relmse"]), textcoords="offset points", fontsize=8,
                       xytext=(-6 if far else 6, -10 if ours else 3), ha="right" if far else "left")
-    axes.set(xscale="log", yscale="log", xlabel="CPU seconds per megapixel, one thread", ylabel="relMSE of 8 uniform samples")
+    axes.set(xscale="log", yscale="log", xlabel="CPU seconds per megapixel, one thread", ylabel="relMSE at 8 samples a pixel")
     axes.grid(True, which="both", alpha=0.25)
     figure.tight_layout()
     figure.savefig(path, metadata={"Date": None}, facecolor="white")
@@ -67,7 +71,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("build", type=Path)
     parser.add_argument("--size", type=int, default=512, help="pixels a side, a multiple of 64")
-    parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--turns", type=int, default=2)
+    parser.add_argument("--longest", type=float, default=30, help="seconds; what takes longer runs in the first turn only")
+    parser.add_argument("--without", default="^$", help="leave out subjects whose name this regular expression finds")
     arguments = parser.parse_args()
     found = measure(arguments.build.resolve(), arguments)
     RESULTS.mkdir(parents=True, exist_ok=True)
@@ -80,9 +86,10 @@ def main():
     replace_section("peers", "\n\n".join([
         "## Beside other programs",
         f"`tools/dev.sh bench peers`: {side} x {side} pixels of mirrored copies of `dumps/tiny/chess.spool`, 8 of 64 samples, one thread, the "
-        f"least CPU time of {found['turns']} turns in which every subject ran. Compare ratios: seconds are those of one machine, which "
-        "others used, too. Peers get the mean image, and the noise where they ask for it; ours read the samples.",
-        "![error against CPU time of filters](results/peers/peers.svg)",
+        f"least CPU time of {found['turns']} turns in which every subject ran (what took longer than {arguments.longest:g} s: once). Compare ratios: seconds are those of one machine, which "
+        "others used, too. Peers get the mean image, and the noise where they ask for it; ours read the samples. In the figure discs are our filters of uniform samples, "
+        "squares those of others, empty diamonds a sampler and a filter of ours together.",
+        "![error against CPU time](results/peers/peers.svg)",
         *(table(found["rows"], kind) for kind in TITLES),
         "Figures: [peers.csv](results/peers/peers.csv)."]))
 

@@ -3,8 +3,10 @@ the programs of others (run.py); prints JSON.
 
 Every subject runs in every turn, one thread each; the least CPU time of the turns counts.
 """
+import hashlib
 import json
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -84,14 +86,25 @@ def filters_of_others(noisy, features, noise):
 
 
 def our_filters(recording):
-    names = ("box", "gaussian", "wavelet_shrinkage", "welch", "directional", "greedy_selection", "nl_means", "cross_bilateral",
-             "twin_guides", "twin_guides{scales=1}")
+    names = ("box", "gaussian", "wavelet_shrinkage", "welch", "stater", "multistage", "directional", "greedy_selection", "nl_means",
+             "cross_bilateral", "twin_guides", "twin_guides{scales=1}")
     return {f"spool: {name}": (lambda name=name: spool.reconstruct(recording, None, name, spp=SPP, threads=1)) for name in names}
 
 
 def our_samplers(recording):
-    names = ("uniform", "multiscale", "mitchell", "greedy_error", "filtered_halves", "cross_halves")
+    names = ("uniform", "neyman", "denoised_variance", "mitchell", "multiscale", "greedy_error", "adaptive_wavelet", "nl_means",
+             "cross_bilateral", "cross_halves", "filtered_halves")
     return {f"spool: {name}": (lambda name=name: spool.replay(recording, name, SPP, threads=1)) for name in names}
+
+
+def our_pairs(recording):
+    """Both stages of a method, as its authors mean it."""
+    def both(sampler, filter):
+        return spool.reconstruct(recording, spool.replay(recording, sampler, SPP, threads=1), filter, threads=1)
+
+    pairs = (("multiscale", "directional"), ("multiscale", "nl_means"), ("multiscale", "twin_guides"), ("greedy_error", "greedy_selection"),
+             ("nl_means", "nl_means"), ("cross_bilateral", "cross_bilateral"), ("filtered_halves", "directional"))
+    return {f"spool: {sampler} + {filter}": (lambda pair=(sampler, filter): both(*pair)) for sampler, filter in pairs}
 
 
 def files_of(radiance, folder):
@@ -119,16 +132,55 @@ def read_hdf5(path):
 
 def readers(folder, program):
     raw = np.fromfile(folder / "a.raw", "f4")
+    room = np.zeros_like(raw)
     box = [program, "reconstruct", folder / "a.spool", "--filter", "box", "--threads", "1", "-q", "--force", "-o", folder / "o.exr"]
     return {
         "numpy: read the bytes (fromfile)": lambda: np.fromfile(folder / "a.raw", "f4"),
-        "numpy: copy": lambda: raw.copy(),
+        "numpy: sum": lambda: raw.sum(),
+        "numpy: copy, into new memory": lambda: raw.copy(),
+        "numpy: copy, into memory in use": lambda: np.copyto(room, raw),
         "numpy: mean of each pixel's samples": lambda: raw.reshape(-1, 64).mean(axis=1),
         "zlib: crc32": lambda: zlib.crc32(raw),
+        "hashlib: SHA-256": lambda: hashlib.sha256(raw).digest(),
         "h5py: read, fletcher32": lambda: read_hdf5(folder / "a.h5"),
         "zarr: read, crc32c": lambda: zarr.open_array(folder / "a.zarr", mode="r")[:],
         "spool in Python: read, CRC-32": lambda: read_spool(folder / "a.spool"),
         "spool reconstruct --filter box, whole command": lambda: subprocess.run(box, check=True),
+    }
+
+
+def region_readers(folder):
+    """64 x 64 pixels across four blocks, all samples."""
+    def of_spool():
+        with spool.open(folder / "a.spool") as dump:
+            return np.asarray(dump.read("radiance", 32, 32, 96, 96))
+
+    def of_hdf5():
+        with h5py.File(folder / "a.h5") as file:
+            return file["radiance"][32:96, 32:96]
+
+    times = 20  # a region is read in milliseconds
+    runs = {"h5py: region, fletcher32": of_hdf5, "spool in Python: region, CRC-32": of_spool,
+            "zarr: region, crc32c": lambda: zarr.open_array(folder / "a.zarr", mode="r")[32:96, 32:96]}
+    assert all(np.array_equal(np.asarray(run()).reshape(-1), of_hdf5().reshape(-1)) for run in runs.values())
+    return {name: (lambda run=run: [run() for _ in range(times)]) for name, run in runs.items()}, times
+
+
+def packers(radiance, folder, program):
+    """What stands in memory or in an .npz, written as a file that knows its own checksums."""
+    flat = np.ascontiguousarray(radiance)
+    np.savez(folder / "p.npz", radiance=flat, meta=np.array(json.dumps({"layout": "HWSC"})))
+    pack = [program, "pack", folder / "p.npz", "--from", "npz", "-q", "--force", "-o", folder / "p.spool"]
+
+    def to_hdf5(data):
+        with h5py.File(folder / "p.h5", "w") as file:
+            file.create_dataset("radiance", data=data, chunks=(64, 64, flat.shape[2], 3), fletcher32=True)
+
+    return {
+        "spool pack --from npz, whole command": lambda: subprocess.run(pack, check=True),
+        "spool pack --from npz --compress, whole command": lambda: subprocess.run([*pack, "--compress"], check=True),
+        "numpy: load the npz": lambda: np.load(folder / "p.npz")["radiance"],
+        "numpy: load the npz, h5py: write, fletcher32": lambda: to_hdf5(np.load(folder / "p.npz")["radiance"]),
     }
 
 
@@ -149,11 +201,13 @@ def cpu():
     return sum(used.ru_utime + used.ru_stime for used in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)))
 
 
-def measured(groups, turns):
-    """{name: (least CPU seconds, what it gave last)}"""
+def measured(groups, turns, longest):
+    """{name: (least CPU seconds, what it gave last)}; what takes longer than `longest` runs once."""
     least, given = {}, {}
     for turn in range(turns):
         for name, run in groups.items():
+            if least.get(name, 0) > longest:
+                continue
             begin = cpu()
             given[name] = run()
             spent = cpu() - begin
@@ -163,7 +217,8 @@ def measured(groups, turns):
 
 
 def main():
-    program, side, turns = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+    program, side, turns, longest = sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
+    without = re.compile(sys.argv[5])
     cv2.setNumThreads(1)
     numcodecs.blosc.set_nthreads(1)
     layers, reference = picture(side)
@@ -176,17 +231,22 @@ def main():
     rows = []
 
     def add(kind, groups, per, unit, error=False):
-        for name, (seconds, given) in measured(groups, turns).items():
+        groups = {name: run for name, run in groups.items() if not without.search(name)}
+        for name, (seconds, given) in measured(groups, turns, longest).items():
             found = spool.metrics(np.asarray(given, float), reference, threads=1) if error else {}
             rows.append({"kind": kind, "name": name, "cost": seconds / per, "unit": unit,
                          "relmse": found.get("relmse"), "energy": found.get("energy_ratio")})
 
     add("filter", {**filters_of_others(noisy, features, noise), **our_filters(recording)}, million, "CPU-s/MP", True)
+    add("pair", our_pairs(recording), million, "CPU-s/MP", True)
     add("sampler", our_samplers(recording), million, "CPU-s/MP")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         size = files_of(layers["radiance"], folder)
         add("file", readers(folder, program), size / 1e9, "CPU-s/GB")
+        regions, times = region_readers(folder)
+        add("region", regions, times / 1e3, "CPU-ms")
+        add("pack", packers(layers["radiance"], folder, program), size / 1e9, "CPU-s/GB")
         add("judge", judges(noisy.astype(float), reference.astype(float), folder, program), million, "CPU-s/MP")
     print(json.dumps({"side": side, "turns": turns, "rows": rows}))
 

@@ -1,0 +1,215 @@
+"""A recording larger than the memory that its reader may have: tools/dev.sh bench memory [--size N] [--samples N] [--print].
+
+The samples are `--times` (8) times as many bytes as the process may hold. Each command runs with all memory it wants, in a control
+group of that limit (as root on Linux; the cache of the file counts there), and under `ulimit -v`; beside them `cat` of the same file.
+Once with the file in a file system of memory, which costs nothing but copying, and once from the disk with nothing of it in
+the cache. Images must be the same bytes. Writes a section of docs/speed.md, unless it shall only print.
+"""
+import argparse
+import contextlib
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path[:0] = [str(ROOT / "tools" / "bench"), str(ROOT / "formats" / "python")]
+import spool  # noqa: E402
+from speed_page import replace_section  # noqa: E402
+
+METHODS = {"uniform": "replay", "multiscale{tile=64}": "replay", "box": "reconstruct", "gaussian": "reconstruct", "directional": "reconstruct"}
+GROUPS = {Path("/sys/fs/cgroup/memory"): "memory.limit_in_bytes", Path("/sys/fs/cgroup"): "memory.max"}
+MB = 1e6
+SECONDS = 2.0                                   # target: times the run in memory
+
+
+def write_recording(path, side, samples):
+    """A picture with an edge and a gradient, exponential noise; no film positions, plain floats."""
+    random, block = np.random.default_rng(1), 16
+    y, x = np.mgrid[:side, :side] / side
+    mean = (0.2 + x + 2.0 * (x + 2 * y > 1.3))[:, :, None, None] * np.array([1.0, 0.8, 0.6])
+    with spool.Writer(path, side, side, samples, {"radiance": ("f4", "RGB")}, block_spp=block, sample_order="exchangeable", force=True) as writer:
+        for begin in range(0, samples, block):
+            noise = random.exponential(1, (side, side, block, 1))
+            writer.write_passes(begin, {"radiance": (mean * noise).astype("f4")})
+
+
+@contextlib.contextmanager
+def control_group(limit):
+    """A group with this limit of memory; None where none can be made."""
+    for top, file in GROUPS.items():
+        group = top / f"spool_bench_{os.getpid()}"
+        try:
+            if not (top / "cgroup.procs").exists():
+                continue
+            group.mkdir()
+            (group / file).write_text(str(int(limit)), encoding="ascii")
+        except OSError:
+            if group.exists():
+                group.rmdir()
+            continue
+        try:
+            yield group
+        finally:
+            group.rmdir()
+        return
+    yield None
+
+
+def status(process, name, file="status"):
+    try:
+        for line in Path(f"/proc/{process}/{file}").read_text(encoding="ascii").splitlines():
+            if line.startswith(name + ":"):
+                return int(line.split()[1])
+    except (OSError, ValueError):
+        pass
+    return 0
+
+
+def run(command, group=None, addresses=None):
+    """Wall and CPU seconds, most resident bytes (its own, of libraries and of mapped files), bytes that it read."""
+    def enter():
+        if group:
+            (group / "cgroup.procs").write_text(str(os.getpid()), encoding="ascii")
+        if addresses:
+            resource.setrlimit(resource.RLIMIT_AS, (addresses, addresses))
+
+    began = time.monotonic()
+    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=enter)
+    resident = read = 0
+    while True:
+        ended, code, used = os.wait4(process.pid, os.WNOHANG)
+        if ended:
+            break
+        resident = max(resident, 1024 * status(process.pid, "VmHWM"))
+        read = max(read, status(process.pid, "rchar", "io"))
+        time.sleep(0.002)
+    process.returncode = os.waitstatus_to_exitcode(code)
+    if process.returncode != 0:
+        sys.exit(f"memory: {' '.join(map(str, command))}: exit code {process.returncode}: {process.stderr.read().strip()}")
+    return {"wall": time.monotonic() - began, "cpu": used.ru_utime + used.ru_stime, "resident": resident, "read": read}
+
+
+def forget(path):
+    """Out of the cache, so that a control group pays for what it reads."""
+    with open(path, "rb") as stream:
+        os.fsync(stream.fileno())
+        os.posix_fadvise(stream.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+
+
+def least(turns):
+    """Of some runs the least time and the most memory."""
+    return {key: (max if key in ("resident", "read") else min)(turn[key] for turn in turns) for key in turns[0]}
+
+
+class Bench:
+    def __init__(self, options):
+        self.spool, self.turns, self.share = options.build.resolve() / "spool", options.turns, options.taken
+        self.samples, self.threads = options.samples, options.threads
+
+    def addresses(self):
+        """What the program and its libraries take of addresses before they do anything."""
+        most = 0
+        with subprocess.Popen([self.spool, "list"], stdout=subprocess.DEVNULL) as process:
+            while process.poll() is None:
+                most = max(most, 1024 * status(process.pid, "VmPeak"))
+        return most
+
+    def command(self, path, method, out):
+        verb = METHODS[method]
+        return [self.spool, verb, path, "--sampler" if verb == "replay" else "--filter", method, "--spp", int(self.samples * self.share),
+                "--threads", self.threads, "-q", "--force", "-o", out]
+
+    def measure(self, path, folder, limit, addresses, cold):
+        """{method: {"all" | "group" | "ulimit": figures}}; `cat` is a method, too."""
+        found = {}
+        for method in ["cat", *METHODS]:
+            ways = {"all": (None, None), "group": (limit, None), **({"ulimit": (None, addresses)} if method != "cat" else {})}
+            images, runs = {}, {way: [] for way in ways}
+            for _ in range(self.turns):
+                for way, (most, limited) in ways.items():
+                    with control_group(most) if most else contextlib.nullcontext() as group:
+                        if most and group is None:
+                            continue
+                        if cold:
+                            forget(path)
+                        out = folder / "image.exr"
+                        runs[way].append(run(["cat", path] if method == "cat" else self.command(path, method, out), group, limited))
+                    if method != "cat":
+                        images[way] = out.read_bytes()
+            if len(set(images.values())) > 1:
+                sys.exit(f"memory: {method}: another image with less memory")
+            found[method] = {way: least(turns) for way, turns in runs.items() if turns}
+            print(method, found[method], file=sys.stderr, flush=True)
+        return found
+
+
+def told(value):
+    return f"{value:.2f}" if value <= SECONDS else f"**{value:.2f}**"
+
+
+def rows(found, size, limit):
+    lines = []
+    for method, ways in found.items():
+        base = ways["all"]
+        cells = [f"`{method}`", f"{base['cpu']:.2f}, {base['wall']:.2f}"]
+        for way in ("group", "ulimit"):
+            if way not in ways:
+                cells += ["", "", ""]
+                continue
+            now = ways[way]
+            held = f"{now['resident'] / MB:.0f}"
+            cells += [f"{told(now['cpu'] / base['cpu'])}, {told(now['wall'] / base['wall'])}", held if now["resident"] <= limit else f"**{held}**", f"{now['read'] / size:.2f}"]
+        lines.append("| " + " | ".join(cells) + " |")
+    return lines
+
+
+def table(found, size, limit, where):
+    head = [where, "in memory: CPU-s, wall s", "control group: times CPU, times wall", "MB resident", "times file read",
+            "`ulimit -v`: times CPU, times wall", "MB resident", "times file read"]
+    return "\n".join(["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *rows(found, size, limit)])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=Path)
+    parser.add_argument("--size", type=int, default=384, help="pixels a side")
+    parser.add_argument("--samples", type=int, default=1024, help="a pixel")
+    parser.add_argument("--times", type=float, default=8, help="bytes of samples in bytes that a process may hold")
+    parser.add_argument("--taken", type=float, default=0.5, help="share of the samples that a method takes")
+    parser.add_argument("--turns", type=int, default=2)
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--print", action="store_true", help="leave docs/speed.md alone")
+    options = parser.parse_args()
+    bench = Bench(options)
+    idle = bench.addresses()
+    tables = []
+    for where, parent in (("in memory", "/dev/shm"), ("on disk", options.build)):
+        with tempfile.TemporaryDirectory(dir=parent, prefix="spool_memory_") as name:
+            folder = Path(name)
+            path = folder / "long.spool"
+            write_recording(path, options.size, options.samples)
+            size = path.stat().st_size
+            limit = size / options.times
+            found = bench.measure(path, folder, limit, int(limit + idle), where == "on disk")
+            tables.append(table(found, size, limit, f"file {where}"))
+    text = "\n\n".join([
+        "## A recording larger than memory",
+        f"`tools/dev.sh bench memory`: {options.size}x{options.size} pixels with {options.samples} samples, {size / 1e9:.2f} GB of plain floats; "
+        f"a process may have {limit / MB:.0f} MB, {options.times:g} times less: in a control group, where the cache of the file counts, or as "
+        f"`ulimit -v` on top of the {idle / MB:.0f} MB of addresses that the program takes before it does anything. A method takes "
+        f"{options.taken:g} of the samples, {options.threads} thread{'s' if options.threads > 1 else ''}; images are the same bytes in every case. \"Held\" is the "
+        f"most resident memory of its own (no libraries, no cache). The least time of {options.turns} turns; bold: beyond {SECONDS:g} times the run in memory.",
+        *tables])
+    print(text)
+    if not options.print:
+        replace_section("memory", text)
+
+
+if __name__ == "__main__":
+    main()
