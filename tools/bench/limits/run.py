@@ -36,10 +36,12 @@ Written by `tools/dev.sh bench limits`; the source is `tools/bench/limits`.
 
 A recording in f32 without compression is mapped, others are decoded into memory, while that and the work fit. A larger one is
 read block by block ([decision 0091](decisions/0091-blocks-are-read-again.md)): statistics go tile by tile and through the blocks of
-a tile in their order. Loading and taking the statistics of all samples of 0.81 GB (256x256, 1024 samples) in a
-control group of 0.10 GB took 75 to 82 MB and read every sample three times (the scan, the statistics, the signal once its exposure is known),
-in 1.6 to 2.0 times the CPU time of the same in memory; under `ulimit -v 300000` the same. A method that takes single samples from all over
-the picture (shuffled order, replicates, `multiscale` without tiles at many samples) reads blocks as often as they leave what is kept.
+a tile in their order. What that costs beside the same in memory: [speed.md](speed.md#a-recording-larger-than-memory).
+
+A sampler that comes back to a tile in steps is cheap while the samples of one tile fit (64 x 64 pixels of 1024 samples: 50 MB), and
+reads again and again where they do not: under `ulimit -v` the program's own address space counts, too. `multistage` reads the
+file four to six times. A method that takes single samples from all over the picture (replicates, `multiscale` without tiles at many
+samples) reads blocks as often as they leave what is kept. `tests/tools/test_memory.py` runs the same on 74 MB in 9 MB.
 
 Time grows with pixels and, much slower, with samples; memory with pixels only: a machine of 24 GB holds 4096x4096 with every method. Layers recorded beside radiance (half floats here) cost those methods that ask for them, and the others
 nothing.

@@ -88,7 +88,7 @@ def run(command, group=None, addresses=None):
             break
         resident = max(resident, 1024 * status(process.pid, "VmHWM"))
         read = max(read, status(process.pid, "rchar", "io"))
-        time.sleep(0.002)
+        time.sleep(0.01)
     process.returncode = os.waitstatus_to_exitcode(code)
     if process.returncode != 0:
         sys.exit(f"memory: {' '.join(map(str, command))}: exit code {process.returncode}: {process.stderr.read().strip()}")
@@ -203,8 +203,8 @@ def main():
         f"`tools/dev.sh bench memory`: {options.size}x{options.size} pixels with {options.samples} samples, {size / 1e9:.2f} GB of plain floats; "
         f"a process may have {limit / MB:.0f} MB, {options.times:g} times less: in a control group, where the cache of the file counts, or as "
         f"`ulimit -v` on top of the {idle / MB:.0f} MB of addresses that the program takes before it does anything. A method takes "
-        f"{options.taken:g} of the samples, {options.threads} thread{'s' if options.threads > 1 else ''}; images are the same bytes in every case. \"Held\" is the "
-        f"most resident memory of its own (no libraries, no cache). The least time of {options.turns} turns; bold: beyond {SECONDS:g} times the run in memory.",
+        f"{options.taken:g} of the samples, {options.threads} thread{'s' if options.threads > 1 else ''}; images are the same bytes in every case. Resident "
+        f"memory is that of the program, its libraries and what it maps, at its most. The least time of {options.turns} turn{'s' if options.turns > 1 else ''}; bold: beyond {SECONDS:g} times the run in memory.",
         *tables])
     print(text)
     if not options.print:

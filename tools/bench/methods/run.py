@@ -33,18 +33,15 @@ class Methods:
     """Measures, and keeps the least of each figure under (size, threads, "library" or "command"): {method: figures}."""
 
     def __init__(self, build, longest, wanted, kept):
-        self.build, self.longest, self.wanted, self.kept = build, longest, re.compile(wanted), kept
+        self.build, self.longest, self.wanted, self.kept, self.results = build, longest, re.compile(wanted), kept, build / "methods.json"
         self.folder = build / "pools"
         self.folder.mkdir(exist_ok=True)
-        listed = subprocess.run([self.program(), self.tiny(), "--threads=1", "--benchmark_list_tests=true"], check=True, stdout=subprocess.PIPE,
+        listed = subprocess.run([self.program(), FEATURES, "--threads=1", "--benchmark_list_tests=true"], check=True, stdout=subprocess.PIPE,
                                 text=True).stdout
         self.names = [re.sub("/t1/.*", "", line) for line in listed.split()]
 
     def program(self):
         return self.build / "tools" / "bench" / "methods" / "bench_methods"
-
-    def tiny(self):
-        return FEATURES
 
     def recording(self, size, features):
         path = self.folder / (f"{FEATURES.stem}-{size}.spool" if features else f"scene_s-{size}-{samples_at(size)}.spool")
@@ -62,6 +59,7 @@ class Methods:
         before = self.kept.setdefault((size, threads, where), {}).setdefault(method, now)
         self.kept[size, threads, where][method] = {
             key: value if isinstance(value, (str, bool)) else min(value, before.get(key, value)) for key, value in now.items()}
+        keep(self.results, self.kept)
 
     def affordable(self, method, size, sizes, where):
         """False where a smaller picture says that a run would take too long; that is kept, too."""
@@ -153,7 +151,6 @@ def main():
         for _ in range(options.turns):
             for size in sizes:
                 bench.measure(size, sorted({kind[0] for kind in kept} | set(sizes)))
-                keep(results, kept)
     text = page(kept, options.longest)
     print(text)
     if not options.print:

@@ -1,7 +1,7 @@
 """What a plan on small pictures costs: tools/dev.sh bench plans [--turns N] [--print].
 
-The whole of tools/plans/quick.toml with its pictures, CPU and wall time: results beside each other, one after another
-(--timing exact), and without pictures; the least of some turns. Writes a section of docs/speed.md, unless it shall only print.
+The whole of tools/plans/quick.toml, CPU and wall time, with its pictures and without; the least of some turns.
+Writes a section of docs/speed.md, unless it shall only print.
 """
 import argparse
 import os
@@ -17,8 +17,7 @@ from speed_page import replace_section  # noqa: E402
 
 PLAN = ROOT / "tools" / "plans" / "quick.toml"
 CPU, WALL = 12.0, 7.0                           # targets, on two processors
-WAYS = {"as it is": [], "one result after another (`--timing exact`)": ["--timing", "exact"], "without pictures": ["--no-pictures"],
-        "one thread": ["--threads", "1"]}
+WAYS = {"as it is": [], "without pictures": ["--no-pictures"]}
 
 
 def run(command):
@@ -53,7 +52,7 @@ def main():
     lines.insert(1, "|---|---|---|")
     text = "\n\n".join([
         "## A plan on small pictures",
-        f"`tools/dev.sh bench plans`: {results} results of 64x64 pixels, {os.cpu_count()} processors, the least of {options.turns} turns. "
+        f"`tools/dev.sh bench plans`: {results} results of 64x64 pixels, {os.cpu_count()} processors, the least of {options.turns} turn{'s' if options.turns > 1 else ''}. "
         f"Targets: {CPU:g} CPU-s and {WALL:g} s, set when the plan had 540 results. Results of small pictures are made beside each other "
         "([decision](decisions/0083-results-beside-each-other.md)).", "\n".join(lines)])
     print(text)
