@@ -2,7 +2,8 @@
 
 A line for each sampler and filter, a column for each budget: geometric mean over recordings of the mean over replicates,
 divided by that of `--against` at the same budget; mean energy ratio; CPU seconds of the filter per megapixel, the median.
-With --each a line for each recording instead, of the smallest and largest of which a goal may speak.
+With --each a line for each recording instead, of the smallest and largest of which a goal may speak. With --intervals, behind each
+figure, within which the geometric mean over other recordings of the kind lies in 95 of 100 cases: Student's t on the logarithms.
 """
 import argparse
 import csv
@@ -36,13 +37,37 @@ def geometric_mean(values):
     return math.exp(sum(map(math.log, values)) / len(values))
 
 
+STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262)  # two-sided 95 %, 1 .. 9 degrees of freedom
+
+
+def interval(values):
+    """(low, high) of the geometric mean, or None for fewer than two recordings or more than ten."""
+    logarithms, freedom = [math.log(value) for value in values], len(values) - 1
+    if not 1 <= freedom <= len(STUDENT):
+        return None
+    middle = sum(logarithms) / len(logarithms)
+    variance = sum((value - middle) ** 2 for value in logarithms) / freedom
+    reach = STUDENT[freedom - 1] * math.sqrt(variance / len(logarithms))
+    return math.exp(middle - reach), math.exp(middle + reach)
+
+
+def figure(found, energies, intervals):
+    if not found:
+        return ""
+    text = f"{geometric_mean(found):.3f}"
+    bounds = interval(found) if intervals else None
+    if bounds:
+        text += f" ({bounds[0]:.2f}..{bounds[1]:.2f})"
+    return f"{text} / {sum(energies) / len(energies):.3f}"
+
+
 def cost(rows):
     """CPU seconds per megapixel."""
     values = sorted(float(row["cpu_filtering"]) / int(row["width"]) / int(row["height"]) * 1e6 for row in rows)
     return values[len(values) // 2]
 
 
-def table(cells, metric, against):
+def table(cells, metric, against, intervals=False):
     budgets = sorted({spp for _, _, spp in cells})
     lines = ["| sampler + filter | " + " | ".join(f"{spp:g} spp" for spp in budgets) + " | CPU-s/MP |",
              "|---" * (len(budgets) + 2) + "|"]
@@ -50,9 +75,9 @@ def table(cells, metric, against):
         columns, rows = [], []
         for spp in budgets:
             of = cells[sampler, name, spp]
-            found = ratios(of, cells[(*against, spp)], metric).values()
+            found = list(ratios(of, cells[(*against, spp)], metric).values())
             energies = [mean(each, "energy_ratio") for each in of.values()]
-            columns.append(f"{geometric_mean(found):.3f} / {sum(energies) / len(energies):.3f}" if found else "")
+            columns.append(figure(found, energies, intervals))
             rows += [row for each in of.values() for row in each]
         lines.append(f"| {sampler} + {name} | " + " | ".join(columns) + f" | {cost(rows):.1f} |")
     return "\n".join(lines)
@@ -77,9 +102,13 @@ def main():
     parser.add_argument("--metric", default="relmse_trimmed")
     parser.add_argument("--against", default="uniform + box", help="SAMPLER + FILTER whose error is 1")
     parser.add_argument("--each", action="store_true", help="every recording by itself")
+    parser.add_argument("--intervals", action="store_true", help="95 %% intervals over recordings")
     options = parser.parse_args()
-    make = table_of_each if options.each else table
-    print(make(read(options.results), options.metric, tuple(options.against.split(" + ", 1))))
+    cells, against = read(options.results), tuple(options.against.split(" + ", 1))
+    if options.each:
+        print(table_of_each(cells, options.metric, against))
+    else:
+        print(table(cells, options.metric, against, options.intervals))
 
 
 if __name__ == "__main__":
