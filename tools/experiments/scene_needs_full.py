@@ -14,7 +14,6 @@ import os
 import statistics
 import subprocess
 import sys
-import tempfile
 import tomllib
 from pathlib import Path
 
@@ -41,7 +40,9 @@ TITLE = "## At full size"
 
 
 def without(source, layers, target):
-    """The recording with these layers of samples alone, and its reference."""
+    """The recording with these layers of samples alone, and its reference; made once."""
+    if target.exists():
+        return
     with spool.open(source) as dump:
         read = {"sample": dump.read, "pixel": dump.pixel, "pass": dump.passes}
         kept = [layer for layer in dump.layers.values() if layer.name in layers or layer.scope == "pixel"]
@@ -49,14 +50,14 @@ def without(source, layers, target):
                     scope={layer.name: layer.scope for layer in kept}, meta=dump.meta, sample_order=dump.sample_order, compress=True)
 
 
-def seconds_of(pool, layers, folder):
+def seconds_of(pool, kind, folder):
     """CPU microseconds of a sample: the median of short recordings; None where the renderer is not here."""
-    found = []
+    found, layers = [], SETS[kind]
     for turn in range(TURNS):
-        out = str(folder / f"short_{turn}.spool")
+        out = str(folder / f"short_{kind}_{turn}.spool")
         short = {**pool, "samples": SHORT, "reference": SHORT, "arguments": [*pool["arguments"], "--channels", ",".join(layers), "--no-verify"]}
         short.pop("scene_sha256", None)
-        if subprocess.run(command_of(short, out, SCENES), cwd=ROOT, capture_output=True).returncode:
+        if not os.path.exists(out) and subprocess.run(command_of(short, out, SCENES), cwd=ROOT, capture_output=True).returncode:
             return None
         with spool.open(out) as dump:
             found.append(1e6 * dump.meta["cost_per_sample"])
@@ -79,16 +80,16 @@ def measure(program, name, recordings):
     with spool.open(source) as dump:
         there = set(dump.layers)
     sets = {kind: layers for kind, layers in SETS.items() if set(layers) <= there}
-    with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as scratch:
-        folder = Path(scratch)
-        files = {kind: folder / f"{kind}.spool" for kind in sets}
-        for kind, path in files.items():
-            without(source, sets[kind], path)
-        found = {"recording": name, "renderer": pool["renderer"], "size": pool["size"], "samples": pool["samples"],
-                 "samples_sha256": recordings.hash(name),
-                 "sets": {kind: {"layers": sets[kind], "bytes": bytes_of(info(program, path)["layers"]), "file": path.stat().st_size,
-                                 "microseconds": seconds_of(pool, sets[kind], folder)} for kind, path in files.items()},
-                 "relmse": gains(program, files, folder)}
+    folder = ROOT / "build/scene_needs_full" / f"{name}_{recordings.hash(name)[:8]}"  # what is there is not made again
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {kind: folder / f"{kind}.spool" for kind in sets}
+    for kind, path in files.items():
+        without(source, sets[kind], path)
+    found = {"recording": name, "renderer": pool["renderer"], "size": pool["size"], "samples": pool["samples"],
+             "samples_sha256": recordings.hash(name),
+             "sets": {kind: {"layers": sets[kind], "bytes": bytes_of(info(program, path)["layers"]), "file": path.stat().st_size,
+                             "microseconds": seconds_of(pool, kind, folder)} for kind, path in files.items()},
+             "relmse": gains(program, files, folder)}
     STORE.mkdir(parents=True, exist_ok=True)
     write_whole(STORE / f"{name}.json", json.dumps(found, indent=1) + "\n")
 
