@@ -6,23 +6,21 @@
 #include <cstring>
 
 #include "lib/core/vector_clones.h"
+#include "lib/statistics/four_pixels.h"
 
 namespace spool {
 namespace {
 
-constexpr int kLanes = 8;  // pixels side by side
-
-// Vectors of the compiler: what the machine has no register for is cut into what it has.
-using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
-using Doubles = double __attribute__((vector_size(kLanes * sizeof(double))));
+using Floats = FourFloats;
+using Doubles = FourDoubles;
 using Integers = std::int64_t __attribute__((vector_size(kLanes * sizeof(std::int64_t))));
 
-// Mean and M2 of red, green, blue and the signal of eight pixels, and the extremes of the signal.
+// Mean and M2 of red, green, blue and the signal of four pixels, and the extremes of the signal.
 struct Lanes {
   Doubles mean[4], m2[4], minimum, maximum;
 };
 
-// Eight neighbouring pixels in a block, of whose samples lane l has own[l].
+// Four neighbouring pixels in a block, of whose samples lane l has own[l].
 struct Samples {
   const float* red = nullptr;  // of the first pixel
   std::ptrdiff_t pixel = 0;    // floats from one pixel to the next
@@ -31,26 +29,7 @@ struct Samples {
   Integers own = {};
 };
 
-// to[k][l] = sample k of pixel l, eight of each.
-[[gnu::always_inline]] inline void transpose(const float* from, std::ptrdiff_t pixel, Floats* to) {
-  Floats rows[kLanes], pairs[kLanes], quads[kLanes];
-  for (int l = 0; l < kLanes; ++l)
-    std::memcpy(&rows[l], from + l * pixel, sizeof(Floats));
-  for (int l = 0; l < kLanes; l += 2) {
-    pairs[l] = __builtin_shufflevector(rows[l], rows[l + 1], 0, 8, 2, 10, 4, 12, 6, 14);
-    pairs[l + 1] = __builtin_shufflevector(rows[l], rows[l + 1], 1, 9, 3, 11, 5, 13, 7, 15);
-  }
-  for (const int l : {0, 1, 4, 5}) {
-    quads[l] = __builtin_shufflevector(pairs[l], pairs[l + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-    quads[l + 2] = __builtin_shufflevector(pairs[l], pairs[l + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-  }
-  for (int l = 0; l < 4; ++l) {
-    to[l] = __builtin_shufflevector(quads[l], quads[l + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-    to[l + 4] = __builtin_shufflevector(quads[l], quads[l + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-  }
-}
-
-// The same from sample `s` on where pixels have too few: zeros in their place.
+// transpose_four() from sample `s` on where pixels have too few: zeros in their place.
 [[gnu::always_inline]] inline void transpose_own(const Samples& in, const float* from, int s,
                                                  Floats* to) {
   for (int k = 0; k < kLanes; ++k) {
@@ -77,15 +56,15 @@ template <bool kColours, bool kMasked>
 }
 
 template <bool kColours, bool kMasked>
-[[gnu::always_inline]] inline void add_eight(Lanes& lanes, const Samples& in, int s, int end,
-                                             double exposure) {
+[[gnu::always_inline]] inline void add_four(Lanes& lanes, const Samples& in, int s, int end,
+                                            double exposure) {
   Floats colours[3][kLanes];
   for (int c = 0; c < 3; ++c) {
     const float* from = in.red + c * in.channel;
     if (kMasked) {
       transpose_own(in, from, s, colours[c]);
     } else {
-      transpose(from + s, in.pixel, colours[c]);
+      transpose_four(from + s, in.pixel, colours[c]);
     }
   }
   for (int k = 0; k < (kMasked ? std::min(kLanes, end - s) : kLanes); ++k) {
@@ -106,9 +85,9 @@ SPOOL_VECTOR_CLONES void add_samples(const Samples& in, int least, int most, dou
   Lanes lanes = *to;
   int s = 0;
   for (; s + kLanes <= least; s += kLanes)
-    add_eight<kColours, false>(lanes, in, s, most, exposure);
+    add_four<kColours, false>(lanes, in, s, most, exposure);
   for (; s < most; s += kLanes)
-    add_eight<kColours, true>(lanes, in, s, most, exposure);
+    add_four<kColours, true>(lanes, in, s, most, exposure);
   *to = lanes;
 }
 
@@ -121,7 +100,7 @@ void copy_lanes(void* to, const void* from, int pixels) {
   }
 }
 
-// Copies what eight pixels from `at` on have in the planes, to or from `lanes`.
+// Copies what four pixels from `at` on have in the planes, to or from `lanes`.
 template <class Copy>
 void each_plane(const StatisticsPlanes& planes, Lanes& lanes, std::size_t at, const Copy& copy) {
   for (std::size_t c = 0; planes.mean != nullptr && c < 3; ++c) {
