@@ -76,19 +76,25 @@ void PassWeights::update_entries(const RegionRow& regions, const float* now, con
 
 void PassWeights::update_row(const RegionRow& regions, const float* now, const float* before,
                              int width, float* attenuation) const {
-  int begin = 0, end = 0;  // entries with whole open regions
-  if (update_ == AttenuationUpdate::kFractional && regions.closed == nullptr &&
-      regions.rows == side_) {
-    while (begin < width && regions.columns[begin] != side_)
-      ++begin;
-    end = begin;
-    while (end < width && regions.columns[end] == side_)
+  constexpr int kWorthIt = 8;  // entries with whole open regions, for the fast loop
+  const bool fast = update_ == AttenuationUpdate::kFractional && regions.rows == side_;
+  const auto is_whole = [&](int x) {
+    return regions.columns[x] == side_ && (regions.closed == nullptr || regions.closed[x] == 0);
+  };
+  int done = 0;
+  for (int begin = 0; fast && begin < width;) {
+    int end = begin;
+    while (end < width && is_whole(end))
       ++end;
+    if (end - begin >= kWorthIt) {
+      update_entries(regions, now, before, done, begin, attenuation);
+      step_row(regions.fresh + begin, kept_.data(), gain_.data(), now + begin, before + begin,
+               end - begin, attenuation + begin);
+      done = end;
+    }
+    begin = end + 1;
   }
-  update_entries(regions, now, before, 0, begin, attenuation);
-  step_row(regions.fresh + begin, kept_.data(), gain_.data(), now + begin, before + begin,
-           end - begin, attenuation + begin);
-  update_entries(regions, now, before, end, width, attenuation);
+  update_entries(regions, now, before, done, width, attenuation);
 }
 
 }  // namespace spool

@@ -142,13 +142,19 @@ void take_picks(AnalysedBoard<T>& board, Samples& samples, const SamplePool& poo
 
 void end_step(Board& board, const Samples& samples, const SamplePool& pool,
               const std::vector<Pick>& picks) {
-  for (const Pick& pick : picks) {
-    board.fresh(pick.x, pick.y) = 0;
-    const int gx = pick.x + board.window.x0, gy = pick.y + board.window.y0;
-    if (samples.statistics.n(gx, gy) < pool.capacity(gx, gy)) continue;
-    board.closed(pick.x, pick.y) = 1;
-    ++board.closed_pieces;
-  }
+  constexpr std::size_t kChunk = 4096;  // picks; a piece is in one of them
+  std::vector<long long> closed((picks.size() + kChunk - 1) / kChunk, 0);
+  parallel_for(closed.size(), [&](std::size_t c) {
+    for (const Pick& pick :
+         std::span(picks).subspan(c * kChunk, std::min(kChunk, picks.size() - c * kChunk))) {
+      board.fresh(pick.x, pick.y) = 0;
+      const int gx = pick.x + board.window.x0, gy = pick.y + board.window.y0;
+      if (samples.statistics.n(gx, gy) < pool.capacity(gx, gy)) continue;
+      board.closed(pick.x, pick.y) = 1;
+      ++closed[c];
+    }
+  });
+  board.closed_pieces = std::accumulate(closed.begin(), closed.end(), board.closed_pieces);
 }
 
 template void take_picks(AnalysedBoard<double>&, Samples&, const SamplePool&,

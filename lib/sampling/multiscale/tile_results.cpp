@@ -4,6 +4,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "lib/core/parallel.h"
+
 namespace spool {
 namespace {
 
@@ -16,7 +18,8 @@ Plane mean_attenuation(AnalysedBoard<T>& board, std::size_t k) {
   } else {
     const Image<T> attenuation = std::exchange(board.scalars[0].attenuation[k], {});
     mean = Plane(attenuation.width(), attenuation.height());
-    std::ranges::copy(attenuation.pixels(), mean.pixels().begin());
+    parallel_rows(0, mean.height(),
+                  [&](int y) { std::ranges::copy(attenuation.row(y), mean.row(y).begin()); });
   }
   if (board.scalars.size() == 1) return mean;
   for (std::size_t p = 0; p < mean.size(); ++p) {
