@@ -49,6 +49,34 @@ struct SpoolReader::State {
                       dump.geometry.block_count(group, block) - 1);
   }
 
+  // Where a raw payload lies in the mapping, which is made the first time.
+  Result<std::span<const std::byte>> mapped_payload(const IndexEntry& entry) {
+    if (entry.header.codec != 0) {
+      return refuse(ErrorCode::kUsage, "block is compressed ({}): read it instead of mapping it",
+                    describe(entry.header, entry.offset));
+    }
+    std::call_once(mapped_once, [&] {
+      mapping = FileMapping::create(dump.file, dump.file_bytes);
+      mapped.store(mapping.has_value(), std::memory_order_release);
+    });
+    if (!mapping) return tl::unexpected(mapping.error());
+    return mapping->bytes().subspan(entry.offset + kUnit, entry.header.stored_bytes);
+  }
+
+  // Two threads may both verify; only the first is counted, where the bytes were not read.
+  Result<void> verify(uint32_t record, uint32_t crc, bool count) {
+    const IndexEntry& entry = dump.entries[record];
+    if (crc != entry.header.payload_crc32) {
+      return tl::unexpected(file_error(
+          dump.file.path(),
+          {FailureClass::kDamaged, fmt::format("payload does not match its checksum ({})",
+                                               describe(entry.header, entry.offset))}));
+    }
+    if (!verified[record].exchange(true, std::memory_order_acq_rel) && count)
+      dump.file.count_read(entry.header.stored_bytes);
+    return {};
+  }
+
   Result<LayerInfo> find_scope(const std::optional<LayerInfo>& layer, std::string_view name,
                                Scope scope) const {
     constexpr std::array<std::string_view, 3> kScopes = {"sample", "pixel", "pass"};
@@ -164,32 +192,42 @@ Result<std::span<const std::byte>> SpoolReader::map_block(uint16_t group, uint32
                                                           uint32_t block) const {
   State& state = *state_;
   SPOOL_ASSIGN(const uint32_t record, state.find_record(group, tile, block));
-  const IndexEntry& entry = state.dump.entries[record];
-  if (entry.header.codec != 0) {
-    return state.refuse(ErrorCode::kUsage,
-                        "block is compressed ({}): read it instead of mapping it",
-                        describe(entry.header, entry.offset));
-  }
-  std::call_once(state.mapped_once, [&] {
-    state.mapping = FileMapping::create(state.dump.file, state.dump.file_bytes);
-    state.mapped.store(state.mapping.has_value(), std::memory_order_release);
-  });
-  if (!state.mapping) return tl::unexpected(state.mapping.error());
-  const auto payload =
-      state.mapping->bytes().subspan(entry.offset + kUnit, entry.header.stored_bytes);
+  SPOOL_ASSIGN(const auto payload, state.mapped_payload(state.dump.entries[record]));
   if (!state.verified[record].load(std::memory_order_acquire)) {
-    if (crc32(payload) != entry.header.payload_crc32) {
-      SPOOL_TRY(intact());
-      return tl::unexpected(file_error(
-          state.dump.file.path(),
-          {FailureClass::kDamaged, fmt::format("payload does not match its checksum ({})",
-                                               describe(entry.header, entry.offset))}));
-    }
-    // Two threads may both verify; only the first is counted.
-    if (!state.verified[record].exchange(true, std::memory_order_acq_rel)) {
-      state.dump.file.count_read(payload.size());
-    }
+    const Result<void> verified = state.verify(record, crc32(payload), true);
+    if (!verified) SPOOL_TRY(intact());
+    SPOOL_TRY(verified);
   }
+  return payload;
+}
+
+Result<std::span<const std::byte>> SpoolReader::map_block(uint16_t group, uint32_t tile,
+                                                          uint32_t block, std::size_t piece,
+                                                          Pieces pieces,
+                                                          const PieceLook& look) const {
+  State& state = *state_;
+  SPOOL_ASSIGN(const uint32_t record, state.find_record(group, tile, block));
+  const IndexEntry& entry = state.dump.entries[record];
+  SPOOL_ASSIGN(const auto payload, state.mapped_payload(entry));
+  // Whole pieces, few enough for a core's own cache.
+  constexpr std::size_t kRun = std::size_t{1} << 16;
+  const std::size_t run = std::max<std::size_t>(kRun / piece, 1) * piece;
+  std::vector<std::byte> copy(pieces == Pieces::kCopied ? std::min(run, payload.size()) : 0);
+  uint32_t crc = 0;
+  for (std::size_t at = 0; at < payload.size(); at += run) {
+    auto bytes = payload.subspan(at, std::min(run, payload.size() - at));
+    if (pieces == Pieces::kCopied) {
+      const auto read = std::span(copy).first(bytes.size());
+      SPOOL_TRY(state.dump.file.read_at(entry.offset + kUnit + at, read));
+      bytes = read;
+    }
+    crc = crc32(bytes, crc);
+    for (std::size_t i = 0; i < bytes.size(); i += piece)
+      look(bytes.subspan(i, std::min(piece, bytes.size() - i)), at + i);
+  }
+  const Result<void> verified = state.verify(record, crc, pieces == Pieces::kMapped);
+  if (!verified) SPOOL_TRY(intact());
+  SPOOL_TRY(verified);
   return payload;
 }
 

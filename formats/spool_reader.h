@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -57,6 +58,15 @@ class SpoolReader {
   // raises SIGBUS (POSIX), or with survive_lost_pages() turns what was cut into zeros: whoever
   // reads a mapped block asks intact() when he has read it.
   Result<std::span<const std::byte>> map_block(uint16_t group, uint32_t tile, uint32_t block) const;
+
+  // The same, verified anew in pieces of `piece` bytes, > 0, that `look` sees in their order (the
+  // last one may be shorter) while the processor's cache holds them. With kCopied they are read
+  // into memory of the reader, and no page of the mapping is touched.
+  enum class Pieces { kMapped, kCopied };
+  using PieceLook = std::function<void(std::span<const std::byte> piece, std::size_t offset)>;
+  Result<std::span<const std::byte>> map_block(uint16_t group, uint32_t tile, uint32_t block,
+                                               std::size_t piece, Pieces pieces,
+                                               const PieceLook& look) const;
 
   // kDamage when pages of mapped blocks were lost after they had been verified.
   Result<void> intact() const;

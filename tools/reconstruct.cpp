@@ -10,6 +10,7 @@
 #include "lib/image_io/picture.h"
 #include "lib/image_io/png_writer.h"
 #include "lib/pool/load_recording.h"
+#include "lib/statistics/means_pass.h"
 #include "tools/guard_listing.h"
 #include "tools/json_text.h"
 #include "tools/methods/method_memory.h"
@@ -41,6 +42,9 @@ Result<CountImage> uniform_counts(const SamplePool& pool, int spp) {
   return n;
 }
 
+// A filter that gets means alone and makes no variance.
+constexpr WorkingMemory kMeansMemory = {81, 2e6};
+
 struct Input {
   std::shared_ptr<const RecordedSamples> recording;
   SamplePool pool;
@@ -55,23 +59,35 @@ Result<Input> load_input(const ReconstructOptions& options,
       selection ? selection->pool.value_or(options.pool) : options.pool;
   const int pieces = pool_options.pieces_per_side;
   const Demands filter = demands_of(methods.filters[0]);
-  const WorkingMemory work = with_views(filtering_memory(filter, pieces), known, views, pieces);
-  SPOOL_ASSIGN(const auto recording, load(methods.rules, work, film_for({}, {filter}, pieces)));
+  const bool means = !options.variance && !filter.needs.variance && options.views.empty();
+  const WorkingMemory own =
+      filtering_memory(means ? Demands{filter.needs, kMeansMemory} : filter, pieces);
+  const WorkingMemory work = with_views(own, known, views, pieces);
+  MeansPass pass(options.spp, pool_options.holdout);
+  SPOOL_ASSIGN(const auto recording, load(methods.rules, work, film_for({}, {filter}, pieces),
+                                          means && !selection ? &pass : nullptr));
   SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, pool_options));
   SelectionFile all;
+  if (!selection && means) {
+    if (auto statistics = std::move(pass).taken(pool))
+      return Input{recording, std::move(pool), {.statistics = std::move(*statistics)}};
+  }
   if (!selection) {
     SPOOL_ASSIGN(all.n, uniform_counts(pool, options.spp));
   }
   const bool looked_at = methods.filters[0].ready.needs.signal || !options.views.empty();
-  SPOOL_ASSIGN(
-      Selection selected,
-      apply_selection(selection ? *selection : all, selection ? options.selection : options.dump,
-                      pool, looked_at ? SignalOf::kSelection : SignalOf::kNoOne));
+  SPOOL_ASSIGN(Selection selected,
+               apply_selection(selection ? *selection : all,
+                               selection ? options.selection : options.dump, pool,
+                               means       ? Made::kMeans
+                               : looked_at ? Made::kAll
+                                           : Made::kWithoutSignal));
   return Input{recording, std::move(pool), std::move(selected)};
 }
 
-ExrFile image_file(const Reconstruction& result, bool layers) {
-  ExrFile file = exr_from_rgb(result.image);
+// Takes the image where nobody else wants it.
+ExrFile image_file(Reconstruction& result, bool layers, bool last) {
+  ExrFile file = exr_from_rgb(last ? std::move(result.image) : result.image);
   if (!layers) return file;
   const auto add = [&](std::string name, const Plane& plane) {
     if (plane.width() == file.width && plane.height() == file.height) {
@@ -130,9 +146,8 @@ Result<void> write_pictures(const ReconstructOptions& options, const Reconstruct
   return write_contact_sheet(options.pictures / "contact_sheet.png", images, scale, overwrite);
 }
 
-void say_what_was_made(const ReconstructOptions& options, const Reconstructed& done,
-                       const CommonOptions& common) {
-  const int width = done.made.image[0].width(), height = done.made.image[0].height();
+void say_what_was_made(const ReconstructOptions& options, const Reconstructed& done, int width,
+                       int height, const CommonOptions& common) {
   if (common.json) {
     print(json_text({{"filter", options.filter},
                      {"output", options.output.string()},
@@ -147,15 +162,17 @@ void say_what_was_made(const ReconstructOptions& options, const Reconstructed& d
   }
 }
 
-Result<void> write_result(const ReconstructOptions& options, const Reconstructed& done,
-                          bool as_picture, const CommonOptions& common) {
-  ExrFile file = image_file(done.made, options.layers);
-  const bool of_pieces = !add_view_layers(done.views, file).empty();
-  file.text_attributes = {{"spool.filter", options.filter}, {"spool.dump", options.dump.string()}};
+Result<void> write_result(const ReconstructOptions& options, Reconstructed& done, bool as_picture,
+                          const CommonOptions& common) {
   if (as_picture) {
     SPOOL_TRY(write_picture(options.output, done, common.force));
-  } else {
-    SPOOL_TRY(write_exr(options.output, file, {.overwrite = common.force}));
+  }
+  ExrFile file = image_file(done.made, options.layers, options.pictures.empty());
+  const bool of_pieces = !add_view_layers(done.views, file).empty();
+  file.text_attributes = {{"spool.filter", options.filter}, {"spool.dump", options.dump.string()}};
+  if (!as_picture) {
+    SPOOL_TRY(write_exr(options.output, std::move(file),
+                        {.overwrite = common.force, .compression = ExrCompression::kNone}));
   }
   if (of_pieces) {
     SPOOL_TRY(write_piece_views(options, done.pool, done.views, common));
@@ -181,7 +198,8 @@ Result<Reconstructed> reconstruct(const ReconstructOptions& options,
   Views views(wanted);
   SPOOL_ASSIGN(Input input, load_input(options, selection, methods, known, views, load));
   const auto& reference = input.pool.recording().reference();
-  const FilterContext context{&views, reference ? &*reference : nullptr, progress};
+  FilterContext context{&views, reference ? &*reference : nullptr, progress};
+  context.variance = options.variance || filter.needs.variance || !wanted.empty();
   const auto start = std::chrono::steady_clock::now();
   Result<Reconstruction> filtered = filter(input.selection, input.pool, context);
   SPOOL_TRY(still_intact(input.recording));  // before what a method says about lost samples
@@ -196,7 +214,9 @@ Result<Reconstructed> reconstruct(const ReconstructOptions& options,
       seconds.count()};
 }
 
-Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common) {
+Result<void> run_reconstruct(const ReconstructOptions& given, const CommonOptions& common) {
+  ReconstructOptions options = given;
+  options.variance = options.layers || common.json || !options.pictures.empty();
   const bool as_picture = is_png_name(options.output);
   if (!as_picture) SPOOL_TRY(check_exr_name(options.output));
   if (as_picture && (options.layers || !options.views.empty())) {
@@ -209,18 +229,20 @@ Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOpti
     SPOOL_ASSIGN(selection, read_selection(options.selection));
   }
   std::optional<Progress> progress;  // from when the recording is there
-  SPOOL_ASSIGN(const Reconstructed done,
+  SPOOL_ASSIGN(Reconstructed done,
                reconstruct(
                    options, selection,
-                   [&](const SanitiseRules& rules, const WorkingMemory& work, SampleFilm film) {
-                     auto recording = load_recording(options.dump, rules, work, film);
+                   [&](const SanitiseRules& rules, const WorkingMemory& work, SampleFilm film,
+                       FirstPass* pass) {
+                     auto recording = load_recording(options.dump, rules, work, film, pass);
                      progress.emplace("reconstruct " + options.filter, common.quiet);
                      return recording;
                    },
                    [&](double share) { progress->update(share); }));
   progress.reset();
+  const int width = done.made.image[0].width(), height = done.made.image[0].height();
   SPOOL_TRY(write_result(options, done, as_picture, common));
-  say_what_was_made(options, done, common);
+  say_what_was_made(options, done, width, height, common);
   return {};
 }
 

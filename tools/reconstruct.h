@@ -27,6 +27,7 @@ struct ReconstructOptions {
   std::string views;    // "f,d.2": intermediate images
   std::filesystem::path output;
   std::filesystem::path pictures;  // folder; empty: none
+  bool variance = true;            // of the image; false: not made where the filter can do without
 };
 
 Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common);

@@ -91,7 +91,7 @@ Result<Replayed> replay(const ReplayOptions& options, const LoadRecording& load,
   const WorkingMemory work =
       with_views(sampling_memory(sampler, filters, pieces), known, views, pieces);
   SPOOL_ASSIGN(const auto recording,
-               load(methods.rules, work, film_for({sampler}, filters, pieces)));
+               load(methods.rules, work, film_for({sampler}, filters, pieces), nullptr));
   SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, options.pool));
   SPOOL_ASSIGN(const long long budget, checked_budget(pool, options.spp));
   SamplingContext context;
@@ -118,8 +118,9 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   SPOOL_ASSIGN(const Replayed done,
                replay(
                    options,
-                   [&](const SanitiseRules& rules, const WorkingMemory& work, SampleFilm film) {
-                     auto recording = load_recording(options.dump, rules, work, film);
+                   [&](const SanitiseRules& rules, const WorkingMemory& work, SampleFilm film,
+                       FirstPass* pass) {
+                     auto recording = load_recording(options.dump, rules, work, film, pass);
                      progress.emplace("replay " + options.sampler, common.quiet);
                      return recording;
                    },

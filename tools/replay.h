@@ -31,9 +31,10 @@ struct ReplayOptions {
 
 Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common);
 
-// How a command gets its recording: what its methods need of it is known by then.
+// How a command gets its recording: what its methods need of it is known by then. The pass, which
+// may be null, sees the samples if they are read now.
 using LoadRecording = std::function<Result<std::shared_ptr<const RecordedSamples>>(
-    const SanitiseRules&, const WorkingMemory&, SampleFilm)>;
+    const SanitiseRules&, const WorkingMemory&, SampleFilm, FirstPass*)>;
 
 struct Replayed {
   SamplePool pool;

@@ -10,8 +10,14 @@ Result<Reconstruction> reconstruct_box(const Selection& selection, const SampleP
                                        const BoxOptions&, const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
   Reconstruction result;
-  const double exposure = analysis_exposure(statistics, result.guards);
-  SPOOL_ASSIGN(PieceEstimates pieces, estimate_pieces(statistics, {}, exposure, result.guards));
+  PieceEstimates pieces;
+  if (context.variance) {
+    const double exposure = analysis_exposure(statistics, result.guards);
+    SPOOL_ASSIGN(pieces, estimate_pieces(statistics, {}, exposure, result.guards));
+  } else {
+    SPOOL_ASSIGN(pieces.mean, estimate_means(statistics, result.guards));
+    pieces.n = statistics.n;
+  }
   const int q = statistics.pieces_per_side;
   for (const auto& [x, y] : wanted_pixels(context)) {
     Footprint footprint{x, y, {}, {}};
@@ -20,7 +26,7 @@ Result<Reconstruction> reconstruct_box(const Selection& selection, const SampleP
     context.footprints->add(std::move(footprint));
   }
   result.image = average_pieces(std::move(pieces.mean), q);
-  result.variance = average_piece_variance(std::move(pieces.variance), q);
+  if (context.variance) result.variance = average_piece_variance(std::move(pieces.variance), q);
   return result;
 }
 
@@ -28,7 +34,7 @@ Filter box_filter() {
   return make_value<FilterFunction, BoxOptions>(
       {.name = "box",
        .summary = "mean of each pixel's samples, no filter",
-       .needs = [](const auto&) { return Needs{.signal = false}; },
+       .needs = [](const auto&) { return Needs{.signal = false, .variance = false}; },
        .memory = {188, 2e6},
        .footprints = true,
        .run = reconstruct_box});

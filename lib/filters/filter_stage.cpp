@@ -88,7 +88,7 @@ Filter with_stage_options(Filter filter, OwnOptions own) {
     SPOOL_ASSIGN(const StageOptions options, with_options(table, StageOptions{}, of_stage));
     SPOOL_ASSIGN(ReadyFilter ready, filter.make(preset, of_filter));
     if (!options.clamp && options.energy == EnergyStage::kOff) return ready;
-    ready.needs.signal = true;
+    ready.needs.signal = ready.needs.variance = true;
     if (options.clamp) ready.memory.per_pixel += kClampMemory;
     if (options.energy == EnergyStage::kBox) ready.memory.per_pixel += kEnergyMemory;
     ready.run = [run = std::move(ready.run), options](const Selection& selection,

@@ -37,7 +37,7 @@ Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const Sa
     tap *= tap;
   for (std::size_t c = 0; c < 3; ++c) {
     result.image[c] = convolve(result.image[c], taps);
-    (*result.variance)[c] = convolve((*result.variance)[c], squares);
+    if (result.variance) (*result.variance)[c] = convolve((*result.variance)[c], squares);
   }
   return result;
 }
@@ -52,7 +52,7 @@ Filter gaussian_filter() {
                number_option("sigma", &O::sigma, 0.0, 64.0,
                              "standard deviation in pixels; 0 is the box filter"),
            },
-       .needs = [](const auto&) { return Needs{.signal = false}; },
+       .needs = [](const auto&) { return Needs{.signal = false, .variance = false}; },
        .memory = {188, 2e6},
        .footprints = true,
        .run = reconstruct_gaussian});

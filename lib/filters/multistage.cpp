@@ -158,7 +158,7 @@ Filter multistage_filter() {
        .summary = "box filters of growing width over quarter pixels",
        .source = Source::kDescriptions,
        .needs = [](const auto&) { return Needs{.film_positions = Use::kWhenRecorded}; },
-       .memory = {188, 2e6},
+       .memory = {160, 2e6},
        .run = reconstruct_multistage});
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include <Imath/half.h>
 
@@ -74,6 +75,14 @@ Result<void> check_writable(const std::string& name, const ExrFile& image) {
   return {};
 }
 
+ExrPlanes without_channels(const ExrFile& image) {
+  ExrPlanes planes;
+  planes.width = image.width;
+  planes.height = image.height;
+  planes.attributes = {image.text_attributes, image.number_attributes};
+  return planes;
+}
+
 // The values in the type of their channel, which holds them (check_writable).
 ExrPlane to_values(const NamedPlane& channel) {
   ExrPlane plane{channel.name, channel.type, {}};
@@ -121,22 +130,29 @@ Result<ExrFile> read_exr(const std::filesystem::path& path, const ExrReadLimits&
 Result<void> write_exr(const std::filesystem::path& path, const ExrFile& image,
                        const ExrWriteOptions& options) {
   SPOOL_TRY(check_writable(path.string(), image));
-  ExrPlanes planes;
-  planes.width = image.width;
-  planes.height = image.height;
-  planes.attributes = {image.text_attributes, image.number_attributes};
+  ExrPlanes planes = without_channels(image);
   for (const NamedPlane& channel : image.channels)
     planes.planes.push_back(to_values(channel));
   return write_exr_planes(path, planes, options);
 }
 
-ExrFile exr_from_rgb(const RgbImage& rgb) {
+Result<void> write_exr(const std::filesystem::path& path, ExrFile&& image,
+                       const ExrWriteOptions& options) {
+  SPOOL_TRY(check_writable(path.string(), image));
+  ExrPlanes planes = without_channels(image);
+  for (NamedPlane& channel : image.channels) {
+    planes.planes.push_back(to_values(channel));
+    channel.data = Plane();
+  }
+  return write_exr_planes(path, planes, options);
+}
+
+ExrFile exr_from_rgb(RgbImage rgb) {
   ExrFile file;
   file.width = rgb[0].width();
   file.height = rgb[0].height();
-  file.channels = {{"R", PixelType::kFloat, rgb[0]},
-                   {"G", PixelType::kFloat, rgb[1]},
-                   {"B", PixelType::kFloat, rgb[2]}};
+  for (std::size_t c = 0; c < 3; ++c)
+    file.channels.push_back({std::string(1, "RGB"[c]), PixelType::kFloat, std::move(rgb[c])});
   return file;
 }
 

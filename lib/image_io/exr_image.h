@@ -42,9 +42,12 @@ Result<ExrFile> read_exr(const std::filesystem::path& path, const ExrReadLimits&
 // type cannot hold (a half above 65504, a negative or fractional count) is an error with its pixel.
 Result<void> write_exr(const std::filesystem::path& path, const ExrFile& image,
                        const ExrWriteOptions& options = {});
+// The same; gives back the memory of the image on the way.
+Result<void> write_exr(const std::filesystem::path& path, ExrFile&& image,
+                       const ExrWriteOptions& options = {});
 
 // An image whose channels are R, G, B (float).
-ExrFile exr_from_rgb(const RgbImage& rgb);
+ExrFile exr_from_rgb(RgbImage rgb);
 
 // The channels R, G, B of a file; a single channel (Y or the only one) is taken as grey.
 Result<RgbImage> rgb_from_exr(const ExrFile& file, std::string_view name);

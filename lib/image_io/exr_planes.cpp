@@ -102,6 +102,18 @@ Result<ExrPlanes> read_parts(const std::string& name, Imf::MultiPartInputFile& i
   return image;
 }
 
+Imf::Compression imf_compression(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::kZip:
+      return Imf::ZIP_COMPRESSION;
+    case ExrCompression::kRunLengths:
+      return Imf::RLE_COMPRESSION;
+    case ExrCompression::kNone:
+      return Imf::NO_COMPRESSION;
+  }
+  return Imf::ZIP_COMPRESSION;
+}
+
 }  // namespace
 
 Result<ExrPlanes> read_exr_planes(const std::filesystem::path& path, const ExrReadLimits& limits) {
@@ -123,8 +135,7 @@ Result<void> write_exr_planes(const std::filesystem::path& path, const ExrPlanes
   exr::ExrOutput stream(file.file());
   try {
     Imf::Header header(image.width, image.height);
-    header.compression() =
-        options.compression == ExrCompression::kZip ? Imf::ZIP_COMPRESSION : Imf::RLE_COMPRESSION;
+    header.compression() = imf_compression(options.compression);
     exr::write_attributes(image.attributes, header);
     Imf::FrameBuffer buffer;
     for (const ExrPlane& plane : image.planes) {

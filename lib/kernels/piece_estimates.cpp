@@ -8,8 +8,11 @@
 namespace spool {
 namespace {
 
-bool any_sample(const CountImage& n) {
-  return std::any_of(n.pixels().begin(), n.pixels().end(), [](std::int32_t k) { return k > 0; });
+Result<void> check_any_sample(const CountImage& n) {
+  if (std::any_of(n.pixels().begin(), n.pixels().end(), [](std::int32_t k) { return k > 0; }))
+    return {};
+  return fail(ErrorCode::kData,
+              "selection: no piece has a sample: raise the budget or check the counts");
 }
 
 // Fills the empty pieces of one more image whose empty pieces are counted already.
@@ -31,10 +34,7 @@ Plane scaled(const Plane& plane, double factor) {
 Result<ChannelEstimates> estimate_channel(const PieceStatistics& statistics, std::size_t channel,
                                           const VarianceOptions& options, double exposure,
                                           GuardCounts& guards) {
-  if (!any_sample(statistics.n)) {
-    return fail(ErrorCode::kData,
-                "selection: no piece has a sample: raise the budget or check the counts");
-  }
+  SPOOL_TRY(check_any_sample(statistics.n));
   const VarianceOptions of_radiance{options.mode, options.scale / exposure};
   ChannelEstimates estimates;
   estimates.mean =
@@ -59,6 +59,18 @@ Result<PieceEstimates> estimate_pieces(const PieceStatistics& statistics,
   }
   estimates.n = statistics.n;
   return estimates;
+}
+
+Result<RgbImage> estimate_means(const PieceStatistics& statistics, GuardCounts& guards) {
+  SPOOL_TRY(check_any_sample(statistics.n));
+  RgbImage means;
+  for (std::size_t c = 0; c < 3; ++c) {
+    GuardCounts of_channel;
+    means[c] =
+        fill_empty_pieces(statistics.mean[c], statistics.n, statistics.pieces_per_side, of_channel);
+    if (c == 1) guards += of_channel;  // the channels share their empty pieces: count them once
+  }
+  return means;
 }
 
 double analysis_exposure(const PieceStatistics& statistics, GuardCounts& guards) {

@@ -28,6 +28,8 @@ struct ChannelEstimates {
 Result<PieceEstimates> estimate_pieces(const PieceStatistics& statistics,
                                        const VarianceOptions& options, double exposure,
                                        GuardCounts& guards);
+// The means alone.
+Result<RgbImage> estimate_means(const PieceStatistics& statistics, GuardCounts& guards);
 // Of one channel; counts its empty pieces, which all channels share.
 Result<ChannelEstimates> estimate_channel(const PieceStatistics& statistics, std::size_t channel,
                                           const VarianceOptions& options, double exposure,

@@ -33,6 +33,7 @@ struct Needs {
   bool filter_in_loop = false;      // a sampler that asks for the image of a filter
   std::string loop_filter = {};     // that filter's name; empty: the filter of the image
   bool signal = true;               // false: no analysis signal but the mean that exposes it
+  bool variance = true;             // false: means alone where nobody asks for the image's variance
   bool samples = true;              // false: an image made elsewhere, the same for any samples
   friend bool operator==(const Needs&, const Needs&) = default;
 };

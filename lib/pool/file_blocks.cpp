@@ -106,6 +106,35 @@ BlockReader file_blocks(std::shared_ptr<const SpoolReader> file, const format::L
   };
 }
 
+PieceReader file_pieces(std::shared_ptr<const SpoolReader> file, const format::LayerInfo& layer) {
+  BlockReader whole = file_blocks(file, layer, FileAccess::kMap);
+  return [file = std::move(file), layer, whole = std::move(whole)](
+             std::size_t index, std::size_t piece, Again again,
+             const PieceLook& look) -> Result<BlockValues> {
+    const BlockPlace place = place_of(*file, index);
+    const std::size_t plane = values_a_channel(*file, place);
+    const std::size_t first = layer.first_channel * plane, count = layer.channel_count * plane;
+    if (file->has_block(layer.group, place.tile, place.block) &&
+        can_be_mapped(*file, layer, place)) {
+      const auto look_at = [&](std::span<const std::byte> bytes, std::size_t offset) {
+        const std::size_t at = offset / sizeof(float);
+        if (at < first || at >= first + count) return;  // of another layer of the group
+        look(reinterpret_cast<const float*>(bytes.data()), at - first);
+      };
+      SPOOL_ASSIGN(const auto bytes,
+                   file->map_block(layer.group, place.tile, place.block, piece * sizeof(float),
+                                   again == Again::kExpected ? SpoolReader::Pieces::kMapped
+                                                             : SpoolReader::Pieces::kCopied,
+                                   look_at));
+      return BlockValues{reinterpret_cast<const float*>(bytes.data()) + first, nullptr};
+    }
+    SPOOL_ASSIGN(BlockValues values, whole(index));
+    for (std::size_t at = 0; at < count; at += piece)
+      look(values.values + at, at);
+    return values;
+  };
+}
+
 std::uint64_t unmapped_bytes(const SpoolReader& file, const format::LayerInfo& layer,
                              FileAccess access) {
   std::uint64_t bytes = 0;

@@ -22,6 +22,12 @@ LayerGrid layer_grid(const format::DumpHeader& header);
 BlockReader file_blocks(std::shared_ptr<const format::SpoolReader> file,
                         const format::LayerInfo& layer, FileAccess access);
 
+// The same, for the first reading of blocks that are mapped, verified while their rows are looked
+// at; the file is read into the processor's cache rather than mapped where a block is not expected
+// to be looked at again.
+PieceReader file_pieces(std::shared_ptr<const format::SpoolReader> file,
+                        const format::LayerInfo& layer);
+
 // What the blocks of a layer take of memory that are not mapped.
 std::uint64_t unmapped_bytes(const format::SpoolReader& file, const format::LayerInfo& layer,
                              FileAccess access);

@@ -100,10 +100,9 @@ LayerBlocks held_layer(const std::shared_ptr<const SpoolReader>& file, const Lay
   const LayerGrid grid = layer_grid(file->header());
   const int channels = static_cast<int>(layer.channel_count);
   BlockReader reader = file_blocks(file, layer, holding.access);
-  if (!holding.keep()) {
-    reader =
-        cached_blocks(std::move(reader), grid, channels, channels * holding.cache_bytes_a_channel);
-  }
+  if (holding.keep()) return {grid, channels, std::move(reader), file_pieces(file, layer)};
+  reader =
+      cached_blocks(std::move(reader), grid, channels, channels * holding.cache_bytes_a_channel);
   return {grid, channels, std::move(reader)};
 }
 

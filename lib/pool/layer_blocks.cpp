@@ -26,8 +26,9 @@ std::uint64_t next_identity() {
 
 }  // namespace
 
-LayerBlocks::LayerBlocks(const LayerGrid& grid, int channels, BlockReader reader)
-    : grid_(grid), channels_(channels), reader_(std::move(reader)) {
+LayerBlocks::LayerBlocks(const LayerGrid& grid, int channels, BlockReader reader,
+                         PieceReader pieces)
+    : grid_(grid), channels_(channels), reader_(std::move(reader)), pieces_(std::move(pieces)) {
   SPOOL_CHECK_GT(grid.width, 0);
   SPOOL_CHECK_GT(grid.height, 0);
   SPOOL_CHECK_GT(grid.spp, 0);
@@ -40,17 +41,38 @@ LayerBlocks::LayerBlocks(const LayerGrid& grid, int channels, BlockReader reader
   failure_ = std::make_shared<Failure>();
 }
 
-Result<void> LayerBlocks::read_all(bool keep,
+Result<BlockValues> LayerBlocks::read_first(std::size_t index, const Reading& reading) const {
+  if (!reading.row) return reader_(index);
+  const BlockView place = view_of(index, {});
+  const std::size_t width = static_cast<std::size_t>(place.pixels.width()) * place.samples;
+  const auto show = [&](const float* values, std::size_t first) {
+    const std::size_t row = first / width, height = static_cast<std::size_t>(place.pixels.height());
+    reading.row({&place, static_cast<int>(row / height),
+                 place.pixels.y0 + static_cast<int>(row % height), values});
+  };
+  if (pieces_) return pieces_(index, width, reading.again, show);
+  SPOOL_ASSIGN(BlockValues read, reader_(index));
+  for (std::size_t first = 0; first < channels_ * place.channel(); first += width)
+    show(read.values + first, first);
+  return read;
+}
+
+Result<void> LayerBlocks::read_all(const Reading& reading,
                                    const std::function<Result<void>(const BlockView&)>& look) {
   std::vector<Result<void>> looked(kept_.size());
-  parallel_for(kept_.size(), [&](std::size_t i) {
-    Result<BlockValues> read = reader_(i);
+  const auto read_one = [&](std::size_t i) {
+    Result<BlockValues> read = read_first(i, reading);
     if (!read) {
       looked[i] = tl::unexpected(std::move(read).error());
       return;
     }
-    if (keep || read->held == nullptr) kept_[i] = *read;
+    if (reading.keep || read->held == nullptr) kept_[i] = *read;
     looked[i] = look(view_of(i, std::move(*read)));
+  };
+  const auto in_turn = static_cast<std::size_t>(reading.by_tile ? blocks_ : 1);
+  parallel_for(kept_.size() / in_turn, [&](std::size_t group) {
+    for (std::size_t i = group * in_turn; i < (group + 1) * in_turn; ++i)
+      read_one(i);
   });
   for (Result<void>& block : looked)
     SPOOL_TRY(std::move(block));

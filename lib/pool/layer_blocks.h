@@ -44,14 +44,38 @@ struct BlockView {
   }
 };
 
+// A row of a channel of a block, in the processor's cache.
+struct BlockRow {
+  const BlockView* block = nullptr;  // without values
+  int channel = 0, y = 0;            // of the layer, of the picture
+  const float* values = nullptr;     // [x][s]
+};
+using RowLook = std::function<void(const BlockRow&)>;
+
+// Reads a block as a BlockReader does, for the first time, and shows its values [c][y][x][s] in
+// pieces of `piece` floats, in their order; what is left at the end is shorter.
+using PieceLook = std::function<void(const float* values, std::size_t first)>;
+enum class Again { kExpected, kNotExpected };  // whether the block will be looked at later
+using PieceReader = std::function<Result<BlockValues>(std::size_t block, std::size_t piece, Again,
+                                                      const PieceLook&)>;
+
 class LayerBlocks {
  public:
   LayerBlocks() = default;
-  LayerBlocks(const LayerGrid& grid, int channels, BlockReader reader);
+  // Without `pieces` a block is read as a whole before its rows are looked at.
+  LayerBlocks(const LayerGrid& grid, int channels, BlockReader reader, PieceReader pieces = {});
 
-  // Reads every block once, in parallel, and keeps those that lie where they are for good; with
-  // `keep` the others, too. Calls `look` with each. Errors: the first one, by index.
-  Result<void> read_all(bool keep, const std::function<Result<void>(const BlockView&)>& look);
+  // How all blocks are read once.
+  struct Reading {
+    bool keep = false;     // blocks that do not lie where they are for good, too
+    RowLook row = {};      // of every block, in the order c, y
+    bool by_tile = false;  // blocks of a tile in their order, on one thread
+    Again again = Again::kExpected;
+  };
+  // Reads every block once, in parallel, and calls `look` with each, after its rows. Errors: the
+  // first one, by index.
+  Result<void> read_all(const Reading& reading,
+                        const std::function<Result<void>(const BlockView&)>& look);
 
   const LayerGrid& grid() const { return grid_; }
   // Every block lies in memory or in a mapped file: any order of reading costs the same.
@@ -91,6 +115,7 @@ class LayerBlocks {
   };
 
   BlockView view_of(std::size_t index, BlockValues values) const;
+  Result<BlockValues> read_first(std::size_t index, const Reading& reading) const;
   BlockValues values_of(std::size_t index) const;
   const float* read_again(std::size_t index) const;
 
@@ -98,6 +123,7 @@ class LayerBlocks {
   int channels_ = 0, tiles_x_ = 0, blocks_ = 0;
   std::uint64_t identity_ = 0;  // of what a thread remembers
   BlockReader reader_;
+  PieceReader pieces_;             // may be empty
   std::vector<BlockValues> kept_;  // by index; null where a block is read when asked for
   bool in_place_ = false;
   std::shared_ptr<Failure> failure_;

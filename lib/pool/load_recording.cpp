@@ -53,7 +53,7 @@ Result<void> load_sample_film(const std::shared_ptr<const SpoolReader>& reader,
                               const format::LayerInfo& layer, const Holding& holding,
                               RecordedSamples& samples) {
   LayerBlocks film = held_layer(reader, layer, holding);
-  SPOOL_TRY(film.read_all(holding.keep(),
+  SPOOL_TRY(film.read_all({.keep = holding.keep()},
                           [&](const BlockView& block) { return check_film(*reader, block); }));
   samples.set_sample_film(std::move(film));
   return {};
@@ -153,7 +153,7 @@ void load_cost(const SpoolReader& reader, RecordedSamples& samples) {
 Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesystem::path& path,
                                                               const SanitiseRules& rules,
                                                               const WorkingMemory& work,
-                                                              SampleFilm film) {
+                                                              SampleFilm film, FirstPass* pass) {
   SPOOL_ASSIGN(SpoolReader opened, SpoolReader::open(path));
   const auto reader = std::make_shared<const SpoolReader>(std::move(opened));
   const format::LayerInfo radiance = *reader->find_layer("radiance");
@@ -164,7 +164,7 @@ Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesys
   SPOOL_ASSIGN(const Holding holding, choose_holding(*reader, layers, work));
   SPOOL_ASSIGN(RecordedSamples samples,
                RecordedSamples::create(path.string(), held_layer(reader, radiance, holding),
-                                       holding.keep(), rules));
+                                       holding.keep(), rules, pass));
   samples.set_exchangeable(reader->header().sample_order == format::SampleOrder::kExchangeable);
   SPOOL_TRY(load_film(reader, film, holding, samples));
   SPOOL_TRY(load_reference(*reader, samples));

@@ -22,11 +22,13 @@ enum class SampleFilm { kLoad, kLeaveOut };
 // Errors: those of format::SpoolReader; kDamage when a block of the radiance is missing, naming its
 // tile and samples; those of RecordedSamples::create. The seconds a sample took come from the
 // top-level meta key `cost_per_sample`. kData, before anything is loaded, when samples, reference
-// and `work` together are more than available_memory().
+// and `work` together are more than available_memory(). `pass`, which may be null, sees the samples
+// as they are read; they are not expected to be read again then.
 Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesystem::path& path,
                                                               const SanitiseRules& rules = {},
                                                               const WorkingMemory& work = {},
-                                                              SampleFilm film = SampleFilm::kLoad);
+                                                              SampleFilm film = SampleFilm::kLoad,
+                                                              FirstPass* pass = nullptr);
 
 // Whether the file of a recording held all it should whenever it was read; asked before what was
 // made of the samples is believed. kDamage when pages were lost; recordings that did not come from

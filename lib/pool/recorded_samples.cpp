@@ -17,12 +17,12 @@ BlockReader reader_of(std::vector<const float*> blocks, std::shared_ptr<const vo
 }  // namespace
 
 Result<RecordedSamples> RecordedSamples::create(std::string name, LayerBlocks radiance, bool keep,
-                                                const SanitiseRules& rules) {
+                                                const SanitiseRules& rules, FirstPass* pass) {
   RecordedSamples samples;
   samples.name_ = std::move(name);
   samples.radiance_ = std::move(radiance);
   samples.rules_ = rules;
-  SPOOL_TRY(samples.scan(keep));
+  SPOOL_TRY(samples.scan(keep, pass));
   return samples;
 }
 
@@ -58,7 +58,8 @@ void RecordedSamples::set_sample_film(const std::vector<FilmPosition>& positions
     channels->push_back(position.y);
   const LayerGrid whole{width(), height(), spp(), std::max(width(), height()), spp()};
   LayerBlocks film(whole, 2, reader_of({channels->data()}, channels));
-  SPOOL_CHECK(film.read_all(true, [](const BlockView&) { return Result<void>(); }).has_value());
+  SPOOL_CHECK(
+      film.read_all({.keep = true}, [](const BlockView&) { return Result<void>(); }).has_value());
   sample_film_ = std::move(film);
 }
 
@@ -87,10 +88,18 @@ GuardCounts RecordedSamples::guards() const {
 }
 
 // Each block when it is read, so that a recording larger than memory is read once.
-Result<void> RecordedSamples::scan(bool keep) {
+Result<void> RecordedSamples::scan(bool keep, FirstPass* pass) {
   std::vector<SanitiseReport> blocks(radiance_.grid().count());
-  SPOOL_TRY(radiance_.read_all(keep, [&](const BlockView& block) {
-    blocks[block.index] = scan_block(block, rules_);
+  std::vector<std::uint8_t> odd(blocks.size(), 0);  // blocks that a closer look is taken at
+  if (pass != nullptr) pass->begin(radiance_.grid());
+  const auto see = [&](const BlockRow& row) {
+    if (!is_plain_row(row, rules_)) odd[row.block->index] = 1;
+    if (pass != nullptr) pass->see(row);
+  };
+  const LayerBlocks::Reading reading{keep, see, pass != nullptr,
+                                     pass == nullptr ? Again::kExpected : Again::kNotExpected};
+  SPOOL_TRY(radiance_.read_all(reading, [&](const BlockView& block) {
+    if (odd[block.index] != 0) blocks[block.index] = scan_block(block, rules_);
     return Result<void>();
   }));
   for (const SanitiseReport& block : blocks)

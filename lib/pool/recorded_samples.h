@@ -17,6 +17,7 @@
 
 #include "lib/core/error.h"
 #include "lib/core/image.h"
+#include "lib/pool/first_pass.h"
 #include "lib/pool/layer_blocks.h"
 #include "lib/pool/sanitise.h"
 
@@ -52,10 +53,11 @@ using FeatureReader = std::function<Result<std::vector<float>>(
 class RecordedSamples {
  public:
   // Reads and scans every sample once (in parallel) to apply `rules`; `keep`: blocks stay in
-  // memory. Errors: those of the layer; kData when non-finite samples are forbidden or too many, or
-  // when a pixel keeps no sample, unless the rules allow it.
+  // memory; `pass`, which may be null, sees what is read. Errors: those of the layer; kData when
+  // non-finite samples are forbidden or too many, or when a pixel keeps no sample, unless the rules
+  // allow it.
   static Result<RecordedSamples> create(std::string name, LayerBlocks radiance, bool keep,
-                                        const SanitiseRules& rules = {});
+                                        const SanitiseRules& rules = {}, FirstPass* pass = nullptr);
   // The same of what lies in memory. `storage` keeps alive whatever the block pointers point into.
   static Result<RecordedSamples> create(std::string name, RadianceLayout layout,
                                         const std::shared_ptr<const void>& storage,
@@ -120,7 +122,7 @@ class RecordedSamples {
   Result<void> failure() const;
 
  private:
-  Result<void> scan(bool keep);
+  Result<void> scan(bool keep, FirstPass* pass);
   Result<void> judge_scan() const;
 
   std::string name_;

@@ -41,6 +41,14 @@ SPOOL_VECTOR_CLONES void count_odd(const float* values, std::size_t n, std::int3
   *counts = {nonfinite, negative, fireflies};
 }
 
+// The largest of the bits, where a sign makes any value large.
+SPOOL_VECTOR_CLONES std::uint32_t largest_bits(const float* values, std::size_t n) {
+  std::uint32_t largest = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    largest = std::max(largest, std::bit_cast<std::uint32_t>(values[i]));
+  return largest;
+}
+
 bool is_odd(const BlockView& block, const float* red) {
   return !is_ordinary({red[0], red[block.channel()], red[2 * block.channel()]});
 }
@@ -70,6 +78,13 @@ bool keeps_sample(const BlockView& block, int x, int y) {
 }
 
 }  // namespace
+
+bool is_plain_row(const BlockRow& row, const SanitiseRules& rules) {
+  const std::int32_t limit =
+      std::min(std::bit_cast<std::int32_t>(kLargestRadiance), bits_of_limit(rules.firefly_limit));
+  const auto n = static_cast<std::size_t>(row.block->pixels.width()) * row.block->samples;
+  return largest_bits(row.values, n) <= static_cast<std::uint32_t>(std::max(limit, 0));
+}
 
 SanitiseReport scan_block(const BlockView& block, const SanitiseRules& rules) {
   Counts counts;

@@ -9,6 +9,10 @@
 
 namespace spool {
 
+// Whether every value of a row of one channel is finite, not negative and within the limit, so that
+// scan_block() would count none of it; -0 is not taken for plain.
+bool is_plain_row(const BlockRow& row, const SanitiseRules& rules);
+
 // Of the three channels of radiance. Everything but the empty pixels, which one block cannot know.
 SanitiseReport scan_block(const BlockView& block, const SanitiseRules& rules);
 

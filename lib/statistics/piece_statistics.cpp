@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lib/core/parallel.h"
+#include "lib/statistics/block_means.h"
 #include "lib/statistics/block_statistics.h"
 
 namespace spool {
@@ -77,6 +78,13 @@ bool goes_by_blocks(const SamplePool& pool, const AnalysisSignal& signal) {
   return pool.as_recorded() && signal.channel == AnalysisChannel::kLuminance;
 }
 
+void check_prefix(const SamplePool& pool, const CountImage& counts) {
+  SPOOL_CHECK_EQ(counts.width(), pool.width());
+  SPOOL_CHECK_EQ(counts.height(), pool.height());
+  for (const std::int32_t count : counts.pixels())
+    SPOOL_CHECK_LE(count, pool.capacity(0, 0));
+}
+
 // Index of the non-empty piece nearest to (x, y) by rings of growing Chebyshev radius; inside a
 // ring the smallest Euclidean distance wins, then the lowest index. -1 when every piece is empty.
 std::ptrdiff_t nearest_non_empty(const CountImage& n, int x, int y) {
@@ -114,6 +122,14 @@ void ScalarStatistics::add(std::size_t piece, std::int32_t n_after, double value
   welford(mean[piece], m2[piece], n_after, value);
   minimum[piece] = std::min(minimum[piece], value);
   maximum[piece] = std::max(maximum[piece], value);
+}
+
+PieceStatistics means_of(int pieces_per_side, CountImage n, RgbImage mean) {
+  PieceStatistics statistics;
+  statistics.pieces_per_side = pieces_per_side;
+  statistics.n = std::move(n);
+  statistics.mean = std::move(mean);
+  return statistics;
 }
 
 PieceStatistics empty_statistics(const SamplePool& pool, const AnalysisSignal& signal,
@@ -182,10 +198,7 @@ PieceStatistics prefix_statistics(const SamplePool& pool, const CountImage& coun
     take_each(statistics, pool, counts);
     return statistics;
   }
-  SPOOL_CHECK_EQ(counts.width(), pool.width());
-  SPOOL_CHECK_EQ(counts.height(), pool.height());
-  for (const std::int32_t count : counts.pixels())
-    SPOOL_CHECK_LE(count, pool.capacity(0, 0));
+  check_prefix(pool, counts);
   for_each_block(pool, counts, [&](const BlockView& block, int begin, int end) {
     ScalarStatistics& of_signal = statistics.analysis;
     add_block({&statistics.mean, &statistics.m2, &of_signal.mean, &of_signal.m2, &of_signal.minimum,
@@ -194,6 +207,19 @@ PieceStatistics prefix_statistics(const SamplePool& pool, const CountImage& coun
   });
   statistics.n = counts;
   return statistics;
+}
+
+PieceStatistics prefix_means(const SamplePool& pool, const CountImage& counts) {
+  if (!goes_by_blocks(pool, {})) {
+    PieceStatistics all = prefix_statistics(pool, counts);
+    return means_of(all.pieces_per_side, std::move(all.n), std::move(all.mean));
+  }
+  check_prefix(pool, counts);
+  RgbImage mean = make_rgb(pool.width(), pool.height());
+  for_each_block(pool, counts, [&](const BlockView& block, int begin, int end) {
+    add_block_means(block, counts, begin, end, mean);
+  });
+  return means_of(pool.pieces_per_side(), counts, std::move(mean));
 }
 
 void set_signal(PieceStatistics& statistics, const SamplePool& pool, const AnalysisSignal& signal) {

@@ -41,6 +41,9 @@ struct PieceStatistics {
   friend bool operator==(const PieceStatistics&, const PieceStatistics&) = default;
 };
 
+// Statistics of n and means alone; the other planes are empty.
+PieceStatistics means_of(int pieces_per_side, CountImage n, RgbImage mean);
+
 PieceStatistics empty_statistics(const SamplePool& pool, const AnalysisSignal& signal = {},
                                  bool channel_extremes = false);
 
@@ -57,6 +60,10 @@ void add_sample(PieceStatistics& statistics, std::size_t piece, const Rgb& value
 // Takes up to `spp` samples of every piece, fewer where a piece has fewer, in parallel; returns how
 // many were taken.
 long long take_everywhere(PieceStatistics& statistics, const SamplePool& pool, int spp);
+
+// The statistics of the first n(x, y) samples of every piece, n and means alone: the other planes
+// are empty. `counts` must not exceed capacities.
+PieceStatistics prefix_means(const SamplePool& pool, const CountImage& counts);
 
 // The statistics of the first n(x, y) samples of every piece. `counts` must not exceed capacities.
 PieceStatistics prefix_statistics(const SamplePool& pool, const CountImage& counts,

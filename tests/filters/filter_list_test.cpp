@@ -62,6 +62,34 @@ TEST(FilterList, FiltersThatNeedNoSignalMakeTheSameImageWithoutIt) {
   EXPECT_TRUE(clamped->needs.signal);
 }
 
+// Who needs no variance makes the same image of means alone, without a variance.
+TEST(FilterList, FiltersThatNeedNoVarianceMakeTheSameImageOfMeansAlone) {
+  const SamplePool pool = testing::make_pool(13, 9, 8, testing::noisy_picture(13, 9, 7));
+  const auto count = [](int x, int y) { return (3 * x + y) % 5; };  // some have none
+  const Selection whole = testing::select_counts(pool, count);
+  const Selection means{.statistics = prefix_means(pool, whole.statistics.n)};
+  std::set<std::string> without;
+  for (const Filter& entry : filters()) {
+    const auto filter = make_method(filters(), {entry.name, "", {}});
+    ASSERT_TRUE(filter.has_value());
+    if (filter->needs.variance) continue;
+    without.insert(entry.name);
+    FilterContext alone;
+    alone.variance = false;
+    const auto a = filter->run(whole, pool, {}), b = filter->run(means, pool, alone);
+    ASSERT_TRUE(a.has_value() && b.has_value()) << entry.name;
+    EXPECT_EQ(a->image, b->image) << entry.name;
+    EXPECT_TRUE(a->variance.has_value() && !b->variance.has_value()) << entry.name;
+    EXPECT_EQ(a->guards[Guard::kEmptyPiece], b->guards[Guard::kEmptyPiece]);
+  }
+  EXPECT_EQ(without, (std::set<std::string>{"box", "gaussian"}));
+  for (const char* option : {"clamp", "energy"}) {
+    const auto staged = make_method(
+        filters(), {"box", "", {{option, option == std::string("clamp") ? "on" : "box"}}});
+    EXPECT_TRUE(staged->needs.variance);
+  }
+}
+
 TEST(FilterList, UnknownNamesAreUsageErrorsThatNameTheNearest) {
   const auto filter = make_method(filters(), {"bxo", "", {}});
   ASSERT_FALSE(filter.has_value());

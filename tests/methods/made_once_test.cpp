@@ -26,7 +26,7 @@ class MadeOnce : public ::testing::Test {
   void TearDown() override { provide_called_methods({}); }
 
   static LoadRecording noise() {
-    return [](const SanitiseRules&, const WorkingMemory&, SampleFilm) {
+    return [](const SanitiseRules&, const WorkingMemory&, SampleFilm, FirstPass*) {
       return Result<std::shared_ptr<const RecordedSamples>>(
           test::memory_recording(6, 5, 8, [](int x, int, int s) {
             const auto v = static_cast<float>(x + s);

@@ -30,6 +30,7 @@ TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
   for (const Sampler& entry : samplers())
     methods.emplace_back(entry.name, OptionValues{});
   methods.push_back({"multiscale", {{"analysis_channel", "max_rgb"}}});
+  methods.push_back({"multiscale", {{"update", "exact"}}});
   for (const auto& [name, set] : methods) {
     const auto sampled = (*make_method(samplers(), {name, "", set}))(pool, 19 * 14 * 6, context);
     ASSERT_TRUE(sampled.has_value()) << name << ": " << sampled.error().message;
@@ -46,6 +47,22 @@ TEST(SelectionFile, GivesTheSameImageToTheLastBit) {
         average_halves(*make_method(filters(), {"directional", "", {{"size_factor", "literal"}}}));
     EXPECT_EQ(filter(*selection, again, FilterContext{})->image,
               filter(sampled->selection, pool, FilterContext{})->image);
+  }
+}
+
+TEST(SelectionFile, WritesTheBitsOfAnAttenuationWhereItIsMoreThanAFloat) {
+  const test::ScratchFolder folder;
+  const SamplePool pool = test::noisy_pool(19, 14, 16);
+  for (const bool exact : {false, true}) {
+    const OptionValues set = exact ? OptionValues{{"update", "exact"}} : OptionValues{};
+    const auto sampled =
+        (*make_method(samplers(), {"multiscale", "", set}))(pool, 19 * 14 * 6, SamplingContext{});
+    const auto path = folder / "selection.exr";
+    ASSERT_TRUE(write_selection(path, sampled->selection, {"multiscale", "noisy", {}}, true));
+    const auto file = read_exr(path);
+    EXPECT_NE(file->find("A.2"), nullptr);
+    EXPECT_EQ(file->find("A_bits.2.high") != nullptr, exact);
+    EXPECT_EQ(file->find("A_bits.2.low") != nullptr, exact);
   }
 }
 
@@ -99,8 +116,8 @@ TEST(SelectionFile, ASumThatIsNotThatOfTheHalvesIsRefused) {
 TEST(SelectionFile, AnAttenuationThatSomebodyChangedIsTaken) {
   const test::ScratchFolder folder;
   const SamplePool pool = test::noisy_pool(8, 8, 16);
-  const auto sampled =
-      (*make_method(samplers(), {"multiscale", "", {}}))(pool, 8 * 8 * 6, SamplingContext{});
+  const auto sampled = (*make_method(samplers(), {"multiscale", "", {{"update", "exact"}}}))(
+      pool, 8 * 8 * 6, SamplingContext{});
   const auto path = folder / "selection.exr";
   ASSERT_TRUE(write_selection(path, sampled->selection, {"multiscale", "noisy", {}}, false));
   auto file = read_exr(path);

@@ -79,7 +79,7 @@ TEST(BlockCache, DoesNotKeepErrors) {
 TEST(BlockCache, GivesTheSameFromAnyNumberOfThreads) {
   const Counted counted;
   LayerBlocks layer(kGrid, 3, cached_blocks(counted.reader(), kGrid, 3, 3 * kBlockBytes));
-  ASSERT_TRUE(layer.read_all(false, [](const BlockView&) { return Result<void>(); }).has_value());
+  ASSERT_TRUE(layer.read_all({}, [](const BlockView&) { return Result<void>(); }).has_value());
   EXPECT_FALSE(layer.in_place());
   std::atomic<int> wrong{0};
   parallel_for(20000, [&](std::size_t i) {

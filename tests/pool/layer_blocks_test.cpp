@@ -47,7 +47,8 @@ TEST(LayerBlocks, KeepWhatTheyAreToldToKeep) {
       ++reads;
       return copies(i);
     });
-    ASSERT_TRUE(layer.read_all(keep, [](const BlockView&) { return Result<void>(); }).has_value());
+    ASSERT_TRUE(layer.read_all({.keep = keep}, [](const BlockView&) { return Result<void>(); })
+                    .has_value());
     EXPECT_EQ(layer.in_place(), keep);
     EXPECT_EQ(reads, 4);
     EXPECT_EQ(layer.place_of(9, 3, 2).value[0], 9.0f);
@@ -66,7 +67,7 @@ TEST(LayerBlocks, HoldZerosAndSayWhyWhereABlockIsNoLongerRead) {
     if (lost) return fail(ErrorCode::kDamage, "gone");
     return copies(i);
   });
-  ASSERT_TRUE(layer.read_all(false, [](const BlockView&) { return Result<void>(); }).has_value());
+  ASSERT_TRUE(layer.read_all({}, [](const BlockView&) { return Result<void>(); }).has_value());
   EXPECT_EQ(layer.place_of(1, 1, 3).value[0], 1.0f);
   lost = true;
   EXPECT_TRUE(layer.failure().has_value());
@@ -82,7 +83,7 @@ TEST(LayerBlocks, SayTheFirstErrorByIndex) {
   LayerBlocks layer(grid, 3, [](std::size_t i) -> Result<BlockValues> {
     return fail(ErrorCode::kDamage, "block {}", i);
   });
-  const auto read = layer.read_all(true, [](const BlockView&) { return Result<void>(); });
+  const auto read = layer.read_all({.keep = true}, [](const BlockView&) { return Result<void>(); });
   ASSERT_FALSE(read.has_value());
   EXPECT_EQ(read.error().message, "block 0");
 }

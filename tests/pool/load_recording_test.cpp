@@ -60,6 +60,79 @@ TEST(LoadRecording, GivesBackWhatWasWrittenInTilesAndBlocksOfAnySize) {
   }
 }
 
+// Notes what it is shown: [c][y][x][s].
+class Notes : public FirstPass {
+ public:
+  void begin(const LayerGrid& grid) override {
+    grid_ = grid;
+    values.assign(std::size_t{3} * grid.width * grid.height * grid.spp, -1.0f);
+  }
+  void see(const BlockRow& row) override {
+    const BlockView& block = *row.block;
+    for (int x = 0; x < block.pixels.width(); ++x) {
+      for (int s = 0; s < block.samples; ++s)
+        values[index(row.channel, block.pixels.x0 + x, row.y, block.first + s)] =
+            row.values[x * block.samples + s];
+    }
+  }
+  std::size_t index(int c, int x, int y, int s) const {
+    const std::size_t pixel = (static_cast<std::size_t>(c) * grid_.height + y) * grid_.width + x;
+    return pixel * grid_.spp + s;
+  }
+  std::vector<float> values;
+
+ private:
+  LayerGrid grid_;
+};
+
+TEST(LoadRecording, ShowsEverySampleToThePassThatGoesWithIt) {
+  const ScratchFolder folder;
+  for (const bool compress : {false, true}) {
+    WriteSyntheticOptions options;
+    options.tile_size = 16;
+    options.block_spp = 4;
+    options.writer.compress = compress;
+    options.writer.force = true;
+    ASSERT_TRUE(write_synthetic("scene_s", 37, 21, 11, 5, folder / "s.spool", options).has_value());
+    Notes notes;
+    const auto loaded = load_recording(folder / "s.spool", {}, {}, SampleFilm::kLoad, &notes);
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+    expect_same_samples(**loaded, make_scene_s(37, 21, 11, 5));
+    for (int y = 0; y < 21; ++y) {
+      for (int x = 0; x < 37; ++x) {
+        for (int s = 0; s < 11; ++s) {
+          const Rgb value = (*loaded)->radiance(x, y, s);
+          for (int c = 0; c < 3; ++c)
+            ASSERT_EQ(notes.values[notes.index(c, x, y, s)], value[static_cast<std::size_t>(c)]);
+        }
+      }
+    }
+  }
+}
+
+TEST(LoadRecording, FindsADamagedBlockWithAPassAndWithout) {
+  const ScratchFolder folder;
+  WriteSyntheticOptions options;
+  options.tile_size = 16;
+  ASSERT_TRUE(write_synthetic("scene_s", 32, 32, 16, 5, folder / "d.spool", options).has_value());
+  {
+    std::fstream file(folder / "d.spool", std::ios::in | std::ios::out | std::ios::binary);
+    file.seekg(0, std::ios::end);
+    const auto middle = file.tellg() / 2;
+    file.seekg(middle);
+    const int byte = file.get();
+    file.seekp(middle);
+    file.put(static_cast<char>(byte ^ 1));
+  }
+  Notes notes;
+  for (FirstPass* pass : {static_cast<FirstPass*>(nullptr), static_cast<FirstPass*>(&notes)}) {
+    const auto loaded = load_recording(folder / "d.spool", {}, {}, SampleFilm::kLoad, pass);
+    ASSERT_FALSE(loaded.has_value());
+    EXPECT_EQ(loaded.error().code, ErrorCode::kDamage);
+    EXPECT_NE(loaded.error().message.find("checksum"), std::string::npos) << loaded.error().message;
+  }
+}
+
 TEST(LoadRecording, ReportsTheSameHoweverTheFileIsCut) {
   const ScratchFolder folder;
   WriteSyntheticOptions options;

@@ -239,6 +239,15 @@ def test_reconstruction_of_the_first_samples_is_their_mean(good, dump):
         assert np.allclose(read_exr(f"{dump.parent}/three.exr", name), mean, rtol=1e-5)
 
 
+@pytest.mark.parametrize("name", ["box", "gaussian", "directional"])
+@pytest.mark.parametrize("how", [(), ("--spp", 3), ("--order", "shuffled"), ("--holdout", 2)])
+def test_an_image_is_the_same_whether_its_variance_is_asked_for_or_not(good, dump, name, how):
+    for layers in ((), ("--layers",)):
+        good("reconstruct", dump, "--filter", name, *how, "-o", f"a{len(layers)}.exr", "-q", *layers)
+    for channel in "RGB":
+        assert (read_exr(dump.parent / "a0.exr", channel) == read_exr(dump.parent / "a1.exr", channel)).all()
+
+
 def test_replay_then_reconstruct_with_box_is_the_mean_of_what_was_taken(good, dump):
     radiance, _ = samples()
     good("replay", dump, "--sampler", "uniform", "--spp", 5.5, "-o", "n.exr")

@@ -14,7 +14,7 @@ constexpr double kSharedWithLoop = 39;
 // judge.
 constexpr double kHeldWhileFiltering = 150, kJudging = 460;
 // An image that is shown: as it was made, and as it is written.
-constexpr double kView = 20;
+constexpr double kView = 18;
 
 template <class Function>
 Result<std::vector<Demands>> demands_of(const MethodList<Function>& known,

@@ -1,5 +1,6 @@
 #include "tools/methods/selection_file.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -91,9 +92,20 @@ Result<void> refuse_removed_signal(const ExrFile& file, const std::filesystem::p
               path.string(), mapped ? "decision_map=" + map->second : "decision_clamp");
 }
 
-// A_k for people, and its bits: a float alone would change the last bits of an image.
+bool are_floats(const Plane& values) {
+  return std::ranges::all_of(values.pixels(), [](double value) {
+    return static_cast<double>(static_cast<float>(value)) == value;
+  });
+}
+
+// A_k for people, and its bits where it is more than a float: rounded it would change the last bits
+// of an image.
 void add_attenuation(ExrFile& file, const std::string& part, std::size_t level,
                      const Plane& attenuation) {
+  if (are_floats(attenuation)) {
+    file.channels.push_back({fmt::format("{}A.{}", part, level), PixelType::kFloat, attenuation});
+    return;
+  }
   Plane high(file.width, file.height), low(file.width, file.height);
   for (std::size_t i = 0; i < attenuation.size(); ++i) {
     const auto bits = std::bit_cast<std::uint64_t>(attenuation[i]);
@@ -175,7 +187,7 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
     file.text_attributes["spool.halves"] = "together";
   }
   if (views != nullptr) add_view_layers(*views, file);
-  return write_exr(path, file,
+  return write_exr(path, std::move(file),
                    {.overwrite = overwrite, .compression = ExrCompression::kRunLengths});
 }
 
@@ -217,7 +229,7 @@ SelectionFile contents_of(const Selection& selection, const PoolOptions& pool) {
 }
 
 Result<Selection> apply_selection(const SelectionFile& file, const std::filesystem::path& path,
-                                  const SamplePool& pool, SignalOf of) {
+                                  const SamplePool& pool, Made made) {
   if (file.n.width() != pool.width() || file.n.height() != pool.height()) {
     return fail(ErrorCode::kData,
                 "{}: is {} x {}, the dump {} x {}: a selection has the dump's size", path.string(),
@@ -234,9 +246,10 @@ Result<Selection> apply_selection(const SelectionFile& file, const std::filesyst
     }
   }
   Selection selection;
-  selection.statistics = prefix_statistics(pool, file.n);
+  selection.statistics =
+      made == Made::kMeans ? prefix_means(pool, file.n) : prefix_statistics(pool, file.n);
   selection.attenuation = file.attenuation;
-  if (of == SignalOf::kSelection || file.signal) {
+  if (made == Made::kAll || (file.signal && made != Made::kMeans)) {
     AnalysisSignal signal;
     GuardCounts guards;
     signal.exposure = exposure_of(selection.statistics, guards);

@@ -1,8 +1,9 @@
 // A selection as an EXR: how many samples of each piece were taken, and what a sampler hands on.
 //
 // Channel `n` (uint): samples of each piece. Layers `A.0` .. `A.K` (float): attenuation of each
-// level, where the sampler keeps one, for people; `A_bits.k.high` and `A_bits.k.low` (uint) are the
-// same in all 64 bits, and count as long as `A.k` has not been changed since. Attributes of files
+// level, where the sampler keeps one; where they are more than floats, `A_bits.k.high` and
+// `A_bits.k.low` (uint) are the same in all 64 bits, and count as long as `A.k` has not been
+// changed since. Attributes of files
 // written here say which sampler made it, the order of the samples and the analysis signal, so that
 // `reconstruct` gives the very bits that `evaluate` gives. A selection with halves has the same
 // channels once more for each, `even.n`, `even.A.0`, .. `odd.n`, ..; `n` is all that was looked at
@@ -51,14 +52,14 @@ SelectionFile contents_of(const Selection& selection, const PoolOptions& pool);
 // Counts must be whole and not negative; kData with the pixel otherwise.
 Result<SelectionFile> read_selection(const std::filesystem::path& path);
 
-// Whether the analysis signal is made; without it the statistics have it as it is before any
+// What of the statistics is made. Without the analysis signal they have it as it is before any
 // exposure, which is enough to expose it (lib/kernels/piece_estimates.h).
-enum class SignalOf { kSelection, kNoOne };
+enum class Made { kAll, kWithoutSignal, kMeans };
 
 // The statistics of that selection. kData where the file's size is not the pool's, a count is
 // larger than the pool's capacity there, or halves that are used together have another sum than
 // `n`.
 Result<Selection> apply_selection(const SelectionFile& file, const std::filesystem::path& path,
-                                  const SamplePool& pool, SignalOf signal = SignalOf::kSelection);
+                                  const SamplePool& pool, Made made = Made::kAll);
 
 }  // namespace spool::tools

@@ -33,9 +33,8 @@ PoolOptions pool_options(bool shuffled, std::uint64_t seed, int holdout, int pie
 }
 
 tools::LoadRecording loader(Source& source) {
-  return [&source](const SanitiseRules& rules, const WorkingMemory& work, SampleFilm film) {
-    return source.load(rules, work, film);
-  };
+  return [&source](const SanitiseRules& rules, const WorkingMemory& work, SampleFilm film,
+                   FirstPass*) { return source.load(rules, work, film); };
 }
 
 nb::dict views_of(const Views& views) {
