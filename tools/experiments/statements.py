@@ -10,7 +10,8 @@ VERDICT = re.compile(r"^- (?P<text>.+?): (?P<verdict>agrees|\*\*disagrees\*\*|\*
                      r"(?P<more>, in part not told apart|: not told apart)?[ .](?P<pools>.*)$")
 ANSWERS = re.compile(r"^- (?P<text>.+?): (?P<pools>[^:]+: (?:yes|not told apart|\*\*no\*\*)(?:; [^:;]+: (?:yes|not told apart|\*\*no\*\*))*)\.$")
 # Ours or about rivals, in chapters that otherwise ask what the paper says.
-OURS = ("control that only clamps", "mitchell is below uniform", "one region a step", "tiles of")
+OURS = ("control that only clamps", "mitchell is below uniform", "one region a step", "tiles of",
+        "the literal preset with S", "the literal preset with the reciprocal", "the literal preset with both")
 
 
 @dataclass
