@@ -1,6 +1,7 @@
 #include "lib/kernels/patch_tile.h"
 
 #include <algorithm>
+#include <bit>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -44,7 +45,10 @@ void distance_row(const GuideRow& p, const GuideRow& q, float noise, int width,
   const float *u0 = q.v[0], *u1 = q.v[1], *u2 = q.v[2];
   const auto numerator = [=](float ap, float aq, float vp, float vq) {
     const float difference = ap - aq;
-    return difference * difference - noise * (vp + std::min(vq, vp));
+    // Variances are not negative, and so have the order of their bits; a comparison of floats may
+    // trap, which leaves AVX2 without vectors.
+    const auto least = std::min(std::bit_cast<std::int32_t>(vp), std::bit_cast<std::int32_t>(vq));
+    return difference * difference - noise * (vp + std::bit_cast<float>(least));
   };
   for (int x = 0; x < width; ++x) {
     const float d0 = kEpsilon + (v0[x] + u0[x]), d1 = kEpsilon + (v1[x] + u1[x]),
