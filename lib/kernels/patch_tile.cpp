@@ -1,8 +1,8 @@
 #include "lib/kernels/patch_tile.h"
 
 #include <algorithm>
-#include <bit>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <utility>

@@ -97,7 +97,8 @@ void measure_sizes(std::vector<Row>& rows) {
     for (std::size_t p = 0; p < variance.size(); ++p)
       variance[p] = (test.image[0] > 1e3 ? 1e-5 : 0.01) * (0.5 + uniform(31, p));
     FilterSizeOptions options;
-    options.smooth = SizeSmooth::kOff;
+    options.smooth = SizeSmooth::kOff;  // eq 9 alone, without what neighbours say
+    options.evidence = 0.0;
     Views views({"T"});
     GuardCounts guards;
     const CountImage level = filter_size(
