@@ -11,9 +11,9 @@
 namespace spool {
 namespace {
 
-constexpr int kCells = 4;      // per pixel side
-constexpr int kBandRows = 16;  // pixels whose cells are held together
-constexpr int kColumns = 32;   // pixels whose samples are read together
+constexpr int kCells = 4;     // per pixel side
+constexpr int kBandRows = 8;  // pixels whose cells are held together
+constexpr int kColumns = 32;  // pixels whose samples are read together
 
 // Sums of defined values [c], and how many there are.
 struct Cells {
@@ -158,7 +158,7 @@ Filter multistage_filter() {
        .summary = "box filters of growing width over quarter pixels",
        .source = Source::kDescriptions,
        .needs = [](const auto&) { return Needs{.film_positions = Use::kWhenRecorded}; },
-       .memory = {160, 2e6},
+       .memory = {160, 3e6},  // the cells of two bands are the larger constant
        .run = reconstruct_multistage});
 }
 

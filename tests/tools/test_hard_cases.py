@@ -147,8 +147,8 @@ def test_what_does_not_fit_into_memory_is_refused_before_work(good, tmp_path, ru
     radiance, _ = samples(40, 40, 16)
     packed = write_dump(tmp_path / "packed.spool", np.repeat(radiance[:, :, :1], 16, axis=2), compress=True)
     plain = write_dump(tmp_path / "plain.spool", radiance)
-    # 2 MB for box itself, 188 bytes a pixel; and for the packed one a part of its samples, read block by block.
-    monkeypatch.setenv("SPOOL_MEMORY", str(2_000_000 + 40 * 40 * (188 + 3 * 16)))
+    # 2 MB for box itself, 81 bytes a pixel; and for the packed one a part of its samples, read block by block.
+    monkeypatch.setenv("SPOOL_MEMORY", str(2_000_000 + 40 * 40 * (81 + 3 * 16)))
     run("reconstruct", packed, "--filter", "box", "-o", "i.exr").failed_with(1, "packed.spool", "GB of memory")
     assert not (tmp_path / "i.exr").exists()
     good("reconstruct", plain, "--filter", "box", "-o", "i.exr")  # stays in the file
