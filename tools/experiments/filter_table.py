@@ -3,13 +3,15 @@
 A line for each sampler and filter, a column for each budget: geometric mean over recordings of the mean over replicates,
 divided by that of `--against` at the same budget; mean energy ratio; CPU seconds of the filter per megapixel, the median.
 With --each a line for each recording instead, of the smallest and largest of which a goal may speak. With --intervals, behind each
-figure, within which the geometric mean over other recordings of the kind lies in 95 of 100 cases: Student's t on the logarithms.
+figure, the library's 95 % interval of the geometric mean over other recordings of the kind.
 """
 import argparse
 import csv
 import math
 from collections import defaultdict
 from pathlib import Path
+
+from inference import mean_of
 
 
 def read(folders):
@@ -37,18 +39,9 @@ def geometric_mean(values):
     return math.exp(sum(map(math.log, values)) / len(values))
 
 
-STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262)  # two-sided 95 %, 1 .. 9 degrees of freedom
-
-
 def interval(values):
-    """(low, high) of the geometric mean, or None for fewer than two recordings or more than ten."""
-    logarithms, freedom = [math.log(value) for value in values], len(values) - 1
-    if not 1 <= freedom <= len(STUDENT):
-        return None
-    middle = sum(logarithms) / len(logarithms)
-    variance = sum((value - middle) ** 2 for value in logarithms) / freedom
-    reach = STUDENT[freedom - 1] * math.sqrt(variance / len(logarithms))
-    return math.exp(middle - reach), math.exp(middle + reach)
+    """(low, high) of the geometric mean, or None for fewer than two recordings."""
+    return mean_of(values)[1:3] if len(values) > 1 else None
 
 
 def figure(found, energies, intervals):
