@@ -46,7 +46,7 @@ struct BlendResult {
 };
 
 inline BlendResult blend(const Planes& values, const Planes& variances, const Planes& f,
-                         const Planes& fv, double tau, int patch, int radius, double sigma) {
+                         const Planes& fv, double tau, int radius, double sigma) {
   const int width = values[0].width(), height = values[0].height();
   const auto e = [&](int px, int py, int dx, int dy) {
     const int qx = std::clamp(px + dx, 0, width - 1), qy = std::clamp(py + dy, 0, height - 1);
@@ -65,15 +65,7 @@ inline BlendResult blend(const Planes& values, const Planes& variances, const Pl
       for (int dy = -radius; dy <= radius; ++dy) {
         for (int dx = -radius; dx <= radius; ++dx) {
           if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
-          double z = 0.0;
-          int count = 0;
-          for (int py = std::max(0, y - patch); py <= std::min(height - 1, y + patch); ++py) {
-            for (int px = std::max(0, x - patch); px <= std::min(width - 1, x + patch); ++px) {
-              z += e(px, py, dx, dy);
-              ++count;
-            }
-          }
-          z = z / count + (dx * dx + dy * dy) / (2.0 * sigma * sigma);
+          const double z = e(x, y, dx, dy) + (dx * dx + dy * dy) / (2.0 * sigma * sigma);
           const double w = std::max(0.0, std::exp(-z) - std::exp(-8.0));
           total += w;
           for (std::size_t i = 0; i < sum.size(); ++i)
@@ -204,7 +196,7 @@ struct GuideLevel {
 
 inline GuideLevel guide_sources(const Moments& m, const Planes& clean,
                                 const Planes& clean_variance) {
-  const BlendResult pilot = blend(m.mean, m.variance, clean, clean_variance, 1e-2, 0, 2, 0.7);
+  const BlendResult pilot = blend(m.mean, m.variance, clean, clean_variance, 1e-2, 2, 0.7);
   GuideLevel level{0.0, pilot.mean, pilot.variance};
   level.mean.insert(level.mean.end(), m.log_mean.begin(), m.log_mean.end());
   level.variance.insert(level.variance.end(), m.log_variance.begin(), m.log_variance.end());

@@ -27,28 +27,10 @@ void raise_distance(const float* p, const float* v, std::ptrdiff_t shift, float 
 }
 
 SPOOL_VECTOR_CLONES
-void divide_into(const float* numerator, const float* denominator, int width,
-                 float* __restrict to) {
-  for (int x = 0; x < width; ++x)
-    to[x] = numerator[x] / denominator[x];
-}
-
-// to[x] = from[x] + ... + from[x + (terms - 1) step], in that order.
-SPOOL_VECTOR_CLONES
-void sum_of(const float* from, std::ptrdiff_t step, int terms, int width, float* __restrict to) {
-  for (int x = 0; x < width; ++x)
-    to[x] = from[x];
-  for (int i = 1; i < terms; ++i) {
-    for (int x = 0; x < width; ++x)
-      to[x] += from[x + i * step];
-  }
-}
-
-SPOOL_VECTOR_CLONES
-void weights_of(const float* sum, const float* inverse_count, float spatial, float end, int width,
-                float* __restrict weight) {
+void weights_of(const float* numerator, const float* denominator, float spatial, float end,
+                int width, float* __restrict weight) {
   for (int x = 0; x < width; ++x) {
-    const float w = exp_negative(sum[x] * inverse_count[x] + spatial) - end;
+    const float w = exp_negative(numerator[x] / denominator[x] + spatial) - end;
     weight[x] = w > 0.0f ? w : 0.0f;
   }
 }
@@ -83,12 +65,12 @@ class TileBlend {
         squares_(variances.size()),
         channels_(features.value.size()),
         width_(whole_vectors(tile.width())),
-        features_(around(options.radius + options.patch), 2 * channels_),
+        features_(around(options.radius), 2 * channels_),
         inputs_(around(options.radius), means_ + squares_),
         sums_(tile, means_ + squares_ + 1),
-        distance_(around(options.patch), 1),
-        across_(around(options.patch), 1),
-        inverse_count_(static_cast<std::size_t>(width_)) {
+        numerator_(static_cast<std::size_t>(width_)),
+        denominator_(numerator_),
+        weight_(numerator_) {
     for (std::size_t c = 0; c < channels_; ++c) {
       features_.copy_clamped(2 * c, features.value[c]);
       features_.copy_clamped(2 * c + 1, features.variance[c]);
@@ -124,63 +106,32 @@ class TileBlend {
   }
   float* total(int y) { return sums_.at(means_ + squares_, tile_.x0, y); }
 
-  // e of the tile and the patch around it, 0 where p is outside the image.
-  void distances(int dx, int dy) {
-    const Rectangle& all = distance_.covered();
-    const int width = whole_vectors(all.width());
-    std::vector<float> numerator(static_cast<std::size_t>(width)), denominator(numerator);
+  // Of the pieces of row y and those dx, dy beside them.
+  void weigh(int dx, int dy, int y) {
+    std::fill(numerator_.begin(), numerator_.end(), 0.0f);
+    std::fill(denominator_.begin(), denominator_.end(), 1.0f);
     const std::ptrdiff_t shift = dy * features_.stride() + dx;
-    for (int y = all.y0; y < all.y1; ++y) {
-      float* row = distance_.at(0, all.x0, y);
-      if (y < image_.y0 || y >= image_.y1) {
-        std::fill_n(row, all.width(), 0.0f);
-        continue;
-      }
-      std::fill(numerator.begin(), numerator.end(), 0.0f);
-      std::fill(denominator.begin(), denominator.end(), 1.0f);
-      for (std::size_t c = 0; c < channels_; ++c) {
-        raise_distance(features_.at(2 * c, all.x0, y), features_.at(2 * c + 1, all.x0, y), shift,
-                       options_.tau, width, numerator.data(), denominator.data());
-      }
-      divide_into(numerator.data(), denominator.data(), width, row);
-      if (all.x0 < image_.x0) std::fill_n(row, image_.x0 - all.x0, 0.0f);
-      if (all.x1 > image_.x1) std::fill(row + (image_.x1 - all.x0), row + all.width(), 0.0f);
+    for (std::size_t c = 0; c < channels_; ++c) {
+      raise_distance(features_.at(2 * c, tile_.x0, y), features_.at(2 * c + 1, tile_.x0, y), shift,
+                     options_.tau, width_, numerator_.data(), denominator_.data());
     }
-  }
-
-  // 1 / (pieces of the patch around each piece of row y that are inside the image).
-  void count_patch(int y) {
-    const int f = options_.patch;
-    const int rows = std::min(y + f + 1, image_.y1) - std::max(y - f, image_.y0);
-    for (int x = tile_.x0; x < tile_.x1; ++x) {
-      const int columns = std::min(x + f + 1, image_.x1) - std::max(x - f, image_.x0);
-      inverse_count_[static_cast<std::size_t>(x - tile_.x0)] =
-          1.0f / static_cast<float>(rows * columns);
-    }
+    const auto spatial =
+        static_cast<float>((dx * dx + dy * dy) / (2.0 * options_.sigma * options_.sigma));
+    weights_of(numerator_.data(), denominator_.data(), spatial, static_cast<float>(std::exp(-kCut)),
+               width_, weight_.data());
+    for (int x = tile_.x0; x < std::min(tile_.x1, image_.x0 - dx); ++x)
+      weight_[static_cast<std::size_t>(x - tile_.x0)] = 0.0f;
+    for (int x = std::max(tile_.x0, image_.x1 - dx); x < tile_.x1; ++x)
+      weight_[static_cast<std::size_t>(x - tile_.x0)] = 0.0f;
   }
 
   void add_offset(int dx, int dy) {
-    const int f = options_.patch, side = 2 * f + 1;
-    distances(dx, dy);
-    const Rectangle& all = distance_.covered();
-    for (int y = all.y0; y < all.y1; ++y)
-      sum_of(distance_.at(0, all.x0, y), 1, side, width_, across_.at(0, all.x0, y));
-    const auto spatial =
-        static_cast<float>((dx * dx + dy * dy) / (2.0 * options_.sigma * options_.sigma));
-    std::vector<float> sum(static_cast<std::size_t>(width_)), weight(sum);
     for (int y = std::max(tile_.y0, image_.y0 - dy); y < std::min(tile_.y1, image_.y1 - dy); ++y) {
-      sum_of(across_.at(0, all.x0, y - f), across_.stride(), side, width_, sum.data());
-      count_patch(y);
-      weights_of(sum.data(), inverse_count_.data(), spatial, static_cast<float>(std::exp(-kCut)),
-                 width_, weight.data());
-      for (int x = tile_.x0; x < std::min(tile_.x1, image_.x0 - dx); ++x)
-        weight[static_cast<std::size_t>(x - tile_.x0)] = 0.0f;
-      for (int x = std::max(tile_.x0, image_.x1 - dx); x < tile_.x1; ++x)
-        weight[static_cast<std::size_t>(x - tile_.x0)] = 0.0f;
-      add_row(weight.data(), width_, total(y));
+      weigh(dx, dy, y);
+      add_row(weight_.data(), width_, total(y));
       for (std::size_t i = 0; i < means_ + squares_; ++i) {
-        if (i == means_) square(weight.data(), width_);
-        add_products(weight.data(), inputs_.at(i, tile_.x0 + dx, y + dy), width_,
+        if (i == means_) square(weight_.data(), width_);
+        add_products(weight_.data(), inputs_.at(i, tile_.x0 + dx, y + dy), width_,
                      sums_.at(i, tile_.x0, y));
       }
     }
@@ -192,8 +143,7 @@ class TileBlend {
   int width_;
   TilePlanes features_;  // value and variance of each channel in turn
   TilePlanes inputs_, sums_;
-  TilePlanes distance_, across_;  // e, and its sums along rows
-  std::vector<float> inverse_count_;
+  std::vector<float> numerator_, denominator_, weight_;  // of the row at hand
 };
 
 }  // namespace

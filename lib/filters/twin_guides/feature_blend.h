@@ -1,12 +1,12 @@
 // Means of images under weights that recorded features alone give, on one tile.
 //
 //   e(p, q) = max(0, max_c ((f_p - f_q)^2 - (v_p + min(v_p, v_q))) / (v_p + v_q + tau))
-//   w       = max(0, exp(-(e averaged over the patch around p) - |p - q|^2 / (2 sigma^2)) -
-//   exp(-8)) mean    = sum w y / sum w,   variance of it = sum w^2 v / (sum w)^2
+//   w       = max(0, exp(-e - |p - q|^2 / (2 sigma^2)) - exp(-8))
+//   mean    = sum w y / sum w,   variance of it = sum w^2 v / (sum w)^2
 //
-// The patch moves p and q together; p stays inside the image, q is clamped to it. q runs over the
-// window of `radius` inside the image. Distances of features are those of [RousselleKnausZwicker12]
-// for colours; the weight of the far end is taken off so that no neighbour enters with a jump.
+// q runs over the window of `radius` inside the image. Distances of features are those of
+// [RousselleKnausZwicker12] for colours; the weight of the far end is taken off so that no
+// neighbour enters with a jump.
 // Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
@@ -24,7 +24,6 @@ struct FeatureImages {
 
 struct BlendOptions {
   float tau = 1e-3f;
-  int patch = 0;  // radius
   int radius = 2;
   double sigma = 0.7;
 };

@@ -13,7 +13,7 @@
 namespace spool {
 namespace {
 
-constexpr BlendOptions kPilot = {1e-2f, 0, 2, 0.7};
+constexpr BlendOptions kPilot = {1e-2f, 2, 0.7};
 // A variance of logarithms beyond this, twice in one distance, covers any difference of two.
 constexpr float kLargestVariance = 1e3f;
 
