@@ -45,6 +45,11 @@ Result<CountImage> uniform_counts(const SamplePool& pool, int spp) {
 // A filter that gets means alone and makes no variance.
 constexpr WorkingMemory kMeansMemory = {81, 2e6};
 
+// Means do where it is not.
+bool variance_is_wanted(const ReconstructOptions& options, const Needs& needs) {
+  return options.variance || needs.variance || !options.views.empty();
+}
+
 struct Input {
   std::shared_ptr<const RecordedSamples> recording;
   SamplePool pool;
@@ -59,7 +64,7 @@ Result<Input> load_input(const ReconstructOptions& options,
       selection ? selection->pool.value_or(options.pool) : options.pool;
   const int pieces = pool_options.pieces_per_side;
   const Demands filter = demands_of(methods.filters[0]);
-  const bool means = !options.variance && !filter.needs.variance && options.views.empty();
+  const bool means = !variance_is_wanted(options, filter.needs);
   const WorkingMemory own =
       filtering_memory(means ? Demands{filter.needs, kMeansMemory} : filter, pieces);
   const WorkingMemory work = with_views(own, known, views, pieces);
@@ -70,7 +75,8 @@ Result<Input> load_input(const ReconstructOptions& options,
   SelectionFile all;
   if (!selection && means) {
     if (auto statistics = std::move(pass).taken(pool))
-      return Input{recording, std::move(pool), {.statistics = std::move(*statistics)}};
+      return Input{
+          recording, std::move(pool), {.statistics = std::move(*statistics), .attenuation = {}}};
   }
   if (!selection) {
     SPOOL_ASSIGN(all.n, uniform_counts(pool, options.spp));
@@ -199,7 +205,7 @@ Result<Reconstructed> reconstruct(const ReconstructOptions& options,
   SPOOL_ASSIGN(Input input, load_input(options, selection, methods, known, views, load));
   const auto& reference = input.pool.recording().reference();
   FilterContext context{&views, reference ? &*reference : nullptr, progress};
-  context.variance = options.variance || filter.needs.variance || !wanted.empty();
+  context.variance = variance_is_wanted(options, filter.needs);
   const auto start = std::chrono::steady_clock::now();
   Result<Reconstruction> filtered = filter(input.selection, input.pool, context);
   SPOOL_TRY(still_intact(input.recording));  // before what a method says about lost samples
