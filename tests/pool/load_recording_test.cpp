@@ -35,15 +35,20 @@ void expect_same_samples(const RecordedSamples& a, const RecordedSamples& b, int
   }
 }
 
+WriteSyntheticOptions small_blocks(bool compress) {
+  WriteSyntheticOptions options;
+  options.tile_size = 16;
+  options.block_spp = 4;
+  options.writer.compress = compress;
+  options.writer.force = true;
+  return options;
+}
+
 TEST(LoadRecording, GivesBackWhatWasWrittenInTilesAndBlocksOfAnySize) {
   const ScratchFolder folder;
   const RecordedSamples made = make_scene_s(37, 21, 11, 5);
   for (const bool compress : {false, true}) {
-    WriteSyntheticOptions options;
-    options.tile_size = 16;
-    options.block_spp = 4;
-    options.writer.compress = compress;
-    options.writer.force = true;
+    const WriteSyntheticOptions options = small_blocks(compress);
     const auto written = write_synthetic("scene_s", 37, 21, 11, 5, folder / "s.spool", options);
     ASSERT_TRUE(written.has_value()) << written.error().message;
     const auto loaded = load_recording(folder / "s.spool");
@@ -88,11 +93,7 @@ class Notes : public FirstPass {
 TEST(LoadRecording, ShowsEverySampleToThePassThatGoesWithIt) {
   const ScratchFolder folder;
   for (const bool compress : {false, true}) {
-    WriteSyntheticOptions options;
-    options.tile_size = 16;
-    options.block_spp = 4;
-    options.writer.compress = compress;
-    options.writer.force = true;
+    const WriteSyntheticOptions options = small_blocks(compress);
     ASSERT_TRUE(write_synthetic("scene_s", 37, 21, 11, 5, folder / "s.spool", options).has_value());
     Notes notes;
     const auto loaded = load_recording(folder / "s.spool", {}, {}, SampleFilm::kLoad, &notes);
