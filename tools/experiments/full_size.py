@@ -16,6 +16,7 @@ from pathlib import Path
 
 import measured
 from described import in_folder
+from evaluation import evaluate
 from whole_file import write_whole
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -164,7 +165,7 @@ class Measuring:
         folder.mkdir(parents=True, exist_ok=True)
         write_whole(target, text)
         print(f"{plan} on {recording}", flush=True)
-        self._evaluate(target, target.with_suffix(""))
+        evaluate(self.program, target, target.with_suffix(""), self.threads, *(["--force"] if self.again else []))
         head = {"plan": plan, "recording": recording, "samples_sha256": self.recordings.hash(recording), "plan_sha256": hashed,
                 "replicates": REPLICATES, "described": sorted(in_folder(target.with_suffix(""))), **self._made_by(target.with_suffix(""))}
         if density:
@@ -178,13 +179,6 @@ class Measuring:
         manifest = json.loads((folder / "manifest.json").read_text())
         return {"version": manifest["version"], "commit": commit(), "date": datetime.date.today().isoformat(),
                 "processor": manifest["machine"]["processor"]}
-
-    def _evaluate(self, plan, folder):
-        """Goes on where it stopped. Exit code 1 means cells that failed, which the results name."""
-        force = ["--force"] if self.again else []
-        finished = subprocess.run([self.program, "evaluate", plan, "-o", folder, "--threads", self.threads, *force], stdout=subprocess.DEVNULL)
-        if finished.returncode not in (0, 1):
-            sys.exit(f"experiments: {plan} stopped with exit code {finished.returncode}; the same command goes on")
 
 
 def density_of(sources):

@@ -9,7 +9,6 @@
     tools/dev.sh experiments --full E4 --recording torus    that alone; with --again although it was measured
 """
 import argparse
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -23,6 +22,7 @@ from budget_plot import plot  # noqa: E402
 from chapter import Material  # noqa: E402
 from described import described, marked  # noqa: E402
 import full_page  # noqa: E402
+from evaluation import evaluate  # noqa: E402
 from full_size import Measuring, recordings_of  # noqa: E402
 from methods import methods_of  # noqa: E402
 from page_tables import take_apart  # noqa: E402
@@ -80,14 +80,6 @@ def parse():
     return arguments
 
 
-def run(plan, arguments):
-    """Goes on where it stopped. Exit code 1 means cells that failed, which the results name."""
-    finished = subprocess.run([arguments.program, "evaluate", PLANS / f"{plan}.toml", "-o", arguments.results / plan,
-                               "--threads", arguments.threads], stdout=subprocess.DEVNULL)
-    if finished.returncode not in (0, 1):
-        sys.exit(f"experiments: {plan} stopped with exit code {finished.returncode}; the same command goes on")
-
-
 def done(plan, arguments):
     return (arguments.results / plan / "results.jsonl").exists()
 
@@ -132,7 +124,7 @@ def chosen_of(chapters, arguments):
 def evaluate_plans(arguments):
     plans = [p for c in chosen_of(CHAPTERS, arguments) for p in (*c.plans, *(c.optional if arguments.more else ()))]
     for plan in dict.fromkeys(plans):  # two chapters may share a plan
-        run(plan, arguments)
+        evaluate(arguments.program, PLANS / f"{plan}.toml", arguments.results / plan, arguments.threads)
 
 
 def write_every_cell(arguments):

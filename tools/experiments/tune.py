@@ -20,6 +20,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from page_tables import take_apart  # noqa: E402
 import tuning_full  # noqa: E402
+from evaluation import evaluate  # noqa: E402
 from full_size import Measuring  # noqa: E402
 from pools import PLANS, make_pools  # noqa: E402
 from inference import use_program  # noqa: E402
@@ -47,15 +48,11 @@ def parse():
     return parser.parse_args()
 
 
-def evaluate(plan, folder, arguments):
-    """The folder, or None where there are no results and none are to be made. Goes on where it stopped. Exit code 1
-    means cells that failed, which the results name."""
+def results_of(plan, folder, arguments):
+    """The folder, or None where there are no results and none are to be made."""
     if arguments.write_only:
         return folder if (folder / "results.jsonl").exists() else None
-    finished = subprocess.run([arguments.program, "evaluate", plan, "-o", folder, "--threads", arguments.threads],
-                              stdout=subprocess.DEVNULL)
-    if finished.returncode not in (0, 1):
-        sys.exit(f"tune: {plan} stopped with exit code {finished.returncode}; the same command goes on")
+    evaluate(arguments.program, plan, folder, arguments.threads)
     return folder
 
 
@@ -129,7 +126,7 @@ def judge(name, pools, candidates, arguments, **more):
     text = judging_plan(pools, candidates, folder, **more)
     plan = folder / f"{name}-{zlib.crc32(text.encode()):08x}.toml"  # another choice is another folder
     write_whole(plan, text)
-    return evaluate(plan, plan.with_suffix(""), arguments)
+    return results_of(plan, plan.with_suffix(""), arguments)
 
 
 def choices(left_out, from_all):
@@ -157,7 +154,7 @@ def main():
         write_whole(arguments.output, with_last_part(page_now, tuning_full.TITLE, full_section(arguments)))
         return
     make_pools(arguments.program, PLANS / "pools")
-    folder = evaluate(PLANS / "tuning.toml", arguments.results / "candidates", arguments)
+    folder = results_of(PLANS / "tuning.toml", arguments.results / "candidates", arguments)
     if folder is None:
         sys.exit("tune: no candidate was measured yet: run it without --write-only first")
     manifest = json.loads((folder / "manifest.json").read_text())
