@@ -327,12 +327,12 @@ record() {
 
 bench() {
   local subjects=() subject
-  if (($# > 0)) && [[ "$1" != -* ]]; then
+  mapfile -t subjects < <(for subject in tools/bench/*/run.py; do basename "$(dirname "$subject")"; done)
+  if (($# > 0)); then
+    # Options are a subject's own: given to each, --help would measure what knows none.
+    [[ "$1" != -* && -f "tools/bench/$1/run.py" ]] || die "bench: one of ${subjects[*]}, then its options (or nothing: each), not '$1'"
     subjects=("$1")
     shift
-    [[ -f "tools/bench/${subjects[0]}/run.py" ]] || die "bench: no tools/bench/${subjects[0]}/run.py"
-  else
-    mapfile -t subjects < <(for subject in tools/bench/*/run.py; do basename "$(dirname "$subject")"; done)
   fi
   setup build
   require_packages "${bench_packages[@]}"
