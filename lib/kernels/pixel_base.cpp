@@ -1,6 +1,7 @@
 #include "lib/kernels/pixel_base.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -20,33 +21,82 @@ int cell_of(float film) {
 // computed again.
 constexpr int kBandRows = 32, kBandReach = 2;
 
-// Means of the cells of one row of pixels, to[c] [kCellsPerPixel][kCellsPerPixel * width].
-void cell_means_of_row(const PieceStatistics& statistics, const SamplePool& pool,
-                       const RgbImage& pixel_mean, int y, const std::array<double*, 3>& to) {
-  constexpr std::size_t kCells = kCellsPerPixel * kCellsPerPixel;
-  const int width = pixel_mean[0].width(), q = statistics.pieces_per_side;
-  for (int x = 0; x < width; ++x) {
-    std::array<std::array<double, 3>, kCells> sum{};
-    std::array<int, kCells> count{};
-    for (int py = y * q; py < (y + 1) * q; ++py) {
-      for (int px = x * q; px < (x + 1) * q; ++px) {
-        for (int s = 0; s < statistics.n(px, py); ++s) {
-          const FilmPosition film = pool.film(px, py, s);
-          const Rgb radiance = pool.sample(px, py, s);
-          const auto cell =
-              static_cast<std::size_t>(cell_of(film.y) * kCellsPerPixel + cell_of(film.x));
-          ++count[cell];
-          for (std::size_t c = 0; c < 3; ++c)
-            sum[cell][c] += static_cast<double>(radiance[c]);
-        }
+constexpr std::size_t kCells = kCellsPerPixel * kCellsPerPixel;
+
+// The first samples of a piece with their film positions.
+class PieceSamples {
+ public:
+  explicit PieceSamples(const SamplePool& pool)
+      : pool_(pool),
+        radiance_(pool.recording().blocks()),
+        as_they_lie_(pool.as_recorded() && radiance_.in_place()) {}
+
+  // body(film position, radiance) of the first n samples of piece (x, y), in their order.
+  template <class Body>
+  void each(int x, int y, int n, const Body& body) const {
+    if (!as_they_lie_) {
+      for (int s = 0; s < n; ++s)
+        body(pool_.film(x, y, s), pool_.sample(x, y, s));
+      return;
+    }
+    // Those of a block lie side by side.
+    const int block = radiance_.grid().block_spp;
+    for (int s = 0; s < n;) {
+      const LayerBlocks::Place at = radiance_.place_of(x, y, s);
+      const float* value = at.value;
+      for (const int end = std::min(n, s - s % block + block); s < end; ++s, ++value) {
+        body(pool_.recording().film(x, y, s),
+             Rgb{value[0], value[at.channel], value[2 * at.channel]});
       }
     }
-    for (std::size_t cell = 0; cell < kCells; ++cell) {
-      const int cx = x * kCellsPerPixel + static_cast<int>(cell) % kCellsPerPixel;
-      const std::ptrdiff_t at =
-          std::ptrdiff_t{static_cast<int>(cell) / kCellsPerPixel} * width * kCellsPerPixel + cx;
+  }
+
+ private:
+  const SamplePool& pool_;
+  const LayerBlocks& radiance_;
+  bool as_they_lie_;
+};
+
+// Sums of the samples in the cells of a pixel.
+struct CellSums {
+  std::array<std::array<double, 3>, kCells> sum{};
+  std::array<int, kCells> count{};
+  unsigned occupied = 0;  // bit of each cell that has a sample
+
+  void add(const FilmPosition& film, const Rgb& radiance) {
+    const auto cell = static_cast<std::size_t>(cell_of(film.y) * kCellsPerPixel + cell_of(film.x));
+    occupied |= 1u << cell;
+    ++count[cell];
+    for (std::size_t c = 0; c < 3; ++c)
+      sum[cell][c] += static_cast<double>(radiance[c]);
+  }
+};
+
+// Means of the cells of one row of pixels, to[c] [kCellsPerPixel][kCellsPerPixel * width].
+void cell_means_of_row(const PieceStatistics& statistics, const PieceSamples& samples,
+                       const RgbImage& pixel_mean, int y, const std::array<double*, 3>& to) {
+  const int width = pixel_mean[0].width(), q = statistics.pieces_per_side;
+  const std::ptrdiff_t row = std::ptrdiff_t{kCellsPerPixel} * width;
+  for (int x = 0; x < width; ++x) {
+    CellSums cells;
+    for (int py = y * q; py < (y + 1) * q; ++py) {
+      for (int px = x * q; px < (x + 1) * q; ++px) {
+        samples.each(px, py, statistics.n(px, py),
+                     [&](const FilmPosition& film, const Rgb& radiance) {
+                       cells.add(film, radiance);
+                     });
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int j = 0; j < kCellsPerPixel; ++j)
+        std::fill_n(to[c] + j * row + x * kCellsPerPixel, kCellsPerPixel, pixel_mean[c](x, y));
+    }
+    for (unsigned left = cells.occupied; left != 0; left &= left - 1) {
+      const auto cell = static_cast<std::size_t>(std::countr_zero(left));
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(cell / kCellsPerPixel) * row +
+                                x * kCellsPerPixel + static_cast<int>(cell % kCellsPerPixel);
       for (std::size_t c = 0; c < 3; ++c)
-        to[c][at] = count[cell] > 0 ? sum[cell][c] / count[cell] : pixel_mean[c](x, y);
+        to[c][at] = cells.sum[cell][c] / cells.count[cell];
     }
   }
 }
@@ -128,11 +178,12 @@ Taps cell_filter_taps() {
 RgbImage cell_means(const PieceStatistics& statistics, const SamplePool& pool,
                     const RgbImage& pixel_mean) {
   const int width = pixel_mean[0].width(), height = pixel_mean[0].height();
+  const PieceSamples samples(pool);
   RgbImage cells = make_rgb(kCellsPerPixel * width, kCellsPerPixel * height);
   parallel_rows(0, height, [&](int y) {
     const int row = y * kCellsPerPixel;
     cell_means_of_row(
-        statistics, pool, pixel_mean, y,
+        statistics, samples, pixel_mean, y,
         {cells[0].row(row).data(), cells[1].row(row).data(), cells[2].row(row).data()});
   });
   return cells;
@@ -155,6 +206,7 @@ RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool
                              const RgbImage& pixel_mean) {
   const int width = pixel_mean[0].width(), height = pixel_mean[0].height();
   const Taps taps = cell_filter_taps();
+  const PieceSamples samples(pool);
   RgbImage out = make_rgb(width, height);
   const int bands = (height + kBandRows - 1) / kBandRows;
   parallel_for(static_cast<std::size_t>(bands), [&](std::size_t band) {
@@ -163,7 +215,7 @@ RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool
     RgbImage cells = make_rgb(kCellsPerPixel * width, kCellsPerPixel);
     RgbImage rows = make_rgb(width, (last - first) * kCellsPerPixel);
     for (int y = first; y < last; ++y) {
-      cell_means_of_row(statistics, pool, pixel_mean, y,
+      cell_means_of_row(statistics, samples, pixel_mean, y,
                         {cells[0].row(0).data(), cells[1].row(0).data(), cells[2].row(0).data()});
       for (std::size_t c = 0; c < 3; ++c) {
         for (int j = 0; j < kCellsPerPixel; ++j) {

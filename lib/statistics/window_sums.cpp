@@ -30,14 +30,19 @@ void sum_line(std::span<Value> line, int radius) {
   std::vector<Value> from_begin(padded, Value{}), to_end;
   std::copy(line.begin(), line.end(), from_begin.begin() + radius);
   to_end = from_begin;
-  for (std::size_t k = 1; k < padded; ++k) {
-    if (k % length != 0) from_begin[k] = from_begin[k - 1] + from_begin[k];
+  for (std::size_t begin = 0; begin < padded; begin += length) {
+    const std::size_t end = std::min(begin + length, padded);
+    for (std::size_t k = begin + 1; k < end; ++k)
+      from_begin[k] = from_begin[k - 1] + from_begin[k];
+    for (std::size_t k = end - 1; k-- > begin;)
+      to_end[k] = to_end[k] + to_end[k + 1];
   }
-  for (std::size_t k = padded - 1; k-- > 0;) {
-    if ((k + 1) % length != 0) to_end[k] = to_end[k] + to_end[k + 1];
+  for (std::size_t begin = 0; begin < line.size(); begin += length) {
+    const std::size_t end = std::min(begin + length, line.size());
+    line[begin] = to_end[begin];  // the window is the block
+    for (std::size_t x = begin + 1; x < end; ++x)
+      line[x] = to_end[x] + from_begin[x + 2 * r];
   }
-  for (std::size_t x = 0; x < line.size(); ++x)
-    line[x] = x % length == 0 ? to_end[x] : to_end[x] + from_begin[x + 2 * r];
 }
 
 }  // namespace

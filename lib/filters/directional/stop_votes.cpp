@@ -1,13 +1,13 @@
 #include "lib/filters/directional/stop_votes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "lib/core/extend.h"
 #include "lib/core/parallel.h"
+#include "lib/core/vector_clones.h"
 #include "lib/pyramid/convolution.h"
 
 namespace spool {
@@ -57,21 +57,64 @@ void add_evidence(const SizeStep& step, double bound, Plane& beyond) {
   });
 }
 
+// The three values above each other in each column of a row's neighbourhood, sorted; column x lies
+// at x + 1, the borders are mirrored.
+struct SortedColumns {
+  explicit SortedColumns(int width)
+      : low(static_cast<std::size_t>(width) + 2), middle(low.size()), high(low.size()) {}
+  std::vector<double> low, middle, high;
+};
+
+SPOOL_VECTOR_CLONES
+void sort_three(const double* a, const double* b, const double* c, int width,
+                double* __restrict low, double* __restrict middle, double* __restrict high) {
+  for (int x = 0; x < width; ++x) {
+    const double less = std::min(a[x], b[x]), more = std::max(a[x], b[x]);
+    const double upper = std::max(less, c[x]);
+    low[x] = std::min(less, c[x]);
+    middle[x] = std::min(more, upper);
+    high[x] = std::max(more, upper);
+  }
+}
+
+void sort_columns(const double* above, const double* own, const double* below, int width,
+                  SortedColumns& columns) {
+  sort_three(above, own, below, width, &columns.low[1], &columns.middle[1], &columns.high[1]);
+  for (std::vector<double>* line : {&columns.low, &columns.middle, &columns.high}) {
+    line->front() = (*line)[1];
+    line->back() = (*line)[line->size() - 2];
+  }
+}
+
+inline double median_of_three(double a, double b, double c) {
+  return std::max(std::min(a, b), std::min(std::max(a, b), c));
+}
+
+// The median of nine values is the median of three of their columns' sorted ones: the largest of
+// the low, the median of the middle and the smallest of the high.
+SPOOL_VECTOR_CLONES
+void larger_of_own_and_median(const double* own, const double* low, const double* middle,
+                              const double* high, int width, double* __restrict to) {
+  for (int x = 0; x < width; ++x) {
+    const double median =
+        median_of_three(std::max(std::max(low[x], low[x + 1]), low[x + 2]),
+                        median_of_three(middle[x], middle[x + 1], middle[x + 2]),
+                        std::min(std::min(high[x], high[x + 1]), high[x + 2]));
+    to[x] = std::max(own[x], median);
+  }
+}
+
 }  // namespace
 
 Plane cautious_variance(const Plane& variance) {
   const int width = variance.width(), height = variance.height();
   Plane cautious(width, height);
   parallel_rows(0, height, [&](int y) {
-    std::array<double, 9> around;
-    for (int x = 0; x < width; ++x) {
-      for (int i = 0; i < 9; ++i) {
-        around[static_cast<std::size_t>(i)] = variance(extend_symmetric(x + i % 3 - 1, width),
-                                                       extend_symmetric(y + i / 3 - 1, height));
-      }
-      std::nth_element(around.begin(), around.begin() + 4, around.end());
-      cautious(x, y) = std::max(variance(x, y), around[4]);
-    }
+    SortedColumns columns(width);
+    sort_columns(variance.row(extend_symmetric(y - 1, height)).data(), variance.row(y).data(),
+                 variance.row(extend_symmetric(y + 1, height)).data(), width, columns);
+    larger_of_own_and_median(variance.row(y).data(), columns.low.data(), columns.middle.data(),
+                             columns.high.data(), width, cautious.row(y).data());
   });
   return cautious;
 }
