@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lib/core/parallel.h"
+#include "lib/core/vector_clones.h"
 #include "lib/kernels/piece_estimates.h"
 #include "lib/kernels/truncated_filter.h"
 
@@ -14,6 +15,30 @@ namespace {
 
 constexpr double kOwnVote = 0.01;
 constexpr double kLeastSamples = 1.0001;  // N <= 1 would give z = 0: no pixel would ever stop
+
+// z loss - gain of a row of a channel.
+SPOOL_VECTOR_CLONES
+void add_balance(const double* fine, const double* coarse, const double* fine_variance,
+                 const double* coarse_variance, const double* samples, double beta, double caution,
+                 int width, double* __restrict balance) {
+  for (int x = 0; x < width; ++x) {
+    const double z = caution * (1.0 - 1.0 / std::max(samples[x], kLeastSamples));
+    const double step = coarse[x] - fine[x];
+    const double gain = fine_variance[x] - coarse_variance[x];
+    balance[x] += z * beta * step * step - gain;
+  }
+}
+
+// loss - gain of the same.
+SPOOL_VECTOR_CLONES
+void add_change(const double* fine, const double* coarse, const double* fine_variance,
+                const double* coarse_variance, double beta, int width, double* __restrict change) {
+  for (int x = 0; x < width; ++x) {
+    const double step = coarse[x] - fine[x];
+    const double gain = fine_variance[x] - coarse_variance[x];
+    change[x] += beta * step * step - gain;
+  }
+}
 
 }  // namespace
 
@@ -31,9 +56,11 @@ Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const Sam
   base.subpixel = grid != GreedyGrid::kPixel && film;
   SPOOL_ASSIGN(PieceEstimates pieces, estimate_pieces(statistics, options, exposure, guards));
   base.count = Plane(pieces.n.width(), pieces.n.height());
-  for (std::size_t i = 0; i < base.count.size(); ++i)
-    base.count[i] = pieces.n[i] * q * q;
-  base.count = average_pieces(base.count, q);
+  parallel_rows(0, base.count.height(), [&](int y) {
+    for (int x = 0; x < base.count.width(); ++x)
+      base.count(x, y) = pieces.n(x, y) * q * q;
+  });
+  if (q > 1) base.count = average_pieces(base.count, q);
   const RgbImage mean = average_pieces(std::move(pieces.mean), q);
   base.variance = average_piece_variance(std::move(pieces.variance), q);
   if (base.subpixel) {
@@ -69,13 +96,12 @@ double transition_caution(double gamma) {
 void add_transition(const ScaleChannel& fine, const ScaleChannel& coarse, const Plane& samples,
                     double beta, double caution, Plane& balance, Plane* change) {
   parallel_rows(0, balance.height(), [&](int y) {
-    for (int x = 0; x < balance.width(); ++x) {
-      const double z = caution * (1.0 - 1.0 / std::max(samples(x, y), kLeastSamples));
-      const double step = coarse.image(x, y) - fine.image(x, y);
-      const double gain = fine.variance(x, y) - coarse.variance(x, y);
-      balance(x, y) += z * beta * step * step - gain;
-      if (change != nullptr) (*change)(x, y) += beta * step * step - gain;
-    }
+    const double *from = fine.image.row(y).data(), *to = coarse.image.row(y).data();
+    const double *before = fine.variance.row(y).data(), *after = coarse.variance.row(y).data();
+    const int width = balance.width();
+    add_balance(from, to, before, after, samples.row(y).data(), beta, caution, width,
+                balance.row(y).data());
+    if (change != nullptr) add_change(from, to, before, after, beta, width, change->row(y).data());
   });
 }
 
@@ -92,8 +118,10 @@ Plane climb(Scale& scale, const LadderBase& base, int s, double sigma, double be
     add_transition(scale.channels[c], coarse, scale.samples, beta, caution, stop, change);
     scale.channels[c] = std::move(coarse);
   }
-  for (double& balance : stop.pixels())
-    balance = balance >= 0.0 ? 1.0 : 0.0;
+  parallel_rows(0, stop.height(), [&](int y) {
+    for (double& balance : stop.row(y))
+      balance = balance >= 0.0 ? 1.0 : 0.0;
+  });
   return stop;
 }
 
@@ -101,11 +129,14 @@ Plane neighbour_votes(const Plane& stop, double sigma) {
   const Taps taps = convolved_taps(floor_gaussian_taps(sigma), pixel_filter_taps());
   Plane votes = truncated_mean(stop, taps);
   // Weight of the pixel itself: the centre tap over the taps inside, in x and in y.
-  const Plane inside = truncated_sum_of_ones(stop.width(), stop.height(), taps);
+  const TapsInside inside(stop.width(), stop.height(), taps);
   const double middle = taps.values[static_cast<std::size_t>(-taps.first)];
   parallel_rows(0, stop.height(), [&](int y) {
+    std::vector<double> memory;
+    const std::vector<double>& of_row = inside.row(y, memory);
     for (int x = 0; x < stop.width(); ++x) {
-      const double excess = std::max(0.0, middle * middle / inside(x, y) - kOwnVote);
+      const double of_taps = of_row[static_cast<std::size_t>(x)];
+      const double excess = std::max(0.0, middle * middle / of_taps - kOwnVote);
       // A lone pixel has no neighbours to ask.
       votes(x, y) =
           excess < 1.0 - kOwnVote ? (votes(x, y) - excess * stop(x, y)) / (1.0 - excess) : 1.0;

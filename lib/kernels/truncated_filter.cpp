@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "lib/core/parallel.h"
@@ -36,16 +37,6 @@ void divide_by_product(const double* of_x, double of_y, bool squared, int width,
   }
 }
 
-// Divides by (sum_x sum_y)^power.
-void normalise(Plane& image, const Taps& taps, int power) {
-  const std::vector<double> of_x = sums_inside(taps, image.width());
-  const std::vector<double> of_y = sums_inside(taps, image.height());
-  parallel_rows(0, image.height(), [&](int y) {
-    divide_by_product(of_x.data(), of_y[static_cast<std::size_t>(y)], power == 2, image.width(),
-                      image.row(y).data());
-  });
-}
-
 // to[x] = sum over the taps m of tap(m) in[x - m], those inside the row: the row gets zeros on
 // both sides, so that a window wider than the image is as fast as any. `padded`: memory for it.
 void sum_along_row(const double* in, const Taps& taps, int width, double* to,
@@ -59,16 +50,16 @@ void sum_along_row(const double* in, const Taps& taps, int width, double* to,
   weighted_sum_of_rows(sources.data(), taps.values.data(), sources.size(), width, to);
 }
 
-// to[x] = sum over the taps m of tap(m) rows(x, y - m), those inside the image, x0 <= x < x1.
-void sum_of_rows(const Plane& rows, const Taps& taps, int y, int x0, int x1, double* to,
-                 std::vector<const double*>& sources) {
+// to[x] = sum over the taps m of tap(m) rows[(y - m) * stride + x], those inside the image.
+void sum_of_rows(const double* rows, std::ptrdiff_t stride, int height, const Taps& taps, int y,
+                 int width, double* to, std::vector<const double*>& sources) {
   sources.clear();
-  const int first = std::max(taps.first, y - rows.height() + 1);
+  const int first = std::max(taps.first, y - height + 1);
   for (int m = first; m <= std::min(taps.last(), y); ++m)
-    sources.push_back(&rows(x0, y - m));
+    sources.push_back(rows + (y - m) * stride);
   if (sources.empty()) return;
   weighted_sum_of_rows(sources.data(), &taps.values[static_cast<std::size_t>(first - taps.first)],
-                       sources.size(), x1 - x0, to);
+                       sources.size(), width, to);
 }
 
 Taps gaussian_of_radius(double sigma, int radius) {
@@ -81,64 +72,74 @@ Taps gaussian_of_radius(double sigma, int radius) {
 // Rows and columns that are summed together: they and their neighbours stay in a core's cache.
 constexpr int kRows = 32, kColumns = 256;
 
-}  // namespace
-
-Plane truncated_sum(const Plane& image, const Taps& taps) {
+// finish(y, x0, x1, to): to[0 .. x1 - x0) holds the sums of row y from column x0 on.
+template <class Finish>
+Plane sum_and_finish(const Plane& image, const Taps& taps, const Finish& finish) {
   const int width = image.width(), height = image.height();
-  Plane rows(width, height), out(width, height);
+  const auto rows = std::make_unique_for_overwrite<double[]>(image.size());
   parallel_rows(0, height, [&](int y) {
     std::vector<const double*> sources;
     std::vector<double> padded;
-    sum_along_row(image.row(y).data(), taps, width, rows.row(y).data(), padded, sources);
+    sum_along_row(image.row(y).data(), taps, width, &rows[image.index(0, y)], padded, sources);
   });
+  Plane out(width, height);
   parallel_for(static_cast<std::size_t>((height + kRows - 1) / kRows), [&](std::size_t band) {
     std::vector<const double*> sources;
     const int y0 = static_cast<int>(band) * kRows, y1 = std::min(y0 + kRows, height);
     for (int x0 = 0; x0 < width; x0 += kColumns) {
       const int x1 = std::min(x0 + kColumns, width);
-      for (int y = y0; y < y1; ++y)
-        sum_of_rows(rows, taps, y, x0, x1, &out(x0, y), sources);
+      for (int y = y0; y < y1; ++y) {
+        sum_of_rows(rows.get() + x0, width, height, taps, y, x1 - x0, &out(x0, y), sources);
+        finish(y, x0, x1, &out(x0, y));
+      }
     }
   });
   return out;
 }
 
-Plane truncated_sum_of_ones(int width, int height, const Taps& taps) {
-  // Rows whose window no border cuts are alike.
-  const std::vector<double> row = sums_inside(taps, width);
-  Plane out(width, height);
-  const auto fill = [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      double sum = 0.0;
-      for (int m = std::max(taps.first, y - height + 1); m <= std::min(taps.last(), y); ++m)
-        sum += taps.values[static_cast<std::size_t>(m - taps.first)] *
-               row[static_cast<std::size_t>(x)];
-      out(x, y) = sum;
-    }
-  };
-  int whole = -1;
-  for (int y = 0; y < height; ++y) {
-    const bool cut = y < taps.last() || y - taps.first >= height;
-    if (cut || whole < 0) {
-      fill(y);
-      if (!cut) whole = y;
-    } else {
-      std::copy(out.row(whole).begin(), out.row(whole).end(), out.row(y).begin());
-    }
+// Sums over `kernel`, divided by (sum_x sum_y)^power of the taps inside.
+Plane sum_over_taps_inside(const Plane& image, const Taps& kernel, const Taps& taps, int power) {
+  const std::vector<double> of_x = sums_inside(taps, image.width());
+  const std::vector<double> of_y = sums_inside(taps, image.height());
+  return sum_and_finish(image, kernel, [&](int y, int x0, int x1, double* to) {
+    divide_by_product(&of_x[static_cast<std::size_t>(x0)], of_y[static_cast<std::size_t>(y)],
+                      power == 2, x1 - x0, to);
+  });
+}
+
+}  // namespace
+
+Plane truncated_sum(const Plane& image, const Taps& taps) {
+  return sum_and_finish(image, taps, [](int, int, int, double*) {});
+}
+
+TapsInside::TapsInside(int width, int height, const Taps& taps)
+    : height_(height), taps_(taps), of_row_(sums_inside(taps, width)) {
+  if (taps.last() < height + taps.first) whole_ = sums(taps.first, taps.last());
+}
+
+std::vector<double> TapsInside::sums(int first, int last) const {
+  std::vector<double> sums(of_row_.size(), 0.0);
+  for (int m = first; m <= last; ++m) {
+    const double tap = taps_.values[static_cast<std::size_t>(m - taps_.first)];
+    for (std::size_t x = 0; x < sums.size(); ++x)
+      sums[x] += tap * of_row_[x];
   }
-  return out;
+  return sums;
+}
+
+const std::vector<double>& TapsInside::row(int y, std::vector<double>& memory) const {
+  const int first = std::max(taps_.first, y - height_ + 1), last = std::min(taps_.last(), y);
+  if (first == taps_.first && last == taps_.last()) return whole_;
+  return memory = sums(first, last);
 }
 
 Plane truncated_mean(const Plane& image, const Taps& taps) {
-  Plane mean = truncated_sum(image, taps);
-  normalise(mean, taps, 1);
-  return mean;
+  return sum_over_taps_inside(image, taps, taps, 1);
 }
 
 Plane truncated_variance(const Plane& v, const Taps& taps, const Taps& squares) {
-  Plane variance = truncated_sum(v, squares);
-  normalise(variance, taps, 2);
-  return variance;
+  return sum_over_taps_inside(v, squares, taps, 2);
 }
 
 Taps squared_taps(const Taps& taps) {

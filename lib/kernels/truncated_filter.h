@@ -5,6 +5,8 @@
 // alone. Slow twin: tests/reference/truncated_filter_reference.h.
 #pragma once
 
+#include <vector>
+
 #include "lib/core/image.h"
 #include "lib/pyramid/wavelet_filters.h"
 
@@ -12,8 +14,22 @@ namespace spool {
 
 // sum over (m, n) inside the image of taps(m) taps(n) image(x - m, y - n).
 Plane truncated_sum(const Plane& image, const Taps& taps);
-// The same of an image of ones: the taps inside the image.
-Plane truncated_sum_of_ones(int width, int height, const Taps& taps);
+
+// The same of an image of ones, row by row: the taps inside the image. From any thread.
+class TapsInside {
+ public:
+  TapsInside(int width, int height, const Taps& taps);
+  // The sums [x] of row y, which may lie in `memory`; rows whose window no border cuts share
+  // theirs.
+  const std::vector<double>& row(int y, std::vector<double>& memory) const;
+
+ private:
+  std::vector<double> sums(int first, int last) const;
+
+  int height_;
+  Taps taps_;
+  std::vector<double> of_row_, whole_;
+};
 
 // truncated_sum / sum of the taps that lie inside.
 Plane truncated_mean(const Plane& image, const Taps& taps);

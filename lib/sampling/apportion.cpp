@@ -9,8 +9,6 @@
 namespace spool {
 namespace {
 
-using Wide = unsigned __int128;
-
 // Weights as whole multiples of 2^-32 of the largest.
 std::vector<std::uint64_t> fractions_of_largest(std::span<const double> weights) {
   double largest = 0.0;
@@ -29,14 +27,11 @@ std::vector<std::uint64_t> fractions_of_largest(std::span<const double> weights)
   return units;
 }
 
-}  // namespace
-
-std::vector<long long> apportion(std::span<const double> weights, long long budget,
-                                 std::span<const long long> caps) {
-  SPOOL_CHECK_EQ(weights.size(), caps.size());
-  SPOOL_CHECK_GE(budget, 0);
-  const std::vector<std::uint64_t> units = fractions_of_largest(weights);
-  std::vector<long long> share(weights.size(), 0);
+// Wide: unsigned, for products of a budget and a weight, and for the sum of weights.
+template <class Wide>
+std::vector<long long> apportion_units(const std::vector<std::uint64_t>& units, long long budget,
+                                       std::span<const long long> caps) {
+  std::vector<long long> share(units.size(), 0);
   std::vector<std::size_t> active;
   long long capacity = 0;
   for (std::size_t t = 0; t < caps.size(); ++t) {
@@ -81,6 +76,20 @@ std::vector<long long> apportion(std::span<const double> weights, long long budg
     std::erase_if(active, [&](std::size_t t) { return share[t] == caps[t]; });
   }
   return share;
+}
+
+}  // namespace
+
+std::vector<long long> apportion(std::span<const double> weights, long long budget,
+                                 std::span<const long long> caps) {
+  SPOOL_CHECK_EQ(weights.size(), caps.size());
+  SPOOL_CHECK_GE(budget, 0);
+  const std::vector<std::uint64_t> units = fractions_of_largest(weights);
+  // Weights are at most 2^32; dividing 128 bits takes several times as long.
+  constexpr long long kMost = 1LL << 31;
+  if (budget <= kMost && static_cast<long long>(units.size()) <= kMost)
+    return apportion_units<std::uint64_t>(units, budget, caps);
+  return apportion_units<unsigned __int128>(units, budget, caps);
 }
 
 }  // namespace spool

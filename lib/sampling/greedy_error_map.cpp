@@ -53,11 +53,21 @@ Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const
     return squared_error * exposure * exposure / (kRelativeFloor + value * value) * per_pixel /
            (per_pixel + samples);
   };
-  for (std::size_t i = 0; i < mse.size(); ++i) {
+  // body(i, guards of the row) for every pixel i.
+  const auto for_pixels = [&](const auto& body) {
+    std::vector<GuardCounts> caught(static_cast<std::size_t>(height));
+    parallel_rows(0, height, [&](int y) {
+      for (std::size_t i = mse.index(0, y); i < mse.index(0, y + 1); ++i)
+        body(i, caught[static_cast<std::size_t>(y)]);
+    });
+    for (const GuardCounts& row : caught)
+      guards += row;
+  };
+  for_pixels([&](std::size_t i, GuardCounts& caught) {
     const auto& [red, green, blue] = scale.channels;
     mse[i] = (red.variance[i] + green.variance[i] + blue.variance[i]) / 3.0;
-    map.error[i] = relative(mse[i], scale.samples[i], i, guards);
-  }
+    map.error[i] = relative(mse[i], scale.samples[i], i, caught);
+  });
   const double caution = transition_caution(options.gamma);
   for (int s = 1; s <= options.scales; ++s) {
     const double sigma = greedy_sampling_scale(s);
@@ -68,17 +78,12 @@ Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const
     // Nsum of this scale: samples under its peak-normalised kernel.
     const Taps taps = compose_with_base(floor_gaussian_taps(sigma), base.subpixel).taps;
     const Plane samples = truncated_sum(base.count, peak_normalised(taps));
-    std::vector<GuardCounts> caught(static_cast<std::size_t>(height));
-    parallel_rows(0, height, [&](int y) {
-      for (std::size_t i = mse.index(0, y); i < mse.index(0, y + 1); ++i) {
-        mse[i] += change[i] / 3.0;
-        if (map.scale[i] < s - 1 || votes_to_stop(votes[i])) continue;
-        map.scale[i] = s;
-        map.error[i] = relative(mse[i], samples[i], i, caught[static_cast<std::size_t>(y)]);
-      }
+    for_pixels([&](std::size_t i, GuardCounts& caught) {
+      mse[i] += change[i] / 3.0;
+      if (map.scale[i] < s - 1 || votes_to_stop(votes[i])) return;
+      map.scale[i] = s;
+      map.error[i] = relative(mse[i], samples[i], i, caught);
     });
-    for (const GuardCounts& row : caught)
-      guards += row;
   }
   return map;
 }

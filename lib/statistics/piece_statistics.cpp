@@ -175,7 +175,9 @@ void take(PieceStatistics& statistics, const SamplePool& pool, int x, int y, int
 void take_each(PieceStatistics& statistics, const SamplePool& pool, const CountImage& counts) {
   SPOOL_CHECK_EQ(counts.width(), pool.width());
   SPOOL_CHECK_EQ(counts.height(), pool.height());
-  for_each_piece(pool, [&](int x, int y) { take(statistics, pool, x, y, counts(x, y)); });
+  for_each_piece(pool, [&](int x, int y) {
+    if (counts(x, y) > 0) take(statistics, pool, x, y, counts(x, y));
+  });
 }
 
 long long take_everywhere(PieceStatistics& statistics, const SamplePool& pool, int spp) {

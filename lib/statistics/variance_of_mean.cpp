@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "lib/core/pairwise_sum.h"
@@ -51,15 +52,19 @@ Plane pooled_variances(const CountImage& n, const Plane& m2, VarianceMode mode) 
   };
   for (int radius = 2 * kSmallestRadius; missing(); radius *= 2) {
     Plane squares(n.width(), n.height()), freedom(n.width(), n.height());
-    for (std::size_t i = 0; i < n.size(); ++i) {
-      squares[i] = n[i] < 2 ? 0.0 : m2[i];
-      freedom[i] = n[i] < 2 ? 0.0 : n[i] - 1;
-    }
-    squares = window_sums(squares, radius);
-    freedom = window_sums(freedom, radius);
-    for (std::size_t i = 0; i < n.size(); ++i) {
-      if (pooled[i] < 0.0 && freedom[i] > 0.0) pooled[i] = squares[i] / freedom[i];
-    }
+    parallel_rows(0, n.height(), [&](int y) {
+      for (std::size_t i = n.index(0, y); i < n.index(0, y + 1); ++i) {
+        squares[i] = n[i] < 2 ? 0.0 : m2[i];
+        freedom[i] = n[i] < 2 ? 0.0 : n[i] - 1;
+      }
+    });
+    squares = window_sums(std::move(squares), radius);
+    freedom = window_sums(std::move(freedom), radius);
+    parallel_rows(0, n.height(), [&](int y) {
+      for (std::size_t i = n.index(0, y); i < n.index(0, y + 1); ++i) {
+        if (pooled[i] < 0.0 && freedom[i] > 0.0) pooled[i] = squares[i] / freedom[i];
+      }
+    });
   }
   return pooled;
 }

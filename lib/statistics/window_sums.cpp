@@ -10,7 +10,8 @@
 namespace spool {
 namespace {
 
-constexpr int kLanes = 8;  // columns that are summed at once: doubles of a cache line
+constexpr int kLanes =
+    32;  // columns that are summed at once: rows that far apart are slow to reach
 using Lanes = std::array<double, kLanes>;
 
 Lanes operator+(const Lanes& a, const Lanes& b) {
@@ -47,11 +48,10 @@ void sum_line(std::span<Value> line, int radius) {
 
 }  // namespace
 
-Plane window_sums(const Plane& in, int radius) {
+Plane window_sums(Plane out, int radius) {
   SPOOL_CHECK_GE(radius, 0);
-  Plane out = in;
   // Beyond the image there is nothing to add.
-  const int across = std::min(radius, in.width()), down = std::min(radius, in.height());
+  const int across = std::min(radius, out.width()), down = std::min(radius, out.height());
   parallel_rows(0, out.height(), [&](int y) { sum_line(out.row(y), across); });
   parallel_rows(0, (out.width() + kLanes - 1) / kLanes, [&](int strip) {
     const int x0 = strip * kLanes, x1 = std::min(x0 + kLanes, out.width());

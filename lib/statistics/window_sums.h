@@ -10,6 +10,6 @@ namespace spool {
 // Lines are cut into blocks of one window's length; a window is the end of a block and the
 // beginning of the next, whose running sums are kept [VanHerk92]. Nothing is subtracted, so a
 // firefly is felt in its own windows only.
-Plane window_sums(const Plane& in, int radius);
+Plane window_sums(Plane in, int radius);
 
 }  // namespace spool
