@@ -1,148 +1,65 @@
 #include "lib/kernels/pixel_base.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <vector>
 
 #include "lib/core/parallel.h"
+#include "lib/kernels/pixel_cells.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/row_sums.h"
 
 namespace spool {
 namespace {
 
-int cell_of(float film) {
-  return std::clamp(static_cast<int>(film * static_cast<float>(kCellsPerPixel)), 0,
-                    kCellsPerPixel - 1);
-}
-
-// Rows of pixels whose cells are computed together; the cells of two more on either side are
-// computed again.
-constexpr int kBandRows = 32, kBandReach = 2;
-
-constexpr std::size_t kCells = kCellsPerPixel * kCellsPerPixel;
-
-// The first samples of a piece with their film positions.
-class PieceSamples {
- public:
-  explicit PieceSamples(const SamplePool& pool)
-      : pool_(pool),
-        radiance_(pool.recording().blocks()),
-        as_they_lie_(pool.as_recorded() && radiance_.in_place()) {}
-
-  // body(film position, radiance) of the first n samples of piece (x, y), in their order.
-  template <class Body>
-  void each(int x, int y, int n, const Body& body) const {
-    if (!as_they_lie_) {
-      for (int s = 0; s < n; ++s)
-        body(pool_.film(x, y, s), pool_.sample(x, y, s));
-      return;
-    }
-    // Those of a block lie side by side.
-    const int block = radiance_.grid().block_spp;
-    for (int s = 0; s < n;) {
-      const LayerBlocks::Place at = radiance_.place_of(x, y, s);
-      const float* value = at.value;
-      for (const int end = std::min(n, s - s % block + block); s < end; ++s, ++value) {
-        body(pool_.recording().film(x, y, s),
-             Rgb{value[0], value[at.channel], value[2 * at.channel]});
-      }
-    }
-  }
-
- private:
-  const SamplePool& pool_;
-  const LayerBlocks& radiance_;
-  bool as_they_lie_;
-};
-
-// Sums of the samples in the cells of a pixel.
-struct CellSums {
-  std::array<std::array<double, 3>, kCells> sum{};
-  std::array<int, kCells> count{};
-  unsigned occupied = 0;  // bit of each cell that has a sample
-
-  void add(const FilmPosition& film, const Rgb& radiance) {
-    const auto cell = static_cast<std::size_t>(cell_of(film.y) * kCellsPerPixel + cell_of(film.x));
-    occupied |= 1u << cell;
-    ++count[cell];
-    for (std::size_t c = 0; c < 3; ++c)
-      sum[cell][c] += static_cast<double>(radiance[c]);
-  }
-};
-
-// Means of the cells of one row of pixels, to[c] [kCellsPerPixel][kCellsPerPixel * width].
-void cell_means_of_row(const PieceStatistics& statistics, const PieceSamples& samples,
-                       const RgbImage& pixel_mean, int y, const std::array<double*, 3>& to) {
-  const int width = pixel_mean[0].width(), q = statistics.pieces_per_side;
-  const std::ptrdiff_t row = std::ptrdiff_t{kCellsPerPixel} * width;
-  for (int x = 0; x < width; ++x) {
-    CellSums cells;
-    for (int py = y * q; py < (y + 1) * q; ++py) {
-      for (int px = x * q; px < (x + 1) * q; ++px) {
-        samples.each(px, py, statistics.n(px, py),
-                     [&](const FilmPosition& film, const Rgb& radiance) {
-                       cells.add(film, radiance);
-                     });
-      }
-    }
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (int j = 0; j < kCellsPerPixel; ++j)
-        std::fill_n(to[c] + j * row + x * kCellsPerPixel, kCellsPerPixel, pixel_mean[c](x, y));
-    }
-    for (unsigned left = cells.occupied; left != 0; left &= left - 1) {
-      const auto cell = static_cast<std::size_t>(std::countr_zero(left));
-      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(cell / kCellsPerPixel) * row +
-                                x * kCellsPerPixel + static_cast<int>(cell % kCellsPerPixel);
-      for (std::size_t c = 0; c < 3; ++c)
-        to[c][at] = cells.sum[cell][c] / cells.count[cell];
-    }
-  }
-}
+// Pixels of a block whose cells are computed together; those of two more on every side are computed
+// again.
+constexpr int kBlockRows = 32, kBlockColumns = 64, kReach = 2;
 
 // The cell at offset m from the centre line of pixel i is cell 4 i + 2 + m.
 int first_cell(int i, const Taps& taps) {
   return i * kCellsPerPixel + kCellsPerPixel / 2 + taps.first;
 }
 
-// Filters one row of cells to its pixels.
-void filter_along_row(const double* cells, int width, const Taps& taps, double* to) {
+// Filters one row of cells to its pixels x0 .. x1 - 1; `cells` begins with those of pixel `first`
+// and has those of `pixels` of them. `width`: of the image.
+void filter_along_row(const double* cells, int first, int pixels, int x0, int x1, int width,
+                      const Taps& taps, double* to) {
   // Every fourth cell together: pixels that follow each other read what lies side by side.
-  std::vector<double> phases(static_cast<std::size_t>(kCellsPerPixel * width));
+  std::vector<double> phases(static_cast<std::size_t>(kCellsPerPixel * pixels));
   for (int phase = 0; phase < kCellsPerPixel; ++phase) {
-    for (int x = 0; x < width; ++x)
-      phases[static_cast<std::size_t>(phase * width + x)] = cells[x * kCellsPerPixel + phase];
+    for (int x = 0; x < pixels; ++x)
+      phases[static_cast<std::size_t>(phase * pixels + x)] = cells[x * kCellsPerPixel + phase];
   }
   const int terms = static_cast<int>(taps.values.size());
-  const int begin = std::min(kBandReach, width), end = std::max(begin, width - kBandReach);
+  const int begin = std::clamp(kReach, x0, x1), end = std::clamp(width - kReach, begin, x1);
   const auto border = [&](int x) {
     double sum = 0.0, inside = 0.0;
     for (int i = 0; i < terms; ++i) {
       const int cell = first_cell(x, taps) + i;
       if (cell < 0 || cell >= kCellsPerPixel * width) continue;
       const double tap = taps.values[static_cast<std::size_t>(i)];
-      sum += tap * cells[cell];
+      sum += tap * cells[cell - kCellsPerPixel * first];
       inside += tap;
     }
-    to[x] = sum / inside;
+    to[x - x0] = sum / inside;
   };
-  for (int x = 0; x < begin; ++x)
+  for (int x = x0; x < begin; ++x)
     border(x);
   if (begin < end) {
     std::vector<const double*> sources;
     for (int i = 0; i < terms; ++i) {
-      const int cell = first_cell(begin, taps) + i;
-      sources.push_back(
-          &phases[static_cast<std::size_t>(cell % kCellsPerPixel * width + cell / kCellsPerPixel)]);
+      const int cell = first_cell(begin, taps) + i - kCellsPerPixel * first;
+      sources.push_back(&phases[static_cast<std::size_t>(cell % kCellsPerPixel * pixels +
+                                                         cell / kCellsPerPixel)]);
     }
     weighted_sum_of_rows(sources.data(), taps.values.data(), sources.size(), end - begin,
-                         to + begin);
+                         to + (begin - x0));
     const double inside = tap_sum(taps);
     for (int x = begin; x < end; ++x)
-      to[x] /= inside;
+      to[x - x0] /= inside;
   }
-  for (int x = end; x < width; ++x)
+  for (int x = end; x < x1; ++x)
     border(x);
 }
 
@@ -164,6 +81,48 @@ void filter_across_rows(const double* rows, int first, int width, int height, in
     to[x] /= inside;
 }
 
+// filter_cells(cell_means(..)) of the pixels of `block`.
+void filter_block(const PieceStatistics& statistics, const SamplePool& pool,
+                  const RgbImage& pixel_mean, const Rectangle& block, const Taps& taps,
+                  RgbImage& out) {
+  const Rectangle bounds = out[0].bounds(),
+                  read = grow(block, kReach, kReach, kReach, kReach, bounds);
+  RgbImage cells = make_rgb(kCellsPerPixel * read.width(), kCellsPerPixel);
+  RgbImage rows = make_rgb(block.width(), read.height() * kCellsPerPixel);
+  for (int y = read.y0; y < read.y1; ++y) {
+    cell_means_of_row(statistics, pool, pixel_mean, y, read.x0, read.x1,
+                      {cells[0].row(0).data(), cells[1].row(0).data(), cells[2].row(0).data()});
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int j = 0; j < kCellsPerPixel; ++j) {
+        filter_along_row(cells[c].row(j).data(), read.x0, read.width(), block.x0, block.x1,
+                         bounds.x1, taps, rows[c].row((y - read.y0) * kCellsPerPixel + j).data());
+      }
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (int y = block.y0; y < block.y1; ++y) {
+      filter_across_rows(rows[c].row(0).data(), read.y0 * kCellsPerPixel, block.width(), bounds.y1,
+                         y, taps, &out[c](block.x0, y));
+    }
+  }
+}
+
+// filter_block() of each block of `out` that is `wanted`, in parallel.
+template <class Wanted>
+void filter_blocks(const PieceStatistics& statistics, const SamplePool& pool,
+                   const RgbImage& pixel_mean, const Wanted& wanted, RgbImage& out) {
+  const Taps taps = cell_filter_taps();
+  const Rectangle bounds = out[0].bounds();
+  const int across = (bounds.x1 + kBlockColumns - 1) / kBlockColumns;
+  const int down = (bounds.y1 + kBlockRows - 1) / kBlockRows;
+  parallel_for(static_cast<std::size_t>(across) * down, [&](std::size_t i) {
+    const int x0 = static_cast<int>(i) % across * kBlockColumns;
+    const int y0 = static_cast<int>(i) / across * kBlockRows;
+    const Rectangle block = intersect({x0, y0, x0 + kBlockColumns, y0 + kBlockRows}, bounds);
+    if (wanted(block)) filter_block(statistics, pool, pixel_mean, block, taps, out);
+  });
+}
+
 }  // namespace
 
 Taps cell_filter_taps() {
@@ -178,12 +137,11 @@ Taps cell_filter_taps() {
 RgbImage cell_means(const PieceStatistics& statistics, const SamplePool& pool,
                     const RgbImage& pixel_mean) {
   const int width = pixel_mean[0].width(), height = pixel_mean[0].height();
-  const PieceSamples samples(pool);
   RgbImage cells = make_rgb(kCellsPerPixel * width, kCellsPerPixel * height);
   parallel_rows(0, height, [&](int y) {
     const int row = y * kCellsPerPixel;
     cell_means_of_row(
-        statistics, samples, pixel_mean, y,
+        statistics, pool, pixel_mean, y, 0, width,
         {cells[0].row(row).data(), cells[1].row(row).data(), cells[2].row(row).data()});
   });
   return cells;
@@ -194,7 +152,7 @@ Plane filter_cells(const Plane& cells) {
   const Taps taps = cell_filter_taps();
   Plane rows(width, cells.height()), out(width, height);
   parallel_rows(0, cells.height(), [&](int y) {
-    filter_along_row(cells.row(y).data(), width, taps, rows.row(y).data());
+    filter_along_row(cells.row(y).data(), 0, width, 0, width, width, taps, rows.row(y).data());
   });
   parallel_rows(0, height, [&](int y) {
     filter_across_rows(rows.row(0).data(), 0, width, height, y, taps, out.row(y).data());
@@ -204,34 +162,27 @@ Plane filter_cells(const Plane& cells) {
 
 RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool& pool,
                              const RgbImage& pixel_mean) {
-  const int width = pixel_mean[0].width(), height = pixel_mean[0].height();
-  const Taps taps = cell_filter_taps();
-  const PieceSamples samples(pool);
-  RgbImage out = make_rgb(width, height);
-  const int bands = (height + kBandRows - 1) / kBandRows;
-  parallel_for(static_cast<std::size_t>(bands), [&](std::size_t band) {
-    const int y0 = static_cast<int>(band) * kBandRows, y1 = std::min(y0 + kBandRows, height);
-    const int first = std::max(0, y0 - kBandReach), last = std::min(y1 + kBandReach, height);
-    RgbImage cells = make_rgb(kCellsPerPixel * width, kCellsPerPixel);
-    RgbImage rows = make_rgb(width, (last - first) * kCellsPerPixel);
-    for (int y = first; y < last; ++y) {
-      cell_means_of_row(statistics, samples, pixel_mean, y,
-                        {cells[0].row(0).data(), cells[1].row(0).data(), cells[2].row(0).data()});
-      for (std::size_t c = 0; c < 3; ++c) {
-        for (int j = 0; j < kCellsPerPixel; ++j) {
-          filter_along_row(cells[c].row(j).data(), width, taps,
-                           rows[c].row((y - first) * kCellsPerPixel + j).data());
-        }
-      }
-    }
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (int y = y0; y < y1; ++y) {
-        filter_across_rows(rows[c].row(0).data(), first * kCellsPerPixel, width, height, y, taps,
-                           out[c].row(y).data());
-      }
-    }
-  });
+  RgbImage out = make_rgb(pixel_mean[0].width(), pixel_mean[0].height());
+  filter_blocks(statistics, pool, pixel_mean, [](const Rectangle&) { return true; }, out);
   return out;
+}
+
+void refilter_cell_means(const PieceStatistics& statistics, const SamplePool& pool,
+                         const RgbImage& pixel_mean, const CountImage& before, RgbImage& filtered) {
+  const CountImage& n = statistics.n;
+  const int q = statistics.pieces_per_side, reach = q * kReach;
+  const auto changed = [&](const Rectangle& block) {
+    const Rectangle pieces = grow({q * block.x0, q * block.y0, q * block.x1, q * block.y1}, reach,
+                                  reach, reach, reach, n.bounds());
+    for (int y = pieces.y0; y < pieces.y1; ++y) {
+      for (int x = pieces.x0; x < pieces.x1; ++x) {
+        // An empty piece has the mean of others, which may have changed.
+        if (n(x, y) != before(x, y) || n(x, y) == 0) return true;
+      }
+    }
+    return false;
+  };
+  filter_blocks(statistics, pool, pixel_mean, changed, filtered);
 }
 
 PixelKernel compose_with_base(const Taps& gaussian, bool subpixel) {

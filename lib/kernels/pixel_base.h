@@ -23,6 +23,10 @@ Plane filter_cells(const Plane& cells);
 // filter_cells(cell_means(..)) of each channel, to the bit, without an image of cells.
 RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool& pool,
                              const RgbImage& pixel_mean);
+// Makes `filtered`, the filtered_cell_means() of the counts `before`, those of `statistics`, to the
+// bit, which has taken more of the same samples: anew only around pieces that have.
+void refilter_cell_means(const PieceStatistics& statistics, const SamplePool& pool,
+                         const RgbImage& pixel_mean, const CountImage& before, RgbImage& filtered);
 
 // A convolution kernel over pixels: taps for values, and the squared taps that a variance is
 // convolved with. On the subpixel grid a pixel's tap is the sum over its cells and the square 4

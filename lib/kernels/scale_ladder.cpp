@@ -44,7 +44,7 @@ void add_change(const double* fine, const double* coarse, const double* fine_var
 
 Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const SamplePool& pool,
                                     GreedyGrid grid, const VarianceOptions& options,
-                                    double exposure, GuardCounts& guards) {
+                                    double exposure, GuardCounts& guards, KeptImage* before) {
   const int q = statistics.pieces_per_side;
   const bool film = pool.recording().has_film();
   if (grid == GreedyGrid::kSubpixel && !film) {
@@ -63,7 +63,10 @@ Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const Sam
   if (q > 1) base.count = average_pieces(base.count, q);
   const RgbImage mean = average_pieces(std::move(pieces.mean), q);
   base.variance = average_piece_variance(std::move(pieces.variance), q);
-  if (base.subpixel) {
+  if (base.subpixel && before != nullptr && !before->n.empty()) {
+    base.image = std::move(before->image);
+    refilter_cell_means(statistics, pool, mean, before->n, base.image);
+  } else if (base.subpixel) {
     base.image = filtered_cell_means(statistics, pool, mean);
   } else {
     const Taps taps = compose_with_base({0, {1.0}}, false).taps;

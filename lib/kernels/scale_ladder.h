@@ -35,6 +35,12 @@ struct LadderBase {
   bool subpixel = false;
 };
 
+// I_0 and the counts that it was made of, for whoever makes it again with more samples.
+struct KeptImage {
+  CountImage n;
+  RgbImage image;
+};
+
 // Everything known at one scale.
 struct ScaleChannel {
   Plane image, variance;
@@ -44,10 +50,13 @@ struct Scale {
   Plane samples;  // N of the transition to this scale
 };
 
-// Error kData for an empty selection, or for the subpixel grid without film positions.
+// `before`, where not null: what was kept of fewer samples of the same pool, or nothing; it is used
+// up, and changes no bit. Error kData for an empty selection, or for the subpixel grid without film
+// positions.
 Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const SamplePool& pool,
                                     GreedyGrid grid, const VarianceOptions& variance,
-                                    double exposure, GuardCounts& guards);
+                                    double exposure, GuardCounts& guards,
+                                    KeptImage* before = nullptr);
 
 Scale base_scale(const LadderBase& base);
 // beta_s; `before` is sigma_{s-1}, not used for s = 1.

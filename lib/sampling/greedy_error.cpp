@@ -21,9 +21,10 @@ Result<SamplingResult> sample_greedy_error(const SamplePool& pool, long long bud
   const double average = static_cast<double>(budget) / static_cast<double>(pixels);
   const long long per_pixel = std::max(1LL, std::llround(average));
   std::uint64_t iteration = 0;
+  KeptImage kept;
   const auto choose = [&](long long share) -> Result<CountImage> {
     SPOOL_ASSIGN(const GreedyErrorMap map, greedy_error_map(spending.statistics, pool, average,
-                                                            options, spending.log.guards));
+                                                            options, spending.log.guards, &kept));
     if (context.views != nullptr) context.views->add_next("error", map.error);
     return hand_out_greedily(map, spending.statistics, pool, share, per_pixel,
                              mix(context.seed, iteration++), options);

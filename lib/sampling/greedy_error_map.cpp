@@ -1,5 +1,6 @@
 #include "lib/sampling/greedy_error_map.h"
 
+#include <utility>
 #include <vector>
 
 #include "lib/core/parallel.h"
@@ -34,10 +35,10 @@ const OptionTable<GreedyErrorOptions>& greedy_error_option_table() {
 
 Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const SamplePool& pool,
                                         double per_pixel, const GreedyErrorOptions& options,
-                                        GuardCounts& guards) {
+                                        GuardCounts& guards, KeptImage* kept) {
   const double exposure = statistics.signal.exposure;
-  SPOOL_ASSIGN(const LadderBase base, make_ladder_base(statistics, pool, options.grid,
-                                                       {options.var_mode}, exposure, guards));
+  SPOOL_ASSIGN(LadderBase base, make_ladder_base(statistics, pool, options.grid, {options.var_mode},
+                                                 exposure, guards, kept));
   const int width = base.count.width(), height = base.count.height();
   Scale scale = base_scale(base);
   GreedyErrorMap map{Plane(width, height), CountImage(width, height)};
@@ -85,6 +86,7 @@ Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const
       map.error[i] = relative(mse[i], samples[i], i, caught);
     });
   }
+  if (kept != nullptr) *kept = {statistics.n, std::move(base.image)};
   return map;
 }
 

@@ -33,9 +33,9 @@ struct GreedyErrorMap {
   CountImage scale;  // selected scale, 0: base image
 };
 
-// `per_pixel` is m.
+// `per_pixel` is m. `kept`, where not null: what it kept of fewer samples, and keeps of these.
 Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const SamplePool& pool,
                                         double per_pixel, const GreedyErrorOptions& options,
-                                        GuardCounts& guards);
+                                        GuardCounts& guards, KeptImage* kept = nullptr);
 
 }  // namespace spool

@@ -10,7 +10,6 @@
 #include "lib/filters/nl_means.h"
 #include "lib/filters/oracle_scale.h"
 #include "lib/filters/wavelet_shrinkage.h"
-#include "lib/kernels/pixel_base.h"
 #include "lib/kernels/scale_ladder.h"
 #include "lib/kernels/truncated_filter.h"
 #include "tests/filters/small_pools.h"
@@ -113,31 +112,6 @@ TEST(GreedySelection, SubpixelGridNeedsFilmPositions) {
   const auto result = reconstruct_greedy_selection(select_uniform(pool, 4), pool, options, {});
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::kData);
-}
-
-TEST(PixelBase, CellsWithoutSamplesTakeThePixelMeanAndEqualCellsChangeNothing) {
-  const SamplePool pool = make_pool(4, 3, 5, noisy_picture(4, 3, 2), {}, random_film(5));
-  const Selection selection = select_uniform(pool, 5);
-  const RgbImage flat = {Plane(4, 3, 2.0), Plane(4, 3, 2.0), Plane(4, 3, 2.0)};
-  const RgbImage cells = cell_means(selection.statistics, pool, flat);
-  int taken_from_mean = 0;
-  for (const double v : cells[0].pixels())
-    taken_from_mean += v == 2.0 ? 1 : 0;
-  EXPECT_GE(taken_from_mean, 4 * 3 * 11);  // at most 5 of 16 cells of a pixel have a sample
-  const Plane filtered = filter_cells(Plane(16, 12, 2.0));
-  for (const double v : filtered.pixels())
-    EXPECT_NEAR(v, 2.0, 1e-15);
-}
-
-TEST(PixelBase, BandsOfRowsGiveTheBitsOfTheWholeImage) {
-  for (const auto& [width, height] : {std::pair{7, 70}, {2, 3}, {33, 32}, {1, 1}, {5, 34}}) {
-    const SamplePool pool =
-        make_pool(width, height, 5, noisy_picture(width, height, 2), {}, random_film(5));
-    const PieceStatistics statistics = select_uniform(pool, 4).statistics;
-    const RgbImage cells = cell_means(statistics, pool, statistics.mean);
-    EXPECT_EQ(filtered_cell_means(statistics, pool, statistics.mean),
-              (RgbImage{filter_cells(cells[0]), filter_cells(cells[1]), filter_cells(cells[2])}));
-  }
 }
 
 TEST(WaveletShrinkage, LambdaZeroReturnsTheInput) {

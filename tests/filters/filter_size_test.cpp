@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "lib/filters/directional/size_factor.h"
+#include "lib/filters/directional/stop_votes.h"
 #include "tests/filters/directional_cases.h"
 #include "tests/reference/filter_size_reference.h"
+#include "tests/reference/test_images.h"
 
 namespace spool {
 namespace {
@@ -31,6 +33,13 @@ int level_count(const CountImage& level, int k) {
   for (const int l : level.pixels())
     count += l == k ? 1 : 0;
   return count;
+}
+
+TEST(CautiousVariance, HasTheBitsOfTheSlowTwin) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 5}, {3, 3}, {37, 20}}) {
+    const Plane variance = reference::noise_image(width, height, 4);
+    EXPECT_EQ(cautious_variance(variance), reference::cautious_variance(variance));
+  }
 }
 
 TEST(FilterSize, AFlatNoisyImageTakesTheLargestFilterEverywhere) {

@@ -76,7 +76,7 @@ inline Plane refused_base(const Plane& mean, const Plane& variance, const std::v
                           const FilterSizeOptions& options, Plane* t) {
   const int width = mean.width(), height = mean.height(), r = static_cast<int>(taps.size()) / 2;
   Plane stop(width, height), beyond(width, height), refused(width, height);
-  const Plane cautious = cautious_variance(variance);
+  const Plane cautious = reference::cautious_variance(variance);
   *t = Plane(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -114,7 +114,7 @@ inline FilterSizes filter_size(const FilterSizeInput& input, const FilterSizeOpt
                              : (high - low) / (high + low);
     return c * c;
   };
-  const Plane cautious = cautious_variance(input.variance);
+  const Plane cautious = reference::cautious_variance(input.variance);
   struct Region {
     double s = 0.0, q = 0.0, samples = 0.0, noise = 0.0;
   };

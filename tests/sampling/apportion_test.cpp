@@ -26,6 +26,9 @@ TEST(Apportion, WorkedExamples) {
   EXPECT_EQ(apportion(std::vector<double>{1, 1}, 10, Shares{2, 100}), (Shares{2, 8}));
   EXPECT_EQ(apportion(std::vector<double>{1, 0}, 10, Shares{4, 100}), (Shares{4, 6}));
   EXPECT_TRUE(uncapped({}, 5).empty());
+  constexpr long long kLarge = 1'000'000'000'000;  // products beyond 64 bits
+  EXPECT_EQ(apportion(std::vector<double>{3, 1}, 4 * kLarge, Shares{5 * kLarge, 5 * kLarge}),
+            (Shares{3 * kLarge, kLarge}));
 }
 
 TEST(Apportion, OddWeightsCountAsTheHeaderSays) {

@@ -148,45 +148,50 @@ void filter_run(const PaddedInput<T>& input, const FilterWidths<T>& widths,
 }  // namespace
 
 template <class T>
-FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
-                             const FilterOptions& options, GuardCounts& guards) {
-  const int width = input.level.width(), height = input.level.height();
-  FilteredPieces out{input.mean, input.variance};
-
+void filter_in_place(const CountImage& n, const CountImage& level, const FilterWidths<T>& widths,
+                     const FilterOptions& options, FilteredPieces& pieces, GuardCounts& guards) {
+  const int width = level.width(), height = level.height();
   int largest = 0;
-  for (const int k : input.level.pixels())
+  for (const int k : level.pixels())
     largest = std::max(largest, k);
-  if (largest == 0) return out;
+  if (largest == 0) return;
   std::vector<std::vector<FilterOffset>> offsets(1);
   for (int k = 1; k <= largest; ++k)
     offsets.push_back(filter_offsets(k, widths.beta, options.window));
 
   PaddedInput<T> from;
   from.border = filter_radius(largest);
-  from.weight = padded<T>(piece_weights(input.n, options.weighting), from.border);
+  from.weight = padded<T>(piece_weights(n, options.weighting), from.border);
   for (std::size_t c = 0; c < 3; ++c) {
-    from.mean[c] = padded<double>(input.mean[c], from.border);
-    from.variance[c] = padded<double>(input.variance[c], from.border);
+    from.mean[c] = padded<double>(pieces.image[c], from.border);
+    from.variance[c] = padded<double>(pieces.variance[c], from.border);
   }
 
   std::vector<GuardCounts> caught(static_cast<std::size_t>(height));
   parallel_rows(0, height, [&](int y) {
     RunSums sums;
     for (int x = 0; x < width;) {
-      const int k = input.level(x, y);
+      const int k = level(x, y);
       int end = x + 1;
-      while (end < width && input.level(end, y) == k)
+      while (end < width && level(end, y) == k)
         ++end;
       if (k > 0) {
         filter_run(from, widths, offsets[static_cast<std::size_t>(k)], options.eq12, x, y, end - x,
-                   sums, out, caught[static_cast<std::size_t>(y)]);
+                   sums, pieces, caught[static_cast<std::size_t>(y)]);
       }
       x = end;
     }
   });
   for (const GuardCounts& row : caught)
     guards += row;
-  return out;
+}
+
+template <class T>
+FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
+                             const FilterOptions& options, GuardCounts& guards) {
+  FilteredPieces pieces{input.mean, input.variance};
+  filter_in_place(input.n, input.level, widths, options, pieces, guards);
+  return pieces;
 }
 
 double correlation_factor(const Taps& taps, int level, double sigma, const FilterOptions& options) {
@@ -227,6 +232,10 @@ void correct_variance(const Taps& taps, const CountImage& level, double sigma_ma
   }
 }
 
+template void filter_in_place(const CountImage&, const CountImage&, const FilterWidths<double>&,
+                              const FilterOptions&, FilteredPieces&, GuardCounts&);
+template void filter_in_place(const CountImage&, const CountImage&, const FilterWidths<float>&,
+                              const FilterOptions&, FilteredPieces&, GuardCounts&);
 template FilteredPieces filter_pieces(const FilterInput&, const FilterWidths<double>&,
                                       const FilterOptions&, GuardCounts&);
 template FilteredPieces filter_pieces(const FilterInput&, const FilterWidths<float>&,

@@ -35,6 +35,11 @@ template <class T>
 FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
                              const FilterOptions& options, GuardCounts& guards);
 
+// The same in place: `pieces` are the means and their variances before, the filtered ones after.
+template <class T>
+void filter_in_place(const CountImage& n, const CountImage& level, const FilterWidths<T>& widths,
+                     const FilterOptions& options, FilteredPieces& pieces, GuardCounts& guards);
+
 // By how much the variance grows when `mean` was filtered with taps x taps before: its neighbours
 // are then no longer independent. Exact for the round filter of size 2^level over even variance;
 // 1 for taps of length 1.

@@ -60,15 +60,15 @@ void add_pyramid_views(const Pyramid& pyramid, Views* views) {
 }
 
 // Eqs 10-12 over pieces, or over single samples where they are wanted and have positions.
-// `variance`: of the piece means before the base image.
+// `variance`: of the piece means before the base image. The tile's own means and variances are used
+// up.
 template <class T>
-FilteredPieces weighted_means(const Tile& tile, const CountImage& level,
-                              const FilterWidths<T>& widths, const RgbImage& variance,
-                              const SamplePool& pool, const DirectionalOptions& options,
-                              GuardCounts& guards) {
+FilteredPieces weighted_means(Tile& tile, const CountImage& level, const FilterWidths<T>& widths,
+                              const RgbImage& variance, const SamplePool& pool,
+                              const DirectionalOptions& options, GuardCounts& guards) {
   if (variance[0].empty()) {
-    const FilterInput input{tile.pieces.n, level, tile.pieces.mean, tile.pieces.variance};
-    FilteredPieces pieces = filter_pieces(input, widths, options.filter, guards);
+    FilteredPieces pieces{std::move(tile.pieces.mean), std::move(tile.pieces.variance)};
+    filter_in_place(tile.pieces.n, level, widths, options.filter, pieces, guards);
     correct_variance(base_taps(options.base), level, options.width.sigma_max, options.filter,
                      pieces.variance);
     return pieces;

@@ -37,23 +37,35 @@ Plane after_vote(const Plane& stop, int k, SizeSmooth rule) {
   return decided;
 }
 
+// most[x] becomes at least (q_{k+1} - q_k)^2 - bound Var of a row against the pieces of another.
+SPOOL_VECTOR_CLONES
+void raise_to_evidence(const double* fine, const double* fine_noise, const double* coarse,
+                       const double* coarse_noise, double own_share, double bound, int width,
+                       double* __restrict most) {
+  for (int x = 0; x < width; ++x) {
+    const double dq = coarse[x] - fine[x];
+    most[x] = std::max(most[x], dq * dq - bound * (coarse_noise[x] + own_share * fine_noise[x]));
+  }
+}
+
 // Adds the largest (q_{k+1} - q_k)^2 - bound Var over the regions that touch the piece.
 void add_evidence(const SizeStep& step, double bound, Plane& beyond) {
   const int width = step.fine.width(), height = step.fine.height();
   if (beyond.empty()) beyond = Plane(width, height);
   const int shifts = step.regions ? 2 : 1;
   parallel_rows(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const double own = step.own_share * step.fine_noise(x, y);
-      double most = -std::numeric_limits<double>::infinity();
-      for (int qy = y; qy < std::min(y + shifts, height); ++qy) {
-        for (int qx = x; qx < std::min(x + shifts, width); ++qx) {
-          const double dq = step.coarse(qx, qy) - step.fine(x, y);
-          most = std::max(most, dq * dq - bound * (step.coarse_noise(qx, qy) + own));
-        }
+    std::vector<double> most(static_cast<std::size_t>(width),
+                             -std::numeric_limits<double>::infinity());
+    for (int dy = 0; dy < std::min(shifts, height - y); ++dy) {
+      for (int dx = 0; dx < std::min(shifts, width); ++dx) {
+        raise_to_evidence(step.fine.row(y).data(), step.fine_noise.row(y).data(),
+                          step.coarse.row(y + dy).data() + dx,
+                          step.coarse_noise.row(y + dy).data() + dx, step.own_share, bound,
+                          width - dx, most.data());
       }
-      beyond(x, y) += most;
     }
+    for (int x = 0; x < width; ++x)
+      beyond(x, y) += most[static_cast<std::size_t>(x)];
   });
 }
 
@@ -96,10 +108,9 @@ SPOOL_VECTOR_CLONES
 void larger_of_own_and_median(const double* own, const double* low, const double* middle,
                               const double* high, int width, double* __restrict to) {
   for (int x = 0; x < width; ++x) {
-    const double median =
-        median_of_three(std::max(std::max(low[x], low[x + 1]), low[x + 2]),
-                        median_of_three(middle[x], middle[x + 1], middle[x + 2]),
-                        std::min(std::min(high[x], high[x + 1]), high[x + 2]));
+    const double median = median_of_three(std::max(std::max(low[x], low[x + 1]), low[x + 2]),
+                                          median_of_three(middle[x], middle[x + 1], middle[x + 2]),
+                                          std::min(std::min(high[x], high[x + 1]), high[x + 2]));
     to[x] = std::max(own[x], median);
   }
 }

@@ -1,0 +1,59 @@
+// The base image of greedy selection: cells, their filter, and the same again with more samples.
+#include "lib/kernels/pixel_base.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/filters/small_pools.h"
+
+namespace spool {
+namespace {
+
+using testing::make_pool;
+using testing::noisy_picture;
+using testing::random_film;
+using testing::select_uniform;
+
+TEST(PixelBase, CellsWithoutSamplesTakeThePixelMeanAndEqualCellsChangeNothing) {
+  const SamplePool pool = make_pool(4, 3, 5, noisy_picture(4, 3, 2), {}, random_film(5));
+  const Selection selection = select_uniform(pool, 5);
+  const RgbImage flat = {Plane(4, 3, 2.0), Plane(4, 3, 2.0), Plane(4, 3, 2.0)};
+  const RgbImage cells = cell_means(selection.statistics, pool, flat);
+  int taken_from_mean = 0;
+  for (const double v : cells[0].pixels())
+    taken_from_mean += v == 2.0 ? 1 : 0;
+  EXPECT_GE(taken_from_mean, 4 * 3 * 11);  // at most 5 of 16 cells of a pixel have a sample
+  const Plane filtered = filter_cells(Plane(16, 12, 2.0));
+  for (const double v : filtered.pixels())
+    EXPECT_NEAR(v, 2.0, 1e-15);
+}
+
+TEST(PixelBase, BlocksGiveTheBitsOfTheWholeImage) {
+  for (const auto& [width, height] :
+       {std::pair{7, 70}, {2, 3}, {33, 32}, {1, 1}, {5, 34}, {66, 4}, {130, 35}}) {
+    const SamplePool pool =
+        make_pool(width, height, 5, noisy_picture(width, height, 2), {}, random_film(5));
+    const PieceStatistics statistics = select_uniform(pool, 4).statistics;
+    const RgbImage cells = cell_means(statistics, pool, statistics.mean);
+    EXPECT_EQ(filtered_cell_means(statistics, pool, statistics.mean),
+              (RgbImage{filter_cells(cells[0]), filter_cells(cells[1]), filter_cells(cells[2])}));
+  }
+}
+
+TEST(PixelBase, MoreSamplesOfSomePixelsGiveTheBitsOfAllAnew) {
+  for (const auto& [width, height] : {std::pair{150, 70}, {3, 2}, {64, 33}}) {
+    const SamplePool pool =
+        make_pool(width, height, 6, noisy_picture(width, height, 2), {}, random_film(6));
+    PieceStatistics statistics = select_uniform(pool, 3).statistics;
+    for (const int more : {1, 2}) {
+      const CountImage before = statistics.n;
+      RgbImage filtered = filtered_cell_means(statistics, pool, statistics.mean);
+      take(statistics, pool, (more * 37) % width, (more * 34) % height, more);
+      take(statistics, pool, width - 1, height - 1, 1);
+      refilter_cell_means(statistics, pool, statistics.mean, before, filtered);
+      EXPECT_EQ(filtered, filtered_cell_means(statistics, pool, statistics.mean));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace spool
