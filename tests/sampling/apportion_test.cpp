@@ -27,8 +27,8 @@ TEST(Apportion, WorkedExamples) {
   EXPECT_EQ(apportion(std::vector<double>{1, 0}, 10, Shares{4, 100}), (Shares{4, 6}));
   EXPECT_TRUE(uncapped({}, 5).empty());
   constexpr long long kLarge = 1'000'000'000'000;  // products beyond 64 bits
-  EXPECT_EQ(apportion(std::vector<double>{3, 1}, 4 * kLarge, Shares{5 * kLarge, 5 * kLarge}),
-            (Shares{3 * kLarge, kLarge}));
+  EXPECT_EQ(apportion(std::vector<double>{4, 1}, 5 * kLarge, Shares{5 * kLarge, 5 * kLarge}),
+            (Shares{4 * kLarge, kLarge}));
 }
 
 TEST(Apportion, OddWeightsCountAsTheHeaderSays) {
