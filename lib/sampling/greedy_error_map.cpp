@@ -86,7 +86,7 @@ Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const
       map.error[i] = relative(mse[i], samples[i], i, caught);
     });
   }
-  if (kept != nullptr) *kept = {statistics.n, std::move(base.image)};
+  if (kept != nullptr && base.subpixel) *kept = {statistics.n, std::move(base.image)};
   return map;
 }
 

@@ -33,7 +33,8 @@ struct GreedyErrorMap {
   CountImage scale;  // selected scale, 0: base image
 };
 
-// `per_pixel` is m. `kept`, where not null: what it kept of fewer samples, and keeps of these.
+// `per_pixel` is m. `kept`, where not null: what it kept of fewer samples, and keeps of these (on
+// the subpixel grid alone).
 Result<GreedyErrorMap> greedy_error_map(const PieceStatistics& statistics, const SamplePool& pool,
                                         double per_pixel, const GreedyErrorOptions& options,
                                         GuardCounts& guards, KeptImage* kept = nullptr);
