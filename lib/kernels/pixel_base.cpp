@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "lib/core/parallel.h"
-#include "lib/kernels/pixel_cells.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/row_sums.h"
 

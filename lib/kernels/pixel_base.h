@@ -2,13 +2,12 @@
 #pragma once
 
 #include "lib/core/image.h"
+#include "lib/kernels/pixel_cells.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/pyramid/wavelet_filters.h"
 #include "lib/statistics/selection.h"
 
 namespace spool {
-
-inline constexpr int kCellsPerPixel = 4;  // per side, of the subpixel grid
 
 // Taps of the pixel filter on cells of a quarter pixel: distances (i + 1/2 - 10) / 4, i = 0 .. 19,
 // sum 1; the first belongs to the cell 10 before the pixel's centre.

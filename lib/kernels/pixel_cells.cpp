@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "lib/kernels/pixel_base.h"
-
 namespace spool {
 namespace {
 

@@ -9,6 +9,8 @@
 
 namespace spool {
 
+inline constexpr int kCellsPerPixel = 4;  // per side, of the subpixel grid
+
 // Means of the cells of pixels x0 .. x1 - 1 of row y, to[c] [kCellsPerPixel][kCellsPerPixel (x1 -
 // x0)]; an empty cell takes its pixel's mean.
 void cell_means_of_row(const PieceStatistics& statistics, const SamplePool& pool,
