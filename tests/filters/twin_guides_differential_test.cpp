@@ -91,7 +91,8 @@ TEST(TwinGuidesDifferential, GuidesAndWeights) {
     const reference::Planes clean = to_double(f.value), clean_variance = to_double(f.variance);
     const reference::Moments m = reference::moments(in.pool, in.n, in.limit, in.scale);
     const std::vector<reference::GuideLevel> levels =
-        reference::guide_levels(reference::guide_sources(m, clean, clean_variance), 4, options);
+        reference::guide_levels(reference::guide_sources(m, clean, clean_variance), 4, in.scale,
+                                options);
     const GuideSources sources = guide_sources(moments, f);
     GuidePyramid pyramid(sources, in.scale, options);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -128,9 +129,9 @@ TEST(TwinGuidesDifferential, TheWholeFilter) {
   small.radius = 2;
   whole_agrees(make_pool(60, 47, 8, noisy_picture(60, 47, 8)), 2, small);    // four tiles
   whole_agrees(make_pool(113, 19, 8, noisy_picture(113, 19, 8)), 2, small);  // of a lattice, too
-  small.scales = 1;
+  small.scales = 1, small.stretch = 0.0;
   whole_agrees(make_pool(31, 12, 8, noisy_picture(31, 12, 5)), 2, small);
-  small.scales = 5;
+  small.scales = 5, small.stretch = 0.7;
   whole_agrees(make_pool(31, 12, 8, noisy_picture(31, 12, 6)), 2, small);
   whole_agrees(make_pool(20, 13, 8, noisy_picture(20, 13, 9)), 0);  // pixels without samples
   TwinGuidesOptions options;

@@ -212,11 +212,66 @@ inline GuideLevel blurred(GuideLevel level, double sigma, double taps_sigma, int
   return level;
 }
 
+// Long along the structure of the pilot, short across it: an angle, and a sum over the window.
+inline GuideLevel blurred_along(const GuideLevel& from, double sigma, double stretch,
+                                double scene_luminance) {
+  const int width = from.mean[0].width(), height = from.mean[0].height();
+  Plane l(width, height), xx = l, xy = l, yy = l;
+  for (std::size_t i = 0; i < l.size(); ++i) {
+    const double mean = (from.mean[0][i] + from.mean[1][i] + from.mean[2][i]) / 3.0;
+    l[i] = std::log(std::max(mean, 0.0) + 0.10 * scene_luminance);
+  }
+  l = blur(l, 1.0);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double gx = l(std::min(x + 1, width - 1), y) - l(std::max(x - 1, 0), y);
+      const double gy = l(x, std::min(y + 1, height - 1)) - l(x, std::max(y - 1, 0));
+      xx(x, y) = gx * gx, xy(x, y) = gx * gy, yy(x, y) = gy * gy;
+    }
+  }
+  xx = blur(xx, 2.0), xy = blur(xy, 2.0), yy = blur(yy, 2.0);
+  GuideLevel to = from;
+  to.sigma = sigma;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double a = xx(x, y), b = xy(x, y), c = yy(x, y);
+      const double angle = 0.5 * std::atan2(2.0 * b, a - c);  // of the gradient
+      const double coherence = std::hypot(a - c, 2.0 * b) / (a + c + 1e-4);
+      const double f = 1.0 + stretch * coherence * coherence;
+      double total = 0.0;
+      std::array<double, 12> sum{};
+      for (int j = -5; j <= 5; ++j) {
+        for (int i = -5; i <= 5; ++i) {
+          const double across = i * std::cos(angle) + j * std::sin(angle);
+          const double along = j * std::cos(angle) - i * std::sin(angle);
+          const double z = std::pow(across * f / sigma, 2) + std::pow(along / f / sigma, 2);
+          const double w = std::max(0.0, std::exp(-z / 2.0) - std::exp(-7.0));
+          const int qx = extend_symmetric(x + i, width), qy = extend_symmetric(y + j, height);
+          total += w;
+          for (std::size_t k = 0; k < 6; ++k) {
+            sum[k] += w * from.mean[k](qx, qy);
+            sum[k + 6] += w * from.variance[k](qx, qy);
+          }
+        }
+      }
+      for (std::size_t k = 0; k < 6; ++k) {
+        to.mean[k](x, y) = sum[k] / total;
+        to.variance[k](x, y) = sum[k + 6] / total;
+      }
+    }
+  }
+  return to;
+}
+
 // Levels guide_sigma, 2 guide_sigma, ... as many as asked for.
 inline std::vector<GuideLevel> guide_levels(const GuideLevel& sources, int count,
+                                            const RadianceScale& scale,
                                             const TwinGuidesOptions& options) {
   const double s = options.guide_sigma;
-  std::vector<GuideLevel> levels = {blurred(sources, s, s), blurred(sources, 2.0 * s, 2.0 * s)};
+  std::vector<GuideLevel> levels = {
+      blurred(sources, s, s),
+      options.stretch > 0.0 ? blurred_along(sources, 2.0 * s, options.stretch, scale.mean)
+                            : blurred(sources, 2.0 * s, 2.0 * s)};
   for (int step = 1; static_cast<int>(levels.size()) < count; step *= 2)
     levels.push_back(
         blurred(levels.back(), 2.0 * levels.back().sigma, std::sqrt(3.0) * 2.0 * s, step));
@@ -525,8 +580,8 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, const P
     clean = cleaned.mean;
     clean_variance = cleaned.variance;
   }
-  const std::vector<GuideLevel> levels = guide_levels(guide_sources(m, clean, clean_variance),
-                                                      std::max(5, options.scales + 1), options);
+  const std::vector<GuideLevel> levels = guide_levels(
+      guide_sources(m, clean, clean_variance), std::max(5, options.scales + 1), scale, options);
   std::vector<ScaleResult> scales;
   Inputs in = finest_inputs(m, raw);
   for (int k = 0, step = 1; k < options.scales; ++k, step *= 2) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lib/core/parallel.h"
+#include "lib/filters/twin_guides/directional_guides.h"
 #include "lib/filters/twin_guides/tiles.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
@@ -86,7 +87,9 @@ GuidePyramid::GuidePyramid(const GuideSources& sources, const RadianceScale& sca
       guide_sigma_(options.guide_sigma),
       slack_(options.slack),
       fine_(blurred(sources, guide_sigma_)),
-      coarse_(blurred(sources, 2.0 * guide_sigma_)) {}
+      coarse_(options.stretch > 0.0
+                  ? blur_along(sources, 2.0 * guide_sigma_, options.stretch, scale.mean)
+                  : blurred(sources, 2.0 * guide_sigma_)) {}
 
 void GuidePyramid::coarsen() {
   GuideSources coarser = blurred(coarse_, std::numbers::sqrt3 * 2.0 * guide_sigma_, step_);

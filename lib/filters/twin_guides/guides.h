@@ -3,6 +3,9 @@
 // pyramid levels s and 2 s, RGB: 12 channels. A scale whose taps stand 2^k pieces apart has levels
 // 2^k times as coarse.
 //
+// The coarser level of the first scale follows the structure of the picture
+// (directional_guides.h).
+//
 //   of the pilot       g = log b, b = max(G_s P, 0) + kPilotFloor L;  v = slack (G_s PV / k) / b^2
 //   of the logarithms  g = G_s t;                                     v = slack (G_s tv) / k
 //
@@ -13,16 +16,11 @@
 #pragma once
 
 #include "lib/filters/twin_guides/feature_blend.h"
-#include "lib/filters/twin_guides/sample_moments.h"
+#include "lib/filters/twin_guides/guide_sources.h"
 
 namespace spool {
 
 inline constexpr std::size_t kGuideChannels = 12;
-
-// What the guides are made of, [P, t][channel]: with variances, unblurred or on one level.
-struct GuideSources {
-  std::array<FloatRgb, 2> mean, variance;
-};
 
 // Takes the moments of the logarithms along.
 GuideSources guide_sources(SampleMoments& moments, const FeatureImages& features);

@@ -14,6 +14,8 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table() {
       number_option("sigma", &O::sigma, 0.1, 100.0, "of the window's Gaussian, pixels"),
       number_option("guide_sigma", &O::guide_sigma, 0.1, 4.0,
                     "blur of the finer guides, pixels; the coarser have twice that"),
+      number_option("stretch", &O::stretch, 0.0, 4.0,
+                    "of the coarser guides along the structure of the picture; 0: none"),
       number_option("slack", &O::slack, 0.0, 100.0, "factor on the noise of the guides"),
       number_option("detail_slack", &O::detail_slack, 0.0, 100.0,
                     "factor on the noise of a scale's detail"),

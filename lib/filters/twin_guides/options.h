@@ -15,6 +15,7 @@ struct TwinGuidesOptions {
   int radius = 6;             // of the window, pieces
   double sigma = 4.0;         // of the window's Gaussian, pieces
   double guide_sigma = 0.5;   // of the finer pyramid level, pieces; the coarser has twice that
+  double stretch = 2.0;       // of the coarser level along the structure of the picture; 0: round
   double slack = 2.0;         // factor on the estimated noise of the guides
   double detail_slack = 1.6;  // factor on the estimated noise of a scale's detail
   double tau = 0.10;          // difference of logarithms that tells two pieces apart

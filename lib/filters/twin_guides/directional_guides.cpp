@@ -1,0 +1,177 @@
+#include "lib/filters/twin_guides/directional_guides.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "lib/core/exponential.h"
+#include "lib/core/extend.h"
+#include "lib/core/vector_clones.h"
+#include "lib/filters/twin_guides/fit_table.h"
+#include "lib/filters/twin_guides/tiles.h"
+#include "lib/kernels/truncated_filter.h"
+#include "lib/pyramid/convolution.h"
+
+namespace spool {
+namespace {
+
+constexpr int kReach = 5;
+constexpr int kPairs = 2 * kReach * (kReach + 1);  // of opposite offsets
+constexpr int kPadded = (kPairs + 15) / 16 * 16;
+constexpr float kNoGradient = 1e-4f;  // squared difference of logarithms that is no structure
+constexpr double kEnd = 7.0;
+constexpr std::size_t kPlanes = 12;
+
+// The exponent at (i, j) is even (i^2 + j^2) + straight (i^2 - j^2) + slanted 2 i j.
+struct Shape {
+  float even, straight, slanted;
+};
+
+// Half of the window: the other half has the same weights.
+struct Offsets {
+  int dx[kPadded] = {}, dy[kPadded] = {};
+  float square[kPadded] = {}, straight[kPadded] = {}, slanted[kPadded] = {};
+  Offsets() {
+    int count = 0;
+    for (int j = 0; j <= kReach; ++j) {
+      for (int i = j == 0 ? 1 : -kReach; i <= kReach; ++i, ++count) {
+        dx[count] = i, dy[count] = j;
+        square[count] = static_cast<float>(i * i + j * j);
+        straight[count] = static_cast<float>(i * i - j * j);
+        slanted[count] = static_cast<float>(2 * i * j);
+      }
+    }
+  }
+};
+
+SPOOL_VECTOR_CLONES
+void weights_of(const Shape& shape, const Offsets& offsets, float end, float* __restrict weight) {
+  const float even = shape.even, straight = shape.straight, slanted = shape.slanted;
+  for (int k = 0; k < kPadded; ++k) {
+    const float z = even * offsets.square[k] + straight * offsets.straight[k] +
+                    slanted * offsets.slanted[k];
+    const float w = exp_negative(z) - end;
+    weight[k] = w > 0.0f ? w : 0.0f;
+  }
+}
+
+// sum of w (lanes - own) / sum of w, both ends of each pair: an even picture stays even to the bit.
+SPOOL_VECTOR_CLONES
+void mean_of_lanes(const float* weight, const std::ptrdiff_t* step, float centre, const float* own,
+                   float* mean) {
+  Lanes off, sum{};
+  std::memcpy(&off, own, sizeof(Lanes));
+  float total = centre;
+  for (int k = 0; k < kPairs; ++k) {
+    const float w = weight[k];
+    if (!(w > 0.0f)) continue;
+    Lanes u, v;
+    std::memcpy(&u, own + step[k], sizeof(Lanes));
+    std::memcpy(&v, own - step[k], sizeof(Lanes));
+    sum += w * ((u - off) + (v - off));
+    total += 2.0f * w;
+  }
+  off += sum / total;
+  std::memcpy(mean, &off, sizeof(Lanes));
+}
+
+Image<float> smooth_logarithm(const FloatRgb& pilot, double floor) {
+  Image<float> l(pilot[0].width(), pilot[0].height());
+  for (std::size_t i = 0; i < l.size(); ++i) {
+    const float mean = (pilot[0][i] + pilot[1][i] + pilot[2][i]) / 3.0f;
+    l[i] = std::log(std::max(mean, 0.0f) + static_cast<float>(floor));
+  }
+  return convolve(l, four_sigma_taps(1.0));
+}
+
+struct Tensor {
+  Image<float> xx, xy, yy;
+};
+
+Tensor structure_tensor(const Image<float>& l) {
+  const int width = l.width(), height = l.height();
+  Tensor t{Image<float>(width, height), Image<float>(width, height), Image<float>(width, height)};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const float gx = l(std::min(x + 1, width - 1), y) - l(std::max(x - 1, 0), y);
+      const float gy = l(x, std::min(y + 1, height - 1)) - l(x, std::max(y - 1, 0));
+      t.xx(x, y) = gx * gx, t.xy(x, y) = gx * gy, t.yy(x, y) = gy * gy;
+    }
+  }
+  const Taps taps = four_sigma_taps(2.0);
+  return {convolve(t.xx, taps), convolve(t.xy, taps), convolve(t.yy, taps)};
+}
+
+Shape shape_of(float a, float b, float c, double sigma, double stretch) {
+  const float root = std::sqrt((a - c) * (a - c) + 4.0f * b * b);
+  const float coherence = root / (a + c + kNoGradient);
+  const float f = 1.0f + static_cast<float>(stretch) * coherence * coherence;
+  const auto per = static_cast<float>(0.5 / (sigma * sigma));
+  const float across = per * f * f, along = per / (f * f);
+  const float half = root > 0.0f ? 0.5f * (across - along) / root : 0.0f;
+  return {0.5f * (across + along), half * (a - c), half * 2.0f * b};
+}
+
+// Means and variances of both kinds, one lane each.
+std::array<Image<float>*, kPlanes> planes_of(GuideSources& sources) {
+  std::array<Image<float>*, kPlanes> planes;
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    const std::size_t kind = i / 6, c = i % 3;
+    planes[i] = i / 3 % 2 == 0 ? &sources.mean[kind][c] : &sources.variance[kind][c];
+  }
+  return planes;
+}
+
+std::vector<float> lanes_around(const Rectangle& tile,
+                                const std::array<Image<float>*, kPlanes>& planes) {
+  const int width = planes[0]->width(), height = planes[0]->height();
+  std::vector<float> lanes;
+  lanes.reserve(static_cast<std::size_t>(tile.width() + 2 * kReach) *
+                static_cast<std::size_t>(tile.height() + 2 * kReach) * kLanes);
+  for (int y = tile.y0 - kReach; y < tile.y1 + kReach; ++y) {
+    for (int x = tile.x0 - kReach; x < tile.x1 + kReach; ++x) {
+      const std::size_t piece =
+          planes[0]->index(extend_symmetric(x, width), extend_symmetric(y, height));
+      for (const Image<float>* plane : planes)
+        lanes.push_back((*plane)[piece]);
+      lanes.resize(lanes.size() + kLanes - kPlanes);
+    }
+  }
+  return lanes;
+}
+
+}  // namespace
+
+GuideSources blur_along(const GuideSources& sources, double sigma, double stretch,
+                        double scene_luminance) {
+  const Tensor tensor =
+      structure_tensor(smooth_logarithm(sources.mean[0], kLogFloor * scene_luminance));
+  GuideSources from = sources, to = sources;
+  const auto inputs = planes_of(from), planes = planes_of(to);
+  const Offsets offsets;
+  const auto end = static_cast<float>(std::exp(-kEnd));
+  parallel_tiles(tensor.xx.width(), tensor.xx.height(), [&](const Rectangle& tile) {
+    const std::vector<float> lanes = lanes_around(tile, inputs);
+    const std::ptrdiff_t row = (tile.width() + 2 * kReach) * kLanes;
+    std::array<std::ptrdiff_t, kPairs> step;
+    for (std::size_t k = 0; k < kPairs; ++k)
+      step[k] = offsets.dy[k] * row + offsets.dx[k] * kLanes;
+    std::array<float, kPadded> weight;
+    std::array<float, kLanes> mean;
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      const float* own = lanes.data() + (y - tile.y0 + kReach) * row + kReach * kLanes;
+      for (int x = tile.x0; x < tile.x1; ++x, own += kLanes) {
+        const std::size_t piece = tensor.xx.index(x, y);
+        weights_of(shape_of(tensor.xx[piece], tensor.xy[piece], tensor.yy[piece], sigma, stretch),
+                   offsets, end, weight.data());
+        mean_of_lanes(weight.data(), step.data(), 1.0f - end, own, mean.data());
+        for (std::size_t i = 0; i < kPlanes; ++i)
+          (*planes[i])[piece] = mean[i];
+      }
+    }
+  });
+  return to;
+}
+
+}  // namespace spool
