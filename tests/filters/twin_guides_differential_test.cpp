@@ -90,9 +90,8 @@ TEST(TwinGuidesDifferential, GuidesAndWeights) {
     const FeatureImages f = noisy_features(width, height, 7);
     const reference::Planes clean = to_double(f.value), clean_variance = to_double(f.variance);
     const reference::Moments m = reference::moments(in.pool, in.n, in.limit, in.scale);
-    const std::vector<reference::GuideLevel> levels =
-        reference::guide_levels(reference::guide_sources(m, clean, clean_variance), 4, in.scale,
-                                options);
+    const std::vector<reference::GuideLevel> levels = reference::guide_levels(
+        reference::guide_sources(m, clean, clean_variance), 4, in.scale, options);
     const GuideSources sources = guide_sources(moments, f);
     GuidePyramid pyramid(sources, in.scale, options);
     for (std::size_t k = 0; k < 3; ++k) {

@@ -269,9 +269,9 @@ inline std::vector<GuideLevel> guide_levels(const GuideLevel& sources, int count
                                             const TwinGuidesOptions& options) {
   const double s = options.guide_sigma;
   std::vector<GuideLevel> levels = {
-      blurred(sources, s, s),
-      options.stretch > 0.0 ? blurred_along(sources, 2.0 * s, options.stretch, scale.mean)
-                            : blurred(sources, 2.0 * s, 2.0 * s)};
+      blurred(sources, s, s), options.stretch > 0.0
+                                  ? blurred_along(sources, 2.0 * s, options.stretch, scale.mean)
+                                  : blurred(sources, 2.0 * s, 2.0 * s)};
   for (int step = 1; static_cast<int>(levels.size()) < count; step *= 2)
     levels.push_back(
         blurred(levels.back(), 2.0 * levels.back().sigma, std::sqrt(3.0) * 2.0 * s, step));

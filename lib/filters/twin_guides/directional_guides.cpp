@@ -49,8 +49,8 @@ SPOOL_VECTOR_CLONES
 void weights_of(const Shape& shape, const Offsets& offsets, float end, float* __restrict weight) {
   const float even = shape.even, straight = shape.straight, slanted = shape.slanted;
   for (int k = 0; k < kPadded; ++k) {
-    const float z = even * offsets.square[k] + straight * offsets.straight[k] +
-                    slanted * offsets.slanted[k];
+    const float z =
+        even * offsets.square[k] + straight * offsets.straight[k] + slanted * offsets.slanted[k];
     const float w = exp_negative(z) - end;
     weight[k] = w > 0.0f ? w : 0.0f;
   }

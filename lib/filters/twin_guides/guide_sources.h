@@ -7,8 +7,8 @@
 
 namespace spool {
 
-// [P, t][channel]: the pilot and the mean of the logarithms (guides.h), with variances, unblurred or
-// on one level.
+// [P, t][channel]: the pilot and the mean of the logarithms (guides.h), with variances, unblurred
+// or on one level.
 struct GuideSources {
   std::array<FloatRgb, 2> mean, variance;
 };
