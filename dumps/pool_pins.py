@@ -20,7 +20,7 @@ def measure(path):
     with spool.open(path) as dump:
         meta = dump.meta
         renderer = meta["renderer"] if isinstance(meta["renderer"], dict) else {
-            "name": meta["renderer"], "version": meta.get("renderer_version", "")}
+            "name": meta["renderer"], "version": meta.get("version", "")}  # as a folder of passes is packed (dumps/passes.md)
         samples = dump.width * dump.height * (dump.spp + meta.get("reference", {}).get("samples", 0))
         seconds = round(meta["cost_per_sample"] * samples)
     version = " ".join(str(renderer[key]) for key in ("name", "version", "variant") if renderer.get(key))

@@ -2,6 +2,7 @@
 import hashlib
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -10,9 +11,10 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-sys.path[:0] = [str(ROOT / "dumps"), str(ROOT / "formats" / "python")]
+sys.path[:0] = [str(ROOT / "dumps"), str(ROOT / "dumps" / "verify"), str(ROOT / "formats" / "python")]
 
 import catalogue  # noqa: E402
+import pool_pins  # noqa: E402
 import spool  # noqa: E402
 
 DUMPS = ROOT / "dumps"
@@ -103,3 +105,7 @@ def test_the_catalogue_prints_commands():
                                 "--samples 256 --reference 4096")
     assert told("--full", "nowhere").returncode == 2 and "use chess" in told("--full", "nowhere").stderr
     assert len(told().stdout.splitlines()) == 2 * len(ENTRIES)
+
+
+def test_a_pin_names_renderer_and_version(entry):
+    assert re.fullmatch(rf"{entry['renderer']} \d+\.\d+.*", pool_pins.measure(DUMPS / entry["file"])["versions"])
