@@ -173,6 +173,28 @@ TEST(TwinGuides, LightThatEveryGroupOfSamplesSawReturnsAndThatOfOneDoesNot) {
   EXPECT_EQ(mean_of(first_only, 8.0), mean_of(first_only, 0.0));
 }
 
+// A lamp out of focus: its disc is bright on one path in twelve, what is around it plain.
+TEST(TwinGuides, TheLightOfADiscStaysInIt) {
+  const auto distance = [](int x, int y) { return std::hypot(x - 50.0, y - 45.0); };
+  const auto lamp = [&](int x, int y, int s) {
+    const bool bright = distance(x, y) < 7.0 && mix(9, x, y, s) % 12 == 0;
+    const float value = bright ? 60.0f : 0.2f;
+    return Rgb{value, value, value};
+  };
+  const RgbImage image = image_of(make_pool(100, 90, 8, lamp), 8);
+  double worst = 0.0, disc = 0.0, pieces = 0.0;
+  for (int y = 0; y < 90; ++y) {
+    for (int x = 0; x < 100; ++x) {
+      if (distance(x, y) > 24.0) worst = std::max(worst, image[1](x, y));
+      if (distance(x, y) > 7.0) continue;
+      disc += image[1](x, y);
+      pieces += 1.0;
+    }
+  }
+  EXPECT_LT(worst, 0.21);
+  EXPECT_GT(disc / pieces, 2.5);  // of 5.2
+}
+
 TEST(TwinGuides, FeaturesBeyondFourAreFour) {
   const auto with_albedo = [](float lamp) {
     return make_pool(kWidth, kHeight, 8, noisy_picture(kWidth, kHeight, 5), {}, {},

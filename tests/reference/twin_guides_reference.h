@@ -537,22 +537,30 @@ Planes blend_scales(const std::vector<ScaleResult>& scales, double scene_luminan
   return out;
 }
 
-inline Planes return_agreed_light(Planes out, const Planes& taken, double sigma,
-                                  double scene_luminance) {
+inline Planes return_agreed_light(Planes out, Planes taken, double sigma, double scene_luminance) {
   if (sigma == 0.0 || taken.size() < 2) return out;
   Plane shape(out[0].width(), out[0].height());
   for (std::size_t i = 0; i < shape.size(); ++i)
     shape[i] = std::max(0.0, luminance(out[0][i], out[1][i], out[2][i])) + 0.1 * scene_luminance;
-  shape = blur(shape, sigma);
-  Planes around;
-  for (const Plane& group : taken)
-    around.push_back(blur(group, sigma));
-  for (std::size_t i = 0; i < shape.size(); ++i) {
-    double light = INFINITY;
-    for (const Plane& group : around)
-      light = std::min(light, group[i]);
-    for (Plane& channel : out)
-      channel[i] *= 1.0 + light / shape[i];
+  Plane factor(shape.width(), shape.height(), 1.0);
+  for (const double reach : {0.25 * sigma, sigma}) {
+    const Plane around_shape = blur(shape, reach);
+    Planes around;
+    for (const Plane& group : taken)
+      around.push_back(blur(group, reach));
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      double light = INFINITY;
+      for (const Plane& group : around)
+        light = std::min(light, group[i]);
+      if (light <= 0.0) continue;
+      factor[i] += light / around_shape[i];
+      for (std::size_t k = 0; k < taken.size(); ++k)
+        taken[k][i] *= 1.0 - light / around[k][i];
+    }
+  }
+  for (Plane& channel : out) {
+    for (std::size_t i = 0; i < channel.size(); ++i)
+      channel[i] *= factor[i];
   }
   return out;
 }

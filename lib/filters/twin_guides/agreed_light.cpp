@@ -1,6 +1,7 @@
 #include "lib/filters/twin_guides/agreed_light.h"
 
 #include <algorithm>
+#include <array>
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/truncated_filter.h"
@@ -9,7 +10,8 @@
 namespace spool {
 namespace {
 
-constexpr double kFloor = 0.1;  // of the picture, in L: black does not shine
+constexpr double kFloor = 0.1;                // of the picture, in L: black does not shine
+constexpr std::array kReaches = {0.25, 1.0};  // of sigma, the shortest first
 
 Image<float> shape_of(const FloatRgb& out, float floor) {
   Image<float> shape(out[0].width(), out[0].height());
@@ -27,26 +29,43 @@ bool nothing_was_taken(const std::vector<Image<float>>& taken) {
   });
 }
 
+// The light that all groups have around each piece; it is taken off them.
+Image<float> agreed_around(std::vector<Image<float>>& taken, const Taps& taps) {
+  std::vector<Image<float>> around(taken.size());
+  parallel_for(around.size(), [&](std::size_t k) { around[k] = convolve(taken[k], taps); });
+  Image<float> light = around[0];
+  parallel_rows(0, light.height(), [&](int y) {
+    for (std::size_t i = light.index(0, y); i < light.index(0, y + 1); ++i) {
+      for (std::size_t k = 1; k < taken.size(); ++k)
+        light[i] = std::min(light[i], around[k][i]);
+      if (light[i] <= 0.0f) continue;
+      for (std::size_t k = 0; k < taken.size(); ++k)
+        taken[k][i] *= 1.0f - light[i] / around[k][i];
+    }
+  });
+  return light;
+}
+
 }  // namespace
 
-FloatRgb return_agreed_light(FloatRgb out, const std::vector<Image<float>>& taken, double sigma,
+FloatRgb return_agreed_light(FloatRgb out, std::vector<Image<float>> taken, double sigma,
                              const RadianceScale& scale) {
   if (sigma <= 0.0 || taken.size() < 2 || nothing_was_taken(taken)) return out;
-  const Taps taps = four_sigma_taps(sigma);
-  std::vector<Image<float>> around(taken.size() + 1);
-  parallel_for(around.size(), [&](std::size_t k) {
-    around[k] = k < taken.size()
-                    ? convolve(taken[k], taps)
-                    : convolve(shape_of(out, static_cast<float>(kFloor * scale.mean)), taps);
-  });
-  parallel_rows(0, out[0].height(), [&](int y) {
-    for (std::size_t i = out[0].index(0, y); i < out[0].index(0, y + 1); ++i) {
-      float light = around[0][i];
-      for (std::size_t k = 1; k < taken.size(); ++k)
-        light = std::min(light, around[k][i]);
-      const float factor = 1.0f + light / around.back()[i];
+  const Image<float> shape = shape_of(out, static_cast<float>(kFloor * scale.mean));
+  Image<float> factor(shape.width(), shape.height(), 1.0f);
+  for (const double part : kReaches) {
+    const Taps taps = four_sigma_taps(part * sigma);
+    const Image<float> light = agreed_around(taken, taps);
+    const Image<float> around = convolve(shape, taps);
+    parallel_rows(0, factor.height(), [&](int y) {
+      for (std::size_t i = factor.index(0, y); i < factor.index(0, y + 1); ++i)
+        factor[i] += light[i] / around[i];
+    });
+  }
+  parallel_rows(0, factor.height(), [&](int y) {
+    for (std::size_t i = factor.index(0, y); i < factor.index(0, y + 1); ++i) {
       for (Image<float>& channel : out)
-        channel[i] *= factor;
+        channel[i] *= factor[i];
     }
   });
   return out;

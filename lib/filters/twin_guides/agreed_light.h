@@ -3,13 +3,16 @@
 //
 //   r_k   = luminance that the clamp took from the samples of group k = position mod m, mean;
 //           m = min(4, smallest n_p > 0)
-//   light = min over k of G_sigma * r_k
-//   out'  = out (1 + light / (G_sigma * w)),   w = max(luminance(out), 0) + 0.1 L
+//   for s = sigma/4, sigma:
+//     light_s = min over k of G_s * r_k;   then r_k *= 1 - light_s / (G_s * r_k)
+//   out'  = out (1 + sum over s of light_s / (G_s * w)),   w = max(luminance(out), 0) + 0.1 L
 //
 // Every group has seen other samples, so what one of them lacks is not believed, and a single
 // sample changes nothing. Light returns to its neighbourhood, not to its pixel, in the shape of the
-// picture. The least of four means is below the mean: some of the light stays lost. Nothing happens
-// with fewer than two groups. Slow twin: tests/reference/twin_guides_reference.h.
+// picture: what agrees within the short reach stays there (a lamp out of focus would shine
+// on all around it), and only the rest goes far. The least of four means is below the mean: some of
+// the light stays lost. Nothing happens with fewer than two groups. Why these reaches:
+// docs/decisions/0125. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
 #include "lib/filters/twin_guides/sample_moments.h"
@@ -17,7 +20,7 @@
 namespace spool {
 
 // `taken`: SampleMoments::clamped_light. sigma in pieces; 0: nothing is given back.
-FloatRgb return_agreed_light(FloatRgb out, const std::vector<Image<float>>& taken, double sigma,
+FloatRgb return_agreed_light(FloatRgb out, std::vector<Image<float>> taken, double sigma,
                              const RadianceScale& scale);
 
 }  // namespace spool

@@ -69,13 +69,13 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
   SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
   const GuideSources sources = guide_sources(moments, features.clean);
-  const std::vector<Image<float>> clamped_light = std::move(moments.clamped_light);
+  std::vector<Image<float>> clamped_light = std::move(moments.clamped_light);
   const std::vector<ScaleImages> scales =
       fit_scales(finest_inputs(std::move(moments), std::move(features.raw)), n, sources,
                  features.clean, scale, options);
   const FloatRgb blended =
       return_agreed_light(blend_scales(scales, sources, features.clean, scale, options),
-                          clamped_light, options.agreement, scale);
+                          std::move(clamped_light), options.agreement, scale);
 
   RgbImage image = make_rgb(n.width(), n.height());
   for (std::size_t c = 0; c < 3; ++c) {
