@@ -1,6 +1,7 @@
 """Several processes, one output: of equal process ids, killed, at the same time."""
 import fcntl
 import os
+import pathlib
 import random
 import signal
 import subprocess
@@ -156,13 +157,20 @@ def is_locked(folder):
         os.close(descriptor)
 
 
+def stop(process):
+    """The signal is only sent when send_signal returns: a busy machine lets the process write on for a while."""
+    process.send_signal(signal.SIGSTOP)
+    while pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "TZ":
+        pass
+
+
 def stopped_while_writing(words, folder):
     """A writer that stands still (SIGSTOP) with its temporary file begun, and not yet about to rename it."""
     for _ in range(100):
         writer = subprocess.Popen([PROGRAM, *words], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         while writer.poll() is None and not leftovers(folder / "out"):
             pass
-        writer.send_signal(signal.SIGSTOP)
+        stop(writer)
         if writer.poll() is None and leftovers(folder / "out") and not is_locked(folder / "out"):
             return writer
         writer.send_signal(signal.SIGCONT)
