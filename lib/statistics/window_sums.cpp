@@ -10,8 +10,7 @@
 namespace spool {
 namespace {
 
-constexpr int kLanes =
-    32;  // columns that are summed at once: rows that far apart are slow to reach
+constexpr int kLanes = 32;  // columns that are summed at once: going from row to row is slow
 using Lanes = std::array<double, kLanes>;
 
 Lanes operator+(const Lanes& a, const Lanes& b) {

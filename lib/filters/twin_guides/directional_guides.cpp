@@ -7,6 +7,7 @@
 
 #include "lib/core/exponential.h"
 #include "lib/core/extend.h"
+#include "lib/core/parallel.h"
 #include "lib/core/vector_clones.h"
 #include "lib/filters/twin_guides/fit_table.h"
 #include "lib/filters/twin_guides/tiles.h"
@@ -78,10 +79,12 @@ void mean_of_lanes(const float* weight, const std::ptrdiff_t* step, float centre
 
 Image<float> smooth_logarithm(const FloatRgb& pilot, double floor) {
   Image<float> l(pilot[0].width(), pilot[0].height());
-  for (std::size_t i = 0; i < l.size(); ++i) {
-    const float mean = (pilot[0][i] + pilot[1][i] + pilot[2][i]) / 3.0f;
-    l[i] = std::log(std::max(mean, 0.0f) + static_cast<float>(floor));
-  }
+  parallel_rows(0, l.height(), [&](int y) {
+    for (std::size_t i = l.index(0, y); i < l.index(0, y + 1); ++i) {
+      const float mean = (pilot[0][i] + pilot[1][i] + pilot[2][i]) / 3.0f;
+      l[i] = std::log(std::max(mean, 0.0f) + static_cast<float>(floor));
+    }
+  });
   return convolve(l, four_sigma_taps(1.0));
 }
 
@@ -92,13 +95,13 @@ struct Tensor {
 Tensor structure_tensor(const Image<float>& l) {
   const int width = l.width(), height = l.height();
   Tensor t{Image<float>(width, height), Image<float>(width, height), Image<float>(width, height)};
-  for (int y = 0; y < height; ++y) {
+  parallel_rows(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const float gx = l(std::min(x + 1, width - 1), y) - l(std::max(x - 1, 0), y);
       const float gy = l(x, std::min(y + 1, height - 1)) - l(x, std::max(y - 1, 0));
       t.xx(x, y) = gx * gx, t.xy(x, y) = gx * gy, t.yy(x, y) = gy * gy;
     }
-  }
+  });
   const Taps taps = four_sigma_taps(2.0);
   return {convolve(t.xx, taps), convolve(t.xy, taps), convolve(t.yy, taps)};
 }
@@ -113,9 +116,10 @@ Shape shape_of(float a, float b, float c, double sigma, double stretch) {
   return {0.5f * (across + along), half * (a - c), half * 2.0f * b};
 }
 
-// Means and variances of both kinds, one lane each.
-std::array<Image<float>*, kPlanes> planes_of(GuideSources& sources) {
-  std::array<Image<float>*, kPlanes> planes;
+// Means and variances of both kinds, one lane each. Sources: GuideSources, const or not.
+template <class Sources>
+auto planes_of(Sources& sources) {
+  std::array<decltype(&sources.mean[0][0]), kPlanes> planes;
   for (std::size_t i = 0; i < kPlanes; ++i) {
     const std::size_t kind = i / 6, c = i % 3;
     planes[i] = i / 3 % 2 == 0 ? &sources.mean[kind][c] : &sources.variance[kind][c];
@@ -124,7 +128,7 @@ std::array<Image<float>*, kPlanes> planes_of(GuideSources& sources) {
 }
 
 std::vector<float> lanes_around(const Rectangle& tile,
-                                const std::array<Image<float>*, kPlanes>& planes) {
+                                const std::array<const Image<float>*, kPlanes>& planes) {
   const int width = planes[0]->width(), height = planes[0]->height();
   std::vector<float> lanes;
   lanes.reserve(static_cast<std::size_t>(tile.width() + 2 * kReach) *
@@ -147,8 +151,9 @@ GuideSources blur_along(const GuideSources& sources, double sigma, double stretc
                         double scene_luminance) {
   const Tensor tensor =
       structure_tensor(smooth_logarithm(sources.mean[0], kLogFloor * scene_luminance));
-  GuideSources from = sources, to = sources;
-  const auto inputs = planes_of(from), planes = planes_of(to);
+  GuideSources to = sources;
+  const auto inputs = planes_of(sources);
+  const auto planes = planes_of(to);
   const Offsets offsets;
   const auto end = static_cast<float>(std::exp(-kEnd));
   parallel_tiles(tensor.xx.width(), tensor.xx.height(), [&](const Rectangle& tile) {
