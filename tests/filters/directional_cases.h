@@ -58,6 +58,15 @@ inline SizeCase random_size_case(int width, int height, std::uint64_t seed) {
   return c;
 }
 
+// filter_in_place() of a copy.
+template <class T>
+FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
+                             const FilterOptions& options, GuardCounts& guards) {
+  FilteredPieces pieces{input.mean, input.variance};
+  filter_in_place(input.n, input.level, widths, options, pieces, guards);
+  return pieces;
+}
+
 // Owns what a FilterInput refers to.
 struct FilterCase {
   CountImage n, level;

@@ -15,6 +15,7 @@
 namespace spool {
 namespace {
 
+using testing::filter_pieces;
 using testing::random_filter_case;
 using testing::random_size_case;
 using testing::random_widths;

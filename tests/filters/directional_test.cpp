@@ -17,6 +17,7 @@ namespace spool {
 namespace {
 
 using testing::constant_widths;
+using testing::filter_pieces;
 using testing::make_pool;
 using testing::noisy_picture;
 using testing::random_filter_case;

@@ -186,14 +186,6 @@ void filter_in_place(const CountImage& n, const CountImage& level, const FilterW
     guards += row;
 }
 
-template <class T>
-FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
-                             const FilterOptions& options, GuardCounts& guards) {
-  FilteredPieces pieces{input.mean, input.variance};
-  filter_in_place(input.n, input.level, widths, options, pieces, guards);
-  return pieces;
-}
-
 double correlation_factor(const Taps& taps, int level, double sigma, const FilterOptions& options) {
   if (taps.values.size() == 1 || level == 0) return 1.0;
   const int reach = static_cast<int>(taps.values.size());
@@ -236,9 +228,5 @@ template void filter_in_place(const CountImage&, const CountImage&, const Filter
                               const FilterOptions&, FilteredPieces&, GuardCounts&);
 template void filter_in_place(const CountImage&, const CountImage&, const FilterWidths<float>&,
                               const FilterOptions&, FilteredPieces&, GuardCounts&);
-template FilteredPieces filter_pieces(const FilterInput&, const FilterWidths<double>&,
-                                      const FilterOptions&, GuardCounts&);
-template FilteredPieces filter_pieces(const FilterInput&, const FilterWidths<float>&,
-                                      const FilterOptions&, GuardCounts&);
 
 }  // namespace spool

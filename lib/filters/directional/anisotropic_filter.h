@@ -30,12 +30,8 @@ struct FilteredPieces {
   RgbImage variance;  // of `image`
 };
 
-// Samples at the centres of their pieces: L is `mean`, a piece counts 1 or n.
-template <class T>
-FilteredPieces filter_pieces(const FilterInput& input, const FilterWidths<T>& widths,
-                             const FilterOptions& options, GuardCounts& guards);
-
-// The same in place: `pieces` are the means and their variances before, the filtered ones after.
+// Samples at the centres of their pieces: L is the mean, a piece counts 1 or n. `level` as in
+// FilterInput. `pieces` are the means and their variances before, the filtered ones after.
 template <class T>
 void filter_in_place(const CountImage& n, const CountImage& level, const FilterWidths<T>& widths,
                      const FilterOptions& options, FilteredPieces& pieces, GuardCounts& guards);
