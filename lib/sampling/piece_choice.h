@@ -11,12 +11,8 @@ struct OpenPiece {
   int x = 0, y = 0;
 };
 
-struct PieceShare {
-  int x = 0, y = 0;
-  int count = 0;
-};
-
-// One sample each, for the first in the order (n, y, x) when fewer than that are left.
-std::vector<PieceShare> one_each(std::vector<OpenPiece> pieces, long long left);
+// Keeps those that get one sample each when `left` are left: all, or the first in the order
+// (n, y, x).
+void keep_first(std::vector<OpenPiece>& pieces, long long left);
 
 }  // namespace spool

@@ -3,18 +3,15 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <limits>
+#include <numeric>
 #include <utility>
 
+#include "lib/core/check.h"
 #include "lib/core/parallel.h"
 
 namespace spool {
 namespace {
-
-// Image, then y, then x, of 16, 24 and 24 bits.
-std::uint64_t place_of(std::size_t image, int x, int y) {
-  return static_cast<std::uint64_t>(image) << 48 | static_cast<std::uint64_t>(y) << 24 |
-         static_cast<std::uint64_t>(x);
-}
 
 // Priorities in their order as whole numbers; all are > 0.
 std::uint64_t rank_of(double priority) {
@@ -33,10 +30,13 @@ PriorityOrder<T>::PriorityOrder(const PriorityMaxima<T>& maxima, std::size_t exp
   constexpr std::size_t kSampled = 1 << 12;
   int rows = 0;
   for (const Image<T>& image : maxima.images()) {
+    image_begin_.push_back(entries_);
     entries_ += image.size();
     rows = std::max(rows, image.height());
   }
-  of_row_.resize(static_cast<std::size_t>(rows + kMaximaSide - 1) / kMaximaSide);
+  image_begin_.push_back(entries_);
+  SPOOL_CHECK_LE(entries_, std::size_t{1} << 32);  // of whose pieces alone 85 GB are kept
+  row_end_.resize(static_cast<std::size_t>(rows + kMaximaSide - 1) / kMaximaSide);
   const std::size_t stride = (entries_ / kSampled) | 1;
   for (const Image<T>& image : maxima.images()) {
     for (std::size_t i = 0; i < image.size(); i += stride) {
@@ -48,28 +48,31 @@ PriorityOrder<T>::PriorityOrder(const PriorityMaxima<T>& maxima, std::size_t exp
 
 template <class T>
 RegionEntry PriorityOrder<T>::entry_of(const Candidate& candidate) const {
-  constexpr std::uint64_t kMask = (1u << 24) - 1;
-  return {static_cast<int>(candidate.place >> 48) + maxima_.first_level(),
-          static_cast<int>(candidate.place & kMask),
-          static_cast<int>(candidate.place >> 24 & kMask), candidate.priority};
+  std::size_t image = 0;
+  while (candidate.place >= image_begin_[image + 1])
+    ++image;
+  const std::size_t at = candidate.place - image_begin_[image];
+  const auto width = static_cast<std::size_t>(maxima_.images()[image].width());
+  return {static_cast<int>(image) + maxima_.first_level(), static_cast<int>(at % width),
+          static_cast<int>(at / width), candidate.priority};
 }
 
-// Entries of one row of blocks with lower < priority <= upper_.
 template <class T>
-void PriorityOrder<T>::gather_rows(int block_row, double lower,
-                                   std::vector<Candidate>& found) const {
+template <class Body>
+void PriorityOrder<T>::for_each_above(std::size_t block_row, double lower, const Body& body) const {
   constexpr int side = kMaximaSide;
+  const int y0 = static_cast<int>(block_row) * side;
   for (std::size_t image = 0; image < maxima_.images().size(); ++image) {
     const Image<T>& priority = maxima_.images()[image];
-    const Rectangle rows = intersect(
-        {0, block_row * side, priority.width(), (block_row + 1) * side}, priority.bounds());
-    for (int y = rows.y0; y < rows.y1; ++y) {
+    for (int y = y0; y < std::min(y0 + side, priority.height()); ++y) {
       const T* row = priority.row(y).data();
+      const std::size_t begin = image_begin_[image] + priority.index(0, y);
       for (int x0 = 0; x0 < priority.width(); x0 += side) {
         if (!(maxima_.of_row(image, y, x0 / side) > lower)) continue;
         const int x1 = x0 + side < priority.width() ? x0 + side : priority.width();
         for (int x = x0; x < x1; ++x) {
-          if (row[x] > lower && row[x] <= upper_) found.push_back({row[x], place_of(image, x, y)});
+          if (row[x] > lower && row[x] <= upper_)
+            body(row[x], static_cast<std::uint32_t>(begin + static_cast<std::size_t>(x)));
         }
       }
     }
@@ -84,12 +87,18 @@ bool PriorityOrder<T>::gather() {
     sampled_used_ += std::max<std::size_t>(4 * expected_ / per_sample, 4);
     const double lower = sampled_used_ < sampled_.size() ? sampled_[sampled_used_] : 0.0;
     if (lower >= upper_) continue;  // many equal priorities
-    parallel_for(of_row_.size(), [&](std::size_t r) {
-      of_row_[r].clear();
-      gather_rows(static_cast<int>(r), lower, of_row_[r]);
+    parallel_for(row_end_.size(), [&](std::size_t r) {
+      std::size_t found = 0;
+      for_each_above(r, lower, [&](T, std::uint32_t) { ++found; });
+      row_end_[r] = found;
     });
-    for (const std::vector<Candidate>& found : of_row_)
-      batch_.insert(batch_.end(), found.begin(), found.end());
+    std::partial_sum(row_end_.begin(), row_end_.end(), row_end_.begin());
+    batch_.resize(row_end_.empty() ? 0 : row_end_.back());
+    parallel_for(row_end_.size(), [&](std::size_t r) {
+      std::size_t at = r == 0 ? 0 : row_end_[r - 1];
+      for_each_above(r, lower,
+                     [&](T priority, std::uint32_t place) { batch_[at++] = {priority, place}; });
+    });
     upper_ = lower;
   }
   lay_out();
@@ -102,29 +111,31 @@ void PriorityOrder<T>::lay_out() {
   bucket_ = used_ = bucket_last_ = 0;
   bucket_end_.clear();
   if (batch_.empty()) return;
-  std::uint64_t lowest = ~std::uint64_t{0}, highest = 0;
-  for (const Candidate& candidate : batch_) {
-    const std::uint64_t rank = rank_of(candidate.priority);
-    lowest = std::min(lowest, rank);
-    highest = std::max(highest, rank);
-  }
+  const auto [least, most] = std::minmax_element(
+      batch_.begin(), batch_.end(),
+      [](const Candidate& a, const Candidate& b) { return a.priority < b.priority; });
+  const std::uint64_t lowest = rank_of(least->priority), highest = rank_of(most->priority);
   int shift = 0;
   while ((highest - lowest) >> shift >= kBuckets)
     ++shift;
   const auto bucket_of = [&](const Candidate& candidate) {
     return static_cast<std::size_t>((highest - rank_of(candidate.priority)) >> shift);
   };
-  std::vector<std::size_t> begin(kBuckets + 1, 0);
+  std::vector<std::size_t> next(kBuckets, 0);  // where a bucket's next entry goes
   for (const Candidate& candidate : batch_)
-    ++begin[bucket_of(candidate) + 1];
-  for (std::size_t i = 1; i < begin.size(); ++i)
-    begin[i] += begin[i - 1];
-  std::vector<Candidate> laid(batch_.size());
-  for (const Candidate& candidate : batch_)
-    laid[begin[bucket_of(candidate)]++] = candidate;
-  batch_.swap(laid);
-  begin.pop_back();
-  bucket_end_ = std::move(begin);  // each begin has moved to the end of its bucket
+    ++next[bucket_of(candidate)];
+  bucket_end_.resize(kBuckets);
+  std::partial_sum(next.begin(), next.end(), bucket_end_.begin());
+  for (std::size_t b = 0; b < kBuckets; ++b)
+    next[b] = bucket_end_[b] - next[b];
+  // Each entry that is not in its bucket goes there, and the one that it finds is the next to go.
+  for (std::size_t b = 0; b < kBuckets; ++b) {
+    while (next[b] < bucket_end_[b]) {
+      const std::size_t to = bucket_of(batch_[next[b]]);
+      if (to != b) std::swap(batch_[next[b]], batch_[next[to]]);
+      ++next[to];
+    }
+  }
 }
 
 template <class T>

@@ -2,7 +2,8 @@
 //
 // Entries are gathered in batches of falling priority, and a batch is laid into buckets of which
 // each is sorted when its turn comes, so that the whole is never sorted; where batches and buckets
-// are cut does not change the order.
+// are cut does not change the order. A batch is first counted and then written, and laid into its
+// buckets where it lies: it takes 8 (float) or 16 bytes an entry, and nothing beside it.
 #pragma once
 
 #include <cstdint>
@@ -28,17 +29,19 @@ class PriorityOrder {
   std::optional<RegionEntry> next();
 
  private:
-  // An entry in 16 bytes: the smaller place precedes among equal priorities.
+  // The smaller place precedes among equal priorities: images one after the other, row by row.
   struct Candidate {
-    double priority;
-    std::uint64_t place;
+    T priority;
+    std::uint32_t place;
   };
 
   RegionEntry entry_of(const Candidate& candidate) const;
   bool gather();       // fills batch_ with the entries of the next range of priorities
   void lay_out();      // batch_ into buckets of falling priority
   bool next_bucket();  // sorts the free entries of the next bucket
-  void gather_rows(int block_row, double lower, std::vector<Candidate>& found) const;
+  // body(priority, place) of the entries of a row of blocks with lower < priority <= upper_.
+  template <class Body>
+  void for_each_above(std::size_t block_row, double lower, const Body& body) const;
 
   const PriorityMaxima<T>& maxima_;
   std::size_t expected_;
@@ -47,7 +50,8 @@ class PriorityOrder {
   std::size_t sampled_used_ = 0;
   double upper_;  // entries with priority > upper_ were gathered
   std::size_t entries_ = 0;
-  std::vector<std::vector<Candidate>> of_row_;  // [row of blocks]
+  std::vector<std::size_t> image_begin_;  // places of images; one more than there are images
+  std::vector<std::size_t> row_end_;      // [row of blocks] in batch_
   std::vector<Candidate> batch_;
   std::vector<std::size_t> bucket_end_;
   std::size_t bucket_ = 0;                  // the next one

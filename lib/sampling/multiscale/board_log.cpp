@@ -12,11 +12,15 @@ BoardLog make_board_log(const Board& board, const MultiscaleOptions& options,
   return log;
 }
 
+void record_samples(BoardLog& log, int level, long long count) {
+  log.spent += count;
+  log.samples_of_level[static_cast<std::size_t>(level)] += count;
+}
+
 void record_region(BoardLog& log, int level, std::span<const Pick> picks) {
   const auto l = static_cast<std::size_t>(level);
   for (const Pick& pick : picks) {
-    log.spent += pick.count;
-    log.samples_of_level[l] += pick.count;
+    record_samples(log, level, pick.count);
     if (!log.level_of_samples.empty()) log.level_of_samples[l](pick.x, pick.y) += pick.count;
   }
 }

@@ -20,6 +20,8 @@ struct BoardLog {
 
 BoardLog make_board_log(const Board& board, const MultiscaleOptions& options,
                         bool keep_level_images);
+// Counts the samples of one region, but for the images.
+void record_samples(BoardLog& log, int level, long long count);
 // Counts the picks of one region.
 void record_region(BoardLog& log, int level, std::span<const Pick> picks);
 

@@ -1,6 +1,7 @@
 #include "lib/sampling/multiscale/epoch_update.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 #include "lib/core/parallel.h"
@@ -25,29 +26,38 @@ class EpochUpdate final : public Update {
   const std::vector<Pick>& choose(const Samples& samples, const SamplePool& pool, long long left,
                                   BoardLog& log) override {
     const long long wanted = std::min(share_, left);
-    Image<std::uint8_t> taken(board_.window.width(), board_.window.height());
+    Asked asked(board_.window.width(), board_.window.height());
     PriorityOrder<float> order(maxima_, static_cast<std::size_t>(wanted) / 4,
-                               [&](const RegionEntry& entry) { return is_free(entry, taken); });
-    picks_.clear();
+                               [&](const RegionEntry& entry) { return is_free(entry, asked); });
+    std::vector<Pick> of_cut_regions;
     double lowest = 0.0;
     for (long long chosen = 0; chosen < wanted;) {
       const std::optional<RegionEntry> entry = order.next();
       if (!entry) break;
       const Rectangle region = sampled_region(board_, *entry);
+      const long long may = left - chosen;
+      int each = 0;
+      if (region.area() <= may) {
+        each = options_.step_counts == StepCounts::kPredicted
+                   ? predicted_count(entry->priority, lowest_of_last_)
+                   : 1;
+        each = static_cast<int>(std::min<long long>(each, may / region.area()));
+        const long long samples_of_region = offered(board_, samples, pool, region, each);
+        record_samples(log, entry->level, samples_of_region);
+        chosen += samples_of_region;
+      } else {
+        const std::size_t first = of_cut_regions.size();
+        chosen += choose_pieces(board_, samples, pool, region, 1, may, of_cut_regions);
+        record_region(log, entry->level, std::span(of_cut_regions).subspan(first));
+      }
       for (int y = region.y0; y < region.y1; ++y)
-        std::fill(&taken(0, y) + region.x0, &taken(0, y) + region.x1, std::uint8_t{1});
-      const std::size_t first = picks_.size();
-      const int each = options_.step_counts == StepCounts::kPredicted
-                           ? predicted_count(entry->priority, lowest_of_last_)
-                           : 1;
-      chosen += choose_pieces(board_, samples, pool, region, each, left - chosen, picks_);
+        std::fill(&asked(0, y) + region.x0, &asked(0, y) + region.x1, ask(entry->level, each));
       lowest = entry->priority;  // they come in falling order
-      record_region(log, entry->level, std::span(picks_).subspan(first));
     }
     lowest_of_last_ = lowest;
-    if (picks_.empty()) return picks_;
-    sort_by_place(picks_, board_.bounds());
-    remember();
+    collect(asked, samples, pool, log);
+    picks_.insert(picks_.end(), of_cut_regions.begin(), of_cut_regions.end());
+    if (!picks_.empty()) remember();
     return picks_;
   }
 
@@ -75,13 +85,45 @@ class EpochUpdate final : public Update {
   }
 
  private:
-  bool is_free(const RegionEntry& entry, const Image<std::uint8_t>& taken) const {
+  // Per piece: 0 where no region of the step lies, else 16 times the region's level, plus the
+  // samples that each of its pieces is asked for; 0 of those in a region that was cut short.
+  using Asked = Image<std::uint8_t>;
+  static_assert(kMostPredicted < 16);
+  static std::uint8_t ask(int level, int each) {
+    return static_cast<std::uint8_t>(16 * level + each);
+  }
+
+  bool is_free(const RegionEntry& entry, const Asked& asked) const {
     const Rectangle r = sampled_region(board_, entry);
     for (int y = r.y0; y < r.y1; ++y) {
-      const std::uint8_t* row = &taken(0, y);
+      const std::uint8_t* row = &asked(0, y);
       if (std::any_of(row + r.x0, row + r.x1, [](std::uint8_t t) { return t != 0; })) return false;
     }
     return true;
+  }
+
+  // What is asked for as picks, by y, then x, which is the order of the images that they touch:
+  // taking them is mostly waiting for memory.
+  void collect(const Asked& asked, const Samples& samples, const SamplePool& pool, BoardLog& log) {
+    const int height = asked.height();
+    const auto picked = [&](int x, int y) { return asked(x, y) % 16 > 0 && !board_.closed(x, y); };
+    std::vector<std::size_t> end(static_cast<std::size_t>(height));  // of a row, in picks_
+    parallel_rows(0, height, [&](int y) {
+      for (int x = 0; x < asked.width(); ++x)
+        end[static_cast<std::size_t>(y)] += picked(x, y);
+    });
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    picks_.resize(end.back());
+    parallel_rows(0, height, [&](int y) {
+      std::size_t at = y == 0 ? 0 : end[static_cast<std::size_t>(y) - 1];
+      for (int x = 0; x < asked.width(); ++x) {
+        if (!picked(x, y)) continue;
+        const int count = offered(board_, samples, pool, x, y, asked(x, y) % 16);
+        board_.fresh(x, y) = count;
+        picks_[at++] = {x, y, count};
+        if (!log.level_of_samples.empty()) log.level_of_samples[asked(x, y) / 16](x, y) += count;
+      }
+    });
   }
 
   // What the step will change, and f_0 of its pieces before it.

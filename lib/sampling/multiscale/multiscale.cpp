@@ -37,6 +37,12 @@ AnalysedBoard<T> tile_board(const AnalysedBoard<T>& whole, const Rectangle& tile
   return board;
 }
 
+// Images that update=epoch has no need to keep.
+bool wants_detail_or_contrast(const Views* views) {
+  return views != nullptr && (views->wants("d") || views->wants("V") || views->wants("d_initial") ||
+                              views->wants("V_initial"));
+}
+
 std::unique_ptr<Update> make_update(ExactBoard& board, long long,
                                     const MultiscaleOptions& options) {
   return exact_update(board, options);
@@ -94,7 +100,7 @@ Result<SamplingResult> sample(const SamplePool& pool, long long budget,
   progress(budget - left);
 
   // Coarse and detail images, contrast, priority; A is at its start [LiuZheng (1)-(6)]
-  const bool all_images = context.views != nullptr;
+  const bool all_images = wants_detail_or_contrast(context.views);
   AnalysedBoard<T> image = load_board<T>(samples, pool, grid, grid, options, result.log.guards);
   analyse(image, options, all_images, result.log.guards);
   add_board_views(image, "_initial", options, context.views);

@@ -50,6 +50,24 @@ int predicted_count(double priority, double lowest) {
   return static_cast<int>(std::clamp(std::sqrt(priority / lowest), 1.0, double{kMostPredicted}));
 }
 
+int offered(const Board& board, const Samples& samples, const SamplePool& pool, int x, int y,
+            int each) {
+  if (each == 1) return 1;
+  const int gx = x + board.window.x0, gy = y + board.window.y0;
+  return std::min(each, pool.capacity(gx, gy) - samples.statistics.n(gx, gy));
+}
+
+long long offered(const Board& board, const Samples& samples, const SamplePool& pool,
+                  const Rectangle& region, int each) {
+  if (each == 1 && board.closed_pieces == 0) return region.area();
+  long long sum = 0;
+  for (int y = region.y0; y < region.y1; ++y) {
+    for (int x = region.x0; x < region.x1; ++x)
+      sum += board.closed(x, y) ? 0 : offered(board, samples, pool, x, y, each);
+  }
+  return sum;
+}
+
 long long choose_pieces(Board& board, const Samples& samples, const SamplePool& pool,
                         const Rectangle& region, int each, long long left,
                         std::vector<Pick>& picks) {
@@ -60,17 +78,16 @@ long long choose_pieces(Board& board, const Samples& samples, const SamplePool& 
     chosen += count;
   };
   if (region.area() > left) {
-    for (const PieceShare& share : one_each(open_pieces(board, samples, region), left))
-      pick(share.x - board.window.x0, share.y - board.window.y0, share.count);
+    std::vector<OpenPiece> pieces = open_pieces(board, samples, region);
+    keep_first(pieces, left);
+    for (const OpenPiece& piece : pieces)
+      pick(piece.x - board.window.x0, piece.y - board.window.y0, 1);
     return chosen;
   }
   const auto most = static_cast<int>(std::min<long long>(each, left / region.area()));
   for (int y = region.y0; y < region.y1; ++y) {
     for (int x = region.x0; x < region.x1; ++x) {
-      if (board.closed(x, y)) continue;
-      const int gx = x + board.window.x0, gy = y + board.window.y0;
-      const int open = most == 1 ? 1 : pool.capacity(gx, gy) - samples.statistics.n(gx, gy);
-      pick(x, y, std::min(most, open));
+      if (!board.closed(x, y)) pick(x, y, offered(board, samples, pool, x, y, most));
     }
   }
   return chosen;
@@ -90,21 +107,6 @@ std::vector<Pick> choose_uniformly(const Board& board, const Samples& samples,
     }
   }
   return picks;
-}
-
-void sort_by_place(std::vector<Pick>& picks, const Rectangle& bounds) {
-  std::vector<Pick> sorted(picks.size());
-  const auto pass = [&](int Pick::* coordinate, int size) {  // keeps the order of equals
-    std::vector<std::size_t> begin(static_cast<std::size_t>(size) + 1, 0);
-    for (const Pick& pick : picks)
-      ++begin[static_cast<std::size_t>(pick.*coordinate) + 1];
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    for (const Pick& pick : picks)
-      sorted[begin[static_cast<std::size_t>(pick.*coordinate)]++] = pick;
-    picks.swap(sorted);
-  };
-  pass(&Pick::x, bounds.x1);
-  pass(&Pick::y, bounds.y1);
 }
 
 template <class T>

@@ -28,6 +28,12 @@ inline constexpr int kMostPredicted = 8;
 // step: 1.
 int predicted_count(double priority, double lowest);
 
+// What an unsaturated piece gives when it is asked for `each` samples; of a region, all its pieces.
+int offered(const Board& board, const Samples& samples, const SamplePool& pool, int x, int y,
+            int each);
+long long offered(const Board& board, const Samples& samples, const SamplePool& pool,
+                  const Rectangle& region, int each);
+
 // Appends what a pop of `region` takes, at most `left` samples, and marks it in board.fresh;
 // returns the number of samples. `each` >= 1 for each unsaturated piece, as far as it has so many;
 // fewer where `left` does not allow it, and of one each when fewer are left for the first in the
@@ -40,11 +46,6 @@ long long choose_pieces(Board& board, const Samples& samples, const SamplePool& 
 // hash of `seed` and the piece.
 std::vector<Pick> choose_uniformly(const Board& board, const Samples& samples,
                                    const SamplePool& pool, long long left, std::uint64_t seed);
-
-// Picks of one step by y, then x, which is the order of the images that they touch: taking them is
-// mostly waiting for memory. A piece is picked at most once a step, so no result depends on the
-// order.
-void sort_by_place(std::vector<Pick>& picks, const Rectangle& bounds);
 
 // Takes the samples of all picks, in parallel where there are many, and loads the pieces.
 template <class T>
