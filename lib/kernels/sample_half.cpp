@@ -36,7 +36,7 @@ Result<ChannelEstimates> estimate_both(const PieceStatistics& statistics, std::s
 Result<Plane> variance_of_both(const PieceStatistics& statistics, std::size_t channel,
                                const CountImage& n, double exposure) {
   SPOOL_ASSIGN(ChannelEstimates whole, estimate_both(statistics, channel, exposure));
-  for (std::size_t i = 0; i < n.size(); ++i) {
+  parallel_for(n.size(), [&](std::size_t i) {
     const int all = statistics.n[i];
     if (all >= 2) {
       whole.variance[i] = std::max(statistics.m2[channel][i] / (all - 1) / all,
@@ -44,7 +44,7 @@ Result<Plane> variance_of_both(const PieceStatistics& statistics, std::size_t ch
     }
     // An empty half's mean is its neighbours', as uncertain as one sample.
     whole.variance[i] *= static_cast<double>(std::max(1, all)) / std::max(1, n[i]);
-  }
+  });
   return std::move(whole.variance);
 }
 
@@ -110,10 +110,10 @@ Result<SampleHalf> sample_half(const HalfSums& half, const PieceStatistics& stat
                  variance == HalfVariance::kBoth
                      ? estimate_of_both(half, statistics, c, exposure)
                      : estimate_own(half, statistics, c, variance, exposure));
-    for (double& value : channel.mean.pixels())
-      value *= exposure;
-    for (double& value : channel.variance.pixels())
-      value *= exposure * exposure;
+    parallel_for(half.n.size(), [&](std::size_t i) {
+      channel.mean[i] *= exposure;
+      channel.variance[i] *= exposure * exposure;
+    });
     result.image.mean[c] = std::move(channel.mean);
     result.image.variance[c] = std::move(channel.variance);
   }

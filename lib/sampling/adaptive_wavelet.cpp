@@ -22,15 +22,32 @@ constexpr double kRelativeFloor = 0.01;  // in squared units of the exposed sign
 struct BlockLevel {
   Plane mean;      // Ybar
   Plane variance;  // sum of v
-  Plane energy;    // w_H^2 + w_V^2 + w_D^2
+  Plane energy;    // w_H^2 + w_V^2 + w_D^2; none of pieces
 };
 
-BlockLevel pieces_as_blocks(const PieceStatistics& statistics, const Plane& v, int multiple) {
-  const int width = (v.width() + multiple - 1) / multiple * multiple;
-  const int height = (v.height() + multiple - 1) / multiple * multiple;
-  BlockLevel level{Plane(width, height), Plane(width, height), Plane(width, height)};
-  parallel_rows(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
+// Kept from epoch to epoch. The image is mirrored up to whole blocks of the highest level.
+struct BlockTree {
+  std::vector<BlockLevel> levels;
+  std::vector<Plane> priorities;  // [level][y][x] of the blocks that lie in the grid
+};
+
+BlockTree empty_tree(const Rectangle& grid, int levels) {
+  BlockTree tree;
+  const auto whole = [&](int size) { return (size + (1 << levels) - 1) >> levels; };
+  const int across = whole(grid.width()), down = whole(grid.height());
+  for (int k = 0; k <= levels; ++k) {
+    const int width = across << (levels - k), height = down << (levels - k), side = 1 << k;
+    tree.levels.push_back(
+        {Plane(width, height), Plane(width, height), k == 0 ? Plane() : Plane(width, height)});
+    tree.priorities.emplace_back((grid.width() + side - 1) / side,
+                                 (grid.height() + side - 1) / side);
+  }
+  return tree;
+}
+
+void load_pieces(const PieceStatistics& statistics, const Plane& v, BlockLevel& level) {
+  parallel_rows(0, level.mean.height(), [&](int y) {
+    for (int x = 0; x < level.mean.width(); ++x) {
       const int px = extend_symmetric(x, v.width()), py = extend_symmetric(y, v.height());
       level.mean(x, y) = statistics.analysis.mean(px, py);
       // No reason to sample: a piece without samples has none to offer, a flat one only its floor.
@@ -38,15 +55,12 @@ BlockLevel pieces_as_blocks(const PieceStatistics& statistics, const Plane& v, i
       level.variance(x, y) = statistics.n(px, py) == 0 || flat ? 0.0 : v(px, py);
     }
   });
-  return level;
 }
 
-BlockLevel merge_blocks(const BlockLevel& fine, int k) {
-  const int width = fine.mean.width() / 2, height = fine.mean.height() / 2;
+void merge_blocks(const BlockLevel& fine, int k, BlockLevel& level) {
   const double scale = std::ldexp(0.5, k - 1);  // children's s = 2^(k-1) mean, w = sum / 2
-  BlockLevel level{Plane(width, height), Plane(width, height), Plane(width, height)};
-  parallel_rows(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
+  parallel_rows(0, level.mean.height(), [&](int y) {
+    for (int x = 0; x < level.mean.width(); ++x) {
       const double a = fine.mean(2 * x, 2 * y), b = fine.mean(2 * x + 1, 2 * y);
       const double c = fine.mean(2 * x, 2 * y + 1), d = fine.mean(2 * x + 1, 2 * y + 1);
       const double h = scale * ((a + c) - (b + d));
@@ -59,7 +73,6 @@ BlockLevel merge_blocks(const BlockLevel& fine, int k) {
       level.energy(x, y) = h * h + v * v + diagonal * diagonal;
     }
   });
-  return level;
 }
 
 // `pieces` of a block: 4^k.
@@ -78,41 +91,39 @@ Rectangle block_of(const RegionEntry& entry, const Rectangle& grid) {
                    grid);
 }
 
-// [level][y][x] of the blocks that lie in the grid.
-std::vector<Plane> block_priorities(const PieceStatistics& statistics,
-                                    const AdaptiveWaveletOptions& options, GuardCounts& guards) {
+void update_tree(const PieceStatistics& statistics, const AdaptiveWaveletOptions& options,
+                 GuardCounts& guards, BlockTree& tree) {
   const Plane v = analysis_variance(statistics, {}, guards);
-  BlockLevel level = pieces_as_blocks(statistics, v, 1 << options.levels);
-  std::vector<Plane> priorities;
   for (int k = 0; k <= options.levels; ++k) {
-    if (k > 0) level = merge_blocks(level, k);
-    const int side = 1 << k;
+    BlockLevel& level = tree.levels[static_cast<std::size_t>(k)];
+    Plane& priority = tree.priorities[static_cast<std::size_t>(k)];
+    if (k == 0) {
+      load_pieces(statistics, v, level);
+    } else {
+      merge_blocks(tree.levels[static_cast<std::size_t>(k) - 1], k, level);
+    }
     const double pieces = std::ldexp(1.0, 2 * k);
-    Plane& of_level =
-        priorities.emplace_back((v.width() + side - 1) / side, (v.height() + side - 1) / side);
-    parallel_rows(0, of_level.height(), [&](int y) {
-      for (int x = 0; x < of_level.width(); ++x)
-        of_level(x, y) = block_priority(level, k, pieces, x, y, options.priority);
+    parallel_rows(0, priority.height(), [&](int y) {
+      for (int x = 0; x < priority.width(); ++x)
+        priority(x, y) = block_priority(level, k, pieces, x, y, options.priority);
     });
   }
-  return priorities;
 }
 
-std::vector<OpenPiece> open_pieces(const Rectangle& block, const CountImage& n,
-                                   const SamplePool& pool) {
-  std::vector<OpenPiece> pieces;
+void open_pieces(const Rectangle& block, const CountImage& n, const SamplePool& pool,
+                 std::vector<OpenPiece>& pieces) {
+  pieces.clear();
   for (int y = block.y0; y < block.y1; ++y) {
     for (int x = block.x0; x < block.x1; ++x) {
       if (n(x, y) < pool.capacity(x, y)) pieces.push_back({n(x, y), x, y});
     }
   }
-  return pieces;
 }
 
 // Samples of one epoch: the best blocks that do not overlap, until `share` is reached. Nothing when
 // no block has a priority.
 CountImage choose_epoch(const PieceStatistics& statistics, const SamplePool& pool, long long share,
-                        long long left, const AdaptiveWaveletOptions& options, SamplingLog& log) {
+                        long long left, const std::vector<Plane>& priorities, SamplingLog& log) {
   const Rectangle grid = statistics.n.bounds();
   CountImage extra(grid.x1, grid.y1), taken(grid.x1, grid.y1);
   const auto is_free = [&](const RegionEntry& entry) {
@@ -124,22 +135,23 @@ CountImage choose_epoch(const PieceStatistics& statistics, const SamplePool& poo
     }
     return true;
   };
-  const std::vector<Plane> priorities = block_priorities(statistics, options, log.guards);
   const PriorityMaxima<double> maxima(priorities, 0);
   PriorityOrder<double> order(maxima, static_cast<std::size_t>(share) / 2, is_free);
+  std::vector<OpenPiece> pieces;
   long long chosen = 0;
   while (chosen < share) {
     const std::optional<RegionEntry> found = order.next();
     if (!found) break;
     const RegionEntry& entry = *found;
     const Rectangle block = block_of(entry, grid);
-    std::vector<OpenPiece> pieces = open_pieces(block, statistics.n, pool);
+    open_pieces(block, statistics.n, pool, pieces);
     if (pieces.empty()) continue;  // saturated
-    for (const PieceShare& piece : one_each(std::move(pieces), left - chosen)) {
-      extra(piece.x, piece.y) += piece.count;
-      chosen += piece.count;
-      log.samples_of_level[static_cast<std::size_t>(entry.level)] += piece.count;
-    }
+    keep_first(pieces, left - chosen);
+    for (const OpenPiece& piece : pieces)
+      ++extra(piece.x, piece.y);
+    const auto count = static_cast<long long>(pieces.size());
+    chosen += count;
+    log.samples_of_level[static_cast<std::size_t>(entry.level)] += count;
     for (int y = block.y0; y < block.y1; ++y) {
       for (int x = block.x0; x < block.x1; ++x)
         taken(x, y) = 1;
@@ -177,8 +189,11 @@ Result<SamplingResult> sample_adaptive_wavelet(const SamplePool& pool, long long
   log.samples_of_level.assign(static_cast<std::size_t>(options.levels) + 1, 0);
 
   const long long share = (left + options.epochs - 1) / options.epochs;
+  BlockTree tree = empty_tree(statistics.n.bounds(), options.levels);
   while (left > 0) {
-    CountImage extra = choose_epoch(statistics, pool, std::min(share, left), left, options, log);
+    update_tree(statistics, options, log.guards, tree);
+    CountImage extra =
+        choose_epoch(statistics, pool, std::min(share, left), left, tree.priorities, log);
     if (count_samples(extra) == 0) {  // no priority anywhere: the rest is spent uniformly
       extra = raise_least_sampled(statistics.n, pool, statistics.n.bounds(), left, context.seed);
       for (std::size_t i = 0; i < extra.size(); ++i)

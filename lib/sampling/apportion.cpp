@@ -5,25 +5,34 @@
 #include <cstdint>
 
 #include "lib/core/check.h"
+#include "lib/core/parallel_count.h"
 
 namespace spool {
 namespace {
 
 // Weights as whole multiples of 2^-32 of the largest.
 std::vector<std::uint64_t> fractions_of_largest(std::span<const double> weights) {
+  std::vector<double> largest_of((weights.size() + kStretch - 1) / kStretch, 0.0);
+  parallel_stretches(weights.size(), [&](std::size_t begin, std::size_t end) {
+    double& largest = largest_of[begin / kStretch];
+    for (const double w : weights.subspan(begin, end - begin)) {
+      if (std::isfinite(w)) largest = std::max(largest, w);
+    }
+  });
   double largest = 0.0;
-  for (const double w : weights) {
-    if (std::isfinite(w)) largest = std::max(largest, w);
-  }
+  for (const double w : largest_of)
+    largest = std::max(largest, w);
   const bool any_infinite = std::any_of(weights.begin(), weights.end(),
                                         [](double w) { return std::isinf(w) && w > 0.0; });
   if (largest == 0.0 && any_infinite) largest = 1.0;  // only the infinite ones count
   std::vector<std::uint64_t> units(weights.size(), 0);
   if (largest == 0.0) return units;
-  for (std::size_t t = 0; t < weights.size(); ++t) {
-    if (!std::isgreater(weights[t], 0.0)) continue;  // nor NaN
-    units[t] = static_cast<std::uint64_t>(std::min(weights[t] / largest, 1.0) * 0x1.0p32);
-  }
+  parallel_stretches(units.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      if (!std::isgreater(weights[t], 0.0)) continue;  // nor NaN
+      units[t] = static_cast<std::uint64_t>(std::min(weights[t] / largest, 1.0) * 0x1.0p32);
+    }
+  });
   return units;
 }
 
@@ -41,22 +50,21 @@ std::vector<long long> apportion_units(const std::vector<std::uint64_t>& units, 
   }
   long long left = std::min(budget, capacity);
   while (left > 0) {
-    Wide total = 0;
-    for (const std::size_t t : active)
-      total += units[t];
+    auto total =
+        parallel_count<Wide>(active.size(), [&](std::size_t i) { return Wide{units[active[i]]}; });
     const bool equal = total == 0;
     if (equal) total = active.size();
     const auto product = [&](std::size_t t) {
       return static_cast<Wide>(left) * (equal ? 1 : units[t]);
     };
-    long long given = 0;
-    for (const std::size_t t : active) {
+    const auto given = parallel_count<long long>(active.size(), [&](std::size_t i) {
+      const std::size_t t = active[i];
       const Wide wanted = product(t) / total;
       const auto room = static_cast<Wide>(caps[t] - share[t]);
       const auto add = static_cast<long long>(std::min(wanted, room));
       share[t] += add;
-      given += add;
-    }
+      return add;
+    });
     if (given == 0) {  // every wanted share is below 1, so fewer samples are left than shares
       std::vector<std::pair<Wide, std::size_t>> remainders;
       remainders.reserve(active.size());

@@ -45,20 +45,20 @@ CountImage hand_out_deficits(const Plane& weight, const CountImage& n, const Sam
   const double sum = pairwise_sum(weight.size(), [&](std::size_t i) { return weight[i]; });
   const auto all = static_cast<double>(count_samples(n) + share);
   Plane deficit(n.width(), n.height());
-  for (std::size_t i = 0; i < n.size(); ++i) {
+  parallel_for(n.size(), [&](std::size_t i) {
     const double worth = sum > 0.0 ? weight[i] / sum * all : 0.0;
     deficit[i] = std::max(worth - n[i], 0.0);
-  }
+  });
   return hand_out(deficit, n, pool, share);
 }
 
 Plane pixels_to_pieces(const Plane& pixels, int pieces_per_side) {
   const int q = pieces_per_side;
   Plane pieces(pixels.width() * q, pixels.height() * q);
-  for (int y = 0; y < pieces.height(); ++y) {
+  parallel_rows(0, pieces.height(), [&](int y) {
     for (int x = 0; x < pieces.width(); ++x)
       pieces(x, y) = pixels(x / q, y / q) / (q * q);
-  }
+  });
   return pieces;
 }
 
@@ -74,8 +74,8 @@ Result<Plane> filter_disagreement(const PieceStatistics& statistics, const Sampl
   Plane weight = filtered_difference(filtered[0], filtered[1], statistics.signal.exposure);
   if (error != nullptr) *error = weight;
   weight = gaussian_blur(weight, blur);
-  for (double& value : weight.pixels())
-    value = std::sqrt(std::max(value, 0.0));
+  parallel_for(weight.size(),
+               [&](std::size_t i) { weight[i] = std::sqrt(std::max(weight[i], 0.0)); });
   return weight;
 }
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <functional>
 #include <optional>
 #include <vector>
 
+#include "lib/core/parallel.h"
+#include "lib/core/parallel_sort.h"
 #include "lib/core/random.h"
 #include "lib/kernels/pixel_base.h"
 #include "lib/kernels/truncated_filter.h"
@@ -85,22 +87,54 @@ bool give_nearby(Offer& offer, int x, int y, int reach, const Rectangle& bounds)
   return false;
 }
 
-// One sample for pixel (x, y), drawn from the kernel of its scale; false when none could be placed.
-bool place_sample(Offer& offer, const OffsetDraw& draw, int x, int y, int reach,
-                  const Rectangle& bounds, std::uint64_t seed) {
-  std::uint64_t counter = 0;
-  const auto target = [&] {
+// A pixel drawn for a sample, and how many draws were made.
+struct Target {
+  int x = 0, y = 0;
+  std::uint64_t draws = 0;
+};
+
+// A sample for pixel (x, y) is drawn from the kernel of its scale.
+struct Wish {
+  const OffsetDraw* draw;
+  int x = 0, y = 0, reach = 1;
+  std::uint64_t seed = 0;
+
+  Target target(std::uint64_t draws, const Rectangle& bounds) const {
     while (true) {  // ends: the pixel itself is inside and has the largest tap
-      const int tx = x + draw(mix(seed, counter, 0)), ty = y + draw(mix(seed, counter, 1));
-      ++counter;
-      if (bounds.contains(tx, ty)) return std::array<int, 2>{tx, ty};
+      const int tx = x + (*draw)(mix(seed, draws, 0)), ty = y + (*draw)(mix(seed, draws, 1));
+      ++draws;
+      if (bounds.contains(tx, ty)) return {tx, ty, draws};
     }
-  };
-  for (int attempt = 0; attempt <= kRedraws; ++attempt) {
-    const auto [tx, ty] = target();
-    if (offer.give(tx, ty)) return true;
   }
-  return offer.give(x, y) || give_nearby(offer, x, y, reach, bounds);
+};
+
+// False when the sample could not be placed.
+bool place_sample(Offer& offer, const Wish& wish, Target target, const Rectangle& bounds) {
+  for (int attempt = 0; attempt <= kRedraws; ++attempt) {
+    if (attempt > 0) target = wish.target(target.draws, bounds);
+    if (offer.give(target.x, target.y)) return true;
+  }
+  return offer.give(wish.x, wish.y) || give_nearby(offer, wish.x, wish.y, wish.reach, bounds);
+}
+
+// The `wanted` pixels of largest error, at least 1, the largest first, of equal ones the first of
+// the image.
+std::vector<std::size_t> largest_first(const Plane& error, long long wanted) {
+  std::vector<double> ranked(error.pixels().begin(), error.pixels().end());
+  const auto cut = ranked.begin() + (wanted - 1);
+  std::nth_element(ranked.begin(), cut, ranked.end(), std::greater<>());
+  const double smallest = *cut;
+  auto equal =
+      wanted - std::count_if(ranked.begin(), cut, [&](double value) { return value > smallest; });
+  std::vector<std::size_t> order;
+  order.reserve(static_cast<std::size_t>(wanted));
+  for (std::size_t p = 0; p < error.size(); ++p) {
+    if (error[p] > smallest || (error[p] == smallest && equal-- > 0)) order.push_back(p);
+  }
+  parallel_sort(order, [&](std::size_t a, std::size_t b) {
+    return error[a] != error[b] ? error[a] > error[b] : a < b;
+  });
+  return order;
 }
 
 }  // namespace
@@ -118,27 +152,32 @@ CountImage hand_out_greedily(const GreedyErrorMap& map, const PieceStatistics& s
     draws.emplace_back(compose_with_base(gaussian, subpixel).taps);
     reach.push_back(std::max(1, static_cast<int>(3.0 * sigma)));
   }
-  std::vector<std::size_t> order(map.error.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
   const auto wanted = std::min<long long>((share + per_pixel - 1) / per_pixel,
-                                          static_cast<long long>(order.size()));
-  const auto larger = [&](std::size_t a, std::size_t b) {
-    return map.error[a] != map.error[b] ? map.error[a] > map.error[b] : a < b;
-  };
-  std::nth_element(order.begin(), order.begin() + (wanted - 1), order.end(), larger);
-  std::sort(order.begin(), order.begin() + wanted, larger);
+                                          static_cast<long long>(map.error.size()));
+  const std::vector<std::size_t> order = largest_first(map.error, wanted);
 
-  Offer offer(pool, statistics.n);
-  long long left = share, pot = 0;
-  for (long long i = 0; i < wanted; ++i) {
-    const std::size_t p = order[static_cast<std::size_t>(i)];
-    const int x = static_cast<int>(p) % bounds.x1, y = static_cast<int>(p) / bounds.x1;
+  const auto wish = [&](long long i) {
+    const std::size_t p = order[static_cast<std::size_t>(i / per_pixel)];
     const auto scale = static_cast<std::size_t>(map.scale[p]);
-    for (long long j = 0; j < per_pixel && left > 0; ++j, --left) {
-      if (!place_sample(offer, draws[scale], x, y, reach[scale], bounds, mix(seed, p, j))) ++pot;
+    return Wish{&draws[scale], static_cast<int>(p) % bounds.x1, static_cast<int>(p) / bounds.x1,
+                reach[scale], mix(seed, p, i % per_pixel)};
+  };
+  // What pixels have left depends on the order in which samples are placed; where each is tried
+  // first does not.
+  constexpr long long kTogether = 1 << 16;
+  Offer offer(pool, statistics.n);
+  const long long wishes = std::min(share, wanted * per_pixel);
+  long long pot = share - wishes;
+  std::vector<Target> first(static_cast<std::size_t>(std::min(kTogether, wishes)));
+  for (long long begin = 0; begin < wishes; begin += kTogether) {
+    const long long count = std::min(kTogether, wishes - begin);
+    parallel_for(static_cast<std::size_t>(count), [&](std::size_t i) {
+      first[i] = wish(begin + static_cast<long long>(i)).target(0, bounds);
+    });
+    for (long long i = 0; i < count; ++i) {
+      if (!place_sample(offer, wish(begin + i), first[static_cast<std::size_t>(i)], bounds)) ++pot;
     }
   }
-  pot += left;
   CountImage& extra = offer.extra();
   if (pot > 0) {
     CountImage n = statistics.n;

@@ -69,7 +69,7 @@ std::vector<Turn> in_order(std::vector<Turn> turns) {
 
 // Gives `most` samples to each piece in `order` until `share` is used; what is used.
 long long give_in_order(const std::vector<Turn>& order, int most, long long share,
-                        const std::vector<int>& room, CountImage& extra) {
+                        const std::vector<long long>& room, CountImage& extra) {
   long long used = 0;
   for (const Turn& turn : order) {
     const std::size_t i = turn.piece;
@@ -81,21 +81,12 @@ long long give_in_order(const std::vector<Turn>& order, int most, long long shar
   return used;
 }
 
-std::vector<int> room_of(const CountImage& n, const SamplePool& pool) {
-  std::vector<int> room(n.size());
-  for (int y = 0; y < n.height(); ++y) {
-    for (int x = 0; x < n.width(); ++x)
-      room[n.index(x, y)] = pool.capacity(x, y) - n(x, y);
-  }
-  return room;
-}
-
 Result<void> run_rounds(Spending& spending, const SamplePool& pool, const Thresholds& tau,
                         const MitchellOptions& options, const SamplingContext& context) {
   const auto choose = [&](long long share) -> Result<CountImage> {
     const PieceStatistics& statistics = spending.statistics;
     const Plane ratio = contrast_ratio(statistics, tau);
-    const std::vector<int> room = room_of(statistics.n, pool);
+    const std::vector<long long> room = room_of(statistics.n, pool);
     // Flagged first, least-sampled first, largest ratio first; where nothing is flagged the largest
     // ratio alone decides.
     constexpr std::int32_t kNotFlagged = std::numeric_limits<std::int32_t>::max();

@@ -24,11 +24,9 @@ constexpr double kLeastCount = 1e-3;  // a half without samples near a pixel
 // what that leaves over goes by room in the pool alone.
 CountImage hand_out_limited(const Plane& error, const CountImage& n, const SamplePool& pool,
                             long long share, long long most) {
-  std::vector<long long> room(n.size());
-  for (int y = 0; y < n.height(); ++y) {
-    for (int x = 0; x < n.width(); ++x)
-      room[n.index(x, y)] = std::min<long long>(most, pool.capacity(x, y) - n(x, y));
-  }
+  std::vector<long long> room = room_of(n, pool);
+  for (long long& of_piece : room)
+    of_piece = std::min(of_piece, most);
   const std::vector<long long> given = apportion(error.pixels(), share, room);
   CountImage extra(n.width(), n.height()), reached = n;
   for (std::size_t i = 0; i < n.size(); ++i) {

@@ -1,5 +1,8 @@
 #include "lib/sampling/rounds.h"
 
+#include <algorithm>
+
+#include "lib/core/parallel.h"
 #include "lib/sampling/apportion.h"
 #include "lib/sampling/uniform.h"
 
@@ -25,18 +28,22 @@ std::vector<long long> equal_shares(long long total, int rounds) {
   return shares;
 }
 
+std::vector<long long> room_of(const CountImage& n, const SamplePool& pool) {
+  std::vector<long long> room(n.size());
+  parallel_rows(0, n.height(), [&](int y) {
+    for (int x = 0; x < n.width(); ++x)
+      room[n.index(x, y)] = pool.capacity(x, y) - n(x, y);
+  });
+  return room;
+}
+
 CountImage hand_out(const Plane& weights, const CountImage& n, const SamplePool& pool,
                     long long share) {
   SPOOL_CHECK(weights.same_size(n));
-  std::vector<long long> room(n.size());
-  for (int y = 0; y < n.height(); ++y) {
-    for (int x = 0; x < n.width(); ++x)
-      room[n.index(x, y)] = pool.capacity(x, y) - n(x, y);
-  }
-  const std::vector<long long> given = apportion(weights.pixels(), share, room);
+  const std::vector<long long> given = apportion(weights.pixels(), share, room_of(n, pool));
   CountImage extra(n.width(), n.height());
-  for (std::size_t i = 0; i < extra.size(); ++i)
-    extra[i] = static_cast<std::int32_t>(given[i]);
+  std::transform(given.begin(), given.end(), extra.pixels().begin(),
+                 [](long long count) { return static_cast<std::int32_t>(count); });
   return extra;
 }
 

@@ -26,6 +26,9 @@ CountImage initial_counts(const SamplePool& pool, long long budget, int each, st
 // `total` in `rounds` whole shares that differ by at most one, the larger first.
 std::vector<long long> equal_shares(long long total, int rounds);
 
+// What every piece has left.
+std::vector<long long> room_of(const CountImage& n, const SamplePool& pool);
+
 // Apportions `share` over the pieces in proportion to `weights` (NaN and negative count as 0), no
 // piece beyond its capacity: samples to take per piece, in all min(share, what is left).
 CountImage hand_out(const Plane& weights, const CountImage& n, const SamplePool& pool,

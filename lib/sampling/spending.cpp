@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lib/core/parallel_count.h"
+
 namespace spool {
 
 Spending begin_spending(const SamplePool& pool, long long budget, const CountImage& first,
@@ -62,19 +64,16 @@ long long sample_budget(double samples_per_pixel, const RecordedSamples& recordi
 }
 
 long long count_samples(const CountImage& n) {
-  long long sum = 0;
-  for (const std::int32_t count : n.pixels())
-    sum += count;
-  return sum;
+  return parallel_count<long long>(n.size(), [&](std::size_t i) { return n[i]; });
 }
 
 long long count_saturated(const SamplePool& pool, const CountImage& n) {
-  long long saturated = 0;
-  for (int y = 0; y < n.height(); ++y) {
+  return parallel_count_rows<long long>(n.height(), [&](int y) {
+    long long saturated = 0;
     for (int x = 0; x < n.width(); ++x)
       saturated += n(x, y) >= pool.capacity(x, y);
-  }
-  return saturated;
+    return saturated;
+  });
 }
 
 void finish_log(SamplingLog& log, const SamplePool& pool, const CountImage& n) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "lib/core/pairwise_sum.h"
@@ -18,22 +17,30 @@ double AnalysisSignal::value(const Rgb& radiance) const {
 
 double exposure_scale(const Plane& values, const CountImage& n, GuardCounts& guards) {
   SPOOL_CHECK(values.same_size(n));
-  std::vector<std::size_t> order;
-  order.reserve(values.size());
+  std::vector<double> sampled;  // in the order of the pieces, which the sum goes by
+  sampled.reserve(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (n[i] > 0) order.push_back(i);
+    if (n[i] > 0) sampled.push_back(values[i]);
   }
-  const std::size_t dropped = order.size() / 100;
-  const std::size_t kept = order.size() - dropped;
+  const std::size_t dropped = sampled.size() / 100;
+  const std::size_t kept = sampled.size() - dropped;
   if (dropped > 0) {
-    std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(kept), order.end(),
-                     [&](std::size_t a, std::size_t b) {
-                       return values[a] != values[b] ? values[a] < values[b] : a < b;
-                     });
-    order.resize(kept);
-    std::sort(order.begin(), order.end());  // nth_element leaves no defined order for the sum
+    std::vector<double> ranked = sampled;
+    const auto cut = ranked.begin() + static_cast<std::ptrdiff_t>(kept);
+    std::nth_element(ranked.begin(), cut, ranked.end());
+    // Of equal values the first of the image are kept.
+    const double largest = *cut;
+    auto equal = kept - static_cast<std::size_t>(std::count_if(
+                            ranked.begin(), cut, [&](double value) { return value < largest; }));
+    std::size_t end = 0;
+    for (const double value : sampled) {
+      if (value > largest || (value == largest && equal == 0)) continue;
+      if (value == largest) --equal;
+      sampled[end++] = value;
+    }
+    sampled.resize(end);
   }
-  const double sum = pairwise_sum(kept, [&](std::size_t i) { return values[order[i]]; });
+  const double sum = pairwise_sum(kept, [&](std::size_t i) { return sampled[i]; });
   const double mean = kept > 0 ? sum / static_cast<double>(kept) : 0.0;
   if (!std::isfinite(mean) || mean < kSmallestExposedMean) {
     guards.add(Guard::kExposureFallback);
