@@ -39,11 +39,11 @@ LARGER = {"scene_s_128": "scene_s_512", "scene_s_fireflies_128": "scene_s_firefl
 LEFT_OUT = ("first", "prototypes", "A10", "A11", "E6")
 MORE = {  # besides the plan's own recordings and those by others
     "e3_samplers_over_budget": ("balls_256", "mist_256", "caustic_256", "fireflies_256", "caustic_mitsuba_256", "chess_sequence_256",
-                                "chess_long", "chess_512", "table_512"),
-    "e4_directions": ("chess_256", "caustic_mitsuba_256", "chess_512", "table_512"),
+                                "chess_long", "chess_512", "cornell_box_picture_512", "caustic_mitsuba_512"),
+    "e4_directions": ("chess_256", "caustic_mitsuba_256", "chess_512", "cornell_box_picture_512"),
     "e5_density": ("scene_s",),
     "e9_chess": ("scene_s", "chess_sequence_256", "chess_512"),
-    "e10_balls": ("table_256", "mist_256", "caustic_256", "fireflies_256", "caustic_mitsuba_256", "table_512"),
+    "e10_balls": ("table_256", "mist_256", "caustic_256", "fireflies_256", "caustic_mitsuba_256", "caustic_mitsuba_512"),
     "features": ("mist_256",),
     "tuning_full": ("caustic_mitsuba_256", "fireflies_256", "scene_s", "scene_s_fireflies"),
 }
