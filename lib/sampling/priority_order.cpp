@@ -5,10 +5,12 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "lib/core/check.h"
 #include "lib/core/parallel.h"
+#include "lib/core/vector_clones.h"
 
 namespace spool {
 namespace {
@@ -16,6 +18,24 @@ namespace {
 // Priorities in their order as whole numbers; all are > 0.
 std::uint64_t rank_of(double priority) {
   return std::bit_cast<std::uint64_t>(priority);
+}
+
+// How many of `count` priorities are in (lower, upper].
+template <class T>
+std::size_t between(const T* priority, int count, T lower, T upper) {
+  std::int32_t found = 0;
+  for (int i = 0; i < count; ++i)
+    found += static_cast<std::int32_t>(priority[i] > lower) &
+             static_cast<std::int32_t>(priority[i] <= upper);
+  return static_cast<std::size_t>(found);
+}
+SPOOL_VECTOR_CLONES
+std::size_t count_between(const float* priority, int count, float lower, float upper) {
+  return between(priority, count, lower, upper);
+}
+SPOOL_VECTOR_CLONES
+std::size_t count_between(const double* priority, int count, double lower, double upper) {
+  return between(priority, count, lower, upper);
 }
 
 }  // namespace
@@ -59,21 +79,18 @@ RegionEntry PriorityOrder<T>::entry_of(const Candidate& candidate) const {
 
 template <class T>
 template <class Body>
-void PriorityOrder<T>::for_each_above(std::size_t block_row, double lower, const Body& body) const {
+void PriorityOrder<T>::for_each_run(std::size_t block_row, double lower, const Body& body) const {
   constexpr int side = kMaximaSide;
   const int y0 = static_cast<int>(block_row) * side;
   for (std::size_t image = 0; image < maxima_.images().size(); ++image) {
     const Image<T>& priority = maxima_.images()[image];
     for (int y = y0; y < std::min(y0 + side, priority.height()); ++y) {
-      const T* row = priority.row(y).data();
-      const std::size_t begin = image_begin_[image] + priority.index(0, y);
       for (int x0 = 0; x0 < priority.width(); x0 += side) {
         if (!(maxima_.of_row(image, y, x0 / side) > lower)) continue;
-        const int x1 = x0 + side < priority.width() ? x0 + side : priority.width();
-        for (int x = x0; x < x1; ++x) {
-          if (row[x] > lower && row[x] <= upper_)
-            body(row[x], static_cast<std::uint32_t>(begin + static_cast<std::size_t>(x)));
-        }
+        const auto run = priority.row(y).subspan(
+            static_cast<std::size_t>(x0),
+            static_cast<std::size_t>(std::min(side, priority.width() - x0)));
+        body(run, image_begin_[image] + priority.index(x0, y));
       }
     }
   }
@@ -87,17 +104,24 @@ bool PriorityOrder<T>::gather() {
     sampled_used_ += std::max<std::size_t>(4 * expected_ / per_sample, 4);
     const double lower = sampled_used_ < sampled_.size() ? sampled_[sampled_used_] : 0.0;
     if (lower >= upper_) continue;  // many equal priorities
+    const auto least = static_cast<T>(lower), most = static_cast<T>(upper_);
     parallel_for(row_end_.size(), [&](std::size_t r) {
       std::size_t found = 0;
-      for_each_above(r, lower, [&](T, std::uint32_t) { ++found; });
+      for_each_run(r, lower, [&](std::span<const T> run, std::size_t) {
+        found += count_between(run.data(), static_cast<int>(run.size()), least, most);
+      });
       row_end_[r] = found;
     });
     std::partial_sum(row_end_.begin(), row_end_.end(), row_end_.begin());
     batch_.resize(row_end_.empty() ? 0 : row_end_.back());
     parallel_for(row_end_.size(), [&](std::size_t r) {
       std::size_t at = r == 0 ? 0 : row_end_[r - 1];
-      for_each_above(r, lower,
-                     [&](T priority, std::uint32_t place) { batch_[at++] = {priority, place}; });
+      for_each_run(r, lower, [&](std::span<const T> run, std::size_t place) {
+        for (std::size_t i = 0; i < run.size(); ++i) {
+          if (run[i] > least && run[i] <= most)
+            batch_[at++] = {run[i], static_cast<std::uint32_t>(place + i)};
+        }
+      });
     });
     upper_ = lower;
   }
@@ -121,21 +145,16 @@ void PriorityOrder<T>::lay_out() {
   const auto bucket_of = [&](const Candidate& candidate) {
     return static_cast<std::size_t>((highest - rank_of(candidate.priority)) >> shift);
   };
-  std::vector<std::size_t> next(kBuckets, 0);  // where a bucket's next entry goes
+  std::vector<std::size_t> begin(kBuckets + 1, 0);
   for (const Candidate& candidate : batch_)
-    ++next[bucket_of(candidate)];
-  bucket_end_.resize(kBuckets);
-  std::partial_sum(next.begin(), next.end(), bucket_end_.begin());
-  for (std::size_t b = 0; b < kBuckets; ++b)
-    next[b] = bucket_end_[b] - next[b];
-  // Each entry that is not in its bucket goes there, and the one that it finds is the next to go.
-  for (std::size_t b = 0; b < kBuckets; ++b) {
-    while (next[b] < bucket_end_[b]) {
-      const std::size_t to = bucket_of(batch_[next[b]]);
-      if (to != b) std::swap(batch_[next[b]], batch_[next[to]]);
-      ++next[to];
-    }
-  }
+    ++begin[bucket_of(candidate) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Candidate> laid(batch_.size());
+  for (const Candidate& candidate : batch_)
+    laid[begin[bucket_of(candidate)]++] = candidate;
+  batch_.swap(laid);
+  begin.pop_back();
+  bucket_end_ = std::move(begin);  // each begin has moved to the end of its bucket
 }
 
 template <class T>

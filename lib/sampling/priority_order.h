@@ -2,8 +2,7 @@
 //
 // Entries are gathered in batches of falling priority, and a batch is laid into buckets of which
 // each is sorted when its turn comes, so that the whole is never sorted; where batches and buckets
-// are cut does not change the order. A batch is first counted and then written, and laid into its
-// buckets where it lies: it takes 8 (float) or 16 bytes an entry, and nothing beside it.
+// are cut does not change the order.
 #pragma once
 
 #include <cstdint>
@@ -39,9 +38,10 @@ class PriorityOrder {
   bool gather();       // fills batch_ with the entries of the next range of priorities
   void lay_out();      // batch_ into buckets of falling priority
   bool next_bucket();  // sorts the free entries of the next bucket
-  // body(priority, place) of the entries of a row of blocks with lower < priority <= upper_.
+  // body(image, its row, place of its first entry) of the runs of entries in a row of blocks of
+  // which some have a priority > lower.
   template <class Body>
-  void for_each_above(std::size_t block_row, double lower, const Body& body) const;
+  void for_each_run(std::size_t block_row, double lower, const Body& body) const;
 
   const PriorityMaxima<T>& maxima_;
   std::size_t expected_;

@@ -13,7 +13,7 @@ namespace spool {
 void analyse(ExactBoard& board, const MultiscaleOptions& options, bool, GuardCounts& guards) {
   const auto levels = static_cast<std::size_t>(options.levels());
   const int width = board.window.width(), height = board.window.height();
-  board.fresh = CountImage(width, height);
+  board.fresh = Image<std::uint8_t>(width, height);
   for (ScalarAnalysis<double>& scalar : board.scalars) {
     // Coarse and detail images [LiuZheng (1)-(4)]
     rebuild_pyramid(scalar.pyramid, scalar.pyramid.coarse[0], board_pyramid(options));
@@ -35,7 +35,7 @@ void analyse(EpochBoard& board, const MultiscaleOptions& options, bool all_image
   const auto levels = static_cast<std::size_t>(options.levels());
   const auto pyramid_levels = static_cast<std::size_t>(board_pyramid(options).levels);
   const int width = board.window.width(), height = board.window.height();
-  board.fresh = CountImage(width, height);
+  board.fresh = Image<std::uint8_t>(width, height);
   for (ScalarAnalysis<float>& scalar : board.scalars) {
     scalar.pyramid.coarse.resize(pyramid_levels + 1, Image<float>(width, height));
     if (all_images) {

@@ -208,7 +208,7 @@ void BlockAnalysis::prioritise(const ScalarAnalysis<float>& scalar, int k, const
 BlockAnalysis::Counts BlockAnalysis::counts_of(const Rectangle& box) const {
   const Rectangle around = grown(box, region_reach());
   Counts counts;
-  const auto fresh = padded_patch<std::int32_t, std::int32_t>(board_.fresh, board_.area, around);
+  const auto fresh = padded_patch<std::uint8_t, std::int32_t>(board_.fresh, board_.area, around);
   if (options_.attenuation == AttenuationUpdate::kAnyTouch || !all_zero(fresh))
     counts.fresh = region_sums(fresh, options_.levels());
   if (counts.fresh.empty() || board_.closed_pieces == 0) return counts;

@@ -117,7 +117,7 @@ void forget_analysis(AnalysedBoard<T>& board) {
     scalar.attenuation.clear();
   }
   board.priority.clear();
-  board.fresh = CountImage();
+  board.fresh = {};
 }
 
 #define SPOOL_INSTANTIATE_BOARD(T)                                                                \

@@ -29,7 +29,7 @@ struct ScalarAnalysis {
 struct Board {
   Rectangle window;             // of the grid: what the analysis reads
   Rectangle area;               // of the window: what may be sampled; regions are clipped to it
-  CountImage fresh;             // samples taken in this step
+  Image<std::uint8_t> fresh;    // samples taken in this step, at most kMostPredicted
   Image<std::uint8_t> closed;   // 1: no sample left before this step
   long long closed_pieces = 0;  // of `area`
 

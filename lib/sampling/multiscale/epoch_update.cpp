@@ -119,7 +119,7 @@ class EpochUpdate final : public Update {
       for (int x = 0; x < asked.width(); ++x) {
         if (!picked(x, y)) continue;
         const int count = offered(board_, samples, pool, x, y, asked(x, y) % 16);
-        board_.fresh(x, y) = count;
+        board_.fresh(x, y) = static_cast<std::uint8_t>(count);
         picks_[at++] = {x, y, count};
         if (!log.level_of_samples.empty()) log.level_of_samples[asked(x, y) / 16](x, y) += count;
       }

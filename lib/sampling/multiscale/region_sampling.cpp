@@ -74,7 +74,7 @@ long long choose_pieces(Board& board, const Samples& samples, const SamplePool& 
   long long chosen = 0;
   const auto pick = [&](int x, int y, int count) {
     picks.push_back({x, y, count});
-    board.fresh(x, y) += count;
+    board.fresh(x, y) = static_cast<std::uint8_t>(count);
     chosen += count;
   };
   if (region.area() > left) {
