@@ -20,6 +20,14 @@ std::uint64_t rank_of(double priority) {
   return std::bit_cast<std::uint64_t>(priority);
 }
 
+// About `stride`, at least 1, so that entries of an image that far apart lie neither in a column
+// nor on a diagonal: each starts 0.618 of a row further on than the last.
+std::size_t scattered_stride(std::size_t stride, int width) {
+  const auto row = static_cast<std::size_t>(width);
+  if (stride < row / 2) return std::max<std::size_t>(stride, 1);
+  return stride / row * row + std::max<std::size_t>(row * 618 / 1000, 1);
+}
+
 // How many of `count` priorities are in (lower, upper].
 template <class T>
 std::size_t between(const T* priority, int count, T lower, T upper) {
@@ -57,8 +65,8 @@ PriorityOrder<T>::PriorityOrder(const PriorityMaxima<T>& maxima, std::size_t exp
   image_begin_.push_back(entries_);
   SPOOL_CHECK_LE(entries_, std::size_t{1} << 32);  // of whose pieces alone 85 GB are kept
   row_end_.resize(static_cast<std::size_t>(rows + kMaximaSide - 1) / kMaximaSide);
-  const std::size_t stride = (entries_ / kSampled) | 1;
   for (const Image<T>& image : maxima.images()) {
+    const std::size_t stride = scattered_stride(entries_ / kSampled, image.width());
     for (std::size_t i = 0; i < image.size(); i += stride) {
       if (image[i] > 0.0) sampled_.push_back(image[i]);
     }

@@ -26,6 +26,8 @@ class EpochUpdate final : public Update {
   const std::vector<Pick>& choose(const Samples& samples, const SamplePool& pool, long long left,
                                   BoardLog& log) override {
     const long long wanted = std::min(share_, left);
+    picks_ = {};  // nor is their memory needed while candidates are ordered
+    old_f0_ = {};
     Asked asked(board_.window.width(), board_.window.height());
     PriorityOrder<float> order(maxima_, static_cast<std::size_t>(wanted) / 4,
                                [&](const RegionEntry& entry) { return is_free(entry, asked); });

@@ -161,7 +161,7 @@ Sampler multiscale_sampler() {
                {"P_initial.k", "priorities after the first samples"},
                {"samples.k", "samples that regions of level k took; 0: uniformly spent"},
            },
-       .memory = {226, 2.9e6},
+       .memory = {208, 2.9e6},
        .run = sample_multiscale});
 }
 
