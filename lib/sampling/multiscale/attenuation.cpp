@@ -85,7 +85,7 @@ AttenuationRows::AttenuationRows(const ExactBoard& board, int k, const Rectangle
       counts_(board, k, box),
       most_(counts_.largest_fresh()) {
   const bool in_rows =
-      options.attenuation == AttenuationUpdate::kFractional && board.closed_pieces == 0;
+      options.attenuation == AttenuationUpdate::kFractional && counts_.all_open();
   if (!in_rows) return;
   const int whole = 1 << (2 * k);
   AttenuationStep table(k, options);

@@ -71,7 +71,8 @@ void update_variance_term(ScalarAnalysis<double>& scalar, int k, const Rectangle
 
 void close_regions(ExactBoard& board, int k, const Rectangle& box) {
   if (board.closed_pieces == 0 || box.empty()) return;
-  const RegionCounts counts(board, k, box);
+  const RegionCounts counts(board, k, box, false);
+  if (counts.all_open()) return;
   Plane& priority = board.priority[static_cast<std::size_t>(k - 1)];
   for (int y = box.y0; y < box.y1; ++y) {
     for (int x = box.x0; x < box.x1; ++x) {

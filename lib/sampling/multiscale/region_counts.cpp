@@ -66,6 +66,20 @@ CountImage region_sums(const Image<T>& image, const Rectangle& area, int level,
   return sums;
 }
 
+// Whether a piece of the regions R_level of the entries in `box` was saturated before this step.
+bool any_closed(const Board& board, int level, const Rectangle& box) {
+  if (board.closed_pieces == 0) return false;
+  const int before = level == 0 ? 0 : 1 << (level - 1), after = level == 0 ? 0 : before - 1;
+  const Rectangle pieces = grow(box, before, after, before, after, board.area);
+  if (pieces.empty()) return false;
+  for (int y = pieces.y0; y < pieces.y1; ++y) {
+    const auto row = board.closed.row(y).subspan(static_cast<std::size_t>(pieces.x0),
+                                                 static_cast<std::size_t>(pieces.width()));
+    if (std::find(row.begin(), row.end(), std::uint8_t{1}) != row.end()) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 int RegionCounts::largest_fresh() const {
@@ -75,14 +89,14 @@ int RegionCounts::largest_fresh() const {
   return largest;
 }
 
-RegionCounts::RegionCounts(const Board& board, int level, const Rectangle& box)
+RegionCounts::RegionCounts(const Board& board, int level, const Rectangle& box, bool with_fresh)
     : box_(box), area_(board.area) {
   if (level > 0) {
     before_ = 1 << (level - 1);
     after_ = before_ - 1;
   }
-  fresh_ = region_sums(board.fresh, area_, level, box);
-  if (board.closed_pieces > 0) closed_ = region_sums(board.closed, area_, level, box);
+  if (with_fresh) fresh_ = region_sums(board.fresh, area_, level, box);
+  if (any_closed(board, level, box)) closed_ = region_sums(board.closed, area_, level, box);
 }
 
 }  // namespace spool

@@ -13,12 +13,13 @@ namespace spool {
 // it and not change meanwhile.
 class RegionCounts {
  public:
-  RegionCounts(const Board& board, int level, const Rectangle& box);
+  RegionCounts(const Board& board, int level, const Rectangle& box, bool with_fresh = true);
 
-  // Samples taken in this step.
+  // Samples taken in this step; only `with_fresh`.
   int fresh(int x, int y) const { return fresh_(x - box_.x0, y - box_.y0); }
   const std::int32_t* fresh_row(int x, int y) const { return &fresh_(x - box_.x0, y - box_.y0); }
   int largest_fresh() const;
+  bool all_open() const { return closed_.empty(); }
   // Pieces that were not saturated before this step.
   int open(int x, int y) const {
     const int closed = closed_.empty() ? 0 : closed_(x - box_.x0, y - box_.y0);
@@ -35,7 +36,7 @@ class RegionCounts {
   Rectangle box_, area_;
   int before_ = 0, after_ = 0;
   CountImage fresh_;
-  CountImage closed_;  // empty when no piece is saturated
+  CountImage closed_;  // empty when no piece of the regions is saturated
 };
 
 }  // namespace spool
