@@ -95,9 +95,10 @@ struct Target {
 
 // A sample for pixel (x, y) is drawn from the kernel of its scale.
 struct Wish {
-  const OffsetDraw* draw;
+  const OffsetDraw* draw = nullptr;
   int x = 0, y = 0, reach = 1;
   std::uint64_t seed = 0;
+  Target first;  // to be tried
 
   Target target(std::uint64_t draws, const Rectangle& bounds) const {
     while (true) {  // ends: the pixel itself is inside and has the largest tap
@@ -109,7 +110,8 @@ struct Wish {
 };
 
 // False when the sample could not be placed.
-bool place_sample(Offer& offer, const Wish& wish, Target target, const Rectangle& bounds) {
+bool place_sample(Offer& offer, const Wish& wish, const Rectangle& bounds) {
+  Target target = wish.first;
   for (int attempt = 0; attempt <= kRedraws; ++attempt) {
     if (attempt > 0) target = wish.target(target.draws, bounds);
     if (offer.give(target.x, target.y)) return true;
@@ -156,26 +158,27 @@ CountImage hand_out_greedily(const GreedyErrorMap& map, const PieceStatistics& s
                                           static_cast<long long>(map.error.size()));
   const std::vector<std::size_t> order = largest_first(map.error, wanted);
 
-  const auto wish = [&](long long i) {
+  const auto wish_of = [&](long long i) {
     const std::size_t p = order[static_cast<std::size_t>(i / per_pixel)];
     const auto scale = static_cast<std::size_t>(map.scale[p]);
-    return Wish{&draws[scale], static_cast<int>(p) % bounds.x1, static_cast<int>(p) / bounds.x1,
-                reach[scale], mix(seed, p, i % per_pixel)};
+    Wish wish{&draws[scale], static_cast<int>(p) % bounds.x1, static_cast<int>(p) / bounds.x1,
+              reach[scale],  mix(seed, p, i % per_pixel),     {}};
+    wish.first = wish.target(0, bounds);
+    return wish;
   };
   // What pixels have left depends on the order in which samples are placed; where each is tried
   // first does not.
-  constexpr long long kTogether = 1 << 16;
+  constexpr long long kTogether = 1 << 14;
   Offer offer(pool, statistics.n);
-  const long long wishes = std::min(share, wanted * per_pixel);
-  long long pot = share - wishes;
-  std::vector<Target> first(static_cast<std::size_t>(std::min(kTogether, wishes)));
-  for (long long begin = 0; begin < wishes; begin += kTogether) {
-    const long long count = std::min(kTogether, wishes - begin);
-    parallel_for(static_cast<std::size_t>(count), [&](std::size_t i) {
-      first[i] = wish(begin + static_cast<long long>(i)).target(0, bounds);
-    });
-    for (long long i = 0; i < count; ++i) {
-      if (!place_sample(offer, wish(begin + i), first[static_cast<std::size_t>(i)], bounds)) ++pot;
+  const long long count = std::min(share, wanted * per_pixel);
+  long long pot = share - count;
+  std::vector<Wish> wishes;
+  for (long long begin = 0; begin < count; begin += kTogether) {
+    wishes.resize(static_cast<std::size_t>(std::min(kTogether, count - begin)));
+    parallel_for(wishes.size(),
+                 [&](std::size_t i) { wishes[i] = wish_of(begin + static_cast<long long>(i)); });
+    for (const Wish& wish : wishes) {
+      if (!place_sample(offer, wish, bounds)) ++pot;
     }
   }
   CountImage& extra = offer.extra();

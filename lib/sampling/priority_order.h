@@ -38,8 +38,8 @@ class PriorityOrder {
   bool gather();       // fills batch_ with the entries of the next range of priorities
   void lay_out();      // batch_ into buckets of falling priority
   bool next_bucket();  // sorts the free entries of the next bucket
-  // body(image, its row, place of its first entry) of the runs of entries in a row of blocks of
-  // which some have a priority > lower.
+  // body(run, place of its first entry) for the runs of entries in a row of blocks of which some
+  // have a priority > lower.
   template <class Body>
   void for_each_run(std::size_t block_row, double lower, const Body& body) const;
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
 #include <vector>
 
@@ -53,8 +52,10 @@ struct PieceSums {
   std::array<double, 3> value{}, variance{};
 };
 
-// The widths around a piece as lines over b in [0, 180): from `from` on, a + t (b - from) / span
-// [LiuZheng (12)]. The first sector begins below 0 and the last one ends beyond 180.
+// The width along every direction b in [0, 180): (1 - t) lower + t upper of the last sector that
+// begins at or before b, t = (b - from) / span [LiuZheng (12)]. The same as sector_of() and
+// interpolated_width(), laid out for vectors: what wraps around is the first sector, which begins
+// below 0, and the last, which ends beyond 180.
 struct WidthLines {
   std::vector<double> from, span, lower, upper;  // [sector]
 

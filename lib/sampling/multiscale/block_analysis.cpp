@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "lib/core/parallel.h"
+#include "lib/core/parallel_count.h"
 #include "lib/core/vector_clones.h"
 #include "lib/pyramid/laplacian_pyramid.h"
 
@@ -252,11 +252,10 @@ void BlockAnalysis::update_pieces(std::span<const Pick> picks,
                                   const std::vector<std::vector<float>>& before) const {
   constexpr std::int32_t kOne = 1;
   constexpr std::size_t kChunk = 4096;
-  parallel_for((picks.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    const std::size_t end = std::min(picks.size(), (chunk + 1) * kChunk);
+  const auto update = [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = 0; s < board_.scalars.size(); ++s) {
       ScalarAnalysis<float>& scalar = board_.scalars[s];
-      for (std::size_t i = chunk * kChunk; i < end; ++i) {
+      for (std::size_t i = begin; i < end; ++i) {
         const Pick& pick = picks[i];
         const std::int32_t closed = board_.closed(pick.x, pick.y);
         weights_[0].update_row({&pick.count, &closed, &kOne, 1},
@@ -264,7 +263,8 @@ void BlockAnalysis::update_pieces(std::span<const Pick> picks,
                                &scalar.attenuation[0](pick.x, pick.y));
       }
     }
-  });
+  };
+  parallel_stretches(picks.size(), update, kChunk);
 }
 
 void BlockAnalysis::close(const Rectangle& box) const {

@@ -134,12 +134,8 @@ class EpochUpdate final : public Update {
     old_f0_.assign(board_.scalars.size(), std::vector<float>(picks_.size()));
     for (std::size_t i = 0; i < board_.scalars.size(); ++i) {
       const Image<float>& f0 = board_.scalars[i].pyramid.coarse[0];
-      constexpr std::size_t kChunk = 4096;
-      parallel_for((picks_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-        const std::size_t end = std::min(picks_.size(), (chunk + 1) * kChunk);
-        for (std::size_t p = chunk * kChunk; p < end; ++p)
-          old_f0_[i][p] = f0(picks_[p].x, picks_[p].y);
-      });
+      parallel_for(picks_.size(),
+                   [&](std::size_t p) { old_f0_[i][p] = f0(picks_[p].x, picks_[p].y); });
     }
   }
 

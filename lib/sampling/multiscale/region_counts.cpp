@@ -66,12 +66,9 @@ CountImage region_sums(const Image<T>& image, const Rectangle& area, int level,
   return sums;
 }
 
-// Whether a piece of the regions R_level of the entries in `box` was saturated before this step.
-bool any_closed(const Board& board, int level, const Rectangle& box) {
-  if (board.closed_pieces == 0) return false;
-  const int before = level == 0 ? 0 : 1 << (level - 1), after = level == 0 ? 0 : before - 1;
-  const Rectangle pieces = grow(box, before, after, before, after, board.area);
-  if (pieces.empty()) return false;
+// Whether a piece of the area in `pieces` was saturated before this step.
+bool any_closed(const Board& board, const Rectangle& pieces) {
+  if (board.closed_pieces == 0 || pieces.empty()) return false;
   for (int y = pieces.y0; y < pieces.y1; ++y) {
     const auto row = board.closed.row(y).subspan(static_cast<std::size_t>(pieces.x0),
                                                  static_cast<std::size_t>(pieces.width()));
@@ -96,7 +93,8 @@ RegionCounts::RegionCounts(const Board& board, int level, const Rectangle& box, 
     after_ = before_ - 1;
   }
   if (with_fresh) fresh_ = region_sums(board.fresh, area_, level, box);
-  if (any_closed(board, level, box)) closed_ = region_sums(board.closed, area_, level, box);
+  const Rectangle pieces = grow(box, before_, after_, before_, after_, area_);
+  if (any_closed(board, pieces)) closed_ = region_sums(board.closed, area_, level, box);
 }
 
 }  // namespace spool

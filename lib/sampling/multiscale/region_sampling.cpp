@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <span>
 
 #include "lib/core/parallel.h"
+#include "lib/core/parallel_count.h"
 #include "lib/pyramid/region_mean.h"
 #include "lib/sampling/piece_choice.h"
 
@@ -144,19 +144,18 @@ void take_picks(AnalysedBoard<T>& board, Samples& samples, const SamplePool& poo
 
 void end_step(Board& board, const Samples& samples, const SamplePool& pool,
               const std::vector<Pick>& picks) {
-  constexpr std::size_t kChunk = 4096;  // picks; a piece is in one of them
-  std::vector<long long> closed((picks.size() + kChunk - 1) / kChunk, 0);
-  parallel_for(closed.size(), [&](std::size_t c) {
-    for (const Pick& pick :
-         std::span(picks).subspan(c * kChunk, std::min(kChunk, picks.size() - c * kChunk))) {
-      board.fresh(pick.x, pick.y) = 0;
-      const int gx = pick.x + board.window.x0, gy = pick.y + board.window.y0;
-      if (samples.statistics.n(gx, gy) < pool.capacity(gx, gy)) continue;
-      board.closed(pick.x, pick.y) = 1;
-      ++closed[c];
-    }
-  });
-  board.closed_pieces = std::accumulate(closed.begin(), closed.end(), board.closed_pieces);
+  constexpr std::size_t kChunk = 4096;  // picks; a piece is picked once
+  board.closed_pieces += parallel_count<long long>(
+      picks.size(),
+      [&](std::size_t i) {
+        const Pick& pick = picks[i];
+        board.fresh(pick.x, pick.y) = 0;
+        const int gx = pick.x + board.window.x0, gy = pick.y + board.window.y0;
+        const bool ran_out = samples.statistics.n(gx, gy) >= pool.capacity(gx, gy);
+        if (ran_out) board.closed(pick.x, pick.y) = 1;
+        return ran_out;
+      },
+      kChunk);
 }
 
 template void take_picks(AnalysedBoard<double>&, Samples&, const SamplePool&,
