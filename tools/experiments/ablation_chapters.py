@@ -87,7 +87,7 @@ def references(m):
                 rows.append([f"{sampler} + {f}", with_interval(truth.figure(*cell)),
                              *(with_interval(ratio_of(r.values(*cell), truth.values(*cell)))
                                for kind, r in kinds.items() if kind != "independent")])
-        blocks.append(f"{pool_title(pool)}, MSE at 16 of 48 samples per pixel, and what each reference makes of it:\n\n"
+        blocks.append(f"{pool_title(pool)}, MSE at 16 samples per pixel, and what each reference makes of it:\n\n"
                       + table(["method", "independent", *(f"{k} / independent" for k in kinds if k != "independent")], rows))
     found = {}
     for kind, r in kinds.items():
@@ -97,8 +97,8 @@ def references(m):
         found[kind] = f"{min(values):.2f} to {max(values):.2f}"
     uniform = ratio_of(kinds["pool"].values("mse", "scene_s", "uniform", "box", 16),
                     truth.values("mse", "scene_s", "uniform", "box", 16))
-    blocks.append(f"- Expected for fixed counts and no filter when judged by the pool: 1 - 16/48 = 0.667 or 1 - 16/64 = 0.75, "
-                  f"as the judged pool holds what is held out or not. Scene S, uniform, box: {with_interval(uniform)}.\n"
+    blocks.append("- Expected for fixed counts and no filter when judged by a pool of n samples: 1 - 16/n, which is 0.75 for 64 and "
+                  f"0.94 for 256. Scene S, uniform, box: {with_interval(uniform)}.\n"
                   f"- Over all methods and pools the ratio to the true error goes from {found['pool']} when judged by the pool, "
                   f"{found['holdout']} by samples held out, {found['leave_selected_out']} by samples not selected: the first "
                   "is a bias that differs from method to method, the other two are noise.")

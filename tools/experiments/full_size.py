@@ -33,10 +33,10 @@ ANALYTIC = {
     "scene_s_fireflies": ("scene_s_fireflies", 256, 256, 5),
     "scene_s_512": ("scene_s", 512, 64, 6),
     "scene_s_fireflies_512": ("scene_s_fireflies", 512, 64, 6),
+    **{f"scene_s_n{samples}": ("scene_s", 256, samples, 5) for samples in (32, 64, 128, 256)},
 }
 LARGER = {"scene_s_128": "scene_s_512", "scene_s_fireflies_128": "scene_s_fireflies_512"}
-# What asks for something else than large pictures, or names its recordings.
-LEFT_OUT = ("first", "prototypes", "A10", "A11", "E6")
+LEFT_OUT = ("first", "prototypes")  # they ask for something else than large pictures
 MORE = {  # besides the plan's own recordings and those by others
     "e3_samplers_over_budget": ("balls_256", "mist_256", "caustic_256", "fireflies_256", "caustic_mitsuba_256", "chess_sequence_256",
                                 "chess_long", "chess_512", "cornell_box_picture_512", "caustic_mitsuba_512"),
@@ -47,7 +47,7 @@ MORE = {  # besides the plan's own recordings and those by others
     "features": ("mist_256",),
     "tuning_full": ("caustic_mitsuba_256", "fireflies_256", "scene_s", "scene_s_fireflies"),
 }
-ALONE = ("e7_tiles", "e8_tile_borders")  # on their own recordings only
+ALONE = ("a10_pool_size", "e6_threads", "e7_tiles", "e8_tile_borders")  # on their own recordings only
 
 
 def full_name(name):
