@@ -67,7 +67,8 @@ TEST(FilterList, FiltersThatNeedNoVarianceMakeTheSameImageOfMeansAlone) {
   const SamplePool pool = testing::make_pool(13, 9, 8, testing::noisy_picture(13, 9, 7));
   const auto count = [](int x, int y) { return (3 * x + y) % 5; };  // some have none
   const Selection whole = testing::select_counts(pool, count);
-  const Selection means{.statistics = prefix_means(pool, whole.statistics.n)};
+  Selection means;
+  means.statistics = prefix_means(pool, whole.statistics.n);
   std::set<std::string> without;
   for (const Filter& entry : filters()) {
     const auto filter = make_method(filters(), {entry.name, "", {}});

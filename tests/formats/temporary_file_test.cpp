@@ -50,7 +50,9 @@ TEST(TemporaryFile, TwoOfOneTargetDoNotMeet) {
 TEST(TemporaryFile, OneOfTwoWritersWinsAndTheOtherSaysSo) {
   for (const bool replaces : {false, true}) {
     const ScratchFolder folder;
-    if (replaces) ASSERT_TRUE(begun(folder / "x", "old").publish(Replace::kNothing));
+    if (replaces) {
+      ASSERT_TRUE(begun(folder / "x", "old").publish(Replace::kNothing));
+    }
     const Replace how = replaces ? Replace::kWhatWasHere : Replace::kNothing;
     {
       TemporaryFile a = begun(folder / "x", "a"), b = begun(folder / "x", "b");
