@@ -67,7 +67,8 @@ def pool_size(m):
         for pool in r.pools:
             cell = (pool, sampler, "box", 16)
             row.append(with_interval(r.ratio("mse", pool, 16, (sampler, "box"), ("uniform", "box"))))
-            share.append(f"{100 * r.figure('saturated_share', *cell).mean:.1f} %" if r.rows(*cell) else "–")
+            values = r.values("saturated_share", *cell)
+            share.append(f"{100 * sum(values) / len(values):.1f} %" if values else "–")
         rows.append(row)
         shares.append(share)
     header = ["samples per pixel recorded", *(p.rsplit("_n")[-1] for p in r.pools)]

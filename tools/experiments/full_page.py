@@ -15,7 +15,7 @@ those of 256 x 256 pixels with 256 samples that `tools/dev.sh record` makes from
 among them; names without a size are of 256 x 256. Each plan is measured on one recording at a time, and what it gave is kept in
 `docs/results/experiments_full/measured`: the page is made from all that was measured on any machine, and a
 later run adds the recordings that are missing. [experiments.md](experiments.md) says what intervals and verdicts mean, and what
-pictures of 64 x 64 pixels gave."""
+pictures of 64 x 64 pixels gave. All filters behind several samplers on recordings of full size: [filters.md](filters.md)."""
 
 KEPT = "Every cell is in `docs/results/experiments_full/measured`."
 

@@ -36,7 +36,7 @@ ANALYTIC = {
     **{f"scene_s_n{samples}": ("scene_s", 256, samples, 5) for samples in (32, 64, 128, 256)},
 }
 LARGER = {"scene_s_128": "scene_s_512", "scene_s_fireflies_128": "scene_s_fireflies_512"}
-LEFT_OUT = ("first", "prototypes")  # they ask for something else than large pictures
+LEFT_OUT = ("first", "prototypes", "methods")  # of full size in docs/filters.md, or not about pictures of that size
 MORE = {  # besides the plan's own recordings and those by others
     "e3_samplers_over_budget": ("balls_256", "mist_256", "caustic_256", "fireflies_256", "caustic_mitsuba_256", "chess_sequence_256",
                                 "chess_long", "chess_512", "cornell_box_picture_512", "caustic_mitsuba_512"),

@@ -7,6 +7,7 @@ POOL_TITLES = {
     "scene_s": "scene S", "scene_s_fireflies": "scene S with fireflies", "scene_s_128": "scene S, 128 x 128",
     "scene_s_fireflies_128": "scene S with fireflies, 128 x 128", "scene_s_512": "scene S, 512 x 512",
     "scene_s_fireflies_512": "scene S with fireflies, 512 x 512",
+    **{f"scene_s_n{samples}": f"scene S, {samples} samples" for samples in (32, 64, 128, 256)},
 }
 
 
