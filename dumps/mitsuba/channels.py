@@ -20,7 +20,8 @@ DEFAULT = "radiance,albedo,normal,depth,film"
 MEANINGS = {
     "radiance": {"meaning": "linear Rec.709, unclamped"},
     "direct": {"meaning": "the part of the same path that met at most one surface; the rest is radiance - direct"},
-    "albedo": {"meaning": "reflectance of the first hit; 1 on surfaces that only mirror or refract, 0 where nothing is hit"},
+    "albedo": {"meaning": "reflectance of the first hit; 1 where its material mirrors or refracts and has no diffuse part or a black "
+                          "one, 0 where nothing is hit"},
     "normal": {"space": "world", "meaning": "shading normal of the first hit; 0 where nothing is hit"},
     "depth": {"meaning": "camera z, 0 = miss"},
     "position": {"space": "world", "meaning": "first hit"},
@@ -31,15 +32,22 @@ MEANINGS = {
 }
 
 
-def no_diffuse_lobe(mi, scene):
-    """[1 + number of shapes] bool: the surface only mirrors or refracts (metal, glass, smooth or rough). [0]: a miss.
-
-    Such a material has no albedo of its own: Mitsuba answers 0, or for rough metal an estimate up to 24. Denoisers expect 1
-    there (documentation of Open Image Denoise, albedo of metals and of glass). Instances have no material of their own.
-    """
+def material_flags(mi, scene):
+    """[1 + number of shapes] int: the lobes of the material of each shape. [0]: a miss, and what has no material of its own
+    (instances), counts as diffuse, so that its albedo stays as it is."""
     materials = [shape.bsdf() for shape in scene.shapes()]
-    return [False] + [bool(material is not None and not mi.has_flag(material.flags(), mi.BSDFFlags.Diffuse))
-                      for material in materials]
+    return [int(mi.BSDFFlags.Diffuse)] + [int(mi.BSDFFlags.Diffuse if material is None else material.flags()) for material in materials]
+
+
+def no_diffuse_answer(mi, flags, black):
+    """Whether a hit has no albedo of its own; flags: of its material; black: Mitsuba's albedo is 0. Numbers or arrays of Dr.Jit.
+
+    A material that only mirrors or refracts (metal, glass, smooth or rough) answers 0, or for rough metal an estimate up to 24;
+    one that blends such a lobe with an unknown or a black diffuse one answers 0. Denoisers expect 1 there (documentation of
+    Open Image Denoise, albedo of metals and of glass). What is diffuse and nothing else may be black.
+    """
+    diffuse, mirrors = int(mi.BSDFFlags.Diffuse), int(mi.BSDFFlags.Glossy) | int(mi.BSDFFlags.Delta)
+    return (flags & diffuse == 0) | (black & (flags & mirrors != 0))
 
 
 def has_instances(scene):

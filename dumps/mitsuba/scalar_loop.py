@@ -4,7 +4,7 @@ Scalar and wavefront variants draw different numbers from one seed, so the varia
 """
 import numpy as np
 
-from channels import has_instances, no_diffuse_lobe
+from channels import has_instances, material_flags, no_diffuse_answer
 from seeds import spread
 
 
@@ -14,10 +14,10 @@ class ScalarLoop:
         self.width, self.height = (int(v) for v in recordable.sensor.film().crop_size())
         self.differential_scale = samples_per_pixel ** -0.5
         self.features = mi.load_dict({"type": "aov", "aovs": "a:albedo,n:sh_normal,p:position,s:shape_index"})
-        self.shape_index = {}
-        for index, shape in enumerate(recordable.scene.shapes()):
-            self.shape_index[shape.id()] = index + 1
-        self.no_diffuse = no_diffuse_lobe(mi, recordable.scene)
+        # By object: most scenes give their shapes no name. An object stands for one shape as long as it is held.
+        self.shapes = recordable.scene.shapes()
+        self.shape_index = {id(shape): index + 1 for index, shape in enumerate(self.shapes)}
+        self.material_flags = material_flags(mi, recordable.scene)
         self.has_instances = has_instances(recordable.scene)
         self.to_camera = recordable.sensor.world_transform().inverse()
 
@@ -59,17 +59,20 @@ class ScalarLoop:
     def _features(self, arrays, y, x, s, ray, sampler, medium):
         mi, of = self.mi, self.of
         values = self.features.sample(of.scene, sampler, ray, medium)[2]
-        shape, specular = 0, False
+        shape, flags = 0, self.material_flags[0]
         if self.has_instances:
             hit = of.scene.ray_intersect(ray)
             if hit.is_valid():
-                shape = self.shape_index.get((hit.instance or hit.shape).id(), 0)
-                specular = not mi.has_flag(hit.bsdf().flags(), mi.BSDFFlags.Diffuse)
+                shape = self.shape_index.get(id(hit.instance or hit.shape), 0)
+                flags = int(hit.bsdf().flags())
         else:
             hit = of.scene.ray_intersect_preliminary(ray)
-            shape = self.shape_index.get(hit.shape.id(), 0) if hit.is_valid() else 0
-            specular = self.no_diffuse[shape]
-        found = {"albedo": (1, 1, 1) if specular else values[0:3], "normal": values[3:6], "position": values[6:9], "shape": shape,
+            shape = self.shape_index.get(id(hit.shape), 0) if hit.is_valid() else 0
+            flags = self.material_flags[shape]
+        albedo = values[0:3]
+        if no_diffuse_answer(mi, flags, not any(albedo)):
+            albedo = 1, 1, 1
+        found = {"albedo": albedo, "normal": values[3:6], "position": values[6:9], "shape": shape,
                  "depth": (self.to_camera @ mi.Point3f(values[6], values[7], values[8]))[2] if shape else 0}
         for name, value in found.items():
             if name in arrays:

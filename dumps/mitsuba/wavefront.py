@@ -5,7 +5,8 @@ gives `mi.render`'s image to the last bits; film, lens and time are known exactl
 """
 import numpy as np
 
-from channels import has_instances, no_diffuse_lobe
+from channels import has_instances, material_flags, no_diffuse_answer
+
 
 class Wavefront:
     def __init__(self, mi, dr, recordable, samples_per_pixel):
@@ -18,7 +19,7 @@ class Wavefront:
         table = np.zeros(int(registered.max()) + 1 if len(registered) else 1, np.uint32)
         table[registered] = 1 + np.arange(len(registered))  # pointer ids differ from run to run
         self.shape_table = mi.UInt32(table)
-        self.no_diffuse = mi.Bool(no_diffuse_lobe(mi, recordable.scene))
+        self.material_flags = mi.UInt32(material_flags(mi, recordable.scene))
         self.has_instances = has_instances(recordable.scene)
 
     def trace(self, count, seed, layers, rows=None):
@@ -68,9 +69,10 @@ class Wavefront:
         if any(name in layers for name in ("albedo", "normal", "depth", "position", "shape")):
             values = self.features.sample(of.scene, sampler, ray, medium)[2]
             position = mi.Point3f(values[6], values[7], values[8])
-            shape, specular = self._shape(ray, mi.UInt32(values[9]))
+            shape, flags = self._shape(ray, mi.UInt32(values[9]))
+            albedo = mi.Color3f(values[0], values[1], values[2])
             view = of.sensor.world_transform().inverse() @ position
-            found = {"albedo": dr.select(specular, 1, mi.Color3f(values[0], values[1], values[2])),
+            found = {"albedo": dr.select(no_diffuse_answer(mi, flags, dr.all(albedo == 0)), 1, albedo),
                      "normal": mi.Vector3f(values[3], values[4], values[5]),
                      "depth": dr.select(shape > 0, view.z, 0), "position": position, "shape": shape}
             out.update((name, found[name]) for name in found if name in layers)
@@ -78,14 +80,14 @@ class Wavefront:
         return out
 
     def _shape(self, ray, found):
-        """(1 + index in scene.shapes or 0, whether the surface only mirrors or refracts); found: Mitsuba's id of the shape."""
+        """(1 + index in scene.shapes or 0, flags of the material there); found: Mitsuba's id of the shape."""
         mi, dr = self.mi, self.dr
         if not self.has_instances:
             shape = dr.gather(mi.UInt32, self.shape_table, found)
-            return shape, dr.gather(mi.Bool, self.no_diffuse, shape)
+            return shape, dr.gather(mi.UInt32, self.material_flags, shape)
         # What an instance shows is no shape of the scene and has an id outside the table: one more ray tells the instance.
         hit = self.of.scene.ray_intersect(ray)
         owner = dr.select(hit.instance != None, dr.reinterpret_array(mi.UInt32, hit.instance),  # noqa: E711
                           dr.reinterpret_array(mi.UInt32, hit.shape))
         shape = dr.gather(mi.UInt32, self.shape_table, owner, hit.is_valid())
-        return shape, hit.is_valid() & ~mi.has_flag(hit.bsdf().flags(), mi.BSDFFlags.Diffuse)
+        return shape, dr.select(hit.is_valid(), hit.bsdf().flags(), int(mi.BSDFFlags.Diffuse))
