@@ -16,7 +16,7 @@ import measured  # noqa: E402
 from chapter import Chapter  # noqa: E402
 from inference import use_program  # noqa: E402
 from results import Results  # noqa: E402
-from statements import change_rows, of_the_paper, statements  # noqa: E402
+from statements import change_rows, kinds_of_change, of_the_paper, statements  # noqa: E402
 from tables import curves, finding  # noqa: E402
 
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
@@ -197,6 +197,8 @@ def test_statements_that_changed_are_found():
     assert rows[1][1:] == ["**disagrees**, in part not told apart", "agrees",
                            "table: not told apart at 16; above at 4, 8 → below at 4, 8, 16"]
     assert rows[0][3] == "scene S, robust: not told apart → yes" and rows[2][3] == "–"
+    assert kinds_of_change(rows) == (1, 0, 2)
+    assert kinds_of_change([["", "agrees", "undecided: not told apart", ""], ["", "**mixed**", "**disagrees**", ""]]) == (0, 1, 1)
     gained, lost, agree, total = of_the_paper(before, after)
     assert [s.text for s in gained] == ["5-3 puts more there than Haar", "paper: 5-3 is below haar in MSE"]
     assert [s.text for s in lost] == ["5-3 is below db3"] and (len(agree), len(total)) == (2, 4)

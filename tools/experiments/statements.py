@@ -86,6 +86,19 @@ def change_rows(before, after):
     return sorted(rows, key=lambda row: row[3] == "–")  # first what does not change by other recordings alone
 
 
+def _signs(verdict):
+    """Which answers a verdict holds: +1 as stated, -1 the other way."""
+    return {1, -1} if "mixed" in verdict else {-1} if "disagrees" in verdict else {1} if "agrees" in verdict else set()
+
+
+def kinds_of_change(rows):
+    """Of change_rows, how many say the opposite, how many are decided on one page only, and how many change in part."""
+    pairs = [(_signs(then), _signs(now)) for _, then, now, _ in rows]
+    opposite = sum(then != now and len(then) == len(now) == 1 for then, now in pairs)
+    one_page = sum(not then or not now for then, now in pairs)
+    return opposite, one_page, len(rows) - opposite - one_page
+
+
 def of_the_paper(before, after):
     """Statements of the paper: (those that agree now and did not, those that do not any more, all that agree now, all)."""
     both = [(before.get(k), now) for k, now in after.items() if now.of_the_paper and now.verdict != "not measured"]
