@@ -88,8 +88,9 @@ def _force_integrator(mi, nodes, wishes):
 
 
 def _rigid(mi, node):
-    """A camera whose matrix scales is refused by Mitsuba 3: its rotation is kept (polar decomposition)."""
-    if "to_world" not in node.props or not hasattr(node.props["to_world"], "matrix"):
+    """A camera whose matrix scales is refused by Mitsuba 3: its rotation is kept (polar decomposition). The scale of an
+    orthographic camera is the width of what it sees."""
+    if node.props.plugin_name() == "orthographic" or "to_world" not in node.props or not hasattr(node.props["to_world"], "matrix"):
         return []
     matrix = np.array(node.props["to_world"].matrix, np.float64).reshape(4, 4)
     factors = np.linalg.svd(matrix[:3, :3], compute_uv=False)
@@ -102,9 +103,9 @@ def _rigid(mi, node):
 
 
 def _has_child(state, node, kind):
-    """Whether a node of this kind hangs on the node, as a reference or as an object."""
-    values = [node.props[key] for key in node.props.keys()]
-    return any(state.nodes[value.index()].type == kind for value in values if type(value).__name__ == "ResolvedReference")
+    """Whether a node of this kind hangs on the node. Nothing but references is read: what is read, Mitsuba takes for known."""
+    values = [node.props[key] for key in node.props.keys() if node.props.type(key).name == "ResolvedReference"]
+    return any(state.nodes[value.index()].type == kind for value in values)
 
 
 def _replace(node, plugin):

@@ -91,7 +91,23 @@ def test_dropped_properties_are_named(load):
     assert "lost: bsdf diffuse does not know shininess, line 2" in told(found)
 
 
+def test_dropped_properties_of_the_camera_are_named_with_a_film_and_without(load):
+    lens = '<float name="aperture_radius" value="0.1"/><float name="focal_distance" value="4"/>'
+    for film in (FILM, ""):
+        body = '<integrator type="path"/>' + (CAMERA % (film + lens)).replace('"perspective"', '"thinlens"') + LIGHT + BALL % ""
+        assert "lost: sensor thinlens does not know focal_distance" in told(load(body, "3.0.0", size=(24, 16)))
+
+
+def test_an_orthographic_camera_keeps_its_scale(load):
+    camera = (CAMERA % FILM).replace('"perspective"', '"orthographic"').replace(
+        "<lookAt", '<scale x="3" y="2"/><lookAt').replace('<float name="fov" value="40"/>', "")
+    found = load('<integrator type="path"/>' + camera + LIGHT + BALL % "", "3.0.0")
+    assert found.changes == []
+    assert np.linalg.norm(np.array(found.sensor.world_transform().matrix).reshape(4, 4)[:3, 0]) == pytest.approx(3)
+
+
 @pytest.mark.parametrize("medium, words", [
+    ('<medium type="homogeneous" name="interior"><string name="density_filename" value="scene.xml"/></medium>', "does not know density_filename"),
     ('<medium type="homogeneous" name="interior"><rgb name="sigma_s" value="1"/></medium>', "medium homogeneous does not know sigma_s"),
     ('<medium type="heterogeneous" name="interior"><volume type="constvolume" name="thickness"><float name="value" value="2"/></volume>'
      '</medium>', "thickness")])
