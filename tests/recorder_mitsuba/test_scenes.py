@@ -1,4 +1,4 @@
-"""Scenes as they are found: what is lost, missing or misspelt is said, and old files are rewritten."""
+"""Scenes as they are found: what is lost, missing or misspelt is said."""
 import os
 
 import numpy as np
@@ -7,43 +7,7 @@ import pytest
 mi = pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
 
 import spool  # noqa: E402
-from conftest import check_ok, record  # noqa: E402
-from failure import Failure  # noqa: E402
-
-CAMERA = """<sensor type="perspective"><float name="fov" value="40"/><transform name="toWorld">
-<lookAt origin="0,0,-4" target="0,0,0" up="0,1,0"/></transform>%s</sensor>"""
-FILM = '<film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>'
-LIGHT = '<emitter type="constant"/>'
-BALL = '<shape type="sphere" id="ball">%s</shape>'
-
-
-@pytest.fixture
-def load(tmp_path):
-    """load(body, version, **wishes) -> Recordable"""
-    before = mi.variant()
-    mi.set_variant("scalar_rgb")
-    from scene import Wishes, load_scene
-
-    def loaded(body, version="0.6.0", **wishes):
-        body = body.replace("lookAt", "lookat").replace("toWorld", "to_world") if version >= "2" else body
-        (tmp_path / "scene.xml").write_text('<scene version="%s">%s</scene>' % (version, body))
-        return load_scene(mi, str(tmp_path / "scene.xml"), Wishes(**wishes))
-
-    yield loaded
-    if before:
-        mi.set_variant(before)
-
-
-def refusal(call, *arguments, **more):
-    with pytest.raises(Failure) as caught:
-        call(*arguments, **more)
-    assert "\n" not in str(caught.value)
-    return caught.value.code, str(caught.value)
-
-
-def told(found):
-    return " | ".join(found.changes)
-
+from conftest import BALL, CAMERA, FILM, LIGHT, OLD, check_ok, record, refusal, told  # noqa: E402
 
 NEW = '<integrator type="path"/>' + CAMERA % FILM + LIGHT + BALL
 
@@ -139,113 +103,6 @@ def test_unknown_plugins_are_named_and_can_be_substituted(load):
     found = load(body, "3.0.0", substitutes={"glass": "dielectric", "irawan": "diffuse"})
     assert "glass replaced by dielectric" in told(found)
     assert refusal(load, NEW % "", "3.0.0", substitutes={"glass": "dielectric"})[0] == 2
-
-
-OLD = '<integrator type="%s"><integer name="maxDepth" value="6"/><boolean name="strictNormals" value="true"/></integrator>'
-
-
-@pytest.mark.parametrize("plugin", ["bdpt", "sppm", "pssmlt", "photonmapper", "guided_path", "ptracer"])
-def test_old_integrators_become_path(load, plugin):
-    found = load(OLD % plugin + CAMERA % FILM + LIGHT + BALL % "")
-    assert "integrator %s taken as path" % plugin in told(found) and "max_depth = 6" in str(found.integrator)
-
-
-def test_old_colours_mean_what_they_meant(load):
-    colours = {"one": '<srgb name="reflectance" value="#804020"/>', "two": '<rgb name="reflectance" value="#804020"/>',
-               "three": '<srgb name="reflectance" value="0.5, 0.25, 1"/>'}
-    body = OLD % "path" + CAMERA % FILM + LIGHT + "".join(
-        '<shape type="sphere" id="%s"><bsdf type="diffuse">%s</bsdf></shape>' % item for item in colours.items())
-    found = load(body)
-    values = {shape.id(): np.array(mi.traverse(shape.bsdf())["reflectance.value"]).ravel() for shape in found.scene.shapes()}
-    assert values["one"] == pytest.approx([0.21586, 0.05127, 0.01444], abs=1e-4)     # IEC 61966-2-1
-    assert values["two"] == pytest.approx([128 / 255, 64 / 255, 32 / 255], abs=1e-5)
-    assert values["three"] == pytest.approx([0.21404, 0.05088, 1], abs=1e-4)
-
-
-def test_old_emitters_of_one_number_are_grey(load):
-    body = OLD % "path" + CAMERA % FILM + BALL % "" + '<emitter type="constant"><spectrum name="radiance" value="2"/></emitter>'
-    found = load(body)
-    assert np.array(mi.traverse(found.scene)["_unnamed_0.radiance.value"] if "_unnamed_0.radiance.value" in mi.traverse(found.scene)
-                    else found.scene.environment().eval(mi.SurfaceInteraction3f())).ravel()[:3] == pytest.approx([2, 2, 2])
-    assert "taken as grey" in told(found)
-
-
-def test_old_elements_outside_the_format_are_left_out_and_said(load):
-    found = load(OLD % "path" + "<mode/><hide><shape type='sphere'/></hide><!-- a comment -->" + CAMERA % FILM + LIGHT + BALL % "")
-    assert len(found.shapes) == 1
-    for name in ("mode", "hide"):
-        assert "<%s> left out" % name in told(found)
-
-
-def test_old_media_keep_their_coefficients(load):
-    medium = '<medium type="homogeneous" name="interior"><rgb name="sigmaA" value="1, 2, 3"/><spectrum name="sigmaS" value="3"/>' \
-        '<float name="densityMultiplier" value="2"/></medium>'
-    found = load(OLD % "volpath_simple" + CAMERA % FILM + LIGHT + BALL % ('<bsdf type="null"/>' + medium))
-    values = mi.traverse(found.scene.shapes()[0].interior_medium())
-    assert float(values["scale"]) * np.array(values["sigma_t.value.value"]).ravel() == pytest.approx([8, 10, 12])
-    assert np.array(values["albedo.value.value"]).ravel() == pytest.approx([3 / 4, 3 / 5, 3 / 6], abs=1e-6)
-    assert "taken as volpath" in told(found)
-
-
-def test_old_volumes_lie_where_their_file_says_and_their_shape_is_open(load, tmp_path):
-    grid = mi.VolumeGrid(np.linspace(0, 1, 8, dtype="f4").reshape(2, 2, 2))
-    grid.write(str(tmp_path / "v.vol"))
-    volume = '<medium type="heterogeneous" %s><string name="method" value="woodcock"/><float name="stepSize" value="0.1"/>' \
-        '<volume name="density" type="gridvolume"><string name="filename" value="v.vol"/></volume><float name="scale" value="3"/></medium>'
-    found = load(volume % 'id="smoke"' + OLD % "volpath" + CAMERA % FILM + LIGHT + BALL % '<ref name="interior" id="smoke"/>' +
-                 BALL.replace("ball", "second") % (volume % 'name="interior"') +
-                 BALL.replace("ball", "glass") % '<ref name="interior" id="smoke"/><bsdf type="dielectric"/>')
-    names = {shape.id(): shape.bsdf().class_name() for shape in found.scene.shapes()}
-    assert names == {"ball": "Null", "second": "Null", "glass": "SmoothDielectric"}
-    assert "density taken as sigma_t" in told(found) and "taken as open" in told(found) and "lost" not in told(found)
-    assert float(mi.traverse(found.scene.shapes()[0].interior_medium())["scale"]) == 3
-
-
-@pytest.mark.parametrize("inside, words", [
-    ('<subsurface type="dipole"/>', "<subsurface type=dipole>"),
-    ('<medium type="homogeneous" name="interior"><string name="material" value="skin1"/></medium>', "preset medium skin1")])
-def test_what_old_media_lose_is_refused_unless_allowed(load, inside, words):
-    body = OLD % "path" + CAMERA % FILM + LIGHT + BALL % inside
-    code, text = refusal(load, body)
-    assert code == 1 and words in text
-    assert words in told(load(body, allow_losses=True))
-
-
-def test_old_skies_have_y_for_up(load):
-    """The sun of a direction with y above the horizon shines; in Mitsuba 3 as it stands it would be below."""
-    body = OLD % "path" + CAMERA % FILM + BALL % "" + '<emitter type="%s"><vector name="sunDirection" x="0" y="1" z="-0.2"/></emitter>'
-    for plugin in ("sunsky", "sky"):
-        found = load(body % plugin)
-        assert "y is up" in told(found) and "below the horizon" not in told(found)
-        up, down = (mi.SurfaceInteraction3f(), mi.SurfaceInteraction3f())
-        up.wi, down.wi = mi.Vector3f(0, -0.9, 0.436), mi.Vector3f(0, 0.9, 0.436)     # looking against wi
-        light = found.scene.environment()
-        assert max(light.eval(up)) > 0 and max(light.eval(down)) == 0
-
-
-def test_old_textures_and_nearest_plugins(load, tmp_path):
-    mi.Bitmap(np.full((2, 2, 3), 128, np.uint8)).write(str(tmp_path / "t.png"))
-    texture = '<texture type="bitmap" name="%s"><string name="filename" value="t.png"/><string name="filterType" value="ewa"/>' \
-        '<float name="gamma" value="1"/></texture>'
-    found = load(OLD % "path" + CAMERA % FILM.replace("hdrfilm", "ldrfilm") + LIGHT + BALL % (
-        '<bsdf type="roughdiffuse">%s</bsdf>' % texture % "reflectance") + BALL.replace("ball", "coated") % (
-        '<bsdf type="coating"><bsdf type="roughplastic"><string name="distribution" value="phong"/></bsdf></bsdf>'))
-    for words in ("roughdiffuse taken as diffuse", "filter ewa taken as bilinear", "gamma 1 taken as raw", "the coat is dropped",
-                  "distribution phong taken as beckmann"):
-        assert words in told(found)
-    place = mi.SurfaceInteraction3f()
-    place.uv = mi.Point2f(0.5, 0.5)
-    assert list(found.scene.shapes()[0].bsdf().eval_diffuse_reflectance(place)) == pytest.approx([128 / 255] * 3, abs=1e-3)
-
-
-def test_old_includes_are_rewritten_too(load, tmp_path):
-    (tmp_path / "part.xml").write_text('<scene version="0.6.0"><bsdf type="diffuse" id="m"><srgb name="reflectance" value="#ffffff"/>'
-                                       "</bsdf></scene>")
-    body = OLD % "path" + '<include filename="part.xml"/>' + CAMERA % FILM + LIGHT + BALL % '<ref id="m"/>'
-    first = load(body)
-    assert "<srgb> made linear" in told(first)
-    (tmp_path / "part.xml").write_text('<scene version="0.6.0"><include filename="part.xml"/></scene>')
-    assert "includes itself" in refusal(load, body)[1]
 
 
 def test_another_scene_than_the_expected_one_is_refused(load):
