@@ -45,6 +45,8 @@ def parse(arguments, about):
 def check(options):
     if not options.out and not options.dry_run:
         raise usage_failure("no output: give -o FILE.spool")
+    if options.plan and not options.dry_run:
+        raise usage_failure("--plan %s: says something of a --dry-run only: give both or neither" % options.plan)
     for name, low, high in (("samples", 1, 65536), ("reference", 0, 1 << 24), ("seed", 0, USER_LIMIT - 1),
                             ("chunk_lanes", 1, 1 << 28), ("block", 1, 1024), ("max_depth", -1, 1 << 30)):
         value = getattr(options, name)

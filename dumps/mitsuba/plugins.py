@@ -41,8 +41,12 @@ def force(mi, state, wishes):
     if film and abs(size[0] * film[1] - size[1] * film[0]) > max(film):
         changes.append("%dx%d has another aspect than the film's %dx%d: the picture shows more or less of the scene" % (*size, *film))
     integrators = [node for node in state.nodes if node.type == kind.Integrator]
+    sensors = sum(node.type == kind.Sensor for node in state.nodes)
+    if sensors > 1:
+        changes.append("the scene has %d sensors: only the first is recorded" % sensors)
     for node in state.nodes:
         if node.type == kind.Film:
+            changes += _crop(node)
             for key in [key for key in node.props.keys() if key != "rfilter"]:
                 del node.props[key]
             node.props.set_plugin_name("hdrfilm")
@@ -72,6 +76,14 @@ def _film_size(mi, state):
         if node.type == mi.ObjectType.Film:
             return int(node.props.get("width", DEFAULT_FILM[0])), int(node.props.get("height", DEFAULT_FILM[1]))
     return None
+
+
+def _crop(node):
+    """A line when the film shows a part of its picture."""
+    width, height = (node.props.get(name, size) for name, size in zip(("width", "height"), DEFAULT_FILM))
+    part = node.props.get("crop_width", width), node.props.get("crop_height", height)
+    return [] if part == (width, height) else ["the film's crop window of %dx%d is not kept: the whole picture of %dx%d is recorded" % (
+        *part, width, height)]
 
 
 def _force_integrator(mi, nodes, wishes):

@@ -238,6 +238,7 @@ def test_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
     (["cornell-box"], 2, "give -o"),
     (["cornell-box", "-o", "x.spool", "--channels", "radiance,smell"], 2, "unknown channel 'smell'"),
     (["cornell-box", "-o", "x.spool", "--size", "0x9"], 2, "--size"),
+    (["cornell-box", "-o", "x.spool", "--plan", "nowhere.toml"], 2, "--dry-run only"),
     (["cornell-box", "-o", "x.spool", "--integrator", "ptracer"], 1, "no samples of a pixel"),
     (["cornell-box", "-o", "x.spool", "--seed", "5000"], 2, "outside"),
 ])

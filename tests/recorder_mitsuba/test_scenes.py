@@ -7,6 +7,7 @@ import pytest
 mi = pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
 
 import spool  # noqa: E402
+from channels import chosen_layers  # noqa: E402
 from conftest import BALL, CAMERA, FILM, LIGHT, OLD, check_ok, record, refusal, told  # noqa: E402
 
 NEW = '<integrator type="path"/>' + CAMERA % FILM + LIGHT + BALL
@@ -22,6 +23,28 @@ def test_size_holds_without_a_film(load):
 def test_another_aspect_is_remarked_and_the_same_is_not(load):
     assert "another aspect than the film's 24x16" in told(load(NEW % "", "3.0.0", size=(32, 32)))
     assert load(NEW % "", "3.0.0", size=(12, 8)).changes == []
+
+
+def test_a_crop_window_and_further_sensors_are_remarked(load):
+    old = FILM.replace("</film>", '<integer name="cropWidth" value="8"/><integer name="cropHeight" value="8"/></film>')
+    assert "crop window of 8x8" in told(load(OLD % "path" + CAMERA % old + LIGHT + BALL % ""))
+    crop = FILM.replace("</film>", '<integer name="crop_width" value="8"/><integer name="crop_height" value="%d"/></film>')
+    found = load(NEW.replace(FILM, crop % 8) % "", "3.0.0")
+    assert found.changes == ["the film's crop window of 8x8 is not kept: the whole picture of 24x16 is recorded"]
+    assert tuple(found.sensor.film().crop_size()) == (24, 16)
+    assert load(NEW.replace(FILM, crop.replace("8", "24") % 16) % "", "3.0.0").changes == []
+    second = (CAMERA % FILM.replace("24", "12")).replace("40", "20")
+    found = load(NEW % "" + second, "3.0.0")
+    assert found.changes == ["the scene has 2 sensors: only the first is recorded"]
+    assert tuple(found.sensor.film().crop_size()) == (24, 16) and "x_fov = 40" in str(found.sensor)
+
+
+@pytest.mark.parametrize("name, words", [("lens", "has no aperture"), ("time", "open for no time"), ("direct", "only the path integrator")])
+def test_a_layer_that_the_scene_has_not_is_refused_when_named(load, name, words):
+    found = load((NEW % "").replace('"path"', '"volpath"'), "3.0.0")
+    code, text = refusal(chosen_layers, "radiance,%s" % name, found)
+    assert code == 1 and words in text and "leave out `%s`" % name in text
+    assert name not in chosen_layers("all", found)
 
 
 def test_max_depth_reaches_the_integrator_of_the_scene(load):
