@@ -26,8 +26,10 @@ def substitute(state, substitutes):
 
 def refuse_unknown(mi, source, state):
     kinds, manager = mi.ObjectType, mi.PluginManager.instance()
-    replaced = (kinds.Scene, kinds.Film, kinds.Sampler, kinds.ReconstructionFilter, kinds.Integrator, kinds.Unknown)
-    unknown = sorted({(node.type.name.lower(), node.props.plugin_name()) for node in state.nodes if node.type not in replaced
+    replaced = (kinds.Scene, kinds.Film, kinds.Sampler, kinds.ReconstructionFilter, kinds.Integrator)
+    # In a dict the plugin says what kind of object it is, so there an unknown one is of no kind.
+    words = {kinds.Unknown: "plugin"}
+    unknown = sorted({(words.get(node.type, node.type.name.lower()), node.props.plugin_name()) for node in state.nodes if node.type not in replaced
                       and manager.plugin_type(node.props.plugin_name()) == kinds.Unknown})
     if unknown:
         raise scene_failure("%s: Mitsuba 3 has no %s: choose what stands for it, --substitute %s=PLUGIN" % (

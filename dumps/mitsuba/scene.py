@@ -118,7 +118,7 @@ def _parse(mi, config, source, wishes, meshes):
     for folder in (os.path.dirname(path), *map(os.path.abspath, wishes.folders)):
         mi.file_resolver().append(folder)
     if source.endswith(".py"):
-        return Source(mi.parser.parse_dict(config, _python_scene(mi, source)), name, scene_files.digest([path]))
+        return Source(mi.parser.parse_dict(config, _python_scene(mi, source)), name, None, [path])
     if not old_format.is_old(path):
         state = mi.parser.parse_file(config, source, **wishes.definitions)
         return Source(state, name, None, map(str, state.files))

@@ -119,6 +119,29 @@ def test_missing_files_are_named_all_at_once(load, tmp_path):
     assert first.digest != load(only, "3.0.0", folders=(str(tmp_path / "meshes"),)).digest
 
 
+DICT = """def scene(mi):
+    return {"type": "scene", "integrator": {"type": "path"}, "sensor": {"type": "perspective"}, "light": {"type": "constant"}, %s}
+"""
+
+
+def test_the_files_and_plugins_of_a_python_scene_are_named_and_hashed_too(load, tmp_path):
+    def written(parts, **wishes):
+        (tmp_path / "scene.py").write_text(DICT % parts)
+        return load_scene(mi, str(tmp_path / "scene.py"), Wishes(**wishes))
+
+    from scene import Wishes, load_scene
+    mesh = '"a": {"type": "obj", "filename": "mesh.obj"}'
+    code, text = refusal(written, mesh + ', "b": {"type": "ply", "filename": "other.ply"}')
+    assert code == 1 and "2 of the 2 files it names are not there: mesh.obj, other.ply" in text
+    code, text = refusal(written, '"a": {"type": "sphere", "m": {"type": "glass"}}, "b": {"type": "sphere", "m": {"type": "irawan"}}')
+    assert code == 1 and "no plugin glass, no plugin irawan" in text and "--substitute glass=PLUGIN" in text
+    (tmp_path / "mesh.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    first = written(mesh).digest
+    assert first == written(mesh).digest
+    (tmp_path / "mesh.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n")
+    assert first != written(mesh).digest
+
+
 def test_unknown_plugins_are_named_and_can_be_substituted(load):
     body = NEW % '<bsdf type="glass"/>' + BALL.replace("ball", "b") % '<bsdf type="irawan"/>'
     code, text = refusal(load, body, "3.0.0")
