@@ -81,3 +81,30 @@ def test_a_state_without_its_number_is_taken_by_the_samples_it_holds():
     for parts, useless in (([(0, 32, (0, 4))], False), ([(0, 32, (0, 4)), (32, 32, (0, 4))], False), ([(0, 64, (0, 4))], True)):
         state, found = begun_or_empty(stored, sum(count for _, count, _ in parts), parts, 4, 3)
         assert found == useless and int(state["chunks"]) == (not useless) and int(state["wanted"]) == sum(part[1] for part in parts)
+
+
+@pytest.mark.parametrize("name, remedy", [("chunk_00001.npz", "remove it"), ("reference.npz", "remove it"), ("plan.json", "remove the folder")])
+@pytest.mark.parametrize("damage", ["cut", "changed"])
+def test_a_damaged_file_is_one_line_and_what_to_do_helps(stopped, tmp_path, name, remedy, damage):
+    out, folder = tmp_path / "on.spool", tmp_path / "on.spool.recording"
+    shutil.copytree(stopped, folder)
+    content = (folder / name).read_bytes()
+    half = len(content) // 2
+    (folder / name).write_bytes(content[:half] if damage == "cut" else content[:half - 20] + b"\xff" * 40 + content[half + 20:])
+    result = record(*OPTIONS, "-o", out, "--reference", 512)
+    assert result.returncode == 3 and len(result.stderr.strip().splitlines()) == 1, result.stderr
+    assert "%s: damaged" % name in result.stderr and "%s and run the same command again" % remedy in result.stderr
+    assert not out.exists()
+    if name == "chunk_00001.npz":              # found while the file was being written, when it was only changed
+        os.remove(folder / name)
+        check_ok(record(*OPTIONS, "-o", out, "--reference", 8))
+
+
+def test_an_unfinished_file_of_somebody_else_is_left_alone(tmp_path):
+    out, partial = tmp_path / "on.spool", tmp_path / "on.spool.partial"
+    partial.write_text("theirs")
+    for _ in range(2):
+        result = record(*OPTIONS, "-o", out)
+        assert result.returncode == 2 and "on.spool.partial: exists" in result.stderr and partial.read_text() == "theirs"
+    partial.unlink()
+    check_ok(record(*OPTIONS, "-o", out))
