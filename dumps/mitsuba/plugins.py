@@ -6,6 +6,7 @@ import numpy as np
 from failure import scene_failure, usage_failure
 
 SCALE_TOLERANCE = 5e-4           # below what Mitsuba takes for a scale: a squared length within 1e-3 of 1
+AROUND_ANOTHER = "aov", "moment"
 DEFAULT_FILM = 768, 576          # what Mitsuba takes where the film says nothing
 # size: (width, height); direct: dict of the integrator that sees direct light only, or None; changes: lines to tell
 Forced = namedtuple("Forced", "size direct changes")
@@ -34,6 +35,17 @@ def refuse_unknown(mi, source, state):
     if unknown:
         raise scene_failure("%s: Mitsuba 3 has no %s: choose what stands for it, --substitute %s=PLUGIN" % (
             source, ", no ".join("%s %s" % pair for pair in unknown), unknown[0][1]))
+
+
+def refuse_without_radiance(mi, source, state, wishes):
+    """An integrator of features alone: what it gives is no light."""
+    alone = [node.props.plugin_name() for node in state.nodes if node.type == mi.ObjectType.Integrator
+             and node.props.plugin_name() in AROUND_ANOTHER and not _has_child(state, node, mi.ObjectType.Integrator)]
+    if wishes.integrator in AROUND_ANOTHER:
+        alone.append(wishes.integrator)
+    if alone:
+        raise scene_failure("%s: integrator %s has no integrator inside that gives radiance: choose one with --integrator path" % (
+            source, alone[0]))
 
 
 def force(mi, state, wishes):

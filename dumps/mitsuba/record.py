@@ -40,12 +40,13 @@ def open_tracer(options):
     try:
         variant, note = choose_variant(options.variant)
         import mitsuba as mi
+        usable = [name for name in mi.variants() if name.startswith(("llvm_", "cuda_")) and "mono" not in name or name == "scalar_rgb"]
+        if variant not in usable:
+            raise usage_failure("--variant %s: use one of %s" % (variant, ", ".join(usable)))
         mi.set_variant(variant)
     except ImportError as error:
         raise Failure(3, "Mitsuba does not start (%s): pip install -r dumps/mitsuba/requirements.txt, and apt-get "
                          "install libatomic1 libllvm19" % error)
-    if not (variant.startswith(("llvm_", "cuda_")) or variant == "scalar_rgb") or "mono" in variant:
-        raise usage_failure("--variant %s: use llvm_ad_rgb, cuda_ad_rgb, their spectral forms, or scalar_rgb" % variant)
     mi.set_log_level(mi.LogLevel.Error)
     recordable = load_scene(mi, options.scene, Wishes(options.size, options.integrator, options.max_depth,
                                                       options.definitions, options.substitutes, options.allow_losses, options.files,

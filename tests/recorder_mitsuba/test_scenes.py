@@ -73,6 +73,23 @@ def test_misspelt_parameters_are_refused_with_the_right_ones(load):
     assert code == 2 and "give -D colour=VALUE" in text
 
 
+def test_undefined_parameters_are_named_all_at_once(load, tmp_path):
+    (tmp_path / "part.xml").write_text('<scene version="3.0.0"><default name="wide" value="1"/><!-- $nothing -->'
+                                       '<shape type="sphere"><float name="radius" value="$radius"/></shape></scene>')
+    ball = NEW % '<bsdf type="diffuse"><rgb name="reflectance" value="$r,$g,$wide"/></bsdf>'
+    code, text = refusal(load, '<include filename="part.xml"/>' + ball, "3.0.0", definitions={"g": "1"})
+    assert code == 2 and "uses the parameters r, radius and does not say what they are: give -D r=VALUE -D radius=VALUE" in text
+
+
+def test_integrators_that_give_features_alone_are_refused(load):
+    features = '<integrator type="aov"><string name="aovs" value="d:depth"/>%s</integrator>' + CAMERA % FILM + LIGHT + BALL % ""
+    load(features % '<integrator type="path"/>', "3.0.0")
+    load(features % "", "3.0.0", integrator="path")
+    for text, wishes in ((features % "", {}), (CAMERA % FILM + LIGHT, {"integrator": "moment"}), (NEW % "", {"integrator": "moment"})):
+        code, told_text = refusal(load, text, "3.0.0", **wishes)
+        assert code == 1 and "has no integrator inside" in told_text and "--integrator path" in told_text
+
+
 def test_dropped_properties_are_named(load):
     found = load(NEW % '<bsdf type="diffuse"><float name="shininess" value="3"/></bsdf>', "3.0.0")
     assert "lost: bsdf diffuse does not know shininess, line 2" in told(found)
