@@ -92,7 +92,7 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
     """pool_marks: sorted, of shared_numbers."""
     state, useless = begun_or_empty(chunks.load_reference(), options.reference, cut.parts, tracer.height, tracer.width)
     if useless:
-        print("%s: the reference there was begun for another number of samples than %d: it begins anew, the pool is kept" % (
+        print("%s: the reference there was begun for another --reference than %d, or other --chunk-lanes: it begins anew, the pool is kept" % (
             chunks.folder, options.reference), file=sys.stderr)
     pixels = shared_numbers.chosen_pixels(tracer.width, tracer.height)
     progress = Progress("reference", len(cut.parts) - int(state["chunks"]))
@@ -102,7 +102,7 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
         started = time.process_time()
         arrays = tracer.trace(count, chunk_seed(options.seed, index, reference=True), ["radiance", "film"], rows)
         marks = shared_numbers.marks(arrays["film"], rows, pixels)
-        kept = {"wanted": state["wanted"], "looked_at": state["looked_at"] + len(marks),
+        kept = {"cut": state["cut"], "looked_at": state["looked_at"] + len(marks),
                 "repeated": state["repeated"] + shared_numbers.found_again(marks, pool_marks)}
         state = {**add_chunk(state, arrays["radiance"], time.process_time() - started, rows), **kept}
         if index % 8 == 7 or index + 1 == len(cut.parts):

@@ -1,8 +1,8 @@
 """Running mean and variance of the mean of the reference, by chunks, in double precision.
 
 Chunks are merged pairwise in order by the update of Chan, Golub and LeVeque; sums of squares are not used.
-Non-finite samples are left out and counted. A state keeps the number of samples it was begun for: the same number of chunks
-holds other samples when it is cut for another number.
+Non-finite samples are left out and counted. A state keeps how its samples are cut into chunks: the same number of chunks
+holds other samples when it is cut otherwise.
 """
 import numpy as np
 
@@ -13,14 +13,15 @@ def empty_reference(height, width):
             "seconds": np.float64(0)}
 
 
-def begun_or_empty(stored, wanted, parts, height, width):
-    """(state to go on from, whether what was stored is of no use); stored: a state or None; parts: of Cut, for `wanted` samples."""
-    empty = {**empty_reference(height, width), "looked_at": np.int64(0), "repeated": np.int64(0), "wanted": np.int64(wanted)}
+def begun_or_empty(stored, samples, parts, height, width):
+    """(state to go on from, whether what was stored is of no use); stored: a state or None; parts: of Cut, for `samples`."""
+    cut = np.array([samples, parts[0][1], parts[0][2][1]])                    # samples in all, in a chunk, rows in a chunk
+    empty = {**empty_reference(height, width), "looked_at": np.int64(0), "repeated": np.int64(0), "cut": cut}
     if stored is None:
         return empty, False
-    if "wanted" in stored:
-        fits = int(stored["wanted"]) == wanted
-    else:                                  # begun before the number was kept: are the samples those of the first parts?
+    if "cut" in stored:
+        fits = np.array_equal(stored["cut"], cut)
+    else:                                  # begun before this was kept: are the samples those of the first parts?
         done = int(stored["chunks"])
         expected = sum(count * (rows[1] - rows[0]) * width for _, count, rows in parts[:done])
         fits = done <= len(parts) and int(stored["count"].sum()) + int(stored["nonfinite"]) == expected

@@ -52,7 +52,7 @@ def whole(folder, reference):
 
 def without_its_number(state):
     """As recorders left it that did not keep what a reference was begun for."""
-    del state["wanted"]
+    del state["cut"]
     return state
 
 
@@ -65,12 +65,20 @@ def test_the_same_reference_goes_on_to_the_same_bits(stopped, tmp_path, change):
 @pytest.mark.parametrize("change, reference", [(lambda state: state, 256), (without_its_number, 18)])
 def test_another_reference_begins_anew_and_the_pool_is_kept(stopped, tmp_path, change, reference):
     out, told = go_on(stopped, tmp_path, reference, change)
-    assert "begun for another number of samples than %d: it begins anew, the pool is kept" % reference in told
+    assert "begun for another --reference than %d, or other --chunk-lanes: it begins anew, the pool is kept" % reference in told
     with spool.open(out) as dump:
         assert dump.meta["reference"]["samples"] == reference
         assert dump.meta["random_numbers"] == {"pool": 16 * PIXELS, "pool_repeated": 0, "reference": reference * PIXELS,
                                                "reference_repeated": 0}
     assert content_hash(str(out)) == whole(tmp_path, reference)
+
+
+def test_a_state_that_was_cut_otherwise_is_not_gone_on_with():
+    """A reference of 64 in chunks of 64, begun; then in chunks of 32, as with fewer lanes."""
+    begun, _ = begun_or_empty(None, 64, [(0, 64, (0, 4))], 4, 3)
+    assert begun_or_empty(begun, 64, [(0, 64, (0, 4))], 4, 3)[1] is False
+    assert begun_or_empty(begun, 64, [(0, 32, (0, 4)), (32, 32, (0, 4))], 4, 3)[1] is True
+    assert begun_or_empty(begun, 64, [(0, 64, (0, 2)), (0, 64, (2, 4))], 4, 3)[1] is True
 
 
 def test_a_state_without_its_number_is_taken_by_the_samples_it_holds():
@@ -80,7 +88,7 @@ def test_a_state_without_its_number_is_taken_by_the_samples_it_holds():
     stored = add_chunk(empty_reference(4, 3), radiance, 1.0, (0, 4))
     for parts, useless in (([(0, 32, (0, 4))], False), ([(0, 32, (0, 4)), (32, 32, (0, 4))], False), ([(0, 64, (0, 4))], True)):
         state, found = begun_or_empty(stored, sum(count for _, count, _ in parts), parts, 4, 3)
-        assert found == useless and int(state["chunks"]) == (not useless) and int(state["wanted"]) == sum(part[1] for part in parts)
+        assert found == useless and int(state["chunks"]) == (not useless) and state["cut"][0] == sum(part[1] for part in parts)
 
 
 @pytest.mark.parametrize("name, remedy", [("chunk_00001.npz", "remove it"), ("reference.npz", "remove it"), ("plan.json", "remove the folder")])
