@@ -1,4 +1,5 @@
 """Going on with a stopped recording: with the same wishes, with another reference, after an older recorder, with a damaged file."""
+import functools
 import os
 import shutil
 import signal
@@ -44,10 +45,16 @@ def go_on(stopped, folder, reference, change=lambda state: state):
     return out, check_ok(record(*OPTIONS, "-o", out, "--reference", reference)).stderr
 
 
-def whole(folder, reference):
-    out = folder / "whole.spool"
-    check_ok(record(*OPTIONS, "-o", out, "--reference", reference))
-    return content_hash(str(out))
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """whole(reference) -> hash of a recording that was never stopped"""
+    @functools.cache
+    def hashed(reference):
+        out = tmp_path_factory.mktemp("whole") / "whole.spool"
+        check_ok(record(*OPTIONS, "-o", out, "--reference", reference))
+        return content_hash(str(out))
+
+    return hashed
 
 
 def without_its_number(state):
@@ -57,20 +64,20 @@ def without_its_number(state):
 
 
 @pytest.mark.parametrize("change", [lambda state: state, without_its_number])
-def test_the_same_reference_goes_on_to_the_same_bits(stopped, tmp_path, change):
+def test_the_same_reference_goes_on_to_the_same_bits(stopped, whole, tmp_path, change):
     out, told = go_on(stopped, tmp_path, 512, change)
-    assert told == "" and content_hash(str(out)) == whole(tmp_path, 512)
+    assert told == "" and content_hash(str(out)) == whole(512)
 
 
 @pytest.mark.parametrize("change, reference", [(lambda state: state, 256), (without_its_number, 18)])
-def test_another_reference_begins_anew_and_the_pool_is_kept(stopped, tmp_path, change, reference):
+def test_another_reference_begins_anew_and_the_pool_is_kept(stopped, whole, tmp_path, change, reference):
     out, told = go_on(stopped, tmp_path, reference, change)
     assert "begun for another --reference than %d, or other --chunk-lanes: it begins anew, the pool is kept" % reference in told
     with spool.open(out) as dump:
         assert dump.meta["reference"]["samples"] == reference
         assert dump.meta["random_numbers"] == {"pool": 16 * PIXELS, "pool_repeated": 0, "reference": reference * PIXELS,
                                                "reference_repeated": 0}
-    assert content_hash(str(out)) == whole(tmp_path, reference)
+    assert content_hash(str(out)) == whole(reference)
 
 
 def test_a_state_that_was_cut_otherwise_is_not_gone_on_with():

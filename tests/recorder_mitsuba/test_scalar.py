@@ -36,12 +36,13 @@ def test_seeds_differ_and_pool_and_reference_differ(tmp_path, size):
 
 
 ROW = """<scene version="3.0.0"><integrator type="path"/><sensor type="perspective">
-<float name="fov" value="%g"/><transform name="to_world"><lookat origin="0,0,-99" target="0,0,0" up="0,1,0"/></transform></sensor><emitter type="constant"/>%s</scene>"""
+<float name="fov" value="%g"/><transform name="to_world"><lookat origin="0,0,-99" target="0,0,0" up="0,1,0"/></transform></sensor>
+<emitter type="constant"/>%s</scene>"""
 
 
 BARE = '<shape type="sphere"><point name="center" x="%d" y="0" z="0"/>%s</shape>'
-INSTANCE = '<shape type="shapegroup" id="group%d"><shape type="sphere">%s</shape></shape><shape type="instance"><transform name="to_world">' \
-    '<translate x="%d"/></transform><ref id="group%d"/></shape>'
+INSTANCE = '<shape type="shapegroup" id="group%d"><shape type="sphere">%s</shape></shape><shape type="instance">' \
+    '<transform name="to_world"><translate x="%d"/></transform><ref id="group%d"/></shape>'
 
 
 def row_of_spheres(folder, materials, variant, instances=False):
