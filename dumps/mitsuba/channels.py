@@ -15,8 +15,8 @@ LAYERS = {
 }
 FEATURES = ("albedo", "normal", "depth", "position", "shape")
 DEFAULT = "radiance,albedo,normal,depth,film"
-
-
+NOT_THERE = {"lens": "the camera has no aperture", "time": "the shutter is open for no time",
+             "direct": "only the path integrator can tell the direct part"}
 MEANINGS = {
     "radiance": {"meaning": "linear Rec.709, unclamped"},
     "direct": {"meaning": "the part of the same path that met at most one surface; the rest is radiance - direct"},
@@ -68,9 +68,10 @@ def chosen_layers(wanted, recordable):
         from failure import usage_failure
         raise usage_failure("unknown channel '%s': choose from %s" % (unknown[0], ", ".join(LAYERS)))
     available = dict(lens=recordable.has_lens, time=recordable.shutter_time > 0, direct=recordable.direct is not None)
-    if "direct" in names and "all" not in wanted.split(",") and not available["direct"]:
+    named = [name for name in wanted.split(",") if not available.get(name, True)]
+    if named and "all" not in wanted.split(","):
         from failure import scene_failure
-        raise scene_failure("%s: only the path integrator can tell the direct part: leave out `direct` or give "
-                            "--integrator path" % recordable.name)
+        raise scene_failure("%s: %s: leave out `%s`%s" % (recordable.name, NOT_THERE[named[0]], named[0],
+                                                          " or give --integrator path" if named[0] == "direct" else ""))
     return ["radiance"] + [name for name in LAYERS
                            if name != "radiance" and name in names and available.get(name, True)]

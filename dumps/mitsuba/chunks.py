@@ -7,6 +7,8 @@ import fcntl
 import json
 import os
 import shutil
+import zipfile
+import zlib
 
 import numpy as np
 
@@ -22,8 +24,7 @@ class Chunks:
             os.makedirs(folder, exist_ok=True)
             self._lock(os.path.join(folder, ".lock"))
             if os.path.exists(path):
-                with open(path) as stream:
-                    found = json.load(stream)
+                found = self._plan(path)
                 different = sorted(key for key in set(found) | set(plan) if found.get(key) != plan.get(key))
                 if different:
                     raise usage_failure("%s: holds another recording (%s differs): finish that one, remove the "
@@ -32,6 +33,13 @@ class Chunks:
                 self._save("plan.json", lambda stream: stream.write(json.dumps(plan, indent=1).encode()))
         except OSError as error:
             raise io_failure("%s: %s" % (folder, error.strerror))
+
+    def _plan(self, path):
+        with open(path) as stream:
+            try:
+                return json.load(stream)
+            except ValueError:
+                raise io_failure("%s: damaged: remove the folder and run the same command again" % path)
 
     def _lock(self, path):
         """Held as long as this process lives: two recorders would write over each other."""
@@ -50,14 +58,12 @@ class Chunks:
 
     def load(self, index):
         """(arrays, seconds)"""
-        with np.load(self._name(index)) as stored:
-            arrays = {name: stored[name] for name in stored.files}
+        arrays = self._read(self._name(index))
         return arrays, float(arrays.pop("seconds"))
 
     def part(self, index, name):
         """One array of a chunk."""
-        with np.load(self._name(index)) as stored:
-            return stored[name]
+        return self._read(self._name(index), name)[name]
 
     def largest(self, indices):
         """The largest finite magnitude of their radiance."""
@@ -74,11 +80,31 @@ class Chunks:
         path = os.path.join(self.folder, "reference.npz")
         if not os.path.exists(path):
             return None
-        with np.load(path) as stored:
-            return {name: stored[name] for name in stored.files}
+        return self._read(path)
+
+    def claim(self, partial):
+        """Before the file is written: what lies under this name is of this recording from now on, and a run that was stopped
+        while it wrote the file has left it. What lay there before belongs to somebody else; the writer refuses it."""
+        mark = os.path.join(self.folder, "file_begun")
+        try:
+            if not os.path.exists(mark):
+                if not os.path.lexists(partial):
+                    open(mark, "w").close()
+            elif os.path.lexists(partial):
+                os.remove(partial)
+        except OSError as error:
+            raise io_failure("%s: %s" % (error.filename, error.strerror))
 
     def remove(self):
         shutil.rmtree(self.folder)
+
+    def _read(self, path, *names):
+        """{name: array}, of all names if none is given. A recorder never leaves half a file, but disks do."""
+        try:
+            with np.load(path) as stored:
+                return {name: stored[name] for name in names or stored.files}
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            raise io_failure("%s: damaged (%s): remove it and run the same command again" % (path, str(error).split("\n")[0]))
 
     def _name(self, index):
         return os.path.join(self.folder, "chunk_%05d.npz" % index)

@@ -9,6 +9,7 @@ import os
 import xml.etree.ElementTree as ElementTree
 
 from failure import io_failure, scene_failure
+from old_colours import colours
 from old_media import boundary, medium, numbers
 
 RENAMED = {"camera": "sensor", "luminaire": "emitter", "lookAt": "lookat"}       # 0.1 to 0.4; 0.5 and 0.6
@@ -44,9 +45,11 @@ def rewrite(path, integrator_given=False):
     note = lambda text: changes.append(text) if text not in changes else None  # noqa: E731
     _elements(root, note, lost)
     media = any(element.tag == "medium" for element in root.iter())
+    for parent in list(root.iter()):
+        for element in list(parent):
+            colours(parent, element, note)                       # first: media reckon with them
     for parent in root.iter():
         for element in list(parent):
-            _colours(parent, element, note)
             _plugin(element, note)
             if element.tag == "integrator" and not integrator_given:
                 _integrator(element, media, note)
@@ -97,46 +100,6 @@ def _elements(parent, note, lost):
             _elements(element, note, lost)
 
 
-def hex_colour(text):
-    """#rrggbb -> three numbers in [0, 1], as written."""
-    digits = text.lstrip("#").removeprefix("0x")
-    return [int(digits[i:i + 2], 16) / 255 for i in (0, 2, 4)]
-
-
-def linear(value):
-    """IEC 61966-2-1."""
-    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
-
-
-def _colours(parent, element, note):
-    value = element.get("value", "")
-    if element.tag in ("rgb", "srgb") and not value.startswith("$"):
-        try:
-            colour = hex_colour(value) if value.startswith("#") else numbers(value)
-        except ValueError:
-            return                                               # Mitsuba says what is wrong with it
-        if element.tag == "srgb":
-            colour = [linear(c) for c in colour]
-            note("<srgb> made linear <rgb>")
-        elif value.startswith("#"):
-            note("<rgb> in hexadecimal written as numbers, linear as Mitsuba 0.6 took them")
-        element.tag = "rgb"
-        element.set("value", ", ".join("%.9g" % c for c in colour))
-    elif element.tag == "spectrum" and value and ":" not in value and parent.tag == "emitter":
-        # 0.6 without spectra took one number for grey; Mitsuba 3 for equal energy, which is pink (2.4 : 1.9 : 1.8)
-        element.tag = "rgb"
-        note("<spectrum> of one number in an emitter taken as grey, as Mitsuba 0.6 did")
-    elif element.tag == "blackbody":
-        kelvin, scale = element.get("temperature", "").rstrip("kK "), element.get("scale")
-        element.tag = "spectrum"
-        ElementTree.SubElement(element, "float", name="temperature", value=kelvin)
-        for key in ("temperature", "scale"):
-            element.attrib.pop(key, None)
-        element.set("type", "blackbody")
-        note("<blackbody> made a spectrum plugin%s" % (": its scale %s is dropped, Mitsuba 3 has none" % scale
-                                                      if scale not in (None, "1", "1.0") else ""))
-
-
 def _plugin(element, note):
     plugin = element.get("type")
     nearest = NEAREST.get((element.tag, plugin))
@@ -180,6 +143,12 @@ def _sky(element, plugin, note):
 def _property(element, child, note):
     name, value = child.get("name", ""), child.get("value", "")
     plugin = element.get("type")
+    if element.tag == "texture" and name == "uvscale":
+        element.remove(child)
+        for one in ("uscale", "vscale"):                         # Mitsuba 3 makes a transform of these; each goes before uvscale
+            if element.find("*[@name='%s']" % one) is None:
+                ElementTree.SubElement(element, child.tag, name=one, value=value)
+        note("texture uvscale written as uscale and vscale")
     if element.tag == "texture" and plugin == "bitmap":
         if name == "filterType" and value in ("trilinear", "ewa"):
             child.set("value", "bilinear")

@@ -7,8 +7,17 @@ from failure import usage_failure
 from seeds import USER_LIMIT
 
 
+EXIT_CODES = """exit codes: 0 recorded, 1 the scene cannot be recorded or its samples fail their tests, 2 wrong use,
+3 the operating system or the renderer refused, or the run was stopped"""
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise usage_failure(message + ": see --help")
+
+
 def parse(arguments, about):
-    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(description=about, epilog=EXIT_CODES, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene", help="an .xml scene, a .py file with scene(mi) -> dict, or cornell-box")
     parser.add_argument("-o", "--out", help="the .spool file to make")
     parser.add_argument("--size", help="WxH or N (default: the film's)")
@@ -45,6 +54,8 @@ def parse(arguments, about):
 def check(options):
     if not options.out and not options.dry_run:
         raise usage_failure("no output: give -o FILE.spool")
+    if options.plan and not options.dry_run:
+        raise usage_failure("--plan %s: says something of a --dry-run only: give both or neither" % options.plan)
     for name, low, high in (("samples", 1, 65536), ("reference", 0, 1 << 24), ("seed", 0, USER_LIMIT - 1),
                             ("chunk_lanes", 1, 1 << 28), ("block", 1, 1024), ("max_depth", -1, 1 << 30)):
         value = getattr(options, name)

@@ -41,6 +41,7 @@ def write_file(options, meta, tracer, layers, chunks, cut, reference):
                              "seconds": float(reference["seconds"])}
     # the writer holds a block of every pixel
     block = max(1, min(options.block, options.samples, 16 * options.chunk_lanes // (tracer.width * tracer.height)))
+    chunks.claim(options.out + ".partial")
     with spool.Writer(options.out, tracer.width, tracer.height, options.samples, file_layers, tile_size=64,
                       block_spp=block, sample_order="exchangeable", meta=meta,
                       compress=not options.no_compress, force=options.force) as writer:

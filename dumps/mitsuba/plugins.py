@@ -6,6 +6,7 @@ import numpy as np
 from failure import scene_failure, usage_failure
 
 SCALE_TOLERANCE = 5e-4           # below what Mitsuba takes for a scale: a squared length within 1e-3 of 1
+AROUND_ANOTHER = "aov", "moment"
 DEFAULT_FILM = 768, 576          # what Mitsuba takes where the film says nothing
 # size: (width, height); direct: dict of the integrator that sees direct light only, or None; changes: lines to tell
 Forced = namedtuple("Forced", "size direct changes")
@@ -26,12 +27,25 @@ def substitute(state, substitutes):
 
 def refuse_unknown(mi, source, state):
     kinds, manager = mi.ObjectType, mi.PluginManager.instance()
-    replaced = (kinds.Scene, kinds.Film, kinds.Sampler, kinds.ReconstructionFilter, kinds.Integrator, kinds.Unknown)
-    unknown = sorted({(node.type.name.lower(), node.props.plugin_name()) for node in state.nodes if node.type not in replaced
+    replaced = (kinds.Scene, kinds.Film, kinds.Sampler, kinds.ReconstructionFilter, kinds.Integrator)
+    # In a dict the plugin says what kind of object it is, so there an unknown one is of no kind.
+    words = {kinds.Unknown: "plugin"}
+    unknown = sorted({(words.get(node.type, node.type.name.lower()), node.props.plugin_name()) for node in state.nodes if node.type not in replaced
                       and manager.plugin_type(node.props.plugin_name()) == kinds.Unknown})
     if unknown:
         raise scene_failure("%s: Mitsuba 3 has no %s: choose what stands for it, --substitute %s=PLUGIN" % (
             source, ", no ".join("%s %s" % pair for pair in unknown), unknown[0][1]))
+
+
+def refuse_without_radiance(mi, source, state, wishes):
+    """An integrator of features alone: what it gives is no light."""
+    alone = [node.props.plugin_name() for node in state.nodes if node.type == mi.ObjectType.Integrator
+             and node.props.plugin_name() in AROUND_ANOTHER and not _has_child(state, node, mi.ObjectType.Integrator)]
+    if wishes.integrator in AROUND_ANOTHER:
+        alone.append(wishes.integrator)
+    if alone:
+        raise scene_failure("%s: integrator %s has no integrator inside that gives radiance: choose one with --integrator path" % (
+            source, alone[0]))
 
 
 def force(mi, state, wishes):
@@ -41,8 +55,12 @@ def force(mi, state, wishes):
     if film and abs(size[0] * film[1] - size[1] * film[0]) > max(film):
         changes.append("%dx%d has another aspect than the film's %dx%d: the picture shows more or less of the scene" % (*size, *film))
     integrators = [node for node in state.nodes if node.type == kind.Integrator]
+    sensors = sum(node.type == kind.Sensor for node in state.nodes)
+    if sensors > 1:
+        changes.append("the scene has %d sensors: only the first is recorded" % sensors)
     for node in state.nodes:
         if node.type == kind.Film:
+            changes += _crop(node)
             for key in [key for key in node.props.keys() if key != "rfilter"]:
                 del node.props[key]
             node.props.set_plugin_name("hdrfilm")
@@ -74,6 +92,14 @@ def _film_size(mi, state):
     return None
 
 
+def _crop(node):
+    """A line when the film shows a part of its picture."""
+    width, height = (node.props.get(name, size) for name, size in zip(("width", "height"), DEFAULT_FILM))
+    part = node.props.get("crop_width", width), node.props.get("crop_height", height)
+    return [] if part == (width, height) else ["the film's crop window of %dx%d is not kept: the whole picture of %dx%d is recorded" % (
+        *part, width, height)]
+
+
 def _force_integrator(mi, nodes, wishes):
     direct = None
     for node in nodes:
@@ -88,8 +114,9 @@ def _force_integrator(mi, nodes, wishes):
 
 
 def _rigid(mi, node):
-    """A camera whose matrix scales is refused by Mitsuba 3: its rotation is kept (polar decomposition)."""
-    if "to_world" not in node.props or not hasattr(node.props["to_world"], "matrix"):
+    """A camera whose matrix scales is refused by Mitsuba 3: its rotation is kept (polar decomposition). The scale of an
+    orthographic camera is the width of what it sees."""
+    if node.props.plugin_name() == "orthographic" or "to_world" not in node.props or not hasattr(node.props["to_world"], "matrix"):
         return []
     matrix = np.array(node.props["to_world"].matrix, np.float64).reshape(4, 4)
     factors = np.linalg.svd(matrix[:3, :3], compute_uv=False)
@@ -102,9 +129,9 @@ def _rigid(mi, node):
 
 
 def _has_child(state, node, kind):
-    """Whether a node of this kind hangs on the node, as a reference or as an object."""
-    values = [node.props[key] for key in node.props.keys()]
-    return any(state.nodes[value.index()].type == kind for value in values if type(value).__name__ == "ResolvedReference")
+    """Whether a node of this kind hangs on the node. Nothing but references is read: what is read, Mitsuba takes for known."""
+    values = [node.props[key] for key in node.props.keys() if node.props.type(key).name == "ResolvedReference"]
+    return any(state.nodes[value.index()].type == kind for value in values)
 
 
 def _replace(node, plugin):

@@ -25,7 +25,7 @@ from options import parse  # noqa: E402
 from output import layer_types, metadata, write_file  # noqa: E402
 from plan import Cut, describe, reference_hint  # noqa: E402
 from progress import Progress, size as size_text  # noqa: E402
-from reference import add_chunk, empty_reference  # noqa: E402
+from reference import add_chunk, begun_or_empty  # noqa: E402
 from scene import Wishes, load_scene  # noqa: E402
 from seeds import CHUNK_LIMIT, SPARE, chunk_seed  # noqa: E402
 from variant import choose_variant  # noqa: E402
@@ -40,12 +40,13 @@ def open_tracer(options):
     try:
         variant, note = choose_variant(options.variant)
         import mitsuba as mi
+        usable = [name for name in mi.variants() if name.startswith(("llvm_", "cuda_")) and "mono" not in name or name == "scalar_rgb"]
+        if variant not in usable:
+            raise usage_failure("--variant %s: use one of %s" % (variant, ", ".join(usable)))
         mi.set_variant(variant)
     except ImportError as error:
         raise Failure(3, "Mitsuba does not start (%s): pip install -r dumps/mitsuba/requirements.txt, and apt-get "
                          "install libatomic1 libllvm19" % error)
-    if not (variant.startswith(("llvm_", "cuda_")) or variant == "scalar_rgb") or "mono" in variant:
-        raise usage_failure("--variant %s: use llvm_ad_rgb, cuda_ad_rgb, their spectral forms, or scalar_rgb" % variant)
     mi.set_log_level(mi.LogLevel.Error)
     recordable = load_scene(mi, options.scene, Wishes(options.size, options.integrator, options.max_depth,
                                                       options.definitions, options.substitutes, options.allow_losses, options.files,
@@ -89,7 +90,10 @@ def record_pool(options, tracer, layers, chunks, cut):
 
 def record_reference(options, tracer, chunks, cut, pool_marks):
     """pool_marks: sorted, of shared_numbers."""
-    state = chunks.load_reference() or {**empty_reference(tracer.height, tracer.width), "looked_at": np.int64(0), "repeated": np.int64(0)}
+    state, useless = begun_or_empty(chunks.load_reference(), options.reference, cut.parts, tracer.height, tracer.width)
+    if useless:
+        print("%s: the reference there was begun for another --reference than %d, or other --chunk-lanes: it begins anew, the pool is kept" % (
+            chunks.folder, options.reference), file=sys.stderr)
     pixels = shared_numbers.chosen_pixels(tracer.width, tracer.height)
     progress = Progress("reference", len(cut.parts) - int(state["chunks"]))
     while int(state["chunks"]) < len(cut.parts):
@@ -98,9 +102,9 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
         started = time.process_time()
         arrays = tracer.trace(count, chunk_seed(options.seed, index, reference=True), ["radiance", "film"], rows)
         marks = shared_numbers.marks(arrays["film"], rows, pixels)
-        counts = {"looked_at": state["looked_at"] + len(marks),
-                  "repeated": state["repeated"] + shared_numbers.found_again(marks, pool_marks)}
-        state = {**add_chunk(state, arrays["radiance"], time.process_time() - started, rows), **counts}
+        kept = {"cut": state["cut"], "looked_at": state["looked_at"] + len(marks),
+                "repeated": state["repeated"] + shared_numbers.found_again(marks, pool_marks)}
+        state = {**add_chunk(state, arrays["radiance"], time.process_time() - started, rows), **kept}
         if index % 8 == 7 or index + 1 == len(cut.parts):
             chunks.save_reference(state)
         progress.step()

@@ -1,7 +1,8 @@
 """Running mean and variance of the mean of the reference, by chunks, in double precision.
 
 Chunks are merged pairwise in order by the update of Chan, Golub and LeVeque; sums of squares are not used.
-Non-finite samples are left out and counted.
+Non-finite samples are left out and counted. A state keeps how its samples are cut into chunks: the same number of chunks
+holds other samples when it is cut otherwise.
 """
 import numpy as np
 
@@ -10,6 +11,21 @@ def empty_reference(height, width):
     return {"count": np.zeros((height, width, 1)), "mean": np.zeros((height, width, 3)),
             "m2": np.zeros((height, width, 3)), "chunks": np.int64(0), "nonfinite": np.int64(0),
             "seconds": np.float64(0)}
+
+
+def begun_or_empty(stored, samples, parts, height, width):
+    """(state to go on from, whether what was stored is of no use); stored: a state or None; parts: of Cut, for `samples`."""
+    cut = np.array([samples, parts[0][1], parts[0][2][1]])                    # samples in all, in a chunk, rows in a chunk
+    empty = {**empty_reference(height, width), "looked_at": np.int64(0), "repeated": np.int64(0), "cut": cut}
+    if stored is None:
+        return empty, False
+    if "cut" in stored:
+        fits = np.array_equal(stored["cut"], cut)
+    else:                                  # begun before this was kept: are the samples those of the first parts?
+        done = int(stored["chunks"])
+        expected = sum(count * (rows[1] - rows[0]) * width for _, count, rows in parts[:done])
+        fits = done <= len(parts) and int(stored["count"].sum()) + int(stored["nonfinite"]) == expected
+    return ({**empty, **stored}, False) if fits else (empty, True)
 
 
 def add_chunk(state, radiance, seconds, rows=None):

@@ -13,10 +13,11 @@ from collections import namedtuple
 
 import model
 import old_format
+import parameters
 import scene_files
 from failure import Failure, scene_failure, usage_failure
 from losses import listen
-from plugins import force, refuse_unknown, substitute
+from plugins import force, refuse_unknown, refuse_without_radiance, substitute
 
 # size: (width, height) or None: the film's. integrator, max_depth: None: the scene's. definitions: {name: value} of -D.
 # substitutes: {plugin the scene names: plugin to use}. allow_losses: record although a medium loses a property.
@@ -61,18 +62,20 @@ def load_scene(mi, source, wishes=Wishes()):
     except Exception as error:  # Mitsuba raises RuntimeError and others for whatever is wrong in a scene
         undefined = re.search(r"undefined parameter: \$(\w+)", str(error))
         if undefined:
-            raise usage_failure("%s: uses the parameter %s and does not say what it is: give -D %s=VALUE" % (
-                source, undefined[1], undefined[1]))
+            raise usage_failure(parameters.missing_line(source, parameters.undefined(source, undefined[1], wishes.definitions)))
         remedy = ": choose another with --integrator path" if "instantiate integrator plugin" in str(error) else ""
         raise scene_failure("%s: Mitsuba cannot load it (%s)%s" % (source, _one_line(error), remedy))
     if heard.unused:
-        raise usage_failure(_unknown_parameter(source, heard.unused))
+        raise usage_failure(parameters.unknown_line(source, heard.unused))
     _judge_losses(source, heard.losses, found, wishes.allow_losses)
     found.changes += ["Mitsuba: %s" % text for text in dict.fromkeys(heard.other)]
     integrator = scene.integrator()
     if not isinstance(integrator, mi.SamplingIntegrator):
         raise scene_failure("%s: integrator %s splats into the film and has no samples of a pixel: choose "
                             "another with --integrator path" % (source, integrator.class_name()))
+    if isinstance(integrator, getattr(mi, "CppADIntegrator", ())):           # prb and its like: their sample() is another
+        raise scene_failure("%s: integrator %s differentiates and traces samples in a way of its own: choose another with "
+                            "--integrator path" % (source, type(integrator).__name__))
     return Recordable(scene, integrator, mi.load_dict(direct) if direct else None, found.name, found.digest, found.changes)
 
 
@@ -94,6 +97,7 @@ def _instantiate(mi, config, source, wishes):
             raise scene_failure("%s: another scene than the expected one: SHA-256 of its files is %s" % (source, found.digest))
         forced = force(mi, found.state, wishes)
         found.changes += forced.changes
+        refuse_without_radiance(mi, source, found.state, wishes)
         scene = mi.parser.instantiate(config, found.state)
     scene = scene[0] if isinstance(scene, (list, tuple)) else scene
     size = tuple(int(v) for v in scene.sensors()[0].film().crop_size())
@@ -118,7 +122,7 @@ def _parse(mi, config, source, wishes, meshes):
     for folder in (os.path.dirname(path), *map(os.path.abspath, wishes.folders)):
         mi.file_resolver().append(folder)
     if source.endswith(".py"):
-        return Source(mi.parser.parse_dict(config, _python_scene(mi, source)), name, scene_files.digest([path]))
+        return Source(mi.parser.parse_dict(config, _python_scene(mi, source)), name, None, [path])
     if not old_format.is_old(path):
         state = mi.parser.parse_file(config, source, **wishes.definitions)
         return Source(state, name, None, map(str, state.files))
@@ -142,12 +146,6 @@ def _judge_losses(source, losses, found, allowed):
         raise scene_failure("%s: a medium would be recorded as something else (%s): mend the scene, or give --allow-losses" %
                             (source, "; ".join(media)))
     found.changes += ["lost: %s" % text for text in dict.fromkeys(media + [str(loss) for loss in losses if not loss.of_a_medium])]
-
-
-def _unknown_parameter(source, names):
-    with open(source, encoding="utf-8", errors="replace") as stream:
-        known = sorted(set(re.findall(r'<default\s+name="([^"]+)"', stream.read())))
-    return "-D %s: %s has no such parameter: %s" % (names[0], source, "it has " + ", ".join(known) if known else "it has none")
 
 
 def _one_line(error):

@@ -12,8 +12,12 @@ def named_files(mi, state):
         if node.type in (kinds.Film, kinds.Sampler, kinds.Integrator):
             continue
         for key in node.props.keys():
-            value = node.props[key] if key.endswith("filename") else None
-            if isinstance(value, str) and value not in (name for name, _ in found):
+            if not key.endswith("filename") or node.props.type(key).name != "String":
+                continue
+            known = node.props.was_queried(key)
+            value = node.props[key]
+            node.props.mark_queried(key, known)      # what is read, Mitsuba takes for known: a misspelt name would go unnoticed
+            if value not in (name for name, _ in found):
                 found.append((value, str(mi.file_resolver().resolve(value))))
     return found
 

@@ -238,14 +238,35 @@ def test_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
     (["cornell-box"], 2, "give -o"),
     (["cornell-box", "-o", "x.spool", "--channels", "radiance,smell"], 2, "unknown channel 'smell'"),
     (["cornell-box", "-o", "x.spool", "--size", "0x9"], 2, "--size"),
+    (["cornell-box", "-o", "x.spool", "--plan", "nowhere.toml"], 2, "--dry-run only"),
     (["cornell-box", "-o", "x.spool", "--integrator", "ptracer"], 1, "no samples of a pixel"),
     (["cornell-box", "-o", "x.spool", "--seed", "5000"], 2, "outside"),
+    (["cornell-box", "-o", "x.spool", "--nonsense"], 2, "unrecognized arguments: --nonsense"),
+    (["cornell-box", "-o", "x.spool", "--samples", "many"], 2, "invalid int value: 'many'"),
+    (["cornell-box", "-o", "x.spool", "--variant", "foo"], 2, "--variant foo: use one of scalar_rgb, llvm_ad_rgb"),
 ])
 def test_bad_input_is_one_line_and_a_code(tmp_path, arguments, code, words):
     result = subprocess.run([sys.executable, RECORD, *arguments], cwd=tmp_path, capture_output=True, text=True)
     assert result.returncode == code, result.stderr
     assert words in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_help_and_readme_say_the_exit_codes():
+    told = check_ok(record("--help")).stdout
+    with open(os.path.join(ROOT, "dumps", "mitsuba", "README.md")) as stream:
+        text = stream.read()
+    for words in ("0 recorded, 1 the scene cannot be recorded or its samples fail their tests, 2 wrong use", "or the run was stopped"):
+        assert words in told.replace("\n", " ") and words in text.replace("\n", " ")
+    assert "exit codes: " in told and "Exit codes: " in text
+
+
+def test_an_integrator_that_differentiates_is_refused(tmp_path):
+    result = record("cornell-box", "-o", tmp_path / "x.spool", "--size", 4, "--samples", 1, "--integrator", "prb", "--variant", "llvm_ad_rgb")
+    if result.returncode == 3:
+        pytest.skip("no LLVM here")
+    assert result.returncode == 1 and len(result.stderr.strip().splitlines()) == 1, result.stderr
+    assert "PRBIntegrator differentiates" in result.stderr and not os.listdir(tmp_path)
 
 
 def test_missing_mitsuba_is_one_line(tmp_path):

@@ -36,14 +36,20 @@ def test_seeds_differ_and_pool_and_reference_differ(tmp_path, size):
 
 
 ROW = """<scene version="3.0.0"><integrator type="path"/><sensor type="perspective">
-<float name="fov" value="%g"/><transform name="to_world"><lookat origin="0,0,-99" target="0,0,0" up="0,1,0"/></transform></sensor><emitter type="constant"/>%s</scene>"""
+<float name="fov" value="%g"/><transform name="to_world"><lookat origin="0,0,-99" target="0,0,0" up="0,1,0"/></transform></sensor>
+<emitter type="constant"/>%s</scene>"""
 
 
-def row_of_spheres(folder, materials, variant):
+BARE = '<shape type="sphere"><point name="center" x="%d" y="0" z="0"/>%s</shape>'
+INSTANCE = '<shape type="shapegroup" id="group%d"><shape type="sphere">%s</shape></shape><shape type="instance">' \
+    '<transform name="to_world"><translate x="%d"/></transform><ref id="group%d"/></shape>'
+
+
+def row_of_spheres(folder, materials, variant, instances=False):
     """[(shape, albedo)] of the middle of each of the spheres, which have no id."""
     scene, out, wide = folder / "row.xml", folder / ("%s.spool" % variant), len(materials)
-    spheres = "".join('<shape type="sphere"><point name="center" x="%d" y="0" z="0"/>%s</shape>' % (wide - 1 - 2 * i, material)
-                      for i, material in enumerate(materials))     # +x of this camera is on the left
+    places = [wide - 1 - 2 * i for i in range(wide)]               # +x of this camera is on the left
+    spheres = "".join(INSTANCE % (i, materials[i], x, i) if instances else BARE % (x, materials[i]) for i, x in enumerate(places))
     scene.write_text(ROW % (2 * math.degrees(math.atan(wide / 99)), spheres))
     result = record(scene, "-o", out, "--size", "%dx3" % (3 * wide), "--samples", 2, "--channels", "shape,albedo", "--no-verify",
                     "--variant", variant)
@@ -52,7 +58,7 @@ def row_of_spheres(folder, materials, variant):
     check_ok(result)
     with spool.open(out) as dump:
         shape, albedo = dump.read("shape")[1, 1::3, 0, 0], dump.read("albedo")[1, 1::3, 0]
-        assert dump.meta["scene"]["shapes"] == [""] * wide
+        assert instances or dump.meta["scene"]["shapes"] == [""] * wide
     return [(int(one), [round(float(value), 2) for value in two]) for one, two in zip(shape, albedo)]
 
 
@@ -63,10 +69,12 @@ BLEND = '<bsdf type="blendbsdf"><float name="weight" value="0.5"/>%s%s</bsdf>'
 
 
 @pytest.mark.parametrize("variant", ["llvm_ad_rgb", "scalar_rgb"])
-def test_shapes_without_an_id_are_told_apart_and_albedo_is_1_without_a_diffuse_answer(tmp_path, variant):
+@pytest.mark.parametrize("instances", [False, True])
+def test_shapes_without_an_id_are_told_apart_and_albedo_is_1_without_a_diffuse_answer(tmp_path, variant, instances):
     plastic = '<bsdf type="plastic"><rgb name="diffuse_reflectance" value="%s"/></bsdf>'
     materials = ['<bsdf type="dielectric"/>', GREY, BLACK, MIRROR, BLEND % (BLACK, MIRROR), BLEND % (BLACK, BLACK),
                  plastic % "0", plastic % "0, 0.25, 0"]
-    found = row_of_spheres(tmp_path, materials, variant)
-    assert [shape for shape, _ in found] == [1, 2, 3, 4, 5, 6, 7, 8]
+    found = row_of_spheres(tmp_path, materials, variant, instances)
+    shapes = [shape for shape, _ in found]
+    assert shapes == sorted(set(shapes)) if instances else shapes == [1, 2, 3, 4, 5, 6, 7, 8]
     assert [albedo for _, albedo in found] == [[1] * 3, [0.5] * 3, [0] * 3, [1] * 3, [1] * 3, [0] * 3, [1] * 3, [0, 0.25, 0]]

@@ -1,4 +1,4 @@
-"""Scenes as they are found: what is lost, missing or misspelt is said, and old files are rewritten."""
+"""Scenes as they are found: what is lost, missing or misspelt is said."""
 import os
 
 import numpy as np
@@ -7,43 +7,8 @@ import pytest
 mi = pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
 
 import spool  # noqa: E402
-from conftest import check_ok, record  # noqa: E402
-from failure import Failure  # noqa: E402
-
-CAMERA = """<sensor type="perspective"><float name="fov" value="40"/><transform name="toWorld">
-<lookAt origin="0,0,-4" target="0,0,0" up="0,1,0"/></transform>%s</sensor>"""
-FILM = '<film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>'
-LIGHT = '<emitter type="constant"/>'
-BALL = '<shape type="sphere" id="ball">%s</shape>'
-
-
-@pytest.fixture
-def load(tmp_path):
-    """load(body, version, **wishes) -> Recordable"""
-    before = mi.variant()
-    mi.set_variant("scalar_rgb")
-    from scene import Wishes, load_scene
-
-    def loaded(body, version="0.6.0", **wishes):
-        body = body.replace("lookAt", "lookat").replace("toWorld", "to_world") if version >= "2" else body
-        (tmp_path / "scene.xml").write_text('<scene version="%s">%s</scene>' % (version, body))
-        return load_scene(mi, str(tmp_path / "scene.xml"), Wishes(**wishes))
-
-    yield loaded
-    if before:
-        mi.set_variant(before)
-
-
-def refusal(call, *arguments, **more):
-    with pytest.raises(Failure) as caught:
-        call(*arguments, **more)
-    assert "\n" not in str(caught.value)
-    return caught.value.code, str(caught.value)
-
-
-def told(found):
-    return " | ".join(found.changes)
-
+from channels import chosen_layers  # noqa: E402
+from conftest import BALL, CAMERA, FILM, LIGHT, OLD, check_ok, record, refusal, told  # noqa: E402
 
 NEW = '<integrator type="path"/>' + CAMERA % FILM + LIGHT + BALL
 
@@ -58,6 +23,28 @@ def test_size_holds_without_a_film(load):
 def test_another_aspect_is_remarked_and_the_same_is_not(load):
     assert "another aspect than the film's 24x16" in told(load(NEW % "", "3.0.0", size=(32, 32)))
     assert load(NEW % "", "3.0.0", size=(12, 8)).changes == []
+
+
+def test_a_crop_window_and_further_sensors_are_remarked(load):
+    old = FILM.replace("</film>", '<integer name="cropWidth" value="8"/><integer name="cropHeight" value="8"/></film>')
+    assert "crop window of 8x8" in told(load(OLD % "path" + CAMERA % old + LIGHT + BALL % ""))
+    crop = FILM.replace("</film>", '<integer name="crop_width" value="8"/><integer name="crop_height" value="%d"/></film>')
+    found = load(NEW.replace(FILM, crop % 8) % "", "3.0.0")
+    assert found.changes == ["the film's crop window of 8x8 is not kept: the whole picture of 24x16 is recorded"]
+    assert tuple(found.sensor.film().crop_size()) == (24, 16)
+    assert load(NEW.replace(FILM, crop.replace("8", "24") % 16) % "", "3.0.0").changes == []
+    second = (CAMERA % FILM.replace("24", "12")).replace("40", "20")
+    found = load(NEW % "" + second, "3.0.0")
+    assert found.changes == ["the scene has 2 sensors: only the first is recorded"]
+    assert tuple(found.sensor.film().crop_size()) == (24, 16) and "x_fov = 40" in str(found.sensor)
+
+
+@pytest.mark.parametrize("name, words", [("lens", "has no aperture"), ("time", "open for no time"), ("direct", "only the path integrator")])
+def test_a_layer_that_the_scene_has_not_is_refused_when_named(load, name, words):
+    found = load((NEW % "").replace('"path"', '"volpath"'), "3.0.0")
+    code, text = refusal(chosen_layers, "radiance,%s" % name, found)
+    assert code == 1 and words in text and "leave out `%s`" % name in text
+    assert name not in chosen_layers("all", found)
 
 
 def test_max_depth_reaches_the_integrator_of_the_scene(load):
@@ -86,12 +73,45 @@ def test_misspelt_parameters_are_refused_with_the_right_ones(load):
     assert code == 2 and "give -D colour=VALUE" in text
 
 
+def test_undefined_parameters_are_named_all_at_once(load, tmp_path):
+    (tmp_path / "part.xml").write_text('<scene version="3.0.0"><default name="wide" value="1"/><!-- $nothing -->'
+                                       '<shape type="sphere"><float name="radius" value="$radius"/></shape></scene>')
+    ball = NEW % '<bsdf type="diffuse"><rgb name="reflectance" value="$r,$g,$wide"/></bsdf>'
+    code, text = refusal(load, '<include filename="part.xml"/>' + ball, "3.0.0", definitions={"g": "1"})
+    assert code == 2 and "uses the parameters r, radius and does not say what they are: give -D r=VALUE -D radius=VALUE" in text
+
+
+def test_integrators_that_give_features_alone_are_refused(load):
+    features = '<integrator type="aov"><string name="aovs" value="d:depth"/>%s</integrator>' + CAMERA % FILM + LIGHT + BALL % ""
+    load(features % '<integrator type="path"/>', "3.0.0")
+    load(features % "", "3.0.0", integrator="path")
+    for text, wishes in ((features % "", {}), (CAMERA % FILM + LIGHT, {"integrator": "moment"}), (NEW % "", {"integrator": "moment"})):
+        code, told_text = refusal(load, text, "3.0.0", **wishes)
+        assert code == 1 and "has no integrator inside" in told_text and "--integrator path" in told_text
+
+
 def test_dropped_properties_are_named(load):
     found = load(NEW % '<bsdf type="diffuse"><float name="shininess" value="3"/></bsdf>', "3.0.0")
     assert "lost: bsdf diffuse does not know shininess, line 2" in told(found)
 
 
+def test_dropped_properties_of_the_camera_are_named_with_a_film_and_without(load):
+    lens = '<float name="aperture_radius" value="0.1"/><float name="focal_distance" value="4"/>'
+    for film in (FILM, ""):
+        body = '<integrator type="path"/>' + (CAMERA % (film + lens)).replace('"perspective"', '"thinlens"') + LIGHT + BALL % ""
+        assert "lost: sensor thinlens does not know focal_distance" in told(load(body, "3.0.0", size=(24, 16)))
+
+
+def test_an_orthographic_camera_keeps_its_scale(load):
+    camera = (CAMERA % FILM).replace('"perspective"', '"orthographic"').replace(
+        "<lookAt", '<scale x="3" y="2"/><lookAt').replace('<float name="fov" value="40"/>', "")
+    found = load('<integrator type="path"/>' + camera + LIGHT + BALL % "", "3.0.0")
+    assert found.changes == []
+    assert np.linalg.norm(np.array(found.sensor.world_transform().matrix).reshape(4, 4)[:3, 0]) == pytest.approx(3)
+
+
 @pytest.mark.parametrize("medium, words", [
+    ('<medium type="homogeneous" name="interior"><string name="density_filename" value="scene.xml"/></medium>', "does not know density_filename"),
     ('<medium type="homogeneous" name="interior"><rgb name="sigma_s" value="1"/></medium>', "medium homogeneous does not know sigma_s"),
     ('<medium type="heterogeneous" name="interior"><volume type="constvolume" name="thickness"><float name="value" value="2"/></volume>'
      '</medium>', "thickness")])
@@ -116,6 +136,29 @@ def test_missing_files_are_named_all_at_once(load, tmp_path):
     assert first.digest != load(only, "3.0.0", folders=(str(tmp_path / "meshes"),)).digest
 
 
+DICT = """def scene(mi):
+    return {"type": "scene", "integrator": {"type": "path"}, "sensor": {"type": "perspective"}, "light": {"type": "constant"}, %s}
+"""
+
+
+def test_the_files_and_plugins_of_a_python_scene_are_named_and_hashed_too(load, tmp_path):
+    def written(parts, **wishes):
+        (tmp_path / "scene.py").write_text(DICT % parts)
+        return load_scene(mi, str(tmp_path / "scene.py"), Wishes(**wishes))
+
+    from scene import Wishes, load_scene
+    mesh = '"a": {"type": "obj", "filename": "mesh.obj"}'
+    code, text = refusal(written, mesh + ', "b": {"type": "ply", "filename": "other.ply"}')
+    assert code == 1 and "2 of the 2 files it names are not there: mesh.obj, other.ply" in text
+    code, text = refusal(written, '"a": {"type": "sphere", "m": {"type": "glass"}}, "b": {"type": "sphere", "m": {"type": "irawan"}}')
+    assert code == 1 and "no plugin glass, no plugin irawan" in text and "--substitute glass=PLUGIN" in text
+    (tmp_path / "mesh.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    first = written(mesh).digest
+    assert first == written(mesh).digest
+    (tmp_path / "mesh.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n")
+    assert first != written(mesh).digest
+
+
 def test_unknown_plugins_are_named_and_can_be_substituted(load):
     body = NEW % '<bsdf type="glass"/>' + BALL.replace("ball", "b") % '<bsdf type="irawan"/>'
     code, text = refusal(load, body, "3.0.0")
@@ -123,113 +166,6 @@ def test_unknown_plugins_are_named_and_can_be_substituted(load):
     found = load(body, "3.0.0", substitutes={"glass": "dielectric", "irawan": "diffuse"})
     assert "glass replaced by dielectric" in told(found)
     assert refusal(load, NEW % "", "3.0.0", substitutes={"glass": "dielectric"})[0] == 2
-
-
-OLD = '<integrator type="%s"><integer name="maxDepth" value="6"/><boolean name="strictNormals" value="true"/></integrator>'
-
-
-@pytest.mark.parametrize("plugin", ["bdpt", "sppm", "pssmlt", "photonmapper", "guided_path", "ptracer"])
-def test_old_integrators_become_path(load, plugin):
-    found = load(OLD % plugin + CAMERA % FILM + LIGHT + BALL % "")
-    assert "integrator %s taken as path" % plugin in told(found) and "max_depth = 6" in str(found.integrator)
-
-
-def test_old_colours_mean_what_they_meant(load):
-    colours = {"one": '<srgb name="reflectance" value="#804020"/>', "two": '<rgb name="reflectance" value="#804020"/>',
-               "three": '<srgb name="reflectance" value="0.5, 0.25, 1"/>'}
-    body = OLD % "path" + CAMERA % FILM + LIGHT + "".join(
-        '<shape type="sphere" id="%s"><bsdf type="diffuse">%s</bsdf></shape>' % item for item in colours.items())
-    found = load(body)
-    values = {shape.id(): np.array(mi.traverse(shape.bsdf())["reflectance.value"]).ravel() for shape in found.scene.shapes()}
-    assert values["one"] == pytest.approx([0.21586, 0.05127, 0.01444], abs=1e-4)     # IEC 61966-2-1
-    assert values["two"] == pytest.approx([128 / 255, 64 / 255, 32 / 255], abs=1e-5)
-    assert values["three"] == pytest.approx([0.21404, 0.05088, 1], abs=1e-4)
-
-
-def test_old_emitters_of_one_number_are_grey(load):
-    body = OLD % "path" + CAMERA % FILM + BALL % "" + '<emitter type="constant"><spectrum name="radiance" value="2"/></emitter>'
-    found = load(body)
-    assert np.array(mi.traverse(found.scene)["_unnamed_0.radiance.value"] if "_unnamed_0.radiance.value" in mi.traverse(found.scene)
-                    else found.scene.environment().eval(mi.SurfaceInteraction3f())).ravel()[:3] == pytest.approx([2, 2, 2])
-    assert "taken as grey" in told(found)
-
-
-def test_old_elements_outside_the_format_are_left_out_and_said(load):
-    found = load(OLD % "path" + "<mode/><hide><shape type='sphere'/></hide><!-- a comment -->" + CAMERA % FILM + LIGHT + BALL % "")
-    assert len(found.shapes) == 1
-    for name in ("mode", "hide"):
-        assert "<%s> left out" % name in told(found)
-
-
-def test_old_media_keep_their_coefficients(load):
-    medium = '<medium type="homogeneous" name="interior"><rgb name="sigmaA" value="1, 2, 3"/><spectrum name="sigmaS" value="3"/>' \
-        '<float name="densityMultiplier" value="2"/></medium>'
-    found = load(OLD % "volpath_simple" + CAMERA % FILM + LIGHT + BALL % ('<bsdf type="null"/>' + medium))
-    values = mi.traverse(found.scene.shapes()[0].interior_medium())
-    assert float(values["scale"]) * np.array(values["sigma_t.value.value"]).ravel() == pytest.approx([8, 10, 12])
-    assert np.array(values["albedo.value.value"]).ravel() == pytest.approx([3 / 4, 3 / 5, 3 / 6], abs=1e-6)
-    assert "taken as volpath" in told(found)
-
-
-def test_old_volumes_lie_where_their_file_says_and_their_shape_is_open(load, tmp_path):
-    grid = mi.VolumeGrid(np.linspace(0, 1, 8, dtype="f4").reshape(2, 2, 2))
-    grid.write(str(tmp_path / "v.vol"))
-    volume = '<medium type="heterogeneous" %s><string name="method" value="woodcock"/><float name="stepSize" value="0.1"/>' \
-        '<volume name="density" type="gridvolume"><string name="filename" value="v.vol"/></volume><float name="scale" value="3"/></medium>'
-    found = load(volume % 'id="smoke"' + OLD % "volpath" + CAMERA % FILM + LIGHT + BALL % '<ref name="interior" id="smoke"/>' +
-                 BALL.replace("ball", "second") % (volume % 'name="interior"') +
-                 BALL.replace("ball", "glass") % '<ref name="interior" id="smoke"/><bsdf type="dielectric"/>')
-    names = {shape.id(): shape.bsdf().class_name() for shape in found.scene.shapes()}
-    assert names == {"ball": "Null", "second": "Null", "glass": "SmoothDielectric"}
-    assert "density taken as sigma_t" in told(found) and "taken as open" in told(found) and "lost" not in told(found)
-    assert float(mi.traverse(found.scene.shapes()[0].interior_medium())["scale"]) == 3
-
-
-@pytest.mark.parametrize("inside, words", [
-    ('<subsurface type="dipole"/>', "<subsurface type=dipole>"),
-    ('<medium type="homogeneous" name="interior"><string name="material" value="skin1"/></medium>', "preset medium skin1")])
-def test_what_old_media_lose_is_refused_unless_allowed(load, inside, words):
-    body = OLD % "path" + CAMERA % FILM + LIGHT + BALL % inside
-    code, text = refusal(load, body)
-    assert code == 1 and words in text
-    assert words in told(load(body, allow_losses=True))
-
-
-def test_old_skies_have_y_for_up(load):
-    """The sun of a direction with y above the horizon shines; in Mitsuba 3 as it stands it would be below."""
-    body = OLD % "path" + CAMERA % FILM + BALL % "" + '<emitter type="%s"><vector name="sunDirection" x="0" y="1" z="-0.2"/></emitter>'
-    for plugin in ("sunsky", "sky"):
-        found = load(body % plugin)
-        assert "y is up" in told(found) and "below the horizon" not in told(found)
-        up, down = (mi.SurfaceInteraction3f(), mi.SurfaceInteraction3f())
-        up.wi, down.wi = mi.Vector3f(0, -0.9, 0.436), mi.Vector3f(0, 0.9, 0.436)     # looking against wi
-        light = found.scene.environment()
-        assert max(light.eval(up)) > 0 and max(light.eval(down)) == 0
-
-
-def test_old_textures_and_nearest_plugins(load, tmp_path):
-    mi.Bitmap(np.full((2, 2, 3), 128, np.uint8)).write(str(tmp_path / "t.png"))
-    texture = '<texture type="bitmap" name="%s"><string name="filename" value="t.png"/><string name="filterType" value="ewa"/>' \
-        '<float name="gamma" value="1"/></texture>'
-    found = load(OLD % "path" + CAMERA % FILM.replace("hdrfilm", "ldrfilm") + LIGHT + BALL % (
-        '<bsdf type="roughdiffuse">%s</bsdf>' % texture % "reflectance") + BALL.replace("ball", "coated") % (
-        '<bsdf type="coating"><bsdf type="roughplastic"><string name="distribution" value="phong"/></bsdf></bsdf>'))
-    for words in ("roughdiffuse taken as diffuse", "filter ewa taken as bilinear", "gamma 1 taken as raw", "the coat is dropped",
-                  "distribution phong taken as beckmann"):
-        assert words in told(found)
-    place = mi.SurfaceInteraction3f()
-    place.uv = mi.Point2f(0.5, 0.5)
-    assert list(found.scene.shapes()[0].bsdf().eval_diffuse_reflectance(place)) == pytest.approx([128 / 255] * 3, abs=1e-3)
-
-
-def test_old_includes_are_rewritten_too(load, tmp_path):
-    (tmp_path / "part.xml").write_text('<scene version="0.6.0"><bsdf type="diffuse" id="m"><srgb name="reflectance" value="#ffffff"/>'
-                                       "</bsdf></scene>")
-    body = OLD % "path" + '<include filename="part.xml"/>' + CAMERA % FILM + LIGHT + BALL % '<ref id="m"/>'
-    first = load(body)
-    assert "<srgb> made linear" in told(first)
-    (tmp_path / "part.xml").write_text('<scene version="0.6.0"><include filename="part.xml"/></scene>')
-    assert "includes itself" in refusal(load, body)[1]
 
 
 def test_another_scene_than_the_expected_one_is_refused(load):
