@@ -139,6 +139,7 @@ class Stop:
 def record(recorder, options, stop):
     folder = PassFolder(options.out, recorder.recording())
     start = time.monotonic()
+    drop_other_batches(folder, recorder)
     jobs = (("pass", recorder.render_pass, range(options.first, options.first + options.samples)),
             ("reference", recorder.render_batch,
              range(options.first_batch, options.first_batch + recorder.batches)))
@@ -156,10 +157,29 @@ def record(recorder, options, stop):
             folder.add(kind, i, data, entry)
             progress.step()
         progress.close()
-    return "%s: %s, %dx%d, %d passes (%d kept), reference %d x %d spp (%d kept), %s%s" % (
+    return "%s: %s, %dx%d, %d passes (%d kept), reference %d x %d spp (%d kept), %s%s%s" % (
         options.out, recorder.identity["name"], recorder.width, recorder.height, options.samples,
         kept["pass"], recorder.batches, recorder.batch_spp, kept["reference"],
-        duration(time.monotonic() - start), file_note(recorder.renderer))
+        duration(time.monotonic() - start), file_note(recorder.renderer), more_note(folder, jobs))
+
+
+def drop_other_batches(folder, recorder):
+    """A reference is the mean of equal batches: those that an earlier, larger or smaller wish left are no part of it."""
+    batches = folder.entries["reference"]
+    other = [i for i, entry in batches.items() if entry.get("samples") != recorder.batch_spp]
+    if not recorder.batches or not other:
+        return
+    told = "%s: the reference is begun anew: a batch now has %d samples, the %d batches there had %s" % (
+        folder.path, recorder.batch_spp, len(other), batches[other[0]].get("samples"))
+    folder.remove("reference", other)
+    print(told, file=sys.stderr, flush=True)
+
+
+def more_note(folder, jobs):
+    """What an earlier command left beside what this one asks for: `spool pack` takes all."""
+    more = ["%d %s" % (count, "passes" if kind == "pass" else "batches") for kind, _, wanted in jobs
+            for count in [len(set(folder.entries[kind]) - set(wanted))] if count]
+    return "; the folder holds %s more, and spool pack takes them too" % " and ".join(more) if more else ""
 
 
 def file_note(renderer):

@@ -72,6 +72,36 @@ def test_a_killed_recording_continues_bit_for_bit(mode, tmp_path):
     assert Folder(torn).files() == Folder(tmp_path / "whole").files()
 
 
+@pytest.mark.parametrize("first, second, batch", [(64, 130, 2), (130, 64, 1)])
+def test_another_reference_is_begun_anew_and_says_so(first, second, batch, tmp_path):
+    """Batches of one sample and of two, 64 and 65 of them; killed on the way to the second, which then goes on as any other."""
+    options = ("--scene", "chess", "--size", "16", "--samples", "4", "--mode", "iid", "--channels", "radiance")
+    whole, turned = tmp_path / "whole", tmp_path / "turned"
+    for reference, folder in ((second, whole), (first, turned)):
+        done = record(*options, "--reference", reference, "-o", folder)
+        assert done.returncode == 0 and "anew" not in done.stderr, done.stderr
+    process = subprocess.Popen(command(*options, "--reference", second, "-o", turned), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                               text=True)
+    told = process.stderr.readline()
+    assert "the reference is begun anew: a batch now has %d samples, the %d batches there had %d" % (
+        batch, 64 if first == 64 else 65, 3 - batch) in told
+    deadline = time.monotonic() + 60
+    while len(list(turned.glob("reference_?????.f32"))) < 3 and time.monotonic() < deadline:
+        time.sleep(0.001)
+    process.kill()
+    process.communicate()
+    assert 4 < len(Folder(turned).entries) < 4 + 64
+    done = record(*options, "--reference", second, "-o", turned)
+    assert done.returncode == 0 and "anew" not in done.stderr and "(0 kept)" not in done.stdout, done.stdout + done.stderr
+    assert Folder(turned).files() == Folder(whole).files()
+    assert [entry["samples"] for entry in Folder(turned).entries if entry["kind"] == "reference"] == [batch] * (second // batch)
+
+
+def test_what_an_earlier_command_left_beside_the_wish_is_told(recorded):
+    done = record(*SMALL[:4], "--mode", "shift", "--samples", "3", "--reference", "14", "-o", recorded.path)
+    assert done.returncode == 0 and "the folder holds 1 passes and 2 batches more, and spool pack takes them too" in done.stdout
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_cancelled_recording_says_how_to_go_on(number, tmp_path):
     options = ("--scene", "chess", "--size", "16", "--samples", "2000", "--mode", "iid")
