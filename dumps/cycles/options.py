@@ -61,6 +61,8 @@ def check_options(options):
     options.channels = [c for c in options.channels.split(",") if c]
     if not options.out and not options.dry_run:
         raise usage_failure("no folder for the passes: give -o FOLDER")
+    if options.plan and not options.dry_run:
+        raise usage_failure("--plan %s: only a dry run reads it: add --dry-run" % options.plan)
     for name, low, high in (("samples", 1, LARGEST), ("first", 0, LARGEST - 1), ("seed", 0, 2**31 - 1),
                             ("reference", 0, 2**24), ("first_batch", 0, 2**20), ("threads", 0, 1024)):
         value = getattr(options, name)

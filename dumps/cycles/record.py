@@ -27,7 +27,7 @@ from pass_folder import PassFolder  # noqa: E402
 from passes import (CHANNELS, MIST_DEPTH, channel_names, describe_channels, describe_layers,  # noqa: E402
                     plan_channels, planes_of, switch_passes)
 from progress import Progress, duration, size  # noqa: E402
-from scene import find_needs, load_scene, prepare, scene_reach  # noqa: E402
+from scene import aspect_change, find_needs, load_scene, prepare, scene_reach  # noqa: E402
 from seeds import film_position, pool_seed, reference_seed  # noqa: E402
 from settings import (apply_settings, longest_sequence, power_of_two, recorded_settings,  # noqa: E402
                       select_samples)
@@ -40,10 +40,13 @@ class Recorder:
         self.options = options
         self.plan = plan_channels(options.channels, options.mode)
         self.scene, self.identity = load_scene(options.scene, options.blend)
-        prepare(self.scene, options.camera, options.frame, options.size)
+        own_size = prepare(self.scene, options.camera, options.frame, options.size)
         self.view_layer = bpy.context.view_layer
         apply_settings(self.scene, self.view_layer, options.threads)
         self.width, self.height = self.scene.render.resolution_x, self.scene.render.resolution_y
+        change = aspect_change((self.width, self.height), own_size)
+        if change and not options.scene:
+            self.identity["changes"] = [change]
         self.mist_depth = self._set_mist()
         if "object" in self.plan:
             for i, item in enumerate(sorted(self.scene.objects, key=lambda o: o.name)):
@@ -233,6 +236,8 @@ def main():
         out = silence_blender()
         stop = Stop()
         recorder = Recorder(options)
+        for change in recorder.identity.get("changes", []):
+            print("%s: %s" % (recorder.identity["name"], change), file=sys.stderr, flush=True)
         print(dry_run(recorder, options) if options.dry_run else record(recorder, options, stop), file=out)
         code = 0
     except Failure as failure:

@@ -186,6 +186,7 @@ def test_a_full_disk_is_one_line_and_the_recording_goes_on_after_it(tmp_path):
 
 def test_quiet_when_piped_and_one_line_at_the_end(recorded):
     done = record(*SMALL, "--mode", "shift", "-o", recorded.path)
+    assert "aspect" not in done.stderr     # 16x16 beside the 1920x1080 of an empty file
     lines = [line for line in done.stdout.splitlines() if not line.startswith("Blender")]
     assert done.returncode == 0 and len(lines) == 1 and "4 passes (4 kept)" in lines[0]
     assert "\r" not in done.stderr
@@ -211,6 +212,7 @@ def test_another_recording_is_not_mixed_in(recorded, other):
     (("--scene", "chess", "--camera", "lamp"), 2, "camera 'lamp' is not in the scene (camera)"),
     (("--blend", "missing.blend"), 3, "missing.blend: No such file"),
     (("--scene", "chess", "--samples", "many"), 2, "samples"),
+    (("--scene", "chess", "--plan", "nowhere.toml"), 2, "--plan nowhere.toml: only a dry run reads it"),
 ])
 def test_wrong_use_is_one_line(options, code, message, tmp_path):
     done = record(*options, "-o", tmp_path / "passes")
@@ -250,6 +252,17 @@ def test_a_blend_file_is_recorded_with_its_hash(tmp_path):
     # iid: depth by the mist pass; the default cube stands 11 units from the camera
     depth = folder.plane("pass_00000.f32", "depth.Z")
     assert 8 < depth[8, 12] < 12
+
+
+def test_a_blend_file_at_another_aspect_is_remarked_and_the_remark_is_kept(tmp_path):
+    blend = tmp_path / "cube.blend"
+    make_blend(blend, "bpy.context.scene.render.resolution_percentage = 50")    # of 1920x1080
+    for size, words in (("32", "32x32 has another aspect than the scene's 960x540"), ("32x18", None)):
+        done = record("--blend", blend, "--size", size, "--samples", "1", "-o", tmp_path / size)
+        assert done.returncode == 0, done.stderr
+        told = [line for line in done.stderr.splitlines() if "another aspect" in line]
+        kept = Folder(tmp_path / size).recording["scene"].get("changes")
+        assert (len(told) == 1 and words in told[0] and words in kept[0]) if words else told == [] and kept is None
 
 
 def test_a_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
