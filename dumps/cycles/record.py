@@ -8,7 +8,6 @@ Run again after an interruption: finished passes are kept, the result is the sam
 """
 import os
 import signal
-import statistics
 import sys
 import time
 
@@ -21,12 +20,13 @@ import bpy  # noqa: E402
 from batches import batch_plan  # noqa: E402
 from camera import ShiftedCamera  # noqa: E402
 from engine import Renderer  # noqa: E402
+from estimate import dry_run  # noqa: E402
 from failure import Failure, io_failure, usage_failure  # noqa: E402
 from options import parse_options, script_arguments  # noqa: E402
 from pass_folder import PassFolder  # noqa: E402
-from passes import (CHANNELS, MIST_DEPTH, channel_names, describe_channels, describe_layers,  # noqa: E402
-                    plan_channels, planes_of, switch_passes)
-from progress import Progress, duration, size  # noqa: E402
+from passes import (CHANNELS, MIST_DEPTH, describe_channels, describe_layers, plan_channels,  # noqa: E402
+                    planes_of, switch_passes)
+from progress import Progress, duration  # noqa: E402
 from scene import aspect_change, find_needs, load_scene, prepare, scene_reach  # noqa: E402
 from seeds import film_position, pool_seed, reference_seed  # noqa: E402
 from settings import (apply_settings, longest_sequence, power_of_two, recorded_settings,  # noqa: E402
@@ -187,36 +187,6 @@ def more_note(folder, jobs):
 
 def file_note(renderer):
     return "; pixels by EXR: " + renderer.why_file if renderer.why_file else ""
-
-
-def dry_run(recorder, options):
-    """Needs of the scene and the price of the recording, from three passes and one batch."""
-    seconds = [recorder.render_pass(i)[1]["seconds"] for i in range(3)]
-    per_pass = statistics.median(seconds[1:])
-    per_batch = recorder.render_batch(0)[1]["seconds"] if recorder.batches else 0.0
-    pixels = recorder.width * recorder.height
-    planes = len(channel_names(recorder.plan))
-    needs = ", ".join("%s: %s" % (k.replace("_", " "), "yes" if v else "no")
-                      for k, v in find_needs(recorder.scene).items())
-    folder_bytes = 4 * pixels * (planes * options.samples + 3 * recorder.batches)
-    stored = sum(2 if c["dtype"] == "f16" else 4 for c in describe_channels(recorder.plan))
-    dump_bytes = pixels * (stored * options.samples + (24 if recorder.batches else 0))
-    rest = per_pass * options.samples + per_batch * recorder.batches
-    left = ""
-    if options.plan:
-        from plan_layers import unread  # which an older Blender's Python cannot read
-        left = "\n" + (unread(options.plan, list(recorder.plan)) or "the methods of %s read all layers" % options.plan)
-    return "\n".join((
-        "scene %s, camera %s, %dx%d, Cycles %s" % (recorder.identity["name"], recorder.camera.data.name,
-                                                   recorder.width, recorder.height,
-                                                   bpy.app.version_string),
-        "needs %s" % needs,
-        "channels %s" % " ".join(channel_names(recorder.plan)),
-        "passes %d at %.3g s, reference %d batches of %d spp at %.3g s" % (
-            options.samples, per_pass, recorder.batches, recorder.batch_spp, per_batch),
-        "estimate %s (%.2f minutes), folder %s, dump at most %s" % (
-            duration(seconds[0] + rest), (seconds[0] + rest) / 60, size(folder_bytes),
-            size(dump_bytes)))) + left
 
 
 def silence_blender():

@@ -212,7 +212,7 @@ def test_another_recording_is_not_mixed_in(recorded, other):
     (("--scene", "chess", "--camera", "lamp"), 2, "camera 'lamp' is not in the scene (camera)"),
     (("--blend", "missing.blend"), 3, "missing.blend: No such file"),
     (("--scene", "chess", "--samples", "many"), 2, "samples"),
-    (("--scene", "chess", "--plan", "nowhere.toml"), 2, "--plan nowhere.toml: only a dry run reads it"),
+    (("--scene", "chess", "--size", "4", "--plan", "nowhere.toml"), 2, "--plan nowhere.toml: only a dry run reads it"),
 ])
 def test_wrong_use_is_one_line(options, code, message, tmp_path):
     done = record(*options, "-o", tmp_path / "passes")
@@ -273,6 +273,17 @@ def test_a_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
                  "minutes", "folder 852 kB"):
         assert part in done.stdout
     assert list(tmp_path.rglob("*.f32")) == []
+
+
+def test_a_dry_run_offers_a_smaller_reference_that_splits_into_batches(tmp_path):
+    """A quarter of 257 batches of 128 samples is 64 of them and 32 samples more."""
+    told = record("--scene", "chess", "--size", "16", "--samples", "1", "--reference", "32896", "--dry-run").stdout
+    assert "its own noise adds 0.00304 % to the squared error of a mean of all 1 samples" in told
+    assert "--reference 8192 would save " in told and "and add 0.0122 %" in told
+    done = record("--scene", "chess", "--size", "16", "--samples", "1", "--dry-run", "--reference", "8192")
+    assert done.returncode == 0, done.stderr
+    none = record("--scene", "chess", "--size", "16", "--samples", "1", "--dry-run").stdout
+    assert "no reference: methods can only be judged against the pool itself" in none
 
 
 @pytest.mark.parametrize("scene, needs", [("balls", {"depth_of_field", "motion_blur"}), ("caustic", set()),
