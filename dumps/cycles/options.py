@@ -1,8 +1,8 @@
 """Command line of the recorder: plain values out, or one line and exit code 2."""
-import argparse
 import sys
 
 from batches import batch_plan
+from command_line import Parser
 from failure import usage_failure
 from passes import CHANNELS, DEFAULT
 
@@ -12,11 +12,7 @@ MODES = {
     "sequence": "consecutive samples of one low-discrepancy sequence, as the renderer works",
 }
 LARGEST = 65536
-
-
-class Parser(argparse.ArgumentParser):
-    def error(self, message):
-        raise usage_failure(message)
+EXIT_CODES = "Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or the system refused."
 
 
 def script_arguments():
@@ -28,7 +24,7 @@ def script_arguments():
 
 
 def parse_options(arguments):
-    parser = Parser(prog="record.py", description="Record every sample of a Cycles rendering.")
+    parser = Parser(prog="record.py", description="Record every sample of a Cycles rendering.", epilog=EXIT_CODES)
     parser.add_argument("--scene", help="a scene of dumps/scenes")
     parser.add_argument("--blend", help="a .blend file")
     parser.add_argument("-o", "--out", help="folder of the passes; an interrupted one is continued")

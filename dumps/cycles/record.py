@@ -4,7 +4,8 @@
   python record.py --blend FILE.blend --samples 64 -o FOLDER               (with the bpy module)
 
 Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or the system refused.
-Run again after an interruption: finished passes are kept, the result is the same bit for bit.
+Run again after an interruption: finished passes are kept, and the samples and the reference are the same
+bit for bit (not the dump: its identifier and the measured cost of a sample differ).
 """
 import os
 import signal

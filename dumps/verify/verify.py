@@ -1,27 +1,39 @@
 #!/usr/bin/env python3
 """Test that the samples of a .spool dump are what its header claims.
 
-    python3 dumps/verify/verify.py scene.spool             print the findings; exit 1 if one fails
+    python3 dumps/verify/verify.py scene.spool             print the findings
     python3 dumps/verify/verify.py scene.spool --write     and keep them in the dump's metadata
+
+Exit codes: 0 no claim fails, 1 a claim fails or the file is no dump, 2 wrong use, 3 the system refused, 4 damage.
 """
-import argparse
 import json
 import os
 import sys
-
-import numpy as np
+from argparse import RawDescriptionHelpFormatter
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in (HERE, os.path.join(HERE, "..", "..", "formats", "python")):
+for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "..", "..", "formats", "python")):
     sys.path.insert(0, folder)
 
-import spool  # noqa: E402
-from features import feature_findings, radiance_findings  # noqa: E402
-from film import film_findings  # noqa: E402
-from finding import line  # noqa: E402
-from independence import independence_findings, neighbour_finding  # noqa: E402
-from reference_agreement import reference_findings  # noqa: E402
-from shared_numbers import shared_number_findings  # noqa: E402
+from command_line import Parser  # noqa: E402
+from failure import Failure, module_failure  # noqa: E402
+
+try:
+    import numpy as np  # noqa: E402
+
+    import spool  # noqa: E402
+    from features import feature_findings, radiance_findings  # noqa: E402
+    from film import film_findings  # noqa: E402
+    from finding import line  # noqa: E402
+    from independence import independence_findings, neighbour_finding  # noqa: E402
+    from reference_agreement import reference_findings  # noqa: E402
+    from shared_numbers import shared_number_findings  # noqa: E402
+except ImportError as error:
+    if __name__ != "__main__":
+        raise
+    failure = module_failure(error, "reads a dump", "dumps/verify/verify.py")
+    print("verify: %s" % failure, file=sys.stderr)
+    sys.exit(failure.code)     # Python's own exit code of a failed import means here that a claim fails
 
 SIGNIFICANCE = 1e-3  # of the whole set of tests, divided among them (Bonferroni)
 TESTS = 20
@@ -81,16 +93,19 @@ def write_verification(path, verification):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("dump")
     parser.add_argument("--write", action="store_true", help="keep the findings in the dump's metadata")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--quiet", action="store_true", help="print only what fails")
-    options = parser.parse_args()
     try:
+        options = parser.parse_args()
         verification = verify(options.dump)
         if options.write:
             write_verification(options.dump, verification)
+    except Failure as failure:
+        print("verify: %s" % failure, file=sys.stderr)
+        return failure.code
     except spool.SpoolError as error:
         print(error, file=sys.stderr)
         return error.code
