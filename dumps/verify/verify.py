@@ -17,6 +17,7 @@ for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "
 
 from command_line import Parser  # noqa: E402
 from failure import Failure, module_failure  # noqa: E402
+from progress import Progress  # noqa: E402
 
 try:
     import numpy as np  # noqa: E402
@@ -49,17 +50,21 @@ def verify(path):
             side_x, side_y = max(16, side_x // 2), max(16, side_y // 2)
         x0, y0 = (dump.width - side_x) // 2, (dump.height - side_y) // 2
         radiance = dump.read("radiance", x0, y0, x0 + side_x, y0 + side_y)
-        found = radiance_findings(radiance)
         finite = np.where(np.isfinite(radiance), radiance, 0)
         film = dump.layers.get("film")
-        found += independence_findings(finite, dump.sample_order == "exchangeable", level)
-        found.append(neighbour_finding(finite, film is not None and film.scope == "pass", level))
-        found += film_findings(dump, (x0, y0, x0 + side_x, y0 + side_y), level)
-        if (side_x, side_y) == (dump.width, dump.height):
-            found += reference_findings(dump, finite, level)
-        else:
-            found += reference_findings(_Window(dump, x0, y0, side_x, side_y), finite, level)
-        found += shared_number_findings(dump.meta) + feature_findings(dump)
+        whole = (side_x, side_y) == (dump.width, dump.height)
+        tests = (lambda: radiance_findings(radiance),
+                 lambda: independence_findings(finite, dump.sample_order == "exchangeable", level),
+                 lambda: [neighbour_finding(finite, film is not None and film.scope == "pass", level)],
+                 lambda: film_findings(dump, (x0, y0, x0 + side_x, y0 + side_y), level),
+                 lambda: reference_findings(dump if whole else _Window(dump, x0, y0, side_x, side_y), finite, level),
+                 lambda: shared_number_findings(dump.meta) + feature_findings(dump))
+        found = []
+        progress = Progress("verification", len(tests))
+        for test in tests:
+            found += test()
+            progress.step()
+        progress.close()
         return {"findings": found, "window": [x0, y0, x0 + side_x, y0 + side_y], "significance": SIGNIFICANCE,
                 "holds": all(entry["holds"] is not False for entry in found)}
 
@@ -87,8 +92,12 @@ def write_verification(path, verification):
                 if set(json.loads(record)) != {"verification"}:
                     writer.write_meta(record)
             writer.write_meta({"verification": verification})
-            for group, tile, begin in dump.blocks():
+            blocks = list(dump.blocks())
+            progress = Progress("blocks with the findings", len(blocks))
+            for group, tile, begin in blocks:
                 writer.write_block(group, tile, begin, dump.block(group, tile, begin))
+                progress.step()
+            progress.close()
     os.replace(temporary, path)
 
 
