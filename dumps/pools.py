@@ -9,20 +9,21 @@ They lie in $SPOOL_RECORDINGS (~/.cache/spool/recordings). Scenes by others are 
 (~/.cache/spool/scenes): a clone of each repository under its own name. Stop at any time; the same command goes on.
 Exit codes: 0 done, 1 a recording failed or is not what POOLS.toml says, 2 wrong use, 3 the system refused.
 """
-import argparse
 import fcntl
 import os
 import shutil
 import signal
 import sys
 import tomllib
+from argparse import RawDescriptionHelpFormatter
 from functools import partial
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 for folder in ("recording", "verify", os.path.join("..", "formats", "python")):
     sys.path.insert(0, os.path.join(HERE, folder))
 
-from failure import Failure, io_failure, usage_failure  # noqa: E402
+from command_line import Parser  # noqa: E402
+from failure import Failure, io_failure, module_failure, usage_failure  # noqa: E402
 from pool_run import Pace, run_pool  # noqa: E402
 from progress import duration, size as size_text  # noqa: E402
 
@@ -83,13 +84,12 @@ def show(pools, folder, scenes):
 
 
 def need_reader():
-    """What a finished recording is compared with its pin by: said before hours of rendering, not after."""
+    """What a finished recording is read by and compared with its pin: said before hours of rendering, not after."""
     try:
         import spool  # noqa: F401
         import zstandard  # noqa: F401
     except ImportError as error:
-        raise io_failure("%s has no %s, which compares a recording with what is pinned: apt-get install python3-numpy "
-                         "python3-zstandard and run /usr/bin/python3 dumps/pools.py" % (sys.executable, error.name))
+        raise module_failure(error, "compares a recording with what is pinned", "dumps/pools.py")
 
 
 def record(chosen, folder, scenes):
@@ -125,25 +125,33 @@ def record(chosen, folder, scenes):
     return failed
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def parse():
+    parser = Parser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--record", nargs="+", metavar="NAME")
     parser.add_argument("--all", action="store_true", help="record all")
     parser.add_argument("--pin", nargs="+", metavar="NAME")
     parser.add_argument("--names", action="store_true")
     parser.add_argument("--pools", default=PATH, help="another list")
-    options = parser.parse_args()
+    return parser.parse_args()
+
+
+def main():
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
+        options = parse()
         pools = read_pools(options.pools)
         folder, scenes = cache("SPOOL_RECORDINGS", "recordings"), cache("SPOOL_SCENES", "scenes")
         names = list(pools) if options.all else options.record or options.pin or []
         for name in names:
             if name not in pools:
-                raise usage_failure("pools: '%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
+                raise usage_failure("'%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
         if options.names:
             print("\n".join(pools))
         elif options.pin:
+            need_reader()
+            absent = [name for name in names if not os.path.exists(file_of(pools[name], folder))]
+            if absent:
+                raise usage_failure("%s: no such recording: --record %s" % (file_of(pools[absent[0]], folder), absent[0]))
             from pool_pins import pin
             pin(options.pools, {name: file_of(pools[name], folder) for name in names})
         elif names:
@@ -154,7 +162,7 @@ def main():
         else:
             show(pools, folder, scenes)
     except Failure as failure:
-        print(failure, file=sys.stderr)
+        print("pools: %s" % failure, file=sys.stderr)
         return failure.code
     except KeyboardInterrupt:
         print("stopped: run the same command again to go on", file=sys.stderr)

@@ -40,13 +40,17 @@ for candidate in "$here/../build/release/tools/spool" "$here/../build/release/sp
   [ -n "$spool" ] || [ ! -x "$candidate" ] || spool=$candidate
 done
 [ -n "$spool" ] || spool=$(command -v spool) || [ -n "$dry" ] || fail 3 "the program spool is not built: run cmake, or set SPOOL"
+# It packs at the end: said before hours of rendering.
+if [ -z "$dry" ] && { ! program=$(command -v "$spool") || [ ! -f "$program" ] || [ ! -x "$program" ]; }; then
+  fail 3 "SPOOL=$spool is no program: set it to the built one"
+fi
 case "$out:$pack" in
   *--force*|:*) ;;
   *) [ ! -e "$out" ] || fail 2 "$out exists: choose another name or give --force" ;;
 esac
 
 blender=${BLENDER:-blender}
-program=$(command -v "$blender") || fail 3 "$blender is not installed: apt-get install blender python3-numpy, or set BLENDER"
+program=$(command -v "$blender") || fail 3 "$blender is not installed: apt-get install blender python3-numpy python3-zstandard, or set BLENDER"
 record=$here/cycles/record.py
 case $(basename "$program") in
   python*) "$program" "$record" "$@" ;;

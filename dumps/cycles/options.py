@@ -1,8 +1,8 @@
 """Command line of the recorder: plain values out, or one line and exit code 2."""
-import argparse
 import sys
 
 from batches import batch_plan
+from command_line import Parser
 from failure import usage_failure
 from passes import CHANNELS, DEFAULT
 
@@ -12,11 +12,7 @@ MODES = {
     "sequence": "consecutive samples of one low-discrepancy sequence, as the renderer works",
 }
 LARGEST = 65536
-
-
-class Parser(argparse.ArgumentParser):
-    def error(self, message):
-        raise usage_failure(message)
+EXIT_CODES = "Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or the system refused."
 
 
 def script_arguments():
@@ -28,7 +24,7 @@ def script_arguments():
 
 
 def parse_options(arguments):
-    parser = Parser(prog="record.py", description="Record every sample of a Cycles rendering.")
+    parser = Parser(prog="record.py", description="Record every sample of a Cycles rendering.", epilog=EXIT_CODES)
     parser.add_argument("--scene", help="a scene of dumps/scenes")
     parser.add_argument("--blend", help="a .blend file")
     parser.add_argument("-o", "--out", help="folder of the passes; an interrupted one is continued")
@@ -61,6 +57,8 @@ def check_options(options):
     options.channels = [c for c in options.channels.split(",") if c]
     if not options.out and not options.dry_run:
         raise usage_failure("no folder for the passes: give -o FOLDER")
+    if options.plan and not options.dry_run:
+        raise usage_failure("--plan %s: only a dry run reads it: add --dry-run" % options.plan)
     for name, low, high in (("samples", 1, LARGEST), ("first", 0, LARGEST - 1), ("seed", 0, 2**31 - 1),
                             ("reference", 0, 2**24), ("first_batch", 0, 2**20), ("threads", 0, 1024)):
         value = getattr(options, name)

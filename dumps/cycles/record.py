@@ -4,11 +4,11 @@
   python record.py --blend FILE.blend --samples 64 -o FOLDER               (with the bpy module)
 
 Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or the system refused.
-Run again after an interruption: finished passes are kept, the result is the same bit for bit.
+Run again after an interruption: finished passes are kept, and the samples and the reference are the same
+bit for bit (not the dump: its identifier and the measured cost of a sample differ).
 """
 import os
 import signal
-import statistics
 import sys
 import time
 
@@ -21,13 +21,14 @@ import bpy  # noqa: E402
 from batches import batch_plan  # noqa: E402
 from camera import ShiftedCamera  # noqa: E402
 from engine import Renderer  # noqa: E402
+from estimate import dry_run  # noqa: E402
 from failure import Failure, io_failure, usage_failure  # noqa: E402
 from options import parse_options, script_arguments  # noqa: E402
 from pass_folder import PassFolder  # noqa: E402
-from passes import (CHANNELS, MIST_DEPTH, channel_names, describe_channels, describe_layers,  # noqa: E402
-                    plan_channels, planes_of, switch_passes)
-from progress import Progress, duration, size  # noqa: E402
-from scene import find_needs, load_scene, prepare, scene_reach  # noqa: E402
+from passes import (CHANNELS, MIST_DEPTH, describe_channels, describe_layers, plan_channels,  # noqa: E402
+                    planes_of, switch_passes)
+from progress import Progress, duration  # noqa: E402
+from scene import aspect_change, find_needs, load_scene, prepare, scene_reach  # noqa: E402
 from seeds import film_position, pool_seed, reference_seed  # noqa: E402
 from settings import (apply_settings, longest_sequence, power_of_two, recorded_settings,  # noqa: E402
                       select_samples)
@@ -40,10 +41,13 @@ class Recorder:
         self.options = options
         self.plan = plan_channels(options.channels, options.mode)
         self.scene, self.identity = load_scene(options.scene, options.blend)
-        prepare(self.scene, options.camera, options.frame, options.size)
+        own_size = prepare(self.scene, options.camera, options.frame, options.size)
         self.view_layer = bpy.context.view_layer
         apply_settings(self.scene, self.view_layer, options.threads)
         self.width, self.height = self.scene.render.resolution_x, self.scene.render.resolution_y
+        change = aspect_change((self.width, self.height), own_size)
+        if change and not options.scene:
+            self.identity["changes"] = [change]
         self.mist_depth = self._set_mist()
         if "object" in self.plan:
             for i, item in enumerate(sorted(self.scene.objects, key=lambda o: o.name)):
@@ -139,6 +143,7 @@ class Stop:
 def record(recorder, options, stop):
     folder = PassFolder(options.out, recorder.recording())
     start = time.monotonic()
+    drop_other_batches(folder, recorder)
     jobs = (("pass", recorder.render_pass, range(options.first, options.first + options.samples)),
             ("reference", recorder.render_batch,
              range(options.first_batch, options.first_batch + recorder.batches)))
@@ -156,44 +161,33 @@ def record(recorder, options, stop):
             folder.add(kind, i, data, entry)
             progress.step()
         progress.close()
-    return "%s: %s, %dx%d, %d passes (%d kept), reference %d x %d spp (%d kept), %s%s" % (
+    return "%s: %s, %dx%d, %d passes (%d kept), reference %d x %d spp (%d kept), %s%s%s" % (
         options.out, recorder.identity["name"], recorder.width, recorder.height, options.samples,
         kept["pass"], recorder.batches, recorder.batch_spp, kept["reference"],
-        duration(time.monotonic() - start), file_note(recorder.renderer))
+        duration(time.monotonic() - start), file_note(recorder.renderer), more_note(folder, jobs))
+
+
+def drop_other_batches(folder, recorder):
+    """A reference is the mean of equal batches: those that an earlier, larger or smaller wish left are no part of it."""
+    batches = folder.entries["reference"]
+    other = [i for i, entry in batches.items() if entry.get("samples") != recorder.batch_spp]
+    if not recorder.batches or not other:
+        return
+    told = "%s: the reference is begun anew: a batch now has %d samples, the %d batches there had %s" % (
+        folder.path, recorder.batch_spp, len(other), batches[other[0]].get("samples"))
+    folder.remove("reference", other)
+    print(told, file=sys.stderr, flush=True)
+
+
+def more_note(folder, jobs):
+    """What an earlier command left beside what this one asks for: `spool pack` takes all."""
+    more = ["%d %s" % (count, "passes" if kind == "pass" else "batches") for kind, _, wanted in jobs
+            for count in [len(set(folder.entries[kind]) - set(wanted))] if count]
+    return "; the folder holds %s more, and spool pack takes them too" % " and ".join(more) if more else ""
 
 
 def file_note(renderer):
     return "; pixels by EXR: " + renderer.why_file if renderer.why_file else ""
-
-
-def dry_run(recorder, options):
-    """Needs of the scene and the price of the recording, from three passes and one batch."""
-    seconds = [recorder.render_pass(i)[1]["seconds"] for i in range(3)]
-    per_pass = statistics.median(seconds[1:])
-    per_batch = recorder.render_batch(0)[1]["seconds"] if recorder.batches else 0.0
-    pixels = recorder.width * recorder.height
-    planes = len(channel_names(recorder.plan))
-    needs = ", ".join("%s: %s" % (k.replace("_", " "), "yes" if v else "no")
-                      for k, v in find_needs(recorder.scene).items())
-    folder_bytes = 4 * pixels * (planes * options.samples + 3 * recorder.batches)
-    stored = sum(2 if c["dtype"] == "f16" else 4 for c in describe_channels(recorder.plan))
-    dump_bytes = pixels * (stored * options.samples + (24 if recorder.batches else 0))
-    rest = per_pass * options.samples + per_batch * recorder.batches
-    left = ""
-    if options.plan:
-        from plan_layers import unread  # which an older Blender's Python cannot read
-        left = "\n" + (unread(options.plan, list(recorder.plan)) or "the methods of %s read all layers" % options.plan)
-    return "\n".join((
-        "scene %s, camera %s, %dx%d, Cycles %s" % (recorder.identity["name"], recorder.camera.data.name,
-                                                   recorder.width, recorder.height,
-                                                   bpy.app.version_string),
-        "needs %s" % needs,
-        "channels %s" % " ".join(channel_names(recorder.plan)),
-        "passes %d at %.3g s, reference %d batches of %d spp at %.3g s" % (
-            options.samples, per_pass, recorder.batches, recorder.batch_spp, per_batch),
-        "estimate %s (%.2f minutes), folder %s, dump at most %s" % (
-            duration(seconds[0] + rest), (seconds[0] + rest) / 60, size(folder_bytes),
-            size(dump_bytes)))) + left
 
 
 def silence_blender():
@@ -213,6 +207,8 @@ def main():
         out = silence_blender()
         stop = Stop()
         recorder = Recorder(options)
+        for change in recorder.identity.get("changes", []):
+            print("%s: %s" % (recorder.identity["name"], change), file=sys.stderr, flush=True)
         print(dry_run(recorder, options) if options.dry_run else record(recorder, options, stop), file=out)
         code = 0
     except Failure as failure:

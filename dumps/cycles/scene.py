@@ -63,7 +63,7 @@ def _open(blend):
 
 
 def prepare(scene, camera, frame, size):
-    """Camera, frame and resolution by the options; refuses what cannot be rendered."""
+    """Camera, frame and resolution by the options; refuses what cannot be rendered. Returns the scene's own resolution."""
     if camera:
         found = scene.objects.get(camera)
         if found is None or found.type != "CAMERA":
@@ -80,12 +80,18 @@ def prepare(scene, camera, frame, size):
     if frame is not None:
         scene.frame_set(frame)
     render = scene.render
-    if size:
-        render.resolution_x, render.resolution_y = size
-    else:
-        percent = render.resolution_percentage
-        render.resolution_x = max(1, render.resolution_x * percent // 100)
-        render.resolution_y = max(1, render.resolution_y * percent // 100)
+    percent = render.resolution_percentage
+    own = max(1, render.resolution_x * percent // 100), max(1, render.resolution_y * percent // 100)
+    render.resolution_x, render.resolution_y = size or own
+    return own
+
+
+def aspect_change(size, own):
+    """A line to tell where the picture has another aspect than the file's own, or None. The scenes of dumps/scenes have no size of
+    their own."""
+    if abs(size[0] * own[1] - size[1] * own[0]) <= max(own):
+        return None
+    return "%dx%d has another aspect than the scene's %dx%d: the picture shows more or less of it" % (*size, *own)
 
 
 def find_needs(scene):

@@ -4,6 +4,7 @@ import time
 from channels import LAYERS
 from plan_layers import unread
 from progress import duration, size as size_text
+from reference_price import reference_hint
 from seeds import SPARE, chunk_seed
 
 TRIAL_SECONDS = 5.0        # of the trace that the estimate comes from
@@ -60,17 +61,3 @@ def describe(options, recordable, tracer, layers, dtypes):
         print(line)
     if options.plan:
         print(unread(options.plan, layers) or "the methods of %s read all layers" % options.plan)
-
-
-def reference_hint(samples, reference, pool_seconds, reference_seconds):
-    """What the reference costs, and a smaller one would save and cost: its own variance stands in every squared error, and
-    beside the mean of the whole pool, the best that can be judged, it has a share of samples / reference."""
-    if not reference:
-        return ["no reference: methods can only be judged against the pool itself (--reference 4096)"]
-    lines = ["the reference takes %s; its own noise adds %.3g %% to the squared error of a mean of all %d samples" % (
-        duration(reference_seconds), 100 * samples / reference, samples)]
-    smaller = reference // 4
-    if smaller >= samples and reference_seconds > pool_seconds:
-        lines.append("--reference %d would save %s and add %.3g %%" % (
-            smaller, duration(reference_seconds * 0.75), 100 * samples / smaller))
-    return lines

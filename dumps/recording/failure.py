@@ -2,6 +2,7 @@
 
 1 the scene cannot be recorded, 2 wrong use, 3 the operating system or the renderer refused.
 """
+import sys
 
 
 class Failure(Exception):
@@ -20,3 +21,9 @@ def usage_failure(message):
 
 def io_failure(message):
     return Failure(3, message)
+
+
+def module_failure(error, purpose, script):
+    """error: the ImportError of a module of Debian's Python that the Python at work lacks."""
+    return io_failure("%s has no %s, which %s: apt-get install python3-numpy python3-zstandard and run /usr/bin/python3 %s" % (
+        sys.executable, error.name, purpose, script))

@@ -1,27 +1,40 @@
 #!/usr/bin/env python3
 """Test that the samples of a .spool dump are what its header claims.
 
-    python3 dumps/verify/verify.py scene.spool             print the findings; exit 1 if one fails
+    python3 dumps/verify/verify.py scene.spool             print the findings
     python3 dumps/verify/verify.py scene.spool --write     and keep them in the dump's metadata
+
+Exit codes: 0 no claim fails, 1 a claim fails or the file is no dump, 2 wrong use, 3 the system refused, 4 damage.
 """
-import argparse
 import json
 import os
 import sys
-
-import numpy as np
+from argparse import RawDescriptionHelpFormatter
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in (HERE, os.path.join(HERE, "..", "..", "formats", "python")):
+for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "..", "..", "formats", "python")):
     sys.path.insert(0, folder)
 
-import spool  # noqa: E402
-from features import feature_findings, radiance_findings  # noqa: E402
-from film import film_findings  # noqa: E402
-from finding import line  # noqa: E402
-from independence import independence_findings, neighbour_finding  # noqa: E402
-from reference_agreement import reference_findings  # noqa: E402
-from shared_numbers import shared_number_findings  # noqa: E402
+from command_line import Parser  # noqa: E402
+from failure import Failure, module_failure  # noqa: E402
+from progress import Progress  # noqa: E402
+
+try:
+    import numpy as np  # noqa: E402
+
+    import spool  # noqa: E402
+    from features import feature_findings, radiance_findings  # noqa: E402
+    from film import film_findings  # noqa: E402
+    from finding import line  # noqa: E402
+    from independence import independence_findings, neighbour_finding  # noqa: E402
+    from reference_agreement import reference_findings  # noqa: E402
+    from shared_numbers import shared_number_findings  # noqa: E402
+except ImportError as error:
+    if __name__ != "__main__":
+        raise
+    failure = module_failure(error, "reads a dump", "dumps/verify/verify.py")
+    print("verify: %s" % failure, file=sys.stderr)
+    sys.exit(failure.code)     # Python's own exit code of a failed import means here that a claim fails
 
 SIGNIFICANCE = 1e-3  # of the whole set of tests, divided among them (Bonferroni)
 TESTS = 20
@@ -37,17 +50,21 @@ def verify(path):
             side_x, side_y = max(16, side_x // 2), max(16, side_y // 2)
         x0, y0 = (dump.width - side_x) // 2, (dump.height - side_y) // 2
         radiance = dump.read("radiance", x0, y0, x0 + side_x, y0 + side_y)
-        found = radiance_findings(radiance)
         finite = np.where(np.isfinite(radiance), radiance, 0)
         film = dump.layers.get("film")
-        found += independence_findings(finite, dump.sample_order == "exchangeable", level)
-        found.append(neighbour_finding(finite, film is not None and film.scope == "pass", level))
-        found += film_findings(dump, (x0, y0, x0 + side_x, y0 + side_y), level)
-        if (side_x, side_y) == (dump.width, dump.height):
-            found += reference_findings(dump, finite, level)
-        else:
-            found += reference_findings(_Window(dump, x0, y0, side_x, side_y), finite, level)
-        found += shared_number_findings(dump.meta) + feature_findings(dump)
+        whole = (side_x, side_y) == (dump.width, dump.height)
+        tests = (lambda: radiance_findings(radiance),
+                 lambda: independence_findings(finite, dump.sample_order == "exchangeable", level),
+                 lambda: [neighbour_finding(finite, film is not None and film.scope == "pass", level)],
+                 lambda: film_findings(dump, (x0, y0, x0 + side_x, y0 + side_y), level),
+                 lambda: reference_findings(dump if whole else _Window(dump, x0, y0, side_x, side_y), finite, level),
+                 lambda: shared_number_findings(dump.meta) + feature_findings(dump))
+        found = []
+        progress = Progress("verification", len(tests))
+        for test in tests:
+            found += test()
+            progress.step()
+        progress.close()
         return {"findings": found, "window": [x0, y0, x0 + side_x, y0 + side_y], "significance": SIGNIFICANCE,
                 "holds": all(entry["holds"] is not False for entry in found)}
 
@@ -75,22 +92,29 @@ def write_verification(path, verification):
                 if set(json.loads(record)) != {"verification"}:
                     writer.write_meta(record)
             writer.write_meta({"verification": verification})
-            for group, tile, begin in dump.blocks():
+            blocks = list(dump.blocks())
+            progress = Progress("blocks with the findings", len(blocks))
+            for group, tile, begin in blocks:
                 writer.write_block(group, tile, begin, dump.block(group, tile, begin))
+                progress.step()
+            progress.close()
     os.replace(temporary, path)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("dump")
     parser.add_argument("--write", action="store_true", help="keep the findings in the dump's metadata")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--quiet", action="store_true", help="print only what fails")
-    options = parser.parse_args()
     try:
+        options = parser.parse_args()
         verification = verify(options.dump)
         if options.write:
             write_verification(options.dump, verification)
+    except Failure as failure:
+        print("verify: %s" % failure, file=sys.stderr)
+        return failure.code
     except spool.SpoolError as error:
         print(error, file=sys.stderr)
         return error.code

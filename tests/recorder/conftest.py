@@ -24,6 +24,12 @@ def record(*options, **more):
     return subprocess.run(command(*options), capture_output=True, text=True, timeout=280, **more)
 
 
+def one_line(text):
+    lines = [line for line in text.splitlines() if line.startswith("record:")]
+    assert len(lines) == 1, text
+    return lines[0]
+
+
 class Folder:
     def __init__(self, path):
         self.path = pathlib.Path(path)

@@ -1,20 +1,11 @@
-"""The recorder with Blender: what it records, what it refuses, and that a kill costs nothing."""
+"""The recorder with Blender: what it records, what it refuses and what it tells."""
 import json
 import os
-import resource
-import signal
 import subprocess
-import time
 import zlib
 
 import pytest
-from conftest import SMALL, Folder, command, record
-
-
-def one_line(text):
-    lines = [line for line in text.splitlines() if line.startswith("record:")]
-    assert len(lines) == 1, text
-    return lines[0]
+from conftest import SMALL, Folder, command, one_line, record
 
 
 def test_recording_is_whole(recorded):
@@ -51,45 +42,6 @@ def test_pixels_by_file_and_by_engine_are_the_same_bits(recorded, tmp_path):
     assert Folder(tmp_path / "passes").files() == recorded.files()
 
 
-@pytest.mark.parametrize("mode", ["shift", "iid", "sequence"])
-def test_a_killed_recording_continues_bit_for_bit(mode, tmp_path):
-    options = ("--scene", "chess", "--size", "16", "--samples", "128", "--reference", "64", "--mode", mode)
-    whole = record(*options, "-o", tmp_path / "whole")
-    assert whole.returncode == 0, whole.stderr
-    torn = tmp_path / "torn"
-    process = subprocess.Popen(command(*options, "-o", torn), stdout=subprocess.DEVNULL,
-                               stderr=subprocess.DEVNULL)
-    deadline = time.monotonic() + 60
-    while not list(torn.glob("pass_00003.f32")) and time.monotonic() < deadline:
-        time.sleep(0.001)
-    os.kill(process.pid, signal.SIGKILL)
-    process.wait()
-    left = len(list(torn.glob("*_?????.f32")))
-    assert 0 < left < 192
-    again = record(*options, "-o", torn)
-    assert again.returncode == 0, again.stderr
-    assert "(0 kept), reference" not in again.stdout
-    assert Folder(torn).files() == Folder(tmp_path / "whole").files()
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_cancelled_recording_says_how_to_go_on(number, tmp_path):
-    options = ("--scene", "chess", "--size", "16", "--samples", "2000", "--mode", "iid")
-    torn = tmp_path / "torn"
-    process = subprocess.Popen(command(*options, "-o", torn), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                               text=True)
-    deadline = time.monotonic() + 120
-    while not list(torn.glob("pass_00003.f32")) and time.monotonic() < deadline:
-        time.sleep(0.001)
-    process.send_signal(number)
-    told = process.communicate(timeout=120)[1]
-    assert process.returncode == 3 and "of 2000 passes: run the same command again to go on" in one_line(told)
-    left = len(list(torn.glob("pass_?????.f32")))
-    assert 3 < left < 2000 and len(Folder(torn).entries) == left and not list(torn.glob("*.partial"))
-    done = record(*options[:-4], "--samples", left, *options[-2:], "-o", torn)
-    assert done.returncode == 0 and "%d passes (%d kept)" % (left, left) in done.stdout
-
-
 def test_processes_that_share_a_recording_make_the_same_dump(recorded, tmp_path):
     """Two at the same time, each with its own passes and batches; packed together they are the whole."""
     shares = [("--samples", "1", "--first", "0", "--reference", "4", "--first-batch", "0"),
@@ -119,43 +71,9 @@ def test_processes_that_share_a_recording_make_the_same_dump(recorded, tmp_path)
     assert len(overlap.stderr.strip().splitlines()) == 1 and "seed" in overlap.stderr, overlap.stderr
 
 
-def disk(path, size):
-    """A real, small file system where we may mount one; else a limit on the size of a file."""
-    path.mkdir()
-    return subprocess.run(["mount", "-t", "tmpfs", "-o", "size=%d" % size, "tmpfs", path],
-                          capture_output=True).returncode == 0
-
-
-def test_a_full_disk_is_one_line_and_the_recording_goes_on_after_it(tmp_path):
-    small = tmp_path / "small"
-    options = ("--scene", "chess", "--size", "32", "--samples", "12", "--mode", "iid")
-    mounted = disk(small, 256 * 1024)      # a pass has 40 KB
-    try:
-        if mounted:
-            done = record(*options, "-o", small / "passes")
-            words = "No space left on device"
-        else:
-            done = record(*options, "-o", small / "passes",
-                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000)))
-            words = "File too large"
-        assert done.returncode == 3, done.stderr
-        assert words in one_line(done.stderr) and "free some space and run the same command again" in done.stderr
-        assert not list(small.glob("passes/*.partial"))
-        if mounted:
-            kept = len(Folder(small / "passes").entries)
-            assert 2 < kept < 12
-            subprocess.run(["mount", "-o", "remount,size=4m", small], check=True)
-        done = record(*options, "-o", small / "passes")
-        assert done.returncode == 0, done.stderr
-        if mounted:
-            assert "12 passes (%d kept)" % kept in done.stdout
-    finally:
-        if mounted:
-            subprocess.run(["umount", small], check=True)
-
-
 def test_quiet_when_piped_and_one_line_at_the_end(recorded):
     done = record(*SMALL, "--mode", "shift", "-o", recorded.path)
+    assert "aspect" not in done.stderr     # 16x16 beside the 1920x1080 of an empty file
     lines = [line for line in done.stdout.splitlines() if not line.startswith("Blender")]
     assert done.returncode == 0 and len(lines) == 1 and "4 passes (4 kept)" in lines[0]
     assert "\r" not in done.stderr
@@ -181,6 +99,7 @@ def test_another_recording_is_not_mixed_in(recorded, other):
     (("--scene", "chess", "--camera", "lamp"), 2, "camera 'lamp' is not in the scene (camera)"),
     (("--blend", "missing.blend"), 3, "missing.blend: No such file"),
     (("--scene", "chess", "--samples", "many"), 2, "samples"),
+    (("--scene", "chess", "--size", "4", "--plan", "nowhere.toml"), 2, "--plan nowhere.toml: only a dry run reads it"),
 ])
 def test_wrong_use_is_one_line(options, code, message, tmp_path):
     done = record(*options, "-o", tmp_path / "passes")
@@ -214,12 +133,24 @@ def test_a_blend_file_is_recorded_with_its_hash(tmp_path):
     done = record("--blend", blend, "--size", "24x16", "--samples", "2", "-o", tmp_path / "passes")
     assert done.returncode == 0, done.stderr
     folder = Folder(tmp_path / "passes")
-    assert folder.recording["scene"] == {"name": "cube.blend",
-                                         "sha256": hashlib.sha256(blend.read_bytes()).hexdigest()}
+    assert folder.recording["scene"] == {
+        "name": "cube.blend", "sha256": hashlib.sha256(blend.read_bytes()).hexdigest(),
+        "changes": ["24x16 has another aspect than the scene's 1920x1080: the picture shows more or less of it"]}
     assert folder.plane("pass_00000.f32", "radiance.R").shape == (16, 24)
     # iid: depth by the mist pass; the default cube stands 11 units from the camera
     depth = folder.plane("pass_00000.f32", "depth.Z")
     assert 8 < depth[8, 12] < 12
+
+
+def test_a_blend_file_at_another_aspect_is_remarked_and_the_remark_is_kept(tmp_path):
+    blend = tmp_path / "cube.blend"
+    make_blend(blend, "bpy.context.scene.render.resolution_percentage = 50")    # of 1920x1080
+    for size, words in (("32", "32x32 has another aspect than the scene's 960x540"), ("32x18", None)):
+        done = record("--blend", blend, "--size", size, "--samples", "1", "-o", tmp_path / size)
+        assert done.returncode == 0, done.stderr
+        told = [line for line in done.stderr.splitlines() if "another aspect" in line]
+        kept = Folder(tmp_path / size).recording["scene"].get("changes")
+        assert (len(told) == 1 and words in told[0] and words in kept[0]) if words else told == [] and kept is None
 
 
 def test_a_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
@@ -230,6 +161,17 @@ def test_a_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
                  "minutes", "folder 852 kB"):
         assert part in done.stdout
     assert list(tmp_path.rglob("*.f32")) == []
+
+
+def test_a_dry_run_offers_a_smaller_reference_that_splits_into_batches(tmp_path):
+    """A quarter of 257 batches of 128 samples is 64 of them and 32 samples more."""
+    told = record("--scene", "chess", "--size", "16", "--samples", "1", "--reference", "32896", "--dry-run").stdout
+    assert "its own noise adds 0.00304 % to the squared error of a mean of all 1 samples" in told
+    assert "--reference 8192 would save " in told and "and add 0.0122 %" in told
+    done = record("--scene", "chess", "--size", "16", "--samples", "1", "--dry-run", "--reference", "8192")
+    assert done.returncode == 0, done.stderr
+    none = record("--scene", "chess", "--size", "16", "--samples", "1", "--dry-run").stdout
+    assert "no reference: methods can only be judged against the pool itself" in none
 
 
 @pytest.mark.parametrize("scene, needs", [("balls", {"depth_of_field", "motion_blur"}), ("caustic", set()),

@@ -35,7 +35,22 @@ def test_a_missing_blender_is_one_line(tmp_path):
     done = subprocess.run([ROOT / "dumps" / "record.sh", "chess", "-o", tmp_path / "dump.spool"], capture_output=True,
                           text=True, env={**os.environ, "SPOOL": SPOOL, "BLENDER": "no-such-blender"})
     assert done.returncode == 3 and done.stderr.count("\n") == 1
-    assert "no-such-blender is not installed: apt-get install blender" in done.stderr
+    assert "no-such-blender is not installed: apt-get install blender python3-numpy python3-zstandard" in done.stderr
+
+
+@pytest.mark.parametrize("kind", ["absent", "folder", "plain file"])
+def test_a_program_that_cannot_pack_is_refused_before_anything_renders(kind, tmp_path):
+    spool, blender = tmp_path / "spool", tmp_path / "blender"
+    if kind == "folder":
+        spool.mkdir()
+    elif kind == "plain file":
+        spool.write_text("")
+    blender.write_text("#!/bin/sh\ntouch %s\n" % (tmp_path / "rendered"))
+    blender.chmod(0o755)
+    done = subprocess.run([ROOT / "dumps" / "record.sh", "chess", "-o", tmp_path / "dump.spool"], capture_output=True,
+                          text=True, env={**os.environ, "SPOOL": str(spool), "BLENDER": str(blender)})
+    assert done.returncode == 3 and done.stderr == "record.sh: SPOOL=%s is no program: set it to the built one\n" % spool
+    assert not (tmp_path / "rendered").exists()
 
 
 def test_a_failure_of_the_recorder_is_the_failure_of_the_script(tmp_path):

@@ -116,3 +116,9 @@ def test_albedo_of_surfaces_without_a_diffuse_part_is_what_they_mirror_and_let_t
         monkeypatch.setattr(passes, "numpy", numpy)
         rows.append(plain.mix(flat))
     assert rows[0] == rows[1] and rows[0] == pytest.approx(expected, abs=1e-7)
+
+
+def test_help_names_the_exit_codes(capsys):
+    with pytest.raises(SystemExit):
+        options.parse_options(["--help"])
+    assert "3 Blender or the system refused" in " ".join(capsys.readouterr().out.split())

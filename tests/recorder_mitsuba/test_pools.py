@@ -118,6 +118,14 @@ def test_wrong_names_and_two_runs_at_once_are_refused(place):
     assert result.returncode == 2 and "another run records here" in result.stderr
 
 
+@pytest.mark.parametrize("arguments, words", [(("--nope",), "unrecognized arguments: --nope"), (("--record",), "argument --record"),
+                                              (("--record", "three"), "'three' is not in"), (("--pin", "one"), "no such recording: --record one")])
+def test_wrong_use_is_one_line(place, arguments, words):
+    told = pools(place, *arguments)
+    assert told.returncode == 2 and words in told.stderr and told.stderr.startswith("pools: ") and told.stderr.count("\n") == 1, told.stderr
+    assert "Exit codes: 0 done, 1 a recording failed" in pools(place, "--help").stdout
+
+
 def progress(folder):
     """Chunks of the pool and of the reference that are safe."""
     try:

@@ -1,7 +1,10 @@
 """Each claim of a dump is believed when it is true and refused when it is not."""
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+import progress
 import spool
 from verify import verify, write_verification
 
@@ -136,3 +139,17 @@ def test_findings_travel_in_the_metadata_and_change_no_sample(tmp_path):
         assert after.meta["verification"]["holds"] is True and len(after.meta_records) == 2
         assert after.meta["reference"]["samples"] == REFERENCE
         assert np.array_equal(radiance, after.read("radiance")) and uuid == after.uuid
+
+
+def test_a_long_verification_says_how_far_it_is(tmp_path, monkeypatch, capsys):
+    path, now = str(dump(tmp_path / "long.spool", pool(), uniform_film())), [0.0]
+
+    def clock():
+        now[0] += 25.0
+        return now[0]
+
+    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=clock))
+    findings = verify(path)
+    assert capsys.readouterr().err == "verification 3 of 6, 1 min 15 s left\nverification 6 of 6, 0 s left\n"
+    write_verification(path, findings)
+    assert capsys.readouterr().err == "blocks with the findings 3 of 8, 2 min 05 s left\nblocks with the findings 6 of 8, 50 s left\n"

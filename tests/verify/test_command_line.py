@@ -1,0 +1,40 @@
+"""verify.py as a program: its exit codes are what a script goes by."""
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import spool
+from conftest import ROOT
+
+VERIFY = os.path.join(ROOT, "dumps", "verify", "verify.py")
+
+
+def run(*arguments, python=()):
+    return subprocess.run([sys.executable, *python, VERIFY, *map(str, arguments)], capture_output=True, text=True)
+
+
+def one_line(text):
+    assert text.count("\n") == 1 and text.startswith("verify: "), text
+    return text
+
+
+def test_a_python_without_numpy_is_one_line_and_not_a_claim_that_fails():
+    done = run("nowhere.spool", python=("-S", "-E"))
+    assert done.returncode == 3 and "no numpy, which reads a dump: apt-get install python3-numpy" in one_line(done.stderr)
+
+
+@pytest.mark.parametrize("arguments, words", [((), "required: dump"), (("a", "--nope"), "unrecognized arguments: --nope")])
+def test_wrong_use_is_one_line(arguments, words):
+    done = run(*arguments)
+    assert done.returncode == 2 and words in one_line(done.stderr) and done.stdout == ""
+
+
+def test_help_names_the_exit_codes_and_a_claim_that_fails_is_1(tmp_path):
+    assert "Exit codes: 0 no claim fails, 1 a claim fails" in run("--help").stdout
+    with spool.Writer(tmp_path / "same.spool", 16, 16, 16, {"radiance": ("f4", "RGB")}) as writer:
+        writer.write_passes(0, {"radiance": np.full((16, 16, 16, 3), 0.5, "f4")})
+    done = run(tmp_path / "same.spool")
+    assert done.returncode == 1 and "samples differ" in done.stdout
