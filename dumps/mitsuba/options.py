@@ -3,17 +3,13 @@ import argparse
 import os
 
 from channels import DEFAULT, LAYERS
+from command_line import Parser
 from failure import usage_failure
 from seeds import USER_LIMIT
 
 
 EXIT_CODES = """exit codes: 0 recorded, 1 the scene cannot be recorded or its samples fail their tests, 2 wrong use,
 3 the operating system or the renderer refused, or the run was stopped"""
-
-
-class Parser(argparse.ArgumentParser):
-    def error(self, message):
-        raise usage_failure(message + ": see --help")
 
 
 def parse(arguments, about):

@@ -3,6 +3,7 @@ import numpy as np
 
 import spool
 from channels import LAYERS, MEANINGS
+from progress import Progress
 from reference import variance_of_mean
 from seeds import chunk_seed
 
@@ -46,12 +47,16 @@ def write_file(options, meta, tracer, layers, chunks, cut, reference):
                       block_spp=block, sample_order="exchangeable", meta=meta,
                       compress=not options.no_compress, force=options.force) as writer:
         bands = len(cut.bands)
-        for index in range(0, len(cut.parts), bands):
+        steps = range(0, len(cut.parts), bands)
+        progress = Progress("chunks written", len(steps))
+        for index in steps:
             loaded = [chunks.load(index + band)[0] for band in range(bands)]
             arrays = {name: np.concatenate([part[name] for part in loaded]) for name in layers}
             if "shape" in arrays:
                 arrays["shape"] = arrays["shape"].astype("<u4")
             writer.write_passes(cut.parts[index][0], arrays)
+            progress.step()
+        progress.close()
         if reference is not None:
             writer.write_pixel("reference", reference["mean"].astype("<f4"))
             writer.write_pixel("reference_variance", variance_of_mean(reference).astype("<f4"))

@@ -23,9 +23,10 @@ from chunks import Chunks  # noqa: E402
 from failure import Failure, scene_failure, usage_failure  # noqa: E402
 from options import parse  # noqa: E402
 from output import layer_types, metadata, write_file  # noqa: E402
-from plan import Cut, describe, reference_hint  # noqa: E402
+from plan import Cut, describe  # noqa: E402
 from progress import Progress, size as size_text  # noqa: E402
 from reference import add_chunk, begun_or_empty  # noqa: E402
+from reference_price import reference_hint  # noqa: E402
 from scene import Wishes, load_scene  # noqa: E402
 from seeds import CHUNK_LIMIT, SPARE, chunk_seed  # noqa: E402
 from variant import choose_variant  # noqa: E402
