@@ -14,7 +14,7 @@ import full_page  # noqa: E402
 import full_size  # noqa: E402
 import measured  # noqa: E402
 from chapter import Chapter  # noqa: E402
-from inference import use_program  # noqa: E402
+from inference import Interval, use_program  # noqa: E402
 from results import Results  # noqa: E402
 from statements import change_rows, kinds_of_change, of_the_paper, statements  # noqa: E402
 from tables import curves, finding  # noqa: E402
@@ -202,6 +202,39 @@ def test_statements_that_changed_are_found():
     gained, lost, agree, total = of_the_paper(before, after)
     assert [s.text for s in gained] == ["5-3 puts more there than Haar", "paper: 5-3 is below haar in MSE"]
     assert [s.text for s in lost] == ["5-3 is below db3"] and (len(agree), len(total)) == (2, 4)
+
+
+def asked_of(ratios):
+    """Results of four replicates in which only these pairs of samplers are known: {(first, second): ratio with its interval}."""
+    results = Results([])
+    for name in {name for pair in ratios for name in pair}:
+        results._rows["table", name, "box", 4, 1] = [{"replicate": r} for r in range(4)]
+    results._pairs["table", 4, 1, "mse"] = {((a, "box"), (b, "box")): ("undecided", Interval(*ratio)) for (a, b), ratio in ratios.items()}
+    return results
+
+
+def order_of_first(results):
+    return [results.order("mse", "table", 4, (a, "box"), (b, "box")) for a, b in (("a", "b"), ("b", "a"))]
+
+
+def test_what_a_chapter_asks_is_one_family():
+    more = {("a", f"x{i}"): (1.0, 0.8, 1.25) for i in range(30)}
+    results = asked_of({("a", "b"): (0.5, 0.4, 0.62), **more})  # p = 0.002 by Student's test with three degrees of freedom
+    assert order_of_first(results) == [0, 0], "among all pairs of the plan"
+    results.judge_asked()
+    assert order_of_first(results) == [-1, 1], "alone"
+    for name in (name for _, name in more):
+        assert results.order("mse", "table", 4, ("a", "box"), (name, "box")) == 0
+    results.judge_asked()
+    assert order_of_first(results) == [0, 0], "one of 31"
+
+
+def test_a_pair_without_a_ratio_keeps_its_verdict():
+    results = asked_of({("a", "b"): ()})
+    results._pairs["table", 4, 1, "mse"] = {(("a", "box"), ("b", "box")): ("better", Interval())}
+    assert order_of_first(results) == [-1, 1]
+    results.judge_asked()
+    assert order_of_first(results) == [-1, 1]
 
 
 def test_the_pages_of_the_tree_have_statements():

@@ -15,7 +15,8 @@ those of 256 x 256 pixels with 256 samples that `tools/dev.sh record` makes from
 among them; names without a size are of 256 x 256. Each plan is measured on one recording at a time, and what it gave is kept in
 `docs/results/experiments_full/measured`: the page is made from all that was measured on any machine, and a
 later run adds the recordings that are missing. [experiments.md](experiments.md) says what intervals and verdicts mean, and what
-pictures of 64 x 64 pixels gave. All filters behind several samplers on recordings of full size: [filters.md](filters.md)."""
+pictures of 64 x 64 pixels gave. One thing differs here: the statements of a chapter about one recording, budget and metric are judged
+together at 5 % (Holm), not all pairs of methods of its plan ([decision 152](decisions/0152-statements-are-a-family.md)). All filters behind several samplers on recordings of full size: [filters.md](filters.md)."""
 
 KEPT = "Every cell is in `docs/results/experiments_full/measured`."
 
@@ -94,7 +95,11 @@ def section(chapter, measuring):
     missing = list(dict.fromkeys(name for p in chapter.plans for name in measuring.missing(p)))
     hashes = {p: plan_hash(plan_text(measuring.plans / f"{p}.toml", "")) for p in chapter.plans}
     paper = chapter.id[0] in "EA"
-    body = chapter.body(Material(results, density_of(sources), {p: Results(s) for p, s in by_plan.items()}, KEPT))
+    material = Material(results, density_of(sources), {p: Results(s) for p, s in by_plan.items()}, KEPT)
+    chapter.body(material)  # what it asks is a family of comparisons, known when all of it is asked
+    for asked in (results, *material.by_plan.values()):
+        asked.judge_asked()
+    body = chapter.body(material)
     return [f"## {chapter.id}: {chapter.title}" if paper else f"## {chapter.title}", f"*Asked:* {chapter.paper}", chapter.apart_full(),
             f"Recordings: {listed(results.pools)}." + (f" Not measured yet: {listed(missing)}." if missing else "")
             + " " + provenance(sources, hashes), *pictures(chapter, measuring), *marked([*body, energies(results)], described(sources))]
@@ -113,8 +118,8 @@ def changes(small, full):
     return ["## What changed against pictures of 64 x 64 pixels",
             f"Of {both} statements that [experiments.md](experiments.md) makes as well, {len(rows)} have another verdict here. The recordings are not the same: "
             "the last column says what changed where the scene is. "
-            f"{opposite} say the opposite, {one_page} are told apart on one page only, {in_part} change in part. A difference must be larger to be told apart "
-            f"here: there are {REPLICATES} replicates, on the other page mostly 8 (Student's quantile for one pair of 66 is 13 with four and 5.4 with eight).",
+            f"{opposite} say the opposite, {one_page} are told apart on one page only, {in_part} change in part. What can be told apart differs, too: "
+            f"here by {REPLICATES} replicates, among the statements of a chapter; there mostly by 8, among all pairs of a plan's methods.",
             table(["statement", "64 x 64", "full size", "on the same scenes"], rows) if rows else "",
             f"- Of the paper's statements {len(agree)} of {len(all_of_them)} agree here.\n- Agree now and did not: {names(gained)}.\n"
             f"- Agreed and do not now: {names(lost)}."]

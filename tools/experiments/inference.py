@@ -55,3 +55,9 @@ ORDER = {"better": -1, "worse": 1, "undecided": 0, "identical": 0, "not compared
 def order_of(a, b):
     """-1 where a is below b, 1 above, 0 not told apart, None not known; this comparison alone."""
     return ORDER[_ask({"a": list(a), "b": list(b)})["verdict"]] if len(a) > 1 and len(a) == len(b) else None
+
+
+def judged_together(ratios, freedom):
+    """Orders (as order_of) of ratios with their 95 % intervals, as one family at 5 % (Holm); freedom: of each."""
+    asked = {"ratios": [[r.mean, r.low, r.high] for r in ratios], "freedom": list(freedom)}
+    return [ORDER[verdict] for verdict in _ask(asked)["verdicts"]] if ratios else []

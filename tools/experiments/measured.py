@@ -17,7 +17,7 @@ COLUMNS = ("replicate", "mse", "relmse", "energy_ratio", "saturated_share", "cpu
 METRICS = ("mse", "relmse")  # those of which all pairs are judged
 LETTERS = {"better": "b", "worse": "w", "undecided": "u", "identical": "i", "not compared": "."}
 WORDS = {letter: word for word, letter in LETTERS.items()}
-ALL_RATIOS = 48  # of more methods only the ratios to uniform + box are kept
+ALL_RATIOS = 80  # of more methods only the ratios to uniform + box are kept
 BASE = ("uniform", "box")
 
 

@@ -1,14 +1,14 @@
 """Reads what `spool evaluate` wrote: figures and verdicts of statistics.json, and the rows of single replicates.
 
 A verdict between two methods of one plan is that of statistics.json, which decides all pairs of a recording and budget
-together. No figure is computed here.
+together, unless judge_asked() decided those together that were asked for. No figure is computed here.
 """
 import json
 import sys
 from pathlib import PurePosixPath
 
 import measured
-from inference import ORDER, Interval, interval_of
+from inference import ORDER, Interval, interval_of, judged_together
 
 VERSION = 1
 
@@ -42,6 +42,7 @@ class Results:
         self._rows, self._figures, self.failed = {}, {}, {}
         self._pairs = {}  # (pool, spp, threads, metric): {(method, method): (verdict of the first, ratio)}
         self._overall = {}  # (sampler, filter, spp, threads, metric): [ratio of each folder]
+        self._asked = {}  # (pool, spp, threads, metric): {(method, method): order of judge_asked(), or None}
         self._best = {}   # (pool, spp, threads, metric): methods by mean with (letters, against the best)
         for folder in self.folders:
             if folder.is_dir():
@@ -107,7 +108,7 @@ class Results:
         part.folders = self.folders
         for kept, all_of_them in ((part._rows, self._rows), (part._figures, self._figures), (part.failed, self.failed)):
             kept.update((k, v) for k, v in all_of_them.items() if k[1] in samplers and k[2] in filters)
-        part._pairs, part._best, part._overall = self._pairs, self._best, self._overall
+        part._pairs, part._best, part._overall, part._asked = self._pairs, self._best, self._overall, self._asked
         return part
 
     def _threads(self, threads):
@@ -141,8 +142,23 @@ class Results:
         return self._pair(column, pool, spp, a, b, threads)[1]
 
     def order(self, column, pool, spp, a, b, threads=None):
-        """-1 where a is below b, 1 above, 0 not told apart, None not compared: the verdict of statistics.json."""
-        return ORDER[self._pair(column, pool, spp, a, b, threads)[0]]
+        """-1 where a is below b, 1 above, 0 not told apart, None not compared."""
+        a, b = (tuple(map(canonical, method)) for method in (a, b))
+        asked = self._asked.setdefault((pool, spp, self._threads(threads), column), {})
+        turned = (b, a) in asked
+        judged = asked[b, a] if turned else asked.setdefault((a, b))
+        if judged is None:
+            return ORDER[self._pair(column, pool, spp, a, b, threads)[0]]
+        return -judged if turned else judged
+
+    def judge_asked(self):
+        """Decides the pairs that order() was asked for since the last time: those of one recording, budget and metric are one
+        family. A pair without a ratio keeps its verdict among all pairs."""
+        for (pool, spp, threads, column), asked in self._asked.items():
+            ratios = {pair: self.ratio(column, pool, spp, *pair, threads) for pair in asked}
+            known = [pair for pair, ratio in ratios.items() if ratio.mean == ratio.mean]
+            freedom = [len(self.rows(pool, *a, spp, threads)) - 1 for a, _ in known]
+            asked.update(zip(known, judged_together([ratios[pair] for pair in known], freedom)))
 
     def overall(self, column, sampler, filter_name, spp, threads=None):
         """Ratio to uniform + box, geometric mean over the recordings of each folder: [Interval]."""
