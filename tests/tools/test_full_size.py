@@ -1,5 +1,6 @@
 """Experiments at full size: each recording's results are kept small, several machines add to one page, what changed is said."""
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -208,7 +209,7 @@ def asked_of(ratios):
     """Results of four replicates in which only these pairs of samplers are known: {(first, second): ratio with its interval}."""
     results = Results([])
     for name in {name for pair in ratios for name in pair}:
-        results._rows["table", name, "box", 4, 1] = [{"replicate": r} for r in range(4)]
+        results._rows["table", name, "box", 4, 1] = [{"replicate": r, "mse": None} for r in range(4)]
     results._pairs["table", 4, 1, "mse"] = {((a, "box"), (b, "box")): ("undecided", Interval(*ratio)) for (a, b), ratio in ratios.items()}
     return results
 
@@ -235,6 +236,24 @@ def test_a_pair_without_a_ratio_keeps_its_verdict():
     assert order_of_first(results) == [-1, 1]
     results.judge_asked()
     assert order_of_first(results) == [-1, 1]
+
+
+def test_ratios_that_are_not_kept_are_made_from_replicates(place):
+    machine = place("one", "chess_256")
+    machine.measure("small", "chess_256", False)
+    results, known = Results(machine.sources("small")), Results(machine.sources("small"))
+    for pairs in results._pairs.values():  # those to uniform + box as if replicates shared samples
+        pairs.update({pair: (verdict, Interval(r.mean, r.low ** 2 / r.mean, r.high ** 2 / r.mean) if UNIFORM in pair else Interval())
+                      for pair, (verdict, r) in pairs.items()})
+    looked_at = 0
+    for (pool, spp, threads, column), pairs in known._pairs.items():
+        for (a, b), (_, ratio) in pairs.items():
+            made = results._ratio_or_made(column, pool, spp, a, b, threads)
+            if ratio.mean == ratio.mean and ratio.high > ratio.low:
+                assert made.mean == pytest.approx(ratio.mean, rel=1e-3)
+                assert 1.9 < math.log(made.high / made.low) / math.log(ratio.high / ratio.low) < 2.2, (a, b)
+                looked_at += UNIFORM not in (a, b)
+    assert looked_at == 20
 
 
 def test_the_pages_of_the_tree_have_statements():

@@ -4,11 +4,12 @@ A verdict between two methods of one plan is that of statistics.json, which deci
 together, unless judge_asked() decided those together that were asked for. No figure is computed here.
 """
 import json
+import math
 import sys
 from pathlib import PurePosixPath
 
 import measured
-from inference import ORDER, Interval, interval_of, judged_together
+from inference import ORDER, Interval, interval_of, judged_together, ratio_of
 
 VERSION = 1
 
@@ -155,10 +156,27 @@ class Results:
         """Decides the pairs that order() was asked for since the last time: those of one recording, budget and metric are one
         family. A pair without a ratio keeps its verdict among all pairs."""
         for (pool, spp, threads, column), asked in self._asked.items():
-            ratios = {pair: self.ratio(column, pool, spp, *pair, threads) for pair in asked}
+            ratios = {pair: self._ratio_or_made(column, pool, spp, *pair, threads) for pair in asked}
             known = [pair for pair, ratio in ratios.items() if ratio.mean == ratio.mean]
             freedom = [len(self.rows(pool, *a, spp, threads)) - 1 for a, _ in known]
             asked.update(zip(known, judged_together([ratios[pair] for pair in known], freedom)))
+
+    def _ratio_or_made(self, column, pool, spp, a, b, threads):
+        """The ratio; where measured.py did not keep it, from the replicates, and as much wider as those of the two methods to
+        uniform + box, which are kept, are wider than their replicates alone say: replicates may share samples."""
+        kept = self.ratio(column, pool, spp, a, b, threads)
+        made = ratio_of(*(self.values(column, pool, *method, spp, threads) for method in (a, b)))
+        if kept.mean == kept.mean or made.mean != made.mean:
+            return kept
+        wider = [1.0]
+        for method in {a, b} - {measured.BASE}:
+            alone = ratio_of(*(self.values(column, pool, *m, spp, threads) for m in (method, measured.BASE)))
+            to_base = self.ratio(column, pool, spp, method, measured.BASE, threads)
+            if not to_base.mean > 0 or not alone.high > alone.low:
+                return kept
+            wider.append(math.log(to_base.high / to_base.low) / math.log(alone.high / alone.low))
+        low, high = (made.mean * (end / made.mean) ** max(wider) for end in (made.low, made.high))
+        return Interval(made.mean, low, high)
 
     def overall(self, column, sampler, filter_name, spp, threads=None):
         """Ratio to uniform + box, geometric mean over the recordings of each folder: [Interval]."""
