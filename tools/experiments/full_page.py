@@ -127,7 +127,7 @@ def changes(small, full):
 
 def blocks(chapters, measuring, small):
     """small: text of the page of 64 x 64 pixels."""
-    shown = [c for c in chapters_of(chapters) if any(measuring.sources(p) for p in c.plans)]
+    shown = [c for c in chapters_of(chapters) if all(measuring.sources(p) for p in c.plans)]
     left = [c.id for c in chapters_of(chapters) if c not in shown]
     sections = [b for c in shown for b in section(c, measuring) if b]
     return [HEAD, *changes(small, "\n".join(sections)), *sections, f"Not run yet: {', '.join(left)}." if left else ""]
