@@ -59,7 +59,7 @@ def statements(page):
                 continue
             text = match["text"]
             if text.startswith("... "):  # goes on with the statement before
-                text = f"{last} {text}"
+                text = f"{last.split(', ')[0]} {text}"  # without the samples it was about
             else:
                 last = text
             said = (Statement(chapter, text, match["verdict"] + (match["more"] or ""), _of_pools(match["pools"]))
