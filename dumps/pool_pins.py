@@ -3,7 +3,7 @@ import os
 import platform
 import re
 
-PINNED = ("samples_sha256", "bytes", "cpu_seconds", "versions", "processor")
+PINNED = ("samples_sha256", "bytes", "cpu_seconds", "versions", "processor", "claims")
 
 
 def processor():
@@ -12,6 +12,13 @@ def processor():
             return re.search(r"model name\s*:\s*(.*)", stream.read())[1].strip()
     except (OSError, TypeError):
         return platform.machine()
+
+
+def claims(meta):
+    """How many claims of dumps/verify hold, fail and are not known."""
+    found = [finding["holds"] for finding in meta.get("verification", {}).get("findings", [])]
+    counts = [(found.count(True), "hold"), (found.count(False), "FAIL"), (found.count(None), "not known")]
+    return ", ".join("%d %s" % count for count in counts if count[0]) or "not verified"
 
 
 def measure(path):
@@ -25,7 +32,8 @@ def measure(path):
         seconds = round(meta["cost_per_sample"] * samples)
     version = " ".join(str(renderer[key]) for key in ("name", "version", "variant") if renderer.get(key))
     return {"scene_sha256": meta["scene"]["sha256"], "samples_sha256": content_hash(path), "bytes": os.path.getsize(path),
-            "cpu_seconds": seconds, "versions": version, "processor": processor()}
+            "cpu_seconds": seconds, "versions": version, "processor": processor(),
+            "claims": claims(meta)}
 
 
 def differences(scene_sha256, pinned, path):

@@ -82,12 +82,15 @@ class Chunks:
             return None
         return self._read(path)
 
-    def claim(self, partial):
-        """Before the file is written: what lies under this name is of this recording from now on, and a run that was stopped
-        while it wrote the file has left it. What lay there before belongs to somebody else; the writer refuses it."""
-        mark = os.path.join(self.folder, "file_begun")
+    def own(self, path):
+        return os.path.dirname(path) == self.folder
+
+    def claim(self, path):
+        """Before this file is written: what lies under its partial name is of this recording from now on, and a run that was
+        stopped while it wrote the file has left it. What lay there before belongs to somebody else; the writer refuses it."""
+        mark, partial = os.path.join(self.folder, "file_begun"), path + ".partial"
         try:
-            if not os.path.exists(mark):
+            if not os.path.exists(mark) and not self.own(path):
                 if not os.path.lexists(partial):
                     open(mark, "w").close()
             elif os.path.lexists(partial):

@@ -31,8 +31,8 @@ def metadata(options, mi, recordable, tracer, cut, seconds):
             "shutter": [recordable.shutter_open, recordable.shutter_open + recordable.shutter_time]}
 
 
-def write_file(options, meta, tracer, layers, chunks, cut, reference):
-    """meta: of metadata(); reference: the state of reference.py, or None."""
+def write_file(path, options, meta, tracer, layers, chunks, cut, reference):
+    """meta: of metadata(); reference: the state of reference.py, or None. A file in the folder of the chunks is replaced."""
     types = layer_types(layers, options.half, chunks.largest(range(len(cut.parts))) if options.half else 0.0)
     file_layers = {name: (types[name], LAYERS[name][1]) for name in layers}
     meta = {**meta, "channels": {name: MEANINGS[name] for name in layers}}
@@ -42,10 +42,10 @@ def write_file(options, meta, tracer, layers, chunks, cut, reference):
                              "seconds": float(reference["seconds"])}
     # the writer holds a block of every pixel
     block = max(1, min(options.block, options.samples, 16 * options.chunk_lanes // (tracer.width * tracer.height)))
-    chunks.claim(options.out + ".partial")
-    with spool.Writer(options.out, tracer.width, tracer.height, options.samples, file_layers, tile_size=64,
+    chunks.claim(path)
+    with spool.Writer(path, tracer.width, tracer.height, options.samples, file_layers, tile_size=64,
                       block_spp=block, sample_order="exchangeable", meta=meta,
-                      compress=not options.no_compress, force=options.force) as writer:
+                      compress=not options.no_compress, force=options.force or chunks.own(path)) as writer:
         bands = len(cut.bands)
         steps = range(0, len(cut.parts), bands)
         progress = Progress("chunks written", len(steps))

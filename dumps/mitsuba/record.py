@@ -114,7 +114,7 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
 
 
 def record(options, mi, recordable, tracer, layers):
-    """A line to tell, or None."""
+    """The claims of verification that fail, as lines."""
     cut = Cut(tracer, options.samples, options.chunk_lanes)
     reference_cut = Cut(tracer, max(options.reference, 1), options.chunk_lanes)
     if tracer.width > options.chunk_lanes or max(len(cut.parts), len(reference_cut.parts)) >= CHUNK_LIMIT - 1:
@@ -131,9 +131,14 @@ def record(options, mi, recordable, tracer, layers):
         numbers.update(reference=int(reference["looked_at"]), reference_repeated=int(reference["repeated"]))
     seconds = sum(float(chunks.part(index, "seconds")) for index in range(len(cut.parts)))
     meta = {**metadata(options, mi, recordable, tracer, cut, seconds), "random_numbers": numbers}
-    remark = write_file(options, meta, tracer, layers, chunks, cut, reference)
+    # A file has its name when its samples were tested: a run that is stopped before goes on here.
+    path = options.out if options.no_verify else os.path.join(chunks.folder, "whole.spool")
+    remark = write_file(path, options, meta, tracer, layers, chunks, cut, reference)
+    if remark:
+        print(remark, file=sys.stderr)
+    failing = [] if options.no_verify else keep_verification(path, options, chunks)
     chunks.remove()
-    return remark
+    return failing
 
 
 def run(arguments):
@@ -145,22 +150,20 @@ def run(arguments):
     if options.dry_run:
         describe(options, recordable, tracer, layers, layer_types(layers, options.half))
         return
-    remark = record(options, mi, recordable, tracer, layers)
-    if remark:
-        print(remark, file=sys.stderr)
-    failing = [] if options.no_verify else keep_verification(options.out)
+    failing = record(options, mi, recordable, tracer, layers)
     print("%s: %dx%d, %d samples a pixel, %s" % (options.out, tracer.width, tracer.height, options.samples,
                                                  size_text(os.path.getsize(options.out))))
     if failing:
         raise scene_failure("%s: whole, but its samples are not what they should be: %s" % (options.out, failing[0]))
 
 
-def keep_verification(path):
-    """Tests the samples, keeps the findings in the file; the claims that fail, as lines."""
+def keep_verification(path, options, chunks):
+    """Tests the samples of the file, copies it to where it is to lie with what was found; the claims that fail, as lines."""
     from finding import line
     from verify import verify, write_verification
     found = verify(path)
-    write_verification(path, found)
+    chunks.claim(options.out)
+    write_verification(path, found, options.out, options.force)
     return [line(entry) for entry in found["findings"] if entry["holds"] is False]
 
 

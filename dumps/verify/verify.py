@@ -80,14 +80,14 @@ class _Window:
         return self._dump.pixel(layer)[self._slice]
 
 
-def write_verification(path, verification):
-    """Rewrites the dump with the findings in a meta record of their own, in place of an earlier one; every block
-    is copied as it is read back."""
-    temporary = path + ".verified"
+def write_verification(path, verification, out=None, force=False):
+    """Writes the dump with the findings in a meta record of their own, in place of an earlier one, to `out`, else over itself;
+    every block is copied as it is read back."""
+    target = out or path + ".verified"
     with spool.open(path) as dump:
-        with spool.Writer(temporary, dump.width, dump.height, dump.spp, channels=dump.channels, tile_size=dump.tile_size,
+        with spool.Writer(target, dump.width, dump.height, dump.spp, channels=dump.channels, tile_size=dump.tile_size,
                           block_spp=dump.block_spp, sample_order=dump.sample_order, uuid=dump.uuid.bytes,
-                          compress=dump.compressed, force=True) as writer:
+                          compress=dump.compressed, force=force or not out) as writer:
             for record in dump.meta_records:
                 if set(json.loads(record)) != {"verification"}:
                     writer.write_meta(record)
@@ -98,20 +98,23 @@ def write_verification(path, verification):
                 writer.write_block(group, tile, begin, dump.block(group, tile, begin))
                 progress.step()
             progress.close()
-    os.replace(temporary, path)
+    if not out:
+        os.replace(target, path)
 
 
 def main():
     parser = Parser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("dump")
     parser.add_argument("--write", action="store_true", help="keep the findings in the dump's metadata")
+    parser.add_argument("-o", "--out", help="keep them in a copy of the dump")
+    parser.add_argument("--force", action="store_true", help="replace the copy that is there")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--quiet", action="store_true", help="print only what fails")
     try:
         options = parser.parse_args()
         verification = verify(options.dump)
-        if options.write:
-            write_verification(options.dump, verification)
+        if options.write or options.out:
+            write_verification(options.dump, verification, options.out, options.force)
     except Failure as failure:
         print("verify: %s" % failure, file=sys.stderr)
         return failure.code

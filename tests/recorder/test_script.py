@@ -1,7 +1,9 @@
 """dumps/record.sh: from a scene to a dump in one command."""
 import json
 import os
+import signal
 import subprocess
+import time
 
 import pytest
 from conftest import ROOT
@@ -29,6 +31,24 @@ def test_a_scene_becomes_a_checked_dump(tmp_path):
     assert info["verified"] is True and info["meta"]["verification"]["findings"]
     again = run("chess", "--size", "20x12", "-o", dump)
     assert again.returncode == 2 and "exists" in again.stderr
+
+
+@pytest.mark.skipif(not os.path.exists(SPOOL), reason="NOT TESTED: the program spool is not built")
+def test_a_recording_killed_while_its_samples_are_tested_goes_on_and_is_tested(tmp_path):
+    dump, passes = tmp_path / "chess.spool", tmp_path / "chess.spool.passes"
+    options = ("chess", "--size", "20x12", "--samples", "4", "--reference", "64", "-o", dump)
+    process = subprocess.Popen([ROOT / "dumps" / "record.sh", *map(str, options)], env={**os.environ, "SPOOL": SPOOL},
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    while process.poll() is None and not (passes / "whole.spool").exists():
+        time.sleep(0.001)
+    os.killpg(process.pid, signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL and not dump.exists()
+    rendered = (passes / "passes.jsonl").read_bytes()
+    done = run(*options, "--keep")
+    assert done.returncode == 0, done.stderr
+    assert (passes / "passes.jsonl").read_bytes() == rendered and not (passes / "whole.spool").exists()
+    told = subprocess.run([SPOOL, "info", dump, "--json"], capture_output=True, text=True)
+    assert json.loads(told.stdout)["verified"] is True
 
 
 def test_a_missing_blender_is_one_line(tmp_path):

@@ -76,6 +76,8 @@ def test_all_are_recorded_once_and_pinned(place):
     text = (place / "pools.toml").read_text()
     pinned = {pool["name"]: pool["pinned"] for pool in tomllib.loads(text)["pool"]}
     assert pinned["one"]["samples_sha256"] == first and "Mitsuba" in pinned["two"]["versions"]
+    with spool.open(place / "recordings" / "one.spool") as dump:
+        assert pinned["one"]["claims"] == "%d hold" % len(dump.meta["verification"]["findings"])
     assert "\n\n# a comment stays where it is\n[[pool]]" in text
     check_ok(pools(place, "--pin", "one"))
     assert text.count("pinned = ") == (place / "pools.toml").read_text().count("pinned = ") == 2

@@ -123,3 +123,17 @@ def test_an_unfinished_file_of_somebody_else_is_left_alone(tmp_path):
         assert result.returncode == 2 and "on.spool.partial: exists" in result.stderr and partial.read_text() == "theirs"
     partial.unlink()
     check_ok(record(*OPTIONS, "-o", out))
+
+
+def test_a_recording_killed_while_its_samples_are_tested_goes_on_and_is_tested(tmp_path, whole):
+    out = tmp_path / "on.spool"
+    options = [*OPTIONS, "-o", out, "--reference", 8]
+    process = subprocess.Popen([sys.executable, RECORD, *map(str, options)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while process.poll() is None and not os.path.exists(str(out) + ".recording/whole.spool"):
+        time.sleep(0.001)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL and not out.exists()
+    check_ok(record(*options))
+    assert os.listdir(tmp_path) == ["on.spool"] and content_hash(str(out)) == whole(8)
+    with spool.open(out) as dump:
+        assert dump.meta["verification"]["holds"] is True
