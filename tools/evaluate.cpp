@@ -2,6 +2,7 @@
 #include "lib/experiment/plan_cells.h"
 #include "tools/batch/dry_run.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "lib/experiment/loop_filter.h"
@@ -102,6 +103,14 @@ Result<Plan> plan_of_file(const EvaluateOptions& options) {
   return plan;
 }
 
+// A limit below the sweep would measure one number of threads under several names.
+Result<void> check_sweep(const Plan& plan, const CommonOptions& common) {
+  const int most = std::ranges::max(plan.threads);
+  if (common.threads == 0 || common.threads >= most) return {};
+  return fail(ErrorCode::kUsage, "--threads {}: {} threads are part of the sweep: leave --threads out",
+              common.threads, most);
+}
+
 Result<void> compute_statistics(const EvaluateOptions& options, const CommonOptions& common) {
   for (const auto& folder : options.files) {
     std::error_code status;
@@ -126,6 +135,7 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
     has_plan = has_plan || file.extension() == ".toml";
   RunRequest request;
   SPOOL_ASSIGN(request.plan, has_plan ? plan_of_file(options) : plan_of_options(options));
+  SPOOL_TRY(check_sweep(request.plan, common));
   SPOOL_TRY(check_loop_filters(known_samplers(), request.plan.samplers, known_filters(),
                                request.plan.filters));
   request.folder = options.output;

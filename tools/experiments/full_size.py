@@ -165,7 +165,8 @@ class Measuring:
         folder.mkdir(parents=True, exist_ok=True)
         write_whole(target, text)
         print(f"{plan} on {recording}", flush=True)
-        evaluate(self.program, target, target.with_suffix(""), self.threads, *(["--force"] if self.again else []))
+        threads = "0" if re.search(r"^threads = ", text, flags=re.M) else self.threads  # such a plan says its threads itself
+        evaluate(self.program, target, target.with_suffix(""), threads, *(["--force"] if self.again else []))
         head = {"plan": plan, "recording": recording, "samples_sha256": self.recordings.hash(recording), "plan_sha256": hashed,
                 "replicates": REPLICATES, "described": sorted(in_folder(target.with_suffix(""))), **self._made_by(target.with_suffix(""))}
         if density:

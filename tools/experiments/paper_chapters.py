@@ -153,11 +153,11 @@ def threads(m):
             row.append(f"{mean_text(wall)} s (x {with_interval(ratio_of(single, wall))})" if wall else "–")
         rows.append(row)
     same = all(len({tuple(r.values("mse", r.pools[0], s, "directional", 4, t)) for t in r.threads}) == 1 for s in r.samplers)
-    cost = r.rows(r.pools[0], r.samplers[0], "directional", 4)[0]["seconds_per_sample"]
+    cost = r.rows(r.pools[0], r.samplers[0], "directional", 4)[0].get("seconds_per_sample")
     return ["Sampling and filtering, wall time, and how much faster than with one thread:\n\n"
             + table(["threads", *(f"{t:g}" for t in r.threads)], rows),
             f"- MSE is the same bits for every number of threads: {'yes' if same else '**no**'}.\n"
-            "- Times are those of one machine with other work on it and with as many cores as its manifest says; beyond the "
+            "- Times are those of one machine, which may have had other work, with as many cores as its manifest says; beyond the "
             "number of cores nothing can be gained. " + ("The scene is analytic, so there is no cost of rendering to add."
                                                          if not cost else "")]
 
