@@ -200,9 +200,11 @@ def test_statements_that_changed_are_found():
     assert rows[0][3] == "scene S, robust: not told apart → yes" and rows[2][3] == "–"
     assert kinds_of_change(rows) == (1, 0, 2)
     assert kinds_of_change([["", "agrees", "undecided: not told apart", ""], ["", "**mixed**", "**disagrees**", ""]]) == (0, 1, 1)
-    gained, lost, agree, total = of_the_paper(before, after)
-    assert [s.text for s in gained] == ["5-3 puts more there than Haar", "paper: 5-3 is below haar in MSE"]
-    assert [s.text for s in lost] == ["5-3 is below db3"] and (len(agree), len(total)) == (2, 4)
+    assert [(then.agrees, now.agrees) for then, now in of_the_paper(before, after)] == [
+        (False, True), (False, True), (True, False), (False, False)]
+    said = "\n".join(full_page.of_paper(SMALL, FULL))
+    assert "2 of 4 statements agree here. 2 of them did not on pictures of 64 x 64 pixels; 1 more agreed there" in said
+    assert "| E2: 5-3 is below db3 | agrees | **mixed** | 2 |" in said
 
 
 def asked_of(ratios):

@@ -43,13 +43,13 @@ def size_rule(m):
     r = m.results
     rule = lambda v, f, s: o("directional", f"size_variance={v},size_factor={f},size_smooth={s}")  # noqa: E731
     ours = rule("coarse_var", "const(0.5)", "opens_only")
-    said = [finding(f"{text}, {s} samples, {c}", r, (s, ours), (s, b), c)
+    said = [finding(f"{text}, {s} samples, relMSE", r, (s, ours), (s, b), "relmse")
             for text, b in (("the default is below contrast in eq 9", rule("contrast", "const(0.5)", "opens_only")),
-                            ("... below the literal factor", rule("coarse_var", "literal", "opens_only")),
-                            ("... below the clamped factor", rule("coarse_var", "literal_clamped", "opens_only")),
-                            ("... below votes that also close", rule("coarse_var", "const(0.5)", "on")),
-                            ("... below no vote", rule("coarse_var", "const(0.5)", "off")))
-            for s in r.samplers for c in ("relmse",)]
+                            ("the default is below the literal factor", rule("coarse_var", "literal", "opens_only")),
+                            ("the default is below the clamped factor", rule("coarse_var", "literal_clamped", "opens_only")),
+                            ("the default is below votes that also close", rule("coarse_var", "const(0.5)", "on")),
+                            ("the default is below no vote", rule("coarse_var", "const(0.5)", "off")))
+            for s in r.samplers]
     printed = lambda v, f: ("multiscale:paper", o("directional:paper", f"size_variance={v},size_factor={f}"))  # noqa: E731
     said += [finding(f"preset paper: {text}", r, a, b, "relmse") for text, a, b in (
         ("the variance of the coarse mean is below the contrast of eq 6",

@@ -105,24 +105,31 @@ def section(chapter, measuring):
             + " " + provenance(sources, hashes), *pictures(chapter, measuring), *marked([*body, energies(results)], described(sources))]
 
 
+def of_paper(small, full):
+    """Blocks: what the paper says, and what was found of it."""
+    pairs = of_the_paper(statements(small), statements(full))
+    gained = sum(now.agrees for then, now in pairs if then and not then.agrees)
+    lost = sum(not now.agrees for then, now in pairs if then and then.agrees)
+    rows = [[f"{now.chapter}: {now.text}", then.verdict if then else "–", now.verdict, str(len(now.pools))] for then, now in pairs]
+    return ["## What the paper says",
+            f"{sum(now.agrees for _, now in pairs)} of {len(pairs)} statements agree here. {gained} of them did not on pictures of 64 x 64 pixels; "
+            f"{lost} more agreed there and do not here. The last column counts recordings; E1 counts both presets of each.",
+            table(["statement", "64 x 64", "full size", "recordings"], rows)]
+
+
 def changes(small, full):
     """Blocks: what other verdicts the page of 64 x 64 pixels has."""
     before, after = statements(small), statements(full)
-    gained, lost, agree, all_of_them = of_the_paper(before, after)
     rows = change_rows(before, after)
     both = sum(key in before for key in after)
     opposite, one_page, in_part = kinds_of_change(rows)
 
-    def names(found):
-        return "; ".join(f"{s.chapter}, {s.text}" for s in found) or "none"
     return ["## What changed against pictures of 64 x 64 pixels",
             f"Of {both} statements that [experiments.md](experiments.md) makes as well, {len(rows)} have another verdict here. The recordings are not the same: "
             "the last column says what changed where the scene is. "
             f"{opposite} say the opposite, {one_page} are told apart on one page only, {in_part} change in part. What can be told apart differs, too: "
             f"here by {REPLICATES} replicates, among the statements of a chapter; there mostly by 8, among all pairs of a plan's methods.",
-            table(["statement", "64 x 64", "full size", "on the same scenes"], rows) if rows else "",
-            f"- Of the paper's statements {len(agree)} of {len(all_of_them)} agree here.\n- Agree now and did not: {names(gained)}.\n"
-            f"- Agreed and do not now: {names(lost)}."]
+            table(["statement", "64 x 64", "full size", "on the same scenes"], rows) if rows else ""]
 
 
 def blocks(chapters, measuring, small):
@@ -130,4 +137,5 @@ def blocks(chapters, measuring, small):
     shown = [c for c in chapters_of(chapters) if all(measuring.sources(p) for p in c.plans)]
     left = [c.id for c in chapters_of(chapters) if c not in shown]
     sections = [b for c in shown for b in section(c, measuring) if b]
-    return [HEAD, *changes(small, "\n".join(sections)), *sections, f"Not run yet: {', '.join(left)}." if left else ""]
+    full = "\n".join(sections)
+    return [HEAD, *of_paper(small, full), *changes(small, full), *sections, f"Not run yet: {', '.join(left)}." if left else ""]

@@ -28,8 +28,9 @@ def pyramid_filters(m):
                       + table(["preset, filter", "level 1", "2", "3", "4", "near edges"], rows))
     said = []
     largest = "levels_3_4"
-    for column, statement, b in ((largest, "5-3 puts more samples into the largest regions (levels 3 and 4) than Haar", "haar"),
-                                 (largest, "... than 9-7", "9-7"), (largest, "DB3 puts more there than 5-3", None)):
+    more = "5-3 puts more samples into the largest regions (levels 3 and 4) than"
+    for column, statement, b in ((largest, f"{more} Haar", "haar"), (largest, f"{more} 9-7", "9-7"),
+                                 (largest, "DB3 puts more samples into them than 5-3", None)):
         verdicts = []
         for pool in dict.fromkeys(key[0] for key in m.density):
             for preset in ("", ":paper"):

@@ -49,7 +49,7 @@ def _answered(chapter, match):
 
 def statements(page):
     """{(chapter, text): Statement} of a generated page."""
-    chapter, found, last = "", {}, ""
+    chapter, found = "", {}
     for line in page.splitlines():
         if line.startswith("## "):
             chapter = line[3:].split(":")[0]
@@ -57,15 +57,11 @@ def statements(page):
             match = pattern.match(line)
             if not match:
                 continue
-            text = match["text"]
-            if text.startswith("... "):  # goes on with the statement before
-                text = f"{last.split(', ')[0]} {text}"  # without the samples it was about
+            if pattern is VERDICT:
+                said = Statement(chapter, match["text"], match["verdict"] + (match["more"] or ""), _of_pools(match["pools"]))
             else:
-                last = text
-            said = (Statement(chapter, text, match["verdict"] + (match["more"] or ""), _of_pools(match["pools"]))
-                    if pattern is VERDICT else _answered(chapter, match))
-            said.text = text
-            found[chapter, text] = said
+                said = _answered(chapter, match)
+            found[chapter, said.text] = said
             break
     return found
 
@@ -100,8 +96,5 @@ def kinds_of_change(rows):
 
 
 def of_the_paper(before, after):
-    """Statements of the paper: (those that agree now and did not, those that do not any more, all that agree now, all)."""
-    both = [(before.get(k), now) for k, now in after.items() if now.of_the_paper and now.verdict != "not measured"]
-    gained = [now for then, now in both if then and not then.agrees and now.agrees]
-    lost = [now for then, now in both if then and then.agrees and not now.agrees]
-    return gained, lost, [now for _, now in both if now.agrees], [now for _, now in both]
+    """[(Statement before or None, Statement after)] of the paper's statements that were measured after."""
+    return [(before.get(k), now) for k, now in after.items() if now.of_the_paper and now.verdict != "not measured"]
