@@ -188,6 +188,13 @@ FULL = """## E1: Levels
 """
 
 
+def test_a_statement_is_known_recording_by_recording():
+    found = statements("## E5: density\n- no blocks (index below 1.2): agrees. chess: 1.02. scene S, 512 x 512: 0.96.\n"
+                       "- a is below b: agrees. Scene S: below at 4, 8 spp. mist: below at 16; not told apart at 4, 8 spp.\n")
+    assert found["E5", "no blocks (index below 1.2)"].pools == {"chess": "1.02", "scene S, 512 x 512": "0.96"}
+    assert found["E5", "a is below b"].pools == {"scene S": "below at 4, 8", "mist": "below at 16; not told apart at 4, 8"}
+
+
 def test_statements_that_changed_are_found():
     before, after = statements(SMALL), statements(FULL)
     assert before["E1", "5-3 puts more there than Haar"].verdict == "**mixed**"

@@ -131,7 +131,7 @@ def density(m):
         index, ours = (mean_of(found[s]["block_index"]).mean for s in ("adaptive_wavelet", MULTISCALE))
         said.append((pool_title(pool), index, ours))
     return [*blocks, "\n".join([
-        threshold("the samples of AWR lie in dyadic blocks (index above 1.5)", [(p, a, a > 1.5) for p, a, _ in said]),
+        threshold("the samples of adaptive_wavelet lie in dyadic blocks (index above 1.5)", [(p, a, a > 1.5) for p, a, _ in said]),
         threshold("multiscale shows no blocks (index below 1.2)", [(p, b, b < 1.2) for p, _, b in said])])]
 
 
@@ -243,5 +243,5 @@ CHAPTERS = [
     Chapter("E9", "Figure 12, top: chess, every method with its filter", ["e9_chess"],
             "The multi-scale method has the lowest error and the fewest artefacts.", every_method, apart=RAW),
     Chapter("E10", "Figure 12, bottom: balls, every method with its filter", ["e10_balls"],
-            "As E9; AWR shows blocks or ringing, Mitchell noise in shadows and highlights.", every_method, apart=RAW),
+            "As E9; adaptive_wavelet shows blocks or ringing, Mitchell noise in shadows and highlights.", every_method, apart=RAW),
 ]

@@ -31,12 +31,8 @@ class Statement:
 
 
 def _of_pools(text):
-    found = {}
-    for part in re.split(r" spp\. ?", text):
-        pool, colon, said = part.strip().partition(": ")
-        if colon:
-            found[pool[0].lower() + pool[1:]] = said
-    return found
+    """{recording: what was found on it} of 'Scene S: below at 4, 8 spp. chess: 20.47.'"""
+    return {pool[0].lower() + pool[1:]: said for pool, said in re.findall(r"([^.:]+): (.+?)(?: spp)?\.(?: |$)", text)}
 
 
 def _answered(chapter, match):
