@@ -32,7 +32,7 @@ class Statement:
 
 def _of_pools(text):
     """{recording: what was found on it} of 'Scene S: below at 4, 8 spp. chess: 20.47.'"""
-    return {pool[0].lower() + pool[1:]: said for pool, said in re.findall(r"([^.:]+): (.+?)(?: spp)?\.(?: |$)", text)}
+    return {pool[0].lower() + pool[1:]: said for pool, said in re.findall(r"(\S[^.:]*): (.+?)(?: spp)?\.(?: |$)", text)}
 
 
 def _answered(chapter, match):
