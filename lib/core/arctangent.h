@@ -1,7 +1,7 @@
 // The direction of a line by a polynomial that compilers turn into vector code.
 //
-// atan on [0, 1] is the rational approximation of [Cephes, atan.c] (range reduction at 0.66, degrees
-// 4 and 5), the rest of the circle follows by symmetry. Largest error found: 0.9 ULP;
+// atan on [0, 1] is the rational approximation of [Cephes, atan.c] (range reduction at 0.66,
+// degrees 4 and 5), the rest of the circle follows by symmetry. Largest error found: 0.9 ULP;
 // tests/filters/arctangent_test.cpp holds it to 2. No table, no libm: the same bits on every
 // machine.
 #pragma once

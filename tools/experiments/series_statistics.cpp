@@ -30,7 +30,7 @@ Comparison comparison_of(const std::vector<double>& ratio, double freedom) {
   c.high = std::log(ratio.at(2));
   c.freedom = freedom;
   c.standard_error = (c.high - c.low) / 2.0 / student_quantile(0.975, freedom);
-  c.p = c.difference == 0.0        ? 1.0
+  c.p = c.difference == 0.0      ? 1.0
         : c.standard_error > 0.0 ? student_two_sided(c.difference / c.standard_error, freedom)
                                  : 0.0;
   return c;

@@ -84,8 +84,7 @@ AttenuationRows::AttenuationRows(const ExactBoard& board, int k, const Rectangle
       any_touch_(options.attenuation == AttenuationUpdate::kAnyTouch),
       counts_(board, k, box),
       most_(counts_.largest_fresh()) {
-  const bool in_rows =
-      options.attenuation == AttenuationUpdate::kFractional && counts_.all_open();
+  const bool in_rows = options.attenuation == AttenuationUpdate::kFractional && counts_.all_open();
   if (!in_rows) return;
   const int whole = 1 << (2 * k);
   AttenuationStep table(k, options);
