@@ -210,8 +210,18 @@ def test_statements_that_changed_are_found():
     assert [(then.agrees, now.agrees) for then, now in of_the_paper(before, after)] == [
         (False, True), (False, True), (True, False), (False, False)]
     said = "\n".join(full_page.of_paper(SMALL, FULL))
-    assert "2 of 4 statements agree here. 2 of them did not on pictures of 64 x 64 pixels; 1 more agreed there" in said
-    assert "| E2: 5-3 is below db3 | agrees | **mixed** | 2 |" in said
+    assert "(E1: about both): 1 of 3 agree here (1 of them did not on pictures of 64 x 64 pixels, 1 more agreed there)" in said
+    assert "as printed: 1 of 1 agree here (1 of them did not on pictures of 64 x 64 pixels, 0 more agreed there)" in said
+    assert "| E2: 5-3 is below db3 | agrees | **mixed** | – | 2 | – |" in said
+
+
+def test_light_that_is_lost_and_fresh_samples_stand_beside_a_statement():
+    full = ("## E3: samplers\n- |d| is below b: agrees. Table: below at 4, 8 spp (energy 0.91). mist: below at 4, 8 spp.\n"
+            "- |d| is below b on fresh samples: **disagrees**. Table: above at 4, 8 spp.\n")
+    found = statements(full)["E3", "|d| is below b"]
+    assert found.losing == 1 and found.pools == {"table": "below at 4, 8", "mist": "below at 4, 8"}
+    rows = full_page.of_paper("", full)[2].splitlines()[2:]
+    assert rows == ["| E3: \\|d\\| is below b | – | agrees | **disagrees** | 2 | 1 |"]
 
 
 def asked_of(ratios):

@@ -168,10 +168,10 @@ class Results:
         made = ratio_of(*(self.values(column, pool, *method, spp, threads) for method in (a, b)))
         if kept.mean == kept.mean or made.mean != made.mean:
             return kept
-        wider = [1.0]
+        wider, plain = [1.0], column.removesuffix("_fresh")  # no ratio of an error on fresh samples is kept
         for method in {a, b} - {measured.BASE}:
-            alone = ratio_of(*(self.values(column, pool, *m, spp, threads) for m in (method, measured.BASE)))
-            to_base = self.ratio(column, pool, spp, method, measured.BASE, threads)
+            alone = ratio_of(*(self.values(plain, pool, *m, spp, threads) for m in (method, measured.BASE)))
+            to_base = self.ratio(plain, pool, spp, method, measured.BASE, threads)
             if not to_base.mean > 0 or not alone.high > alone.low:
                 return kept
             wider.append(math.log(to_base.high / to_base.low) / math.log(alone.high / alone.low))

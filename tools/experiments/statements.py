@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 VERDICT = re.compile(r"^- (?P<text>.+?): (?P<verdict>agrees|\*\*disagrees\*\*|\*\*mixed\*\*|undecided|not measured)"
                      r"(?P<more>, in part not told apart|: not told apart)?[ .](?P<pools>.*)$")
 ANSWERS = re.compile(r"^- (?P<text>.+?): (?P<pools>[^:]+: (?:yes|not told apart|\*\*no\*\*)(?:; [^:;]+: (?:yes|not told apart|\*\*no\*\*))*)\.$")
+FRESH = " on fresh samples"
 # Ours or about rivals, in chapters that otherwise ask what the paper says.
-OURS = ("control that only clamps", "mitchell is below uniform", "one region a step", "tiles of",
-        "the literal preset with S", "the literal preset with the reciprocal", "the literal preset with both")
+OURS = ("control that only clamps", "mitchell is below uniform", "one region a step", "tiles of", "the preset paper with S",
+        "the preset paper with the reciprocal", "the preset paper with both", FRESH)
 
 
 @dataclass
@@ -20,6 +21,11 @@ class Statement:
     text: str
     verdict: str
     pools: dict = field(default_factory=dict)  # {recording: what was found on it}
+    losing: int = 0  # recordings on which the method loses light
+
+    @property
+    def of_preset_paper(self):
+        return "preset paper" in self.text or self.text.startswith("paper: ")
 
     @property
     def agrees(self):
@@ -32,7 +38,8 @@ class Statement:
 
 def _of_pools(text):
     """{recording: what was found on it} of 'Scene S: below at 4, 8 spp. chess: 20.47.'"""
-    return {pool[0].lower() + pool[1:]: said for pool, said in re.findall(r"(\S[^.:]*): (.+?)(?: spp)?\.(?: |$)", text)}
+    return {pool[0].lower() + pool[1:]: said
+            for pool, said in re.findall(r"(\S[^.:]*): (.+?)(?: spp)?(?: \(energy [^)]*\))?\.(?: |$)", text)}
 
 
 def _answered(chapter, match):
@@ -54,7 +61,8 @@ def statements(page):
             if not match:
                 continue
             if pattern is VERDICT:
-                said = Statement(chapter, match["text"], match["verdict"] + (match["more"] or ""), _of_pools(match["pools"]))
+                said = Statement(chapter, match["text"], match["verdict"] + (match["more"] or ""), _of_pools(match["pools"]),
+                                 match["pools"].count(" (energy "))
             else:
                 said = _answered(chapter, match)
             found[chapter, said.text] = said
