@@ -25,7 +25,7 @@ from matplotlib.patches import Rectangle  # noqa: E402
 from PIL import Image  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from full_picture import ROOT, Runs, reference_of, relative_error, rgb, shown, spool, trimmed_error  # noqa: E402
+from full_picture import ROOT, Runs, reference_of, relative_errors, rgb, shown, spool  # noqa: E402
 from full_size import ANALYTIC, Recordings  # noqa: E402
 
 FOLDER = ROOT / "docs/images/full_size"
@@ -35,7 +35,6 @@ DIRECTIONS = (("box", "no filter"), ("directional{anisotropy=none}", "isotropic"
               ("directional{anisotropy=bank,bank_levels=3}", "bank, three stages"), ("directional", "directional"))
 METHODS = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "wavelet_shrinkage"),
            ("greedy_error", "greedy_selection"), ("multiscale:paper", "directional:paper"), ("multiscale", "directional"))
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 FRAMES = ("#e69f00", "#56b4e9")
 LEVELS = ListedColormap(["#404040", "#440154", "#31688e", "#35b779", "#fde725"])  # 0 (none), 1 .. 4
 
@@ -157,8 +156,7 @@ def beside(p, methods, titles, crops):
             for spine in below.spines.values():
                 spine.set(color=FRAMES[row % 2], linewidth=2)
         if column < len(images):
-            energy, unit = image.sum() / p.reference.sum(), (p.reference @ LUMINANCE).mean()  # as the column relmse
-            errors = [error(image / unit, p.reference / unit) for error in (relative_error, trimmed_error)]
+            energy, errors = image.sum() / p.reference.sum(), relative_errors(image, p.reference)
             axes[-1][column].set_xlabel(f"relMSE {errors[0]:.2g}\ntrimmed {errors[1]:.2g}\nenergy {energy:.3f}", fontsize=9)
     return figure
 
