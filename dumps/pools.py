@@ -3,6 +3,7 @@
 
     python3 dumps/pools.py                       what there is, what is here already, and what the rest will take
     tools/dev.sh record NAME... | --all          records what is not there yet, one after the other
+    python3 dumps/pools.py --table               what is pinned, one line a recording
     python3 dumps/pools.py --pin NAME...         writes hashes, sizes and versions of finished recordings into POOLS.toml
 
 They lie in $SPOOL_RECORDINGS (~/.cache/spool/recordings). Scenes by others are looked for in $SPOOL_SCENES
@@ -83,6 +84,18 @@ def show(pools, folder, scenes):
     print("to do: %s of CPU" % duration(sum(seconds_of(pool) for pool in pools.values() if state(pool, folder) != "here")))
 
 
+def table(pools):
+    """As Markdown: the command that makes each recording, and what is pinned of it."""
+    lines = ["| recording | made by | CPU | size | samples and reference, sha256 | claims |", "|---|---|---|---|---|---|"]
+    for pool in pools.values():
+        pin = pool.get("pinned", {})
+        script = "dumps/record.sh" if pool["renderer"] == "Cycles" else "dumps/mitsuba/record.py"
+        lines.append("| `%s` | `%s %s %s --size %dx%d --samples %d --reference %d` | %s | %s | `%s` | %s |" % (
+            pool["name"], script, pool["scene"], " ".join(pool["arguments"]), *pool["size"], pool["samples"], pool["reference"],
+            *((duration(pin["cpu_seconds"]), size_text(pin["bytes"]), pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4)))
+    print("\n".join(lines))
+
+
 def need_reader():
     """What a finished recording is read by and compared with its pin: said before hours of rendering, not after."""
     try:
@@ -130,6 +143,7 @@ def parse():
     parser.add_argument("--record", nargs="+", metavar="NAME")
     parser.add_argument("--all", action="store_true", help="record all")
     parser.add_argument("--pin", nargs="+", metavar="NAME")
+    parser.add_argument("--table", action="store_true", help="what is pinned, as Markdown")
     parser.add_argument("--names", action="store_true")
     parser.add_argument("--pools", default=PATH, help="another list")
     return parser.parse_args()
@@ -147,6 +161,8 @@ def main():
                 raise usage_failure("'%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
         if options.names:
             print("\n".join(pools))
+        elif options.table:
+            table(pools)
         elif options.pin:
             need_reader()
             absent = [name for name in names if not os.path.exists(file_of(pools[name], folder))]

@@ -107,5 +107,10 @@ def test_the_catalogue_prints_commands():
     assert len(told().stdout.splitlines()) == 2 * len(ENTRIES)
 
 
+def test_the_page_shows_what_is_pinned():
+    printed = subprocess.run([sys.executable, ROOT / "dumps/pools.py", "--table"], capture_output=True, text=True, check=True).stdout
+    assert len(printed.splitlines()) > 12 and printed in (ROOT / "docs/recording.md").read_text()
+
+
 def test_a_pin_names_renderer_and_version(entry):
     assert re.fullmatch(rf"{entry['renderer']} \d+\.\d+.*", pool_pins.measure(DUMPS / entry["file"])["versions"])

@@ -15,6 +15,9 @@ Generated from what `spool evaluate` measured; no figure is typed:
 It runs `spool evaluate tools/plans/tuning.toml -o build/tuning/candidates`, chooses, and writes and runs a plan in
 `build/tuning/judged` for each pool. Images are judged by independent references, differences taken within replicates.
 
+Most of this page is about pictures of 64 x 64 pixels. What recordings of full size choose, each left out in turn, and why the defaults
+stay, is said at its end: [At full size](#at-full-size).
+
 **The question:** which options should `multiscale` + `directional` have, and does the answer hold on a picture that
 took no part in it? **The target**, on each pool at 4, 8 and 16 samples per pixel: relMSE at or below that of
 {', '.join(' + '.join(r) for r in RIVALS)}; energy ratio within {ENERGY_BAND[0]} .. {ENERGY_BAND[1]}.
