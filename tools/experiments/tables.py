@@ -91,7 +91,8 @@ def compared(results, a, b, column="mse", pools=None, budgets=None):
         said = [f"{name} at {', '.join(words[key])}" for key, name in
                 ((-1, "below"), (0, "not told apart"), (1, "above")) if words[key]]
         if said:
-            parts.append(f"{pool_title(pool)}: {'; '.join(said)} spp{energy_lost(results, pool, a, budgets or results.budgets)}")
+            lost = "" if column.endswith("_fresh") else energy_lost(results, pool, a, budgets or results.budgets)
+            parts.append(f"{pool_title(pool)}: {'; '.join(said)} spp{lost}")
     return ". ".join(parts) + "." if parts else "not measured."
 
 
