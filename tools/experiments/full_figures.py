@@ -95,17 +95,18 @@ def colour_bar(figure, image, axes, label):
 
 
 def levels(p):
-    """Figure 7."""
-    figure, axes = grid(2, len(WAVELETS), [p.aspect] * 2)
+    """Figure 7, with our preset and with the paper's."""
+    figure, axes = grid(4, len(WAVELETS), [p.aspect] * 4)
     names = tuple(f"samples.{k}" for k in range(1, 5))
-    for column, name in enumerate(WAVELETS):
-        layers = p.samples(f"multiscale{{filter={name}}}", names)
-        density = p.density(axes[0][column], layers["n"].astype(float), name)
-        of_level = np.stack([layers[f"view.{n}"].astype(float) for n in names])
-        most = np.where(of_level.max(axis=0) > 0, of_level.argmax(axis=0) + 1, 0)
-        level = axes[1][column].imshow(most, cmap=LEVELS, vmin=-0.5, vmax=4.5, interpolation="nearest")
-    colour_bar(figure, density, list(axes[0]), "samples of a pixel")
-    colour_bar(figure, level, list(axes[1]), "level that took most")
+    for row, preset in ((0, ""), (2, ":paper")):
+        for column, name in enumerate(WAVELETS):
+            layers = p.samples(f"multiscale{preset}{{filter={name}}}", names)
+            density = p.density(axes[row][column], layers["n"].astype(float), f"{name}, {preset[1:] or 'robust'}")
+            of_level = np.stack([layers[f"view.{n}"].astype(float) for n in names])
+            most = np.where(of_level.max(axis=0) > 0, of_level.argmax(axis=0) + 1, 0)
+            level = axes[row + 1][column].imshow(most, cmap=LEVELS, vmin=-0.5, vmax=4.5, interpolation="nearest")
+        colour_bar(figure, density, list(axes[row]), "samples of a pixel")
+        colour_bar(figure, level, list(axes[row + 1]), "level that took most")
     return figure
 
 
@@ -162,7 +163,8 @@ def beside(p, methods, titles, crops):
 
 
 def directions(p, crops):
-    return beside(p, [("multiscale", f) for f, _ in DIRECTIONS], [f"multiscale, {title}" for _, title in DIRECTIONS], crops)
+    return beside(p, [*(("multiscale", f) for f, _ in DIRECTIONS), ("multiscale:paper", "directional:paper")],
+                  [*(f"multiscale,\n{title}" for _, title in DIRECTIONS), "paper"], crops)
 
 
 def every_method(p, crops):

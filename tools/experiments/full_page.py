@@ -67,8 +67,8 @@ def provenance(sources, plan_hashes):
 
 
 # Those of full_figures.py: (its file, what it shows)
-PICTURES = {"E1": ("e1", "Figure 7: samples at 4 samples per pixel, and the level that took most of them, by wavelet"),
-            "E4": ("e4", "Figure 10: multiscale at 8 samples per pixel, without filter, isotropic and with directions, beside the reference; "
+PICTURES = {"E1": ("e1", "Figure 7: samples at 4 samples per pixel, and the level that took most of them, by wavelet, with both presets"),
+            "E4": ("e4", "Figure 10: multiscale at 8 samples per pixel, without filter, isotropic and with directions, and the preset paper, beside the reference; "
                    "trimmed: without the worst 0.1 % of the pixels"),
             "E5": ("e5", "Figure 9: samples of every sampler at 16 samples per pixel"),
             "E8": ("e8", "Figures 11c to 11f: samples at 8 samples per pixel, with tiles and without"),
