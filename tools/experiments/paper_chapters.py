@@ -6,6 +6,7 @@ from tables import compared, curves, finding, mean_text, pool_title, table, with
 
 MULTISCALE = "multiscale"
 FILTERS = ("haar", "5-3", "9-7", "db3")
+RIVAL_SAMPLERS = ("mitchell", "adaptive_wavelet", "greedy_error", "nl_means")
 
 
 def options(name, text):
@@ -147,11 +148,19 @@ def density(m):
         blocks.append(f"{pool_title(pool)} at 16 samples per pixel; edges are {100 * area:.0f} % of the image:\n\n"
                       + table(["sampler", "correlation of the count with the pool's deviation", "block artefact index (16 pixels)",
                                "adaptive samples near edges"], rows))
-        index, ours = (mean_of(found[s]["block_index"]).mean for s in ("adaptive_wavelet", MULTISCALE))
-        said.append((pool_title(pool), index, ours))
+        def mean(sampler, measure):
+            return mean_of(found[sampler].get(measure, [])).mean  # not a number where all pixels have as many samples
+
+        index, ours = (mean(s, "block_index") for s in ("adaptive_wavelet", MULTISCALE))
+        rivals = [mean(s, "correlation") for s in RIVAL_SAMPLERS]
+        said.append((pool_title(pool), index, ours, mean("mitchell", "near_edges") / area,
+                     mean(MULTISCALE, "correlation") - max(r for r in rivals if r == r)))
     return [*blocks, "\n".join([
-        threshold("the samples of adaptive_wavelet lie in dyadic blocks (index above 1.5)", [(p, a, a > 1.5) for p, a, _ in said]),
-        threshold("multiscale shows no blocks (index below 1.2)", [(p, b, b < 1.2) for p, _, b in said])])]
+        threshold("the samples of adaptive_wavelet lie in dyadic blocks (index above 1.5)", [(p, a, a > 1.5) for p, a, *_ in said]),
+        threshold("multiscale shows no blocks (index below 1.2)", [(p, b, b < 1.2) for p, _, b, *_ in said]),
+        threshold("mitchell samples edges (twice as often as uniform samples fall on them)", [(p, e, e > 2) for p, _, _, e, _ in said if e == e]),
+        threshold(f"the counts of multiscale follow the noise more closely than those of {', '.join(RIVAL_SAMPLERS)} "
+                  "(difference of the correlations above 0)", [(p, d, d > 0) for p, *_, d in said])])]
 
 
 def threshold(statement, found):

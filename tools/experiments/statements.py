@@ -11,7 +11,7 @@ VERDICT = re.compile(r"^- (?P<text>.+?): (?P<verdict>agrees|\*\*disagrees\*\*|\*
 ANSWERS = re.compile(r"^- (?P<text>.+?): (?P<pools>[^:]+: (?:yes|not told apart|\*\*no\*\*)(?:; [^:;]+: (?:yes|not told apart|\*\*no\*\*))*)\.$")
 FRESH = " on fresh samples"
 # Ours or about rivals, in chapters that otherwise ask what the paper says.
-OURS = ("control that only clamps", "mitchell is below uniform", "one region a step", "tiles of", "the preset paper with S",
+OURS = ("control that only clamps", "the counts of multiscale follow", "mitchell is below uniform", "one region a step", "tiles of", "the preset paper with S",
         "the preset paper with the reciprocal", "the preset paper with both", FRESH)
 
 
