@@ -1,0 +1,89 @@
+"""E1, E5 and E8: where samplers put their samples."""
+from inference import mean_of, order_of
+from tables import mean_text, pool_title, table
+
+MULTISCALE = "multiscale"
+FILTERS = ("haar", "5-3", "9-7", "db3")
+RIVAL_SAMPLERS = ("mitchell", "adaptive_wavelet", "greedy_error", "nl_means")
+UNITS = ("Shares of the preset `paper` depend on the unit of radiance, because eq 5 adds |d|² to a contrast, which has no unit. "
+         "The unit of the published scenes is not known, so Table 1 can be compared in its order, not in its numbers.")
+
+
+def options(name, text):
+    return f"{name}{{{text}}}"
+
+
+def pyramid_filters(m):
+    blocks, columns = [], [f"level_{k}" for k in range(1, 5)]
+    for pool in dict.fromkeys(key[0] for key in m.density):
+        rows = []
+        for preset in ("", ":paper"):
+            for name in FILTERS:
+                found = m.density.get((pool, options(MULTISCALE + preset, f"filter={name}"), 4))
+                if found:
+                    rows.append([f"{'paper' if preset else 'robust'}, {name}",
+                                 *(mean_text(found.get(c, [])) for c in columns),
+                                 mean_text(found.get("near_edges", []))])
+        area = next(v["edge_area"][0] for k, v in m.density.items() if k[0] == pool)
+        blocks.append(f"{pool_title(pool)}, share of the samples of each level of pops at 4 samples per pixel, and of "
+                      f"the adaptive samples near edges (these are {100 * area:.0f} % of the image):\n\n"
+                      + table(["preset, filter", "level 1", "2", "3", "4", "near edges"], rows))
+    said = []
+    largest = "levels_3_4"
+    more = "5-3 puts more samples into the largest regions (levels 3 and 4) than"
+    for column, statement, b in ((largest, f"{more} Haar", "haar"), (largest, f"{more} 9-7", "9-7"),
+                                 (largest, "DB3 puts more samples into them than 5-3", None)):
+        verdicts = []
+        for pool in dict.fromkeys(key[0] for key in m.density):
+            for preset in ("", ":paper"):
+                key = lambda f: (pool, options(MULTISCALE + preset, f"filter={f}"), 4)  # noqa: E731
+                high, low = ("db3", "5-3") if b is None else ("5-3", b)
+                a_values, b_values = (m.density.get(key(f), {}).get(column, []) for f in (high, low))
+                found = order_of(b_values, a_values)
+                if found is not None:
+                    word = {-1: "yes", 0: "not told apart", 1: "**no**"}[found]
+                    verdicts.append(f"{pool_title(pool)}, {preset[1:] or 'robust'}: {word}")
+        said.append(f"- {statement}: {'; '.join(verdicts)}.")
+    return blocks + ["\n".join(said), UNITS]
+
+
+def density(m):
+    blocks, said = [], []
+    for pool in dict.fromkeys(key[0] for key in m.density):
+        found = {sampler: measures for (p, sampler, _), measures in m.density.items() if p == pool}
+        rows = [[sampler, *(mean_text(measures.get(c, [])) for c in ("correlation", "block_index", "near_edges"))]
+                for sampler, measures in found.items()]
+        area = next(iter(found.values()))["edge_area"][0]
+        blocks.append(f"{pool_title(pool)} at 16 samples per pixel; edges are {100 * area:.0f} % of the image:\n\n"
+                      + table(["sampler", "correlation of the count with the pool's deviation", "block artefact index (16 pixels)",
+                               "adaptive samples near edges"], rows))
+        def mean(sampler, measure):
+            return mean_of(found[sampler].get(measure, [])).mean  # not a number where all pixels have as many samples
+
+        index, ours = (mean(s, "block_index") for s in ("adaptive_wavelet", MULTISCALE))
+        rivals = [mean(s, "correlation") for s in RIVAL_SAMPLERS]
+        said.append((pool_title(pool), index, ours, mean("mitchell", "near_edges") / area,
+                     mean(MULTISCALE, "correlation") - max(r for r in rivals if r == r)))
+    return [*blocks, "\n".join([
+        threshold("the samples of adaptive_wavelet lie in dyadic blocks (index above 1.5)", [(p, a, a > 1.5) for p, a, *_ in said]),
+        threshold("multiscale shows no blocks (index below 1.2)", [(p, b, b < 1.2) for p, _, b, *_ in said]),
+        threshold("mitchell samples edges (twice as often as uniform samples fall on them)", [(p, e, e > 2) for p, _, _, e, _ in said if e == e]),
+        threshold(f"the counts of multiscale follow the noise more closely than those of {', '.join(RIVAL_SAMPLERS)} "
+                  "(difference of the correlations above 0)", [(p, d, d > 0) for p, *_, d in said])])]
+
+
+def threshold(statement, found):
+    """A line as those of tables.finding; found: [(recording, value, whether it holds)]."""
+    held = sum(holds for _, _, holds in found)
+    verdict = "agrees" if held == len(found) else "**mixed**" if held else "**disagrees**"
+    return f"- {statement}: {verdict}. " + ". ".join(f"{pool}: {value:.2f}" for pool, value, _ in found) + "."
+
+
+def borders(m):
+    rows = []
+    several = len({key[0] for key in m.density}) > 1
+    for (pool, sampler, _), found in m.density.items():
+        rows.append([f"{pool_title(pool)}, {sampler}" if several else sampler, mean_text(found.get("tile_jump", [])),
+                     mean_text(found.get("block_index", []))])
+    return ["Mean jump of the count across borders, relative to jumps elsewhere:\n\n"
+            + table(["sampler", "at its tiles", "at multiples of 16"], rows)]
