@@ -24,14 +24,14 @@ behind a recording says that the method gives 88 % of the light of the reference
 FOUND = """## What was found
 
 - **Samples alone** (E3). `multiscale` has a lower MSE than uniform sampling and than the three older samplers on every recording. It
-  loses light on most, and a part of the gain is gone on fresh samples: there its MSE is still the lower one on all recordings but torus, its
-  relMSE is not lower on any. Uniform samples that are only clamped have a lower relMSE than `multiscale`, and lose more light.
+  loses light on most, and a part of the gain is gone on fresh samples: there its MSE is still the lower one on all recordings but torus (at some
+  budgets not told apart), its relMSE is not lower on any. Uniform samples that are only clamped have a lower relMSE than `multiscale`, and lose more light.
 - **The equations as printed** (`paper`). The sampler has a lower MSE than uniform sampling on some recordings, and on fresh samples on
   none. Sampler and filter together are below uniform samples on some recordings and above on others, and almost never below `nl_means`.
-  Reading S of eq 9 as the variance of the coarse mean lowers the MSE on most recordings, but not relMSE, and costs light.
+  Reading S of eq 9 as the variance of the coarse mean lowers the MSE on most recordings, relMSE on fewer, and costs light.
 - **Wavelets** (E1, E2). 5-3 puts more samples into large regions than Haar everywhere, as the paper says. Its error is not the lowest.
 - **Directions** (E4). Filtering lowers the error of adaptive samples everywhere. Directions from the filter bank do not lower it
-  further: the isotropic filter of the same size is below three stages of the bank on every recording, at 256 and at 512 pixels.
+  further: the isotropic filter of the same size has a lower MSE than three stages of the bank on every recording, at 256 and at 512 pixels.
 - **Whole methods** (E9, E10). `multiscale` + `directional` is below uniform sampling, Mitchell and adaptive wavelet rendering on every
   recording. Against `greedy_error` + `greedy_selection` and `nl_means` + `nl_means` it depends on the recording and the metric.
 - **Where samples lie** (E5). The counts of `multiscale` follow the noise of the recording more closely than those of the other samplers. Mitchell's
