@@ -47,7 +47,7 @@ MORE = {  # besides the plan's own recordings and those by others
     "features": ("mist_256",),
     "tuning_full": ("caustic_mitsuba_256", "fireflies_256", "scene_s", "scene_s_fireflies"),
 }
-ALONE = ("a10_pool_size", "e6_threads", "e7_tiles", "e8_tile_borders")  # on their own recordings only
+ALONE = ("a10_pool_size", "e11_error_over_budget", "e6_threads", "e7_tiles", "e8_tile_borders")  # on their own recordings only
 
 
 def full_name(name):
