@@ -31,7 +31,7 @@ FOUND = """## What was found
   Reading S of eq 9 as the variance of the coarse mean lowers the MSE on most recordings, relMSE on fewer, and costs light.
 - **Wavelets** (E1, E2). 5-3 puts more samples into large regions than Haar everywhere, as the paper says. Its error is not the lowest.
 - **Directions** (E4). Filtering lowers the error of adaptive samples everywhere. Directions from the filter bank do not lower it
-  further: the isotropic filter of the same size has a lower MSE than three stages of the bank on every recording, at 256 and at 512 pixels.
+  further: the isotropic filter of the same size has a lower MSE than three stages of the bank on every recording, at 256 and at 512 pixels (on two of them at one of two budgets only).
 - **Whole methods** (E9, E10). `multiscale` + `directional` is below uniform sampling, Mitchell and adaptive wavelet rendering on every
   recording. Against `greedy_error` + `greedy_selection` and `nl_means` + `nl_means` it depends on the recording and the metric.
 - **Where samples lie** (E5). The counts of `multiscale` follow the noise of the recording more closely than those of the other samplers. Mitchell's
