@@ -27,17 +27,23 @@ class Pace:
         return (sum(self.seconds) - done) * pace
 
 
+def recorder_of(pool):
+    return os.path.join("dumps", "record.sh") if pool["renderer"] == "Cycles" else os.path.join("dumps", "mitsuba", "record.py")
+
+
+def arguments_of(pool):
+    """Of the recorder: the scene, and what its samples depend on. `{scenes}` stands for the folder of scenes by others."""
+    return [pool["scene"], *pool["arguments"], "--size", "%dx%d" % tuple(pool["size"]), "--samples", str(pool["samples"]),
+            "--reference", str(pool["reference"])]
+
+
 def command_of(pool, out, scenes):
     python = os.environ.get("SPOOL_MITSUBA_PYTHON", os.path.join(
         os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache")), "spool", "mitsuba-venv", "bin", "python"))
-    scene, arguments = (text.replace("{scenes}", scenes) for text in [pool["scene"]]), [
-        text.replace("{scenes}", scenes) for text in pool["arguments"]]
-    start = [os.path.join(ROOT, "dumps", "record.sh")] if pool["renderer"] == "Cycles" else [
-        python, os.path.join(ROOT, "dumps", "mitsuba", "record.py")]
-    if pool["renderer"] == "Mitsuba" and "scene_sha256" in pool:
-        arguments += ["--scene-sha256", pool["scene_sha256"]]
-    return [*start, *scene, *arguments, "--size", "%dx%d" % tuple(pool["size"]), "--samples", str(pool["samples"]),
-            "--reference", str(pool["reference"]), *(["--compress"] if pool["renderer"] == "Cycles" else []), "-o", out]
+    command = [os.path.join(ROOT, recorder_of(pool)), *(text.replace("{scenes}", scenes) for text in arguments_of(pool)), "-o", out]
+    if pool["renderer"] == "Cycles":
+        return [*command, "--compress"]
+    return [python, *command, *(["--scene-sha256", pool["scene_sha256"]] if "scene_sha256" in pool else [])]
 
 
 def share_done(pool, label, done, total):

@@ -25,7 +25,7 @@ for folder in ("recording", "verify", os.path.join("..", "formats", "python")):
 
 from command_line import Parser  # noqa: E402
 from failure import Failure, io_failure, module_failure, usage_failure  # noqa: E402
-from pool_run import Pace, run_pool  # noqa: E402
+from pool_run import Pace, arguments_of, recorder_of, run_pool  # noqa: E402
 from progress import duration, size as size_text  # noqa: E402
 
 PATH = os.path.join(HERE, "POOLS.toml")
@@ -89,10 +89,8 @@ def table(pools):
     lines = ["| recording | made by | CPU | size | samples and reference, sha256 | claims |", "|---|---|---|---|---|---|"]
     for pool in pools.values():
         pin = pool.get("pinned", {})
-        script = "dumps/record.sh" if pool["renderer"] == "Cycles" else "dumps/mitsuba/record.py"
-        lines.append("| `%s` | `%s %s %s --size %dx%d --samples %d --reference %d` | %s | %s | `%s` | %s |" % (
-            pool["name"], script, pool["scene"], " ".join(pool["arguments"]), *pool["size"], pool["samples"], pool["reference"],
-            *((duration(pin["cpu_seconds"]), size_text(pin["bytes"]), pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4)))
+        lines.append("| `%s` | `%s` | %s | %s | `%s` | %s |" % (
+            pool["name"], " ".join([recorder_of(pool), *arguments_of(pool)]), *((duration(pin["cpu_seconds"]), size_text(pin["bytes"]), pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4)))
     print("\n".join(lines))
 
 

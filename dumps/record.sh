@@ -57,23 +57,22 @@ case $(basename "$program") in
 esac
 [ -z "$dry" ] || exit 0
 # The dump gets its name when its samples were tested: the passes lie there until then, and the same command goes on.
-finish() {
-  if [ -n "$keep" ]; then rm -f "$passes/whole.spool"; else rm -rf "$passes"; fi
-  exit "$1"
-}
-for python in python3 /usr/bin/python3; do
-  [ -n "$verify" ] || break
-  "$python" -c 'import numpy, zstandard' 2>/dev/null || continue
+checker=; code=0
+for python in ${verify:+python3 /usr/bin/python3}; do
+  if "$python" -c 'import numpy, zstandard' 2>/dev/null; then checker=$python; break; fi
+done
+if [ -n "$checker" ]; then
   # shellcheck disable=SC2086
   "$spool" pack "$passes" -o "$passes/whole.spool" --force $pack
   # shellcheck disable=SC2086
-  "$python" "$here/verify/verify.py" "$passes/whole.spool" -o "$out" --quiet $force || code=$?
-  [ "${code:-0}" -le 1 ] || exit "$code"
-  [ "${code:-0}" = 0 ] || echo "record.sh: $out is whole, but its samples are not what they should be: see above" >&2
-  finish "${code:-0}"
-done
-# shellcheck disable=SC2086
-"$spool" pack "$passes" -o "$out" $force $pack
-[ -z "$verify" ] ||
-  echo "record.sh: $out is not verified: apt-get install python3-numpy python3-zstandard, then dumps/verify/verify.py $out --write" >&2
-finish 0
+  "$checker" "$here/verify/verify.py" "$passes/whole.spool" -o "$out" --quiet $force || code=$?
+  [ "$code" -le 1 ] || exit "$code"
+  [ "$code" = 0 ] || echo "record.sh: $out is whole, but its samples are not what they should be: see above" >&2
+else
+  # shellcheck disable=SC2086
+  "$spool" pack "$passes" -o "$out" $force $pack
+  [ -z "$verify" ] ||
+    echo "record.sh: $out is not verified: apt-get install python3-numpy python3-zstandard, then dumps/verify/verify.py $out --write" >&2
+fi
+if [ -n "$keep" ]; then rm -f "$passes/whole.spool"; else rm -rf "$passes"; fi
+exit "$code"

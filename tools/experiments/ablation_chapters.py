@@ -2,13 +2,10 @@
 from chapter import Chapter
 from inference import ratio_of
 from results import canonical
+from results import options as o
 from tables import curves, finding, pool_title, table, with_interval
 
 M = "multiscale"
-
-
-def o(name, text):
-    return f"{name}{{{text}}}"
 
 
 def as_printed(method):
@@ -136,8 +133,7 @@ CHAPTERS = [
     Chapter("A4", "Initial samples", ["a4_initial_samples"], "At least one.",
             sampling([o(M, f"init_spp={n}") for n in (1, 2, 4)],
                      [("2 is below 1", o(M, "init_spp=2"), o(M, "init_spp=1")),
-                      ("4 is below 2", o(M, "init_spp=4"), o(M, "init_spp=2"))], above=4),  # with 4 at first a budget of 4 is uniform
-            ),
+                      ("4 is below 2", o(M, "init_spp=4"), o(M, "init_spp=2"))], above=4)),  # with 4 at first a budget of 4 is uniform
     Chapter("A5", "Epochs: many regions a step, or one", ["a5_epochs"], "One region at a time.",
             sampling([o(M, "update=exact")] + [o(M, f"epochs={n}") for n in (4, 16, 64, 256)],
                      [(f"one region a step is below {n} epochs", o(M, "update=exact"), o(M, f"epochs={n}"))

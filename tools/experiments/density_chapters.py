@@ -1,5 +1,6 @@
 """E1, E5 and E8: where samplers put their samples."""
 from inference import mean_of, order_of
+from results import options
 from tables import mean_text, pool_title, table
 
 MULTISCALE = "multiscale"
@@ -7,10 +8,6 @@ FILTERS = ("haar", "5-3", "9-7", "db3")
 RIVAL_SAMPLERS = ("mitchell", "adaptive_wavelet", "greedy_error", "nl_means")
 UNITS = ("Shares of the preset `paper` depend on the unit of radiance, because eq 5 adds |d|² to a contrast, which has no unit. "
          "The unit of the published scenes is not known, so Table 1 can be compared in its order, not in its numbers.")
-
-
-def options(name, text):
-    return f"{name}{{{text}}}"
 
 
 def pyramid_filters(m):
@@ -29,17 +26,14 @@ def pyramid_filters(m):
                       f"the adaptive samples near edges (these are {100 * area:.0f} % of the image):\n\n"
                       + table(["preset, filter", "level 1", "2", "3", "4", "near edges"], rows))
     said = []
-    largest = "levels_3_4"
     more = "5-3 puts more samples into the largest regions (levels 3 and 4) than"
-    for column, statement, b in ((largest, f"{more} Haar", "haar"), (largest, f"{more} 9-7", "9-7"),
-                                 (largest, "DB3 puts more samples into them than 5-3", None)):
+    for statement, high, low in ((f"{more} Haar", "5-3", "haar"), (f"{more} 9-7", "5-3", "9-7"),
+                                 ("DB3 puts more samples into them than 5-3", "db3", "5-3")):
         verdicts = []
         for pool in dict.fromkeys(key[0] for key in m.density):
             for preset in ("", ":paper"):
                 key = lambda f: (pool, options(MULTISCALE + preset, f"filter={f}"), 4)  # noqa: E731
-                high, low = ("db3", "5-3") if b is None else ("5-3", b)
-                a_values, b_values = (m.density.get(key(f), {}).get(column, []) for f in (high, low))
-                found = order_of(b_values, a_values)
+                found = order_of(*(m.density.get(key(f), {}).get("levels_3_4", []) for f in (low, high)))
                 if found is not None:
                     word = {-1: "yes", 0: "not told apart", 1: "**no**"}[found]
                     verdicts.append(f"{pool_title(pool)}, {preset[1:] or 'robust'}: {word}")
@@ -57,13 +51,14 @@ def density(m):
         blocks.append(f"{pool_title(pool)} at 16 samples per pixel; edges are {100 * area:.0f} % of the image:\n\n"
                       + table(["sampler", "correlation of the count with the pool's deviation", "block artefact index (16 pixels)",
                                "adaptive samples near edges"], rows))
+
         def mean(sampler, measure):
             return mean_of(found[sampler].get(measure, [])).mean  # not a number where all pixels have as many samples
 
         index, ours = (mean(s, "block_index") for s in ("adaptive_wavelet", MULTISCALE))
         rivals = [mean(s, "correlation") for s in RIVAL_SAMPLERS]
         said.append((pool_title(pool), index, ours, mean("mitchell", "near_edges") / area,
-                     mean(MULTISCALE, "correlation") - max(r for r in rivals if r == r)))
+                     mean(MULTISCALE, "correlation") - max((r for r in rivals if r == r), default=0.0)))
     return [*blocks, "\n".join([
         threshold("the samples of adaptive_wavelet lie in dyadic blocks (index above 1.5)", [(p, a, a > 1.5) for p, a, *_ in said]),
         threshold("multiscale shows no blocks (index below 1.2)", [(p, b, b < 1.2) for p, _, b, *_ in said]),

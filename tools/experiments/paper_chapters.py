@@ -1,7 +1,8 @@
 """E1 to E11: the paper's table and figures on the pools of the tree."""
 from chapter import Chapter
-from density_chapters import MULTISCALE, borders, density, options, pyramid_filters
+from density_chapters import MULTISCALE, borders, density, pyramid_filters
 from inference import ratio_of
+from results import options
 from statements import FRESH
 from tables import compared, curves, finding, mean_text, pool_title, table, with_interval
 
@@ -128,22 +129,26 @@ def tiles(m):
     return [*blocks, "\n".join(said)]
 
 
-OWN = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "wavelet_shrinkage"),
-       ("greedy_error", "greedy_selection"), ("nl_means", "nl_means"),
-       (options(MULTISCALE, "update=epoch"), "directional"), (options(MULTISCALE, "update=exact"), "directional"),
-       (options(MULTISCALE, "parallel=tiles,tile=32"), "directional"), ("multiscale:paper", "directional:paper"),
-       ("multiscale:paper", options("directional:paper", "size_variance=coarse_var")))
+# Each sampler with its own filter.
+RIVALS = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "wavelet_shrinkage"),
+          ("greedy_error", "greedy_selection"), ("nl_means", "nl_means"))
+EPOCHS, EXACT = ((options(MULTISCALE, f"update={update}"), "directional") for update in ("epoch", "exact"))
+ROBUST, PRINTED = (MULTISCALE, "directional"), ("multiscale:paper", "directional:paper")
+COARSE = ("multiscale:paper", options("directional:paper", "size_variance=coarse_var"))
+OWN = (*RIVALS, EPOCHS, EXACT, (options(MULTISCALE, "parallel=tiles,tile=32"), "directional"), PRINTED, COARSE)
+
+
+def against_rivals(r, ours, columns, where="", budgets=None):
+    """ours: the method with our preset."""
+    return [finding(f"{who} is below {s} + {f} in {c}{where}", r, method, (s, f), c.lower(), budgets=budgets)
+            for who, method in (("multiscale + directional", ours), ("the preset paper", PRINTED)) for s, f in RIVALS for c in columns]
 
 
 def every_method(m):
     r = m.results
-    best, paper = (options(MULTISCALE, "update=epoch"), "directional"), ("multiscale:paper", "directional:paper")
-    said = [finding(f"{who} is below {s} + {f} in {c}", r, method, (s, f), c.lower())
-            for who, method in (("multiscale + directional", best), ("the preset paper", paper))
-            for s, f in OWN[:5] for c in ("MSE", "relMSE")]
-    said.append(finding("the preset paper with S the variance of the coarse mean is below the preset as it is in relMSE", r, OWN[-1], paper, "relmse"))
-    said.append(finding("one region a step is below many in MSE", r,
-                        (options(MULTISCALE, "update=exact"), "directional"), best))
+    said = against_rivals(r, EPOCHS, ("MSE", "relMSE"))
+    said.append(finding("the preset paper with S the variance of the coarse mean is below the preset as it is in relMSE", r, COARSE, PRINTED, "relmse"))
+    said.append(finding("one region a step is below many in MSE", r, EXACT, EPOCHS))
     return [*(own_filters(r, pool) for pool in r.pools), "\n".join(said)]
 
 
@@ -161,16 +166,12 @@ def own_filters(r, pool):
             + table(["method", "MSE", "relMSE", "FLIP", "SSIM", "energy ratio", "CPU time"], rows))
 
 
-PAIRS = (*OWN[:5], (MULTISCALE, "directional"), ("multiscale:paper", "directional:paper"))
-
-
 def over_budget(m):
     """Every sampler with its own filter."""
     r = m.results
     budgets = [b for b in r.budgets if b > 2]  # at 2 samples none has decided anything
-    said = [finding(f"{who} is below {s} + {f} in relMSE at 4 samples per pixel and more", r, method, (s, f), "relmse", budgets=budgets)
-            for who, method in (("multiscale + directional", PAIRS[5]), ("the preset paper", PAIRS[6])) for s, f in PAIRS[:5]]
-    return [*(curves(r, pool, column, methods=PAIRS) for pool in r.pools for column in ("mse", "relmse")), "\n".join(said)]
+    said = against_rivals(r, ROBUST, ("relMSE",), " at 4 samples per pixel and more", budgets)
+    return [*(curves(r, pool, column, methods=(*RIVALS, ROBUST, PRINTED)) for pool in r.pools for column in ("mse", "relmse")), "\n".join(said)]
 
 
 RAW = "The paper's scenes are not public; recordings of the tree and scene S stand in for them."

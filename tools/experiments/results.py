@@ -20,6 +20,11 @@ def canonical(label):
     return name + (brace + ",".join(sorted(options.removesuffix("}").split(","))) + "}" if brace else "")
 
 
+def options(name, text):
+    """The label of a method with these options."""
+    return f"{name}{{{text}}}"
+
+
 def _pool(path):
     return PurePosixPath(path).stem
 
