@@ -136,7 +136,7 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
     has_plan = has_plan || file.extension() == ".toml";
   RunRequest request;
   SPOOL_ASSIGN(request.plan, has_plan ? plan_of_file(options) : plan_of_options(options));
-  SPOOL_TRY(check_sweep(request.plan, common));
+  if (!options.merge) SPOOL_TRY(check_sweep(request.plan, common));
   SPOOL_TRY(check_loop_filters(known_samplers(), request.plan.samplers, known_filters(),
                                request.plan.filters));
   request.folder = options.output;
