@@ -24,7 +24,7 @@ behind a recording says that the method gives 88 % of the light of the reference
 FOUND = """## What was found
 
 - **Samples alone** (E3). `multiscale` has a lower MSE than uniform sampling and than the three older samplers on every recording. It
-  loses light on most, and a part of the gain is gone on fresh samples: there its MSE is still the lower one on all recordings but torus (at some
+  loses light on most, and on fresh samples a part of the gain is gone: there its MSE is still the lower one on all recordings but torus (at some
   budgets not told apart), its relMSE is not lower on any. Uniform samples that are only clamped have a lower relMSE than `multiscale`, and lose more light.
 - **The equations as printed** (`paper`). The sampler has a lower MSE than uniform sampling on some recordings, and on fresh samples on
   none. Sampler and filter together are below uniform samples on some recordings and above on others, and almost never below `nl_means`.
@@ -35,7 +35,7 @@ FOUND = """## What was found
 - **Whole methods** (E9, E10). `multiscale` + `directional` is below uniform sampling, Mitchell and adaptive wavelet rendering on every
   recording. Against `greedy_error` + `greedy_selection` and `nl_means` + `nl_means` it depends on the recording and the metric.
 - **Where samples lie** (E5). The counts of `multiscale` follow the noise of the recording more closely than those of the other samplers. Mitchell's
-  samples do not gather at edges, other than the paper says.
+  samples do not gather at edges; the paper says that they do.
 - **Threads and tiles** (E6 to E8). The images are the same bits for every number of threads. Tiles cost little without a filter and
   more with one."""
 
@@ -147,8 +147,8 @@ def of_paper(small, full):
     return ["## What the paper says",
             f"Statements about the preset `robust`, which is ours (E1: about both): {counted(ours)}. About the preset `paper`, its equations as printed: "
             f"{counted(printed)}. E9 to E11 make the same statements of different recordings and budgets. The last columns count recordings (E1: "
-            f"with each of two presets), and those on which the method loses more than {100 * LOST:.0f} % of the light: its error is lower there, but "
-            "so is its picture's energy. *On fresh samples*: the same numbers of samples, judged on samples that did not decide them.",
+            f"with each of two presets), and those on which the method loses more than {100 * LOST:.0f} % of the light: its picture is darker than "
+            "the reference there. *On fresh samples*: the same numbers of samples, judged on samples that did not decide them.",
             table(["statement", "64 x 64", "full size", "on fresh samples", "recordings", "losing light"], rows)]
 
 
