@@ -89,8 +89,9 @@ Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
     return fail(ErrorCode::kData,
                 "{}: a row of {} samples takes more than OpenEXR's 2 GiB: export fewer samples",
                 in.string(), header.spp);
-  SPOOL_ASSIGN(ScratchLayers scratch, unpack_layers(dump, out));
+  // Before the layers are unpacked: what another process writes here meanwhile is not replaced.
   SPOOL_ASSIGN(DeepExrWriter writer, DeepExrWriter::create(out, deep, header.spp, options.force));
+  SPOOL_ASSIGN(ScratchLayers scratch, unpack_layers(dump, out));
   std::vector<std::byte> depth(size_t{4} * header.width * header.spp), index = depth;
   for (size_t i = 0; i < size_t{header.width} * header.spp; ++i) {
     const auto s = static_cast<uint32_t>(i % header.spp);

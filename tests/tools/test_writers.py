@@ -198,3 +198,28 @@ def test_of_two_forced_writers_at_one_time_the_slower_says_so(good, run, tmp_pat
     if slow.returncode:
         assert (tmp_path / "out" / "x").read_bytes() == quick
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["x"]
+
+
+def holds_a_nameless_file(process, folder):
+    """An exporter lays out what does not fit memory in a file whose name is gone at once."""
+    try:
+        links = [os.readlink(link) for link in pathlib.Path(f"/proc/{process.pid}/fd").iterdir()]
+    except OSError:  # closed or ended meanwhile
+        return False
+    return any(link.startswith(str(folder)) and link.endswith("(deleted)") for link in links)
+
+
+def test_an_export_that_was_overtaken_while_it_unpacked_says_so(good, run, tmp_path):
+    radiance, _ = samples(192, 192, 64)
+    write_dump(tmp_path / "big.spool", radiance)
+    (tmp_path / "out").mkdir()
+    words = [*COMMANDS["deep-exr"], "--force"]
+    good(*words)
+    slow = subprocess.Popen([PROGRAM, *words], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while not holds_a_nameless_file(slow, tmp_path / "out"):
+        assert slow.poll() is None
+    stop(slow)
+    good(*words)
+    slow.send_signal(signal.SIGCONT)
+    error = slow.communicate(timeout=120)[1]
+    assert slow.returncode == 3 and "another process wrote it meanwhile" in error, error
