@@ -1,11 +1,12 @@
 """A1 to A12: one part of the method at a time."""
 from chapter import Chapter
+from fresh_tables import bias_shares
 from inference import ratio_of
 from results import canonical
 from results import options as o
 from tables import curves, finding, pool_title, table, with_interval
 
-M = "multiscale"
+M, P = "multiscale", "multiscale:paper"
 
 
 def as_printed(method):
@@ -14,9 +15,9 @@ def as_printed(method):
     return f"{name}:paper{brace}{text}"
 
 
-def sampling(variants, statements, column="mse", above=0):
+def sampling(variants, statements, column="mse", above=0, of_paper=()):
     """Tables of sampler variants, raw and filtered, and whether the statements came out, at budgets above `above`; of the preset `paper`
-    where it was run."""
+    where it was run, and `of_paper` of that preset alone."""
     def body(m):
         r = m.results
         more = [s for s in r.samplers if s != "uniform" and s not in map(canonical, variants)]
@@ -25,6 +26,7 @@ def sampling(variants, statements, column="mse", above=0):
         said = [finding(f"{text}, {f}", r, (a, f), (b, f), budgets=budgets) for text, a, b in statements for f in r.filters]
         said += [finding(f"preset paper: {text.replace('the default reading', 'fractional')}, {f}", r, (as_printed(a), f), (as_printed(b), f), budgets=budgets)
                  for text, a, b in statements for f in r.filters if canonical(as_printed(a)) in more and canonical(as_printed(b)) in more]
+        said += [finding(f"preset paper: {text}, {f}", r, (a, f), (b, f), budgets=budgets) for text, a, b in of_paper for f in r.filters]
         return [*blocks, "\n".join(said)]
     return body
 
@@ -110,7 +112,8 @@ def reconstruction_alone(m):
     r = m.results
     said = [finding(f"directional is below {f} in relMSE", r, ("uniform", "directional"), ("uniform", f), "relmse")
             for f in ("gaussian", "greedy_selection", "nl_means")]
-    return [*(curves(r, pool, column) for pool in r.pools for column in ("mse", "relmse")), "\n".join(said)]
+    return [*(curves(r, pool, column) for pool in r.pools for column in ("mse", "relmse")),
+            bias_shares(r, r.budgets[0], [("uniform", f) for f in r.filters if f != "oracle_scale" and "{" not in f]), "\n".join(said)]
 
 
 def alpha(a):
@@ -137,7 +140,8 @@ CHAPTERS = [
     Chapter("A5", "Epochs: many regions a step, or one", ["a5_epochs"], "One region at a time.",
             sampling([o(M, "update=exact")] + [o(M, f"epochs={n}") for n in (4, 16, 64, 256)],
                      [(f"one region a step is below {n} epochs", o(M, "update=exact"), o(M, f"epochs={n}"))
-                      for n in (4, 16, 64, 256)])),
+                      for n in (4, 16, 64, 256)],
+                     of_paper=[("one region a step is below many", o(P, "update=exact"), o(P, "update=epoch"))])),
     Chapter("A6", "Size of the filter (eq 9)", ["a6_size_rule"],
             "The contrast of eq 6 stands for the variance, with the factor as printed.", size_rule),
     Chapter("A7", "Angle of a band and eq 12", ["a7_angle"], "Eq 12 has its weights exchanged in print.",

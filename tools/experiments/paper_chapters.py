@@ -1,6 +1,7 @@
 """E1 to E11: the paper's table and figures on the pools of the tree."""
 from chapter import Chapter
 from density_chapters import MULTISCALE, borders, density, pyramid_filters
+from fresh_tables import bias_shares, fresh, fresh_ratios
 from inference import ratio_of
 from results import options
 from statements import FRESH
@@ -21,8 +22,7 @@ def filters_over_budget(m):
         below_uniform = f"{shown}: 5-3 is below uniform sampling in MSE"
         said.append(finding(below_uniform, r, five, ("uniform", "box"), budgets=budgets))
         said.append(finding(below_uniform + FRESH, r, five, ("uniform", "box"), "mse_fresh", budgets=budgets))
-    halved = any(r.values("mse_fresh", pool, *five, 8) for pool in r.pools)
-    return [*(curves(r, pool) for pool in r.pools), *([fresh(r, 8)] if halved else []), "\n".join(said)]
+    return [*(curves(r, pool) for pool in r.pools), fresh(r, 8, [(s, "box") for s in r.samplers]), "\n".join(said)]
 
 
 def samplers_over_budget(m):
@@ -42,43 +42,13 @@ def samplers_over_budget(m):
               for pool in r.pools]
     return [*(curves(r, pool, column) for pool in r.pools for column in ("mse", "relmse")),
             "Energy ratio at 8 samples per pixel (below 1: bright events that were missed are not looked for again):\n\n"
-            + table(["pool", *r.samplers], energy), fresh(r, 8), fresh_ratios(r, 8), "\n".join(said)]
-
-
-def fresh(r, budget):
-    """What the distribution of the samples is worth: the same counts on samples that had no say in them."""
-    rows = []
-    for pool in r.pools:
-        for sampler in r.samplers:
-            cell = (pool, sampler, "box", budget)
-            rows.append([pool_title(pool), sampler,
-                         *(mean_text(r.values(c, *cell)) for c in ("mse", "mse_fresh", "mse_bias2", "mse_variance", "relmse",
-                                                                   "relmse_fresh", "energy_ratio", "energy_fresh"))])
-    return (f"Counts decided on one half of each pixel's samples and applied to the other, at {budget} samples per pixel, no "
-            "filter. Where the fresh error is above the own one, the gain came from samples that decided and were judged, not from a better "
-            "distribution. `neyman` takes deviations from the half that decides: where that half has missed rare bright samples, another "
-            "sampler can have the lower fresh error:\n\n"
-            + table(["pool", "sampler", "MSE", "MSE, fresh", "bias²", "variance", "relMSE", "relMSE, fresh", "energy", "energy, fresh"], rows))
-
-
-def fresh_ratios(r, budget):
-    """Short enough to be read on the page: methods by recordings."""
-    rows = []
-    for name, sampler in (("multiscale", MULTISCALE), ("preset paper", "multiscale:paper")):
-        for shown, column in (("MSE", "mse"), ("relMSE", "relmse")):
-            for kind, c in ((" on its own samples", column), (FRESH, column + "_fresh")):
-                found = [ratio_of(*(r.values(c, pool, s, "box", budget) for s in (sampler, "uniform"))) for pool in r.pools]
-                rows.append([f"{name}, {shown}{kind}", *map(with_interval, found)])
-    return (f"Errors at {budget} samples per pixel without a filter, relative to uniform sampling. A sampler that is "
-            "below 1 on its own samples alone gains by the choice of samples, not by where they lie: a bright one calls for more, which dilute it, "
-            "and where no light was seen none follow:\n\n"
-            + table(["error", *map(pool_title, r.pools)], rows))
+            + table(["pool", *r.samplers], energy), fresh(r, 8, [(s, "box") for s in r.samplers]), fresh_ratios(r, 8), "\n".join(said)]
 
 
 def directions(m):
     r = m.results
     iso, bank = options("directional", "anisotropy=none"), options("directional", "anisotropy=bank,bank_levels=3")
-    raw = (MULTISCALE, "box")
+    raw, spp = (MULTISCALE, "box"), r.budgets[0]
     said = [finding("the directional filter lowers the MSE of adaptive sampling", r, (MULTISCALE, bank), raw),
             finding("three stages of the bank are below the isotropic filter", r, (MULTISCALE, bank), (MULTISCALE, iso)),
             finding("three stages are below two", r, (MULTISCALE, bank), (MULTISCALE, options("directional", "anisotropy=bank,bank_levels=2"))),
@@ -91,7 +61,9 @@ def directions(m):
         if reading[1] in r.filters:
             said.append(finding(f"the preset paper {text} is below uniform with box", r, reading, ("uniform", "box")))
             said.append(finding(f"the preset paper {text} is below the preset as it is", r, reading, ("multiscale:paper", "directional:paper")))
-    return [*(curves(r, pool) for pool in r.pools), "\n".join(said)]
+    shown = [raw, (MULTISCALE, iso), (MULTISCALE, bank), ("uniform", iso), ("uniform", bank), ("multiscale:paper", "box"), PRINTED, INVERSE]
+    return [*(curves(r, pool) for pool in r.pools), fresh(r, spp, [(s, f) for s in r.samplers for f in r.filters], "every filter"),
+            bias_shares(r, spp, shown), "\n".join(said)]
 
 
 def threads(m):
@@ -123,9 +95,10 @@ def tiles(m):
     same = all(r.values("mse", p, s, f, b, 1) == r.values("mse", p, s, f, b, 8)
                for p in r.pools for s in r.samplers for f in r.filters for b in r.budgets)
     said = [f"- 1 and 8 threads give the same bits: {'yes' if same else '**no**'}."]
-    for tile in (64, 16):
-        for f in ("box", "directional"):
-            said.append(f"- tiles of {tile} against none, {f}, MSE: {compared(r, (name(tile), f), (name(0), f))}")
+    for who, name in (("", name), ("preset paper: ", lambda tile: options("multiscale:paper", f"tile={tile}"))):
+        for tile in (64, 16):
+            for f in ("box", "directional"):
+                said.append(f"- {who}tiles of {tile} against none, {f}, MSE: {compared(r, (name(tile), f), (name(0), f))}")
     return [*blocks, "\n".join(said)]
 
 
@@ -134,22 +107,24 @@ RIVALS = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "
           ("greedy_error", "greedy_selection"), ("nl_means", "nl_means"))
 EPOCHS, EXACT = ((options(MULTISCALE, f"update={update}"), "directional") for update in ("epoch", "exact"))
 ROBUST, PRINTED = (MULTISCALE, "directional"), ("multiscale:paper", "directional:paper")
-COARSE = ("multiscale:paper", options("directional:paper", "size_variance=coarse_var"))
-OWN = (*RIVALS, EPOCHS, EXACT, (options(MULTISCALE, "parallel=tiles,tile=32"), "directional"), PRINTED, COARSE)
+COARSE, INVERSE = (("multiscale:paper", options("directional:paper", reading)) for reading in ("size_variance=coarse_var", "size_factor=inverse"))
+OWN = (*RIVALS, EPOCHS, EXACT, (options(MULTISCALE, "parallel=tiles,tile=32"), "directional"), PRINTED, COARSE, INVERSE)
 
 
-def against_rivals(r, ours, columns, where="", budgets=None):
+def against_rivals(r, ours, metrics, where="", budgets=None, column="{}"):
     """ours: the method with our preset."""
-    return [finding(f"{who} is below {s} + {f} in {c}{where}", r, method, (s, f), c.lower(), budgets=budgets)
-            for who, method in (("multiscale + directional", ours), ("the preset paper", PRINTED)) for s, f in RIVALS for c in columns]
+    return [finding(f"{who} is below {s} + {f} in {c}{where}", r, method, (s, f), column.format(c.lower()), budgets=budgets)
+            for who, method in (("multiscale + directional", ours), ("the preset paper", PRINTED)) for s, f in RIVALS for c in metrics]
 
 
 def every_method(m):
     r = m.results
-    said = against_rivals(r, EPOCHS, ("MSE", "relMSE"))
-    said.append(finding("the preset paper with S the variance of the coarse mean is below the preset as it is in relMSE", r, COARSE, PRINTED, "relmse"))
+    said = against_rivals(r, EPOCHS, ("MSE", "relMSE")) + against_rivals(r, EPOCHS, ("MSE", "relMSE"), FRESH, column="{}_fresh")
+    said += [finding(f"the preset paper with {text} is below the preset as it is in relMSE", r, reading, PRINTED, "relmse")
+             for text, reading in (("S the variance of the coarse mean", COARSE), ("the reciprocal factor", INVERSE)) if reading[1] in r.filters]
     said.append(finding("one region a step is below many in MSE", r, EXACT, EPOCHS))
-    return [*(own_filters(r, pool) for pool in r.pools), "\n".join(said)]
+    return [*(own_filters(r, pool) for pool in r.pools), fresh(r, 8, OWN, "every method with its own filter"),
+            bias_shares(r, 8, (*RIVALS, EPOCHS, PRINTED, COARSE)), "\n".join(said)]
 
 
 def own_filters(r, pool):
@@ -160,10 +135,10 @@ def own_filters(r, pool):
         time = [a["cpu_sampling"] + a["cpu_filtering"] for a in r.rows(*cell)]
         if time:
             rows.append([f"{sampler} + {filter_name}",
-                         *(with_interval(r.figure(c, *cell)) for c in ("mse", "relmse", "flip_ldr", "ssim", "energy_ratio")),
+                         *(with_interval(r.figure(c, *cell)) for c in ("mse", "relmse", "relmse_equal_energy", "flip_ldr", "ssim", "energy_ratio")),
                          f"{mean_text([1000 * t for t in time])} ms"])
     return (f"{pool_title(pool)} at 8 samples per pixel:\n\n"
-            + table(["method", "MSE", "relMSE", "FLIP", "SSIM", "energy ratio", "CPU time"], rows))
+            + table(["method", "MSE", "relMSE", "relMSE at equal energy", "FLIP", "SSIM", "energy ratio", "CPU time"], rows))
 
 
 def over_budget(m):

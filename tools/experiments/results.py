@@ -124,8 +124,8 @@ class Results:
         return self._rows.get((pool, canonical(sampler), canonical(filter_name), spp, self._threads(threads)), [])
 
     def values(self, column, *cell):
-        """One number per replicate; empty where the cell failed or was not run."""
-        values = [row[column] for row in self.rows(*cell)]
+        """One number per replicate; empty where the cell failed or was not run, and for a column that was not asked for (fresh)."""
+        values = [row.get(column) for row in self.rows(*cell)]
         return [] if None in values else [float(value) for value in values]
 
     def figure(self, column, pool, sampler, filter_name, spp, threads=None):
