@@ -132,7 +132,8 @@ def test_a_dry_run_names_the_layers_that_no_method_reads(good, tmp_path):
     chess = Path(__file__).parents[2] / "dumps" / "tiny" / "chess.spool"
     plain = ["evaluate", chess, "--spp", "4", "--replicates", "2", "--dry-run", "--samplers", "uniform", "--filters"]
     line = "chess.spool: no method of the plan reads albedo, normal, depth (54 % of the bytes of a sample)"
-    assert line in good(*plain, "box").out
+    out = good(*plain, "box").out
+    assert line in out and "2 cells: 1 recording x 1 sampler x 1 budget x 2 replicates x 1 number of threads x 1 filter; 0 done" in out
     told = good(*plain, "box", "--json").json["unused_layers"]
     assert [(one["recording"], one["layers"]) for one in told] == [("chess.spool", ["albedo", "normal", "depth"])]
     assert told[0]["share"] == pytest.approx(14 / 26)

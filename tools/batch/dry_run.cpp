@@ -1,5 +1,4 @@
 #include "tools/batch/dry_run.h"
-#include "lib/experiment/plan_cells.h"
 
 #include <algorithm>
 #include <chrono>
@@ -8,6 +7,7 @@
 #include "formats/spool_reader.h"
 #include "lib/core/option_table.h"
 #include "lib/core/visible_text.h"
+#include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_table.h"
 #include "lib/synthetic/scene_s.h"
 #include "tools/batch/cell_store.h"
@@ -102,14 +102,22 @@ Listing list_cells(const RunRequest& request) {
   return found;
 }
 
+// "1 filter", "2 filters"
+std::string counted(std::size_t number, std::string_view noun) {
+  return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
+}
+
 void print_listing(const RunRequest& request, const Listing& cells, std::size_t cells_left) {
   const Plan& plan = request.plan;
   print(cells.text);
   print(fmt::format(
-      "\n{} cells: {} recordings x {} samplers x {} budgets x {} replicates x {} "
-      "numbers of threads x {} filters{}; {} done, {} left\n",
-      cells.all, plan.recordings.size(), plan.samplers.size(), plan.spp.size(), plan.replicates,
-      plan.threads.size(), plan.filters.size(),
+      "\n{}: {} x {} x {} x {} x {} x {}{}; {} done, {} left\n", counted(cells.all, "cell"),
+      counted(plan.recordings.size(), "recording"), counted(plan.samplers.size(), "sampler"),
+      counted(plan.spp.size(), "budget"),
+      counted(static_cast<std::size_t>(plan.replicates), "replicate"),
+      plan.threads.size() == 1 ? "1 number of threads"
+                               : fmt::format("{} numbers of threads", plan.threads.size()),
+      counted(plan.filters.size(), "filter"),
       request.shard ? fmt::format(", shard {}/{}", request.shard->index, request.shard->count) : "",
       cells.done.size(), cells_left));
 }

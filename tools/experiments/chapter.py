@@ -16,6 +16,11 @@ class Chapter:
     stand_in: str = ""     # a plan with the same methods, whose results are shown while its own were not made
     apart_at_full: str | None = None  # instead of `apart` on recordings of full size
 
+    def head(self):
+        """Its heading, and what is asked of it."""
+        numbered = f"{self.id}: " if self.id[0] in "EA" else ""
+        return [f"## {numbered}{self.title}", f"*{'The paper says' if self.id[0] == 'E' else 'Asked'}:* {self.paper}"]
+
     def apart_full(self):
         return self.apart if self.apart_at_full is None else self.apart_at_full
 

@@ -115,14 +115,12 @@ def section(chapter, measuring):
     results = Results(sources)
     missing = list(dict.fromkeys(name for p in chapter.plans for name in measuring.missing(p)))
     hashes = {p: plan_hash(plan_text(measuring.plans / f"{p}.toml", "")) for p in chapter.plans}
-    paper = chapter.id[0] in "EA"
     material = Material(results, density_of(sources), {p: Results(s) for p, s in by_plan.items()}, KEPT)
     chapter.body(material)  # what it asks is a family of comparisons, known when all of it is asked
     for asked in (results, *material.by_plan.values()):
         asked.judge_asked()
     body = chapter.body(material)
-    asked = "The paper says" if chapter.id[0] == "E" else "Asked"
-    return [f"## {chapter.id}: {chapter.title}" if paper else f"## {chapter.title}", f"*{asked}:* {chapter.paper}", chapter.apart_full(),
+    return [*chapter.head(), chapter.apart_full(),
             f"Recordings: {listed(results.pools)}." + (f" Not measured yet: {listed(missing)}." if missing else "")
             + " " + provenance(sources, hashes), *pictures(chapter, measuring), *marked([*body, energies(results)], described(sources))]
 

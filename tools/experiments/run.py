@@ -87,8 +87,7 @@ def done(plan, arguments):
 def section(chapter, arguments):
     plans = [*chapter.plans, *(p for p in chapter.optional if done(p, arguments))]
     commands = "\n".join(f"    spool evaluate tools/plans/{p}.toml -o build/experiments/{p}" for p in plans)
-    blocks = [f"## {chapter.id if chapter.id[0] in 'EA' else ''}{': ' if chapter.id[0] in 'EA' else ''}{chapter.title}",
-              f"*Asked:* {chapter.paper}", chapter.apart, commands]
+    blocks = [*chapter.head(), chapter.apart, commands]
     missing = [p for p in chapter.plans if not done(p, arguments)]
     if missing and chapter.stand_in and done(chapter.stand_in, arguments):
         plan = tomllib.loads((PLANS / f"{missing[0]}.toml").read_text())

@@ -18,9 +18,10 @@ NO_CHOICE = "Choosing with one left out needs three recordings that choose: noth
 
 
 def options_of(label):
-    """((option, value), ...) of a method's label: the plan names an option only where it differs from the default."""
-    text = label.partition("{")[2].removesuffix("}")
-    return tuple(tuple(part.split("=", 1)) for part in text.split(",")) if text else ()
+    """((option, value), ...) of a method's label: the plan names an option only where it differs from the default. A preset is one change."""
+    name, _, text = label.partition("{")
+    preset = (("preset", name.partition(":")[2]),) if ":" in name else ()
+    return preset + tuple(tuple(part.split("=", 1)) for part in text.removesuffix("}").split(",") if part)
 
 
 def candidates(results, pools):
