@@ -48,7 +48,7 @@ def samplers_over_budget(m):
 def directions(m):
     r = m.results
     iso, bank = options("directional", "anisotropy=none"), options("directional", "anisotropy=bank,bank_levels=3")
-    raw, spp = (MULTISCALE, "box"), r.budgets[0]
+    raw = (MULTISCALE, "box")
     said = [finding("the directional filter lowers the MSE of adaptive sampling", r, (MULTISCALE, bank), raw),
             finding("three stages of the bank are below the isotropic filter", r, (MULTISCALE, bank), (MULTISCALE, iso)),
             finding("three stages are below two", r, (MULTISCALE, bank), (MULTISCALE, options("directional", "anisotropy=bank,bank_levels=2"))),
@@ -61,9 +61,7 @@ def directions(m):
         if reading[1] in r.filters:
             said.append(finding(f"the preset paper {text} is below uniform with box", r, reading, ("uniform", "box")))
             said.append(finding(f"the preset paper {text} is below the preset as it is", r, reading, ("multiscale:paper", "directional:paper")))
-    shown = [raw, (MULTISCALE, iso), (MULTISCALE, bank), ("uniform", iso), ("uniform", bank), ("multiscale:paper", "box"), PRINTED, INVERSE]
-    return [*(curves(r, pool) for pool in r.pools), fresh(r, spp, [(s, f) for s in r.samplers for f in r.filters], "every filter"),
-            bias_shares(r, spp, shown), "\n".join(said)]
+    return [*(curves(r, pool) for pool in r.pools), "\n".join(said)]
 
 
 def threads(m):
