@@ -14,7 +14,8 @@ LAYERS = {
     "shape": ("u4", "I"),
 }
 FEATURES = ("albedo", "normal", "depth", "position", "shape")
-DEFAULT = "radiance,albedo,normal,depth,film"
+NEEDED = "needed"  # lens and time, where the scene has them
+DEFAULT = "radiance,albedo,normal,depth,film," + NEEDED
 NOT_THERE = {"lens": "the camera has no aperture", "time": "the shutter is open for no time",
              "direct": "only the path integrator can tell the direct part"}
 MEANINGS = {
@@ -55,23 +56,18 @@ def has_instances(scene):
 
 
 def chosen_layers(wanted, recordable):
-    """Names in file order. `needed` adds lens and time where the scene has them; `all` takes everything."""
-    names = [name for name in wanted.split(",") if name]
-    if "all" in names:
-        names = list(LAYERS)
-    elif "lens" not in names and recordable.has_lens:
-        names.append("lens")
-    if "time" not in names and recordable.shutter_time > 0:
-        names.append("time")
-    unknown = [name for name in names if name not in LAYERS]
+    """Names in file order. `needed` adds lens and time where the scene has them; `all` takes everything that is there."""
+    named = [name for name in wanted.split(",") if name]
+    unknown = [name for name in named if name not in (*LAYERS, NEEDED, "all")]
     if unknown:
         from failure import usage_failure
         raise usage_failure("unknown channel '%s': choose from %s" % (unknown[0], ", ".join(LAYERS)))
     available = dict(lens=recordable.has_lens, time=recordable.shutter_time > 0, direct=recordable.direct is not None)
-    named = [name for name in wanted.split(",") if not available.get(name, True)]
-    if named and "all" not in wanted.split(","):
+    missing = [name for name in named if not available.get(name, True)]
+    if missing and "all" not in named:
         from failure import scene_failure
-        raise scene_failure("%s: %s: leave out `%s`%s" % (recordable.name, NOT_THERE[named[0]], named[0],
-                                                          " or give --integrator path" if named[0] == "direct" else ""))
+        raise scene_failure("%s: %s: leave out `%s`%s" % (recordable.name, NOT_THERE[missing[0]], missing[0],
+                                                          " or give --integrator path" if missing[0] == "direct" else ""))
+    names = LAYERS if "all" in named else [*named, *(("lens", "time") if NEEDED in named else ())]
     return ["radiance"] + [name for name in LAYERS
                            if name != "radiance" and name in names and available.get(name, True)]

@@ -20,7 +20,7 @@ def parse(arguments, about):
     parser.add_argument("--samples", type=int, default=64, help="per pixel (64)")
     parser.add_argument("--reference", type=int, default=0, metavar="SPP", help="independent reference (0: none)")
     parser.add_argument("--seed", type=int, default=1, help="0 .. 1023 (1)")
-    parser.add_argument("--channels", help="%s; or all (default %s; lens and time where the scene has them)" %
+    parser.add_argument("--channels", help="%s; needed: lens and time where the scene has them; all (default %s)" %
                         (", ".join(LAYERS), DEFAULT))
     parser.add_argument("--half", action="store_true", help="a small file to hand on: radiance in 16 bits, no film positions "
                         "unless --channels names them")

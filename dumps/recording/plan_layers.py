@@ -52,8 +52,8 @@ def read_by(path):
 
 
 def unread(plan, layers):
-    """A line, or "" where the plan reads all of them. Places on the lens and times are for looking at, and always kept."""
+    """A line, or "" where the plan reads all of them."""
     wanted = read_by(plan)
-    left = [name for name in layers if name not in wanted and name not in ("lens", "time")]
+    left = [name for name in layers if name not in wanted]
     return "no method of %s reads %s: --channels %s leaves them out" % (
         plan, ", ".join(left), ",".join(name for name in layers if name in wanted)) if left else ""

@@ -133,6 +133,19 @@ def test_what_was_measured_is_not_measured_again(place):
     assert other.measure("small", "chess_256", False), "other samples are another recording"
 
 
+def test_of_two_plans_that_ask_the_same_one_is_measured(place, monkeypatch):
+    machine = place("one", "chess_256")
+    (machine.plans / "twin.toml").write_text(PLAN.replace('"small"', '"of another title"'))
+    assert machine.measure("small", "chess_256", False)
+    monkeypatch.setattr(full_size, "evaluate", None)  # to be called by none
+    assert machine.measure("twin", "chess_256", False)
+    (head, *lines), (other, *others) = (machine.kept(p, "chess_256").read_text().split("\n") for p in ("small", "twin"))
+    assert lines == others and json.loads(other) == {**json.loads(head), "plan": "twin"}
+    (machine.plans / "twin.toml").write_text(PLAN.replace("spp = [4]", "spp = [2]"))
+    with pytest.raises(TypeError):
+        machine.measure("twin", "chess_256", False)
+
+
 def test_results_of_an_older_program_or_plan_are_marked(place, monkeypatch):
     machine = place("one", "chess_256", "table_256")
     machine.measure("small", "chess_256", False)

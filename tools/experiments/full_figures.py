@@ -3,12 +3,12 @@
 
     tools/experiments/full_figures.py cornell_box_picture torus ...     by name, as recordings of full size lie on this machine
         [--figure e1 e4 e5 e8 e9]   default: all that the recording has its use for
-        [--crop X,Y,SIDE]...        windows of e4 and e9; default: where the methods differ most
+        [--crop X,Y,SIDE]...        windows of e4 and e9; default: where the errors of all methods together are largest
 
 Images that a picture is made of stay in build/full_figures: remove them to have them made again.
 
 Columns are methods. e1 (Figure 7): samples and the level that took most of them, by wavelet. e5 (Figure 9): samples of every sampler.
-e8 (Figures 11c-f): samples with tiles. e4 (Figure 10), e9 (Figures 11 and 12): pictures with crops beside the reference.
+e8 (Figures 11c-f): samples with tiles. e4 (Figure 10), e9 (Figure 12): pictures with crops beside the reference.
 """
 import argparse
 import io
@@ -34,19 +34,19 @@ SAMPLERS = ("mitchell", "adaptive_wavelet", "greedy_error", "nl_means", "multisc
 DIRECTIONS = (("box", "no filter"), ("directional{anisotropy=none}", "isotropic"),
               ("directional{anisotropy=bank,bank_levels=3}", "bank, three stages"), ("directional", "directional"))
 METHODS = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "wavelet_shrinkage"),
-           ("greedy_error", "greedy_selection"), ("multiscale:paper", "directional:paper"), ("multiscale", "directional"))
+           ("greedy_error", "greedy_selection"), ("nl_means", "nl_means"), ("multiscale:paper", "directional:paper"), ("multiscale", "directional"))
 FRAMES = ("#e69f00", "#56b4e9")
 LEVELS = ListedColormap(["#404040", "#440154", "#31688e", "#35b779", "#fde725"])  # 0 (none), 1 .. 4
 
 
-def save(figure, path):
-    """A PNG of 256 colours, dithered: a third of the bytes."""
+def save(figure, path, photos):
+    """A PNG; of maps 256 colours, which is a third of the bytes: in a photo that would be noise that no method made."""
     buffer = io.BytesIO()
     figure.savefig(buffer, dpi=100)
     plt.close(figure)
     path.parent.mkdir(parents=True, exist_ok=True)
     whole = Image.open(buffer).convert("RGB")
-    whole.quantize(palette=whole.quantize(256), dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
+    (whole if photos else whole.quantize(256, dither=Image.Dither.NONE)).save(path, optimize=True)
     print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB", flush=True)
 
 
@@ -101,7 +101,7 @@ def levels(p):
     for row, preset in ((0, ""), (2, ":paper")):
         for column, name in enumerate(WAVELETS):
             layers = p.samples(f"multiscale{preset}{{filter={name}}}", names)
-            density = p.density(axes[row][column], layers["n"].astype(float), f"{name}, {preset[1:] or 'robust'}")
+            density = p.density(axes[row][column], layers["n"].astype(float), f"{name}, {'paper, tiles of 64' if preset else 'robust'}")
             of_level = np.stack([layers[f"view.{n}"].astype(float) for n in names])
             most = np.where(of_level.max(axis=0) > 0, of_level.argmax(axis=0) + 1, 0)
             level = axes[row + 1][column].imshow(most, cmap=LEVELS, vmin=-0.5, vmax=4.5, interpolation="nearest")
@@ -132,9 +132,9 @@ def tiles(p):
 
 
 def windows(images, reference, side=48, count=2):
-    """Where the first and the last image differ most from each other beside their truth, without overlap."""
-    worst, best = (np.abs(image - reference).mean(axis=2) / (reference.mean(axis=2) + 0.1 * reference.mean()) for image in (images[0], images[-1]))
-    worth = np.cumsum(np.cumsum(np.pad(np.minimum(worst - best, 2.0), ((1, 0), (1, 0))), axis=0), axis=1)
+    """Where the relative errors of all images together are largest, whoever wins there; without overlap."""
+    errors = sum(np.minimum(np.abs(image - reference).mean(axis=2) / (reference.mean(axis=2) + 0.1 * reference.mean()), 2.0) for image in images)
+    worth = np.cumsum(np.cumsum(np.pad(errors, ((1, 0), (1, 0))), axis=0), axis=1)
     sums = worth[side:, side:] - worth[:-side, side:] - worth[side:, :-side] + worth[:-side, :-side]
     found = []
     for _ in range(count):
@@ -147,7 +147,7 @@ def windows(images, reference, side=48, count=2):
 def beside(p, methods, titles, crops):
     images = [p.image(*method) for method in methods]
     crops = crops or windows(images, p.reference)
-    figure, axes = grid(1 + len(crops), len(images) + 1, [p.aspect] + [1.0] * len(crops), width=10.5, bar=0.0)
+    figure, axes = grid(1 + len(crops), len(images) + 1, [p.aspect] + [1.0] * len(crops), width=1.5 * (len(images) + 1), bar=0.0)
     for column, (image, title) in enumerate(zip([*images, p.reference], [*titles, "reference"])):
         p.photo(axes[0][column], image, title)
         for row, (x, y, side) in enumerate(crops):
@@ -168,7 +168,7 @@ def directions(p, crops):
 
 
 def every_method(p, crops):
-    return beside(p, METHODS, [f"{s} +\n{f}" for s, f in METHODS], crops)
+    return beside(p, METHODS, ["paper" if s == "multiscale:paper" else f"{s} +\n{f}" for s, f in METHODS], crops)
 
 
 # name: (samples per pixel, whether it has crops, what draws it)
@@ -195,7 +195,7 @@ def main():
             folder = ROOT / "build/full_figures" / f"{name}_{here.hash(name)[:8]}_{spp}"
             folder.mkdir(parents=True, exist_ok=True)
             pictures = Pictures(arguments.program, path, folder, spp)
-            save(draw(pictures, crops) if cropped else draw(pictures), FOLDER / f"{figure}_{name}.png")
+            save(draw(pictures, crops) if cropped else draw(pictures), FOLDER / f"{figure}_{name}.png", photos=cropped)
 
 
 if __name__ == "__main__":

@@ -86,13 +86,13 @@ def provenance(sources, plan_hashes):
 
 
 # Those of full_figures.py: (its file, what it shows)
-PICTURES = {"E1": ("e1", "Figure 7: samples at 4 samples per pixel, and the level that took most of them, by wavelet, with both presets"),
-            "E4": ("e4", "Figure 10: multiscale at 8 samples per pixel, without filter, isotropic and with directions, and the preset paper, beside the reference; "
-                   "trimmed: without the worst 0.1 % of the pixels"),
+PICTURES = {"E1": ("e1", "Figure 7: samples at 4 samples per pixel, and the level that took most of them, by wavelet, with both presets; `paper` samples in tiles of 64 pixels, whose borders show"),
+            "E4": ("e4", "Figure 10: multiscale at 8 samples per pixel, without filter, isotropic and with directions, and the preset paper, beside the reference, "
+                   "with crops where the errors of all methods together are largest; trimmed: without the worst 0.1 % of the pixels"),
             "E5": ("e5", "Figure 9: samples of every sampler at 16 samples per pixel"),
             "E8": ("e8", "Figures 11c to 11f: samples at 8 samples per pixel, with tiles and without"),
-            "E9": ("e9", "Figures 11 and 12: every method with its filter at 8 samples per pixel, beside the reference; trimmed: without the "
-                   "worst 0.1 % of the pixels")}
+            "E9": ("e9", "Figure 12: every method with its filter at 8 samples per pixel, beside the reference, with crops where the errors of all "
+                   "methods together are largest; trimmed: without the worst 0.1 % of the pixels")}
 PICTURES["E10"] = PICTURES["E9"]
 
 

@@ -30,7 +30,7 @@ import spool.exr  # noqa: E402
 
 SPP = "8"
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-CROPS = ["96,140,48", "150,60,48"]
+CROPS = ["96,140,48", "170,190,48"]
 
 
 def rgb(path):

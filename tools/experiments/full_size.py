@@ -38,6 +38,7 @@ ANALYTIC = {
 LARGER = {"scene_s_128": "scene_s_512", "scene_s_fireflies_128": "scene_s_fireflies_512"}
 LEFT_OUT = ("first", "prototypes", "methods")  # of full size in docs/filters.md, or not about pictures of that size
 MORE = {  # besides the plan's own recordings and those by others
+    "e2_filters_over_budget": ("mist_256",),
     "e3_samplers_over_budget": ("balls_256", "mist_256", "caustic_256", "fireflies_256", "caustic_mitsuba_256", "chess_sequence_256",
                                 "chess_long", "chess_512", "cornell_box_picture_512", "caustic_mitsuba_512"),
     "e4_directions": ("chess_256", "caustic_mitsuba_256", "chess_512", "cornell_box_picture_512"),
@@ -161,6 +162,10 @@ class Measuring:
         if self.current(plan, recording, text):
             return False
         hashed, folder = plan_hash(text), self.scratch / plan / recording
+        if (same := self._same_of_another(recording, hashed, density)) and not self.again:
+            print(f"{plan} on {recording}: what {same.parent.name} measured", flush=True)
+            measured.keep_as(same, plan, self.kept(plan, recording))
+            return True
         target = folder / f"{hashed}-{self.recordings.hash(recording)[:8]}.toml"  # another plan or recording is another folder
         folder.mkdir(parents=True, exist_ok=True)
         write_whole(target, text)
@@ -175,6 +180,15 @@ class Measuring:
                                for (_, sampler, spp), found in densities(self.program, target, target.with_suffix("")).items()}
         measured.keep(target.with_suffix(""), head, self.kept(plan, recording))
         return True
+
+    def _same_of_another(self, recording, hashed, density):
+        """What another plan that asks the same measured with this program, or None."""
+        for path in sorted(self.store.glob(f"*/{recording}.jsonl")):
+            head = measured.read_head(path)
+            if head and (head["plan_sha256"], head["samples_sha256"], head["commit"], "density" in head) == (
+                    hashed, self.recordings.hash(recording), commit(), bool(density)):
+                return path
+        return None
 
     def _made_by(self, folder):
         manifest = json.loads((folder / "manifest.json").read_text())

@@ -93,6 +93,13 @@ def keep(folder, head, path):
     write_whole(path, condensed(folder, head))
 
 
+def keep_as(path, plan, target):
+    """What one plan measured as that of another, which asks the same."""
+    head, rest = path.read_text(encoding="utf-8").split("\n", 1)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(target, json.dumps({**json.loads(head), "plan": plan}, separators=(",", ":"), ensure_ascii=False) + "\n" + rest)
+
+
 def read_head(path):
     """The first line, or None where the file is not there or of another format."""
     if not path.exists():

@@ -32,7 +32,7 @@ from pool_run import command_of  # noqa: E402
 
 SCENES = os.environ.get("SPOOL_SCENES", os.path.join(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache")), "spool", "scenes"))
 STORE = ROOT / "docs/results/scene_needs"
-SETS = {"radiance": ("radiance",), "film": ("radiance", "film"), "features": ("radiance", "albedo", "normal", "depth")}
+SETS = {"radiance": ("radiance",), "film": ("radiance", "film"), "lens": ("radiance", "lens"), "features": ("radiance", "albedo", "normal", "depth")}
 PLAIN = ("box", "directional", "nl_means", "twin_guides", "greedy_selection")
 SPP, REPLICATES, SHORT, TURNS = 8, 4, 16, 3
 TITLE = "## At full size"
