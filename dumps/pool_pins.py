@@ -45,8 +45,9 @@ def differences(scene_sha256, pinned, path):
         return []
     same_tools = all(found[key] == pinned[key] for key in ("versions", "processor"))
     if found["samples_sha256"] != pinned["samples_sha256"] and same_tools:
-        return ["other samples than the pinned ones (%s, not %s), with the same version on the same kind of processor" % (
-            found["samples_sha256"], pinned["samples_sha256"])]
+        llvm = "; they depend on the version of LLVM, too" if "llvm" in found["versions"] else ""
+        return ["other samples than the pinned ones (%s, not %s), with the same version on the same kind of processor%s" % (
+            found["samples_sha256"], pinned["samples_sha256"], llvm)]
     return []
 
 

@@ -330,5 +330,5 @@ def test_what_a_layer_costs_and_buys_is_a_row_each():
            "relmse": {kind: {"box": [0.5, 0.4, 0.6], "twin_guides": [0.1 / (1 + i), 0.05, 0.2]} for i, kind in enumerate(sets)}}
     assert scene_needs_full.cost_rows([one])[2][-3:] == ["3", "3.00", "–"] and scene_needs_full.cost_rows([one])[0][-1] == "1.00"
     row = next(r for r in scene_needs_full.gain_rows([one]) if r[:2] == ["features", "twin_guides"])
-    assert row[3].startswith("0.100") and row[4].startswith("0.0333") and row[5] == "twin_guides 0.1"
+    assert row[3].startswith("0.100") and row[4].startswith("0.0250") and row[5] == "twin_guides 0.1"
     assert next(r for r in scene_needs_full.gain_rows([one]) if r[1] == "cross_bilateral")[3:5] == ["–", "–"]

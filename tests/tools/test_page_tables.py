@@ -67,6 +67,19 @@ def test_files_of_chapters_that_are_gone_are_removed(tmp_path):
     assert [path.name for path in (tmp_path / "page").iterdir()] == ["e4.csv"]
 
 
+def test_what_a_page_shows_is_there_while_it_is_written_again(tmp_path):
+    seen = []
+
+    def plot(path, tables):
+        seen.append(sorted(p.name for p in (tmp_path / "page").glob("[!.]*")))
+        path.write_text("drawn")
+        return "a drawing"
+    for _ in range(2):
+        take_apart(BUDGETS, "page", tmp_path, plot)
+    assert seen == [["e3.csv"], ["e3.csv", "e3.svg"]]
+    assert sorted(p.name for p in (tmp_path / "page").iterdir()) == ["e3.csv", "e3.svg"]
+
+
 def test_a_plot_draws_ratios_over_budgets_and_says_so(tmp_path):
     pytest.importorskip("matplotlib")
     from budget_plot import plot, series_of

@@ -14,7 +14,7 @@ STYLES = list(zip(["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4
 INK = "#7f7f7f"
 PANELS, HIGHLIGHTED = 36, 7
 # Methods of the paper's figures: they have their names, whatever their error.
-FIRST = ("multiscale + box", "multiscale:paper + box", "mitchell + box", "adaptive_wavelet + box", "greedy_error + box",
+FIRST = ("multiscale{filter=5-3}", "multiscale:paper{filter=5-3}", "multiscale + box", "multiscale:paper + box", "mitchell + box", "adaptive_wavelet + box", "greedy_error + box",
          "multiscale + directional{anisotropy=none}", "multiscale + directional", "multiscale:paper + directional:paper")
 WIDTH_OF_NAMES = 6.2  # inches
 

@@ -144,7 +144,7 @@ def of_paper(small, full):
                      str(len(now.pools)), str(now.losing) if now.losing else "–"])
     return ["## What the paper says",
             f"Statements about the preset `robust`, which is ours (E1: about both): {counted(ours)}. About the preset `paper`, its equations as printed: "
-            f"{counted(printed)}. E9 to E11 make the same statements of different recordings and budgets. The last columns count recordings (E1: "
+            f"{counted(printed)}. E9 to E11 make the same statements, in part of the same recordings, at other budgets. The last columns count recordings (E1: "
             f"with each of two presets), and those on which the method loses more than {100 * LOST:.0f} % of the light: its picture is darker than "
             "the reference there. *On fresh samples*: the same numbers of samples, judged on samples that did not decide them.",
             table(["statement", "64 x 64", "full size", "on fresh samples", "recordings", "losing light"], rows)]

@@ -4,8 +4,12 @@ A table is a block of markdown rows; the paragraph before it says what it shows 
 chapter with the same header share a file. A cell "0.12 [0.10, 0.15]" becomes three columns: "...", "... low", "... high".
 """
 import csv
+import io
+import os
 import re
 from dataclasses import dataclass, field
+
+from whole_file import write_whole
 
 # A table of that many rows or fewer can be read where it stands.
 SHORT = 8
@@ -68,13 +72,14 @@ def write_csv(path, tables):
     # Intervals may be missing in one table and present in the next: all columns that any of them has.
     for table in tables[1:]:
         header += [name for name in with_ends_apart(table)[0] if name not in header]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, ["of", *header], lineterminator="\n")
-        writer.writeheader()
-        for table in tables:
-            names, rows = with_ends_apart(table)
-            for row in rows:
-                writer.writerow({"of": table.caption, **dict(zip(names, row))})
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, ["of", *header], lineterminator="\n")
+    writer.writeheader()
+    for table in tables:
+        names, rows = with_ends_apart(table)
+        for row in rows:
+            writer.writerow({"of": table.caption, **dict(zip(names, row))})
+    write_whole(path, text.getvalue())
 
 
 def groups_of(tables):
@@ -89,6 +94,7 @@ class Chapter:
     def __init__(self, heading, page):
         self.heading, self.name = heading, chapter_name(heading or page)
         self.blocks, self.tables, self.place = [], [], None
+        self.files = []  # names of those written
 
     def take(self, block):
         """Keeps prose and short tables; long tables leave their place to the links."""
@@ -111,21 +117,33 @@ class Chapter:
             for i, group in enumerate(groups_of(self.tables)):
                 path = folder / f"{self.name}{f'_{i + 1}' if i else ''}.csv"
                 write_csv(path, group)
+                self.files.append(path.name)
                 files.append(f"[{path.name}]({link}/{path.name})")
-                drawn = plot(path.with_suffix(".svg"), group) if plot else None
+                drawn = plotted(plot, path.with_suffix(".svg"), group) if plot else None
                 if drawn:
+                    self.files.append(f"{path.stem}.svg")
                     blocks.insert(self.place, f"![{self.name}: {drawn}]({link}/{path.stem}.svg)")
                     self.place += 1
             blocks.insert(self.place, "Figures: " + ", ".join(files) + ".")
         return [self.heading, *blocks] if self.heading else blocks
 
 
+def plotted(plot, path, tables):
+    """What was drawn; the file appears whole, whoever else writes the page."""
+    partial = path.with_name(f".{path.stem}.{os.getpid()}.svg")
+    try:
+        drawn = plot(partial, tables)
+        if drawn:
+            os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+    return drawn
+
+
 def take_apart(text, page, folder, plot=None):
     """The page without its long tables. `plot(path, tables)` may draw a group: what it drew in words, or None."""
     folder = folder / page
     folder.mkdir(parents=True, exist_ok=True)
-    for old in [*folder.glob("*.csv"), *folder.glob("*.svg")]:
-        old.unlink()
     chapters = [Chapter(None, page)]
     for block in text.strip("\n").split("\n\n"):
         if block.startswith(("## ", "### ")):
@@ -133,4 +151,8 @@ def take_apart(text, page, folder, plot=None):
         else:
             chapters[-1].take(block)
     blocks = [block for chapter in chapters for block in chapter.written(folder, plot)]
+    kept = {name for chapter in chapters for name in chapter.files}
+    for old in [*folder.glob("[!.]*.csv"), *folder.glob("[!.]*.svg")]:
+        if old.name not in kept:
+            old.unlink(missing_ok=True)
     return "\n\n".join(block for block in blocks if block) + "\n"

@@ -38,11 +38,24 @@ def samplers_over_budget(m):
     said.append(finding("multiscale is below the control that only clamps uniform samples in relMSE", r, ours,
                         ("uniform", "clamped"), "relmse", budgets=budgets))
     said.append(finding("mitchell is below uniform in relMSE", r, ("mitchell", "box"), uniform, "relmse", budgets=budgets))
+    # neyman minimises the error of means that did not decide on their counts.
+    said += [finding(f"multiscale is below the oracle neyman in MSE{where}", r, ours, ("neyman{minimise=mse}", "box"), column, budgets=budgets)
+             for where, column in (("", "mse"), (FRESH, "mse_fresh"))]
+    said.append(as_uniform(r, "mitchell", budgets))
     energy = [[pool_title(pool), *(with_interval(r.figure("energy_ratio", pool, s, "box", 8)) for s in r.samplers)]
               for pool in r.pools]
     return [*(curves(r, pool, column) for pool in r.pools for column in ("mse", "relmse")),
             "Energy ratio at 8 samples per pixel (below 1: bright events that were missed are not looked for again):\n\n"
             + table(["pool", *r.samplers], energy), fresh(r, 8, [(s, "box") for s in r.samplers]), fresh_ratios(r, 8), "\n".join(said)]
+
+
+def as_uniform(r, sampler, budgets):
+    """Where a sampler gave the very numbers of uniform sampling: what is said against it there is said against that."""
+    found = []
+    for pool in r.pools:
+        same = [f"{b:g}" for b in budgets if r.values("mse", pool, sampler, "box", b) == r.values("mse", pool, "uniform", "box", b) != []]
+        found += [f"{pool_title(pool)} at {', '.join(same)} spp"] if same else []
+    return f"- {sampler} took the samples of uniform sampling: {'; '.join(found)}." if found else ""
 
 
 def directions(m):
@@ -115,9 +128,18 @@ def against_rivals(r, ours, metrics, where="", budgets=None, column="{}"):
             for who, method in (("multiscale + directional", ours), ("the preset paper", PRINTED)) for s, f in RIVALS for c in metrics]
 
 
+def behind_the_same_filter(r, ours, budgets=None):
+    """What the sampler adds to its filter, and whether uniform samples with the strongest filter of the rivals do as well."""
+    return [finding(f"{who} is below {name} in {c}", r, method, ("uniform", f), c.lower(), budgets=budgets)
+            for who, method, name, f in (("multiscale + directional", ours, "uniform + directional", "directional"),
+                                         ("the preset paper", PRINTED, "uniform samples behind its own filter", "directional:paper"),
+                                         ("multiscale + directional", ours, "uniform + nl_means", "nl_means")) for c in ("MSE", "relMSE")]
+
+
 def every_method(m):
     r = m.results
     said = against_rivals(r, EPOCHS, ("MSE", "relMSE")) + against_rivals(r, EPOCHS, ("MSE", "relMSE"), FRESH, column="{}_fresh")
+    said += behind_the_same_filter(r, EPOCHS)
     said += [finding(f"the preset paper with {text} is below the preset as it is in relMSE", r, reading, PRINTED, "relmse")
              for text, reading in (("S the variance of the coarse mean", COARSE), ("the reciprocal factor", INVERSE)) if reading[1] in r.filters]
     said.append(finding("one region a step is below many in MSE", r, EXACT, EPOCHS))
@@ -143,7 +165,7 @@ def over_budget(m):
     """Every sampler with its own filter."""
     r = m.results
     budgets = [b for b in r.budgets if b > 2]  # at 2 samples none has decided anything
-    said = against_rivals(r, ROBUST, ("relMSE",), " at 4 samples per pixel and more", budgets)
+    said = against_rivals(r, ROBUST, ("relMSE",), " at 4 samples per pixel and more", budgets) + behind_the_same_filter(r, ROBUST, budgets)
     return [*(curves(r, pool, column, methods=(*RIVALS, ROBUST, PRINTED)) for pool in r.pools for column in ("mse", "relmse")), "\n".join(said)]
 
 

@@ -12,7 +12,8 @@ ANSWERS = re.compile(r"^- (?P<text>.+?): (?P<pools>[^:]+: (?:yes|not told apart|
 FRESH = " on fresh samples"
 # Ours or about rivals, in chapters that otherwise ask what the paper says.
 OURS = ("control that only clamps", "the counts of multiscale follow", "mitchell is below uniform", "one region a step", "tiles of", "the preset paper with S",
-        "the preset paper with the reciprocal", "the preset paper with both", FRESH)
+        "the preset paper with the reciprocal", "the preset paper with both", "the oracle neyman", "is below uniform + directional",
+        "is below uniform + nl_means", "uniform samples behind its own filter", FRESH)
 
 
 @dataclass
