@@ -17,7 +17,6 @@ import measured  # noqa: E402
 from chapter import Chapter  # noqa: E402
 from inference import Interval, use_program  # noqa: E402
 from results import Results  # noqa: E402
-from statements import change_rows, kinds_of_change, of_the_paper, statements  # noqa: E402
 from tables import curves, finding  # noqa: E402
 
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
@@ -178,98 +177,6 @@ def test_every_plan_of_the_tree_has_a_text_at_full_size():
     assert all((plans / path.name).exists() for path in (plans / "full_size").glob("*.toml"))
 
 
-SMALL = """## E1: Levels
-
-- 5-3 puts more there than Haar: table, robust: yes; table, paper: **no**; scene S, robust: not told apart.
-
-## E2: Budgets
-
-- paper: 5-3 is below haar in MSE: **disagrees**, in part not told apart. Table: not told apart at 16; above at 4, 8 spp. scene S: above at 4 spp.
-- 5-3 is below db3: agrees. Table: below at 4 spp.
-- multiscale is below mitchell: undecided: not told apart. Table: not told apart at 4 spp.
-- never run: not measured. Not measured.
-"""
-FULL = """## E1: Levels
-
-- 5-3 puts more there than Haar: table, robust: yes; scene S, robust: yes.
-
-## E2: Budgets
-
-- paper: 5-3 is below haar in MSE: agrees. Table: below at 4, 8, 16 spp. torus: below at 4 spp. scene S: above at 4 spp.
-- 5-3 is below db3: **mixed**. Table: below at 4 spp. torus: above at 4 spp.
-- multiscale is below mitchell: undecided: not told apart. Table: not told apart at 4 spp.
-"""
-
-
-def test_a_statement_is_known_recording_by_recording():
-    found = statements("## E5: density\n- no blocks (index below 1.2): agrees. chess: 1.02. scene S, 512 x 512: 0.96.\n"
-                       "- a is below b: agrees. Scene S: below at 4, 8 spp. mist: below at 16; not told apart at 4, 8 spp.\n")
-    assert found["E5", "no blocks (index below 1.2)"].pools == {"chess": "1.02", "scene S, 512 x 512": "0.96"}
-    assert found["E5", "a is below b"].pools == {"scene S": "below at 4, 8", "mist": "below at 16; not told apart at 4, 8"}
-
-
-def test_statements_that_changed_are_found():
-    before, after = statements(SMALL), statements(FULL)
-    assert before["E1", "5-3 puts more there than Haar"].verdict == "**mixed**"
-    assert after["E1", "5-3 puts more there than Haar"].verdict == "agrees"
-    assert before["E2", "multiscale is below mitchell"].verdict == "undecided: not told apart"
-    rows = change_rows(before, after)
-    assert [row[0] for row in rows] == ["E1: 5-3 puts more there than Haar", "E2: paper: 5-3 is below haar in MSE", "E2: 5-3 is below db3"]
-    assert rows[1][1:] == ["**disagrees**, in part not told apart", "agrees",
-                           "table: not told apart at 16; above at 4, 8 → below at 4, 8, 16"]
-    assert rows[0][3] == "scene S, robust: not told apart → yes" and rows[2][3] == "–"
-    assert kinds_of_change(rows) == (1, 0, 2)
-    assert kinds_of_change([["", "agrees", "undecided: not told apart", ""], ["", "**mixed**", "**disagrees**", ""]]) == (0, 1, 1)
-    assert [(then.agrees, now.agrees) for then, now in of_the_paper(before, after)] == [
-        (False, True), (False, True), (True, False), (False, False)]
-    said = "\n".join(full_page.of_paper(SMALL, FULL))
-    assert "(E1: about both): 1 of 3 agree here (1 of them did not on pictures of 64 x 64 pixels, 1 more agreed there)" in said
-    assert "as printed: 1 of 1 agree here (1 of them did not on pictures of 64 x 64 pixels, 0 more agreed there)" in said
-    assert "| E2: 5-3 is below db3 | agrees | **mixed** | – | 2 | – |" in said
-
-
-def test_light_that_is_lost_and_fresh_samples_stand_beside_a_statement():
-    full = ("## E3: samplers\n- |d| is below b: agrees. Table: below at 4, 8 spp (energy 0.91). mist: below at 4, 8 spp.\n"
-            "- |d| is below b on fresh samples: **disagrees**. Table: above at 4, 8 spp.\n")
-    found = statements(full)["E3", "|d| is below b"]
-    assert found.losing == 1 and found.pools == {"table": "below at 4, 8", "mist": "below at 4, 8"}
-    rows = full_page.of_paper("", full)[2].splitlines()[2:]
-    assert rows == ["| E3: \\|d\\| is below b | – | agrees | **disagrees** | 2 | 1 |"]
-
-
-def asked_of(ratios):
-    """Results of four replicates in which only these pairs of samplers are known: {(first, second): ratio with its interval}."""
-    results = Results([])
-    for name in {name for pair in ratios for name in pair}:
-        results._rows["table", name, "box", 4, 1] = [{"replicate": r, "mse": None} for r in range(4)]
-    results._pairs["table", 4, 1, "mse"] = {((a, "box"), (b, "box")): ("undecided", Interval(*ratio)) for (a, b), ratio in ratios.items()}
-    return results
-
-
-def order_of_first(results):
-    return [results.order("mse", "table", 4, (a, "box"), (b, "box")) for a, b in (("a", "b"), ("b", "a"))]
-
-
-def test_what_a_chapter_asks_is_one_family():
-    more = {("a", f"x{i}"): (1.0, 0.8, 1.25) for i in range(30)}
-    results = asked_of({("a", "b"): (0.5, 0.4, 0.62), **more})  # p = 0.002 by Student's test with three degrees of freedom
-    assert order_of_first(results) == [0, 0], "among all pairs of the plan"
-    results.judge_asked()
-    assert order_of_first(results) == [-1, 1], "alone"
-    for name in (name for _, name in more):
-        assert results.order("mse", "table", 4, ("a", "box"), (name, "box")) == 0
-    results.judge_asked()
-    assert order_of_first(results) == [0, 0], "one of 31"
-
-
-def test_a_pair_without_a_ratio_keeps_its_verdict():
-    results = asked_of({("a", "b"): ()})
-    results._pairs["table", 4, 1, "mse"] = {(("a", "box"), ("b", "box")): ("better", Interval())}
-    assert order_of_first(results) == [-1, 1]
-    results.judge_asked()
-    assert order_of_first(results) == [-1, 1]
-
-
 def test_ratios_that_are_not_kept_are_made_from_replicates(place):
     machine = place("one", "chess_256")
     machine.measure("small", "chess_256", False)
@@ -288,11 +195,6 @@ def test_ratios_that_are_not_kept_are_made_from_replicates(place):
     assert looked_at == 20
 
 
-def test_the_pages_of_the_tree_have_statements():
-    found = statements((ROOT / "docs/experiments.md").read_text(encoding="utf-8"))
-    assert {chapter for chapter, _ in found} >= {"E1", "E2", "E3", "E4", "A1", "A7"}
-
-
 def test_a_file_of_another_format_counts_as_missing(tmp_path):
     path = tmp_path / "x.jsonl"
     assert measured.read_head(path) is None
@@ -303,32 +205,3 @@ def test_a_file_of_another_format_counts_as_missing(tmp_path):
 def test_what_is_in_the_tree_is_small():
     files = list((ROOT / "docs/results/experiments_full/measured").glob("*/*.jsonl"))
     assert sum(f.stat().st_size for f in files) < 10e6 and all(f.stat().st_size < 500e3 for f in files)
-
-
-@pytest.mark.parametrize("name", ["chess", "caustic_mitsuba"])
-def test_a_recording_without_layers_holds_the_same_samples(tmp_path, name):
-    import numpy as np
-    import scene_needs_full
-    import spool
-    for kind, layers in scene_needs_full.SETS.items():
-        with spool.open(ROOT / f"dumps/tiny/{name}.spool") as whole:
-            if not set(layers) <= set(whole.layers):
-                continue
-            scene_needs_full.without(whole.path, layers, tmp_path / f"{kind}.spool")
-            with spool.open(tmp_path / f"{kind}.spool") as part:
-                assert set(part.layers) == {*layers, "reference", "reference_variance"} & set(whole.layers)
-                assert np.array_equal(part.read("radiance"), whole.read("radiance"))
-                assert np.array_equal(part.pixel("reference"), whole.pixel("reference"))
-                assert {n: part.layers[n].dtype for n in layers} == {n: whole.layers[n].dtype for n in layers}
-
-
-def test_what_a_layer_costs_and_buys_is_a_row_each():
-    import scene_needs_full
-    sets = {kind: {"layers": list(layers), "bytes": 12, "file": 1e6 * (1 + i), "microseconds": None if i else 2.0}
-            for i, (kind, layers) in enumerate(scene_needs_full.SETS.items())}
-    one = {"recording": "torus", "renderer": "Mitsuba", "sets": sets,
-           "relmse": {kind: {"box": [0.5, 0.4, 0.6], "twin_guides": [0.1 / (1 + i), 0.05, 0.2]} for i, kind in enumerate(sets)}}
-    assert scene_needs_full.cost_rows([one])[2][-3:] == ["3", "3.00", "–"] and scene_needs_full.cost_rows([one])[0][-1] == "1.00"
-    row = next(r for r in scene_needs_full.gain_rows([one]) if r[:2] == ["features", "twin_guides"])
-    assert row[3].startswith("0.100") and row[4].startswith("0.0250") and row[5] == "twin_guides 0.1"
-    assert next(r for r in scene_needs_full.gain_rows([one]) if r[1] == "cross_bilateral")[3:5] == ["–", "–"]
