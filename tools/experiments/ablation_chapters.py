@@ -110,8 +110,12 @@ def references(m):
 
 def reconstruction_alone(m):
     r = m.results
-    said = [finding(f"directional is below {f} in relMSE", r, ("uniform", "directional"), ("uniform", f), "relmse")
-            for f in ("gaussian", "greedy_selection", "nl_means")]
+    said = [finding(f"{shown}directional is below {f} in relMSE", r, ("uniform", ours), ("uniform", f), "relmse")
+            for shown, ours in (("", "directional"), ("preset paper: ", "directional:paper")) for f in ("gaussian", "greedy_selection", "nl_means")]
+    coarse = o("directional:paper", "size_variance=coarse_var")
+    if coarse in r.filters:
+        said.append(finding("preset paper: with S the variance of the coarse mean it is below the preset as it is in relMSE", r,
+                            ("uniform", coarse), ("uniform", "directional:paper"), "relmse"))
     return [*(curves(r, pool, column) for pool in r.pools for column in ("mse", "relmse")),
             bias_shares(r, r.budgets[0], [("uniform", f) for f in r.filters if f != "oracle_scale" and "{" not in f]), "\n".join(said)]
 

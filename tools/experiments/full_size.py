@@ -193,7 +193,7 @@ class Measuring:
     def _made_by(self, folder):
         manifest = json.loads((folder / "manifest.json").read_text())
         return {"version": manifest["version"], "commit": commit(), "date": datetime.date.today().isoformat(),
-                "processor": manifest["machine"]["processor"]}
+                "processor": manifest["machine"]["processor"], "hardware_threads": manifest["machine"]["threads"]}
 
 
 def density_of(sources):

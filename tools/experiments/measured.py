@@ -109,6 +109,13 @@ def read_head(path):
     return head if head.get("measured") == FORMAT else None
 
 
+def hardware_threads(source):
+    """Of the machine that measured a file, or a folder of spool evaluate; 0 where it was not kept."""
+    if source.is_dir():
+        return json.loads((source / "manifest.json").read_text())["machine"]["threads"]
+    return read_head(source).get("hardware_threads", 0)
+
+
 def load(path):
     """(rows, statistics) as `spool evaluate` wrote them, as far as they were kept; of other metrics nothing."""
     head, *lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
