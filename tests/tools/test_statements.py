@@ -6,6 +6,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools/experiments"))
 import full_page  # noqa: E402
 from inference import Interval  # noqa: E402
+from rare_samples import LIMIT, shares  # noqa: E402
 from results import Results  # noqa: E402
 from statements import change_rows, kinds_of_change, of_the_paper, statements  # noqa: E402
 
@@ -56,7 +57,7 @@ def test_statements_that_changed_are_found():
     said = "\n".join(full_page.of_paper(SMALL, FULL))
     assert "(E1: about both): 1 of 3 agree here (1 of them did not on pictures of 64 x 64 pixels, 1 more agreed there)" in said
     assert "as printed: 1 of 1 agree here (1 of them did not on pictures of 64 x 64 pixels, 0 more agreed there)" in said
-    assert "| E2: 5-3 is below db3 | agrees | **mixed** | – | 2 | – |" in said
+    assert "| E2: 5-3 is below db3 | agrees | **mixed** | – | – | – | – |" in said
 
 
 def test_light_that_is_lost_and_fresh_samples_stand_beside_a_statement():
@@ -64,8 +65,22 @@ def test_light_that_is_lost_and_fresh_samples_stand_beside_a_statement():
             "- |d| is below b on fresh samples: **disagrees**. Table: above at 4, 8 spp.\n")
     found = statements(full)["E3", "|d| is below b"]
     assert found.losing == 1 and found.pools == {"table": "below at 4, 8", "mist": "below at 4, 8"}
-    rows = full_page.of_paper("", full)[2].splitlines()[2:]
-    assert rows == ["| E3: \\|d\\| is below b | – | agrees | **disagrees** | 2 | 1 |"]
+    rows = full_page.of_paper("", full, {"table_256": 0.4, "mist_256": 0.1})[2].splitlines()[2:]
+    assert rows == ["| E3: \\|d\\| is below b | – | agrees | **disagrees** | 1 of 1 | 1 of 1 | 1 |"]
+
+
+def test_recordings_on_which_a_statement_came_out_are_counted():
+    found = statements("## E1: levels\n- more there: scene S, robust: yes; scene S, paper: **no**; table, robust: not told apart.\n"
+                       "## E7: tiles\n- a is below b: **mixed**. Scene S, 512 x 512: below at 4 spp. mist: below at 4; above at 8 spp. table: 1.02.\n")
+    assert found["E1", "more there"].on(["scene S"]) == (1, 0, 1) and found["E1", "more there"].on(["table"]) == (0, 1, 0)
+    tiles = found["E7", "a is below b"]
+    assert tiles.on(["scene S"]) == (0, 0, 0) and tiles.on(["scene S, 512 x 512", "mist", "table"]) == (1, 0, 1)
+
+
+def test_rare_bright_samples_are_told_by_the_share_of_the_worst_pixels():
+    kept = sorted((ROOT / "docs/results/experiments_full/measured/e3_samplers_over_budget").glob("*.jsonl"))
+    found = shares(kept)
+    assert found["mist_256"] < LIMIT / 2 and found["torus"] > LIMIT and set(found) == {path.stem for path in kept}
 
 
 def asked_of(ratios):

@@ -3,6 +3,7 @@ import measured
 from chapter import Material
 from described import described, marked
 from full_size import LEFT_OUT, REPLICATES, density_of, plan_hash, plan_text, recordings_of
+from rare_samples import LIMIT, shares
 from results import Results
 from statements import FRESH, change_rows, kinds_of_change, of_the_paper, statements
 from tables import LOST, pool_title, table
@@ -132,22 +133,38 @@ def counted(pairs):
             f"{lost} more agreed there)")
 
 
-def of_paper(small, full):
-    """Blocks: what the paper says, and what was found of it."""
+def split(statement, titles):
+    """'2 of 3': on how many of these recordings it came out."""
+    came, level, not_so = statement.on(titles)
+    total = came + level + not_so
+    return f"{came} of {total}" if total else "–"
+
+
+def of_paper(small, full, shares=None):
+    """Blocks: what the paper says, and what was found of it; shares: those of rare_samples."""
     found = statements(full)
     pairs = of_the_paper(statements(small), found)
+    asked_of = {pool for _, now in pairs for pool in now.pools}
+    titles = {lower(pool_title(r)): share > LIMIT for r, share in (shares or {}).items()}
+    quiet, rare = ([t for t, is_rare in titles.items() if is_rare == wanted and t in asked_of] for wanted in (False, True))
     ours, printed = ([p for p in pairs if p[1].of_preset_paper == wanted] for wanted in (False, True))
     rows = []
     for then, now in pairs:
         fresh = found.get((now.chapter, now.text + FRESH))
         rows.append([f"{now.chapter}: {escaped(now.text)}", then.verdict if then else "–", now.verdict, fresh.verdict if fresh else "–",
-                     str(len(now.pools)), str(now.losing) if now.losing else "–"])
+                     split(now, quiet), split(now, rare), str(now.losing) if now.losing else "–"])
     return ["## What the paper says",
             f"Statements about the preset `robust`, which is ours (E1: about both): {counted(ours)}. About the preset `paper`, its equations as printed: "
-            f"{counted(printed)}. E9 to E11 make the same statements, in part of the same recordings, at other budgets. The last columns count recordings (E1: "
-            f"with each of two presets), and those on which the method loses more than {100 * LOST:.0f} % of the light: its picture is darker than "
-            "the reference there. *On fresh samples*: the same numbers of samples, judged on samples that did not decide them.",
-            table(["statement", "64 x 64", "full size", "on fresh samples", "recordings", "losing light"], rows)]
+            f"{counted(printed)}. E9 to E11 make the same statements, in part of the same recordings, at other budgets. *On fresh samples*: the same numbers of samples, judged on "
+            "samples that did not decide them. The next two columns count the recordings (E1: with each of two presets) on which a statement came out, at some "
+            f"budgets at least and at none the other way: those without rare bright samples ({', '.join(sorted(quiet))}), and those where the worst 0.1 % of the pixels of "
+            f"uniform samples bear more than {100 * LIMIT:.0f} % of relMSE ({', '.join(sorted(rare))}). The last: on how many recordings the method loses more "
+            f"than {100 * LOST:.0f} % of the light, so that its picture is darker than the reference.",
+            table(["statement", "64 x 64", "full size", "on fresh samples", "without rare bright samples", "with them", "losing light"], rows)]
+
+
+def lower(title):
+    return title[0].lower() + title[1:]
 
 
 def escaped(text):
@@ -175,4 +192,5 @@ def blocks(chapters, measuring, small):
     left = [c.id for c in chapters_of(chapters) if c not in shown]
     sections = [b for c in shown for b in section(c, measuring) if b]
     full = "\n".join(sections)
-    return [HEAD, FOUND, *of_paper(small, full), *changes(small, full), *sections, f"Not run yet: {', '.join(left)}." if left else ""]
+    measured_anywhere = sorted(measuring.store.glob("*/*.jsonl"))
+    return [HEAD, FOUND, *of_paper(small, full, shares(measured_anywhere)), *changes(small, full), *sections, f"Not run yet: {', '.join(left)}." if left else ""]

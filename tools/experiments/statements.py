@@ -24,6 +24,12 @@ class Statement:
     pools: dict = field(default_factory=dict)  # {recording: what was found on it}
     losing: int = 0  # recordings on which the method loses light
 
+    def on(self, titles):
+        """(recordings of these on which it came out, on which nothing is told apart, on which it did not)"""
+        # E1 answers for each preset: "scene S, robust".
+        found = [_sign(said) for pool, said in self.pools.items() if re.sub(", (robust|paper)$", "", pool) in titles]
+        return found.count(1), found.count(0), found.count(-1)
+
     @property
     def of_preset_paper(self):
         return "preset paper" in self.text or self.text.startswith("paper: ")
@@ -35,6 +41,12 @@ class Statement:
     @property
     def of_the_paper(self):
         return self.chapter.startswith("E") and not any(words in self.text for words in OURS)
+
+
+def _sign(said):
+    """1 where a statement came out on a recording, at some budgets at least, 0 where nothing was told apart, -1 where it did not, None for numbers."""
+    words = ((-1, ("above at", "**no**")), (1, ("below at", "yes")), (0, ("not told apart",)))
+    return next((sign for sign, texts in words if any(text in said for text in texts)), None)
 
 
 def _of_pools(text):
