@@ -193,6 +193,13 @@ def test_ratios_that_are_not_kept_are_made_from_replicates(place):
                 assert 1.9 < math.log(made.high / made.low) / math.log(ratio.high / ratio.low) < 2.2, (a, b)
                 looked_at += UNIFORM not in (a, b)
     assert looked_at == 20
+    same = [row for key, rows in results._rows.items() if key[1:3] == ("mitchell", "box") for row in rows]
+    for row, uniform in zip(same, results.rows("chess_256", *UNIFORM, 4)):
+        row.update(mse=uniform["mse"], mse_fresh=2.0 + row["replicate"] % 3)
+    for row in results.rows("chess_256", *OURS, 4):
+        row["mse_fresh"] = 1.0 + row["replicate"] % 3
+    made = results._ratio_or_made("mse_fresh", "chess_256", 4, OURS, ("mitchell", "box"), None)
+    assert made.low < made.mean < 1, "a method that took the samples of uniform + box is compared, too"
 
 
 def test_a_file_of_another_format_counts_as_missing(tmp_path):

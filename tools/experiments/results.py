@@ -175,7 +175,10 @@ class Results:
             return kept
         wider, plain = [1.0], column.removesuffix("_fresh")  # no ratio of an error on fresh samples is kept
         for method in {a, b} - {measured.BASE}:
-            alone = ratio_of(*(self.values(plain, pool, *m, spp, threads) for m in (method, measured.BASE)))
+            both = [self.values(plain, pool, *m, spp, threads) for m in (method, measured.BASE)]
+            if both[0] == both[1]:  # the very samples of uniform + box: no width to learn from
+                continue
+            alone = ratio_of(*both)
             to_base = self.ratio(plain, pool, spp, method, measured.BASE, threads)
             if not to_base.mean > 0 or not alone.high > alone.low:
                 return kept
