@@ -52,4 +52,4 @@ def bias_shares(r, budget, methods):
             row.append(f"{100 * bias / (bias + variance):.0f} %" if bias + variance > 0 else "–")
         rows.append(row)
     return (f"Bias squared as a share of the MSE at {budget} samples per pixel (what an average of many runs would keep; about 0, on either side, "
-            "for an unbiased method):\n\n" + table(["method", *map(pool_title, r.pools)], rows))
+            "for an unbiased method, and uncertain where few pixels bear the error):\n\n" + table(["method", *map(pool_title, r.pools)], rows))
