@@ -66,6 +66,11 @@ def test_the_part_replaces_itself_and_leaves_the_page():
     assert with_last_part(once, tuning_full.TITLE, tuning_full.TITLE + "\n\nNew.\n") == "# Tuning\n\nWords.\n\n## At full size\n\nNew.\n"
 
 
+def test_a_preset_is_a_change_of_the_defaults():
+    assert tuning_full.options_of("multiscale:paper{alpha=0.3}") == (("preset", "paper"), ("alpha", "0.3"))
+    assert tuning_full.options_of("directional:paper") == (("preset", "paper"),) and tuning_full.options_of("directional") == ()
+
+
 def test_every_recording_of_the_plan_has_its_role():
     wanted = recordings_of(ROOT / "tools/plans" / f"{tuning_full.PLAN}.toml")
     assert sorted(wanted) == sorted((*tuning_full.CHOOSING, *tuning_full.APART))
