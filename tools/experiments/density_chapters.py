@@ -9,7 +9,8 @@ MULTISCALE = "multiscale"
 FILTERS = ("haar", "5-3", "9-7", "db3")
 RIVAL_SAMPLERS = ("mitchell", "adaptive_wavelet", "greedy_error", "nl_means")
 UNITS = ("Shares of the preset `paper` depend on the unit of radiance, because eq 5 adds |d|² to a contrast, which has no unit. "
-         "The unit of the published scenes is not known, so Table 1 can be compared in its order, not in its numbers.")
+         "The unit of the published scenes is not known, so Table 1 can be compared in its order, not in its numbers. The preset `paper` works in "
+         "tiles of 64 pixels, each with its share of the budget: a picture of 64 x 64 pixels is one tile, a larger one shows their borders.")
 
 
 def pyramid_filters(m):

@@ -111,9 +111,9 @@ def tiles(m):
     for tile in (64, 16):
         for f in ("box", "directional"):
             said.append(f"- tiles of {tile} against none, {f}, MSE: {compared(r, (name(tile), f), (name(0), f))}")
-    small, large = (options("multiscale:paper", f"tile={tile}") for tile in (16, 64))
-    said += [f"- preset paper: tiles of 16 against 64, which are its own, {f}, MSE: {compared(r, (small, f), (large, f))}"
-             for f in ("box", "directional") if small in r.samplers]
+    printed = lambda tile: options("multiscale:paper", f"tile={tile}")  # noqa: E731
+    said += [f"- preset paper: tiles of {tile} against none, {f}, MSE: {compared(r, (printed(tile), f), (printed(0), f))}"
+             for tile in (64, 16) for f in ("box", "directional") if printed(tile) in r.samplers]
     return [*blocks, "\n".join(said)]
 
 
