@@ -37,7 +37,8 @@ FOUND = """## What was found
   variance of the coarse mean lowers the MSE on most recordings, relMSE on fewer, and costs light; the reciprocal factor helps on some recordings and harms on others.
 - **Wavelets** (E1, E2). 5-3 puts more samples into large regions than Haar everywhere, as the paper says. With the equations as printed it has the
   lowest MSE of the four wavelets on scene S and mist, as the paper says (on scene S at 16 samples level with 9-7, on mist from 8 samples on), and not on table,
-  where rare bright samples bear the error. At those budgets all four are above uniform sampling on scene S and mist. With `robust` the wavelets differ less, and 5-3 is not the lowest.
+  where rare bright samples bear the error. From 8 samples on all four are above uniform sampling on scene S and mist. With `robust` the wavelets differ
+  little, and none is the lowest everywhere.
 - **Directions** (E4). Filtering lowers the error of adaptive samples everywhere. Directions from the filter bank do not lower it
   further: the isotropic filter of the same size has a lower MSE than three stages of the bank on every recording, at 256 and at 512 pixels (on two of them at one of two budgets only).
 - **Whole methods** (E9, E10). `multiscale` + `directional` is below uniform sampling, Mitchell and adaptive wavelet rendering on every
