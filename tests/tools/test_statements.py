@@ -8,7 +8,7 @@ import full_page  # noqa: E402
 from inference import Interval  # noqa: E402
 from rare_samples import LIMIT, shares  # noqa: E402
 from results import Results  # noqa: E402
-from statements import change_rows, kinds_of_change, of_the_paper, statements  # noqa: E402
+from statements import as_table, change_rows, kinds_of_change, of_the_paper, statements  # noqa: E402
 
 SMALL = """## E1: Levels
 
@@ -64,9 +64,20 @@ def test_light_that_is_lost_and_fresh_samples_stand_beside_a_statement():
     full = ("## E3: samplers\n- |d| is below b: agrees. Table: below at 4, 8 spp (energy 0.91). mist: below at 4, 8 spp.\n"
             "- |d| is below b on fresh samples: **disagrees**. Table: above at 4, 8 spp.\n")
     found = statements(full)["E3", "|d| is below b"]
-    assert found.losing == 1 and found.pools == {"table": "below at 4, 8", "mist": "below at 4, 8"}
+    assert found.energies == {"table": "0.91"} and found.pools == {"table": "below at 4, 8", "mist": "below at 4, 8"}
     rows = full_page.of_paper("", full, {"table_256": 0.4, "mist_256": 0.1})[2].splitlines()[2:]
     assert rows == ["| E3: \\|d\\| is below b | – | agrees | **disagrees** | 1 of 1 | 1 of 1 | 1 |"]
+
+
+def test_a_list_of_statements_is_a_table_of_recordings():
+    listed = ("- |d| is below b: **mixed**. Table: below at 4, 8 spp (energy 0.91). mist: below at 4; not told apart at 8 spp.\n"
+              "- c is below b: **disagrees**. Mist: above at 4, 8 spp.\n- shown: 1.02.\n- more there: torus, robust: **no**.")
+    shown, rest = full_page.with_table(listed)
+    assert shown.splitlines()[2:] == ["| \\|d\\| is below b | **mixed** | below (0.91) | below 4; = 8 | – |",
+                                      "| c is below b | **disagrees** | – | above | – |", "| more there | **disagrees** | – | – | **no** |"]
+    assert shown.startswith("| statement | verdict | table | mist | torus, robust |") and rest == "- shown: 1.02."
+    assert full_page.with_table("- shown: 1.02.\n- and more.") == ["- shown: 1.02.\n- and more."]
+    assert as_table([])[1] == []
 
 
 def test_recordings_on_which_a_statement_came_out_are_counted():

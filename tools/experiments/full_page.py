@@ -5,7 +5,7 @@ from described import described, marked
 from full_size import LEFT_OUT, REPLICATES, density_of, plan_hash, plan_text, recordings_of
 from rare_samples import LIMIT, shares
 from results import Results
-from statements import FRESH, change_rows, kinds_of_change, of_the_paper, statements
+from statements import FRESH, as_table, change_rows, kinds_of_change, of_the_paper, statement, statements
 from tables import LOST, pool_title, table
 
 HEAD = f"""# Experiments on recordings of full size
@@ -18,8 +18,9 @@ with 1024 samples). Each plan is measured on one recording at a time, and what i
 `docs/results/experiments_full/measured`: the page is made from all that was measured on any machine, and a
 later run adds the recordings that are missing. [experiments.md](experiments.md) says what intervals and verdicts mean, and what
 pictures of 64 x 64 pixels gave. One thing differs here: the statements of a chapter about one recording, budget and metric are judged
-together at 5 % (Holm), not all pairs of methods of its plan ([decision 152](decisions/0152-statements-are-a-family.md)). "(energy 0.88)"
-behind a recording says that the method gives 88 % of the light of the reference at its worst budget; it is left out above {1 - LOST:g}. All filters behind several samplers on recordings of full size: [filters.md](filters.md)."""
+together at 5 % (Holm), not all pairs of methods of its plan ([decision 152](decisions/0152-statements-are-a-family.md)). In the
+tables of statements "below" is at all budgets, "below 4; = 8" names them, "=" is not told apart, and "(0.88)" says that the method gives 88 % of the
+light of the reference at its worst budget; it is left out above {1 - LOST:g}. All filters behind several samplers on recordings of full size: [filters.md](filters.md)."""
 
 # Written by hand from the tables of the page, without figures: read it again when a table changes.
 FOUND = """## What was found
@@ -164,7 +165,7 @@ def of_paper(small, full, shares=None):
     for then, now in pairs:
         fresh = found.get((now.chapter, now.text + FRESH))
         rows.append([f"{now.chapter}: {escaped(now.text)}", then.verdict if then else "–", now.verdict, fresh.verdict if fresh else "–",
-                     split(now, quiet), split(now, rare), str(now.losing) if now.losing else "–"])
+                     split(now, quiet), split(now, rare), str(len(now.energies) or "–")])
     return ["## What the paper says",
             f"Statements about the preset `robust`, which is ours (E1: about both): {counted(ours)}. About the preset `paper`, its equations as printed: "
             f"{counted(printed)}. E9 to E11 make the same statements, in part of the same recordings, at other budgets. *On fresh samples*: the same numbers of samples, judged on "
@@ -198,6 +199,14 @@ def changes(small, full):
             table(["statement", "64 x 64", "full size", "on the same scenes"], [list(map(escaped, row)) for row in rows]) if rows else ""]
 
 
+def with_table(block):
+    """Blocks: the statements of a list as one table, recording by recording, then what else is in the list."""
+    lines = block.split("\n")
+    found = [said for said in map(statement, lines) if said]
+    rest = "\n".join(line for line in lines if not statement(line))
+    return [table(*as_table(found)), *([rest] if rest else [])] if found else [block]
+
+
 def blocks(chapters, measuring, small):
     """small: text of the page of 64 x 64 pixels."""
     shown = [c for c in chapters_of(chapters) if all(measuring.sources(p) for p in c.plans)]
@@ -205,4 +214,4 @@ def blocks(chapters, measuring, small):
     sections = [b for c in shown for b in section(c, measuring) if b]
     full = "\n".join(sections)
     measured_anywhere = sorted(measuring.store.glob("*/*.jsonl"))
-    return [HEAD, FOUND, *of_paper(small, full, shares(measured_anywhere)), *changes(small, full), *sections, f"Not run yet: {', '.join(left)}." if left else ""]
+    return [HEAD, FOUND, *of_paper(small, full, shares(measured_anywhere)), *changes(small, full), *(b for s in sections for b in with_table(s)), f"Not run yet: {', '.join(left)}." if left else ""]

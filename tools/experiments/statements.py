@@ -21,8 +21,8 @@ class Statement:
     chapter: str
     text: str
     verdict: str
-    pools: dict = field(default_factory=dict)  # {recording: what was found on it}
-    losing: int = 0  # recordings on which the method loses light
+    pools: dict = field(default_factory=dict)     # {recording: what was found on it}
+    energies: dict = field(default_factory=dict)  # {recording on which the method loses light: its energy ratio}
 
     def on(self, titles):
         """(recordings of these on which it came out, on which nothing is told apart, on which it did not)"""
@@ -50,9 +50,9 @@ def _sign(said):
 
 
 def _of_pools(text):
-    """{recording: what was found on it} of 'Scene S: below at 4, 8 spp. chess: 20.47.'"""
-    return {pool[0].lower() + pool[1:]: said
-            for pool, said in re.findall(r"(\S[^.:]*): (.+?)(?: spp)?(?: \(energy [^)]*\))?\.(?: |$)", text)}
+    """[(recording, what was found on it, energy ratio or "")] of 'Scene S: below at 4, 8 spp (energy 0.91). chess: 20.47.'"""
+    return [(pool[0].lower() + pool[1:], said, energy)
+            for pool, said, energy in re.findall(r"(\S[^.:]*): (.+?)(?: spp)?(?: \(energy ([^)]*)\))?\.(?: |$)", text)]
 
 
 def _answered(chapter, match):
@@ -63,24 +63,40 @@ def _answered(chapter, match):
     return Statement(chapter, match["text"], verdict, {p[0].lower() + p[1:]: said for p, said in pools.items()})
 
 
+def statement(line, chapter=""):
+    """The Statement that the line makes, or None."""
+    if match := VERDICT.match(line):
+        pools = _of_pools(match["pools"])
+        return Statement(chapter, match["text"], match["verdict"] + (match["more"] or ""), {pool: said for pool, said, _ in pools},
+                         {pool: energy for pool, _, energy in pools if energy})
+    match = ANSWERS.match(line)
+    return _answered(chapter, match) if match else None
+
+
 def statements(page):
     """{(chapter, text): Statement} of a generated page."""
     chapter, found = "", {}
     for line in page.splitlines():
         if line.startswith("## "):
             chapter = line[3:].split(":")[0]
-        for pattern in (VERDICT, ANSWERS):
-            match = pattern.match(line)
-            if not match:
-                continue
-            if pattern is VERDICT:
-                said = Statement(chapter, match["text"], match["verdict"] + (match["more"] or ""), _of_pools(match["pools"]),
-                                 match["pools"].count(" (energy "))
-            else:
-                said = _answered(chapter, match)
+        elif said := statement(line, chapter):
             found[chapter, said.text] = said
-            break
     return found
+
+
+def _cell(said, energy):
+    """What was found on a recording, short: one word where all budgets agree."""
+    words = [part.partition(" at ") for part in said.replace("not told apart", "=").split("; ")]
+    short = words[0][0] if len(words) == 1 else "; ".join(f"{word} {budgets}".strip() for word, _, budgets in words)
+    return f"{short} ({energy})" if energy else short
+
+
+def as_table(found):
+    """Header and rows of these statements: what was found, recording by recording."""
+    pools = list(dict.fromkeys(pool for said in found for pool in said.pools))
+    rows = [[said.text.replace("|", "\\|"), said.verdict, *(_cell(said.pools[p], said.energies.get(p)) if p in said.pools else "–" for p in pools)]
+            for said in found]
+    return ["statement", "verdict", *pools], rows
 
 
 def same_recordings(before, after):
