@@ -83,22 +83,24 @@ def plot(path, tables):
     if not any(lines for lines, _ in panels):
         return None
     named = named_of(panels)
-    columns = min(3, len(panels))
+    columns = min(4 if len(panels) > 6 else 3, len(panels))  # four: MSE and relMSE of a recording stand side by side
     rows = -(-len(panels) // columns)
-    figure, grid = plt.subplots(rows, columns, figsize=(max(3.1 * columns, WIDTH_OF_NAMES), 2.5 * rows + 0.22 * len(named)), squeeze=False)
+    width = max(2.7 * columns, WIDTH_OF_NAMES)
+    beside = 2 if width > 1.5 * WIDTH_OF_NAMES else 1  # names in a row of the legend
+    top = 0.2 * -(-len(named) // beside) + 0.35
+    figure, grid = plt.subplots(rows, columns, figsize=(width, 2.3 * rows + top), squeeze=False)
     for axes, table, (lines, base) in zip(grid.flat, tables, panels):
         draw(axes, lines, base, named)
         axes.set_title(table.caption, fontsize=9)
     for axes in list(grid.flat)[len(panels):]:
         axes.set_visible(False)
     base = panels[0][1]
-    grid[0][0].set_ylabel(f"relative to {base}" if base else "error")
-    grid[-1][0].set_xlabel("samples per pixel")
     handles = {label: handle for axes in grid.flat for handle, label in zip(*axes.get_legend_handles_labels())}
-    figure.legend([handles[name] for name in named if name in handles], [name for name in named if name in handles],
-                  loc="lower left", bbox_to_anchor=(0.02, 0.0), frameon=False, fontsize=8)
-    share = 0.22 * len(named) / (2.5 * rows + 0.22 * len(named))
-    figure.tight_layout(rect=(0, share, 1, 1))
+    shown = [name for name in named if name in handles]
+    # Above the panels: below many of them nobody finds it.
+    figure.legend([handles[name] for name in shown], shown, ncols=beside, loc="upper left", bbox_to_anchor=(0.01, 1.0), frameon=False, fontsize=8,
+                  title=f"Error{f' relative to {base}' if base else ''} over samples per pixel", title_fontsize=9, alignment="left")
+    figure.tight_layout(rect=(0, 0, 1, 1 - top / (2.3 * rows + top)))
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
     others = len({name for lines, _ in panels for name in lines}) - len(named)
