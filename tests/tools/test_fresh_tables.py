@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools/experiments"))
-from fresh_tables import COLUMNS, bias_shares, fresh  # noqa: E402
+from fresh_tables import COLUMNS, biases, fresh  # noqa: E402
 from page_tables import cells  # noqa: E402
 from results import Results  # noqa: E402
 
@@ -34,8 +34,11 @@ def rows_of(block):
 
 
 def test_a_wide_filter_is_biased_and_uniform_sampling_is_not(with_fresh):
-    (_, none), (_, smooth) = rows_of(bias_shares(with_fresh, 32, [UNIFORM, SMOOTH]))
+    sizes, shares = biases(with_fresh, 32, [UNIFORM, SMOOTH])
+    (_, none), (_, smooth) = rows_of(shares)
     assert abs(float(none.removesuffix(" %"))) < 10 and float(smooth.removesuffix(" %")) > 50, (none, smooth)
+    mean = sum(with_fresh.values("mse_bias2", "scene_s", *SMOOTH, 32)) / 2
+    assert float(rows_of(sizes)[1][1].split(" ")[0]) == pytest.approx(mean, rel=5e-3)
 
 
 def test_the_table_has_the_columns_of_the_methods_that_ran(with_fresh):
@@ -50,4 +53,4 @@ def test_the_table_has_the_columns_of_the_methods_that_ran(with_fresh):
 def test_of_a_plan_without_fresh_there_is_no_table(tmp_path):
     without = evaluated(tmp_path, "")
     assert without.values("mse_fresh", "scene_s", *UNIFORM, 32) == []
-    assert fresh(without, 32, [UNIFORM]) == "" and bias_shares(without, 32, [UNIFORM]) == ""
+    assert fresh(without, 32, [UNIFORM]) == "" and biases(without, 32, [UNIFORM]) == []

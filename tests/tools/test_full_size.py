@@ -153,9 +153,9 @@ def test_results_of_an_older_program_or_plan_are_marked(place, monkeypatch):
     text = page_of(machine)
     assert "Measured by spool" in text and "def 2026-02-01; **older:** chess by spool" in text and "**By an older plan" not in text
     (machine.plans / "small.toml").write_text(PLAN.replace("spp = [4]", "spp = [8]"))
-    assert "**By an older plan:** chess, table." in page_of(machine)
+    assert "**Measured before the plan changed:** chess, table." in page_of(machine)
     assert machine.measure("small", "chess_256", False)
-    assert "**By an older plan:** table." in page_of(machine)
+    assert "**Measured before the plan changed:** table." in page_of(machine)
 
 
 def test_a_plan_gets_more_methods_and_keys_at_full_size(place):
@@ -177,6 +177,15 @@ def test_every_plan_of_the_tree_has_a_text_at_full_size():
     assert all((plans / path.name).exists() for path in (plans / "full_size").glob("*.toml"))
 
 
+def test_twins_of_a_scene_are_found_by_their_names(tmp_path):
+    from resolution import twins
+    files = []
+    for name in ("chess_256", "chess_512", "torus", "cornell_box_picture", "cornell_box_picture_512", "scene_s_512"):
+        files.append(tmp_path / f"{name}.jsonl")
+        files[-1].write_text(json.dumps({"measured": 1, "recording": name}) + "\n")
+    assert [(a.stem, b.stem) for a, b in twins(files)] == [("chess_256", "chess_512"), ("cornell_box_picture", "cornell_box_picture_512")]
+
+
 def test_ratios_that_are_not_kept_are_made_from_replicates(place):
     machine = place("one", "chess_256")
     machine.measure("small", "chess_256", False)
@@ -187,7 +196,7 @@ def test_ratios_that_are_not_kept_are_made_from_replicates(place):
     looked_at = 0
     for (pool, spp, threads, column), pairs in known._pairs.items():
         for (a, b), (_, ratio) in pairs.items():
-            made = results._ratio_or_made(column, pool, spp, a, b, threads)
+            made = results.ratio_or_made(column, pool, spp, a, b, threads)
             if ratio.mean == ratio.mean and ratio.high > ratio.low:
                 assert made.mean == pytest.approx(ratio.mean, rel=1e-3)
                 assert 1.9 < math.log(made.high / made.low) / math.log(ratio.high / ratio.low) < 2.2, (a, b)
@@ -198,7 +207,7 @@ def test_ratios_that_are_not_kept_are_made_from_replicates(place):
         row.update(mse=uniform["mse"], mse_fresh=2.0 + row["replicate"] % 3)
     for row in results.rows("chess_256", *OURS, 4):
         row["mse_fresh"] = 1.0 + row["replicate"] % 3
-    made = results._ratio_or_made("mse_fresh", "chess_256", 4, OURS, ("mitchell", "box"), None)
+    made = results.ratio_or_made("mse_fresh", "chess_256", 4, OURS, ("mitchell", "box"), None)
     assert made.low < made.mean < 1, "a method that took the samples of uniform + box is compared, too"
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools/experiments"))
 import full_page  # noqa: E402
+import paper_table  # noqa: E402
 from inference import Interval  # noqa: E402
 from rare_samples import LIMIT, shares  # noqa: E402
 from results import Results  # noqa: E402
@@ -52,28 +53,42 @@ def test_statements_that_changed_are_found():
     assert rows[0][3] == "scene S, robust: not told apart → yes" and rows[2][3] == "–"
     assert kinds_of_change(rows) == (1, 0, 2)
     assert kinds_of_change([["", "agrees", "undecided: not told apart", ""], ["", "**mixed**", "**disagrees**", ""]]) == (0, 1, 1)
-    assert [(then.agrees, now.agrees) for then, now in of_the_paper(before, after)] == [
-        (False, True), (False, True), (True, False), (False, False)]
-    said = "\n".join(full_page.of_paper(SMALL, FULL))
-    assert "(E1: about both): 1 of 3 agree here (1 of them did not on pictures of 64 x 64 pixels, 1 more agreed there)" in said
-    assert "as printed: 1 of 1 agree here (1 of them did not on pictures of 64 x 64 pixels, 0 more agreed there)" in said
+    assert [(then.agrees, now.agrees, fresh) for then, now, fresh in of_the_paper(before, after)] == [
+        (False, True, None), (False, False, None), (True, False, None), (False, False, None)]
+    said = "\n".join(paper_table.of_paper(SMALL, FULL))
+    assert ("(E1: about both): of 3 statements 1 agrees, 1 is mixed and 1 is undecided. Of 3 that were asked on pictures of 64 x 64 pixels as well, 0 turned round. "
+            "Agree now, and did not there: E1: 5-3 puts more there than Haar (mixed there). Agreed there, and do not now: E2: 5-3 is below db3 (agrees there).") in said
+    assert "as printed: of 1 statements 1 is mixed." in said
     assert "| E2: 5-3 is below db3 | agrees | **mixed** | – | – | – | – |" in said
 
 
+def test_a_statement_of_several_chapters_is_one():
+    found = statements("## E9: chess\n- a is below b in relMSE: agrees. Torus: below at 8 spp (energy 0.52 / 0.99).\n"
+                       "## E10: balls\n- a is below b in relMSE: undecided: not told apart. Torus: below at 8 spp. mist: not told apart at 8 spp.\n"
+                       "- a is below b in relMSE on fresh samples: **disagrees**. Mist: above at 8 spp.\n"
+                       "## E11: over budget\n- a is below b in relMSE at 4 samples per pixel and more: **mixed**. Balls: below at 4; above at 8 spp.\n")
+    (then, now, fresh), = of_the_paper({}, found)
+    assert then is None and now.chapter == "E9, E10, E11" and now.verdict == "**mixed**" and fresh.verdict == "**disagrees**"
+    assert now.pools == {"torus": "below at 8", "mist": "not told apart at 8", "balls": "below at 4; above at 8"}
+    assert now.on(["torus", "mist", "balls"]) == (1, 1, 1) and paper_table.losing(now) == 1
+    assert paper_table.counts(["agrees, in part not told apart", "**disagrees**", "**disagrees**", "undecided: not told apart"]) == (
+        "1 agrees, 2 disagree and 1 is undecided")
+
+
 def test_light_that_is_lost_and_fresh_samples_stand_beside_a_statement():
-    full = ("## E3: samplers\n- |d| is below b: agrees. Table: below at 4, 8 spp (energy 0.91). mist: below at 4, 8 spp.\n"
+    full = ("## E3: samplers\n- |d| is below b: agrees. Table: below at 4, 8 spp (energy 0.91 / 0.99). mist: below at 4, 8 spp.\n"
             "- |d| is below b on fresh samples: **disagrees**. Table: above at 4, 8 spp.\n")
     found = statements(full)["E3", "|d| is below b"]
-    assert found.energies == {"table": "0.91"} and found.pools == {"table": "below at 4, 8", "mist": "below at 4, 8"}
-    rows = full_page.of_paper("", full, {"table_256": 0.4, "mist_256": 0.1})[2].splitlines()[2:]
+    assert found.energies == {"table": "0.91 / 0.99"} and found.pools == {"table": "below at 4, 8", "mist": "below at 4, 8"}
+    rows = paper_table.of_paper("", full, {"table_256": 0.4, "mist_256": 0.1})[-1].splitlines()[2:]
     assert rows == ["| E3: \\|d\\| is below b | – | agrees | **disagrees** | 1 of 1 | 1 of 1 | 1 |"]
 
 
 def test_a_list_of_statements_is_a_table_of_recordings():
-    listed = ("- |d| is below b: **mixed**. Table: below at 4, 8 spp (energy 0.91). mist: below at 4; not told apart at 8 spp.\n"
+    listed = ("- |d| is below b: **mixed**. Table: below at 4, 8 spp (energy 0.91 / 0.99). mist: below at 4; not told apart at 8 spp.\n"
               "- c is below b: **disagrees**. Mist: above at 4, 8 spp.\n- shown: 1.02.\n- more there: torus, robust: **no**.")
     shown, rest = full_page.with_table(listed)
-    assert shown.splitlines()[2:] == ["| \\|d\\| is below b | **mixed** | below (0.91) | below 4; = 8 | – |",
+    assert shown.splitlines()[2:] == ["| \\|d\\| is below b | **mixed** | below (0.91 / 0.99) | below 4; = 8 | – |",
                                       "| c is below b | **disagrees** | – | above | – |", "| more there | **disagrees** | – | – | **no** |"]
     assert shown.startswith("| statement | verdict | table | mist | torus, robust |") and rest == "- shown: 1.02."
     assert full_page.with_table("- shown: 1.02.\n- and more.") == ["- shown: 1.02.\n- and more."]

@@ -1,6 +1,6 @@
-"""A1 to A12: one part of the method at a time."""
+"""A1 to A13: one part of the method at a time."""
 from chapter import Chapter
-from fresh_tables import bias_shares
+from fresh_tables import biases
 from inference import ratio_of
 from results import canonical
 from results import options as o
@@ -32,10 +32,11 @@ def sampling(variants, statements, column="mse", above=0, of_paper=()):
 
 
 def filtering(statements):
-    """Tables of filter variants over uniform and multiscale samples."""
+    """Tables of filter variants over uniform and multiscale samples. Each statement ends with its metric."""
     def body(m):
         r = m.results
-        said = [finding(f"{text}, {s} samples", r, (s, a), (s, b)) for text, a, b in statements for s in r.samplers]
+        said = [finding(f"{text}, {s} samples", r, (s, a), (s, b), "relmse" if text.endswith(" relMSE") else "mse")
+                for text, a, b in statements for s in r.samplers]
         return [*(curves(r, pool, column) for pool in r.pools for column in ("relmse",)), "\n".join(said)]
     return body
 
@@ -117,7 +118,17 @@ def reconstruction_alone(m):
         said.append(finding("preset paper: with S the variance of the coarse mean it is below the preset as it is in relMSE", r,
                             ("uniform", coarse), ("uniform", "directional:paper"), "relmse"))
     return [*(curves(r, pool, column) for pool in r.pools for column in ("mse", "relmse")),
-            bias_shares(r, r.budgets[0], [("uniform", f) for f in r.filters if f != "oracle_scale" and "{" not in f]), "\n".join(said)]
+            *biases(r, r.budgets[0], [("uniform", f) for f in r.filters if f != "oracle_scale" and "{" not in f]), "\n".join(said)]
+
+
+def paper_tiles(m):
+    r = m.results
+    whole, printed = o(P, "tile=0"), "directional:paper"
+    said = [finding(f"preset paper: without tiles is below tiles of 64 in {c}, {f}", r, (whole, f), (P, f), c.lower())
+            for c in ("MSE", "relMSE") for f in ("box", printed)]
+    said += [finding(f"preset paper, {shown}: is below uniform sampling in {c}, {f}", r, (s, f), ("uniform", "box"), c.lower())
+             for c in ("MSE", "relMSE") for f in ("box", printed) for shown, s in (("tiles of 64", P), ("without tiles", whole))]
+    return [*(curves(r, pool, column) for pool in r.pools for column in ("mse", "relmse")), "\n".join(said)]
 
 
 def alpha(a):
@@ -166,7 +177,9 @@ CHAPTERS = [
                        ("the bank is below the structure tensor, MSE", o("directional", "anisotropy=bank,bank_levels=3,bank_taps=pkva12"),
                         o("directional", "anisotropy=structure_tensor")),
                        ("the bank is below the isotropic filter, MSE", o("directional", "anisotropy=bank,bank_levels=3,bank_taps=pkva12"),
-                        o("directional", "anisotropy=none"))])),
+                        o("directional", "anisotropy=none")),
+                       *((f"the structure tensor, which is the default, is below the isotropic filter, {metric}", o("directional", "anisotropy=structure_tensor"),
+                          o("directional", "anisotropy=none")) for metric in ("MSE", "relMSE"))])),
     Chapter("A9", "Weight of a sample", ["a9_weighting"], "Eq 10 weighs each sample by its distance.",
             filtering([("each piece alike is below each sample alike, MSE",
                         o("directional", "weighting=per_piece,recon_granularity=piece"),
@@ -183,4 +196,6 @@ CHAPTERS = [
             "Judging by the pool that the samples came from is common and biased.", references),
     Chapter("A12", "Filters alone: uniform samples", ["a12_reconstruction_alone"],
             "How much of the gain is the filter's.", reconstruction_alone, stand_in="methods"),
+    Chapter("A13", "Tiles of the preset `paper`", ["a13_paper_tiles"],
+            "The preset works in tiles of 64 pixels, each with its share of the budget: what of its error is theirs?", paper_tiles),
 ]

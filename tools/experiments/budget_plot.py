@@ -1,4 +1,4 @@
-"""Error over budget as SVG: one panel per pool and metric, one line per method; readable on white and on black."""
+"""Error over budget, or speed over threads, as SVG: one panel per table, one line per method; readable on white and on black."""
 import math
 import re
 
@@ -8,7 +8,8 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.ticker import LogLocator  # noqa: E402
 
-BUDGET_HEADER = "at samples per pixel"
+# First header of a table that is drawn: what is drawn over what.
+DRAWN = {"at samples per pixel": ("error", "budget"), "with threads": ("speed", "threads")}
 # Okabe and Ito's colours, told apart by colour-blind readers, and their markers for grey print.
 STYLES = list(zip(["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#b0a000"], "osD^vP*"))
 INK = "#7f7f7f"
@@ -78,10 +79,12 @@ def draw(axes, lines, base, named):
 
 def plot(path, tables):
     """Draws tables of error over budget; returns what was drawn in words, None for other tables."""
-    tables = [table for table in tables if table.header[0] == BUDGET_HEADER and len(table.header) > 2][:PANELS]
+    tables = [table for table in tables if table.header[0] in DRAWN and len(table.header) > 2][:PANELS]
     panels = [series_of(table) for table in tables]
     if not any(lines for lines, _ in panels):
         return None
+    what, over = DRAWN[tables[0].header[0]]
+    axis = tables[0].header[0].partition(" ")[2]
     named = named_of(panels)
     columns = min(4 if len(panels) > 6 else 3, len(panels))  # four: MSE and relMSE of a recording stand side by side
     rows = -(-len(panels) // columns)
@@ -99,9 +102,9 @@ def plot(path, tables):
     shown = [name for name in named if name in handles]
     # Above the panels: below many of them nobody finds it.
     figure.legend([handles[name] for name in shown], shown, ncols=beside, loc="upper left", bbox_to_anchor=(0.01, 1.0), frameon=False, fontsize=8,
-                  title=f"Error{f' relative to {base}' if base else ''} over samples per pixel", title_fontsize=9, alignment="left")
+                  title=f"{what.capitalize()}{f' relative to {base}' if base else ''} over {axis}", title_fontsize=9, alignment="left")
     figure.tight_layout(rect=(0, 0, 1, 1 - top / (2.3 * rows + top)))
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
     others = len({name for lines, _ in panels for name in lines}) - len(named)
-    return "error over budget" + (f"; {len(named)} named, {others} others in grey" if others > 0 else "")
+    return f"{what} over {over}" + (f"; {len(named)} named, {others} others in grey" if others > 0 else "")

@@ -25,7 +25,7 @@ def pyramid_filters(m):
                                  *(mean_text(found.get(c, [])) for c in columns),
                                  mean_text(found.get("near_edges", []))])
         area = next(v["edge_area"][0] for k, v in m.density.items() if k[0] == pool)
-        blocks.append(f"{pool_title(pool)}, share of the samples of each level of pops at 4 samples per pixel, and of "
+        blocks.append(f"{pool_title(pool)}, share of the samples of each level of the priority queue at 4 samples per pixel, and of "
                       f"the adaptive samples near edges (these are {100 * area:.0f} % of the image):\n\n"
                       + table(["preset, filter", "level 1", "2", "3", "4", "near edges"], rows))
     said = []
@@ -80,11 +80,18 @@ def threshold(statement, found):
     return f"- {statement}: {verdict}. " + ". ".join(f"{pool}: {value:.2f}" for pool, value, _ in found) + "."
 
 
+SHOWS_TILES = 1.2
+
+
 def borders(m):
-    rows = []
+    rows, jumps = [], {}
     several = len({key[0] for key in m.density}) > 1
     for (pool, sampler, _), found in m.density.items():
         rows.append([f"{pool_title(pool)}, {sampler}" if several else sampler, mean_text(found.get("tile_jump", [])),
                      mean_text(found.get("block_index", []))])
+        if jump := found.get("tile_jump"):
+            jumps.setdefault(f"{pool_title(pool)}, {'paper' if ':paper' in sampler else 'robust'}", []).append(mean_of(jump).mean)
+    said = threshold(f"the density shows the tiles (jump at their borders above {SHOWS_TILES:g})",
+                     [(name, min(found), min(found) > SHOWS_TILES) for name, found in jumps.items()])
     return ["Mean jump of the count across borders, relative to jumps elsewhere:\n\n"
-            + table(["sampler", "at its tiles", "at multiples of 16"], rows)]
+            + table(["sampler", "at its tiles", "at multiples of 16"], rows), said]

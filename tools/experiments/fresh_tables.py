@@ -39,17 +39,18 @@ def fresh_ratios(r, budget):
             + table(["error", *map(pool_title, r.pools)], rows))
 
 
-def bias_shares(r, budget, methods):
-    """Methods by recordings: how much of the MSE more runs would not average away."""
+def biases(r, budget, methods):
+    """Blocks: methods by recordings: how much of the MSE more runs would not average away, and its share of the MSE."""
     if not measured(r, methods, budget, "mse_bias2"):
-        return ""
-    rows = []
+        return []
+    sizes, shares = [], []
     for method in methods:
-        row = [" + ".join(method)]
-        for pool in r.pools:
-            bias, variance = (sum(r.values(c, pool, *method, budget)) for c in ("mse_bias2", "mse_variance"))
-            # Both are estimates from two images: about an unbiased method bias squared comes out on either side of zero.
-            row.append(f"{100 * bias / (bias + variance):.0f} %" if bias + variance > 0 else "–")
-        rows.append(row)
-    return (f"Bias squared as a share of the MSE at {budget} samples per pixel (what an average of many runs would keep; about 0, on either side, "
-            "for an unbiased method, and uncertain where few pixels bear the error):\n\n" + table(["method", *map(pool_title, r.pools)], rows))
+        found = [[r.values(c, pool, *method, budget) for c in ("mse_bias2", "mse_variance")] for pool in r.pools]
+        sizes.append([" + ".join(method), *(mean_text(bias) if bias else "–" for bias, _ in found)])
+        # Both are estimates from two images: about an unbiased method bias squared comes out on either side of zero.
+        totals = [(sum(bias), sum(variance)) for bias, variance in found]
+        shares.append([" + ".join(method), *(f"{100 * b / (b + v):.0f} %" if b + v > 0 else "–" for b, v in totals)])
+    header = ["method", *map(pool_title, r.pools)]
+    return [f"Bias squared at {budget} samples per pixel, in the unit of the MSE: what an average of many runs would keep (about 0, on either side, for an "
+            "unbiased method, and uncertain where few pixels bear the error):\n\n" + table(header, sizes),
+            "Its share of the MSE:\n\n" + table(header, shares)]

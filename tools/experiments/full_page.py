@@ -3,9 +3,11 @@ import measured
 from chapter import Material
 from described import described, marked
 from full_size import LEFT_OUT, REPLICATES, density_of, plan_hash, plan_text, recordings_of
-from rare_samples import LIMIT, shares
+from paper_table import of_paper
+from rare_samples import shares
+from resolution import sizes
 from results import Results
-from statements import FRESH, as_table, change_rows, kinds_of_change, of_the_paper, statement, statements
+from statements import as_table, change_rows, kinds_of_change, statement, statements
 from tables import LOST, pool_title, table
 
 HEAD = f"""# Experiments on recordings of full size
@@ -19,8 +21,8 @@ with 1024 samples). Each plan is measured on one recording at a time, and what i
 later run adds the recordings that are missing. [experiments.md](experiments.md) says what intervals and verdicts mean, and what
 pictures of 64 x 64 pixels gave. One thing differs here: the statements of a chapter about one recording, budget and metric are judged
 together at 5 % (Holm), not all pairs of methods of its plan ([decision 152](decisions/0152-statements-are-a-family.md)). In the
-tables of statements "below" is at all budgets, "below 4; = 8" names them, "=" is not told apart, and "(0.88)" says that the method gives 88 % of the
-light of the reference at its worst budget; it is left out above {1 - LOST:g}. All filters behind several samplers on recordings of full size: [filters.md](filters.md)."""
+tables of statements "below" is at all budgets, "below 4; = 8" names them, "=" is not told apart, and "(0.88 / 0.95)" says that the
+first method gives 88 % of the light of the reference at its worst budget, and the second 95 % there; it is left out where both are above {1 - LOST:g}. All filters behind several samplers on recordings of full size: [filters.md](filters.md)."""
 
 # Written by hand from the tables of the page, without figures: read it again when a table changes.
 FOUND = """## What was found
@@ -96,7 +98,7 @@ def provenance(sources, plan_hashes):
         if plan_hashes.get(head["plan"]) not in (None, head["plan_sha256"]):
             other.append(head["recording"])
     said = f"Measured by {last}" + "".join(f"; **older:** {listed(names)} by {which}" for which, names in older.items()) + "."
-    return said + (f" **By an older plan:** {listed(other)}." if other else "")
+    return said + (f" **Measured before the plan changed:** {listed(other)}." if other else "")
 
 
 # Those of full_figures.py: (its file, what it shows)
@@ -139,47 +141,6 @@ def section(chapter, measuring):
             + " " + provenance(sources, hashes), *pictures(chapter, measuring), *marked([*body, energies(results)], described(sources))]
 
 
-def counted(pairs):
-    gained = sum(now.agrees for then, now in pairs if then and not then.agrees)
-    lost = sum(not now.agrees for then, now in pairs if then and then.agrees)
-    return (f"{sum(now.agrees for _, now in pairs)} of {len(pairs)} agree here ({gained} of them did not on pictures of 64 x 64 pixels, "
-            f"{lost} more agreed there)")
-
-
-def split(statement, titles):
-    """'2 of 3': on how many of these recordings it came out."""
-    came, level, not_so = statement.on(titles)
-    total = came + level + not_so
-    return f"{came} of {total}" if total else "–"
-
-
-def of_paper(small, full, shares=None):
-    """Blocks: what the paper says, and what was found of it; shares: those of rare_samples."""
-    found = statements(full)
-    pairs = of_the_paper(statements(small), found)
-    asked_of = {pool for _, now in pairs for pool in now.pools}
-    titles = {lower(pool_title(r)): share > LIMIT for r, share in (shares or {}).items()}
-    quiet, rare = ([t for t, is_rare in titles.items() if is_rare == wanted and t in asked_of] for wanted in (False, True))
-    ours, printed = ([p for p in pairs if p[1].of_preset_paper == wanted] for wanted in (False, True))
-    rows = []
-    for then, now in pairs:
-        fresh = found.get((now.chapter, now.text + FRESH))
-        rows.append([f"{now.chapter}: {escaped(now.text)}", then.verdict if then else "–", now.verdict, fresh.verdict if fresh else "–",
-                     split(now, quiet), split(now, rare), str(len(now.energies) or "–")])
-    return ["## What the paper says",
-            f"Statements about the preset `robust`, which is ours (E1: about both): {counted(ours)}. About the preset `paper`, its equations as printed: "
-            f"{counted(printed)}. E9 to E11 make the same statements, in part of the same recordings, at other budgets. *On fresh samples*: the same numbers of samples, judged on "
-            "samples that did not decide them. The next two columns count the recordings (E1: with each of two presets) on which a statement came out, at some "
-            f"budgets at least and at none the other way: those without rare bright samples ({', '.join(sorted(quiet))}), and those where the worst 0.1 % of the pixels of "
-            f"uniform samples bear more than {100 * LIMIT:.0f} % of relMSE ({', '.join(sorted(rare))}). The last: on how many recordings the method loses more "
-            f"than {100 * LOST:.0f} % of the light, so that its picture is darker than the reference.",
-            table(["statement", "64 x 64", "full size", "on fresh samples", "without rare bright samples", "with them", "losing light"], rows)]
-
-
-def lower(title):
-    return title[0].lower() + title[1:]
-
-
 def escaped(text):
     return text.replace("|", "\\|")
 
@@ -214,4 +175,5 @@ def blocks(chapters, measuring, small):
     sections = [b for c in shown for b in section(c, measuring) if b]
     full = "\n".join(sections)
     measured_anywhere = sorted(measuring.store.glob("*/*.jsonl"))
-    return [HEAD, FOUND, *of_paper(small, full, shares(measured_anywhere)), *changes(small, full), *(b for s in sections for b in with_table(s)), f"Not run yet: {', '.join(left)}." if left else ""]
+    return [HEAD, FOUND, *of_paper(small, full, shares(measured_anywhere)), *sizes(measured_anywhere), *changes(small, full),
+            *(b for s in sections for b in with_table(s)), f"Not run yet: {', '.join(left)}." if left else ""]

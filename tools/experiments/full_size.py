@@ -38,6 +38,7 @@ ANALYTIC = {
 LARGER = {"scene_s_128": "scene_s_512", "scene_s_fireflies_128": "scene_s_fireflies_512"}
 LEFT_OUT = ("first", "prototypes", "methods")  # of full size in docs/filters.md, or not about pictures of that size
 MORE = {  # besides the plan's own recordings and those by others
+    "a13_paper_tiles": ("scene_s", "chess_256", "table_256"),
     "e2_filters_over_budget": ("mist_256",),
     "e3_samplers_over_budget": ("balls_256", "mist_256", "caustic_256", "fireflies_256", "caustic_mitsuba_256", "chess_sequence_256",
                                 "chess_long", "chess_512", "cornell_box_picture_512", "caustic_mitsuba_512"),

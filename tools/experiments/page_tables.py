@@ -13,6 +13,7 @@ from whole_file import write_whole
 
 # A table of that many rows or fewer can be read where it stands.
 SHORT = 8
+CURVES = ("| at samples per pixel |", "| with threads |")  # tables that are drawn, however short
 STATEMENTS = "| statement |"  # a table of verdicts stays on the page however long it is
 INTERVAL = re.compile(r"(.*?) \[([^,\]]+), ([^\]]+)\]$")
 
@@ -98,7 +99,7 @@ class Chapter:
 
     def take(self, block):
         """Keeps prose and short tables; long tables leave their place to the links."""
-        short = block.count("\n") - 1 <= SHORT and "at samples per pixel" not in block
+        short = block.count("\n") - 1 <= SHORT and not block.startswith(CURVES)
         if not is_table(block) or short or block.startswith(STATEMENTS):
             self.blocks.append(block)
             return

@@ -161,12 +161,12 @@ class Results:
         """Decides the pairs that order() was asked for since the last time: those of one recording, budget and metric are one
         family. A pair without a ratio keeps its verdict among all pairs."""
         for (pool, spp, threads, column), asked in self._asked.items():
-            ratios = {pair: self._ratio_or_made(column, pool, spp, *pair, threads) for pair in asked}
+            ratios = {pair: self.ratio_or_made(column, pool, spp, *pair, threads) for pair in asked}
             known = [pair for pair, ratio in ratios.items() if ratio.mean == ratio.mean]
             freedom = [len(self.rows(pool, *a, spp, threads)) - 1 for a, _ in known]
             asked.update(zip(known, judged_together([ratios[pair] for pair in known], freedom)))
 
-    def _ratio_or_made(self, column, pool, spp, a, b, threads):
+    def ratio_or_made(self, column, pool, spp, a, b, threads=None):
         """The ratio; where measured.py did not keep it, from the replicates, and as much wider as those of the two methods to
         uniform + box, which are kept, are wider than their replicates alone say: replicates may share samples."""
         kept = self.ratio(column, pool, spp, a, b, threads)

@@ -22,7 +22,7 @@ class Statement:
     text: str
     verdict: str
     pools: dict = field(default_factory=dict)     # {recording: what was found on it}
-    energies: dict = field(default_factory=dict)  # {recording on which the method loses light: its energy ratio}
+    energies: dict = field(default_factory=dict)  # {recording on which a method loses light: "0.88 / 0.95", energy ratios of first and second}
 
     def on(self, titles):
         """(recordings of these on which it came out, on which nothing is told apart, on which it did not)"""
@@ -43,6 +43,30 @@ class Statement:
         return self.chapter.startswith("E") and not any(words in self.text for words in OURS)
 
 
+def verdict_of(pools):
+    """Of all that was found, in the words of tables.finding; None for numbers."""
+    said = " ".join(pools.values())
+    yes, no, level = (any(w in said for w in words) for words in (("below at", "yes"), ("above at", "**no**"), ("not told apart",)))
+    rest = ", in part not told apart" if level else ""
+    if yes and no:
+        return "**mixed**"
+    return f"agrees{rest}" if yes else f"**disagrees**{rest}" if no else "undecided: not told apart" if level else None
+
+
+def merged(found):
+    """{text: Statement} of these, each once: chapters that make the same statement of other recordings or at other budgets are one."""
+    one = {}
+    for said in found:
+        text = said.text.replace(" at 4 samples per pixel and more", "")
+        into = one.setdefault(text, Statement("", text, said.verdict))
+        into.chapter = ", ".join(dict.fromkeys([*filter(None, into.chapter.split(", ")), said.chapter]))
+        for pool, words in said.pools.items():
+            into.pools[pool] = "; ".join(dict.fromkeys([*filter(None, [into.pools.get(pool)]), words]))
+        into.energies.update(said.energies)
+        into.verdict = verdict_of(into.pools) or said.verdict
+    return one
+
+
 def _sign(said):
     """1 where a statement came out on a recording, at some budgets at least, 0 where nothing was told apart, -1 where it did not, None for numbers."""
     words = ((-1, ("above at", "**no**")), (1, ("below at", "yes")), (0, ("not told apart",)))
@@ -57,10 +81,7 @@ def _of_pools(text):
 
 def _answered(chapter, match):
     pools = dict(part.rsplit(": ", 1) for part in match["pools"].split("; "))
-    yes, no = (sum(word == said for said in pools.values()) for word in ("yes", "**no**"))
-    rest = ", in part not told apart" if yes + no < len(pools) else ""
-    verdict = ("**mixed**" if yes and no else f"agrees{rest}" if yes else f"**disagrees**{rest}" if no else "undecided: not told apart")
-    return Statement(chapter, match["text"], verdict, {p[0].lower() + p[1:]: said for p, said in pools.items()})
+    return Statement(chapter, match["text"], verdict_of(pools), {p[0].lower() + p[1:]: said for p, said in pools.items()})
 
 
 def statement(line, chapter=""):
@@ -129,5 +150,6 @@ def kinds_of_change(rows):
 
 
 def of_the_paper(before, after):
-    """[(Statement before or None, Statement after)] of the paper's statements that were measured after."""
-    return [(before.get(k), now) for k, now in after.items() if now.of_the_paper and now.verdict != "not measured"]
+    """[(Statement before or None, Statement after, that on fresh samples or None)], each of the paper's statements once, that were measured after."""
+    then, now = (merged(s for s in found.values() if s.verdict != "not measured" and s.chapter.startswith("E")) for found in (before, after))
+    return [(then.get(text), said, now.get(text + FRESH)) for text, said in now.items() if said.of_the_paper]
