@@ -50,6 +50,19 @@ def test_the_defaults_change_only_where_it_helps_on_those_left_out_and_on_those_
     assert "nothing changes" in section(CHOOSE | {"scene_s": 0.9}, energy=0.7), "1 % of energy costs 2 % of relMSE"
 
 
+def test_a_gain_on_a_few_scenes_is_not_one_on_others(section):
+    text = section({"chess_256": 0.5, "torus": 0.99, "balls_256": 0.6, "mist_256": 0.995, "scene_s": 0.9})
+    assert "not on enough scenes to say so of others: the defaults stay" in text
+
+
+def test_single_options_are_shown_with_what_they_do_on_both_sets(section):
+    text = section(CHOOSE | {"scene_s": 0.9, "balls_256": 1.1})
+    row = next(line for line in text.splitlines() if line.startswith("| filter: `levels=3` | -"))
+    assert "-11.0 % (-11.0 % .. -11.0 %) | -10.0 % (-10.0 % .. -10.0 %)" in row and "+10.0 % (balls, " in row and "| 1.00 |" in row
+    assert "beyond the noise of the samples: filter: `levels=3` (-11.0 % and -10.0 %" in text
+    assert "By themselves" not in section(CHOOSE | {"scene_s": 1.1})
+
+
 def test_a_recording_left_out_has_no_say(section):
     text = section(CHOOSE | {"balls_256": 400.0})
     rows = {line.split("|")[1].strip(): line.split("|")[2].strip() for line in text.splitlines() if line.startswith("| ")}

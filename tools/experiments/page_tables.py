@@ -14,7 +14,7 @@ from whole_file import write_whole
 # A table of that many rows or fewer can be read where it stands.
 SHORT = 8
 CURVES = ("| at samples per pixel |", "| with threads |")  # tables that are drawn, however short
-STATEMENTS = "| statement |"  # a table of verdicts stays on the page however long it is
+STATEMENTS = ("| statement |", "| one option |", "| target on |")  # a table of verdicts stays on the page however long it is
 INTERVAL = re.compile(r"(.*?) \[([^,\]]+), ([^\]]+)\]$")
 
 

@@ -142,7 +142,8 @@ def full_section(arguments):
     if arguments.full and not arguments.write_only:
         for name in (*tuning_full.CHOOSING, *tuning_full.APART):
             measuring.measure(tuning_full.PLAN, name, False)
-    text = tuning_full.section(measuring.sources(tuning_full.PLAN), measuring.missing(tuning_full.PLAN))
+    with_rivals = {file.stem: file for plan in ("e10_balls", "e9_chess") for file in measuring.sources(plan)}  # a recording once
+    text = tuning_full.section(measuring.sources(tuning_full.PLAN), measuring.missing(tuning_full.PLAN), list(with_rivals.values()))
     return take_apart(text, "tuning_full", folder)
 
 
