@@ -1,4 +1,5 @@
 """docs/scene_needs.md: a recording without some of its layers, and the rows of its tables."""
+import json
 import sys
 from pathlib import Path
 
@@ -35,3 +36,21 @@ def test_what_a_layer_costs_and_buys_is_a_row_each():
     row = next(r for r in scene_needs_full.gain_rows([one]) if r[:2] == ["features", "twin_guides"])
     assert row[3].startswith("0.100") and row[4].startswith("0.0250") and row[5] == "twin_guides 0.1"
     assert next(r for r in scene_needs_full.gain_rows([one]) if r[1] == "cross_bilateral")[3:5] == ["–", "–"]
+
+
+def test_a_part_of_the_page_is_replaced_and_the_rest_kept():
+    from whole_file import with_part
+    page = "# Page\n\nWords.\n\n## One\n\nold\n\n## Two\n\nkept\n"
+    assert with_part(page, "## One", "## One\n\nnew\n") == page.replace("old", "new")
+    assert with_part(page, "## Two", "## Two\n\nnew\n") == page.replace("kept", "new")
+    with pytest.raises(ValueError, match="Three"):
+        with_part(page, "## Three", "")
+
+
+def test_what_leaving_a_need_out_does_is_a_row(tmp_path, monkeypatch):
+    import needs_left_out
+    monkeypatch.setattr(needs_left_out, "STORE", tmp_path / "left_out.json")
+    row = {"scene": "mist", "need": "medium", "microseconds": 3.0, "microseconds_without": 2.0, "noise": [0.2, 0.1, 0.3],
+           "noise_without": [0.1, 0.05, 0.15], "left_out": 0.7, "again": 0.001}
+    needs_left_out.STORE.write_text(json.dumps({"size": 128, "samples": 64, "reference": 1024, "spp": 8, "rows": [row]}))
+    assert "| mist | a way through a medium (mist) | 1.50 | 0.100 [0.0500, 0.150] | 0.200 [0.100, 0.300] | 0.700 | 0.00100 |" in needs_left_out.part()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Measures what a recording's layers cost and what they buy, and writes docs/scene_needs.md.
+"""Measures what a recording's layers cost and what they buy, for docs/scene_needs.md.
 
     tools/experiments/scene_needs.py              records four scenes three times, 64 x 64 pixels with 64 samples
-    tools/experiments/scene_needs.py --write-only the page, from what is there
+    tools/experiments/scene_needs.py --write-only the two parts of the page, from what is there
 
 Recordings with fewer layers hold the same radiance, bit by bit: the table says so where they do not.
 """
@@ -11,14 +11,13 @@ import json
 import os
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
 
 from results import Results
 from tables import table, with_interval
-from whole_file import with_last_part
+from whole_file import with_part, write_whole
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "formats" / "python"))
@@ -107,32 +106,15 @@ def gain_rows(results):
     return rows
 
 
-def needs_rows():
-    catalogue = tomllib.loads((ROOT / "dumps" / "CATALOG.toml").read_text())
-    return [[one["name"], one["renderer"], ", ".join(one["needs"]) or "nothing more", one["shows"]] for one in catalogue["recording"]]
-
-
-PAGE = """# Model only what a scene needs
-
-A sample depends on its position in the pixel, and on what the scene asks for: a point on the lens, a time, a way through a
-medium. The recorders find out what that is (`--dry-run` prints it) and sample nothing else; the [catalogue](../dumps/CATALOG.toml)
-keeps it.
-
-{needs}
-
-What a recording *holds* is another question: features and film positions are for methods that read them. A recording without
-them is smaller, and replay reads a layer only when a method of the run asks for it. `spool evaluate`, and its `--dry-run`, name the
-layers of each recording that no method of the plan reads; before anything is recorded, `--dry-run --plan PLAN.toml` of a recorder does.
-
-## What a layer costs
+COST = """## What a layer costs
 
 Written by `tools/experiments/scene_needs.py`: {size} x {size} pixels, {samples} samples, the same seeds. Bytes of a sample are those
 before compression; the file has the reference, too. A film position that is the same for a whole pass of Cycles is kept once a
 pass. Time is the renderer's for a sample, relative to radiance alone recorded just before; a busy machine moves it by a fifth.
 
 {cost}
-
-## What it buys
+"""
+GAIN = """## What it buys
 
 relMSE of {spp} uniform samples, geometric mean over {replicates} replicates with its 95 % interval, judged by an independent
 reference of {reference} samples. The last column is the best method that needs radiance alone.
@@ -163,10 +145,10 @@ def main():
                  cost_rows(arguments.program, arguments.folder))
     gain = table(["layer", "method", "scene", "without it", "with it", "best of radiance alone"],
                  gain_rows(Results([arguments.folder / "results"])))
-    needs = table(["recording", "renderer", "a sample needs", "what it shows"], needs_rows())
-    import scene_needs_full  # which asks this file for its readers
-    text = PAGE.format(needs=needs, cost=cost, gain=gain, size=SIZE, samples=SAMPLES, reference=REFERENCE, spp=SPP, replicates=REPLICATES)
-    arguments.output.write_text(with_last_part(text, scene_needs_full.TITLE, scene_needs_full.part()))
+    page = arguments.output.read_text(encoding="utf-8")
+    for text in (COST.format(cost=cost, size=SIZE, samples=SAMPLES), GAIN.format(gain=gain, spp=SPP, replicates=REPLICATES, reference=REFERENCE)):
+        page = with_part(page, text.partition("\n")[0], text)
+    write_whole(arguments.output, page)
 
 
 if __name__ == "__main__":

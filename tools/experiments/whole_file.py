@@ -19,3 +19,12 @@ def with_last_part(page, title, text):
     """A page whose last part, which begins with this heading, is replaced or added."""
     before = page.partition(title)[0].rstrip("\n")
     return f"{before}\n\n{text}"
+
+
+def with_part(page, title, text):
+    """A page whose part with this heading, up to the next heading of its rank, is replaced."""
+    before, found, rest = page.partition(title + "\n")
+    if not found:
+        raise ValueError(f"the page has no part '{title}'")
+    _, found, after = rest.partition("\n## ")
+    return before + text.rstrip("\n") + "\n" + (found and "\n## " + after)
