@@ -57,18 +57,23 @@ def energy(results, pools, method):
     return average([abs(1 - results.figure("energy_ratio", p, *method, b).mean) for p in pools for b in BUDGETS])
 
 
+def gains_of(results, pools, method):
+    """Of each recording, both budgets together: those of tuning_gain.gain."""
+    return [gain(results, p, method, DEFAULTS, BUDGETS) for p in pools]
+
+
 def left_out_rows(results, scores, methods, pools):
     rows, gains = [], []
     for pool, choice in scores.leave_one_out(pools).items():
         method = methods[choice.candidate]
-        gains.append(gain(results, pool, method, DEFAULTS, BUDGETS))
+        gains += gains_of(results, [pool], method)
         rows.append([pool_title(pool), said(choice.candidate), str(choice.tied), gain_text(gains[-1])[0],
                      f"{energy(results, [pool], method):.3f}", f"{energy(results, [pool], DEFAULTS):.3f}"])
     return rows, gains
 
 
 def apart_rows(results, pools, method):
-    gains = [gain(results, p, method, DEFAULTS, BUDGETS) for p in pools]
+    gains = gains_of(results, pools, method)
     return [[pool_title(p), gain_text(g)[0], f"{energy(results, [p], method):.3f}", f"{energy(results, [p], DEFAULTS):.3f}"]
             for p, g in zip(pools, gains)], gains
 
@@ -84,7 +89,7 @@ def alone_on_both(results, methods, choosing, apart):
     """In words: single options that lower the error on both sets; nothing is left to judge them by."""
     found = []
     for candidate, method in methods.items():
-        gains = [gain_text(pooled([gain(results, p, method, DEFAULTS, BUDGETS) for p in pools])) for pools in (choosing, apart) if pools]
+        gains = [gain_text(pooled(gains_of(results, pools, method))) for pools in (choosing, apart) if pools]
         if candidate.changes == 1 and len(gains) == 2 and all(better > 0 for _, better in gains):
             found.append(f"{said(candidate)} ({gains[0][0].split(' (')[0]} and {gains[1][0].split(' (')[0]}, in {time_of(results, (*choosing, *apart), method):.1f} times the time)")
     return ("By themselves these lower relMSE on both sets beyond the noise of the samples: " + "; ".join(found) + ". They are picked here by the very recordings "
@@ -98,7 +103,7 @@ def one_option_rows(results, methods, choice, choosing, apart):
     for candidate, method in methods.items():
         if candidate.changes != 1 and candidate != choice:
             continue
-        gains = [[gain(results, p, method, DEFAULTS, BUDGETS) for p in pools] for pools in (choosing, apart)]
+        gains = [gains_of(results, pools, method) for pools in (choosing, apart)]
         worst = max(((average(gain(results, p, method, DEFAULTS, [b])), p, b) for p in (*choosing, *apart) for b in BUDGETS))
         rows.append([said(candidate), *(gain_text(pooled(g))[0] if g else "–" for g in gains), gain_text([average(g) for of_set in gains for g in of_set])[0],
                      *(f"{energy(results, pools, method):.3f}" if pools else "–" for pools in (choosing, apart)),
