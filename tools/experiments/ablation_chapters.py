@@ -7,6 +7,7 @@ from results import options as o
 from tables import curves, finding, pool_title, table, with_interval
 
 M, P = "multiscale", "multiscale:paper"
+METRICS = {"mse": "the MSE", "relmse": "relMSE"}
 
 
 def as_printed(method):
@@ -27,7 +28,7 @@ def sampling(variants, statements, column="mse", above=0, of_paper=()):
         said += [finding(f"preset paper: {text.replace('the default reading', 'fractional')}, {f}", r, (as_printed(a), f), (as_printed(b), f), budgets=budgets)
                  for text, a, b in statements for f in r.filters if canonical(as_printed(a)) in more and canonical(as_printed(b)) in more]
         said += [finding(f"preset paper: {text}, {f}", r, (a, f), (b, f), budgets=budgets) for text, a, b in of_paper for f in r.filters]
-        return [*blocks, "\n".join(said)]
+        return [*blocks, "\n".join(said), f"The statements are about {METRICS[column]}."]
     return body
 
 
@@ -58,7 +59,8 @@ def size_rule(m):
          printed("coarse_var", "literal"), printed("contrast", "literal")),
         ("the factor of eq 9 is below its reciprocal, which is what it stands for in Rousselle's criterion",
          printed("contrast", "literal"), printed("contrast", "inverse")))]
-    return [*(curves(r, pool, "relmse", methods=[(M, f) for f in r.filters]) for pool in r.pools), "\n".join(said)]
+    return [*(curves(r, pool, "relmse", methods=[(M, f) for f in r.filters]) for pool in r.pools), "\n".join(said),
+            "The statements are about relMSE."]
 
 
 def pool_size(m):
@@ -104,8 +106,8 @@ def references(m):
                   f"0.94 for 256. Scene S, uniform, box: {with_interval(uniform)}.\n"
                   f"- Over all methods and pools the ratio to the true error goes from {found['pool']} when judged by the pool, "
                   f"{found['holdout']} by samples held out, {found['leave_selected_out']} by samples not selected. "
-                  "The pool shares its noise with the image: that is a bias, and differs from method to method. The other two share none: "
-                  "they are noisier estimates of the same error.")
+                  "The pool shares its noise with the image: that is a bias, and differs from method to method. The other two share none; "
+                  "their own noise can be as large as the error.")
     return blocks
 
 

@@ -3,7 +3,7 @@ import math
 
 from inference import mean_of, order_of
 from results import options
-from tables import mean_text, pool_title, table
+from tables import mean_text, pool_title, table, with_interval
 
 MULTISCALE = "multiscale"
 FILTERS = ("haar", "5-3", "9-7", "db3")
@@ -48,7 +48,8 @@ def density(m):
     blocks, said = [], []
     for pool in dict.fromkeys(key[0] for key in m.density):
         found = {sampler: measures for (p, sampler, _), measures in m.density.items() if p == pool}
-        rows = [[sampler, *(mean_text(measures.get(c, [])) for c in ("correlation", "block_index", "near_edges"))]
+        rows = [[sampler, with_interval(mean_of(measures.get("correlation", []), positive=False)),  # which may be below 0
+                 *(mean_text(measures.get(c, [])) for c in ("block_index", "near_edges"))]
                 for sampler, measures in found.items()]
         area = next(iter(found.values()))["edge_area"][0]
         blocks.append(f"{pool_title(pool)} at 16 samples per pixel; edges are {100 * area:.0f} % of the image:\n\n"

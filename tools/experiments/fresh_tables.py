@@ -8,13 +8,9 @@ COLUMNS = {"MSE": "mse", "MSE, fresh": "mse_fresh", "bias²": "mse_bias2", "vari
            "relMSE, fresh": "relmse_fresh", "energy": "energy_ratio", "energy, fresh": "energy_fresh"}
 
 
-def measured(r, methods, budget, column="mse_fresh"):
-    return any(r.values(column, pool, *method, budget) for pool in r.pools for method in methods)
-
-
 def fresh(r, budget, methods, of="no filter"):
     """What the distribution of the samples is worth: the same counts on samples that had no say in them."""
-    if not measured(r, methods, budget):
+    if not any(r.values("mse_fresh", pool, *method, budget) for pool in r.pools for method in methods):
         return ""
     rows = [[pool_title(pool), sampler if of == "no filter" else f"{sampler} + {filter_name}",
              *(mean_text(r.values(c, pool, sampler, filter_name, budget)) for c in COLUMNS.values())]
@@ -41,16 +37,17 @@ def fresh_ratios(r, budget):
 
 def biases(r, budget, methods):
     """Blocks: methods by recordings: how much of the MSE more runs would not average away, and its share of the MSE."""
-    if not measured(r, methods, budget, "mse_bias2"):
+    pools = [p for p in r.pools if any(r.values("mse_bias2", p, *method, budget) for method in methods)]
+    if not pools:
         return []
     sizes, shares = [], []
     for method in methods:
-        found = [[r.values(c, pool, *method, budget) for c in ("mse_bias2", "mse_variance")] for pool in r.pools]
-        sizes.append([" + ".join(method), *(mean_text(bias) if bias else "–" for bias, _ in found)])
-        # Both are estimates from two images: about an unbiased method bias squared comes out on either side of zero.
-        totals = [(sum(bias), sum(variance)) for bias, variance in found]
-        shares.append([" + ".join(method), *(f"{100 * b / (b + v):.0f} %" if b + v > 0 else "–" for b, v in totals)])
-    header = ["method", *map(pool_title, r.pools)]
-    return [f"Bias squared at {budget} samples per pixel, in the unit of the MSE: what an average of many runs would keep (about 0, on either side, for an "
-            "unbiased method, and uncertain where few pixels bear the error):\n\n" + table(header, sizes),
+        found = [[r.values(c, pool, *method, budget) for c in ("mse_bias2", "mse_variance")] for pool in pools]
+        # An estimate from two images: about an unbiased method it comes out on either side of zero.
+        sizes.append([" + ".join(method), *(("0" if sum(bias) <= 0 else mean_text(bias)) if bias else "–" for bias, _ in found)])
+        totals = [(max(0.0, sum(bias)), sum(bias) + sum(variance)) for bias, variance in found]
+        shares.append([" + ".join(method), *(f"{100 * b / total:.0f} %" if total > 0 else "–" for b, total in totals)])
+    header = ["method", *map(pool_title, pools)]
+    return [f"Bias squared at {budget} samples per pixel, in the unit of the MSE: what an average of many runs would keep (uncertain where few pixels bear the error; "
+            "0 stands for an estimate that came out below):\n\n" + table(header, sizes),
             "Its share of the MSE:\n\n" + table(header, shares)]

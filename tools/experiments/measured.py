@@ -14,10 +14,13 @@ FORMAT = 1
 QUANTITIES = ("mse", "relmse", "relmse_trimmed", "energy_ratio", "flip_ldr", "ssim", "relmse_equal_energy", "mse_bias2", "mse_variance")
 COLUMNS = ("replicate", "mse", "relmse", "energy_ratio", "saturated_share", "cpu_sampling", "cpu_filtering", "seconds_sampling",
            "seconds_filtering", "seconds_per_sample", "mse_fresh", "relmse_fresh", "energy_fresh", "mse_bias2", "mse_variance")
+OF_THREADS = ("seconds_sampling", "seconds_filtering", "seconds_per_sample")  # kept where several numbers of threads were run
 METRICS = ("mse", "relmse")  # those of which all pairs are judged
 LETTERS = {"better": "b", "worse": "w", "undecided": "u", "identical": "i", "not compared": "."}
 WORDS = {letter: word for word, letter in LETTERS.items()}
-ALL_RATIOS = 80  # of more methods only the ratios to uniform + box are kept
+# Of more methods than the first only the ratios to uniform + box and between those with one sampler or one filter are kept; of more than
+# the second only the former. Those left out are made from the replicates (Results.ratio_or_made).
+ALL_RATIOS, SOME_RATIOS = 50, 80
 BASE = ("uniform", "box")
 
 
@@ -59,6 +62,12 @@ def _pairs(condition):
     return found
 
 
+def keeps_ratio(count, a, b):
+    """Of so many methods, that of these two."""
+    alike = a[0] == b[0] or a[1] == b[1]
+    return count <= ALL_RATIOS or BASE in (a, b) or (count <= SOME_RATIOS and alike)
+
+
 def _conditions(statistics, methods):
     for condition in statistics["conditions"]:
         if condition["metric"] not in METRICS:
@@ -68,7 +77,7 @@ def _conditions(statistics, methods):
         for a, b in itertools.combinations(range(len(names)), 2):
             verdict, ratio = pairs.get((a, b), ("not compared", None))
             letters.append(LETTERS[verdict])
-            if ratio and (len(names) <= ALL_RATIOS or BASE in (names[a], names[b])):
+            if ratio and keeps_ratio(len(names), names[a], names[b]):
                 ratios[f"{a} {b}"] = ratio
         yield {"metric": condition["metric"], "spp": condition["spp"], "threads": condition["threads"],
                "ranking": [methods.index(name) for name in names],
@@ -82,7 +91,8 @@ def condensed(folder, head):
     rows = [json.loads(line) for line in (folder / "results.jsonl").read_text().splitlines()]
     statistics = json.loads((folder / "statistics.json").read_text())
     methods = _methods(rows)
-    columns = [c for c in COLUMNS if any(row.get(c) is not None for row in rows)]
+    several = len({row["threads"] for row in rows}) > 1
+    columns = [c for c in COLUMNS if any(row.get(c) is not None for row in rows) and (several or c not in OF_THREADS)]
     lines = [{"measured": FORMAT, **head, "methods": methods, "columns": columns},
              *_cells(rows, statistics, methods, columns), *_conditions(statistics, methods)]
     return "".join(json.dumps(line, separators=(",", ":"), ensure_ascii=False) + "\n" for line in lines)

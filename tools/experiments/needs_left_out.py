@@ -76,13 +76,13 @@ def part():
     from inference import interval_of
     found = json.loads(STORE.read_text())
     rows = [[r["scene"], SHOWN[r["need"]], f"{r['microseconds'] / r['microseconds_without']:.2f}", with_interval(interval_of(r["noise_without"])),
-             with_interval(interval_of(r["noise"])), number(r["left_out"]), number(r["again"])] for r in found["rows"]]
+             with_interval(interval_of(r["noise"])), number(max(0.0, r["left_out"] - r["again"])), number(r["again"])] for r in found["rows"]]
     return "\n\n".join([
         TITLE, f"Written by `tools/experiments/needs_left_out.py`: scenes of Cycles as they are, and with one need switched off; {found['size']} x {found['size']} pixels, "
         f"{found['samples']} samples, references of {found['reference']}. Time is the CPU time of a sample over that without the need, the median of {TURNS} turns; "
         "a busy machine moves it by a fifth. *Noise* is the relMSE of "
         f"{found['spp']} uniform samples, each picture judged by its own reference. *Left out* is the relMSE of the converged picture without the need, judged by the reference "
-        "with it: no number of samples brings it down. The last column is how far two references with other random numbers are from each other.",
+        "with it, less the noise of the references, which is the last column (two references with other random numbers): no number of samples brings it down.",
         table(["scene", "a sample needs", "time of a sample", "noise without it", "noise with it", "left out", "two references"], rows),
         "A need asks for no bytes: the point on the lens, the moment and the way through the medium are in the radiance of the sample. Only who studies them records them "
         "as layers (below)."]) + "\n"

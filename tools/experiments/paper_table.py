@@ -1,4 +1,5 @@
 """What the paper says and what was found of it at full size: blocks of docs/experiments_full.md."""
+import re
 from collections import Counter
 
 from rare_samples import LIMIT
@@ -11,6 +12,13 @@ KINDS = {"agrees": ("agrees", "agree"), "mixed": ("is mixed", "are mixed"), "dis
 
 def kind(verdict):
     return verdict.replace("*", "").split(",")[0].split(":")[0]
+
+
+def about(statement):
+    """robust, paper or others: whose method the statement is about."""
+    if statement.of_preset_paper:
+        return "paper"
+    return "others" if re.match("(the samples of )?(mitchell|adaptive_wavelet) ", statement.text) else "robust"
 
 
 def listed(parts):
@@ -60,13 +68,14 @@ def of_paper(small, full, shares=None):
     asked_of = {pool for _, now, _ in pairs for pool in now.pools}
     titles = {lower(pool_title(r)): share > LIMIT for r, share in (shares or {}).items()}
     quiet, rare = ([t for t, is_rare in titles.items() if is_rare == wanted and t in asked_of] for wanted in (False, True))
-    ours, printed = ([p for p in pairs if p[1].of_preset_paper == wanted] for wanted in (False, True))
+    ours, printed, others = ([p for p in pairs if about(p[1]) == wanted] for wanted in ("robust", "paper", "others"))
     rows = [[f"{now.chapter}: {now.text.replace('|', chr(92) + '|')}", then.verdict if then else "–", now.verdict, fresh.verdict if fresh else "–",
              split(now, quiet), split(now, rare), str(losing(now) or "–")] for then, now, fresh in pairs]
     return ["## What the paper says",
             "Each statement counts once, however many chapters make it. *On fresh samples*: the same numbers of samples, judged on samples that did not decide them.",
             summary("About the preset `robust`, which is ours (E1: about both)", ours),
             summary("About the preset `paper`, its equations as printed", printed) if printed else "",
+            summary("About other samplers", others) if others else "",
             "*Fireflies* are rare bright samples: a recording has them where the worst 0.1 % of the pixels of uniform samples bear more than "
             f"{100 * LIMIT:.0f} % of relMSE ({', '.join(sorted(rare))}); it has none on {', '.join(sorted(quiet))}. Two columns count the recordings (E1: with each of "
             "two presets) on which a statement held at one budget at least and was reversed at none. The last: on how many recordings the method loses more than "

@@ -28,5 +28,5 @@ def sizes(files):
             for who, ours, name, rival in PAIRS for metric in ("MSE", "relMSE")]
     titles = [f"{pool_title(r.pools[0]).removesuffix('_512')}, {'512' if r.pools[0].endswith('_512') else '256'}" for r in results]
     return ["## The same scenes at 256 and 512 pixels",
-            f"Errors at {SPP} samples per pixel, each method with its filter, relative to another's; below 1 the first has the lower error:\n\n"
+            f"Errors at {SPP} samples per pixel, each method with its filter, relative to another's; below 1 the first has the lower error. The intervals are of single ratios; E9 and E10 judge them together:\n\n"
             + table(["errors", *titles], rows)]

@@ -72,12 +72,17 @@ def curves(results, pool, column="mse", base=("uniform", "box"), methods=None):
 LOST = 0.02  # share of the light; a method that loses more is not an estimate of the same picture
 
 
+def cut(energy):
+    """Three decimals, not rounded up: what loses more than LOST shows it."""
+    return f"{math.floor(1000 * energy) / 1000:.3f}"
+
+
 def energies(results, pool, a, b, budgets):
     """' (energy 0.879 / 0.952)', of a and of b at the budget where a gives least, if one of them loses light there; else ''."""
     found = [tuple(results.figure("energy_ratio", pool, *method, spp).mean for method in (a, b)) for spp in budgets]
     known = [pair for pair in found if pair[0] == pair[0] and pair[1] == pair[1]]
     lowest = min(known, default=(1.0, 1.0))
-    return f" (energy {number(lowest[0])} / {number(lowest[1])})" if min(lowest) < 1.0 - LOST else ""
+    return f" (energy {cut(lowest[0])} / {cut(lowest[1])})" if min(lowest) < 1.0 - LOST else ""
 
 
 def compared(results, a, b, column="mse", pools=None, budgets=None):
