@@ -49,7 +49,7 @@ recordings have them is said below.
   thin_lens.
 - **Readings of eq 9** (E4, E9, E10, A6, A12). With the preset `paper`, its S as the variance of the coarse mean lowers the MSE on most recordings and loses light. It
   lowers the relMSE of uniform samples on all recordings measured, that of the preset's own samples at 8 samples on scene S and balls only. The reciprocal
-  (`size_factor=inverse`) lowers the relMSE on balls and cornell_box_picture and raises it on table and thin_lens.
+  (`size_factor=inverse`) lowers the relMSE on balls and cornell_box_picture and raises it on table, caustic and thin_lens.
 - **Wavelets** (E1, E2). 5-3 puts more samples into large regions than Haar on every recording measured, as the paper says, and more than 9-7 but for scene S with
   `paper`; DB3 puts fewer there than 5-3 but for that case. With the equations as printed 5-3 has the lowest MSE of the four on scene S and mist, as the paper
   says (on scene S at 16 samples level with 9-7, on mist from 8 samples on), and not on table. From 8 samples on all four are above uniform sampling
