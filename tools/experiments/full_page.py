@@ -8,7 +8,7 @@ from rare_samples import shares
 from resolution import sizes
 from results import Results
 from statements import as_table, change_rows, kinds_of_change, statement, statements
-from tables import LOST, pool_title, table
+from tables import LOST, escaped, pool_title, table
 
 HEAD = f"""# Experiments on recordings of full size
 
@@ -162,10 +162,6 @@ def section(chapter, measuring):
             + " " + provenance(sources, hashes), *pictures(chapter, measuring), *marked([*body, energies(results)], described(sources))]
 
 
-def escaped(text):
-    return text.replace("|", "\\|")
-
-
 def changes(small, full):
     """Blocks: what other verdicts the page of 64 x 64 pixels has."""
     before, after = statements(small), statements(full)
@@ -183,9 +179,9 @@ def changes(small, full):
 
 def with_table(block):
     """Blocks: the statements of a list as one table, recording by recording, then what else is in the list."""
-    lines = block.split("\n")
-    found = [said for said in map(statement, lines) if said]
-    rest = "\n".join(line for line in lines if not statement(line))
+    read = [(line, statement(line)) for line in block.split("\n")]
+    found = [said for _, said in read if said]
+    rest = "\n".join(line for line, said in read if not said)
     return [table(*as_table(found)), *([rest] if rest else [])] if found else [block]
 
 

@@ -10,8 +10,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from full_picture import reference_of, relative_errors  # noqa: E402
 from full_size import ROOT  # noqa: E402
@@ -65,10 +63,10 @@ def measure(program, folder):
     rows = []
     for scene, need in CASES:
         whole, without = dumps[scene, "nothing"], dumps[scene, need]
-        reference, again = (np.asarray(reference_of(dump)) for dump in whole[:2])
+        reference, again = map(reference_of, whole[:2])
         rows.append({"scene": scene, "need": need, "microseconds": cost(program, whole), "microseconds_without": cost(program, without),
                      "noise": errors[whole[0].stem], "noise_without": errors[without[0].stem],
-                     "left_out": relative_errors(np.asarray(reference_of(without[0])), reference)[0], "again": relative_errors(again, reference)[0]})
+                     "left_out": relative_errors(reference_of(without[0]), reference)[0], "again": relative_errors(again, reference)[0]})
     write_whole(STORE, json.dumps({"size": SIZE, "samples": SAMPLES, "reference": REFERENCE, "spp": SPP, "rows": rows}, indent=1) + "\n")
 
 

@@ -3,8 +3,8 @@ import re
 from collections import Counter
 
 from rare_samples import LIMIT
-from statements import kinds_of_change, of_the_paper, statements
-from tables import LOST, pool_title, table
+from statements import in_a_line, kinds_of_change, of_the_paper, statements
+from tables import LOST, escaped, pool_title, table
 
 # Words of a verdict, of one statement and of several.
 KINDS = {"agrees": ("agrees", "agree"), "mixed": ("is mixed", "are mixed"), "disagrees": ("disagrees", "disagree"), "undecided": ("is undecided", "are undecided")}
@@ -58,18 +58,14 @@ def losing(statement):
     return sum(float(e.split(" / ")[0]) < 1 - LOST for e in statement.energies.values())
 
 
-def lower(title):
-    return title[0].lower() + title[1:]
-
-
 def of_paper(small, full, shares=None):
     """Blocks; small, full: texts of the two pages; shares: those of rare_samples."""
     pairs = of_the_paper(statements(small), statements(full))
     asked_of = {pool for _, now, _ in pairs for pool in now.pools}
-    titles = {lower(pool_title(r)): share > LIMIT for r, share in (shares or {}).items()}
+    titles = {in_a_line(pool_title(r)): share > LIMIT for r, share in (shares or {}).items()}
     quiet, rare = ([t for t, is_rare in titles.items() if is_rare == wanted and t in asked_of] for wanted in (False, True))
     ours, printed, others = ([p for p in pairs if about(p[1]) == wanted] for wanted in ("robust", "paper", "others"))
-    rows = [[f"{now.chapter}: {now.text.replace('|', chr(92) + '|')}", then.verdict if then else "–", now.verdict, fresh.verdict if fresh else "–",
+    rows = [[f"{now.chapter}: {escaped(now.text)}", then.verdict if then else "–", now.verdict, fresh.verdict if fresh else "–",
              split(now, quiet), split(now, rare), str(losing(now) or "–")] for then, now, fresh in pairs]
     return ["## What the paper says",
             "Each statement counts once, however many chapters make it. *On fresh samples*: the same numbers of samples, judged on samples that did not decide them.",

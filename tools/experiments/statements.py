@@ -6,6 +6,8 @@ recording by recording (E1).
 import re
 from dataclasses import dataclass, field
 
+from tables import escaped
+
 VERDICT = re.compile(r"^- (?P<text>.+?): (?P<verdict>agrees|\*\*disagrees\*\*|\*\*mixed\*\*|undecided|not measured)"
                      r"(?P<more>, in part not told apart|: not told apart)?[ .](?P<pools>.*)$")
 ANSWERS = re.compile(r"^- (?P<text>.+?): (?P<pools>[^:]+: (?:yes|not told apart|\*\*no\*\*)(?:; [^:;]+: (?:yes|not told apart|\*\*no\*\*))*)\.$")
@@ -73,15 +75,20 @@ def _sign(said):
     return next((sign for sign, texts in words if any(text in said for text in texts)), None)
 
 
+def in_a_line(pool):
+    """A recording's name without the capital letter that a sentence begins with."""
+    return pool[0].lower() + pool[1:]
+
+
 def _of_pools(text):
     """[(recording, what was found on it, energy ratio or "")] of 'Scene S: below at 4, 8 spp (energy 0.91). chess: 20.47.'"""
-    return [(pool[0].lower() + pool[1:], said, energy)
+    return [(in_a_line(pool), said, energy)
             for pool, said, energy in re.findall(r"(\S[^.:]*): (.+?)(?: spp)?(?: \(energy ([^)]*)\))?\.(?: |$)", text)]
 
 
 def _answered(chapter, match):
     pools = dict(part.rsplit(": ", 1) for part in match["pools"].split("; "))
-    return Statement(chapter, match["text"], verdict_of(pools), {p[0].lower() + p[1:]: said for p, said in pools.items()})
+    return Statement(chapter, match["text"], verdict_of(pools), {in_a_line(p): said for p, said in pools.items()})
 
 
 def statement(line, chapter=""):
@@ -115,7 +122,7 @@ def _cell(said, energy):
 def as_table(found):
     """Header and rows of these statements: what was found, recording by recording."""
     pools = list(dict.fromkeys(pool for said in found for pool in said.pools))
-    rows = [[said.text.replace("|", "\\|"), said.verdict, *(_cell(said.pools[p], said.energies.get(p)) if p in said.pools else "–" for p in pools)]
+    rows = [[escaped(said.text), said.verdict, *(_cell(said.pools[p], said.energies.get(p)) if p in said.pools else "–" for p in pools)]
             for said in found]
     return ["statement", "verdict", *pools], rows
 

@@ -46,6 +46,11 @@ def table(header, rows):
                       *("| " + " | ".join(row) + " |" for row in rows)])
 
 
+def escaped(text):
+    """As a cell of a table."""
+    return text.replace("|", "\\|")
+
+
 def method(results, sampler, filter_name):
     return sampler if len(results.filters) == 1 else f"{sampler} + {filter_name}"
 
