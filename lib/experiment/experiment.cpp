@@ -266,14 +266,21 @@ class Runner {
                    judging_reference(kind, pools[i], pools[pools.size() - 1 - i],
                                      looked_at(sampled.selection)));
       run.parts.push_back({pools[i], std::move(sampled), std::move(reference), std::nullopt});
-      if (options_.fresh) SPOOL_TRY(add_halves(run.parts.back(), sampler, context));
+      if (splits(cell, kind)) SPOOL_TRY(add_halves(run.parts.back(), sampler, context));
     }
     run.time = mean_time(times);
     return run;
   }
 
-  static Result<void> add_halves(SampledPart& part, const ReadySampler& sampler,
-                                 const SamplingContext& context) {
+  // Halves of the halves of crossfit would say nothing of the mean that is reported.
+  bool splits(const Cell& cell, ReferenceKind kind) const {
+    const bool measured =
+        cell.replicate < options_.halves && options_.order != ReplicateOrder::kRecorded;
+    return options_.fresh || (measured && kind != ReferenceKind::kCrossfit);
+  }
+
+  Result<void> add_halves(SampledPart& part, const ReadySampler& sampler,
+                          const SamplingContext& context) const {
     const long long budget = part.sampled.log.budget;
     const SelectHalf sample = [&](const SamplePool& pool, std::size_t half) -> Result<Selection> {
       SamplingContext of_half = context;
@@ -282,21 +289,21 @@ class Runner {
       SPOOL_ASSIGN(SamplingResult sampled, sampler(pool, budget, of_half));
       return std::move(sampled.selection);
     };
-    SPOOL_ASSIGN(part.halves, select_halves(part.pool, budget, sample));
+    SPOOL_ASSIGN(part.halves, select_halves(part.pool, budget, options_.fresh, sample));
     return {};
   }
 
-  Result<void> judge_fresh(const SamplingRun& run, const ReadyFilter& filter, FilterContext context,
+  Result<void> judge_split(const SamplingRun& run, const ReadyFilter& filter, FilterContext context,
                            CellResult& result) const {
     context.progress = nullptr;
-    std::vector<FreshErrors> errors;
+    std::vector<FreshErrors> fresh;
     for (const SampledPart& part : run.parts) {
       if (!part.halves) return {};
       const bool left_out = run.kind == ReferenceKind::kLeaveSelectedOut;
       SPOOL_ASSIGN(
-          FreshErrors of_part,
+          HalfErrors errors,
           judge_halves(
-              part.pool, *part.halves,
+              part.pool, *part.halves, part.sampled.selection.statistics.n,
               left_out ? leave_selected_out_reference(part.pool, looked_at(part.pool, *part.halves))
                        : part.reference,
               options_.metrics,
@@ -304,9 +311,10 @@ class Runner {
                 SPOOL_ASSIGN(Reconstruction image, filter(selection, half, context));
                 return std::move(image.image);
               }));
-      errors.push_back(of_part);
+      if (errors.fresh) fresh.push_back(*errors.fresh);
+      if (run.parts.size() == 1) result.halves = std::move(errors.differences);
     }
-    result.fresh = mean_of(errors);
+    if (!fresh.empty()) result.fresh = mean_of(fresh);
     return {};
   }
 
@@ -376,9 +384,7 @@ class Runner {
     }
     SPOOL_TRY(add_masks(images, run, result));
     result.judging = clock.elapsed();
-    if (options_.fresh && filter.needs.samples) {
-      SPOOL_TRY(judge_fresh(run, filter, context, result));
-    }
+    if (filter.needs.samples) SPOOL_TRY(judge_split(run, filter, context, result));
     result.reference = run.kind;
     result.holdout = run.parts.front().pool.options().holdout;
     result.width = recording.width();

@@ -48,6 +48,9 @@ struct ExperimentOptions {
   int pieces_per_side = 1;
   bool decision_split = false;  // no sample decides about its own half (decision_split.h)
   bool fresh = false;           // also the counts on samples that had no say (fresh_samples.h)
+  // Replicates whose pool is also split into two halves, to measure how much errors vary between
+  // recordings; costs two more runs of the sampler and the filter each.
+  int halves = 0;
   std::optional<ReferenceKind> reference;  // absent: default_reference_kind of each recording
   std::optional<int> holdout;              // samples per pixel; absent: as the reference kind wants
   int repeats = 1;                         // of sampling and filtering, for their times only
@@ -70,6 +73,7 @@ struct CellResult {
   std::optional<Error> error;  // present: nothing below holds
   MetricTable metrics;
   std::optional<FreshErrors> fresh;  // absent: not asked for, or a half is too short
+  std::vector<MetricHalves> halves;  // empty as above, and with crossfit
   ReferenceKind reference = ReferenceKind::kIndependent;
   int holdout = 0;            // samples per pixel
   int width = 0, height = 0;  // pixels

@@ -19,9 +19,11 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "lib/core/error.h"
+#include "lib/inference/half_spread.h"
 #include "lib/metrics/error_parts.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/statistics/selection.h"
@@ -29,8 +31,9 @@
 namespace spool {
 
 struct HalfSelections {
-  std::array<Selection, 2> own;    // [half] what a sampler took there
-  std::array<Selection, 2> fresh;  // [half] the counts that it decided on with the other half
+  std::array<Selection, 2> own;  // [half] what a sampler took there
+  // [half] the counts that it decided on with the other half; absent: not asked for.
+  std::optional<std::array<Selection, 2>> fresh;
   double saturated_share = 0.0;    // pieces of which it took everything, mean of both halves
 };
 
@@ -39,6 +42,18 @@ struct FreshErrors {
   double energy_ratio = 0.0;
   ErrorParts parts;  // of the two own images
   double saturated_share = 0.0;
+};
+
+// A metric of the images of the two halves (lib/inference/half_spread.h): of the own images by its
+// name, of the fresh ones as NAME_fresh.
+struct MetricHalves {
+  std::string metric;
+  HalfDifference difference;
+};
+
+struct HalfErrors {
+  std::optional<FreshErrors> fresh;  // where the selections have fresh samples
+  std::vector<MetricHalves> differences;
 };
 
 // The sampler and the filter of a cell: `half` is 0 or 1.
@@ -50,16 +65,17 @@ Selection with_samples_of(const SamplePool& pool, const Selection& decided);
 
 // Nothing when a half holds fewer than `budget` samples. Errors: those of the sampler.
 Result<std::optional<HalfSelections>> select_halves(const SamplePool& pool, long long budget,
-                                                    const SelectHalf& sample);
+                                                    bool fresh, const SelectHalf& sample);
 
 // Shortest prefixes of the whole pool that hold all that was looked at: no reference may be made of
 // these samples.
 CountImage looked_at(const SamplePool& pool, const HalfSelections& halves);
 
-// Errors: those of the filter. `reference` is made of none of the samples in `halves`.
-Result<FreshErrors> judge_halves(const SamplePool& pool, const HalfSelections& halves,
-                                 const JudgingReference& reference, const MetricOptions& options,
-                                 const FilterHalf& filter);
+// Errors: those of the filter. `reference` is made of none of the samples in `halves`. `taken`: of a
+// replicate that has the whole pool, the samples of every piece.
+Result<HalfErrors> judge_halves(const SamplePool& pool, const HalfSelections& halves,
+                                const CountImage& taken, const JudgingReference& reference,
+                                const MetricOptions& options, const FilterHalf& filter);
 
 // Of the two halves of crossfit.
 FreshErrors mean_of(const std::vector<FreshErrors>& errors);

@@ -85,6 +85,7 @@ class PlanReader {
     SPOOL_TRY(read_energy_band(plan));
     SPOOL_TRY(read_budgets(plan));
     SPOOL_TRY(read_experiment(plan));
+    plan.experiment.halves = plan.measured_halves();
     SPOOL_TRY(read_options("pool", sanitise_option_table(), plan.rules));
     SPOOL_TRY(read_options("metrics", metric_option_table(), plan.experiment.metrics));
     SPOOL_ASSIGN(plan.samplers, read_methods(vocabulary.samplers));

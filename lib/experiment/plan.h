@@ -69,6 +69,8 @@ struct Plan {
   std::string group_of(std::size_t recording) const {
     return recording < groups.size() ? groups[recording] : std::string();
   }
+  // Replicates whose pools are split to measure their spread: two, where there are intervals.
+  int measured_halves() const { return replicates > 1 ? 2 : 0; }
   std::vector<Cell> cells() const {
     return all_cells(recordings, samplers, filters, spp, replicates, threads);
   }

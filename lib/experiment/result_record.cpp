@@ -23,7 +23,7 @@ double ResultRecord::number(std::string_view column) const {
 }
 
 ResultRecord record_of(const CellResult& result) {
-  return {result_fields(result), result.counts};
+  return {result_fields(result), result.counts, result.halves};
 }
 
 }  // namespace spool

@@ -52,6 +52,18 @@ double difference_correlation(const Series& a, const Series& b, const std::vecto
                                sample_correlation(costs_a, costs_b));
 }
 
+// By how much a cost changes where the metric changes by a share of itself.
+double cost_slope(const Series& series, Better better, bool logarithmic) {
+  if (logarithmic) return 1.0;
+  double mean = 0.0;
+  for (const double value : series.values) {
+    if (std::isfinite(value)) mean += value / series.known();
+  }
+  if (better == Better::kHigher) return -mean;
+  if (better == Better::kOne) return mean >= 1.0 ? 1.0 : -1.0;
+  return mean;
+}
+
 // A difference without any spread is certain; none at all has p = 1.
 void test(Comparison& c, double standard_error, double freedom) {
   c.standard_error = standard_error;
@@ -92,20 +104,33 @@ Comparison compare_paired(const Series& a, const Series& b, Better better) {
     if (std::isfinite(first[r]) && std::isfinite(second[r]))
       differences.push_back(first[r] - second[r]);
   }
-  const MeanError found = mean_error(differences, difference_correlation(a, b, first, second));
+  const std::vector<HalfDifference> halves =
+      difference_of(a.halves, cost_slope(a, better, c.logarithmic), b.halves,
+                    cost_slope(b, better, c.logarithmic));
+  const double correlation = halves.empty() ? difference_correlation(a, b, first, second)
+                                            : std::max(a.correlation, b.correlation);
+  const MeanError found = mean_error(differences, correlation, half_variance(halves));
   c.n = found.n;
   c.difference = found.mean;
   c.identical = c.n > 0 && a.values == b.values;
   if (c.n < 2 || a.alike() || b.alike()) return c;
-  test(c, found.standard_error, c.n - 1.0);
+  test(c, found.standard_error, found.freedom);
   return c;
+}
+
+// Mean cost of a series with the spread that its halves give it.
+MeanError mean_cost(const Series& series, Better better, bool logarithmic) {
+  HalfVariance between = half_variance(series.halves);
+  const double slope = cost_slope(series, better, logarithmic);
+  between.variance *= slope * slope;
+  return mean_error(costs(series, better, logarithmic), series.correlation, between);
 }
 
 Comparison compare_independent(const Series& a, const Series& b, Better better) {
   Comparison c;
   c.logarithmic = compares_logarithms(a, b, better);
-  const MeanError first = mean_error(costs(a, better, c.logarithmic), a.correlation);
-  const MeanError second = mean_error(costs(b, better, c.logarithmic), b.correlation);
+  const MeanError first = mean_cost(a, better, c.logarithmic);
+  const MeanError second = mean_cost(b, better, c.logarithmic);
   c.n = std::min(first.n, second.n);
   c.difference = first.mean - second.mean;
   c.identical = c.n > 0 && a.values == b.values;
@@ -113,7 +138,7 @@ Comparison compare_independent(const Series& a, const Series& b, Better better) 
   const double va = first.standard_error * first.standard_error;
   const double vb = second.standard_error * second.standard_error;
   const double sum = va + vb;
-  const double spread = va * va / (first.n - 1.0) + vb * vb / (second.n - 1.0);
+  const double spread = va * va / first.freedom + vb * vb / second.freedom;
   // The larger of the two freedoms at most; of values without spread either would do.
   const double freedom =
       std::isfinite(sum) && spread > 0.0 ? std::max(1.0, sum * sum / spread) : c.n - 1.0;

@@ -56,7 +56,8 @@ bool all_positive(std::span<const double> values) {
   return any;
 }
 
-MeanError mean_error(std::span<const double> values, double correlation) {
+MeanError mean_error(std::span<const double> values, double correlation,
+                     const HalfVariance& between) {
   SPOOL_CHECK_GE(correlation, 0.0);
   MeanError found;
   double mean = 0.0, m2 = 0.0;
@@ -71,7 +72,13 @@ MeanError mean_error(std::span<const double> values, double correlation) {
   found.mean = mean;
   if (found.n < 2) return found;
   const double n = found.n;
-  if (m2 == 0.0) {
+  found.freedom = n - 1.0;
+  if (between.freedom > 0.0) {
+    const double common = std::min(correlation, 1.0);
+    found.freedom = between.freedom + (n - 1.0) * (1.0 - common);
+    const double of_one = (between.freedom * between.variance + m2) / found.freedom;
+    found.standard_error = std::sqrt(of_one * (1.0 + (n - 1.0) * common) / n);
+  } else if (m2 == 0.0) {
     found.standard_error = 0.0;
   } else if (correlation >= 1.0) {
     found.standard_error = kInfinity;
@@ -85,14 +92,20 @@ MeanError mean_error(std::span<const double> values, double correlation) {
 Interval mean_interval(const Series& series, Range range, double level) {
   Interval interval;
   interval.logarithmic = range == Range::kPositive && all_positive(series.values);
-  const MeanError found = mean_error(
-      interval.logarithmic ? logarithms(series.values) : series.values, series.correlation);
+  HalfVariance between = half_variance(series.halves);
+  if (!interval.logarithmic) {
+    const double mean = mean_error(series.values, 0.0).mean;
+    between.variance *= mean * mean;
+  }
+  const MeanError found =
+      mean_error(interval.logarithmic ? logarithms(series.values) : series.values,
+                 series.correlation, between);
   interval.n = found.n;
   interval.mean = found.mean;
   double reach = kNaN;
   if (found.n >= 2) {
     interval.standard_error = found.standard_error;
-    interval.freedom = found.n - 1.0;
+    interval.freedom = found.freedom;
     reach = student_quantile(0.5 + 0.5 * level, interval.freedom) * found.standard_error;
   }
   finish(interval, reach, range);

@@ -9,14 +9,18 @@
 // variance s^2 and correlation c between any two, the mean has the variance
 //   s^2 / m (1 + (m - 1) c) / (1 - c),
 // as E s^2 is only 1 - c of the whole variance; c is `correlation` (shared_samples.h). With c = 0
-// this is the usual s^2 / m. The interval for c = 0 whatever was shared speaks of one recording
-// whose samples are put into other orders, and of nothing else.
+// this is the usual s^2 / m. Where c is near 1 the replicates hold nothing about the variance h
+// between recordings; halves of the recording do (half_spread.h). With f degrees of freedom of h,
+// the variance of one replicate is
+//   v = (f h + (m - 1) s^2) / (f + (m - 1) (1 - c)),
+// and that of the mean v / m (1 + (m - 1) c).
 #pragma once
 
 #include <limits>
 #include <span>
 #include <vector>
 
+#include "lib/inference/half_spread.h"
 #include "lib/inference/shared_samples.h"
 
 namespace spool {
@@ -31,6 +35,7 @@ struct Series {
   std::vector<double> values;  // [replicate]; NaN: no result
   double correlation = 0;      // of two replicates, 0 .. 1
   TakenSamples taken = {};     // says what two methods have in common; may be left empty
+  std::vector<HalfDifference> halves = {};  // of as many splits as were made; empty: not measured
 
   // Several values, all the same: replicates of one image, which do not say how exact it is.
   bool alike() const;
@@ -65,8 +70,10 @@ struct MeanError {
   int n = 0;
   double mean = std::numeric_limits<double>::quiet_NaN();
   double standard_error = std::numeric_limits<double>::quiet_NaN();
+  double freedom = 0;
 };
-MeanError mean_error(std::span<const double> values, double correlation);
+MeanError mean_error(std::span<const double> values, double correlation,
+                     const HalfVariance& between = {});
 
 bool all_positive(std::span<const double> values);  // and one at least is finite
 

@@ -74,7 +74,44 @@ class Evaluation {
     return std::move(table_);
   }
 
+  std::vector<ErrorMap> maps() {
+    const Plane empty(judged_.width(), judged_.height());
+    std::vector<ErrorMap> maps = {{"mse", empty},
+                                  {"relmse", relative_},
+                                  {"relmse_trimmed", relative_},
+                                  {"smape", empty},
+                                  {"energy_ratio", empty}};
+    if (table_.pixels == 0) return {};
+    const double count = static_cast<double>(table_.pixels), reference = sum(kReferenceEnergy, {});
+    for (std::size_t p = 0; p < judged_.size(); ++p) {
+      if (!judged_[p]) continue;
+      const Terms terms = terms_at(p);
+      maps[0].parts[p] = terms[kSquared];
+      maps[3].parts[p] = terms[kSymmetric];
+      maps[4].parts[p] = quotient(terms[kEnergy] * count, reference);
+    }
+    trim(maps[2].parts);
+    if (options_.perceptual != Perceptual::kNone)
+      maps.push_back({"flip_ldr", flip_map(estimate_, reference_.mean, judged_)});
+    return maps;
+  }
+
  private:
+  // The pixels that relmse_trimmed drops become 0, and the mean is over the others.
+  void trim(Plane& relative) {
+    const double count = static_cast<double>(table_.pixels);
+    const double dropped = std::ceil(options_.trim * count * (1.0 - 1e-12));
+    double left = dropped;
+    LargestFirst(relative_, judged_).walk([&](const LargestFirst::Entry& entry) {
+      if (left < 1.0) return false;
+      relative[entry.pixel] = 0.0;
+      left -= 1.0;
+      return true;
+    });
+    for (double& value : relative.pixels())
+      value *= quotient(count, count - dropped);
+  }
+
   void add_perceptual() {
     for (PerceptualValue& value : perceptual_metrics(
              estimate_, reference_.mean, judged_, bootstrap_, options_.perceptual, table_.guards)) {
@@ -338,6 +375,12 @@ MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& refe
                           const MetricOptions& options) {
   check_sizes(estimate, reference);
   return Evaluation(estimate, reference, options).table();
+}
+
+std::vector<ErrorMap> error_maps(const RgbImage& estimate, const JudgingReference& reference,
+                                 const MetricOptions& options) {
+  check_sizes(estimate, reference);
+  return Evaluation(estimate, reference, options).maps();
 }
 
 Plane squared_error_map(const RgbImage& estimate, const JudgingReference& reference) {

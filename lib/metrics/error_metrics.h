@@ -54,6 +54,17 @@ struct MetricTable {
 MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& reference,
                           const MetricOptions& options = {});
 
+// Per pixel [y][x], the part of one metric: its mean over the judged pixels is the metric. 0 where a
+// pixel is not judged.
+struct ErrorMap {
+  std::string metric;
+  Plane parts;
+};
+// Of mse, relmse, relmse_trimmed, smape, energy_ratio, and flip_ldr unless options.perceptual is
+// kNone.
+std::vector<ErrorMap> error_maps(const RgbImage& estimate, const JudgingReference& reference,
+                                 const MetricOptions& options = {});
+
 // (I - R)^2 - b averaged over channels, per pixel: the error map of pictures. NaN where excluded.
 Plane squared_error_map(const RgbImage& estimate, const JudgingReference& reference);
 

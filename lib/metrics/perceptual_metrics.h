@@ -25,6 +25,10 @@ struct PerceptualValue {
   std::vector<double> resampled;  // [resample], empty where there is no standard error
 };
 
+// flip_ldr of each pixel, 0 where judged == 0.
+Plane flip_map(const RgbImage& estimate, const RgbImage& reference,
+               const Image<std::uint8_t>& judged);
+
 // ssim, ms_ssim, flip_ldr, flip_hdr, in this order. Pixels with judged == 0 are left out; windows
 // of SSIM that hold one are too.
 std::vector<PerceptualValue> perceptual_metrics(const RgbImage& estimate, const RgbImage& reference,

@@ -54,7 +54,7 @@ TEST(FreshSamples, KeepTheEnergyThatOwnSamplesLose) {
   constexpr int kRuns = 20;
   for (int r = 0; r < kRuns; ++r) {
     const SamplePool pool = rare_events(static_cast<std::uint64_t>(r));
-    const auto halves = select_halves(pool, kSide * kSide * 6, look_again_at_the_bright);
+    const auto halves = select_halves(pool, kSide * kSide * 6, true, look_again_at_the_bright);
     ASSERT_TRUE(halves.has_value() && halves->has_value());
     const auto errors = judge_halves(pool, **halves, truth(), {}, box);
     ASSERT_TRUE(errors.has_value());
@@ -78,13 +78,13 @@ TEST(FreshSamples, KeepTheEnergyThatOwnSamplesLose) {
 
 TEST(FreshSamples, NoSampleDecidesAboutItsOwnCount) {
   const SamplePool pool = rare_events(1);
-  const auto halves = select_halves(pool, 1000, look_again_at_the_bright);
+  const auto halves = select_halves(pool, 1000, true, look_again_at_the_bright);
   for (int h = 0; h < 2; ++h) {
     const auto at = static_cast<std::size_t>(h);
     const CountImage own = look_again_at_the_bright(pool.half(h), 0)->statistics.n;
     EXPECT_EQ((*halves)->own[at].statistics.n, own);
-    EXPECT_EQ((*halves)->fresh[1 - at].statistics.n, own);
-    EXPECT_EQ((*halves)->fresh[1 - at].statistics.mean,
+    EXPECT_EQ((*(*halves)->fresh)[1 - at].statistics.n, own);
+    EXPECT_EQ((*(*halves)->fresh)[1 - at].statistics.mean,
               prefix_statistics(pool.half(1 - h), own).mean);
   }
   // Sample 2 (n - 1) + h of the pool is the last of n that a half has shown.
@@ -100,7 +100,7 @@ TEST(FreshSamples, OfUniformCountsHaveTheSameError) {
   const auto uniform = [](const SamplePool& half, std::size_t) -> Result<Selection> {
     return Selection{prefix_statistics(half, CountImage(kSide, kSide, 8)), {}};
   };
-  const auto halves = select_halves(pool, kSide * kSide * 8, uniform);
+  const auto halves = select_halves(pool, kSide * kSide * 8, true, uniform);
   const auto errors = judge_halves(pool, **halves, truth(), {}, box);
   EXPECT_EQ(errors->mse, errors->parts.bias2 + errors->parts.variance);
   EXPECT_EQ(errors->saturated_share, 0.0);

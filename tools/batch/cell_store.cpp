@@ -1,5 +1,6 @@
 #include "tools/batch/cell_store.h"
 
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -14,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
+
+constexpr std::int64_t kMostCells = 4096;
 
 // "2:4000 5:96": samples taken, and the number of pieces that gave so many.
 std::string counts_text(const std::vector<std::pair<int, long long>>& counts) {
@@ -36,6 +39,40 @@ std::vector<std::pair<int, long long>> counts_of(const std::string& text) {
   return counts;
 }
 
+// Four digits: a spread is known to one or two.
+ordered_json halves_json(const HalfDifference& difference) {
+  std::string cells;
+  for (const double cell : difference.cells)
+    cells += fmt::format("{}{:.4g}", cells.empty() ? "" : " ", cell);
+  return {{"columns", difference.columns},
+          {"cells", std::move(cells)},
+          {"varying", counts_text(difference.varying)}};
+}
+
+// What is no such object counts as not measured.
+std::vector<MetricHalves> halves_of(const ordered_json& json) {
+  std::vector<MetricHalves> list;
+  if (!json.is_object()) return list;
+  for (const auto& [metric, entry] : json.items()) {
+    if (!entry.is_object() || !entry.contains("columns") || !entry["columns"].is_number_integer() ||
+        !entry.contains("cells") || !entry["cells"].is_string() || !entry.contains("varying") ||
+        !entry["varying"].is_string())
+      return {};
+    HalfDifference difference;
+    std::istringstream words(entry["cells"].get<std::string>());
+    for (double cell = 0.0; words >> cell;)
+      difference.cells.push_back(cell);
+    const auto columns = entry["columns"].get<std::int64_t>();
+    const auto cells = static_cast<std::int64_t>(difference.cells.size());
+    if (!words.eof() || columns < 1 || cells == 0 || cells > kMostCells || cells % columns != 0)
+      return {};
+    difference.columns = static_cast<int>(columns);
+    difference.varying = counts_of(entry["varying"].get<std::string>());
+    list.push_back({metric, std::move(difference)});
+  }
+  return list;
+}
+
 ordered_json to_json(const ResultRecord& record) {
   ordered_json json = {{"version", SPOOL_VERSION}, {"fields", ordered_json::object()}};
   for (std::size_t i = 0; i < record.fields.size(); ++i) {
@@ -45,6 +82,8 @@ ordered_json to_json(const ResultRecord& record) {
     }
   }
   if (!record.counts.empty()) json["counts"] = counts_text(record.counts);
+  for (const MetricHalves& halves : record.halves)
+    json["halves"][halves.metric] = halves_json(halves.difference);
   return json;
 }
 
@@ -112,6 +151,7 @@ Result<ResultRecord> CellStore::read(const std::string& id, const Cell& cell) co
   if (const auto kept = json.find("counts"); kept != json.end() && kept->is_string()) {
     record.counts = counts_of(kept->get<std::string>());
   }
+  if (const auto kept = json.find("halves"); kept != json.end()) record.halves = halves_of(*kept);
   return record;
 }
 

@@ -84,6 +84,8 @@ void add_record(MethodResults& method, const Result<ResultRecord>& found) {
       if (list[q].is_metric) method.pixel_errors[q] = found->number(list[q].name + "_se");
     }
   }
+  for (const MetricHalves& halves : found->halves)
+    method.spread[halves.metric].halves.push_back(halves.difference);
   method.reference = found->text("reference");
   method.biased = method.biased || method.reference.ends_with("(biased)");
 }
@@ -103,7 +105,9 @@ std::size_t quantity_index(const std::string& name) {
 
 Series MethodResults::series(std::size_t quantity) const {
   if (!quantities()[quantity].is_metric) return {values[quantity], 0.0};
-  return {values[quantity], correlation, taken};
+  const auto measured = spread.find(quantities()[quantity].name);
+  if (measured == spread.end()) return {values[quantity], correlation, taken, {}};
+  return {values[quantity], measured->second.correlation, taken, measured->second.halves};
 }
 
 bool MethodResults::one_image() const {
@@ -149,6 +153,15 @@ std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene
                                                    ring ? Taking::kOneAround : Taking::kOwnOrder);
         method.shared = over_recordings(shared.samples, plan.replicates, recordings);
         method.correlation = over_recordings(shared.correlation, plan.replicates, recordings);
+        for (auto& [metric, spread] : method.spread) {
+          const TakenSamples varying{varying_counts(spread.halves), method.taken.recorded,
+                                     method.taken.rare};
+          spread.correlation = over_recordings(
+              shared_by_replicates(varying, plan.replicates,
+                                   ring ? Taking::kOneAround : Taking::kOwnOrder)
+                  .correlation,
+              plan.replicates, recordings);
+        }
       }
       methods.push_back(std::move(method));
     }

@@ -36,6 +36,12 @@ struct MethodResults {
   TakenSamples taken;
   double shared = 0;         // share of a replicate's samples that another took too
   double correlation = 0;    // of the replicates of a metric (shared_samples.h)
+  // By metric, where it was measured: the differences of halves, and the correlation that follows.
+  struct Spread {
+    std::vector<HalfDifference> halves;
+    double correlation = 0;
+  };
+  std::map<std::string, Spread> spread;
   bool shared_known = true;  // false: the size of the recording is not known
 
   std::string name() const { return sampler.label() + " + " + filter.label(); }
