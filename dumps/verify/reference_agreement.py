@@ -2,7 +2,8 @@
 
 Judged by sums over the image: squared differences against what the variances predict. A pixel's own quotient
 would be spoiled by skewed samples, whose variance is underestimated exactly where their mean is low; both
-sums are unbiased. Weights 1 / (reference^2 + 0.01) keep bright pixels from deciding alone.
+sums are unbiased. Weights 1 / (brightness^2 + 0.01) keep bright pixels from deciding alone. The brightness is the
+mean of pool and reference by their precision, the one mean whose error is uncorrelated with their difference.
 """
 import numpy as np
 
@@ -26,7 +27,9 @@ def reference_findings(dump, radiance, level):
     samples = radiance.astype(np.float64)
     expected = samples.var(axis=2, ddof=1) / count + variance
     difference = samples.mean(axis=2) - reference
-    weight = 1 / ((reference @ LUMINANCE) ** 2 + 0.01)[..., None]
+    # One share for the picture: a pixel's own variances follow its noise and would bring the correlation back.
+    share = variance.sum() / max(expected.sum(), np.finfo(float).tiny)
+    weight = 1 / (((reference + share * difference) @ LUMINANCE) ** 2 + 0.01)[..., None]
     measured, predicted = blocks(weight * difference ** 2), blocks(weight * expected)
     if predicted.sum() == 0:
         return [finding("reference agrees", bool(np.abs(difference).max() < 1e-4), "largest difference %.3g" %
