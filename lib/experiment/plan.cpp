@@ -12,6 +12,8 @@
 
 #include <toml++/toml.h>
 
+#include "lib/core/nearest_name.h"
+#include "lib/experiment/result_record.h"
 #include "lib/experiment/toml_nesting.h"
 
 namespace spool {
@@ -91,6 +93,7 @@ class PlanReader {
     SPOOL_ASSIGN(plan.samplers, read_methods(vocabulary.samplers));
     SPOOL_ASSIGN(plan.filters, read_methods(vocabulary.filters));
     SPOOL_TRY(read_masks(plan));
+    SPOOL_TRY(read_claims(plan));
     SPOOL_TRY(check_recording_names(plan));
     return plan;
   }
@@ -118,7 +121,7 @@ class PlanReader {
                                             "filter",      "pool",           "metrics",
                                             "threads",     "repeats",        "pictures",
                                             "mask",        "decision_split", "dump",
-                                            "energy_band", "fresh"};
+                                            "energy_band", "fresh",          "claim"};
     for (const auto& [key, node] : root_) {
       if (std::ranges::find(known, key.str()) != known.end()) continue;
       return refuse(node, "{}", unknown_name("key", key.str(), known));
@@ -310,6 +313,81 @@ class PlanReader {
         return refuse(*table, "a mask wants a name without spaces and a file");
       }
       plan.experiment.masks.push_back(std::move(mask));
+    }
+    return {};
+  }
+
+  Result<void> read_claims(Plan& plan) const {
+    const toml::node* tables = root_.get("claim");
+    if (!tables) return {};
+    std::vector<std::string> methods;
+    for (const MethodChoice& sampler : plan.samplers) {
+      for (const MethodChoice& filter : plan.filters)
+        methods.push_back(sampler.label() + " + " + filter.label());
+    }
+    for (const toml::node* node : values_of(*tables)) {
+      const toml::table* table = node->as_table();
+      if (!table) return refuse(*node, "write [[claim]] and below it better = ... and than = ...");
+      Claim claim;
+      for (const auto& [key, value] : *table)
+        SPOOL_TRY(set_claim(claim, key.str(), value, plan, methods));
+      if (claim.better.empty() || claim.than.empty() || claim.better == claim.than) {
+        return refuse(*table, "a claim needs two methods: better = \"SAMPLER + FILTER\" and than");
+      }
+      if (claim.fresh && !has_fresh(claim.metric)) {
+        return refuse(*table, "samples = \"fresh\": only of relmse, mse and energy_ratio");
+      }
+      if (claim.text.empty()) claim.text = claim.better + " has less error than " + claim.than;
+      plan.experiment.fresh = plan.experiment.fresh || claim.fresh;
+      plan.claims.push_back(std::move(claim));
+    }
+    return {};
+  }
+
+  static bool has_fresh(const std::string& metric) {
+    return metric == "relmse" || metric == "mse" || metric == "energy_ratio";
+  }
+
+  Result<void> set_claim(Claim& claim, std::string_view key, const toml::node& value,
+                         const Plan& plan, const std::vector<std::string>& methods) const {
+    if (key == "spp") {
+      for (const toml::node* budget : values_of(value)) {
+        SPOOL_ASSIGN(const std::string text, text_of(*budget));
+        SPOOL_ASSIGN(const double spp, at(*budget, parse_number("spp", text, 1e-3, 65536.0)));
+        if (std::ranges::find(plan.spp, spp) == plan.spp.end()) {
+          return refuse(*budget, "spp {} is no budget of the plan", text);
+        }
+        claim.spp.push_back(spp);
+      }
+      return {};
+    }
+    SPOOL_ASSIGN(const std::string text, text_of(value));
+    if (key == "text") {
+      claim.text = text;
+    } else if (key == "source") {
+      claim.source = text;
+    } else if (key == "better" || key == "than") {
+      if (std::ranges::find(methods, text) == methods.end()) {
+        return refuse(value, "{}", unknown_name("method of the plan", text, methods,
+                                                ": write \"SAMPLER + FILTER\" by their labels"));
+      }
+      (key == "better" ? claim.better : claim.than) = text;
+    } else if (key == "metric") {
+      if (std::ranges::find(compared_metrics(), text) == compared_metrics().end()) {
+        return refuse(value, "{}", unknown_name("metric", text, compared_metrics()));
+      }
+      claim.metric = text;
+    } else if (key == "samples") {
+      if (text != "own" && text != "fresh")
+        return refuse(value, "samples is own or fresh, not '{}'", text);
+      claim.fresh = text == "fresh";
+    } else if (key == "below") {
+      SPOOL_ASSIGN(claim.below, at(value, parse_number("below", text, 1e-6, 1e6)));
+    } else {
+      return refuse(value, "{}",
+                    unknown_name("key of a claim", key,
+                                 {"text", "better", "than", "metric", "spp", "samples", "below",
+                                  "source"}));
     }
     return {};
   }

@@ -30,6 +30,15 @@
 //   name = "bulbs"
 //   file = "bulbs.exr"            # pixels above 0.5; relative to the plan
 //   recording = "chess.spool"     # absent: all
+//   [[claim]]                     # a question, written down before the run
+//   text = "ours is better than uniform sampling"
+//   better = "multiscale + directional"
+//   than = "uniform + box"
+//   metric = "mse"                # relmse where nothing is said
+//   spp = [4, 8]                  # absent: all
+//   samples = "fresh"             # or "own": on samples that had no say in the counts
+//   below = 1.1                   # the ratio that must lie below; 1 where nothing is said
+//   source = "LiuZheng, Figure 12"
 //   [pool]                        # rules for samples that are no ordinary numbers
 //   [metrics]                     # options of the metrics
 //
@@ -47,6 +56,7 @@
 
 #include "lib/core/error.h"
 #include "lib/experiment/experiment.h"
+#include "lib/inference/claims.h"
 #include "lib/methods/method_list.h"
 #include "lib/pool/sanitise.h"
 
@@ -65,6 +75,8 @@ struct Plan {
   SanitiseRules rules;
   // Energy ratio, lowest and highest, of the methods that are ranked.
   std::optional<std::pair<double, double>> energy_band;
+
+  std::vector<Claim> claims;
 
   std::string group_of(std::size_t recording) const {
     return recording < groups.size() ? groups[recording] : std::string();

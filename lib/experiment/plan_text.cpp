@@ -63,6 +63,19 @@ toml::array list_of(const std::vector<Value>& values) {
   return list;
 }
 
+toml::array claim_tables(const std::vector<Claim>& claims) {
+  toml::array tables;
+  for (const Claim& claim : claims) {
+    toml::table table{{"text", claim.text},     {"better", claim.better},
+                      {"than", claim.than},     {"metric", claim.metric},
+                      {"below", claim.below},   {"samples", claim.fresh ? "fresh" : "own"}};
+    if (!claim.spp.empty()) table.insert("spp", list_of(claim.spp));
+    if (!claim.source.empty()) table.insert("source", claim.source);
+    tables.push_back(table);
+  }
+  return tables;
+}
+
 }  // namespace
 
 std::string plan_text(const Plan& plan) {
@@ -100,6 +113,7 @@ std::string plan_text(const Plan& plan) {
     masks.push_back(table);
   }
   if (!masks.empty()) root.insert("mask", masks);
+  if (!plan.claims.empty()) root.insert("claim", claim_tables(plan.claims));
   if (e.reference) root.insert("reference", std::string(reference_name(*e.reference)));
   if (e.holdout) root.insert("holdout", *e.holdout);
   std::ostringstream text;

@@ -1,7 +1,10 @@
 // Counts applied to samples that had no say.
 #include "lib/experiment/fresh_samples.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -42,6 +45,11 @@ JudgingReference truth() {
   return {make_rgb(kSide, kSide, 1.0), std::nullopt, std::nullopt};
 }
 
+// What a replicate with the whole pool would have taken.
+CountImage taken() {
+  return CountImage(kSide, kSide, 6);
+}
+
 double mean_of(const RgbImage& image) {
   double sum = 0.0;
   for (const double v : image[0].pixels())
@@ -56,8 +64,9 @@ TEST(FreshSamples, KeepTheEnergyThatOwnSamplesLose) {
     const SamplePool pool = rare_events(static_cast<std::uint64_t>(r));
     const auto halves = select_halves(pool, kSide * kSide * 6, true, look_again_at_the_bright);
     ASSERT_TRUE(halves.has_value() && halves->has_value());
-    const auto errors = judge_halves(pool, **halves, truth(), {}, box);
-    ASSERT_TRUE(errors.has_value());
+    const auto judged = judge_halves(pool, **halves, taken(), truth(), {}, box);
+    ASSERT_TRUE(judged.has_value());
+    const auto& errors = judged->fresh;
     fresh += errors->energy_ratio / kRuns;
     bias2 += errors->parts.bias2 / kRuns;
     variance += errors->parts.variance / kRuns;
@@ -101,11 +110,45 @@ TEST(FreshSamples, OfUniformCountsHaveTheSameError) {
     return Selection{prefix_statistics(half, CountImage(kSide, kSide, 8)), {}};
   };
   const auto halves = select_halves(pool, kSide * kSide * 8, true, uniform);
-  const auto errors = judge_halves(pool, **halves, truth(), {}, box);
+  const auto judged = judge_halves(pool, **halves, taken(), truth(), {}, box);
+  const auto& errors = judged->fresh;
   EXPECT_EQ(errors->mse, errors->parts.bias2 + errors->parts.variance);
   EXPECT_EQ(errors->saturated_share, 0.0);
   EXPECT_NEAR(errors->parts.variance, 19.0 / 8.0, 0.25);
   EXPECT_NEAR(errors->parts.bias2, 0.0, 0.15);
+}
+
+const HalfDifference& difference_named(const HalfErrors& errors, const std::string& metric) {
+  const auto found =
+      std::ranges::find(errors.differences, metric, [](const auto& halves) { return halves.metric; });
+  EXPECT_NE(found, errors.differences.end()) << metric;
+  return found->difference;
+}
+
+// Fails where a half holds samples of the other: then the two images are alike.
+TEST(FreshSamples, DifferencesOfHalvesHaveTheVarianceBetweenRecordings) {
+  const auto uniform = [](const SamplePool& half, std::size_t) -> Result<Selection> {
+    return Selection{prefix_statistics(half, CountImage(kSide, kSide, 8)), {}};
+  };
+  double between = 0.0, sum = 0.0, squares = 0.0;
+  constexpr int kRuns = 60;
+  for (int r = 0; r < kRuns; ++r) {
+    const SamplePool pool = rare_events(static_cast<std::uint64_t>(100 + r));
+    const auto halves = select_halves(pool, kSide * kSide * 8, false, uniform);
+    const auto judged = judge_halves(pool, **halves, taken(), truth(), {}, box);
+    EXPECT_FALSE(judged->fresh.has_value());
+    const HalfDifference& mse = difference_named(*judged, "mse");
+    between += half_variance(std::vector{mse}).variance / kRuns;
+    ASSERT_EQ(mse.varying.size(), 1u);
+    EXPECT_EQ(mse.varying.front().first, 8);  // 6, in steps of a sixteenth of the recording
+    const double log_mse =
+        std::log(error_metrics(*box(*uniform(pool, 0), pool), truth(), {})["mse"].value);
+    sum += log_mse;
+    squares += log_mse * log_mse;
+  }
+  const double variance = (squares - sum * sum / kRuns) / (kRuns - 1);
+  // Of 60 recordings the variance has a standard error of 18 %.
+  EXPECT_NEAR(between / variance, 1.0, 0.5);
 }
 
 TEST(FreshSamples, HalvesOfASelectionAreAppliedToHalves) {
@@ -127,7 +170,7 @@ TEST(FreshSamples, ThereAreNoneWhereAHalfIsTooShort) {
     ADD_FAILURE() << "asked";
     return fail(ErrorCode::kData, "asked");
   };
-  const auto halves = select_halves(pool, kSide * kSide * 33, never);
+  const auto halves = select_halves(pool, kSide * kSide * 33, false, never);
   ASSERT_TRUE(halves.has_value());
   EXPECT_FALSE(halves->has_value());
 }

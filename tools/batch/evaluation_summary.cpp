@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lib/core/visible_text.h"
+#include "tools/batch/claims_json.h"
 #include "tools/console.h"
 #include "tools/json_text.h"
 #include "tools/methods/external_methods.h"
@@ -173,7 +174,7 @@ std::string summary_text(const ordered_json& statistics) {
       rows.back().push_back(std::to_string((*result)["threads"].get<int>()));
     }
   }
-  std::string text = format_columns(rows, 3);
+  std::string text = claims_text(statistics) + format_columns(rows, 3);
   if (shortened) {
     text += fmt::format("\nThe {} best by relMSE of each recording and budget, of {} in all.\n",
                         kBestShown, summary.results().size());

@@ -16,6 +16,9 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
+constexpr std::pair<const char*, const char*> kFreshColumns[] = {
+    {"mse", "mse_fresh"}, {"relmse", "relmse_fresh"}, {"energy_ratio", "energy_fresh"}};
+
 std::vector<Quantity> make_quantities() {
   std::vector<Quantity> list;
   for (const MetricDescription& metric : metrics()) {
@@ -78,6 +81,8 @@ void add_record(MethodResults& method, const Result<ResultRecord>& found) {
   method.failed += found && found->failed();
   for (std::size_t q = 0; q < list.size(); ++q)
     method.values[q].push_back(usable ? value_of(*found, list[q].name) : kNaN);
+  for (const auto& [metric, column] : kFreshColumns)
+    method.fresh[metric].push_back(usable ? found->number(column) : kNaN);
   if (!usable) return;
   if (++method.done == 1) {
     for (std::size_t q = 0; q < list.size(); ++q) {
@@ -108,6 +113,18 @@ Series MethodResults::series(std::size_t quantity) const {
   const auto measured = spread.find(quantities()[quantity].name);
   if (measured == spread.end()) return {values[quantity], correlation, taken, {}};
   return {values[quantity], measured->second.correlation, taken, measured->second.halves};
+}
+
+Series MethodResults::fresh_series(const std::string& metric) const {
+  const auto values_of = fresh.find(metric);
+  if (values_of == fresh.end()) return {};
+  Series series{values_of->second, 0.0, {}, {}};
+  const auto measured = spread.find(metric + "_fresh");
+  if (measured == spread.end()) return series;
+  series.correlation = measured->second.correlation;
+  // Of the mean of the two images: their difference over the root of two has its spread.
+  series.halves = difference_of(measured->second.halves, std::sqrt(0.5), measured->second.halves, 0.0);
+  return series;
 }
 
 bool MethodResults::one_image() const {
@@ -154,8 +171,10 @@ std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene
         method.shared = over_recordings(shared.samples, plan.replicates, recordings);
         method.correlation = over_recordings(shared.correlation, plan.replicates, recordings);
         for (auto& [metric, spread] : method.spread) {
-          const TakenSamples varying{varying_counts(spread.halves), method.taken.recorded,
-                                     method.taken.rare};
+          // A half is a ring of half as many samples.
+          const double ring_length = metric.ends_with("_fresh") ? 0.5 : 1.0;
+          const TakenSamples varying{varying_counts(spread.halves),
+                                     ring_length * method.taken.recorded, method.taken.rare};
           spread.correlation = over_recordings(
               shared_by_replicates(varying, plan.replicates,
                                    ring ? Taking::kOneAround : Taking::kOwnOrder)

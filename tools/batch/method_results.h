@@ -42,10 +42,14 @@ struct MethodResults {
     double correlation = 0;
   };
   std::map<std::string, Spread> spread;
+  // [replicate] errors on fresh samples, by metric; only where the plan asks for them.
+  std::map<std::string, std::vector<double>> fresh;
   bool shared_known = true;  // false: the size of the recording is not known
 
   std::string name() const { return sampler.label() + " + " + filter.label(); }
   Series series(std::size_t quantity) const;
+  // Each value is the mean of two images of half of the recording.
+  Series fresh_series(const std::string& metric) const;
   // One image, or replicates of one: intervals are those of blocks of pixels.
   bool one_image() const;
   Interval interval(std::size_t quantity) const;

@@ -7,6 +7,7 @@
 
 #include "lib/inference/budget_curve.h"
 #include "lib/inference/ranking.h"
+#include "tools/batch/claims_json.h"
 #include "tools/batch/condition_json.h"
 
 namespace spool::tools {
@@ -27,6 +28,10 @@ const char* const kRules[][2] = {
      "Methods are compared replicate by replicate on the logarithms of their errors; of all pairs "
      "of a scene, budget and metric together at 5 % (Holm). Methods that share a letter are not "
      "told apart."},
+    {"claim",
+     "A question of the plan: the ratio of two errors lies below its limit. The claims of a scene "
+     "and budget together at 5 % (Holm), apart from the pairs. Over several places: holds where "
+     "some hold and none is reversed."},
     {"ratio", "To uniform + box at the same budget, with its interval for itself."},
     {"energy", "Methods whose energy ratio is below 0.98, beyond its interval, lose energy."}};
 
@@ -43,6 +48,11 @@ class SceneStudy {
         if (auto ranked = rank_condition(plan, methods, metric)) conditions.push_back(*ranked);
       }
     }
+  }
+
+  void add_claims(std::vector<ClaimPlace>& places) const {
+    for (std::size_t b = 0; b < budgets_.size(); ++b)
+      places.push_back(judge_claims(plan_, scene_, plan_.spp[b], threads_, budgets_[b]));
   }
 
   void add_results(ordered_json& list) const {
@@ -199,7 +209,7 @@ ordered_json statistics_of(const Plan& plan, const ReadRecord& read) {
   ordered_json root = {{"version", 1}};
   for (const auto& [name, text] : kRules)
     root["rules"][name] = text;
-  for (const char* list : {"scenes", "results", "conditions", "curves", "overall"})
+  for (const char* list : {"scenes", "claims", "results", "conditions", "curves", "overall"})
     root[list] = ordered_json::array();
   const std::vector<PlanScene> scenes = scenes_of(plan);
   for (const PlanScene& scene : scenes) {
@@ -207,16 +217,19 @@ ordered_json statistics_of(const Plan& plan, const ReadRecord& read) {
                               {"group", scene.group},
                               {"recordings", scene.recordings}});
   }
+  std::vector<ClaimPlace> places;
   for (const int threads : plan.threads) {
     std::vector<SceneStudy> studies;
     for (const PlanScene& scene : scenes) {
       studies.emplace_back(plan, scene, threads, read);
+      studies.back().add_claims(places);
       studies.back().add_results(root["results"]);
       studies.back().add_conditions(root["conditions"]);
       studies.back().add_curves(root["curves"]);
     }
     add_overall(root["overall"], plan, studies);
   }
+  root["claims"] = claims_json(plan, places);
   return root;
 }
 

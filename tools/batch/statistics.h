@@ -3,6 +3,7 @@
 //
 //   rules       what an interval and a verdict are about, in words
 //   scenes      recordings, those of one scene together
+//   claims      those of the plan: its words, the verdict over all places, and each place
 //   results     per scene, budget, number of threads and method: every quantity, [mean, low, high]
 //   conditions  per scene, budget, threads and metric: methods by mean, with letters, ratio to
 //               uniform + box, verdicts; for mse and relmse all pairs
