@@ -6,6 +6,7 @@
 
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/scratch_file.h"
+#include "lib/exchange/numbered_files.h"
 
 namespace spool::exchange {
 
@@ -18,48 +19,6 @@ using interchange::ImportReport;
 namespace {
 
 constexpr const char* kPixelFile = "pixel_layers.exr";
-
-// The last run of digits in a name.
-std::optional<uint64_t> number_in(const std::string& stem) {
-  const size_t end = stem.find_last_of("0123456789");
-  if (end == std::string::npos) return std::nullopt;
-  size_t begin = end;
-  while (begin > 0 && stem[begin - 1] >= '0' && stem[begin - 1] <= '9')
-    --begin;
-  uint64_t number = 0;
-  const auto parsed = std::from_chars(&stem[begin], &stem[begin] + (end + 1 - begin), number);
-  return parsed.ec == std::errc() ? std::optional(number) : std::nullopt;
-}
-
-Result<std::vector<std::filesystem::path>> sample_files(const std::filesystem::path& in) {
-  std::vector<std::pair<uint64_t, std::filesystem::path>> files;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(in, error)) {
-    if (entry.path().extension() != ".exr" || entry.path().filename() == kPixelFile) continue;
-    const auto number = number_in(entry.path().stem().string());
-    if (!number)
-      return fail(ErrorCode::kData, "{}: no number in the name: number the samples",
-                  entry.path().string());
-    files.emplace_back(*number, entry.path());
-  }
-  if (error)
-    return fail(ErrorCode::kIo, "{}: cannot be listed ({}): give a folder of EXR images",
-                in.string(), error.message());
-  if (files.empty())
-    return fail(ErrorCode::kData, "{}: no *.exr in it: give a folder of EXR images", in.string());
-  if (files.size() > format::kMaxSpp)
-    return fail(ErrorCode::kData, "{}: {} images: at most {} samples are possible", in.string(),
-                files.size(), format::kMaxSpp);
-  std::sort(files.begin(), files.end());
-  std::vector<std::filesystem::path> sorted;
-  for (size_t i = 0; i < files.size(); ++i) {
-    if (files[i].first != files[0].first + i)
-      return fail(ErrorCode::kData, "{}: sample {} is missing or there twice: render it again",
-                  files[i].second.string(), files[0].first + i);
-    sorted.push_back(files[i].second);
-  }
-  return sorted;
-}
 
 Result<void> check_image(const ExrPlanes& image, const ExrPlanes& first, const std::string& file) {
   if (!image.rec709)
@@ -203,7 +162,8 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
                                        const std::filesystem::path& out,
                                        const ExrFolderImportOptions& options) {
   SPOOL_TRY(interchange::refuse_existing_target(out, options.force));
-  SPOOL_ASSIGN(const auto files, sample_files(in));
+  SPOOL_ASSIGN(const NumberedFiles numbered, numbered_files(in, kPixelFile));
+  const std::vector<std::filesystem::path>& files = numbered.paths;
   SPOOL_ASSIGN(ExrPlanes first, read_exr_planes(files[0], {.max_parts = INT32_MAX}));
   SPOOL_ASSIGN(const ExrMapping mapping, map_exr_layers(first, options.map, files[0].string()));
   SPOOL_ASSIGN(auto told, told_dump(first.attributes, files[0].string()));
@@ -237,6 +197,7 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
     plan.record.converted.push_back(
         fmt::format("the data window began at {},{} and was moved to 0,0", first.x0, first.y0));
   std::vector<std::string> notes = plan.record.converted;
+  notes.insert(notes.end(), numbered.notes.begin(), numbered.notes.end());
   if (!mapping.dropped.empty())
     notes.push_back(fmt::format("not taken over: {} (--set import.map=OURS=LAYER takes a layer)",
                                 fmt::join(mapping.dropped, ", ")));

@@ -98,10 +98,51 @@ def test_export_under_other_names(tmp_path, names, layers):
     assert ("ViewLayer.Combined.R" if names == "blender" else "R") in first
 
 
+NAMES = [  # in the order of their numbers, and what is said of them
+    (["a_-0002.exr", "a_-0001.exr", "a_0000.exr", "a_0001.exr"], "numbered -2 to 1"),
+    (["a-2.exr", "a-1.exr", "a0.exr", "a1.exr"], "numbered -2 to 1"),
+    (["-4.exr", "-3.exr", "-2.exr", "-1.exr"], "numbered -4 to -1"),
+    (["a-1.exr", "a-2.exr", "a-3.exr", "a-4.exr"], ""),
+    (["a8.exr", "a9.exr", "a10.exr", "a011.exr"], ""),
+    (["a_1.exr", "a_2.EXR", "A_3.Exr", "a_4.eXr"], ""),
+    (["a2024112512%010d.exr" % i for i in range(4)], ""),
+    (["a1_x.exr", "b2_x.exr", "a3_x.exr", "a4_x.exr"], "names differ beside their numbers: a1_x.exr and b2_x.exr"),
+]
+
+
+@pytest.mark.parametrize("names, words", NAMES)
+def test_images_are_taken_in_the_order_of_their_numbers(tmp_path, names, words):
+    (tmp_path / "f").mkdir()
+    for name, pixels in zip(names, SAMPLES):
+        write_image(tmp_path / "a.exr", "RGB", pixels)
+        (tmp_path / "a.exr").rename(tmp_path / "f" / name)
+    code, message, path = imported(tmp_path, tmp_path / "f")
+    assert code == 0 and words in message and ("a1_x" in message or "differ" not in message), message
+    assert ("is a sign" in message) == ("numbered" in words), message
+    sample_dumps.assert_same(path, {"radiance": np.ascontiguousarray(SAMPLES.transpose(1, 2, 0, 3))})
+
+
+def test_files_that_are_no_samples_are_left_out_and_named(tmp_path):
+    source = folder(tmp_path, "RGB", list(SAMPLES))
+    (source / "._frame_003.exr").write_bytes(b"\0\5\x16\7")
+    (source / "Thumbs.db").write_bytes(b"x")
+    (source / "frame_007.exr").mkdir()
+    code, message, path = imported(tmp_path, source)
+    assert code == 0 and "not read, hidden or no *.exr: ._frame_003.exr and 2 more" in message, message
+    sample_dumps.assert_same(path, {"radiance": np.ascontiguousarray(SAMPLES.transpose(1, 2, 0, 3))})
+    write_image(source / "thumbnail_003.exr", "RGB", SAMPLES[0][:2])
+    (tmp_path / "a.spool").unlink()
+    code, message, path = imported(tmp_path, source)
+    assert code == 1 and "sample 3 is there twice, frame_003.exr and thumbnail_003.exr" in message, message
+
+
 def damaged_folders(tmp_path):
     yield "no *.exr", (tmp_path / "empty", [])
     yield "no number in the name", (tmp_path / "name", [("one.exr", SAMPLES[0], {})])
     yield "sample 2 is missing", (tmp_path / "gap", [("a1.exr", SAMPLES[0], {}), ("a3.exr", SAMPLES[1], {})])
+    yield "sample 2 is there twice, a02.exr and a2.exr", (tmp_path / "twice", [("a02.exr", SAMPLES[0], {}), ("a2.exr", SAMPLES[1], {})])
+    yield "sample 0 is missing, a_-1.exr is followed by a_1.exr", (tmp_path / "zero", [("a_-1.exr", SAMPLES[0], {}), ("a_1.exr", SAMPLES[1], {})])
+    yield "differ before their last 18 digits", (tmp_path / "long", [("a1%018d.exr" % 0, SAMPLES[0], {}), ("a2%018d.exr" % 0, SAMPLES[1], {})])
     yield "the seed did not change", (tmp_path / "same", [("a1.exr", SAMPLES[0], {}), ("a2.exr", SAMPLES[0], {})])
     yield "another data window", (tmp_path / "size", [("a1.exr", SAMPLES[0], {}), ("a2.exr", SAMPLES[1][1:], {})])
     yield "holds 16 samples", (tmp_path / "spp", [("a1.exr", SAMPLES[0], {"attributes": [("cycles.ViewLayer.samples", "16")]})])
