@@ -6,6 +6,7 @@ one permutation for all pixels: that keeps whatever pixels share (a film positio
 p-value is the normal one for that mean and spread; a count of permutations could not resolve the small
 significance of one test among many.
 """
+import hashlib
 from math import erfc, sqrt
 
 import numpy as np
@@ -14,6 +15,7 @@ from finding import finding
 
 PERMUTATIONS = 400
 SEED = 20090807
+LEAST_BITS = 64          # of evidence that two equal images are no chance; 65536 samples make 2^31 pairs
 
 
 def residuals(radiance):
@@ -47,6 +49,35 @@ def permutation_test(e, statistic, seed):
 
 def two_sided(z):
     return erfc(abs(z) / sqrt(2))
+
+
+def repeated_images(radiance):
+    """[(first, again)] of sample indices whose whole images are equal, at any lag."""
+    first_of, pairs = {}, []
+    for s in range(radiance.shape[2]):
+        image = hashlib.blake2b(np.ascontiguousarray(radiance[:, :, s]).tobytes(), digest_size=16).digest()
+        if image in first_of:
+            pairs.append((first_of[image], s))
+        first_of.setdefault(image, s)
+    return pairs
+
+
+def chance_bits(radiance):
+    """-log2 of the chance that two independent images are equal: per pixel from how often neighbours in the sequence are."""
+    count = radiance.shape[2]
+    equal = (radiance[:, :, 1:] == radiance[:, :, :-1]).all(axis=3).sum(axis=2)
+    return float(-np.log2((equal + 1) / count).sum())
+
+
+def repetition_finding(radiance, claimed):
+    """Independent samples repeat a whole image only where few pixels are noisy; then equality says nothing."""
+    pairs, bits = repeated_images(radiance), chance_bits(radiance)
+    pairs = [(a, b) for a, b in pairs if (radiance[:, :, a] != radiance[:1, :1, a]).any()]   # not of one colour
+    evident = bool(pairs) and bits >= LEAST_BITS
+    note = "" if not evident else "image %d is image %d%s: a seed started again" % (
+        pairs[0][1], pairs[0][0], "" if claimed else "; the header claims renderer order only")
+    return finding("images differ", not evident if claimed else None if evident else True,
+                   "%d of %d are repeated" % (len(pairs), radiance.shape[2]), "none", note=note)
 
 
 def independence_findings(radiance, claimed, level):

@@ -26,7 +26,7 @@ try:
     from features import feature_findings, radiance_findings  # noqa: E402
     from film import film_findings  # noqa: E402
     from finding import line  # noqa: E402
-    from independence import independence_findings, neighbour_finding  # noqa: E402
+    from independence import independence_findings, neighbour_finding, repetition_finding  # noqa: E402
     from reference_agreement import reference_findings  # noqa: E402
     from shared_numbers import shared_number_findings  # noqa: E402
 except ImportError as error:
@@ -53,7 +53,7 @@ def verify(path):
         finite = np.where(np.isfinite(radiance), radiance, 0)
         film = dump.layers.get("film")
         whole = (side_x, side_y) == (dump.width, dump.height)
-        tests = (lambda: radiance_findings(radiance),
+        tests = (lambda: radiance_findings(radiance) + [repetition_finding(finite, dump.sample_order == "exchangeable")],
                  lambda: independence_findings(finite, dump.sample_order == "exchangeable", level),
                  lambda: [neighbour_finding(finite, film is not None and film.scope == "pass", level)],
                  lambda: film_findings(dump, (x0, y0, x0 + side_x, y0 + side_y), level),

@@ -153,3 +153,18 @@ def test_a_long_verification_says_how_far_it_is(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().err == "verification 3 of 6, 1 min 15 s left\nverification 6 of 6, 0 s left\n"
     write_verification(path, findings)
     assert capsys.readouterr().err == "blocks with the findings 3 of 8, 2 min 05 s left\nblocks with the findings 6 of 8, 50 s left\n"
+
+
+@pytest.mark.parametrize("again", [lambda s: s % 40, lambda s: s - (s == 60) * 43, lambda s: s // 2])
+def test_a_repeated_image_is_found_at_any_lag(tmp_path, again):
+    radiance = np.random.default_rng(2).gamma(1, 1, (SIZE, SIZE, SPP, 3)).astype("f4")
+    assert "images differ" not in failed(dump(tmp_path / "a.spool", radiance))
+    radiance = np.ascontiguousarray(radiance[:, :, [again(s) for s in range(SPP)]])
+    assert "images differ" in failed(dump(tmp_path / "b.spool", radiance))
+    assert "images differ" not in failed(dump(tmp_path / "c.spool", radiance, order="renderer"))
+
+
+def test_equal_images_of_a_picture_with_few_noisy_pixels_are_no_evidence(tmp_path):
+    radiance = np.random.default_rng(2).random((SIZE, SIZE, 1, 3)).repeat(SPP, axis=2).astype("f4")
+    radiance[0, 0] = (np.arange(SPP) % 4)[:, None]
+    assert "images differ" not in failed(dump(tmp_path / "a.spool", radiance))
