@@ -4,17 +4,23 @@ import csv
 import json
 import os
 import re
+import resource
+import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from made_results import make_rows, write_images, write_results
 
 pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python")
 
+import figure  # noqa: E402
 from figure import main  # noqa: E402
 from figure_tables import latex, markdown  # noqa: E402
+from draw_curves import read  # noqa: E402
 from result_images import dump_names, file_name_of  # noqa: E402
 
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
@@ -109,6 +115,69 @@ def test_hostile_names_stay_text(tmp_path):
     assert r"\input" not in tex and r"\textbackslash{}input\{/etc/passwd\}\$x\_1\$\&\%" in tex
     assert "<b>" not in (tmp_path / "f" / "table.md").read_text()
     assert latex("a_b%") == r"a\_b\%" and markdown("a|b\nc") == r"a\|b c"
+
+
+def with_group(made_folder, tmp_path, group):
+    """The made results with `group` as the label of both recordings."""
+    folder = tmp_path / "results"
+    shutil.copytree(made_folder, folder)
+    data = json.loads((folder / "statistics.json").read_text())
+    for scene in data["scenes"]:
+        scene["group"] = group
+    (folder / "statistics.json").write_text(json.dumps(data))
+    return folder
+
+
+@pytest.mark.parametrize("group", ["day/noon", "x/../../ESC", "..", "/etc/x", "a\0b\x1b[1m", "line\n\nend", "\udcff", "n" * 400])
+def test_a_group_of_any_name_has_its_files_in_the_folder(made_folder, tmp_path, group):
+    folder, output = with_group(made_folder, tmp_path, group), tmp_path / "out" / "f"
+    (output / "comparison_x").mkdir(parents=True)
+    assert main([str(folder), "-o", str(output)]) == 0
+    stem = f"comparison_{file_name_of(group)[:100]}"
+    names = {path.name for path in output.iterdir() if path.is_file()}
+    assert {f"{stem}{i}.{kind}" for i in ("", "-2") for kind in ("pdf", "svg", "png")} < names and len(names) == 13
+    assert {p.name for p in tmp_path.iterdir()} == {"results", "out"} and [*(tmp_path / "out").iterdir()] == [output]
+    for path in output.glob("*.svg"):
+        ElementTree.parse(path)
+    for name in ("table.tex", "table.md", "curves.csv"):
+        assert all(c.isprintable() or c == "\n" for c in (output / name).read_text())
+
+
+def test_links_are_replaced_and_never_followed(made_folder, tmp_path, capsys):
+    output, victim = tmp_path / "f", tmp_path / "victim"
+    assert main([str(made_folder), "-o", str(output)]) == 0
+    names = sorted(path.name for path in output.iterdir())
+    for name in names:
+        for target in (victim, tmp_path / "nothing"):
+            victim.write_text("kept")
+            (output / name).unlink()
+            (output / name).symlink_to(target)
+            assert main([str(made_folder), "-o", str(output)]) == 2
+            assert "--force" in capsys.readouterr().err
+    assert main([str(made_folder), "-o", str(output), "--force"]) == 0
+    assert victim.read_text() == "kept" and not (tmp_path / "nothing").exists()
+    assert sorted(path.name for path in output.iterdir()) == names and not any(p.is_symlink() for p in output.iterdir())
+
+
+@pytest.mark.parametrize("bytes_left", [0, 100, 5000, 30000])
+def test_a_full_disk_leaves_nothing_half(made_folder, tmp_path, bytes_left):
+    """A limit of file size gives the failed write of a full disk."""
+    command = [sys.executable, Path(figure.__file__), made_folder, "-o", tmp_path / "f"]
+    def limited():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_left, bytes_left))
+    full = subprocess.run(command, capture_output=True, text=True, preexec_fn=limited)
+    assert full.returncode == 3 and str(tmp_path / "f") in full.stderr and full.stderr.count("\n") == 1, full.stderr
+    assert "None" not in full.stderr and [*tmp_path.iterdir()] == []
+    assert subprocess.run(command, capture_output=True).returncode == 0  # no --force needed
+
+
+@pytest.mark.parametrize("group", ["=cmd|' /C calc'!A0", "+1", "-1", "@SUM(1)", "'=1", "plain"])
+def test_no_cell_of_the_curves_begins_like_a_formula(made_folder, tmp_path, group):
+    assert main([str(with_group(made_folder, tmp_path, group)), "-o", str(tmp_path / "f")]) == 0
+    for row in csv.reader((tmp_path / "f" / "curves.csv").open()):
+        assert not any(cell.startswith(tuple("=+-@")) for cell in row)
+    assert list(read(tmp_path / "f" / "curves.csv")[0]) == [group]
 
 
 def test_a_plan_is_evaluated_first(tmp_path):

@@ -25,20 +25,22 @@ STYLE = {"font.family": "serif", "font.size": 8, "pdf.fonttype": 42, "ps.fonttyp
 
 
 def read(path):
-    """{scene: {method: [(spp, mean, low, high)]}}, and the metric; the rows that are marked as drawn."""
+    """{scene: {method: [(spp, mean, low, high)]}}, and the metric; the rows that are marked as drawn. A ' before a
+    text keeps spreadsheets from computing it."""
     curves, metric = defaultdict(lambda: defaultdict(list)), ""
     with open(path, newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            metric = row["metric"]
+            scene, method, metric = (row[key][row[key][:1] == "'":] for key in ("scene", "method", "metric"))
             if row["drawn"] == "1" and row["mean"] and float(row["mean"]) > 0:
                 mean = float(row["mean"])
                 low, high = (float(row[key]) if row[key] else mean for key in ("low", "high"))
-                curves[row["scene"]][row["method"]].append((float(row["spp"]), mean, low, high))
+                curves[scene][method].append((float(row["spp"]), mean, low, high))
     return curves, metric
 
 
 def literal(text):
-    """No text of the file is read as mathematics."""
+    """No text of the file is read as mathematics; no character of it is one that SVG cannot hold."""
+    text = "".join(c if c.isprintable() else " " for c in text)
     return text.replace("\\", r"\\").replace("$", r"\$")
 
 

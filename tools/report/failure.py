@@ -23,7 +23,7 @@ def guarded(work):
         print(failure, file=sys.stderr)
         return failure.code
     except OSError as error:
-        print(f"{error.filename}: {error.strerror}: choose another place", file=sys.stderr)
+        print(f"{error.filename or 'output'}: {error.strerror}: choose another place", file=sys.stderr)
         return IO
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
         # Every reader checks what it reads; what gets past them is still no page.

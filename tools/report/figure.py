@@ -12,9 +12,10 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from failure import IO, NO_NUMPY, USAGE, Failure, guarded  # noqa: E402
+from failure import NO_NUMPY, USAGE, Failure, guarded  # noqa: E402
 
 MOST_METHODS = 5
+LONGEST_NAME = 100  # of a recording or group in a file's name; file systems take 255 bytes
 
 
 def main(arguments=None):
@@ -48,9 +49,10 @@ def make_figures(options):
     from aggregate import aggregate
     from described import Described
     from draw_curves import draw
+    from figure_folder import FigureFolder
     from figure_tables import curves_csv, latex_table, markdown_table
     from headline_data import headline_budget
-    from result_images import dump_names, find_images
+    from result_images import dump_names, file_name_of, find_images, numbered
     from results_table import choose_metric, read_results
     from statistics_file import read_statistics
     from vocabulary import read_manifest
@@ -75,20 +77,19 @@ def make_figures(options):
         if name not in labels.values():
             raise Failure(f"--recording: no {name}; there are {', '.join(labels.values())}", USAGE)
     chosen = choose_methods(options.method, conditions[0])
-    folder = Output(options.output, options.force)
-    folder.text("table.tex", latex_table(statistics, metric, labels))
-    folder.text("table.md", markdown_table(statistics, metric, labels))
-    folder.text("curves.csv", curves_csv(statistics, metric, labels, chosen))
-    folder.claim("curves.py", "curves.pdf", "curves.svg", "curves.png")
-    shutil.copyfile(Path(__file__).with_name("draw_curves.py"), options.output / "curves.py")
-    draw(options.output / "curves.csv", options.output / "curves")
     images = {combinations[entry.combination].key: entry.paths for entry in found}
+    names = numbered({dump: f"comparison_{file_name_of(label)[:LONGEST_NAME]}" for dump, label in labels.items()})
     compared = 0
-    for condition in conditions:
-        label = labels[condition["dump"]]
-        if options.recording and label not in options.recording:
-            continue
-        compared += compare(condition, chosen, images, folder, f"comparison_{label}")
+    with FigureFolder(options.output, options.force) as folder:
+        folder.text("table.tex", latex_table(statistics, metric, labels))
+        folder.text("table.md", markdown_table(statistics, metric, labels))
+        curves = folder.text("curves.csv", curves_csv(statistics, metric, labels, chosen))
+        shutil.copyfile(Path(__file__).with_name("draw_curves.py"), folder.file("curves.py"))
+        draw(curves, folder.pictures("curves"))
+        for condition in conditions:
+            if options.recording and labels[condition["dump"]] not in options.recording:
+                continue
+            compared += compare(condition, chosen, images, folder, names[condition["dump"]])
     return (f"{options.output}: {compared} comparison{'' if compared == 1 else 's'}, curves and tables of {metric}"
             + ("" if compared else "; no pictures in the folder, so no comparison"))
 
@@ -133,29 +134,8 @@ def compare(condition, chosen, images, folder, name):
         return 0
     reference = panels[0][3].get("reference")
     guide = rgb(read_exr(reference or panels[-1][3]["estimate"]))
-    folder.claim(*(f"{name}.{kind}" for kind in ("pdf", "svg", "png")))
-    draw_comparison(panels, reference, exposure_and_mean(guide)[0], folder.path / name)
+    draw_comparison(panels, reference, exposure_and_mean(guide)[0], folder.pictures(name))
     return 1
-
-
-class Output:
-    """The folder of the figures; nothing there is replaced unasked."""
-
-    def __init__(self, path, force):
-        self.path, self.force = path, force
-        try:
-            path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise Failure(f"{path}: {error.strerror}: choose another folder", IO) from error
-
-    def claim(self, *names):
-        for name in names:
-            if (self.path / name).exists() and not self.force:
-                raise Failure(f"{self.path / name}: exists: choose another folder or give --force", USAGE)
-
-    def text(self, name, text):
-        self.claim(name)
-        (self.path / name).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -12,14 +12,26 @@ from summary import name_of
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
 
 
+def printable(text):
+    """One line without control characters, which neither LaTeX nor XML can hold."""
+    return "".join(c if c.isprintable() else " " for c in text)
+
+
 def latex(text):
-    return "".join(LATEX.get(c, "\\" + c if c in "{}$&#_%" else c) for c in text)
+    return "".join(LATEX.get(c, "\\" + c if c in "{}$&#_%" else c) for c in printable(text))
 
 
 def markdown(text):
     for c in "\\|*_`<>[]":
         text = text.replace(c, "\\" + c)
-    return text.replace("\n", " ")
+    return printable(text)
+
+
+def csv_text(text):
+    """A spreadsheet computes a cell that begins like a formula, quoted or not: ' keeps it text. draw_curves.py
+    takes the ' away again."""
+    text = printable(text)
+    return "'" + text if text[:1] in tuple("=+-@'") else text
 
 
 class Cell:
@@ -90,6 +102,6 @@ def curves_csv(statistics, metric, labels, drawn):
     for condition in statistics.of_metric(metric):
         for entry in condition["ranking"]:
             numbers = ["" if n != n else repr(n) for n in interval_of(entry["value"])]
-            writer.writerow([labels[condition["dump"]], name_of(entry), f"{condition['spp']:g}", metric, *numbers,
-                             int(name_of(entry) in drawn)])
+            writer.writerow([csv_text(labels[condition["dump"]]), csv_text(name_of(entry)), f"{condition['spp']:g}",
+                             csv_text(metric), *numbers, int(name_of(entry) in drawn)])
     return out.getvalue()

@@ -55,13 +55,17 @@ def file_name_of(label):
 
 def dump_names(dumps):
     """{recording: name of its files}: stems, numbered where two are alike."""
+    return numbered({dump: file_name_of(os.path.splitext(os.path.basename(dump))[0]) for dump in dumps})
+
+
+def numbered(stems):
+    """{key: stem}, with -2, -3 where two are alike."""
     names = {}
-    for dump in dumps:
-        stem = file_name_of(os.path.splitext(os.path.basename(dump))[0])
+    for key, stem in stems.items():
         name, i = stem, 2
         while name in names.values():
             name, i = f"{stem}-{i}", i + 1
-        names[dump] = name
+        names[key] = name
     return names
 
 
