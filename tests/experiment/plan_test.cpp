@@ -202,6 +202,38 @@ group = "chess"
   EXPECT_EQ(again->energy_band, plan->energy_band);
 }
 
+TEST(Plan, ClaimsAreReadWrittenAndRead) {
+  const char* const text = R"(
+recordings = "a.spool"
+spp = [4, 8]
+samplers = ["uniform", "multiscale"]
+filters = "box"
+[[claim]]
+better = "multiscale + box"
+than = "uniform + box"
+[[claim]]
+text = "own words"
+better = "multiscale + box"
+than = "uniform + box"
+metric = "mse"
+spp = 8
+samples = "fresh"
+below = 1.1
+source = "LiuZheng, Figure 12"
+)";
+  const auto plan = parse(text);
+  ASSERT_TRUE(plan.has_value()) << plan.error().message;
+  ASSERT_EQ(plan->claims.size(), 2u);
+  EXPECT_EQ(plan->claims[0].metric, "relmse");
+  EXPECT_TRUE(plan->claims[0].asks(4) && plan->claims[0].asks(8));
+  EXPECT_FALSE(plan->claims[1].asks(4));
+  EXPECT_EQ(plan->claims[1].below, 1.1);
+  EXPECT_TRUE(plan->experiment.fresh);
+  const auto again = parse(plan_text(*plan).c_str());
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(again->claims, plan->claims);
+}
+
 TEST(Plan, MistakesAreNamedWithTheirLine) {
   const std::string good =
       "recordings = 'a.spool'\nspp = 4\nsamplers = 'uniform'\nfilters = 'box'\n";
@@ -213,6 +245,14 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
       {"reference = 'holdut'", "plan.toml:5: unknown reference 'holdut', did you mean 'holdout'?"},
       {"energy_band = [1.02, 0.98]", "plan.toml:5: energy_band: the lower ratio comes first"},
       {"energy_band = 0.9", "plan.toml:5: energy_band is two ratios"},
+      {"[[claim]]\nbetter = 'uniform + bxo'",
+       "plan.toml:6: unknown method of the plan 'uniform + bxo', did you mean 'uniform + box'?"},
+      {"[[claim]]\nbetter = 'uniform + box'", "plan.toml:5: a claim needs two methods"},
+      {"[[claim]]\nmetrik = 'mse'", "plan.toml:6: unknown key of a claim 'metrik'"},
+      {"[[claim]]\nmetric = 'mes'", "plan.toml:6: unknown metric 'mes', did you mean 'mse'?"},
+      {"[[claim]]\nspp = 5", "plan.toml:6: spp 5 is no budget of the plan"},
+      {"[[claim]]\nsamples = 'new'", "plan.toml:6: samples is own or fresh, not 'new'"},
+      {"[[claim]]\nbelow = 0", "plan.toml:6: option below: 0 is outside"},
       {"[[dump]]\ngroup = 'g'", "plan.toml:5: this dump has no file"},
       {"[[dump]]\nfle = 'b.spool'", "plan.toml:6: unknown key 'fle' of a dump"},
       {"order = 'random'", "plan.toml:5: order is disjoint, shuffled or recorded"},

@@ -98,6 +98,7 @@ ordered_json claims_json(const Plan& plan, const std::vector<ClaimPlace>& places
                           {"verdict", claim_verdict_name(verdict_over(verdicts))},
                           {"counts", counts},
                           {"places", std::move(at)}};
+    if (!claim.spp.empty()) entry["spp"] = claim.spp;
     if (!claim.source.empty()) entry["source"] = claim.source;
     list.push_back(std::move(entry));
   }
@@ -106,9 +107,10 @@ ordered_json claims_json(const Plan& plan, const std::vector<ClaimPlace>& places
 
 std::string claims_text(const ordered_json& statistics) {
   std::string text;
-  for (const ordered_json& claim : statistics["claims"]) {
-    text += fmt::format("claim: {}: {}\n", visible_text(claim["text"].get<std::string>()),
-                        claim["verdict"].get<std::string>());
+  for (const ordered_json& claim : statistics.value("claims", ordered_json::array())) {
+    text += fmt::format("claim: {}: {}{}\n", visible_text(claim["text"].get<std::string>()),
+                        claim["verdict"].get<std::string>(),
+                        claim.contains("after_results") ? " (added after results)" : "");
     for (const ordered_json& place : claim["places"]) {
       const std::filesystem::path dump = place["dump"].get<std::string>();
       text += fmt::format("  {} {:g} spp: {}{}\n", visible_text(dump.stem().string()),

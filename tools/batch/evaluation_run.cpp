@@ -18,6 +18,7 @@
 #include "tools/batch/dump_identity.h"
 #include "tools/batch/evaluation_pictures.h"
 #include "tools/batch/evaluation_summary.h"
+#include "tools/batch/registered_claims.h"
 #include "tools/batch/results_writer.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_manifest.h"
@@ -279,11 +280,12 @@ class PlanRun {
 Result<void> write_statistics(const fs::path& folder, const Plan& plan,
                               const CommonOptions& common) {
   const CellStore store(folder);
-  const nlohmann::ordered_json statistics =
+  nlohmann::ordered_json statistics =
       statistics_of(plan, [&](const Cell& cell) { return store.read(cell_id(cell, plan), cell); });
   if (statistics["results"].empty()) {
     return fail(ErrorCode::kData, "{}: no finished results in it", folder.string());
   }
+  mark_late_claims(folder, statistics);
   SPOOL_TRY(write_text_file(folder / "statistics.json", statistics_text(statistics), true, true));
   if (common.json) print(summary_json(statistics));
   if (!common.json && !common.quiet) print(summary_text(statistics));
@@ -308,6 +310,7 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps,
                identify_dumps(request.plan.recordings, request.folder));
   SPOOL_TRY(write_identities(dumps, request.folder));
+  if (!request.merge) SPOOL_TRY(register_claims(request.folder, request.plan));
   SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true, true));
   SPOOL_TRY(merge_folders(request, dumps));
   PlanRun run(request, common, std::move(named));
