@@ -87,7 +87,10 @@ class PlanReader {
     SPOOL_TRY(read_energy_band(plan));
     SPOOL_TRY(read_budgets(plan));
     SPOOL_TRY(read_experiment(plan));
-    plan.experiment.halves = plan.measured_halves();
+    bool halves = true;
+    SPOOL_TRY(read_value("halves", halves,
+                         [](const std::string& text) { return parse_flag("halves", text); }));
+    plan.experiment.halves = halves ? plan.measured_halves() : 0;
     SPOOL_TRY(read_options("pool", sanitise_option_table(), plan.rules));
     SPOOL_TRY(read_options("metrics", metric_option_table(), plan.experiment.metrics));
     SPOOL_ASSIGN(plan.samplers, read_methods(vocabulary.samplers));
@@ -121,7 +124,7 @@ class PlanReader {
                                             "filter",      "pool",           "metrics",
                                             "threads",     "repeats",        "pictures",
                                             "mask",        "decision_split", "dump",
-                                            "energy_band", "fresh",          "claim"};
+                                            "energy_band", "fresh",          "claim",          "halves"};
     for (const auto& [key, node] : root_) {
       if (std::ranges::find(known, key.str()) != known.end()) continue;
       return refuse(node, "{}", unknown_name("key", key.str(), known));

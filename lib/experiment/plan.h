@@ -11,6 +11,8 @@
 //   pieces_per_side = 1
 //   decision_split = false        # true: no sample decides about its own half
 //   fresh = false                 # true: also the counts on samples that had no say
+//   halves = true                 # false: how much errors vary between recordings is assumed from
+//                                 # shared samples and not measured on halves; a third less time
 //   threads = [1, 2]              # a sweep too; absent: as many as the process may use
 //   repeats = 3                   # of sampling and filtering, for the median of their times
 //   pictures = true               # images of replicate 0

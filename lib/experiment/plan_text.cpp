@@ -91,6 +91,7 @@ std::string plan_text(const Plan& plan) {
                    {"pieces_per_side", e.pieces_per_side},
                    {"decision_split", e.decision_split},
                    {"fresh", e.fresh},
+                   {"halves", e.halves > 0 || plan.replicates == 1},
                    {"sampler", method_tables(plan.samplers)},
                    {"filter", method_tables(plan.filters)},
                    {"pool", options_table(sanitise_option_table(), plan.rules)},

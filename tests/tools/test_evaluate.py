@@ -1,4 +1,6 @@
 """`spool evaluate`: its table, its numbers against numpy, its pictures, its errors."""
+import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +41,31 @@ def kurtosis_of(radiance):
     return (weight * k4).sum() / (weight * (k2**2 - k4 / n) * (n - 1) / (n + 1)).sum()
 
 
+def spread_of_halves(folder, metric):
+    """Variance between recordings of the logarithm of a metric of uniform + box, and its degrees of freedom, from the halves
+    that the folder keeps: cells summed in windows of 2 x 2, freedom by the kurtosis of the cells."""
+    rows = {(row["sampler"], row["filter"], row["replicate"]): row for row in rows_of(folder)}
+    splits = []
+    for path in sorted((folder / "cells").glob("*.json")):
+        cell = json.loads(path.read_text())
+        wanted = [rows["uniform", "box", r]["mse"] for r in ("0", "1")]
+        if "halves" in cell and cell["fields"]["mse"] in wanted:
+            kept = cell["halves"][metric]
+            splits.append(np.array(kept["cells"].split(), float).reshape(-1, kept["columns"]))
+    assert len(splits) == 2
+    windows = [sum(np.pad(s, 1)[y:y + s.shape[0] + 1, x:x + s.shape[1] + 1] for y in (0, 1) for x in (0, 1)) for s in splits]
+    variance = np.mean([(w ** 2).sum() / 8 for w in windows])
+    squares = np.mean([s ** 2 for s in splits], axis=0)
+    return variance, max(1.0, (2 * squares.sum() ** 2 / (squares ** 2).sum() - 1) / 2.25)
+
+
+def student_within(reach, freedom):
+    """P(|T| <= reach) of Student's distribution, by the trapezoid rule."""
+    t = np.linspace(-reach, reach, 20001)
+    density = math.gamma((freedom + 1) / 2) / math.gamma(freedom / 2) / math.sqrt(freedom * math.pi) * (1 + t * t / freedom) ** (-(freedom + 1) / 2)
+    return ((density[1:] + density[:-1]) / 2).sum() * (t[1] - t[0])
+
+
 def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
     result = good("evaluate", dump, "--filters", "box,gaussian", "--spp", 4, "-o", "out", "--json").json
     by_filter = {entry["filter"]: entry for entry in result}
@@ -53,8 +80,12 @@ def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
     rare = max(kurtosis, 0) / 4 / (2 + max(kurtosis, 0) / 4)
     alike = rare / 7 + (1 - rare) / 14
     assert np.isclose(by_filter["box"]["correlation"], alike)
-    error = np.std(logs, ddof=1) / 8**0.5 * ((1 + 7 * alike) / (1 - alike))**0.5
-    assert np.isclose(np.log(high / mean), 2.364624 * error) and np.isclose(np.log(mean / low), 2.364624 * error)
+    variance, freedom = spread_of_halves(tmp_path / "out", "mse")
+    all_freedom = freedom + 7 * (1 - alike)
+    of_one = (freedom * variance + 7 * np.var(logs, ddof=1)) / all_freedom
+    reach = np.log(high / mean) / np.sqrt(of_one * (1 + 7 * alike) / 8)
+    assert np.isclose(np.log(mean / low), np.log(high / mean))
+    assert abs(student_within(reach, all_freedom) - 0.95) < 1e-3
     text = good("evaluate", dump, "--spp", 4, "-o", "text").out
     assert f"{mean:.4g} [" in text and "results.csv" in text and "share up to 14 %" in text
 

@@ -26,6 +26,7 @@ PLAN = """title = "small"
 recordings = ["../../dumps/tiny/chess.spool", "../../dumps/tiny/table.spool"]
 spp = [4]
 replicates = 8
+halves = false
 pictures = true
 samplers = ["multiscale", "uniform", "mitchell"]
 filters = ["box", "gaussian", "cross_bilateral"]
