@@ -68,7 +68,8 @@ class PlanRun {
     const int pieces = request_.plan.experiment.pieces_per_side;
     SPOOL_ASSIGN(const PlanDemands methods,
                  demands_of(request_.plan.samplers, request_.plan.filters));
-    const WorkingMemory memory = evaluation_memory(methods.samplers, methods.filters, pieces);
+    const WorkingMemory memory = evaluation_memory(methods.samplers, methods.filters, pieces,
+                                                   request_.plan.experiment.halves > 0);
     const SampleFilm film = film_for(methods.samplers, methods.filters, pieces);
     std::shared_ptr<const RecordedSamples> recording;  // that of the cells at work
     const ExperimentSources sources{

@@ -13,6 +13,8 @@ constexpr double kSharedWithLoop = 39;
 // A sampling run stays while its images are filtered, and metrics take the same whatever they
 // judge.
 constexpr double kHeldWhileFiltering = 150, kJudging = 460;
+// With what two halves of the recording gave, and the error maps of their images.
+constexpr double kJudgingHalves = 785;
 // An image that is shown: as it was made, and as it is written.
 constexpr double kView = 18;
 
@@ -107,14 +109,16 @@ WorkingMemory sampling_memory(const Demands& sampler, const std::vector<Demands>
 }
 
 WorkingMemory evaluation_memory(const std::vector<Demands>& samplers,
-                                const std::vector<Demands>& filters, int pieces_per_side) {
+                                const std::vector<Demands>& filters, int pieces_per_side,
+                                bool halves) {
   WorkingMemory most;
   for (const Demands& sampler : samplers)
     most = larger(most, sampling_memory(sampler, filters, pieces_per_side));
   WorkingMemory filtering;
   for (const Demands& filter : filters)
     filtering = larger(filtering, filtering_memory(filter, pieces_per_side));
-  filtering.per_pixel = std::max(filtering.per_pixel + kHeldWhileFiltering, kJudging);
+  filtering.per_pixel = std::max(filtering.per_pixel + kHeldWhileFiltering,
+                                 halves ? kJudgingHalves : kJudging);
   return larger(most, filtering);
 }
 

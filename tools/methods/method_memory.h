@@ -43,9 +43,10 @@ WorkingMemory filtering_memory(const Demands& filter, int pieces_per_side);
 // family has is known only when they are made.
 WorkingMemory with_views(WorkingMemory memory, const std::vector<ViewDescription>& known,
                          const Views& views, int pieces_per_side);
-// The most that one of the cells of an evaluation takes.
+// The most that one of the cells of an evaluation takes; `halves`: with its spread measured.
 WorkingMemory evaluation_memory(const std::vector<Demands>& samplers,
-                                const std::vector<Demands>& filters, int pieces_per_side);
+                                const std::vector<Demands>& filters, int pieces_per_side,
+                                bool halves = false);
 
 // Film positions of each sample where one of the methods asks for them, or pieces of a pixel do:
 // what a method does not say it needs, it does not get.
