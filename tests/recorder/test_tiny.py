@@ -82,7 +82,10 @@ def test_samples_of_the_dump_are_what_its_header_claims(entry):
     found = json.loads(done.stdout)
     with spool.open(DUMPS / entry["file"]) as dump:
         kept = dump.meta["verification"]
-    assert [(c["name"], c["holds"]) for c in kept["findings"]] == [(c["name"], c["holds"]) for c in found["findings"]]
+    later = ("images differ",)  # is younger than the recordings of the tree
+    assert all(c["holds"] for c in found["findings"] if c["name"] in later)
+    assert [(c["name"], c["holds"]) for c in kept["findings"]] == [
+        (c["name"], c["holds"]) for c in found["findings"] if c["name"] not in later]
     assert kept["holds"] and "reference error" in done.stdout
 
 
