@@ -1,6 +1,7 @@
 // A folder of EXR images, one sample of every pixel each; exr_folder_export.h writes it.
 //
-// Names of channels: exr_names.h; order of the files: numbered_files.h. pixel_layers.exr in the folder holds what has one value per pixel (a reference).
+// Names of channels: exr_names.h; order of the files: numbered_files.h. pixel_layers.exr in the
+// folder holds what has one value per pixel (a reference).
 #pragma once
 
 #include <filesystem>

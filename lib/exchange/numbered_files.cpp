@@ -86,16 +86,15 @@ Result<void> check_sequence(const std::vector<NumberedFile>& files, const std::s
 void add_notes(const std::vector<NumberedFile>& files, const std::vector<std::string>& left_out,
                std::vector<std::string>& notes) {
   if (!left_out.empty())
-    notes.push_back(fmt::format("not read, hidden or no *.exr: {}{}", left_out.front(),
-                                left_out.size() == 1
-                                    ? std::string()
-                                    : fmt::format(" and {} more", left_out.size() - 1)));
+    notes.push_back(fmt::format(
+        "not read, hidden or no *.exr: {}{}", left_out.front(),
+        left_out.size() == 1 ? std::string() : fmt::format(" and {} more", left_out.size() - 1)));
   const auto other = std::find_if(files.begin(), files.end(), [&](const NumberedFile& file) {
     return file.before != files[0].before || file.after != files[0].after;
   });
   if (other != files.end())
-    notes.push_back(fmt::format("names differ beside their numbers: {} and {}", files[0].name,
-                                other->name));
+    notes.push_back(
+        fmt::format("names differ beside their numbers: {} and {}", files[0].name, other->name));
   if (files[0].number < 0)
     notes.push_back(fmt::format("the samples are numbered {} to {}: a '-' is a sign in {}",
                                 files[0].number, files.back().number, files[0].name));

@@ -34,7 +34,7 @@ struct HalfSelections {
   std::array<Selection, 2> own;  // [half] what a sampler took there
   // [half] the counts that it decided on with the other half; absent: not asked for.
   std::optional<std::array<Selection, 2>> fresh;
-  double saturated_share = 0.0;    // pieces of which it took everything, mean of both halves
+  double saturated_share = 0.0;  // pieces of which it took everything, mean of both halves
 };
 
 struct FreshErrors {
@@ -71,8 +71,8 @@ Result<std::optional<HalfSelections>> select_halves(const SamplePool& pool, long
 // these samples.
 CountImage looked_at(const SamplePool& pool, const HalfSelections& halves);
 
-// Errors: those of the filter. `reference` is made of none of the samples in `halves`. `taken`: of a
-// replicate that has the whole pool, the samples of every piece.
+// Errors: those of the filter. `reference` is made of none of the samples in `halves`. `taken`: of
+// a replicate that has the whole pool, the samples of every piece.
 Result<HalfErrors> judge_halves(const SamplePool& pool, const HalfSelections& halves,
                                 const CountImage& taken, const JudgingReference& reference,
                                 const MetricOptions& options, const FilterHalf& filter);

@@ -124,7 +124,8 @@ class PlanReader {
                                             "filter",      "pool",           "metrics",
                                             "threads",     "repeats",        "pictures",
                                             "mask",        "decision_split", "dump",
-                                            "energy_band", "fresh",          "claim",          "halves"};
+                                            "energy_band", "fresh",          "claim",
+                                            "halves"};
     for (const auto& [key, node] : root_) {
       if (std::ranges::find(known, key.str()) != known.end()) continue;
       return refuse(node, "{}", unknown_name("key", key.str(), known));
@@ -371,8 +372,9 @@ class PlanReader {
       claim.source = text;
     } else if (key == "better" || key == "than") {
       if (std::ranges::find(methods, text) == methods.end()) {
-        return refuse(value, "{}", unknown_name("method of the plan", text, methods,
-                                                ": write \"SAMPLER + FILTER\" by their labels"));
+        return refuse(value, "{}",
+                      unknown_name("method of the plan", text, methods,
+                                   ": write \"SAMPLER + FILTER\" by their labels"));
       }
       (key == "better" ? claim.better : claim.than) = text;
     } else if (key == "metric") {
@@ -387,10 +389,10 @@ class PlanReader {
     } else if (key == "below") {
       SPOOL_ASSIGN(claim.below, at(value, parse_number("below", text, 1e-6, 1e6)));
     } else {
-      return refuse(value, "{}",
-                    unknown_name("key of a claim", key,
-                                 {"text", "better", "than", "metric", "spp", "samples", "below",
-                                  "source"}));
+      return refuse(
+          value, "{}",
+          unknown_name("key of a claim", key,
+                       {"text", "better", "than", "metric", "spp", "samples", "below", "source"}));
     }
     return {};
   }

@@ -66,9 +66,9 @@ toml::array list_of(const std::vector<Value>& values) {
 toml::array claim_tables(const std::vector<Claim>& claims) {
   toml::array tables;
   for (const Claim& claim : claims) {
-    toml::table table{{"text", claim.text},     {"better", claim.better},
-                      {"than", claim.than},     {"metric", claim.metric},
-                      {"below", claim.below},   {"samples", claim.fresh ? "fresh" : "own"}};
+    toml::table table{{"text", claim.text},   {"better", claim.better},
+                      {"than", claim.than},   {"metric", claim.metric},
+                      {"below", claim.below}, {"samples", claim.fresh ? "fresh" : "own"}};
     if (!claim.spp.empty()) table.insert("spp", list_of(claim.spp));
     if (!claim.source.empty()) table.insert("source", claim.source);
     tables.push_back(table);

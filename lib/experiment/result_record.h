@@ -18,7 +18,7 @@ struct ResultRecord {
   std::vector<std::string> fields;                // as result_columns()
   std::vector<std::pair<int, long long>> counts;  // as CellResult::counts; empty: not known
 
-  std::vector<MetricHalves> halves;               // as CellResult::halves
+  std::vector<MetricHalves> halves;  // as CellResult::halves
 
   const std::string& text(std::string_view column) const;
   double number(std::string_view column) const;  // NaN where the field is empty

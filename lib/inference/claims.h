@@ -13,13 +13,13 @@
 namespace spool {
 
 struct Claim {
-  std::string text;           // the question in words
-  std::string better, than;   // "SAMPLER + FILTER", by their labels
+  std::string text;          // the question in words
+  std::string better, than;  // "SAMPLER + FILTER", by their labels
   std::string metric = "relmse";
-  std::vector<double> spp;    // empty: all budgets
-  bool fresh = false;         // errors on samples that had no say in the counts
-  double below = 1.0;         // the ratio that better / than must lie below
-  std::string source;         // free: "LiuZheng, Figure 12"
+  std::vector<double> spp;  // empty: all budgets
+  bool fresh = false;       // errors on samples that had no say in the counts
+  double below = 1.0;       // the ratio that better / than must lie below
+  std::string source;       // free: "LiuZheng, Figure 12"
 
   bool asks(double budget) const;
   friend bool operator==(const Claim&, const Claim&) = default;

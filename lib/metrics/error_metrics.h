@@ -54,8 +54,8 @@ struct MetricTable {
 MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& reference,
                           const MetricOptions& options = {});
 
-// Per pixel [y][x], the part of one metric: its mean over the judged pixels is the metric. 0 where a
-// pixel is not judged.
+// Per pixel [y][x], the part of one metric: its mean over the judged pixels is the metric. 0 where
+// a pixel is not judged.
 struct ErrorMap {
   std::string metric;
   Plane parts;

@@ -105,8 +105,7 @@ PerceptualValue map_mean(const char* name, const Plane& map, const BlockBootstra
 Plane flip_map(const RgbImage& estimate, const RgbImage& reference,
                const Image<std::uint8_t>& judged) {
   const double exposure = tone_map_exposure(reference, judged);
-  Plane map =
-      flip_ldr_map(scaled(reference, exposure, judged), scaled(estimate, exposure, judged));
+  Plane map = flip_ldr_map(scaled(reference, exposure, judged), scaled(estimate, exposure, judged));
   for (std::size_t p = 0; p < map.size(); ++p) {
     if (!judged[p]) map[p] = 0.0;
   }
@@ -126,8 +125,8 @@ std::vector<PerceptualValue> perceptual_metrics(const RgbImage& estimate, const 
     guards.add(Guard::kSmallImage);
   values[0] = map_mean("ssim", ssim_maps(a, b).ssim, bootstrap);
   values[1] = ms_ssim(a, b, bootstrap);
-  values[2] = map_mean(
-      "flip_ldr", only_judged(flip_map(estimate, reference, judged), judged), bootstrap);
+  values[2] =
+      map_mean("flip_ldr", only_judged(flip_map(estimate, reference, judged), judged), bootstrap);
   if (which != Perceptual::kAll) return values;
   const auto hdr = flip_hdr_map(scaled(reference, 1.0, judged), scaled(estimate, 1.0, judged));
   if (hdr) values[3] = map_mean("flip_hdr", only_judged(*hdr, judged), bootstrap);

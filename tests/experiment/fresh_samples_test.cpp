@@ -119,8 +119,8 @@ TEST(FreshSamples, OfUniformCountsHaveTheSameError) {
 }
 
 const HalfDifference& difference_named(const HalfErrors& errors, const std::string& metric) {
-  const auto found =
-      std::ranges::find(errors.differences, metric, [](const auto& halves) { return halves.metric; });
+  const auto found = std::ranges::find(errors.differences, metric,
+                                       [](const auto& halves) { return halves.metric; });
   EXPECT_NE(found, errors.differences.end()) << metric;
   return found->difference;
 }

@@ -123,7 +123,8 @@ Series MethodResults::fresh_series(const std::string& metric) const {
   if (measured == spread.end()) return series;
   series.correlation = measured->second.correlation;
   // Of the mean of the two images: their difference over the root of two has its spread.
-  series.halves = difference_of(measured->second.halves, std::sqrt(0.5), measured->second.halves, 0.0);
+  series.halves =
+      difference_of(measured->second.halves, std::sqrt(0.5), measured->second.halves, 0.0);
   return series;
 }
 
@@ -175,11 +176,11 @@ std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene
           const double ring_length = metric.ends_with("_fresh") ? 0.5 : 1.0;
           const TakenSamples varying{varying_counts(spread.halves),
                                      ring_length * method.taken.recorded, method.taken.rare};
-          spread.correlation = over_recordings(
-              shared_by_replicates(varying, plan.replicates,
-                                   ring ? Taking::kOneAround : Taking::kOwnOrder)
-                  .correlation,
-              plan.replicates, recordings);
+          spread.correlation =
+              over_recordings(shared_by_replicates(varying, plan.replicates,
+                                                   ring ? Taking::kOneAround : Taking::kOwnOrder)
+                                  .correlation,
+                              plan.replicates, recordings);
         }
       }
       methods.push_back(std::move(method));

@@ -34,8 +34,8 @@ struct MethodResults {
   bool biased = false;
   std::string reference;
   TakenSamples taken;
-  double shared = 0;         // share of a replicate's samples that another took too
-  double correlation = 0;    // of the replicates of a metric (shared_samples.h)
+  double shared = 0;       // share of a replicate's samples that another took too
+  double correlation = 0;  // of the replicates of a metric (shared_samples.h)
   // By metric, where it was measured: the differences of halves, and the correlation that follows.
   struct Spread {
     std::vector<HalfDifference> halves;

@@ -117,8 +117,8 @@ WorkingMemory evaluation_memory(const std::vector<Demands>& samplers,
   WorkingMemory filtering;
   for (const Demands& filter : filters)
     filtering = larger(filtering, filtering_memory(filter, pieces_per_side));
-  filtering.per_pixel = std::max(filtering.per_pixel + kHeldWhileFiltering,
-                                 halves ? kJudgingHalves : kJudging);
+  filtering.per_pixel =
+      std::max(filtering.per_pixel + kHeldWhileFiltering, halves ? kJudgingHalves : kJudging);
   return larger(most, filtering);
 }
 
