@@ -166,7 +166,7 @@ def energy(combinations, labels):
     if not known:
         return []
     if not lost:
-        return [Sentence("Energy: no combination is shown to lose light.", "energy")]
+        return [Sentence("Energy: no combination is shown to lose more than 2 % of the light, beyond its interval.", "energy")]
     worst = max((c for c in known if c.key in lost), key=lambda c: lost[c.key])
     return [Sentence(f"Energy: {len(lost)} of {count_text(len(known), 'combination')} lose light; the most, "
                      f"{worst.method} on {labels[worst.dump]} at {worst.spp:g} spp, loses "
