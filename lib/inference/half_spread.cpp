@@ -49,6 +49,9 @@ double freedom_of(std::span<const HalfDifference> splits) {
 HalfVariance half_variance(std::span<const HalfDifference> splits) {
   HalfVariance found;
   if (splits.empty()) return found;
+  for (const HalfDifference& split : splits) {
+    if (split.cells.size() != splits.front().cells.size()) return found;
+  }
   for (const HalfDifference& split : splits)
     found.variance += 0.5 * window_squares(split) / static_cast<double>(splits.size());
   found.freedom = freedom_of(splits);

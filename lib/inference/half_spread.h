@@ -34,7 +34,7 @@ struct HalfVariance {
   double freedom = 0;   // 0: not known
 };
 
-// `splits`: of one metric, all of one size; empty: not known.
+// `splits`: of one metric; none, or of pictures of several sizes: not known.
 HalfVariance half_variance(std::span<const HalfDifference> splits);
 
 // first * a - second * b, cell by cell, of the splits that both have; empty where sizes differ.

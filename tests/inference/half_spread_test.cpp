@@ -60,6 +60,7 @@ TEST(HalfSpread, DifferencesNeedTheSameCells) {
   EXPECT_EQ(difference[0].cells[5], a[0].cells[5] - 2.0 * b[0].cells[5]);
   EXPECT_TRUE(difference_of(a, 1.0, std::vector{HalfDifference{2, {1.0, 2.0}, {}}}, 1.0).empty());
   EXPECT_TRUE(difference_of(a, 1.0, {}, 1.0).empty());
+  EXPECT_EQ(half_variance(std::vector{a[0], HalfDifference{2, {1.0, 2.0}, {}}}).freedom, 0.0);
 }
 
 // Replicates that are the same picture but for a trace: their own scatter says nothing.

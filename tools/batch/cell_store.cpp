@@ -1,5 +1,6 @@
 #include "tools/batch/cell_store.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -35,7 +36,8 @@ std::vector<std::pair<int, long long>> counts_of(const std::string& text) {
   char colon = 0;
   while (words >> samples >> colon >> pieces)
     counts.emplace_back(samples, pieces);
-  if (!words.eof()) counts.clear();
+  const auto counted = [](const auto& count) { return count.first >= 0 && count.second > 0; };
+  if (!words.eof() || !std::ranges::all_of(counts, counted)) counts.clear();
   return counts;
 }
 
