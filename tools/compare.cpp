@@ -1,10 +1,13 @@
 #include "tools/compare.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "formats/bounded_json.h"
 #include "lib/core/visible_text.h"
 #include "tools/batch/result_changes.h"
 #include "tools/json_text.h"
@@ -32,6 +35,7 @@ std::string ratio_text(const Change& change) {
 
 struct Outcome {
   std::vector<Change> changes;
+  std::vector<std::array<std::string, 3>> claims;  // text, verdict before and after
 
   long long count(Verdict verdict) const {
     return std::ranges::count(changes, verdict, &Change::verdict);
@@ -50,7 +54,15 @@ std::string text_of(const Outcome& outcome, bool all) {
                     std::isnan(c.p) ? "n/a" : fmt::format("{:.2g}", c.p),
                     std::string(verdict_name(c.verdict))});
   }
-  std::string text = rows.size() > 1 ? format_columns(rows, 2) + "\n" : "";
+  std::string text;
+  for (const auto& [claim, before, after] : outcome.claims) {
+    text +=
+        visible_text(before == after ? fmt::format("claim: {}: {}", claim, after)
+                                     : fmt::format("claim: {}: {} -> {}", claim, before, after)) +
+        "\n";
+  }
+  if (!text.empty()) text += "\n";
+  if (rows.size() > 1) text += format_columns(rows, 2) + "\n";
   const auto list = [&](const char* what, const std::vector<std::string>& keys) {
     for (const std::string& key : keys)
       text += visible_text(fmt::format("{}: {}", what, key)) + "\n";
@@ -66,6 +78,13 @@ std::string text_of(const Outcome& outcome, bool all) {
       outcome.count(Verdict::kBetter), outcome.count(Verdict::kWorse),
       outcome.count(Verdict::kUndecided), outcome.count(Verdict::kIdentical),
       outcome.count(Verdict::kUnknown));
+  for (const Withheld why : {Withheld::kFewPixels, Withheld::kReferenceNoise}) {
+    const auto count = std::ranges::count_if(
+        outcome.changes, [&](const Change& c) { return c.difference.withheld == why; });
+    if (count > 0)
+      text += fmt::format("Not compared for {}: {}: {}.\n", withheld_name(why), count,
+                          withheld_remedy(why));
+  }
   if (biased) text += "BIASED: judged by the samples that images were made of.\n";
   return text;
 }
@@ -84,12 +103,56 @@ std::string json_of(const Outcome& outcome) {
                     {"paired", c.paired},
                     {"biased", c.biased},
                     {"verdict", verdict_name(c.verdict)}});
+    if (c.difference.withheld != Withheld::kNo)
+      list.back()["withheld"] = withheld_name(c.difference.withheld);
   }
-  const ordered_json root = {{"comparisons", list},
+  ordered_json claims = ordered_json::array();
+  for (const auto& [text, before, after] : outcome.claims)
+    claims.push_back({{"text", text}, {"before", before}, {"after", after}});
+  const ordered_json root = {{"claims", claims},
+                             {"comparisons", list},
                              {"newly_failed", outcome.newly_failed},
                              {"only_before", outcome.only_before},
                              {"only_after", outcome.only_after}};
   return json_text(root);
+}
+
+// By names, so that two presets of a method are compared; where a folder has several of one name,
+// by names with presets.
+Result<std::pair<ResultFolder, ResultFolder>> read_folders(const CompareOptions& options) {
+  const auto read = [&](MatchBy match) -> Result<std::pair<ResultFolder, ResultFolder>> {
+    SPOOL_ASSIGN(ResultFolder before, read_result_folder(options.before, match));
+    SPOOL_ASSIGN(ResultFolder after, read_result_folder(options.after, match));
+    return std::pair(std::move(before), std::move(after));
+  };
+  if (!options.match_name) return read(MatchBy::kLabel);
+  auto by_name = read(MatchBy::kName);
+  if (by_name || by_name.error().code != ErrorCode::kUsage) return by_name;
+  return read(MatchBy::kPreset);
+}
+
+// [text, verdict before, verdict after] of the claims that either folder's statistics.json has.
+std::vector<std::array<std::string, 3>> claim_changes(const std::filesystem::path& before,
+                                                      const std::filesystem::path& after) {
+  std::vector<std::array<std::string, 3>> changes;
+  const auto add = [&](const std::filesystem::path& folder, std::size_t side) {
+    const auto json = format::parse_json_file<ordered_json>(folder / "statistics.json");
+    if (!json.is_object() || !json.contains("claims") || !json["claims"].is_array()) return;
+    for (const ordered_json& claim : json["claims"]) {
+      const auto text_of = [&](const char* key) {
+        const bool known = claim.is_object() && claim.contains(key) && claim[key].is_string();
+        return known ? claim[key].get<std::string>() : std::string();
+      };
+      const std::string text = text_of("text");
+      auto found = std::ranges::find_if(changes, [&](const auto& c) { return c[0] == text; });
+      if (found == changes.end())
+        found = changes.insert(changes.end(), {text, "not asked", "not asked"});
+      (*found)[side] = text_of("verdict");
+    }
+  };
+  add(before, 1);
+  add(after, 2);
+  return changes;
 }
 
 Result<std::vector<std::string>> chosen_metrics(const CompareOptions& options) {
@@ -109,10 +172,10 @@ Result<std::vector<std::string>> chosen_metrics(const CompareOptions& options) {
 
 Result<void> run_compare(const CompareOptions& options, const CommonOptions& common) {
   SPOOL_ASSIGN(const std::vector<std::string> metrics, chosen_metrics(options));
-  const MatchBy match = options.match_name ? MatchBy::kName : MatchBy::kLabel;
-  SPOOL_ASSIGN(const ResultFolder before, read_result_folder(options.before, match));
-  SPOOL_ASSIGN(const ResultFolder after, read_result_folder(options.after, match));
+  SPOOL_ASSIGN(const auto folders, read_folders(options));
+  const auto& [before, after] = folders;
   Outcome outcome;
+  outcome.claims = claim_changes(before.path, after.path);
   for (const auto& [key, combination] : before.combinations) {
     const auto found = after.combinations.find(key);
     if (found == after.combinations.end()) {

@@ -24,6 +24,15 @@ auto parse_list(const std::string& text, const Parse& parse)
   return values;
 }
 
+Result<void> choose_baseline(Plan& plan, const EvaluateOptions& options) {
+  if (options.baseline.empty()) return {};
+  if (const auto known = check_method_name(plan, options.baseline); !known) {
+    return fail(ErrorCode::kUsage, "--baseline: {}", known.error().message);
+  }
+  plan.baseline = options.baseline;
+  return {};
+}
+
 Result<Plan> plan_of_options(const EvaluateOptions& options) {
   const auto or_default = [](const std::string& text, const char* name) {
     return split_methods(text.empty() ? name : text);
@@ -60,6 +69,7 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
   plan.experiment.decision_split = options.decision_split;
   plan.experiment.fresh = options.fresh;
   plan.pictures = !options.no_pictures;
+  SPOOL_TRY(choose_baseline(plan, options));
   if (!options.reference.empty()) {
     SPOOL_ASSIGN(plan.experiment.reference, parse_reference_kind(options.reference));
   }
@@ -83,7 +93,8 @@ Result<void> refuse_options_beside_plan(const EvaluateOptions& options) {
                                                 {"--recorded-order", options.recorded_order},
                                                 {"--pieces", options.pieces_per_side.has_value()},
                                                 {"--decision-split", options.decision_split},
-                                                {"--fresh", options.fresh}};
+                                                {"--fresh", options.fresh},
+                                                {"--baseline", !options.baseline.empty()}};
   for (const auto& [name, is_given] : given) {
     if (is_given) {
       return fail(ErrorCode::kUsage, "{}: the plan {} says that: write it there", name,
@@ -121,9 +132,9 @@ Result<void> compute_statistics(const EvaluateOptions& options, const CommonOpti
                   "{}: no plan.toml in it: give a folder that spool evaluate -o wrote",
                   folder.string());
     }
-    SPOOL_ASSIGN(const Plan plan,
-                 read_plan(folder / "plan.toml", {known_samplers(), known_filters()}));
-    SPOOL_TRY(write_statistics(folder, plan, common));
+    SPOOL_ASSIGN(Plan plan, read_plan(folder / "plan.toml", {known_samplers(), known_filters()}));
+    SPOOL_TRY(choose_baseline(plan, options));
+    SPOOL_TRY(write_statistics(folder, plan, common, options.wide));
   }
   return {};
 }
@@ -142,6 +153,7 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
                                request.plan.filters));
   request.folder = options.output;
   request.exact_timing = options.timing == "exact";
+  request.wide = options.wide;
   request.merge = options.merge;
   request.merge_from = options.merge_from;
   if (!options.shard.empty()) {

@@ -33,6 +33,8 @@ struct EvaluateOptions {
   std::optional<int> pieces_per_side;  // 1
   bool decision_split = false;
   bool fresh = false;
+  std::string baseline;  // "SAMPLER + FILTER"; empty: uniform + box
+  bool wide = false;
   bool no_pictures = false;
   bool dry_run = false;
   std::string timing;  // "shared" or "exact"; empty: shared

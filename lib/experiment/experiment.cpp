@@ -52,6 +52,11 @@ struct SamplingRun {
   double kurtosis;  // of the recording's samples
 };
 
+ErrorSupport mean_support(const ErrorSupport& a, const ErrorSupport& b) {
+  return {0.5 * (a.worst_share + b.worst_share), 0.5 * (a.half_pixels + b.half_pixels),
+          0.5 * (a.reference_noise + b.reference_noise)};
+}
+
 // The mean of two tables of one size, for the two halves of crossfit; guards and pixels are sums.
 MetricTable mean_table(MetricTable a, const MetricTable& b) {
   for (std::size_t m = 0; m < a.values.size(); ++m) {
@@ -62,6 +67,8 @@ MetricTable mean_table(MetricTable a, const MetricTable& b) {
       resampled[s] = 0.5 * (resampled[s] + b.resampled[m][s]);
     a.values[m].standard_error = standard_error_of(resampled);
   }
+  a.squared = mean_support(a.squared, b.squared);
+  a.relative = mean_support(a.relative, b.relative);
   a.relative_scale = 0.5 * (a.relative_scale + b.relative_scale);
   a.pixels += b.pixels;
   a.excluded_estimate += b.excluded_estimate;

@@ -96,6 +96,7 @@ class PlanReader {
     SPOOL_ASSIGN(plan.samplers, read_methods(vocabulary.samplers));
     SPOOL_ASSIGN(plan.filters, read_methods(vocabulary.filters));
     SPOOL_TRY(read_masks(plan));
+    SPOOL_TRY(read_baseline(plan));
     SPOOL_TRY(read_claims(plan));
     SPOOL_TRY(check_recording_names(plan));
     return plan;
@@ -125,7 +126,7 @@ class PlanReader {
                                             "threads",     "repeats",        "pictures",
                                             "mask",        "decision_split", "dump",
                                             "energy_band", "fresh",          "claim",
-                                            "halves"};
+                                            "halves",      "baseline"};
     for (const auto& [key, node] : root_) {
       if (std::ranges::find(known, key.str()) != known.end()) continue;
       return refuse(node, "{}", unknown_name("key", key.str(), known));
@@ -321,20 +322,22 @@ class PlanReader {
     return {};
   }
 
+  Result<void> read_baseline(Plan& plan) const {
+    const toml::node* node = root_.get("baseline");
+    if (!node) return {};
+    SPOOL_ASSIGN(plan.baseline, text_of(*node));
+    return at(*node, check_method_name(plan, plan.baseline));
+  }
+
   Result<void> read_claims(Plan& plan) const {
     const toml::node* tables = root_.get("claim");
     if (!tables) return {};
-    std::vector<std::string> methods;
-    for (const MethodChoice& sampler : plan.samplers) {
-      for (const MethodChoice& filter : plan.filters)
-        methods.push_back(sampler.label() + " + " + filter.label());
-    }
     for (const toml::node* node : values_of(*tables)) {
       const toml::table* table = node->as_table();
       if (!table) return refuse(*node, "write [[claim]] and below it better = ... and than = ...");
       Claim claim;
       for (const auto& [key, value] : *table)
-        SPOOL_TRY(set_claim(claim, key.str(), value, plan, methods));
+        SPOOL_TRY(set_claim(claim, key.str(), value, plan));
       if (claim.better.empty() || claim.than.empty() || claim.better == claim.than) {
         return refuse(*table, "a claim needs two methods: better = \"SAMPLER + FILTER\" and than");
       }
@@ -353,7 +356,7 @@ class PlanReader {
   }
 
   Result<void> set_claim(Claim& claim, std::string_view key, const toml::node& value,
-                         const Plan& plan, const std::vector<std::string>& methods) const {
+                         const Plan& plan) const {
     if (key == "spp") {
       for (const toml::node* budget : values_of(value)) {
         SPOOL_ASSIGN(const std::string text, text_of(*budget));
@@ -371,11 +374,7 @@ class PlanReader {
     } else if (key == "source") {
       claim.source = text;
     } else if (key == "better" || key == "than") {
-      if (std::ranges::find(methods, text) == methods.end()) {
-        return refuse(value, "{}",
-                      unknown_name("method of the plan", text, methods,
-                                   ": write \"SAMPLER + FILTER\" by their labels"));
-      }
+      SPOOL_TRY(at(value, check_method_name(plan, text)));
       (key == "better" ? claim.better : claim.than) = text;
     } else if (key == "metric") {
       if (std::ranges::find(compared_metrics(), text) == compared_metrics().end()) {

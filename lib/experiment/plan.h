@@ -24,6 +24,7 @@
 //   label = "ours"                # its name in every table and file; of a sweep "ours{alpha=0.3}"
 //   [[filter]]
 //   name = "box"
+//   baseline = "uniform + box"    # the method that ratios are to, by its labels
 //   energy_band = [0.98, 1.02]    # ranks among methods that keep the energy so far; absent: all
 //   [[dump]]                      # a recording, where several are of one scene
 //   file = "chess_2.spool"
@@ -79,10 +80,12 @@ struct Plan {
   std::optional<std::pair<double, double>> energy_band;
 
   std::vector<Claim> claims;
+  std::string baseline;  // "SAMPLER + FILTER"; empty: uniform + box
 
   std::string group_of(std::size_t recording) const {
     return recording < groups.size() ? groups[recording] : std::string();
   }
+  std::vector<std::string> method_names() const;  // every sampler with every filter, by labels
   // Replicates whose pools are split to measure their spread: two, where there are intervals.
   int measured_halves() const { return replicates > 1 ? 2 : 0; }
   std::vector<Cell> cells() const {
@@ -101,6 +104,9 @@ Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& 
 // `name` is for messages, `folder` what recordings are relative to.
 Result<Plan> parse_plan(std::string_view text, const std::string& name,
                         const std::filesystem::path& folder, const PlanVocabulary& vocabulary);
+
+// kUsage when `name` is no method of the plan.
+Result<void> check_method_name(const Plan& plan, std::string_view name);
 
 // kUsage when two of the recordings are the same or have the same file name: cells are named by it.
 Result<void> check_recording_names(const Plan& plan);

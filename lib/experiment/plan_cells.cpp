@@ -66,4 +66,21 @@ int shard_of(const Cell& cell, const Plan& plan, int shards) {
   return static_cast<int>(hash_sampling(cell, plan) % static_cast<std::uint64_t>(shards));
 }
 
+std::vector<std::string> Plan::method_names() const {
+  std::vector<std::string> names;
+  for (const MethodChoice& sampler : samplers) {
+    for (const MethodChoice& filter : filters)
+      names.push_back(sampler.label() + " + " + filter.label());
+  }
+  return names;
+}
+
+Result<void> check_method_name(const Plan& plan, std::string_view name) {
+  const std::vector<std::string> names = plan.method_names();
+  if (std::ranges::find(names, name) != names.end()) return {};
+  return fail(ErrorCode::kUsage, "{}",
+              unknown_name("method of the plan", name, names,
+                           ": write \"SAMPLER + FILTER\" by their labels"));
+}
+
 }  // namespace spool

@@ -114,6 +114,7 @@ std::string plan_text(const Plan& plan) {
     masks.push_back(table);
   }
   if (!masks.empty()) root.insert("mask", masks);
+  if (!plan.baseline.empty()) root.insert("baseline", plan.baseline);
   if (!plan.claims.empty()) root.insert("claim", claim_tables(plan.claims));
   if (e.reference) root.insert("reference", std::string(reference_name(*e.reference)));
   if (e.holdout) root.insert("holdout", *e.holdout);

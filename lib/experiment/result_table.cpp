@@ -76,6 +76,26 @@ void add_metric_columns(std::vector<ResultColumn>& columns) {
   }
 }
 
+void add_support_columns(std::vector<ResultColumn>& columns) {
+  const std::pair<const char*, ErrorSupport MetricTable::*> kinds[] = {
+      {"mse", &MetricTable::squared}, {"relmse", &MetricTable::relative}};
+  for (const auto& [metric, kind] : kinds) {
+    const auto add = [&, of = kind](const char* name, std::string meaning,
+                                    double ErrorSupport::* value) {
+      columns.push_back(
+          number_column(fmt::format("{}_{}", metric, name), std::move(meaning),
+                        [of, value](const CellResult& r) { return r.metrics.*of.*value; }));
+    };
+    add("worst_share", fmt::format("share of {} that the worst 0.1 % of the pixels bear", metric),
+        &ErrorSupport::worst_share);
+    add("half_pixels", fmt::format("how many pixels bear half of {}", metric),
+        &ErrorSupport::half_pixels);
+    add("reference_noise",
+        fmt::format("variance of the reference in units of {}; empty: not known", metric),
+        &ErrorSupport::reference_noise);
+  }
+}
+
 // Empty where no fresh samples were asked for.
 void add_fresh_columns(std::vector<ResultColumn>& columns) {
   const auto add = [&](std::string name, std::string meaning, double (*value)(const FreshErrors&)) {
@@ -244,6 +264,7 @@ std::vector<ResultColumn> judging_columns() {
 std::vector<ResultColumn> make_columns() {
   std::vector<ResultColumn> columns = cell_columns();
   add_metric_columns(columns);
+  add_support_columns(columns);
   add_fresh_columns(columns);
   for (const auto& more : {sample_columns(), time_columns(), judging_columns()})
     columns.insert(columns.end(), more.begin(), more.end());

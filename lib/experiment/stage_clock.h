@@ -1,6 +1,8 @@
 // Wall and CPU time of a stage of the work.
 #pragma once
 
+#include <sys/resource.h>
+
 #include <chrono>
 #include <ctime>
 #include <utility>
@@ -14,15 +16,15 @@ struct StageTime {
   double spread = 0.0;  // slowest less fastest repeat, wall seconds; 0 with one
 };
 
-// Whose CPU time counts: of everything that the process does, or where other work runs beside, of
-// the thread that asks.
+// Whose CPU time counts: of everything that the process does, commands that it ran and waited for
+// too, or where other work runs beside, of the thread that asks.
 enum class CpuOf { kProcess, kThread };
 
 // Runs from its construction.
 class StageClock {
  public:
   explicit StageClock(CpuOf of = CpuOf::kProcess)
-      : clock_(of == CpuOf::kThread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_PROCESS_CPUTIME_ID) {}
+      : of_(of), cpu_(cpu_seconds()) {}
 
   StageTime elapsed() const {
     return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(),
@@ -31,14 +33,25 @@ class StageClock {
 
  private:
   double cpu_seconds() const {
+    const bool thread = of_ == CpuOf::kThread;
     timespec time{};
-    clock_gettime(clock_, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    clock_gettime(thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_PROCESS_CPUTIME_ID, &time);
+    const double own = static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    return thread ? own : own + children();
   }
 
-  clockid_t clock_;
+  static double children() {
+    rusage used{};
+    getrusage(RUSAGE_CHILDREN, &used);
+    const auto seconds = [](const timeval& t) {
+      return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return seconds(used.ru_utime) + seconds(used.ru_stime);
+  }
+
+  CpuOf of_;
   std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
-  double cpu_ = cpu_seconds();
+  double cpu_;
 };
 
 // Medians of each; the spread of the wall times. `times` is not empty.

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lib/core/check.h"
-#include "lib/inference/student.h"
+#include "lib/inference/log_combination.h"
 
 namespace spool {
 namespace {
@@ -16,16 +16,10 @@ double log_or_nan(double value) {
   return value > 0.0 && std::isfinite(value) ? std::log(value) : kNaN;
 }
 
-// Error less target, both logarithms, at a place between the budgets: one value per replicate.
+// Error less target, both logarithms, at a place between the budgets.
 Series gap_at(const BudgetCurve& curve, const Series& target, std::size_t left, double share) {
-  const Series& a = curve.series[left];
-  const Series& b = curve.series[left + 1];
-  Series gap{{}, std::max({a.correlation, b.correlation, target.correlation})};
-  for (std::size_t r = 0; r < target.values.size(); ++r) {
-    const double from = log_or_nan(a.values[r]), to = log_or_nan(b.values[r]);
-    gap.values.push_back((1.0 - share) * from + share * to - log_or_nan(target.values[r]));
-  }
-  return gap;
+  return log_combination(std::vector<WeightedSeries>{
+      {1.0 - share, &curve.series[left]}, {share, &curve.series[left + 1]}, {-1.0, &target}});
 }
 
 // Budgets from the smallest to the largest at which the gap is looked at, each with its gap.
@@ -43,7 +37,7 @@ std::vector<Place> places_of(const BudgetCurve& curve, const Series& target) {
       const double spp = step == kStepsPerBudget ? curve.spp.back()
                          : step == 0             ? curve.spp[left]
                                                  : std::exp(from + share * (to - from));
-      places.push_back({spp, mean_interval(gap_at(curve, target, left, share))});
+      places.push_back({spp, interval_of_logs(gap_at(curve, target, left, share))});
     }
   }
   return places;
@@ -75,17 +69,22 @@ double log_slope(std::span<const double> budget, std::span<const double> error) 
 
 Interval error_slope(const BudgetCurve& curve) {
   SPOOL_CHECK_EQ(curve.spp.size(), curve.series.size());
-  Series slopes;
-  for (const Series& series : curve.series)
-    slopes.correlation = std::max(slopes.correlation, series.correlation);
-  const std::size_t replicates = curve.series.empty() ? 0 : curve.series.front().values.size();
-  for (std::size_t r = 0; r < replicates; ++r) {
+  if (curve.series.empty()) return {};
+  // The spread is that of the whole line; values are by replicate, as budgets may be missing.
+  std::vector<WeightedSeries> line;
+  for (std::size_t b = 0; b < curve.spp.size(); ++b) {
+    std::vector<double> unit(curve.spp.size(), 1.0);
+    unit[b] = std::exp(1.0);
+    line.push_back({log_slope(curve.spp, unit), &curve.series[b]});
+  }
+  Series slopes = log_combination(line);
+  for (std::size_t r = 0; r < slopes.values.size(); ++r) {
     std::vector<double> errors;
     for (const Series& series : curve.series)
       errors.push_back(series.values[r]);
-    slopes.values.push_back(log_slope(curve.spp, errors));
+    slopes.values[r] = log_slope(curve.spp, errors);
   }
-  return mean_interval(slopes);
+  return interval_of_logs(slopes);
 }
 
 SamplesNeeded samples_needed(const BudgetCurve& curve, const Series& target) {

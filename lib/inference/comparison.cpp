@@ -64,6 +64,13 @@ double cost_slope(const Series& series, Better better, bool logarithmic) {
   return mean;
 }
 
+// Sets what is known of the pair without a test; whether a test can say more.
+bool can_tell(Comparison& c, const Series& a, const Series& b) {
+  c.identical = c.n > 0 && a.values == b.values;
+  c.withheld = a.withheld != Withheld::kNo ? a.withheld : b.withheld;
+  return c.n >= 2 && !a.alike() && !b.alike() && c.withheld == Withheld::kNo;
+}
+
 // A difference without any spread is certain; none at all has p = 1.
 void test(Comparison& c, double standard_error, double freedom) {
   c.standard_error = standard_error;
@@ -100,20 +107,18 @@ Comparison compare_paired(const Series& a, const Series& b, Better better) {
   const std::vector<double> first = costs(a, better, c.logarithmic);
   const std::vector<double> second = costs(b, better, c.logarithmic);
   std::vector<double> differences;
-  for (std::size_t r = 0; r < first.size(); ++r) {
-    if (std::isfinite(first[r]) && std::isfinite(second[r]))
-      differences.push_back(first[r] - second[r]);
-  }
+  for (std::size_t r = 0; r < first.size(); ++r)
+    differences.push_back(first[r] - second[r]);
   const std::vector<HalfDifference> halves =
       difference_of(a.halves, cost_slope(a, better, c.logarithmic), b.halves,
                     cost_slope(b, better, c.logarithmic));
   const double correlation = halves.empty() ? difference_correlation(a, b, first, second)
                                             : std::max(a.correlation, b.correlation);
-  const MeanError found = mean_error(differences, correlation, half_variance(halves));
+  const MeanError found = mean_error(differences, correlation, half_variance(halves), a.recordings);
   c.n = found.n;
   c.difference = found.mean;
-  c.identical = c.n > 0 && a.values == b.values;
-  if (c.n < 2 || a.alike() || b.alike()) return c;
+  c.correlation = a.recordings >= kOwnSpread ? 0.0 : correlation;
+  if (!can_tell(c, a, b)) return c;
   test(c, found.standard_error, found.freedom);
   return c;
 }
@@ -123,7 +128,8 @@ MeanError mean_cost(const Series& series, Better better, bool logarithmic) {
   HalfVariance between = half_variance(series.halves);
   const double slope = cost_slope(series, better, logarithmic);
   between.variance *= slope * slope;
-  return mean_error(costs(series, better, logarithmic), series.correlation, between);
+  return mean_error(costs(series, better, logarithmic), series.correlation, between,
+                    series.recordings);
 }
 
 Comparison compare_independent(const Series& a, const Series& b, Better better) {
@@ -133,8 +139,7 @@ Comparison compare_independent(const Series& a, const Series& b, Better better) 
   const MeanError second = mean_cost(b, better, c.logarithmic);
   c.n = std::min(first.n, second.n);
   c.difference = first.mean - second.mean;
-  c.identical = c.n > 0 && a.values == b.values;
-  if (c.n < 2 || a.alike() || b.alike()) return c;
+  if (!can_tell(c, a, b)) return c;
   const double va = first.standard_error * first.standard_error;
   const double vb = second.standard_error * second.standard_error;
   const double sum = va + vb;
@@ -144,6 +149,21 @@ Comparison compare_independent(const Series& a, const Series& b, Better better) 
       std::isfinite(sum) && spread > 0.0 ? std::max(1.0, sum * sum / spread) : c.n - 1.0;
   test(c, std::sqrt(sum), freedom);
   return c;
+}
+
+MoreNeeded more_needed(const Comparison& comparison, int recordings, double level) {
+  constexpr double kPower80 = 0.8416212335729143, kManyFreedoms = 1e6;  // as the normal one
+  MoreNeeded needed;
+  if (!comparison.known()) return needed;
+  const double told = student_quantile(1.0 - 0.5 * level, kManyFreedoms) + kPower80;
+  const double n = comparison.n, c = std::min(comparison.correlation, 1.0);
+  const double wanted = std::pow(comparison.difference / told, 2.0);  // of the mean's variance
+  const double variance = std::pow(comparison.standard_error, 2.0);
+  const double of_one = variance * n / (1.0 + (n - 1.0) * c);
+  needed.recordings = std::max(recordings + 1.0, std::ceil(recordings * variance / wanted));
+  needed.replicates = wanted > of_one * c ? std::ceil(of_one * (1.0 - c) / (wanted - of_one * c))
+                                          : std::numeric_limits<double>::infinity();
+  return needed;
 }
 
 std::string_view verdict_name(Verdict verdict) {

@@ -23,11 +23,13 @@ struct Comparison {
   double low = std::numeric_limits<double>::quiet_NaN();         // 95 %
   double high = std::numeric_limits<double>::quiet_NaN();
   double p = std::numeric_limits<double>::quiet_NaN();  // two-sided; NaN: cannot be compared
-  bool logarithmic = false;  // the exponential of difference, low and high is the ratio
-  bool identical = false;    // in every replicate
+  bool logarithmic = false;           // the exponential of difference, low and high is the ratio
+  bool identical = false;             // in every replicate
+  Withheld withheld = Withheld::kNo;  // why it is not known
 
   double standard_error = std::numeric_limits<double>::quiet_NaN();  // of difference
   double freedom = 0;
+  double correlation = 0;  // between replicates of the difference
 
   bool known() const { return p == p; }
   // first / second where logarithmic, else nothing.
@@ -39,6 +41,14 @@ struct Comparison {
 Comparison compare_paired(const Series& a, const Series& b, Better better);
 // Series that have nothing in common.
 Comparison compare_independent(const Series& a, const Series& b, Better better);
+
+// About how much more would tell the two apart at `level` in 80 % of attempts, if they differ by
+// what was measured. Replicates help while they bring samples of their own; recordings always do.
+struct MoreNeeded {
+  double replicates = 0;  // in all; infinite: no number of this recording
+  double recordings = 0;  // in all
+};
+MoreNeeded more_needed(const Comparison& comparison, int recordings, double level = 0.05);
 
 enum class Verdict {
   kUnknown,    // not compared

@@ -56,9 +56,33 @@ bool all_positive(std::span<const double> values) {
   return any;
 }
 
+namespace {
+
+// [recording that has any] the mean of its finite values.
+std::vector<double> recording_means(std::span<const double> values, int recordings) {
+  const std::size_t each = values.size() / static_cast<std::size_t>(recordings);
+  std::vector<double> means;
+  for (std::size_t first = 0; first + each <= values.size() && each > 0; first += each) {
+    const MeanError one = mean_error(values.subspan(first, each), 0.0);
+    if (one.n > 0) means.push_back(one.mean);
+  }
+  return means;
+}
+
+}  // namespace
+
 MeanError mean_error(std::span<const double> values, double correlation,
-                     const HalfVariance& between) {
+                     const HalfVariance& between, int recordings) {
   SPOOL_CHECK_GE(correlation, 0.0);
+  if (recordings >= kOwnSpread) {
+    const std::vector<double> means = recording_means(values, recordings);
+    if (means.size() >= static_cast<std::size_t>(kOwnSpread)) {
+      MeanError found = mean_error(means, 0.0);
+      found.n = static_cast<int>(
+          std::ranges::count_if(values, [](double value) { return std::isfinite(value); }));
+      return found;
+    }
+  }
   MeanError found;
   double mean = 0.0, m2 = 0.0;
   for (const double value : values) {
@@ -99,11 +123,11 @@ Interval mean_interval(const Series& series, Range range, double level) {
   }
   const MeanError found =
       mean_error(interval.logarithmic ? logarithms(series.values) : series.values,
-                 series.correlation, between);
+                 series.correlation, between, series.recordings);
   interval.n = found.n;
   interval.mean = found.mean;
   double reach = kNaN;
-  if (found.n >= 2) {
+  if (found.n >= 2 && series.withheld == Withheld::kNo) {
     interval.standard_error = found.standard_error;
     interval.freedom = found.freedom;
     reach = student_quantile(0.5 + 0.5 * level, interval.freedom) * found.standard_error;

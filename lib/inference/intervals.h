@@ -14,6 +14,9 @@
 // the variance of one replicate is
 //   v = (f h + (m - 1) s^2) / (f + (m - 1) (1 - c)),
 // and that of the mean v / m (1 + (m - 1) c).
+//
+// Of kOwnSpread recordings of the scene or more, the means of each recording are values that share
+// nothing, and Student's interval of these needs no more.
 #pragma once
 
 #include <limits>
@@ -22,6 +25,7 @@
 
 #include "lib/inference/half_spread.h"
 #include "lib/inference/shared_samples.h"
+#include "lib/inference/withheld.h"
 
 namespace spool {
 
@@ -36,11 +40,15 @@ struct Series {
   double correlation = 0;      // of two replicates, 0 .. 1
   TakenSamples taken = {};     // says what two methods have in common; may be left empty
   std::vector<HalfDifference> halves = {};  // of as many splits as were made; empty: not measured
+  Withheld withheld = Withheld::kNo;
+  int recordings = 1;  // the values are as many of each, one recording after the other
 
   // Several values, all the same: replicates of one image, which do not say how exact it is.
   bool alike() const;
   int known() const;  // finite values
 };
+
+inline constexpr int kOwnSpread = 3;  // recordings: with two, one degree of freedom says little
 
 struct Interval {
   int n = 0;  // finite values
@@ -53,7 +61,8 @@ struct Interval {
   double freedom = 0;
 };
 
-// Of the finite values. Ends are cut to `range`, which loses nothing that may be true.
+// Of the finite values. Ends are cut to `range`, which loses nothing that may be true; none where
+// the series has its interval withheld.
 Interval mean_interval(const Series& series, Range range = Range::kReal, double level = 0.95);
 
 // Of one value known with a standard error of its own (from blocks of pixels), normally
@@ -73,7 +82,7 @@ struct MeanError {
   double freedom = 0;
 };
 MeanError mean_error(std::span<const double> values, double correlation,
-                     const HalfVariance& between = {});
+                     const HalfVariance& between = {}, int recordings = 1);
 
 bool all_positive(std::span<const double> values);  // and one at least is finite
 

@@ -71,7 +71,8 @@ Ranking rank_methods(const std::vector<Series>& methods, Better better,
   Ranking ranking;
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const bool left_out = m < options.left_out.size() && options.left_out[m];
-    const bool compared = !left_out && methods[m].known() >= 2 && !methods[m].alike();
+    const bool compared = !left_out && methods[m].known() >= 2 && !methods[m].alike() &&
+                          methods[m].withheld == Withheld::kNo;
     ranking.methods.push_back({m, mean_interval(methods[m], options.range), "", compared});
   }
   std::ranges::stable_sort(ranking.methods, {}, [&](const RankedMethod& ranked) {

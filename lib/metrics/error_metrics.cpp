@@ -17,6 +17,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSmallestScale = 0x1p-126;  // mean luminance; as in the analysis
 constexpr double kAbsoluteFloor = 1e-2;      // of relmae and smape, after the relative scale
+constexpr double kWorstPixels = 1e-3;        // share of the pixels
 
 bool is_finite(const RgbImage& image, std::size_t p) {
   return std::isfinite(image[0][p]) && std::isfinite(image[1][p]) && std::isfinite(image[2][p]);
@@ -61,6 +62,8 @@ class Evaluation {
     LargestFirst relative(relative_, judged_), squared(squared_, judged_);
     const bool resamples = bootstrap_.blocks() > 1;
     add_perceptual();
+    table_.squared = support(squared, kDecileSquares);
+    table_.relative = support(relative, kDecileRelativeSquares);
     for (std::size_t m = 0; m < metric_list().size(); ++m) {
       const Metric& metric = metric_list()[m];
       if (metric.rule == Rule::kPerceptual) continue;
@@ -110,6 +113,34 @@ class Evaluation {
     });
     for (double& value : relative.pixels())
       value *= quotient(count, count - dropped);
+  }
+
+  // Of what the pixels have above 0: debiased errors may lie below.
+  ErrorSupport support(LargestFirst& errors, int squares) const {
+    double all = 0.0;
+    errors.walk([&](const LargestFirst::Entry& entry) {
+      if (!(entry.value > 0.0)) return false;
+      all += entry.value;
+      return true;
+    });
+    ErrorSupport found;
+    const double worst = std::ceil(kWorstPixels * static_cast<double>(table_.pixels));
+    double walked = 0.0, of_worst = 0.0, half = 0.0, borne = 0.0;
+    errors.walk([&](const LargestFirst::Entry& entry) {
+      if (walked < worst && entry.value > 0.0) of_worst += entry.value;
+      if (borne < 0.5 * all) half += 1.0, borne += entry.value;
+      return ++walked < worst || borne < 0.5 * all;
+    });
+    if (all > 0.0) {
+      found.worst_share = of_worst / all;
+      found.half_pixels = half;
+    }
+    if (!reference_.variance) return found;
+    double noise = 0.0;
+    for (int d = 0; d < kDeciles; ++d)
+      noise += sum(squares + kSquareTerms * d + kVariance, {});
+    found.reference_noise = quotient(noise, sum(kCount, {}));
+    return found;
   }
 
   void add_perceptual() {

@@ -37,6 +37,14 @@ struct MetricValue {
   double standard_error = std::numeric_limits<double>::quiet_NaN();  // NaN: not known
 };
 
+// What an error stands on. NaN: not known.
+struct ErrorSupport {
+  double worst_share = std::numeric_limits<double>::quiet_NaN();  // of the worst 0.1 % of pixels
+  double half_pixels = std::numeric_limits<double>::quiet_NaN();  // how many bear half of it
+  // Mean of the reference's variance, in units of the metric.
+  double reference_noise = std::numeric_limits<double>::quiet_NaN();
+};
+
 struct MetricTable {
   std::vector<MetricValue> values;             // [metric], as metrics()
   std::vector<std::vector<double>> resampled;  // [metric][resample], for paired differences
@@ -46,6 +54,7 @@ struct MetricTable {
   std::uint64_t excluded_estimate = 0;         // pixels of I that are not finite
   std::uint64_t excluded_reference = 0;        // pixels without a finite R
   bool failed = false;                         // I held a non-finite pixel
+  ErrorSupport squared, relative;              // of mse (before its debiasing) and of relmse
   GuardCounts guards;
 
   const MetricValue& operator[](std::string_view name) const;  // the metric must exist

@@ -52,6 +52,14 @@ TEST(ErrorMetrics, EqualTheSlowTwin) {
       EXPECT_NEAR(fast, slow, 1e-11 * (1.0 + std::abs(slow)))
           << metric.name << " at " << c.width << "x" << c.height;
     }
+    for (const bool relative : {false, true}) {
+      const ErrorSupport fast = relative ? table.relative : table.squared;
+      const ErrorSupport slow = reference::error_support(relative, image, reference, c.options);
+      EXPECT_NEAR(fast.worst_share, slow.worst_share, 1e-12);
+      EXPECT_EQ(fast.half_pixels, slow.half_pixels);
+      EXPECT_EQ(std::isnan(fast.reference_noise), !c.variance);
+      if (c.variance) EXPECT_NEAR(fast.reference_noise, slow.reference_noise, 1e-12);
+    }
   }
 }
 

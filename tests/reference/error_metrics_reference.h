@@ -243,4 +243,36 @@ inline double error_part(bool bias2, bool relative, const RgbImage& a, const Rgb
   return static_cast<double>(sum / 3 / static_cast<long double>(first.size()));
 }
 
+// What mse (raw) or relmse stands on: every pixel's error sorted.
+inline ErrorSupport error_support(bool relative, const RgbImage& estimate,
+                                  const JudgingReference& reference, const MetricOptions& o) {
+  const std::vector<JudgedPixel> pixels = judged_pixels(estimate, reference);
+  const double scale = relative_factor(pixels, o);
+  std::vector<double> errors;
+  double all = 0.0, noise = 0.0;
+  for (const JudgedPixel& p : pixels) {
+    double sum = 0.0;
+    for (int c = 0; c < 3; ++c) {
+      JudgedPixel variance = p;
+      variance.i[c] = p.r[c] + std::sqrt(p.b[c]);
+      variance.b[c] = 0.0;
+      const double raw = (p.i[c] - p.r[c]) * (p.i[c] - p.r[c]);
+      sum += (relative ? relative_term(p, c, scale, o) : raw) / 3.0;
+      noise += (relative ? relative_term(variance, c, scale, o) : p.b[c]) / 3.0;
+    }
+    errors.push_back(std::max(0.0, sum));
+    all += errors.back();
+  }
+  std::sort(errors.rbegin(), errors.rend());
+  ErrorSupport found{0.0, 0.0, noise / static_cast<double>(pixels.size())};
+  const auto worst = static_cast<std::size_t>(std::ceil(static_cast<double>(pixels.size()) / 1e3));
+  double borne = 0.0;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (i < worst) found.worst_share += errors[i] / all;
+    if (borne < 0.5 * all) found.half_pixels += 1.0;
+    borne += errors[i];
+  }
+  return found;
+}
+
 }  // namespace spool::reference

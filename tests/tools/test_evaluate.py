@@ -86,7 +86,7 @@ def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
     reach = np.log(high / mean) / np.sqrt(of_one * (1 + 7 * alike) / 8)
     assert np.isclose(np.log(mean / low), np.log(high / mean))
     assert abs(student_within(reach, all_freedom) - 0.95) < 1e-3
-    text = good("evaluate", dump, "--spp", 4, "-o", "text").out
+    text = good("evaluate", dump, "--spp", 4, "-o", "text", "--wide").out
     assert f"{mean:.4g} [" in text and "results.csv" in text and "share up to 14 %" in text
 
 

@@ -45,6 +45,8 @@ ordered_json place_json(const ClaimPlace& place, const JudgedClaim& judged, cons
     entry["difference"] = {judged.comparison.difference, judged.comparison.low,
                            judged.comparison.high};
   }
+  if (judged.comparison.withheld != Withheld::kNo)
+    entry["withheld"] = withheld_name(judged.comparison.withheld);
   if (claim.fresh) entry["samples"] = "fresh";
   return entry;
 }

@@ -49,6 +49,12 @@ ordered_json about(const Plan& plan, const PlanScene& scene,
         "one image",
         "these images: one replicate, intervals from blocks of pixels, nothing is compared");
   }
+  if (const std::size_t given = scene.recordings.size(); given > 1) {
+    const bool own = given >= static_cast<std::size_t>(kOwnSpread);
+    return said("recordings",
+                fmt::format("another recording of the scene, of which {} were given{}", given,
+                            own ? ": intervals are of the spread between these" : ""));
+  }
   if (!known) {
     return said("order",
                 "this recording in another order of its samples: how many it has is not known");
@@ -61,10 +67,6 @@ ordered_json about(const Plan& plan, const PlanScene& scene,
                             plan.experiment.order == ReplicateOrder::kShuffled
                                 ? " (each shuffles the same ones)"
                                 : ""));
-  }
-  if (scene.recordings.size() > 1) {
-    return said("recordings", fmt::format("another recording of the scene, of which {} were given",
-                                          scene.recordings.size()));
   }
   return said("disjoint", "another recording of the scene; replicates have no sample in common");
 }
@@ -90,6 +92,39 @@ ordered_json pairs_json(const Condition& condition) {
   return list;
 }
 
+// How much more would tell; recordings where replicates would repeat their samples.
+ordered_json more_json(const PairVerdict& pair, const MethodResults& method, double spp) {
+  constexpr double kMost = 10000.0;
+  // The level that the family leaves to this pair.
+  const double level = 0.05 * pair.comparison.p / pair.p;
+  if (!(level > 0.0)) return nullptr;
+  const MoreNeeded more = more_needed(pair.comparison, method.recordings, level);
+  const double reach = method.recordings * method.taken.recorded / spp;
+  if (more.replicates <= std::min(kMost, reach)) return {{"replicates", more.replicates}};
+  if (more.recordings <= kMost) return {{"recordings", more.recordings}};
+  return nullptr;
+}
+
+void add_against_baseline(ordered_json& entry, const Plan& plan, const MethodResults& method,
+                          const MethodResults& baseline, const Condition& condition,
+                          const RankedMethod& ranked) {
+  const Verdict verdict = condition.ranking.between(ranked.method, *condition.baseline);
+  entry["against_baseline"] = verdict_name(verdict);
+  const PairVerdict* pair = condition.ranking.pair(ranked.method, *condition.baseline);
+  if (!pair) {
+    const Interval ratio = withheld_ratio(method, baseline, condition.metric);
+    if (ratio.n == 0) return;
+    entry["ratio"] = interval_json(ratio);
+    if (const Withheld why = baseline.withheld(condition.metric); why != Withheld::kNo)
+      entry["baseline_withheld"] = withheld_name(why);
+    return;
+  }
+  entry["ratio"] = interval_json(ratio_of(*pair, ranked.method));
+  if (verdict != Verdict::kUndecided || plan.replicates < 2) return;
+  ordered_json more = more_json(*pair, method, condition.spp);
+  if (!more.is_null()) entry["would_tell"] = std::move(more);
+}
+
 ordered_json ranked_json(const Plan& plan, const std::vector<MethodResults>& methods,
                          const Condition& condition, const RankedMethod& ranked) {
   const MethodResults& method = methods[ranked.method];
@@ -103,18 +138,16 @@ ordered_json ranked_json(const Plan& plan, const std::vector<MethodResults>& met
   }
   entry["letters"] = ranked.letters;
   entry["compared"] = ranked.compared;
+  if (const Withheld why = method.withheld(condition.metric); why != Withheld::kNo)
+    entry["withheld"] = withheld_name(why);
   const std::size_t best = condition.ranking.methods.front().method;
   if (ranked.compared && ranked.method != best) {
     const PairVerdict* pair = condition.ranking.pair(ranked.method, best);
     entry["against_best"] = verdict_name(condition.ranking.between(ranked.method, best));
     if (pair) entry["p_against_best"] = json_number(pair->p);
   }
-  if (condition.baseline && ranked.method != *condition.baseline) {
-    const PairVerdict* pair = condition.ranking.pair(ranked.method, *condition.baseline);
-    entry["against_baseline"] =
-        verdict_name(condition.ranking.between(ranked.method, *condition.baseline));
-    if (pair) entry["ratio"] = interval_json(ratio_of(*pair, ranked.method));
-  }
+  if (condition.baseline && ranked.method != *condition.baseline)
+    add_against_baseline(entry, plan, method, methods[*condition.baseline], condition, ranked);
   const Interval energy = method.interval(quantity_index("energy_ratio"));
   entry["energy"] = interval_json(energy);
   if (energy.high < 1.0 - kEnergyLoss) entry["loses_energy"] = 1.0 - energy.mean;
@@ -152,15 +185,27 @@ Interval ratio_of(const PairVerdict& pair, std::size_t method) {
   return ratio;
 }
 
-std::optional<std::size_t> baseline_of(const std::vector<MethodResults>& methods) {
+Interval withheld_ratio(const MethodResults& method, const MethodResults& other,
+                        const std::string& metric) {
+  if (method.withheld(metric) == Withheld::kNo && other.withheld(metric) == Withheld::kNo)
+    return {};
+  const std::size_t quantity = quantity_index(metric);
+  const Better better = metrics()[static_cast<std::size_t>(metric_index(metric))].better;
+  return compare_paired(method.series(quantity), other.series(quantity), better).ratio();
+}
+
+std::optional<std::size_t> baseline_of(const Plan& plan,
+                                       const std::vector<MethodResults>& methods) {
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    if (is_baseline(methods[m].sampler, methods[m].filter)) return m;
+    const bool named = methods[m].name() == plan.baseline;
+    if (plan.baseline.empty() ? is_baseline(methods[m].sampler, methods[m].filter) : named)
+      return m;
   }
   return std::nullopt;
 }
 
 std::optional<Condition> rank_condition(const Plan& plan, const std::vector<MethodResults>& methods,
-                                        const std::string& metric) {
+                                        const std::string& metric, double spp) {
   const std::size_t quantity = quantity_index(metric);
   std::vector<Series> series;
   std::vector<bool> outside = outside_band(plan, methods);
@@ -177,9 +222,9 @@ std::optional<Condition> rank_condition(const Plan& plan, const std::vector<Meth
   const Better better = metrics()[static_cast<std::size_t>(metric_index(metric))].better;
   RankOptions options;
   options.range = quantities()[quantity].range;
-  options.baseline = baseline_of(methods);
+  options.baseline = baseline_of(plan, methods);
   options.left_out = std::move(outside);
-  return Condition{metric, rank_methods(series, better, options), options.baseline};
+  return Condition{metric, spp, rank_methods(series, better, options), options.baseline};
 }
 
 ordered_json condition_json(const Plan& plan, const PlanScene& scene,

@@ -131,7 +131,7 @@ class PlanRun {
       }
     }
     SPOOL_TRY(writer.finish());
-    SPOOL_TRY(write_statistics(request_.folder, request_.plan, common_));
+    SPOOL_TRY(write_statistics(request_.folder, request_.plan, common_, request_.wide));
     std::string sheets = "none";
     if (request_.plan.pictures) {
       SPOOL_ASSIGN(sheets, pictures_.write_sheets(pictured));
@@ -278,8 +278,8 @@ class PlanRun {
 
 }  // namespace
 
-Result<void> write_statistics(const fs::path& folder, const Plan& plan,
-                              const CommonOptions& common) {
+Result<void> write_statistics(const fs::path& folder, const Plan& plan, const CommonOptions& common,
+                              bool wide) {
   const CellStore store(folder);
   nlohmann::ordered_json statistics =
       statistics_of(plan, [&](const Cell& cell) { return store.read(cell_id(cell, plan), cell); });
@@ -289,7 +289,7 @@ Result<void> write_statistics(const fs::path& folder, const Plan& plan,
   mark_late_claims(folder, statistics);
   SPOOL_TRY(write_text_file(folder / "statistics.json", statistics_text(statistics), true, true));
   if (common.json) print(summary_json(statistics));
-  if (!common.json && !common.quiet) print(summary_text(statistics));
+  if (!common.json && !common.quiet) print(summary_text(statistics, wide));
   return {};
 }
 

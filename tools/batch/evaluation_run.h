@@ -22,7 +22,7 @@ Result<Shard> parse_shard(const std::string& text);
 
 // Computes DIR/statistics.json of the finished cells anew, and prints the table.
 Result<void> write_statistics(const std::filesystem::path& folder, const Plan& plan,
-                              const CommonOptions& common);
+                              const CommonOptions& common, bool wide);
 
 // kData when cells are missing (merge), failed, or gave pixels that are no numbers.
 Result<void> run_plan(const RunRequest& request, const CommonOptions& common);

@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
+constexpr const char* kCpuTotal = "cpu_total";
+
 constexpr std::pair<const char*, const char*> kFreshColumns[] = {
     {"mse", "mse_fresh"}, {"relmse", "relmse_fresh"}, {"energy_ratio", "energy_fresh"}};
 
@@ -25,15 +27,27 @@ std::vector<Quantity> make_quantities() {
     const Range range = metric.better == Better::kHigher ? Range::kReal : Range::kPositive;
     list.push_back({metric.name, range, true});
   }
-  for (const char* name : {"seconds_total", "seconds_sampling", "seconds_filtering", "cpu_sampling",
-                           "cpu_filtering", "seconds_reading", "seconds_judging", "seconds_writing",
-                           "peak_memory_mb", "samples_per_pixel", "efficiency"})
+  for (const char* name : {"seconds_total", kCpuTotal, "seconds_sampling", "seconds_filtering",
+                           "cpu_sampling", "cpu_filtering", "seconds_reading", "seconds_judging",
+                           "seconds_writing", "peak_memory_mb", "samples_per_pixel", "efficiency"})
     list.push_back({name});
-  list.push_back({"saturated_share", Range::kShare});
+  for (const char* name : {"saturated_share", "mse_worst_share", "relmse_worst_share"})
+    list.push_back({name, Range::kShare});
+  for (const char* name :
+       {"mse_half_pixels", "relmse_half_pixels", "mse_reference_noise", "relmse_reference_noise"})
+    list.push_back({name});
   return list;
 }
 
+// With the time that its samples took to render, where the recording has it.
+double cpu_total(const ResultRecord& record) {
+  const double rendering = record.number("samples_spent") * record.number("seconds_per_sample");
+  return record.number("cpu_sampling") + record.number("cpu_filtering") +
+         (std::isfinite(rendering) ? rendering : 0.0);
+}
+
 double value_of(const ResultRecord& record, const std::string& quantity) {
+  if (quantity == kCpuTotal) return cpu_total(record);
   if (quantity != "samples_per_pixel") return record.number(quantity);
   return record.number("samples_spent") / (record.number("width") * record.number("height"));
 }
@@ -108,17 +122,43 @@ std::size_t quantity_index(const std::string& name) {
   return static_cast<std::size_t>(found - quantities().begin());
 }
 
+double MethodResults::mean(std::size_t quantity) const {
+  return mean_interval({values[quantity], 0.0}, quantities()[quantity].range).mean;
+}
+
+Withheld MethodResults::withheld(const std::string& metric) const {
+  if ((metric != "mse" && metric != "relmse") || one_image()) return Withheld::kNo;
+  ErrorStanding standing;
+  standing.half_pixels = mean(quantity_index(metric + "_half_pixels"));
+  const auto measured = spread.find(metric);
+  const double shared = measured == spread.end() ? correlation : measured->second.correlation;
+  standing.independent_replicates = done / (1.0 + (done - 1.0) * std::min(shared, 1.0));
+  standing.own_spread = recordings >= kOwnSpread;
+  if (metric == "relmse") standing.reference_noise = mean(quantity_index("relmse_reference_noise"));
+  return withheld_of(standing);
+}
+
 Series MethodResults::series(std::size_t quantity) const {
-  if (!quantities()[quantity].is_metric) return {values[quantity], 0.0};
-  const auto measured = spread.find(quantities()[quantity].name);
-  if (measured == spread.end()) return {values[quantity], correlation, taken, {}};
-  return {values[quantity], measured->second.correlation, taken, measured->second.halves};
+  const Quantity& kind = quantities()[quantity];
+  Series series{values[quantity], 0.0};
+  if (!kind.is_metric) return series;
+  series.recordings = recordings;
+  series.withheld = withheld(kind.name);
+  series.taken = taken;
+  series.correlation = correlation;
+  if (const auto measured = spread.find(kind.name); measured != spread.end()) {
+    series.correlation = measured->second.correlation;
+    series.halves = measured->second.halves;
+  }
+  return series;
 }
 
 Series MethodResults::fresh_series(const std::string& metric) const {
   const auto values_of = fresh.find(metric);
   if (values_of == fresh.end()) return {};
-  Series series{values_of->second, 0.0, {}, {}};
+  Series series{values_of->second, 0.0};
+  series.recordings = recordings;
+  series.withheld = withheld(metric);
   const auto measured = spread.find(metric + "_fresh");
   if (measured == spread.end()) return series;
   series.correlation = measured->second.correlation;
@@ -154,6 +194,7 @@ std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene
       method.filter = filter;
       method.values.resize(quantities().size());
       method.pixel_errors.resize(quantities().size(), kNaN);
+      method.recordings = static_cast<int>(scene.recordings.size());
       Shares shares;
       for (const std::string& dump : scene.recordings) {
         for (int r = 0; r < plan.replicates; ++r) {
@@ -164,13 +205,13 @@ std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene
       }
       method.shared_known = shares.known();
       if (shares.known()) {
-        const auto recordings = static_cast<int>(scene.recordings.size());
         const bool ring = plan.experiment.order == ReplicateOrder::kDisjoint;
         method.taken = shares.taken(spp);
         const Shared shared = shared_by_replicates(method.taken, plan.replicates,
                                                    ring ? Taking::kOneAround : Taking::kOwnOrder);
-        method.shared = over_recordings(shared.samples, plan.replicates, recordings);
-        method.correlation = over_recordings(shared.correlation, plan.replicates, recordings);
+        method.shared = over_recordings(shared.samples, plan.replicates, method.recordings);
+        method.correlation =
+            over_recordings(shared.correlation, plan.replicates, method.recordings);
         for (auto& [metric, spread] : method.spread) {
           // A half is a ring of half as many samples.
           const double ring_length = metric.ends_with("_fresh") ? 0.5 : 1.0;
@@ -180,7 +221,7 @@ std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene
               over_recordings(shared_by_replicates(varying, plan.replicates,
                                                    ring ? Taking::kOneAround : Taking::kOwnOrder)
                                   .correlation,
-                              plan.replicates, recordings);
+                              plan.replicates, method.recordings);
         }
       }
       methods.push_back(std::move(method));

@@ -30,6 +30,7 @@ struct MethodResults {
   MethodChoice sampler, filter;
   std::vector<std::vector<double>> values;  // [quantity][replicate]; NaN: none
   std::vector<double> pixel_errors;         // [quantity] of replicate 0, from blocks of pixels
+  int recordings = 1;                       // of the scene: as many replicates of each
   int done = 0, failed = 0;
   bool biased = false;
   std::string reference;
@@ -47,6 +48,9 @@ struct MethodResults {
   bool shared_known = true;  // false: the size of the recording is not known
 
   std::string name() const { return sampler.label() + " + " + filter.label(); }
+  double mean(std::size_t quantity) const;
+  // mse and relmse; another metric is never withheld.
+  Withheld withheld(const std::string& metric) const;
   Series series(std::size_t quantity) const;
   // Each value is the mean of two images of half of the recording.
   Series fresh_series(const std::string& metric) const;

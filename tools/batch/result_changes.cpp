@@ -16,8 +16,9 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string method_name(const MethodChoice& choice, MatchBy match) {
-  return match == MatchBy::kLabel ? choice.label()
-                                  : MethodChoice{choice.name, choice.preset, {}}.label();
+  if (match == MatchBy::kLabel) return choice.label();
+  return match == MatchBy::kName ? choice.name
+                                 : MethodChoice{choice.name, choice.preset, {}}.label();
 }
 
 std::string key_of(const PlanScene& scene, const MethodResults& method, double spp, int threads,

@@ -16,9 +16,9 @@ namespace spool::tools {
 // Beside the metrics: processor seconds of sampling and filtering.
 inline constexpr const char* kCpuTime = "cpu";
 
-// What makes two results of two folders the same: the methods' labels, or their names and presets
-// whatever their options.
-enum class MatchBy { kLabel, kName };
+// What makes two results of two folders the same: the methods' labels, their names with presets, or
+// their names alone; options count in labels only.
+enum class MatchBy { kLabel, kPreset, kName };
 
 // One scene, budget, number of threads, sampler and filter in one folder.
 struct Combination {

@@ -19,6 +19,7 @@ struct RunRequest {
   std::filesystem::path folder;
   std::optional<Shard> shard;  // only the cells of this one; results are then made by merging
   bool exact_timing = false;   // one result after another
+  bool wide = false;           // the printed table: MSE, energy and times too
   bool merge = false;          // no cell is run; results of what is there
   std::vector<std::filesystem::path> merge_from;  // folders whose cells and images are copied first
   // How far it is, and whether to end after the result at work; from any thread, both may be empty.

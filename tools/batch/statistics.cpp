@@ -5,7 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "lib/experiment/baseline.h"
 #include "lib/inference/budget_curve.h"
+#include "lib/inference/equal_time.h"
 #include "lib/inference/ranking.h"
 #include "tools/batch/claims_json.h"
 #include "tools/batch/condition_json.h"
@@ -32,7 +34,18 @@ const char* const kRules[][2] = {
      "A question of the plan: the ratio of two errors lies below its limit. The claims of a scene "
      "and budget together at 5 % (Holm), apart from the pairs. Over several places: holds where "
      "some hold and none is reversed."},
-    {"ratio", "To uniform + box at the same budget, with its interval for itself."},
+    {"ratio", "To the baseline at the same budget, with its interval for itself."},
+    {"withheld",
+     "Neither interval nor verdict: fewer than 20 pixels bear half of the error, those of "
+     "independent replicates together (with fewer than three recordings), or, for relMSE, the "
+     "relative variance of the reference is above 0.01."},
+    {"would_tell",
+     "Where a method and the baseline are not told apart: about how many replicates, or recordings "
+     "where replicates would repeat their samples, tell a difference as measured in 80 % of "
+     "attempts, by itself."},
+    {"equal_time",
+     "The error in the processor time of the baseline (sampling, filtering and, where recorded, "
+     "rendering), read from the method's own budgets and never beyond them."},
     {"energy", "Methods whose energy ratio is below 0.98, beyond its interval, lose energy."}};
 
 // One scene with one number of threads, all budgets.
@@ -42,10 +55,11 @@ class SceneStudy {
       : plan_(plan), scene_(scene), threads_(threads) {
     for (const double spp : plan.spp)
       budgets_.push_back(read_methods(plan, scene, spp, threads, read));
-    for (const std::vector<MethodResults>& methods : budgets_) {
+    for (std::size_t b = 0; b < budgets_.size(); ++b) {
       std::vector<Condition>& conditions = conditions_.emplace_back();
       for (const std::string& metric : compared_metrics()) {
-        if (auto ranked = rank_condition(plan, methods, metric)) conditions.push_back(*ranked);
+        if (auto ranked = rank_condition(plan, budgets_[b], metric, plan.spp[b]))
+          conditions.push_back(*ranked);
       }
     }
   }
@@ -90,7 +104,7 @@ class SceneStudy {
 
   void add_curves(ordered_json& list) const {
     if (plan_.spp.size() < 2) return;
-    const std::optional<std::size_t> against = baseline_of(budgets_.front());
+    const std::optional<std::size_t> against = baseline_of(plan_, budgets_.front());
     for (std::size_t m = 0; m < budgets_.front().size(); ++m) {
       for (const char* metric : {"relmse", "mse"}) {
         const std::size_t quantity = quantity_index(metric);
@@ -102,7 +116,10 @@ class SceneStudy {
         entry["metric"] = metric;
         entry["budgets"] = curve.spp;
         entry["slope"] = interval_json(error_slope(curve));
-        if (against && *against != m) entry["needed"] = needed(curve, *against, quantity);
+        if (against && *against != m) {
+          entry["needed"] = needed(curve, *against, quantity);
+          entry["equal_time"] = at_equal_time(m, *against, quantity);
+        }
         list.push_back(std::move(entry));
       }
     }
@@ -150,6 +167,32 @@ class SceneStudy {
     return list;
   }
 
+  ordered_json at_equal_time(std::size_t m, std::size_t baseline, std::size_t quantity) const {
+    const std::size_t cpu = quantity_index("cpu_total");
+    std::vector<Series> errors;
+    for (const std::vector<MethodResults>& methods : budgets_)
+      errors.push_back(methods[m].series(quantity));
+    std::vector<TimedError> curve;
+    for (std::size_t b = 0; b < budgets_.size(); ++b)
+      curve.push_back({budgets_[b][m].mean(cpu), &errors[b]});
+    ordered_json list = ordered_json::array();
+    for (std::size_t b = 0; b < plan_.spp.size(); ++b) {
+      const Series target = budgets_[b][baseline].series(quantity);
+      const double seconds = budgets_[b][baseline].mean(cpu);
+      const EqualTime found = equal_time(curve, {seconds, &target});
+      ordered_json entry = {{"at", plan_.spp[b]}, {"seconds", json_number(seconds)}};
+      if (found.too_slow || found.too_fast) {
+        entry["outside"] = found.too_slow ? "too slow" : "too fast";
+      } else if (found.known()) {
+        entry["ratio"] = interval_json(found.ratio);
+      } else {
+        continue;
+      }
+      list.push_back(std::move(entry));
+    }
+    return list;
+  }
+
   const Plan& plan_;
   PlanScene scene_;
   int threads_;
@@ -167,8 +210,10 @@ ordered_json against_baseline(const std::vector<SceneStudy>& studies, std::size_
     const Condition* condition = study.condition(budget, metric);
     if (!condition || !condition->baseline || *condition->baseline == method) return nullptr;
     const PairVerdict* pair = condition->ranking.pair(method, *condition->baseline);
-    if (!pair) return nullptr;
-    ratios.push_back(ratio_of(*pair, method));
+    const std::vector<MethodResults>& methods = study.methods(budget);
+    ratios.push_back(pair ? ratio_of(*pair, method)
+                          : withheld_ratio(methods[method], methods[*condition->baseline], metric));
+    if (ratios.back().n == 0) return nullptr;
     const Verdict verdict = condition->ranking.between(method, *condition->baseline);
     better += verdict == Verdict::kBetter;
     worse += verdict == Verdict::kWorse;
@@ -211,6 +256,9 @@ ordered_json statistics_of(const Plan& plan, const ReadRecord& read) {
     root["rules"][name] = text;
   for (const char* list : {"scenes", "claims", "results", "conditions", "curves", "overall"})
     root[list] = ordered_json::array();
+  root["baseline"] = plan.baseline.empty()
+                         ? fmt::format("{} + {}", kBaselineSampler, kBaselineFilter)
+                         : plan.baseline;
   const std::vector<PlanScene> scenes = scenes_of(plan);
   for (const PlanScene& scene : scenes) {
     root["scenes"].push_back({{"dump", scene.recordings.front()},

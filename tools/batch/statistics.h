@@ -6,9 +6,9 @@
 //   claims      those of the plan: its words, the verdict over all places, and each place
 //   results     per scene, budget, number of threads and method: every quantity, [mean, low, high]
 //   conditions  per scene, budget, threads and metric: methods by mean, with letters, ratio to
-//               uniform + box, verdicts; for mse and relmse all pairs
+//               the baseline, verdicts; for mse and relmse all pairs
 //   curves      per scene and method: slope of error over budget; samples that it needs for the
-//               error of uniform + box
+//               error of the baseline, and its error in the baseline's time
 //   overall     per budget, threads and method: geometric means over the scenes
 #pragma once
 

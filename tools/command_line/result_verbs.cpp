@@ -72,6 +72,9 @@ void add_evaluate(Program& program) {
   verb.add_flag("--fresh", options.fresh,
                 "also apply the counts to samples that had no say in them, and take bias and "
                 "variance apart: columns *_fresh, *_bias2, *_variance; three times the work");
+  verb.add_option("--baseline", options.baseline,
+                  "'SAMPLER + FILTER' that ratios are to, by their labels ('uniform + box')");
+  verb.add_flag("--wide", options.wide, "print MSE, energy, times and errors at equal time too");
   verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
   add_parts_of_a_run(verb, options);
   verb.add_option("-o,--output", options.output, "folder for the results and the pictures");
