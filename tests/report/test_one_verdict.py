@@ -19,6 +19,8 @@ from report import main
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
 PLANS = Path(__file__).resolve().parents[2] / "tools" / "plans"
 BASELINE = "uniform + box"
+CLAIMS = ['[[claim]]', 'text = "<the> method lowers MSE"', 'better = "multiscale + directional"', 'than = "uniform + box"', 'metric = "mse"',
+          '[[claim]]', 'better = "uniform + box"', 'than = "multiscale + box"', 'spp = 4', 'below = 0.1']
 
 
 def run(*arguments, codes=(0,)):
@@ -44,7 +46,7 @@ def evaluated(request, tmp_path_factory):
     lists, tables = zip(*(entries(plan, kind) for kind in ("sampler", "filter")))
     text = "\n".join([f"recordings = {json.dumps([f'{scene}.spool' for scene in scenes])}", f"spp = {[4, 8][:len(scenes)]}",
                       "replicates = 8", "pictures = false", *sum(lists, []), *sum(tables, []), "[metrics]",
-                      'perceptual = "none"'])
+                      'perceptual = "none"', *CLAIMS])
     (folder / "plan.toml").write_text(text)
     # 1: a few pairs of methods do not go together, which the table says.
     assert run("evaluate", folder / "plan.toml", "-o", folder / "results", "-q", codes=(0, 1)) == ""
@@ -93,18 +95,20 @@ def test_letters_say_every_pair(evaluated):
 
 def test_the_terminal_says_it(evaluated):
     folder, table = evaluated
-    rows = [re.split(r"  +", line.strip()) for line in table.splitlines()]
-    head = next(row for row in rows if row[0] == "dump")
-    shown = {}
-    for row in rows:
-        if len(row) == len(head) and row is not head:
-            shown[row[0], float(row[3]), f"{row[1]} + {row[2]}".replace(" [R]", "")] = row[head.index("verdict")]
+    place, shown = None, {}
+    for line in table.splitlines():
+        if match := re.fullmatch(r"(\S+), ([\d.]+) samples per pixel", line):
+            place = match[1], float(match[2])
+        elif place and line.startswith("  "):
+            method, *_, said = re.split(r"  +", line.strip())
+            shown[*place, method.replace(" [R]", "")] = said
     checked = 0
     for condition in read(folder)["conditions"]:
         if condition["metric"] != "relmse":
             continue
         for entry in condition["ranking"]:
-            words = " ".join(filter(None, [entry["letters"] or "-", entry.get("against_baseline")]))
+            withheld = {"withheld", "baseline_withheld"} & set(entry)
+            words = "(baseline)" if name_of(entry) == BASELINE else "no verdict" if withheld else entry["against_baseline"]
             found = shown.get((stem(condition), condition["spp"], name_of(entry)))
             if found is not None:  # very long tables are cut
                 assert found == words
@@ -119,6 +123,30 @@ def test_the_terminal_says_it(evaluated):
                 ranks = one["ranks"][condition["metric"]]
                 assert ranks["letters"] == entry["letters"]
                 assert ranks.get("against_baseline") == entry.get("against_baseline")
+                assert ranks.get("withheld") == entry.get("withheld")
+
+
+def test_claims_are_the_same_everywhere(evaluated):
+    folder, table = evaluated
+    claims = read(folder)["claims"]
+    assert len(claims) == 2 and claims[0]["text"] == "<the> method lowers MSE" and not any("after_results" in c for c in claims)
+    shown = re.findall(r"^claim: (.*): ([a-z ]+)$", table, re.M)
+    assert shown == [(c["text"], c["verdict"]) for c in claims]
+    places = [re.fullmatch(r"  (\S+) ([\d.]+) spp: ([a-z ]+?)( [\d.]+ \[.*\])?", line) for line in table.split("\n\n")[0].splitlines()
+              if line.startswith("  ")]
+    assert [(m[1], float(m[2]), m[3]) for m in places] == [(stem(p), p["spp"], p["verdict"]) for c in claims for p in c["places"]]
+    found = json.loads(run("compare", folder, folder, "--json"))["claims"]
+    assert found == [{"text": c["text"], "before": c["verdict"], "after": c["verdict"]} for c in claims]
+    assert f"claim: {claims[1]['text']}: {claims[1]['verdict']}\n" in run("compare", folder, folder)
+
+
+def check_claims(text, claims):
+    blocks = re.findall(r'<details class="claim [^"]*"><summary><b>([^<]*)</b> (.*?) <small>.*?<tbody>(.*?)</tbody>', text, re.S)
+    assert [(verdict, plain(words)) for verdict, words, _ in blocks] == [(c["verdict"], c["text"]) for c in claims]
+    for (_, _, body), claim in zip(blocks, claims):
+        rows = [[plain(cell) for cell in re.findall("<t[dh][^>]*>(.*?)</t[dh]>", row)] for row in re.findall("<tr>(.*?)</tr>", body)]
+        assert [(r[0], float(r[1]), r[3]) for r in rows] == [
+            (stem(p), p["spp"], p["verdict"] + (f": {p['withheld']}" if "withheld" in p else "")) for p in claim["places"]]
 
 
 def check_report(folder, page):
@@ -128,6 +156,7 @@ def check_report(folder, page):
     data = json.loads(text.split('id="report-data">')[1].split("</script>")[0])
     statistics = read(folder)
     conditions = [c for c in statistics["conditions"] if c["metric"] == "relmse"]
+    check_claims(text, statistics["claims"])
     charted = {(data["dumps"][c["dump"]], c["spp"],
                 f"{data['samplers'][c['sampler']]} + {data['filters'][c['filter']]}".replace(" [R]", "")): c["ranks"]
                for c in data["combinations"]}
@@ -143,8 +172,11 @@ def check_report(folder, page):
         for row, entry in zip(re.findall("<tr>(.*?)</tr>", body), condition["ranking"]):
             letters, method, _, _, against, _ = re.findall("<t[dh][^>]*>(.*?)</t[dh]>", row)
             assert plain(method.split("<small>")[0]) == name_of(entry)
-            assert plain(letters) == (entry["letters"] or ("" if entry["compared"] else "not compared"))
-            assert plain(against) == entry.get("against_baseline", "")
+            withheld = f"no verdict: {entry['withheld']}" if "withheld" in entry else ""
+            assert plain(letters) == (withheld or entry["letters"] or ("" if entry["compared"] else "not compared"))
+            assert plain(against.split("<small>")[0]) == entry.get("against_baseline", "")
+            more = [f"about {count:.2g} {unit}" for unit, count in entry.get("would_tell", {}).items()]
+            assert plain(against).count("would tell") == len(more)
             assert ("loses" in method) == ("loses_energy" in entry)
     check_sentences(plain(text.split('id="charts"')[0]), conditions)
     check_table(text, statistics)
@@ -201,6 +233,10 @@ def test_the_report_says_it_whatever_it_is(evaluated, tmp_path, assets_cache, se
             for key in ("against_best", "against_baseline"):
                 if key in entry:
                     entry[key] = draw.choice(["better", "worse", "undecided"])
+    for claim in data["claims"]:
+        claim["verdict"] = draw.choice(["holds", "reversed", "mixed"])
+        for place in claim["places"]:
+            place["verdict"] = draw.choice(["holds", "reversed", "undecided"])
     for entry in data["overall"]:
         for said in entry.get("against_baseline", {}).values():
             said["better"], said["worse"], said["undecided"] = draw.randrange(3), draw.randrange(3), 2

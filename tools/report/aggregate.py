@@ -8,7 +8,6 @@ from pathlib import PurePath
 
 from statistics_file import Interval, interval_of
 
-BASELINE = ("uniform", "box")
 RATIO_METRICS = ("mse", "relmse")
 TIMES = ("seconds_total", "seconds_sampling", "seconds_filtering", "cpu_sampling", "cpu_filtering",
          "seconds_reading", "seconds_judging", "seconds_writing", "peak_memory_mb")

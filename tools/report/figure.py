@@ -96,7 +96,8 @@ def make_figures(options):
 
 def choose_methods(wanted, condition):
     """uniform + box and the first of the ranking, where nothing is asked for."""
-    from summary import BASELINE, name_of
+    from statistics_file import BASELINE
+    from summary import name_of
     names = [name_of(entry) for entry in condition["ranking"]]
     if wanted:
         for name in wanted:

@@ -1,6 +1,5 @@
 // The first screen: methods x recordings at one budget, coloured by the ratio to a baseline; letters and verdicts are
 // those of statistics.json. Ratios to another baseline are the file's pairs, read in the other direction where needed.
-const UNIFORM_BOX = 'uniform + box';
 const verdictWords = ['better', 'worse', 'undecided', 'identical'];
 const opposite = {better: 'worse', worse: 'better'};
 
@@ -11,7 +10,7 @@ const rankedMethods = (dump, spp) => (conditionOf(dump, spp)?.field ?? []).map((
 function ratioTo(condition, index, baseline) {
   const c = report.combinations[index];
   if (methodOf(c) === baseline) return {mean: 1, low: NaN, high: NaN, verdict: 'baseline'};
-  if (baseline === UNIFORM_BOX) {
+  if (baseline === report.baseline) {
     const verdict = (c.ranks[report.metric] ?? [])[1];
     return verdict ? {...interval(c, `${report.metric}_ratio`), verdict} : null;
   }
@@ -33,16 +32,16 @@ function ratioColour(ratio) {
   return t <= 0 ? `rgba(38, 128, 214, ${(-0.55 * t).toFixed(3)})` : `rgba(240, 120, 20, ${(0.55 * t).toFixed(3)})`;
 }
 
-const hero = {spp: null, baseline: UNIFORM_BOX, dump: 0, all: false, most: 12};
+const hero = {spp: null, baseline: report.baseline, dump: 0, all: false, most: 12};
 
 function startHeadline(area) {
   const budgets = [...new Set(report.conditions.map((c) => c.spp))].sort((a, b) => a - b);
   if (budgets.length === 0) return;
   hero.spp = report.budget;
   const methods = [...new Set(report.conditions.flatMap((c) => c.field.map((i) => methodOf(report.combinations[i]))))];
-  const baselines = report.conditions.some((c) => c.pairs.length > 0) ? methods : methods.filter((m) => m === UNIFORM_BOX);
-  const at = Math.max(0, baselines.indexOf(UNIFORM_BOX));
-  hero.baseline = baselines[at] ?? UNIFORM_BOX;
+  const baselines = report.conditions.some((c) => c.pairs.length > 0) ? methods : methods.filter((m) => m === report.baseline);
+  const at = Math.max(0, baselines.indexOf(report.baseline));
+  hero.baseline = baselines[at] ?? report.baseline;
   const holder = element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Methods and recordings'});
   const chart = element('div', {class: 'chart', id: 'hero-chart'}), title = element('h3');
   const strip = element('div', {class: 'crops', id: 'crops'});
@@ -78,7 +77,7 @@ function headlineMethods() {
 
 function headlineTable(redraw) {
   const conditions = report.conditions.filter((c) => c.spp === hero.spp);
-  const withOverall = conditions.length > 1 && hero.baseline === UNIFORM_BOX && report.overall.length > 0;
+  const withOverall = conditions.length > 1 && hero.baseline === report.baseline && report.overall.length > 0;
   const head = element('tr', {}, element('th', {scope: 'col'}, 'method'));
   for (const c of conditions) {
     head.append(element('th', {scope: 'col'}, element('button', {type: 'button', class: 'plain',
@@ -124,7 +123,7 @@ function overallCell(name) {
   const said = c?.against;
   return element('td', {class: 'number', style: `background: ${ratioColour(ratio)}`,
     title: said ? `${said[0]} better, ${said[1]} worse, ${said[2]} undecided` : ''},
-  name === UNIFORM_BOX ? '1' : numberText(ratio, 3));
+  name === report.baseline ? '1' : numberText(ratio, 3));
 }
 
 // The first methods of the table and the baseline over the budgets of one recording.

@@ -3,7 +3,7 @@
 from statistics_file import interval_of
 
 WORDS = ("better", "worse", "undecided", "identical")
-MOST_PAIRS = 60000  # in the page; beyond, only ratios to uniform + box
+MOST_PAIRS = 60000  # in the page; beyond, only ratios to the baseline
 
 
 def headline_conditions(statistics, metric, combinations, dumps):

@@ -13,8 +13,8 @@ from statistics_file import Interval, interval_of
 QUANTITIES_LAST = TIMES + ("samples_per_pixel", "saturated_share", "efficiency")
 OWN_MEANINGS = {
     "samples_per_pixel": "samples taken, per pixel",
-    "mse_ratio": "mse / mse of uniform + box at the same budget",
-    "relmse_ratio": "relmse / relmse of uniform + box at the same budget",
+    "mse_ratio": "mse / mse of the baseline at the same budget",
+    "relmse_ratio": "relmse / relmse of the baseline at the same budget",
 }
 
 
@@ -37,6 +37,7 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "samplers": samplers,
         "filters": filters,
         "metric": metric,
+        "baseline": statistics.baseline,
         "metrics": [name for name in names if name in metrics],
         "quantities": [{"name": name,
                         "meaning": OWN_MEANINGS.get(name) or vocabulary.meaning(name),
@@ -57,7 +58,7 @@ def _combination(c, dump, samplers, filters, names):
             "spp": c.spp, "replicates": c.replicates, "failed": len(c.failures),
             "values": [_interval(c.quantity(name)) for name in names],
             "loses": _loss(c),
-            # By metric: letters of its group, and the verdict against uniform + box.
+            # By metric: letters of its group, and the verdict against the baseline.
             "ranks": {metric: [entry["letters"], entry.get("against_baseline", "")]
                       for metric, entry in c.ranks.items()}}
 

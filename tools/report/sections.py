@@ -1,11 +1,13 @@
 """The parts of a report that are words and small tables, as HTML."""
 
 import math
+import os
 from collections import Counter, defaultdict
 from html import escape
 
-from number_text import interval_text
+from number_text import interval_text, number_text
 from page import licences_html
+from statistics_file import interval_of
 from summary import leading, verdicts
 
 LONGEST_VERDICTS = 60
@@ -21,9 +23,36 @@ def summary_html(sentences, statistics, metric, budget):
     rest = [s for s in sentences if s.kind != "scope" and s not in first]
     more = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in rest)
     table = _verdict_table(statistics, metric)
-    return (f'{scopes}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>'
+    return (f'{scopes}{unranked}{claims_html(statistics)}<div id="headline-area"></div><ul class="leading">{shown}</ul>'
             f"<details><summary>Every verdict in words, and {escape(metric)} at every budget</summary>"
             f"<ul>{more}</ul>{table}</details>{HOW_TO_READ}")
+
+
+def claims_html(statistics):
+    """The plan's questions with the verdicts that statistics.json has; each opens on the places it was asked at."""
+    return "".join(_claim(claim) for claim in statistics.claims)
+
+
+def _claim(claim):
+    late = " (added after results)" if claim.get("after_results") else ""
+    limit = "" if claim["below"] == 1 else f" {number_text(claim['below'])} times"
+    asked = (f"{claim['metric']} of {claim['better']} below{limit} that of {claim['than']}, {claim['samples']} samples"
+             + (f"; {claim['source']}" if claim.get("source") else ""))
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in claim["counts"].items())
+    rows = "".join(
+        f'<tr><th scope="row">{escape(os.path.splitext(os.path.basename(place["dump"]))[0])}</th>'
+        f'<td class="number">{place["spp"]:g}</td><td class="number">{_ratio_text(place)}</td>'
+        f'<td>{escape(place["verdict"])}{escape(": " + place["withheld"] if "withheld" in place else "")}</td></tr>'
+        for place in claim["places"])
+    return (f'<details class="claim {escape(claim["verdict"].replace(" ", "-"))}"><summary><b>{escape(claim["verdict"])}</b> '
+            f"{escape(claim['text'])}{late} <small>{escape(counts)}</small></summary><p>{escape(asked)}</p>"
+            '<div class="scroll" tabindex="0"><table><thead><tr><th scope="col">recording</th><th scope="col">spp</th>'
+            f'<th scope="col">ratio</th><th scope="col">verdict</th></tr></thead><tbody>{rows}</tbody></table></div></details>')
+
+
+def _ratio_text(place):
+    found = interval_of(place.get("ratio"))
+    return "" if math.isnan(found.mean) else interval_text(found, 3)
 
 
 HOW_TO_READ = (
@@ -53,7 +82,7 @@ def _verdict_table(statistics, metric):
     over = ("with its 95 % interval, and the verdict" if dumps == 1 else
             f"geometric mean over {dumps} scenes with its interval; below it, on how many the method is "
             "better, worse or not told apart (undecided)")
-    return (f"<p>{escape(metric)} relative to uniform + box at the same budget: {over}.</p>"
+    return (f"<p>{escape(metric)} relative to {escape(statistics.baseline)} at the same budget: {over}.</p>"
             '<div class="scroll" tabindex="0"><table class="verdicts"><thead><tr>'
             f'<th scope="col">method</th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
             f"</div>{more}")

@@ -11,6 +11,7 @@ from vocabulary import read_json
 
 NAN = float("nan")
 VERSION = 1
+BASELINE = "uniform + box"  # where a plan names no other
 
 
 class Interval(NamedTuple):
@@ -28,6 +29,8 @@ def interval_of(numbers):
 class Statistics:
     def __init__(self, data):
         self.rules = data.get("rules", {})
+        self.baseline = data.get("baseline", BASELINE)
+        self.claims = data.get("claims", [])
         self.scenes = data["scenes"]
         self.results = data["results"]
         self.conditions = data["conditions"]

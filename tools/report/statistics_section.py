@@ -14,7 +14,8 @@ def statistics_html(statistics, labels, metric):
     """Empty where nothing was computed for this metric."""
     conditions = statistics.of_metric(metric)
     curves = [c for c in statistics.curves if c["metric"] == metric]
-    parts = [_rankings(conditions, labels, metric), _needed(curves, labels), _slopes(curves, labels)]
+    parts = [_rankings(conditions, labels, metric, statistics.baseline),
+             _equal_time(curves, labels, statistics.baseline), _needed(curves, labels, statistics.baseline), _slopes(curves, labels)]
     if not any(parts):
         return ""
     about = f"<p>{escape(statistics.rules.get('verdict', ''))} {escape(statistics.rules.get('interval', ''))}</p>"
@@ -40,15 +41,22 @@ def _rank_row(entry):
     lost = entry.get("loses_energy")
     note = f"<small>loses {100 * lost:.2g} % of the energy</small>" if lost is not None else ""
     letters = entry["letters"] or ("" if entry["compared"] else "not compared")
+    if "withheld" in entry:
+        letters = f"no verdict: {entry['withheld']}"
     return (f'<tr><td class="letters">{escape(letters)}</td>'
             f'<th scope="row">{escape(_method(entry))}{note}</th>'
             f'<td class="number">{_interval(entry["value"])}</td>'
             f'<td class="number">{_interval(entry.get("ratio"))}</td>'
-            f'<td>{escape(entry.get("against_baseline", ""))}</td>'
+            f'<td>{escape(entry.get("against_baseline", ""))}{_would_tell(entry)}</td>'
             f'<td class="number">{_interval(entry["energy"])}</td></tr>')
 
 
-def _rankings(conditions, labels, metric):
+def _would_tell(entry):
+    more = [f"about {number_text(count, 2)} {unit} would tell" for unit, count in entry.get("would_tell", {}).items()]
+    return f"<small>{escape(more[0])}</small>" if more else ""
+
+
+def _rankings(conditions, labels, metric, baseline):
     blocks = []
     for c in conditions:
         rows = [_rank_row(entry) for entry in c["ranking"][:LONGEST_RANKING]]
@@ -60,13 +68,30 @@ def _rankings(conditions, labels, metric):
             f'{number_text(c["spp"])} spp{biased}</summary><p>About {escape(c["about"]["text"])}.</p>'
             '<div class="scroll" tabindex="0"><table class="ranks">'
             f'<thead><tr><th scope="col">group</th><th scope="col">method</th><th scope="col">'
-            f'{escape(metric)}{biased}</th><th scope="col">relative to uniform + box</th>'
-            '<th scope="col">than uniform + box</th><th scope="col">energy</th></tr></thead><tbody>'
+            f'{escape(metric)}{biased}</th><th scope="col">relative to {escape(baseline)}</th>'
+            f'<th scope="col">than {escape(baseline)}</th><th scope="col">energy</th></tr></thead><tbody>'
             f'{"".join(rows)}</tbody></table></div>{more}</details>')
     return f"<h3>Ranks</h3>{''.join(blocks)}" if blocks else ""
 
 
-def _needed(curves, labels):
+def _equal_time(curves, labels, baseline):
+    rows = []
+    for curve in curves:
+        for at in curve.get("equal_time") or []:
+            found = at.get("outside") or _interval(at.get("ratio"))
+            rows.append(f'<tr><th scope="row">{escape(_label(curve, labels))}</th><td>{escape(_method(curve))}</td>'
+                        f'<td class="number">{number_text(at["at"])}</td>'
+                        f'<td class="number">{number_text(at["seconds"] or 0.0, 3)}</td><td class="number">{escape(found)}</td></tr>')
+    if not rows:
+        return ""
+    return (f"<details><summary>Error in the processor time of {escape(baseline)}</summary><p>Sampling, filtering and, where "
+            "recorded, rendering; read from the budgets measured and never beyond them: too slow or too fast there.</p>"
+            '<div class="scroll" tabindex="0"><table class="equal-time"><thead><tr><th scope="col">recording</th>'
+            '<th scope="col">method</th><th scope="col">its spp</th><th scope="col">CPU seconds</th>'
+            f'<th scope="col">ratio of the error</th></tr></thead><tbody>{"".join(rows)}</tbody></table></div></details>')
+
+
+def _needed(curves, labels, baseline):
     rows = []
     for curve in curves:
         needed = curve.get("needed") or []
@@ -79,7 +104,7 @@ def _needed(curves, labels):
                     f"<td>{escape(_method(curve))}</td><td>{escape(cells)}</td></tr>")
     if not rows:
         return ""
-    return ("<details><summary>Samples per pixel needed for the error of uniform + box</summary>"
+    return (f"<details><summary>Samples per pixel needed for the error of {escape(baseline)}</summary>"
             '<div class="scroll" tabindex="0"><table class="needed"><thead><tr><th scope="col">recording'
             '</th><th scope="col">method</th><th scope="col">for the error at, it takes</th></tr>'
             f'</thead><tbody>{"".join(rows)}</tbody></table></div></details>')

@@ -11,7 +11,6 @@ from statistics_file import interval_of
 SATURATION_LIMIT = 0.01
 LONGEST_LIST = 6
 MOST_LEADING = 5
-BASELINE = "uniform + box"
 
 
 class Sentence(NamedTuple):
@@ -25,9 +24,9 @@ def summarise(combinations, statistics, metric, labels):
     sentences = [scope(combinations, labels), *abouts(statistics, metric)]
     sentences += failures(combinations, labels)
     for condition in statistics.of_metric(metric):
-        sentences.append(best_of(condition, metric, labels)._replace(spp=condition["spp"]))
+        sentences.append(best_of(condition, metric, labels, statistics.baseline)._replace(spp=condition["spp"]))
     sentences += energy(combinations, labels)
-    sentences += cautions(combinations, metric, labels)
+    sentences += cautions(combinations, metric, labels) + support(statistics, metric, labels)
     return sentences
 
 
@@ -92,7 +91,7 @@ def name_of(entry):
     return f"{entry['sampler']} + {entry['filter']}"
 
 
-def best_of(condition, metric, labels):
+def best_of(condition, metric, labels, baseline):
     where = f"{labels[condition['dump']]} at {condition['spp']:g} spp"
     field = condition["ranking"]
     best, rest = field[0], field[1:]
@@ -113,27 +112,27 @@ def best_of(condition, metric, labels):
                 + list_text([name_of(e) for e in level], LONGEST_LIST))
     else:
         text = f"{where}: {name_of(best)} has the lowest error, {value}"
-    return Sentence(f"{text}{_against_baseline(best)}.")
+    return Sentence(f"{text}{_against_baseline(best, baseline)}.")
 
 
 def _lost(entry):
     return f" (it loses {100 * entry['loses_energy']:.2g} % of the energy)" if "loses_energy" in entry else ""
 
 
-def _against_baseline(entry):
+def _against_baseline(entry, baseline):
     verdict = entry.get("against_baseline")
     if verdict is None:
         return ""
     ratio = interval_of(entry.get("ratio"))
     if verdict != "better":
-        return f"; it is not told apart from {BASELINE}"
+        return f"; it is not told apart from {baseline}"
     if math.isnan(ratio.mean):
-        return f"; it is lower than {BASELINE} by a ratio that is not resolved"
-    return f"; it has {factor_text(ratio)} times the error of {BASELINE}"
+        return f"; it is lower than {baseline} by a ratio that is not resolved"
+    return f"; it has {factor_text(ratio)} times the error of {baseline}"
 
 
 class Verdict(NamedTuple):
-    """A method against uniform + box at one budget: on how many scenes which."""
+    """A method against the baseline at one budget: on how many scenes which."""
     ratio: object  # Interval
     better: int
     worse: int
@@ -171,6 +170,26 @@ def energy(combinations, labels):
     return [Sentence(f"Energy: {len(lost)} of {count_text(len(known), 'combination')} lose light; the most, "
                      f"{worst.method} on {labels[worst.dump]} at {worst.spp:g} spp, loses "
                      f"{100 * lost[worst.key]:.1f} % (ratio {interval_text(worst.quantity('energy_ratio'))}).", "energy")]
+
+
+FEW_PIXELS = 0.2  # of the error in the worst 0.1 % of the pixels: remarked
+
+
+def support(statistics, metric, labels):
+    """Errors that stand on few pixels, and verdicts that are withheld for what they stand on."""
+    sentences = []
+    known = [(interval_of(r.get("quantities", {}).get(f"{metric}_half_pixels")).mean,
+              interval_of(r["quantities"].get(f"{metric}_worst_share")).mean, r) for r in statistics.results if r.get("quantities")]
+    few = [entry for entry in known if entry[1] >= FEW_PIXELS]
+    if few:
+        half, share, worst = min(few, key=lambda entry: entry[0])
+        sentences.append(Sentence(
+            f"{count_text(len(few), 'result')} stand on few pixels: of {name_of(worst)} on {labels[worst['dump']]} at "
+            f"{worst['spp']:g} spp, {max(1.0, half):.0f} pixels bear half of the {metric}, the worst 0.1 % {100 * share:.0f} %.", "warning"))
+    reasons = Counter(e["withheld"] for c in statistics.of_metric(metric) for e in c["ranking"] if "withheld" in e)
+    for reason, count in reasons.items():
+        sentences.append(Sentence(f"{count_text(count, 'result')} without verdict on {metric}: {reason}.", "warning"))
+    return sentences
 
 
 def is_biased(combinations):

@@ -66,7 +66,7 @@ function firstChoice(view) {
   view.state.budget = budget;
   const names = view.names();
   const ranked = rankedMethods(view.scene().dump, view.budgets()[budget]).filter((name) => names.includes(name));
-  return {budget, a: Math.max(0, names.indexOf('uniform + box')),
+  return {budget, a: Math.max(0, names.indexOf(report.baseline)),
     b: names.indexOf([ranked[0], 'multiscale + directional', names.at(-1)].find((name) => names.includes(name)))};
 }
 

@@ -60,6 +60,11 @@ class Results:
         """A dict for each recording or group, sampler, filter and budget: mean, interval and verdict of each metric."""
         return self.statistics["results"]
 
+    @property
+    def claims(self) -> list[dict]:
+        """The questions of the plan, each with its verdict and the places where it was asked."""
+        return self.statistics["claims"]
+
     def to_pandas(self):  # -> pandas.DataFrame, where pandas is there
         """The rows as a pandas.DataFrame."""
         try:
