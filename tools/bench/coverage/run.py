@@ -1,108 +1,173 @@
-"""Writes docs/coverage.md, how often 95 % intervals hold the truth: tools/dev.sh bench coverage [TRIALS]."""
+"""Writes docs/coverage.md, how often 95 % intervals hold another recording: tools/dev.sh bench coverage [RECORDINGS].
+
+Every world is redrawn as many times; each redrawn recording is evaluated by the program as a user does it, and its intervals
+are held against the mean of the others. What is done is not done again (build/coverage_results).
+"""
 import json
 import math
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
+
 ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "formats" / "python"))
+import spool  # noqa: E402
+
 PAGE = ROOT / "docs" / "coverage.md"
+TINY = ("balls", "caustic", "caustic_mitsuba", "chess", "fireflies", "mist", "table")
+SAMPLERS = "uniform,mitchell,adaptive_wavelet,greedy_error,nl_means,neyman,multiscale,multiscale:paper"
+SAMPLES, BUDGETS = 64, "4,8,16"
+QUANTITIES = ("mse", "relmse", "energy_ratio")
 
 TEXT = """# How often the 95 % intervals hold the truth
 
-Written by `tools/dev.sh bench coverage`. Every trial makes another recording of the scene, 64 samples a pixel, and evaluates it
-as `spool evaluate` does: by default 8 replicates on one ring of samples, intervals of logarithms, widened where replicates share
-samples ([decision 70](decisions/0070-what-an-interval-is-about.md)). Pictures are {side} x {side} pixels; recordings of the tree serve as
-distributions whose samples are drawn with replacement. The truth is the mean over all trials. Of {trials} trials, an
-interval that is right covers in 95 % +- {noise:.1f} (one standard deviation of the count); wanted are 93 to 97 %.
-
-{summary}
+Written by `tools/dev.sh bench coverage`. Each recording of `dumps/tiny`, and scene S, was made {count} times: every sample drawn with
+replacement from the recorded ones (64 x 64 pixels, {samples} samples, the mean of the recording as exact reference). Each was evaluated
+as `spool evaluate` does it by default, 8 replicates, {budgets} samples: {samplers} with `box`; `uniform` and `multiscale` with
+`directional`. A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
+Its interval should hold the mean of the other {others} recordings in 95 %; a count of {count} is exact to {noise:.0f} % (one standard
+deviation), so a right row lies below 90 % by chance now and then. Rows are *withheld* where most of their recordings have no verdict
+because few pixels carry the error ([decision 156](decisions/0156-withheld-verdicts.md)); "without halves" are the same results with the
+spread between recordings assumed and not measured ([decision 155](decisions/0155-spread-from-halves.md)), nothing withheld.
 
 {table}
 
-"Real spread" is the standard deviation of the estimate over recordings, relative to the standard error that the interval is
-made of: 1 where the error is right, above 1 where it is too small.
+Below 90 %:
 
-## As it was done before
+{low}
 
-Five replicates that each shuffle the same samples, arithmetic means, Student's interval as if they were independent: about the
-order of the samples, read as if it were about the scene. At 16 samples of 64. "shuffled, widened" are the same replicates
-judged as they are today (`order = "shuffled"`): by logarithms, with what 16/64 and more of common samples make alike allowed for.
+## A method compared with itself
 
-{before}
+`spool compare` of two recordings of one scene: {methods} methods, {budgets} samples, one family of comparisons for each metric. Nothing
+differs, so 5 % of families may claim something.
 
-## Verdicts
-
-Of all pairs of the three methods, decided together at 5 % (Holm): how many are told apart, and how many of these the wrong
-way round. False verdicts: a method compared with itself on another recording, at 5 % each.
-
-{verdicts}
+{selves}
 
 ## What forbids more
 
-{limits}
+- Light that few samples carry: a recording that holds none of them does not know of it, and its interval is too narrow. Three recordings
+  or more (`--recordings`, `group`) show it.
+- Where samples have a tail of infinite variance, the expectation of the squared error does not exist, and no interval can hold it
+  [BahadurSavage56].
+- Where one cell of the image carries an error, its spread is known with one degree of freedom, and the interval is 3 to 15 times as wide
+  as it had to be.
 """
 
-LIMITS = """- Where samples have a tail of infinite variance, the logarithm of an error of eight replicates still has a mean and the interval
-  is about that mean. The expectation of the squared error itself does not exist there, and no interval can hold it
-  [BahadurSavage56].
-- Replicates that share samples are alike by how heavy the tail of the samples is
-  ([decision 86](decisions/0086-rare-events-share-as-a-whole.md)). Where an adaptive sampler takes the samples of the next
-  replicates, its ratio to `uniform` varies less among recordings than independent replicates would: there intervals cover more than
-  they say.
-- In the scene with fireflies a picture of 256 pixels at 4 samples holds one firefly or none, so its error has two values and
-  eight replicates seldom show both: 79 % is what Student's interval gives of such a distribution. Larger pictures hold many.
-- The truth is a mean over the trials: it has 1 / sqrt(trials) of the spread of one."""
+
+def redrawn(world, number, folder):
+    """The path of redrawn recording `number`."""
+    path = folder / f"r{number}.spool"
+    if path.exists():
+        return path
+    if world == "scene_s":
+        run("synth", "scene_s", "--size", 64, "--samples", SAMPLES, "--seed", 1000 + number, "-o", path, "-q")
+        return path
+    recorded = spool.open(ROOT / "dumps" / "tiny" / f"{world}.spool")
+    radiance = recorded.read("radiance")
+    height, width, count = radiance.shape[:3]
+    chosen = np.random.default_rng(1000 + number).integers(0, count, (height, width, SAMPLES))
+    features = {name: np.take_along_axis(layer, chosen if layer.ndim == 3 else chosen[..., None], axis=2)
+                for name in recorded.layers if name in ("albedo", "normal", "depth") for layer in [recorded.read(name)]}
+    spool.write(path, np.take_along_axis(radiance, chosen[..., None], axis=2).astype(np.float32), sample_order="exchangeable",
+                reference=radiance.astype(np.float64).mean(2).astype(np.float32), force=True, **features)
+    return path
 
 
-def cover(row):
-    share = 100 * row["covered"] / row["trials"]
-    return f"{share:.1f} %" + ("" if 93 <= share <= 97 else " (outside)")
+def run(*arguments):
+    return subprocess.run([PROGRAM, *map(str, arguments)], check=False, capture_output=True, text=True)
 
 
-def rows_of(world, before):
-    return [r for r in world["rows"] if (r["interval"].startswith(("before", "shuffled"))) == before]
+def evaluated(world, number, folder):
+    """The folder of its results; and the same with halves left out."""
+    results = folder / f"results{number}"
+    if not (results / "statistics.json").exists():
+        recording = redrawn(world, number, folder)
+        plan = folder / f"plan{number}.toml"
+        plan.write_text(f'recordings = ["{recording.name}"]\nspp = [{BUDGETS}]\npictures = false\n'
+                        f'samplers = {json.dumps(SAMPLERS.split(","))}\nfilters = ["box", "directional"]\n[metrics]\nperceptual = "none"\n')
+        done = run("evaluate", plan, "-o", results, "-q")
+        if not (results / "statistics.json").exists():
+            sys.exit(f"{world} {number}: {done.stderr}")
+    old = folder / f"old{number}"
+    if not old.exists():
+        shutil.copytree(results, old)
+        for cell in (old / "cells").glob("*.json"):
+            data = json.loads(cell.read_text())
+            data.pop("halves", None)
+            for name in [n for n in data["fields"] if n.endswith("half_pixels")]:
+                data["fields"].pop(name)
+            cell.write_text(json.dumps(data))
+        run("evaluate", "--statistics-only", old, "-q")
+    return results, old
 
 
-def summary(worlds):
-    """What the table says, in two sentences: scenes whose tails allow an interval, and the others."""
-    heavy = [w for w in worlds if "fireflies" in w["world"] or "tail" in w["world"]]
-    shares = {id(w): [100 * r["covered"] / r["trials"] for r in rows_of(w, False)] for w in worlds}
-    usual = [c for w in worlds if w not in heavy for c in shares[id(w)]]
-    inside = sum(93 <= c <= 97 for c in usual)
-    lines = [f"Of the {len(usual)} rows of {', '.join(w['world'].split(',')[0] for w in worlds if w not in heavy)}, {inside} are inside; "
-             f"the least is {min(usual):.1f} %, the most {max(usual):.1f} %."]
-    lines += [f"{w['world'][0].upper()}{w['world'][1:]}: {min(shares[id(w)]):.0f} to {max(shares[id(w)]):.0f} %." for w in heavy]
-    return "\n".join(lines) + " What forbids more there stands below."
+def counted(entry):
+    return entry["filter"] == "box" or entry["sampler"] in ("uniform", "multiscale")
 
 
-def coverage_table(worlds, before):
-    lines = ["| scene | interval | of | spp | covers | real spread |", "|---|---|---|---|---|---|"]
-    for world in worlds:
-        for r in rows_of(world, before):
-            lines.append(f"| {world['world']} | {r['interval'].removeprefix('before: ')} | {r['of']} | {r['spp']:g} | {cover(r)} "
-                         f"| {r['spread_over_error']:.2f} |")
-    return "\n".join(lines)
+def rows_of(folders):
+    """{row: [(mean, low, high) of each recording]}; without ends where there is no interval."""
+    rows = {}
+    for folder in folders:
+        statistics = json.loads((folder / "statistics.json").read_text())
+        for entry in filter(counted, statistics["results"]):
+            method = f"{entry['sampler']} + {entry['filter']}"
+            for name in QUANTITIES:
+                rows.setdefault((name, method, entry["spp"]), []).append(entry["quantities"].get(name, []))
+        for condition in statistics["conditions"]:
+            if condition["metric"] in ("mse", "relmse"):
+                for entry in filter(counted, condition["ranking"]):
+                    if "ratio" in entry:
+                        method = f"{entry['sampler']} + {entry['filter']}"
+                        rows.setdefault((f"ratio of {condition['metric']}", method, condition["spp"]), []).append(entry["ratio"])
+    return rows
 
 
-def verdict_table(worlds):
-    lines = ["| scene | spp | pairs told apart | of these the wrong way round | false verdicts |", "|---|---|---|---|---|"]
-    for world in worlds:
-        for r in world["verdicts"]:
-            lines.append(f"| {world['world']} | {r['spp']:g} | {r['decided']} of {r['pairs']} ({100 * r['decided'] / r['pairs']:.0f} %) "
-                         f"| {r['wrong']} | {r['false']} of {r['nulls']} ({100 * r['false'] / r['nulls']:.1f} %) |")
-    return "\n".join(lines)
+def coverage(values):
+    """Share of the intervals that hold the geometric mean of the others; None where most are withheld."""
+    logs = [[math.log(v) if v > 0 else -math.inf for v in value] for value in values if value and value[0] > 0]
+    means = [value[0] for value in logs]
+    held = [low <= (sum(means) - mean) / (len(means) - 1) <= high for mean, low, high in (v for v in logs if len(v) == 3)]
+    return sum(held) / len(held) if len(held) > len(values) / 2 else None
+
+
+def claims(folders, metric):
+    """In how many families of comparisons of a method with itself something is claimed, and of how many."""
+    found = [run("compare", a, b, "--metric", metric) for a, b in zip(folders[::2], folders[1::2])]
+    return sum(not re.search(r"\b0 better, 0 worse\b", done.stdout) for done in found), len(found)
 
 
 def main():
-    program = Path(sys.argv[1]) / "tools" / "bench" / "coverage" / "bench_coverage"
-    found = json.loads(subprocess.run([program, *sys.argv[2:]], check=True, capture_output=True, text=True).stdout)
-    worlds, trials = found["worlds"], found["worlds"][0]["rows"][0]["trials"]
-    PAGE.write_text(TEXT.format(trials=trials, side=found["side"], noise=100 * math.sqrt(0.95 * 0.05 / trials),
-                                summary=summary(worlds), table=coverage_table(worlds, False), before=coverage_table(worlds, True),
-                                verdicts=verdict_table(worlds), limits=LIMITS), encoding="utf-8")
-    print(coverage_table(worlds, False), coverage_table(worlds, True), verdict_table(worlds), sep="\n\n")
+    count = int(sys.argv[2]) if len(sys.argv) > 2 else 20
+    table = ["| scene | rows | 90 % and more | below | withheld | least | below without halves | least |", "|---|---|---|---|---|---|---|---|"]
+    selves = ["| scene | MSE | relMSE | MSE without halves | relMSE without halves |", "|---|---|---|---|---|"]
+    low, methods = [], 0
+    for world in ("scene_s", *TINY):
+        folder = Path(sys.argv[1]) / "coverage_results" / world
+        folder.mkdir(parents=True, exist_ok=True)
+        pairs = [evaluated(world, number, folder) for number in range(count)]
+        now, before = (rows_of(side) for side in zip(*pairs))
+        found = {row: coverage(values) for row, values in now.items()}
+        old = [c for values in before.values() if (c := coverage(values)) is not None]
+        held = [c for c in found.values() if c is not None]
+        methods = len({method for _, method, _ in now})
+        table.append(f"| {world} | {len(found)} | {sum(c >= 0.9 for c in held)} | {sum(c < 0.9 for c in held)} | {len(found) - len(held)} "
+                     f"| {100 * min(held):.0f} % | {sum(c < 0.9 for c in old)} | {100 * min(old):.0f} % |")
+        low += [f"- {world}: {name} of {method}, {spp:g} samples: {100 * found[name, method, spp]:.0f} %"
+                for name, method, spp in found if found[name, method, spp] is not None and found[name, method, spp] < 0.9]
+        cells = ["{} of {}".format(*claims([pair[side] for pair in pairs], metric)) for side in (0, 1) for metric in ("mse", "relmse")]
+        selves.append(f"| {world} | {' | '.join(cells)} |")
+        print(table[-1], selves[-1], sep="\n", flush=True)
+    PAGE.write_text(TEXT.format(count=count, others=count - 1, samples=SAMPLES, budgets=BUDGETS.replace(",", ", "), methods=methods,
+                                samplers=", ".join(f"`{s}`" for s in SAMPLERS.split(",")), noise=100 * math.sqrt(0.95 * 0.05 / count),
+                                table="\n".join(table), low="\n".join(low) or "- none", selves="\n".join(selves)), encoding="utf-8")
 
+
+PROGRAM = Path(sys.argv[1]) / "spool"
 
 if __name__ == "__main__":
     main()
