@@ -383,6 +383,11 @@ class Runner {
       images.push_back(std::move(image));
     }
     result.filtering = mean_time(times);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      result.exchange_seconds +=
+          (images[i].exchange_seconds + run.parts[i].sampled.log.exchange_seconds) /
+          static_cast<double>(images.size());
+    }
     if (lane.alone) result.peak_memory = peak_memory();
     const StageClock clock(lane.cpu());
     for (std::size_t i = 0; i < images.size(); ++i) {

@@ -81,6 +81,7 @@ struct CellResult {
   StageTime reading;   // loading the recording; 0 where an earlier cell loaded it
   StageTime sampling;  // shared by all filters of one sampling run
   StageTime filtering;
+  double exchange_seconds = 0;  // of both: starting commands and handing files over, wall time
   StageTime judging;                         // metrics
   StageTime writing;                         // images; for the callback to fill in
   std::optional<std::uint64_t> peak_memory;  // bytes of the process while it sampled and filtered

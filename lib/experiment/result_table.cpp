@@ -184,6 +184,11 @@ std::vector<ResultColumn> time_columns() {
                     [](const R& r) { return r.filtering.spread; }),
       timing_column("cpu_filtering", "CPU time of the filter, all threads",
                     [](const R& r) { return r.filtering.cpu; }),
+      timing_column("seconds_exchange",
+                    "of sampling and filtering, wall time to start a command (until it opens its "
+                    "input) and to write and read its files; 0 without commands. The rest is the "
+                    "method's own",
+                    [](const R& r) { return r.exchange_seconds; }),
       timing_column("seconds_reading", "wall time of loading the recording, 0 when already loaded",
                     [](const R& r) { return r.reading.wall; }),
       timing_column("cpu_reading", "CPU time of loading the recording, all threads",

@@ -27,6 +27,7 @@ struct Reconstruction {
   std::optional<CountImage> level;   // scale chosen for each piece (its meaning is the method's)
   std::optional<Plane> dominant_direction;  // degrees mod 180, spatial; NaN where isotropic
   std::vector<std::string> notes;  // one line each, for people: what was done other than asked
+  double exchange_seconds = 0;     // of its time: starting a command and handing files over
   GuardCounts guards;
 };
 

@@ -26,6 +26,7 @@ struct SamplingLog {
   long long saturated_pieces = 0;   // pieces that ran out of samples
   // Adaptive samples by queue level 0 .. K, if it has levels; 0: single pieces, or uniform.
   std::vector<long long> samples_of_level;
+  double exchange_seconds = 0;  // of its time: starting a command and handing files over
   GuardCounts guards;
 };
 

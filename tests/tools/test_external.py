@@ -106,6 +106,26 @@ def test_statistics_say_what_was_taken(good, script, dump, tmp_path):
     assert (counts(tmp_path) == 5).all()
 
 
+def test_start_and_files_are_told_apart_from_the_work(good, script, dump, tmp_path):
+    command = script("slow.py", """
+import sys, time
+from spool import exr
+time.sleep(0.4)  # as imports do
+image = exr.read(sys.argv[1])
+time.sleep(0.3)
+t = time.process_time()
+while time.process_time() - t < 0.2: pass
+exr.write(sys.argv[2], {c: image[c] for c in "RGB"})
+""")
+    text = good("evaluate", dump, "--filters", command, "--spp", 4, "--replicates", 1, "-o", "out", "--no-pictures").out
+    with open(tmp_path / "out" / "results.csv", newline="") as file:
+        row = next(csv.DictReader(file))
+    exchange, filtering, cpu = (float(row[name]) for name in ("seconds_exchange", "seconds_filtering", "cpu_filtering"))
+    assert exchange >= 0.4 and filtering - exchange >= 0.5
+    assert cpu >= 0.2  # the command's own counts
+    assert "to start and for files" in text
+
+
 def test_rounds_are_told_apart_and_the_budget_is_kept(good, script, dump, tmp_path):
     log = tmp_path / "log"
     command = script("s.py", answer("{'n': np.full(image['n'].shape, 3, 'u4')}")

@@ -273,6 +273,24 @@ const char* shown_metric(std::string_view metric) {
   return metric == "mse" ? "MSE" : "relMSE";
 }
 
+// Commands spend time on their start and on files, which is not the method's.
+std::string exchange_text(const std::vector<const ordered_json*>& shown) {
+  double most = 0.0, all = 0.0;
+  const ordered_json* slowest = nullptr;
+  for (const ordered_json* result : shown) {
+    const double exchange = mean_or(quantity(*result, "seconds_exchange"), 0.0);
+    if (!(exchange > most)) continue;
+    most = exchange;
+    all = mean_or(quantity(*result, "seconds_sampling"), 0.0) +
+          mean_or(quantity(*result, "seconds_filtering"), 0.0);
+    slowest = result;
+  }
+  if (!slowest) return "";
+  return fmt::format("Commands: {} takes {}, {} of it to start and for files (seconds_exchange).\n",
+                     visible_text(shown_method(*slowest)), format_seconds(all),
+                     format_seconds(most));
+}
+
 // How many have no verdict and why, and the result that stands on the fewest pixels.
 std::string support_text(const Summary& summary, const std::vector<const ordered_json*>& shown) {
   constexpr double kRemarked = 0.2;  // share of the error in the worst 0.1 % of the pixels
@@ -357,8 +375,8 @@ std::string summary_text(const ordered_json& statistics, bool wide) {
     text += fmt::format("The {} best by relMSE of each recording and budget, of {} in all.\n",
                         kBestShown, summary.results().size());
   }
-  text +=
-      would_tell_text(summary, shown) + support_text(summary, shown) + losses_text(summary, shown);
+  text += would_tell_text(summary, shown) + support_text(summary, shown) +
+          losses_text(summary, shown) + exchange_text(shown);
   if (any([](const ordered_json& r) { return is_described_sampler(r) || is_described_filter(r); }))
     text += fmt::format("{}.\n", kByDescription);
   if (any([](const ordered_json& r) { return r["one_image"].get<bool>(); })) {

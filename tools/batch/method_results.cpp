@@ -28,7 +28,7 @@ std::vector<Quantity> make_quantities() {
     list.push_back({metric.name, range, true});
   }
   for (const char* name : {"seconds_total", kCpuTotal, "seconds_sampling", "seconds_filtering",
-                           "cpu_sampling", "cpu_filtering", "seconds_reading", "seconds_judging",
+                           "cpu_sampling", "cpu_filtering", "seconds_exchange", "seconds_reading", "seconds_judging",
                            "seconds_writing", "peak_memory_mb", "samples_per_pixel", "efficiency"})
     list.push_back({name});
   for (const char* name : {"saturated_share", "mse_worst_share", "relmse_worst_share"})

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lib/experiment/stage_clock.h"
 #include "lib/filters/filter_stage.h"
 #include "lib/filters/given_image.h"
 #include "lib/filters/oidn/oidn.h"
@@ -66,20 +67,30 @@ Needs made_elsewhere() {
   return {.samples = false};
 }
 
+// What a command answered, and how long starting it and handing files over took.
+struct Answer {
+  ExrFile file;
+  double exchange_seconds = 0;
+};
+
 // One call: the statistics go out, the answer comes back as the EXR that the command wrote.
-Result<ExrFile> call(const std::string& command, const PieceStatistics& statistics,
-                     const SamplePool& pool, const ExecOptions& options,
-                     std::vector<std::pair<std::string, std::string>> environment,
-                     const std::function<bool()>* cancelled) {
+Result<Answer> call(const std::string& command, const PieceStatistics& statistics,
+                    const SamplePool& pool, const ExecOptions& options,
+                    std::vector<std::pair<std::string, std::string>> environment,
+                    const std::function<bool()>* cancelled) {
   SPOOL_ASSIGN(const ExchangeFolder folder, ExchangeFolder::create());
   const std::filesystem::path input = folder / "statistics.exr", output = folder / "answer.exr";
+  const StageClock writing;
   SPOOL_TRY(write_statistics(input, statistics, pool, options.told));
-  SPOOL_TRY(run_external({command,
-                          {input.string(), output.string()},
-                          std::move(environment),
-                          options.timeout,
-                          folder.path(),
-                          cancelled != nullptr ? *cancelled : std::function<bool()>()}));
+  double exchange = writing.elapsed().wall;
+  SPOOL_ASSIGN(const ExternalTimes times,
+               run_external({command,
+                             {input.string(), output.string()},
+                             std::move(environment),
+                             options.timeout,
+                             folder.path(),
+                             cancelled != nullptr ? *cancelled : std::function<bool()>()}));
+  exchange += times.start;
   std::error_code status;
   if (!std::filesystem::exists(output, status)) {
     return fail(ErrorCode::kData,
@@ -87,8 +98,9 @@ Result<ExrFile> call(const std::string& command, const PieceStatistics& statisti
                 "argument",
                 command);
   }
+  const StageClock reading;
   Result<ExrFile> answer = read_exr(output);
-  if (answer) return answer;
+  if (answer) return Answer{std::move(*answer), exchange + reading.elapsed().wall};
   std::string message = answer.error().message;
   if (message.starts_with(output.string()))
     message = "answer" + message.substr(output.string().size());
@@ -100,8 +112,9 @@ Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionV
                with_options(exec_sampler_option_table(), ExecSamplerOptions{}, set));
   const SamplerFunction run = [command, options](const SamplePool& pool, long long budget,
                                                  const SamplingContext& context) {
+    double exchange = 0.0;
     const AskForCounts ask = [&](const CountQuestion& question) -> Result<CountImage> {
-      SPOOL_ASSIGN(const ExrFile answer,
+      SPOOL_ASSIGN(const Answer answer,
                    call(command, question.statistics, question.pool, options.exec,
                         {{"SPOOL_ROUND", std::to_string(question.round)},
                          {"SPOOL_ROUNDS", std::to_string(question.rounds)},
@@ -109,13 +122,15 @@ Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionV
                          {"SPOOL_SHARE", std::to_string(question.share)},
                          {"SPOOL_SEED", std::to_string(question.seed)}},
                         context.cancelled));
-      return counts_from_exr(answer, fmt::format("exec:{}: answer", command));
+      exchange += answer.exchange_seconds;
+      return counts_from_exr(answer.file, fmt::format("exec:{}: answer", command));
     };
     Result<SamplingResult> result = sample_asked_counts(pool, budget, options.asked, ask, context);
     if (!result && !result.error().message.starts_with("exec:")) {
       return Result<SamplingResult>(
           fail(result.error().code, "exec:{}: {}", command, result.error().message));
     }
+    if (result) result->log.exchange_seconds = exchange;
     return result;
   };
   return ReadySampler{run, needs_of(options.exec)};
@@ -126,9 +141,9 @@ Result<ReadyFilter> make_exec_filter(const std::string& command, const OptionVal
   const FilterFunction run = [command, options](const Selection& selection, const SamplePool& pool,
                                                 const FilterContext&) -> Result<Reconstruction> {
     const std::string name = fmt::format("exec:{}: answer", command);
-    SPOOL_ASSIGN(const ExrFile answer,
+    SPOOL_ASSIGN(const Answer answer,
                  call(command, selection.statistics, pool, options, {}, nullptr));
-    SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(answer, name));
+    SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(answer.file, name));
     for (std::size_t c = 0; c < 3; ++c) {
       for (int y = 0; y < image[c].height(); ++y) {
         for (int x = 0; x < image[c].width(); ++x) {
@@ -139,7 +154,9 @@ Result<ReadyFilter> make_exec_filter(const std::string& command, const OptionVal
         }
       }
     }
-    return own_image(image, pool, name);
+    SPOOL_ASSIGN(Reconstruction own, own_image(image, pool, name));
+    own.exchange_seconds = answer.exchange_seconds;
+    return own;
   };
   return ReadyFilter{run, needs_of(options)};
 }

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/inotify.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <array>
@@ -212,11 +213,37 @@ int start(const ExternalCommand& command, Group& group) {
   return 0;
 }
 
+// Whether a file has been opened since this was made; never where the system cannot say.
+class OpenWatch {
+ public:
+  explicit OpenWatch(const std::string& path) : file_(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
+    if (file_ >= 0) ::inotify_add_watch(file_, path.c_str(), IN_OPEN);
+  }
+  OpenWatch(const OpenWatch&) = delete;
+  OpenWatch& operator=(const OpenWatch&) = delete;
+  ~OpenWatch() {
+    if (file_ >= 0) ::close(file_);
+  }
+
+  bool opened() const {
+    std::array<char, 4096> events;
+    return file_ >= 0 && ::read(file_, events.data(), events.size()) > 0;
+  }
+
+ private:
+  int file_;
+};
+
 enum class Ending { kByItself, kTimeout, kCancelled };
 
-Ending wait_for(Group& group, const ExternalCommand& command, LastWords& words, int& status) {
+Ending wait_for(Group& group, const ExternalCommand& command, const OpenWatch& watch,
+                LastWords& words, int& status, ExternalTimes& times) {
   using Clock = std::chrono::steady_clock;
   const auto start_time = Clock::now();
+  const auto elapsed = [&] {
+    return std::chrono::duration<double>(Clock::now() - start_time).count();
+  };
+  bool started = false;
   auto pause = std::chrono::milliseconds(1);
   Ending ending = Ending::kByItself;
   // WNOWAIT leaves the child's number taken until its group has been killed.
@@ -227,7 +254,11 @@ Ending wait_for(Group& group, const ExternalCommand& command, LastWords& words, 
     if (waitid(P_PID, static_cast<id_t>(group.child), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
       break;
     if (info.si_pid == group.child) break;
-    if (std::chrono::duration<double>(Clock::now() - start_time).count() > command.timeout) {
+    if (!started) {
+      started = watch.opened();
+      times.start = elapsed();
+    }
+    if (elapsed() > command.timeout) {
       ending = Ending::kTimeout;
       break;
     }
@@ -240,7 +271,7 @@ Ending wait_for(Group& group, const ExternalCommand& command, LastWords& words, 
     } else {
       std::this_thread::sleep_for(pause);  // it has closed its output and goes on
     }
-    pause = std::min(2 * pause, std::chrono::milliseconds(20));
+    if (started) pause = std::min(2 * pause, std::chrono::milliseconds(20));
   }
   // What is in the pipe when it ends, and no more: what it left behind may go on printing.
   for (int i = 0; i < kLastReads && printing; ++i)
@@ -253,15 +284,17 @@ Ending wait_for(Group& group, const ExternalCommand& command, LastWords& words, 
 
 }  // namespace
 
-Result<void> run_external(const ExternalCommand& command) {
+Result<ExternalTimes> run_external(const ExternalCommand& command) {
   Group group;
+  ExternalTimes times;
+  const OpenWatch watch(command.arguments.empty() ? std::string() : command.arguments.front());
   if (const int error = start(command, group); error != 0) {
     return fail(ErrorCode::kIo, "exec:{}: cannot be started: {}", command.command,
                 std::strerror(error));
   }
   LastWords printed(group.output);
   int status = 0;
-  const Ending ending = wait_for(group, command, printed, status);
+  const Ending ending = wait_for(group, command, watch, printed, status, times);
   if (ending == Ending::kTimeout) {
     return fail(ErrorCode::kData,
                 "exec:{}: no answer within {} s: mend it, or give it more time with the option "
@@ -272,7 +305,7 @@ Result<void> run_external(const ExternalCommand& command) {
     return fail(ErrorCode::kData, "exec:{}: cancelled", command.command);
   }
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : kSignalBase + WTERMSIG(status);
-  if (code == 0) return {};
+  if (code == 0) return times;
   const std::string words = printed.line();
   return fail(
       ErrorCode::kData, "exec:{}: {} {}{}", command.command,

@@ -26,9 +26,15 @@ struct ExternalCommand {
   std::function<bool()> cancelled = {};  // asked while it runs; may be empty
 };
 
+// Seconds from its start until it opened the first of its arguments, which is a file: the time of
+// the shell, an interpreter and its imports. The whole time where it opened none.
+struct ExternalTimes {
+  double start = 0;
+};
+
 // Errors name the command: kData when it fails (with the last line it printed), when it does not
 // end in time or is cancelled; kIo when it cannot be started.
-Result<void> run_external(const ExternalCommand& command);
+Result<ExternalTimes> run_external(const ExternalCommand& command);
 
 // A temporary folder that goes when this goes, or when the program is interrupted.
 class ExchangeFolder {
