@@ -8,11 +8,9 @@ find_package(fmt 9.1 CONFIG REQUIRED)
 find_package(nlohmann_json 3.11 CONFIG REQUIRED)
 find_package(tomlplusplus 3.3 CONFIG REQUIRED)
 find_package(tl-expected 1.0 CONFIG REQUIRED)
-find_package(Boost 1.74 REQUIRED)  # headers: Boost.Math
+find_package(Boost 1.74 REQUIRED)  # headers: Math, Asio, Beast
 if(SPOOL_BUILD_PROGRAM)
   find_package(CLI11 2.1 CONFIG REQUIRED)
-  find_package(PkgConfig REQUIRED)
-  pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib>=0.11)
 endif()
 if(SPOOL_BUILD_PROGRAM AND SPOOL_PNG STREQUAL "libpng")
   find_package(PNG 1.6 REQUIRED)

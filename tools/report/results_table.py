@@ -10,6 +10,7 @@ import re
 from typing import NamedTuple
 
 from failure import USAGE, Failure
+from regular_file import open_regular
 
 COUNTED = {"spp": 1e-9, "replicate": 0.0, "threads": 0.0}  # of the key: numbers, and the least they may be
 KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")
@@ -24,7 +25,7 @@ class ResultsTable(NamedTuple):
 
 def read_results(path):
     try:
-        with path.open(newline="", encoding="utf-8", errors="replace") as file:
+        with open_regular(path, newline="", errors="replace") as file:
             return _read(path, csv.reader(file, strict=True))
     except OSError as error:
         hint = "run spool evaluate ... -o DIR first"

@@ -7,6 +7,7 @@ it names stand for themselves.
 import json
 
 from failure import IO, Failure
+from regular_file import open_regular
 
 
 class Vocabulary:
@@ -59,7 +60,8 @@ def read_manifest(folder):
 
 def read_json(path):
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        with open_regular(path) as file:
+            return json.load(file)
     except OSError as error:
         raise Failure(f"{path}: {error.strerror}", IO) from error
     except (ValueError, RecursionError) as error:

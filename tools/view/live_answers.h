@@ -3,8 +3,8 @@
 
 #include <memory>
 
+#include "tools/view/answers.h"
 #include "tools/view/live_replays.h"
-#include "tools/view/local_server.h"
 
 namespace spool::tools {
 

@@ -1,23 +1,30 @@
-// The only file that includes the HTTP library, which costs seconds per translation unit.
 #include "tools/view/local_server.h"
 
 #include <sys/random.h>
 
 #include <array>
+#include <chrono>
 #include <exception>
+#include <list>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
-#include <httplib.h>
+
+#include <boost/asio.hpp>
+#include "tools/view/connection.h"
 
 namespace spool::tools {
 namespace {
 
+namespace net = boost::asio;
+using boost::system::error_code;
+using net::ip::tcp;
+
 constexpr const char* kHost = "127.0.0.1";
-constexpr std::size_t kMostBody = 1024;  // bytes of a request's body; nobody needs one
-constexpr int kSecondsToSend = 10;       // that a request may take to arrive
-constexpr int kSecondsIdle = 2;          // that a connection may wait for its next request
-constexpr std::size_t kThreads = 32;     // more than the connections of a few browsers
+constexpr std::chrono::milliseconds kPause{50};  // where no connection can be accepted
+constexpr std::size_t kMostConnections = 256;
+constexpr std::size_t kThreads = 32;  // more than a few browsers ask of at once
 
 // 128 random bits in hexadecimal.
 Result<std::string> random_token() {
@@ -31,100 +38,96 @@ Result<std::string> random_token() {
   return token;
 }
 
-// Takes the same time wherever two texts of one length differ.
-bool same_text(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  unsigned difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
-  return difference == 0;
-}
+class LocalServer {
+ public:
+  explicit LocalServer(const Answers& answers) : service_{answers, "", 0} {}
 
-// "/TOKEN/name" in its two parts.
-std::pair<std::string, std::string> split_path(const std::string& path) {
-  const std::size_t end = path.find('/', 1);
-  if (path.empty() || end == std::string::npos) return {path.substr(path.empty() ? 0 : 1), ""};
-  return {path.substr(1, end - 1), path.substr(end + 1)};
-}
-
-void refuse(httplib::Response& response, int status, const std::string& why) {
-  response.status = status;
-  response.set_content("{\"error\": \"" + why + "\"}\n", "application/json");
-}
-
-bool is_this_server(const std::string& host, int port) {
-  return host == fmt::format("{}:{}", kHost, port) || host == fmt::format("localhost:{}", port);
-}
-
-void answer_request(const Answers& answers, const httplib::Request& request,
-                    httplib::Response& response) {
-  const auto found = answers.find(split_path(request.path).second);
-  if (found == answers.end()) return refuse(response, 404, "nothing of that name is served");
-  const Query query = [&](std::string_view name) {
-    return request.get_param_value(std::string(name));
-  };
-  try {
-    const auto answer = std::make_shared<const Answer>(found->second(query));
-    response.status = answer->status;
-    // In pieces: the library compresses what it is given at once, for seconds.
-    response.set_content_provider(
-        answer->body.size(), answer->type,
-        [answer](std::size_t at, std::size_t length, httplib::DataSink& sink) {
-          return sink.write(answer->body.data() + at, length);
-        });
-  } catch (const std::exception&) {  // out of memory: this answer fails, the server goes on
-    refuse(response, 500, "out of memory: ask for a smaller budget");
+  // On that port, or on any when it is taken.
+  Result<void> open(int port) {
+    SPOOL_ASSIGN(service_.token, random_token());
+    if (!listen_at(port) && !listen_at(0)) {
+      return fail(ErrorCode::kIo, "no port of {} is free: end another server", kHost);
+    }
+    service_.port = acceptor_.local_endpoint().port();
+    return {};
   }
-}
+  std::string url() const {
+    return fmt::format("http://{}:{}/{}/", kHost, service_.port, service_.token);
+  }
+  void run() {
+    accept();
+    for (;;) {
+      try {
+        io_.run();
+        return;
+      } catch (const std::exception&) {  // out of memory: a connection is lost, no more
+      }
+    }
+  }
 
-void set_limits(httplib::Server& server) {
-  server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-  server.set_payload_max_length(kMostBody);
-  server.set_read_timeout(kSecondsToSend);
-  server.set_keep_alive_timeout(kSecondsIdle);
-  server.set_default_headers({{"Cache-Control", "no-store"},
-                              {"X-Content-Type-Options", "nosniff"},
-                              {"Referrer-Policy", "no-referrer"},
-                              {"X-Frame-Options", "DENY"},
-                              {"Cross-Origin-Resource-Policy", "same-origin"}});
-}
+ private:
+  // No other process may share the port: reuse_address is for connections that have ended.
+  bool listen_at(int port) {
+    error_code error;
+    acceptor_ = tcp::acceptor(io_);
+    const tcp::endpoint place(net::ip::make_address_v4(kHost), static_cast<unsigned short>(port));
+    acceptor_.open(place.protocol(), error);
+    if (!error) acceptor_.set_option(net::socket_base::reuse_address(true), error);
+    if (!error) acceptor_.bind(place, error);
+    if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
+    return !error;
+  }
 
-// No other process may share the port, whoever starts it: the library's own options would let it.
-void own_port(int socket) {
-  const int yes = 1;
-  ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-}
+  void accept() {
+    acceptor_.async_accept([this](error_code error, tcp::socket socket) {
+      if (!error) admit(std::move(socket));
+      if (!error) return accept();
+      make_room();  // of file handles
+      pause_.expires_after(kPause);
+      pause_.async_wait([this](error_code) { accept(); });
+    });
+  }
+
+  void admit(tcp::socket socket) {
+    connections_.remove_if([](const auto& connection) {
+      const auto held = connection.lock();
+      return !held || held->closed();
+    });
+    if (connections_.size() >= kMostConnections && !make_room()) return;
+    const auto connection = std::make_shared<Connection>(std::move(socket), service_, workers_);
+    connections_.push_back(connection);
+    connection->start();
+  }
+
+  // The oldest connection that has shown no token goes: a browser's request arrives at once, that
+  // of a slow client does not.
+  bool make_room() {
+    for (const auto& connection : connections_) {
+      const auto held = connection.lock();
+      if (!held || held->closed() || held->admitted()) continue;
+      held->close();
+      return true;
+    }
+    return false;
+  }
+
+  net::io_context io_;
+  tcp::acceptor acceptor_{io_};
+  net::steady_timer pause_{io_};
+  net::thread_pool workers_{kThreads};
+  Service service_;
+  std::list<std::weak_ptr<Connection>> connections_;
+};
 
 }  // namespace
 
 Result<void> serve_locally(const Answers& answers, int port,
-                           const std::function<void(const std::string& url)>& ready) {
-  SPOOL_ASSIGN(const std::string token, random_token());
-  httplib::Server server;
-  set_limits(server);
-  server.set_socket_options(own_port);
-  if (port == 0 || !server.bind_to_port(kHost, port)) port = server.bind_to_any_port(kHost);
-  if (port <= 0) return fail(ErrorCode::kIo, "no port of {} is free: end another server", kHost);
-  server.set_pre_routing_handler(
-      [&, port](const httplib::Request& request, httplib::Response& response) {
-        const bool alone = request.get_header_value_count("Host") == 1;
-        if (!alone || !is_this_server(request.get_header_value("Host"), port)) {
-          refuse(response, 403, "another host");
-        } else if (!same_text(split_path(request.path).first, token)) {
-          refuse(response, 403, "the address lacks its token");
-        } else if (request.method != "GET") {
-          refuse(response, 405, "only GET");
-        } else {
-          return httplib::Server::HandlerResponse::Unhandled;
-        }
-        return httplib::Server::HandlerResponse::Handled;
-      });
-  server.Get(".*", [&](const httplib::Request& request, httplib::Response& response) {
-    answer_request(answers, request, response);
-  });
-  ready(fmt::format("http://{}:{}/{}/", kHost, port, token));
-  if (server.listen_after_bind()) return {};
-  return fail(ErrorCode::kIo, "port {}: listening failed: start again", port);
+                           const std::function<Result<void>(const std::string& url)>& ready) {
+  LocalServer server(answers);
+  SPOOL_TRY(server.open(port));
+  SPOOL_TRY(ready(server.url()));
+  server.run();
+  return {};
 }
 
 }  // namespace spool::tools

@@ -1,6 +1,5 @@
 #include "tools/view/view.h"
 
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -17,6 +16,7 @@
 #include "tools/page_generator.h"
 #include "tools/report.h"
 #include "tools/view/live_answers.h"
+#include "tools/view/local_server.h"
 
 namespace spool::tools {
 namespace {
@@ -107,7 +107,7 @@ Result<void> run_view(const ViewOptions& options, const CommonOptions& common) {
   return serve_locally(answers, options.port, [&](const std::string& url) {
     print_line(common.json ? ordered_json{{"url", url}}.dump()
                            : url + "  (open it on this machine; Ctrl-C ends it)");
-    std::fflush(stdout);
+    return check_output();
   });
 }
 
