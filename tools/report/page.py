@@ -53,8 +53,8 @@ def build_page(title, sections, data, packed, served=False, viewer_only=False):
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         '<meta name="color-scheme" content="light dark">\n'
-        f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body>\n"
-        f'<header><h1>{escape(title)}</h1><nav aria-label="Sections">{links}</nav></header>\n'
+        f"<title>{escape(title or 'Spool')}</title>\n<style>{style}</style>\n</head>\n<body>\n"
+        + (f'<header><h1>{escape(title)}</h1><nav aria-label="Sections">{links}</nav></header>\n' if title else "") +
         "<noscript><p class=\"warning\">Charts, table and images need JavaScript; the summary and "
         "the details of the run do not.</p></noscript>\n"
         f"<main>\n{body}</main>\n"

@@ -39,7 +39,7 @@ def page(told):
     data = page_data(said, list(planes), packed)
     notes = "".join(f'<p class="note">{escape(note)}</p>' for note in notes_of(said))
     sections = [("images", "", notes + '<div id="image-area"></div>'), ("numbers", "", numbers_html(said))]
-    return build_page(said["title"] or "Images", sections, data, packed, viewer_only=True)
+    return build_page(said["title"], sections, data, packed, viewer_only=True)
 
 
 def unpack(told):

@@ -26,7 +26,9 @@ const insetAt = (view, pixel) => view.state.insets.findIndex((i) => pixel.x >= i
 
 function drawInsets(view) {
   const holder = view.insets, {insets} = view.state;
-  const side = Math.max(60, Math.min(180, Math.floor(view.area.clientWidth / view.faces.length / (report.all ? 1 : insets.length)) - 12));
+  const room = view.area.clientWidth / view.faces.length;  // of one picture, the insets in one row
+  const across = report.all ? Math.max(1, Math.min(insets.length, Math.floor(room / 102))) : insets.length;
+  const side = Math.max(60, Math.min(180, Math.floor(room / across) - 12));
   holder.replaceChildren(...insets.map((inset, i) => {
     const strip = element('div', {class: 'inset', role: 'group', tabindex: '0',
       'aria-label': `Inset ${i + 1}: arrow keys move it`, style: `--inset: ${insetColour(i)}`});
