@@ -154,11 +154,11 @@ std::string describe_order(const ordered_json& info) {
                              : "exchangeable (not known to be independent)";
 }
 
-void print_text(const ordered_json& info) {
+std::vector<std::vector<std::string>> rows_of(const ordered_json& info) {
   std::vector<std::vector<std::string>> rows;
   rows.push_back({"file", info["file"].get<std::string>()});
   rows.push_back({"size", format_bytes(info["bytes"].get<double>())});
-  rows.push_back({"sha256", info["sha256"].get<std::string>()});
+  if (info["sha256"] != "") rows.push_back({"sha256", info["sha256"].get<std::string>()});
   rows.push_back({"image", fmt::format("{} x {} pixels", info["width"].get<unsigned>(),
                                        info["height"].get<unsigned>())});
   rows.push_back(
@@ -187,10 +187,17 @@ void print_text(const ordered_json& info) {
     if (!text.empty()) rows.push_back({key, text});
   }
   add_verification(info["meta"], rows);
-  print(format_columns(rows, 2));
+  return rows;
 }
 
 }  // namespace
+
+Result<std::vector<std::vector<std::string>>> recording_facts(const std::filesystem::path& path) {
+  SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(path));
+  std::error_code status;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, status);
+  return rows_of(describe(reader, bytes, ""));
+}
 
 Result<void> run_info(const InfoOptions& options, const CommonOptions& common) {
   SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(options.dump));
@@ -201,7 +208,7 @@ Result<void> run_info(const InfoOptions& options, const CommonOptions& common) {
   if (common.json) {
     print(json_text(info));
   } else {
-    print_text(info);
+    print(format_columns(rows_of(info), 2));
   }
   return {};
 }

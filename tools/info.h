@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "tools/console.h"
 
@@ -10,6 +12,9 @@ namespace spool::tools {
 struct InfoOptions {
   std::filesystem::path dump;
 };
+
+// The rows that it prints, [what, text], without the hash, for which all bytes are read.
+Result<std::vector<std::vector<std::string>>> recording_facts(const std::filesystem::path& path);
 
 Result<void> run_info(const InfoOptions& options, const CommonOptions& common);
 

@@ -8,6 +8,7 @@
 #include "formats/lost_pages.h"
 #include "lib/core/heap_policy.h"
 #include "lib/core/parallel.h"
+#include "tools/command_line/image_verbs.h"
 #include "tools/command_line/manual.h"
 #include "tools/command_line/method_verbs.h"
 #include "tools/command_line/misspelt.h"
@@ -44,6 +45,7 @@ int run(int count, char** arguments) {
   add_report(program);
   add_figure(program);
   add_picture(program);
+  add_show(program);
   add_pixel(program);
   add_view(program);
   add_list(program);

@@ -59,11 +59,9 @@ Result<MakePng> load_module() {
 
 }  // namespace
 
-Result<void> write_png(const std::filesystem::path& path, const Picture& picture, bool overwrite,
-                       bool shared) {
+Result<Bytes> png_bytes(const Picture& picture) {
   static const Result<MakePng> make = load_module();
   if (!make) return tl::unexpected<Error>(make.error());
-  SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, overwrite, shared));
   std::array<char, 512> error{};
   Bytes png;
   const TakeBytes take = [](void* context, const unsigned char* bytes, std::size_t count) {
@@ -71,9 +69,17 @@ Result<void> write_png(const std::filesystem::path& path, const Picture& picture
   };
   if ((*make)(picture.width, picture.height, picture.rgb.data(), take, &png, error.data(),
               error.size()) != 0) {
-    return fail(ErrorCode::kIo, "{}: cannot be written ({})", path.string(), error.data());
+    return fail(ErrorCode::kIo, "a PNG cannot be made ({})", error.data());
   }
-  SPOOL_TRY(file.file().write_at(0, std::as_bytes(std::span(png))));
+  return png;
+}
+
+Result<void> write_png(const std::filesystem::path& path, const Picture& picture, bool overwrite,
+                       bool shared) {
+  SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, overwrite, shared));
+  const Result<Bytes> png = png_bytes(picture);
+  if (!png) return fail(png.error().code, "{}: {}", path.string(), png.error().message);
+  SPOOL_TRY(file.file().write_at(0, std::as_bytes(std::span(*png))));
   return file.commit();
 }
 

@@ -5,11 +5,15 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "lib/core/error.h"
 #include "lib/image_io/picture.h"
 
 namespace spool {
+
+// The contents of such a file.
+Result<std::vector<unsigned char>> png_bytes(const Picture& picture);
 
 // Written under a temporary name, then renamed.
 Result<void> write_png(const std::filesystem::path& path, const Picture& picture, bool overwrite,

@@ -26,6 +26,7 @@
 #include "tools/recover.h"
 #include "tools/replay.h"
 #include "tools/report.h"
+#include "tools/show/show.h"
 #include "tools/synth.h"
 #include "tools/view/view.h"
 
@@ -53,6 +54,7 @@ struct Program {
   ReportOptions report;
   FigureOptions figure;
   PictureOptions picture;
+  ShowOptions show;
   PixelOptions pixel;
   ViewOptions view;
   ListOptions list;

@@ -215,35 +215,4 @@ void add_figure(Program& program) {
       [&] { program.chosen = [&] { return run_figure(program.figure, program.common); }; });
 }
 
-void add_picture(Program& program) {
-  CLI::App& verb = *program.app.add_subcommand(
-      "picture", "an EXR as a PNG to look at: tone-mapped, or false colour with its bar");
-  PictureOptions& options = program.picture;
-  verb.add_option("IMAGE", options.image, "an OpenEXR image")->required();
-  CLI::Option* exposure =
-      verb.add_option("--exposure", options.exposure,
-                      "EV: values times 2^EV, then sRGB (the log-average luminance becomes middle "
-                      "grey)")
-          ->check(CLI::Range(-100.0, 100.0));
-  verb.add_option("--like", options.like, "take the automatic exposure from this image")
-      ->excludes(exposure);
-  CLI::Option* colour = verb.add_flag("--false-colour", options.false_colour,
-                                      "one channel, or the luminance, as colours with a bar");
-  colour->excludes(exposure);
-  verb.add_option("--channel", options.channel, "of --false-colour: its name")->needs(colour);
-  verb.add_option("--range", options.range, "of --false-colour: LOW,HIGH (all values)")
-      ->needs(colour);
-  verb.add_flag("--log", options.log, "of --false-colour: a logarithmic scale")->needs(colour);
-  add_output(verb, options.output, "the picture to write, NAME.png");
-  add_common(verb, program.common, false, true);
-  verb.footer(
-      "For eyes, not for measuring. Pixels that are not finite are magenta.\n"
-      "Examples:\n"
-      "  spool picture image.exr -o image.png\n"
-      "  spool picture image.exr --like reference.exr -o image.png\n"
-      "  spool picture density.exr --false-colour --log --range 1,64 -o density.png");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_picture(program.picture, program.common); }; });
-}
-
 }  // namespace spool::tools

@@ -10,6 +10,5 @@ void add_metrics(Program& program);
 void add_compare(Program& program);
 void add_report(Program& program);
 void add_figure(Program& program);
-void add_picture(Program& program);
 
 }  // namespace spool::tools

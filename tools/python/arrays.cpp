@@ -1,5 +1,6 @@
 #include "tools/python/arrays.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -41,6 +42,12 @@ nb::object rgb_to_numpy(const RgbImage& image) {
   }
   return owned(std::move(values), {static_cast<std::size_t>(image[0].height()),
                                    static_cast<std::size_t>(image[0].width()), 3});
+}
+
+Plane plane_from_numpy(const PlaneArray& array) {
+  Plane plane(static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)));
+  std::copy_n(array.data(), plane.size(), plane.pixels().begin());
+  return plane;
 }
 
 RgbImage rgb_from_numpy(const ImageArray& array) {

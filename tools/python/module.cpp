@@ -4,6 +4,7 @@
 #include "formats/lost_pages.h"
 #include "tools/python/called_functions.h"
 #include "tools/python/evaluation.h"
+#include "tools/python/showing.h"
 #include "tools/python/steps.h"
 
 NB_MODULE(_core, module) {
@@ -20,4 +21,5 @@ NB_MODULE(_core, module) {
   spool::python::bind_synth(module);
   spool::python::bind_evaluate(module);
   spool::python::bind_methods(module);
+  spool::python::bind_showing(module);
 }

@@ -164,6 +164,7 @@ function startCharts(area) {
   darkQuery.addEventListener('change', draw);
   draw();
 }
+starts['chart-area'] = startCharts;
 
 // Recording, metric, samplers and filters, for charts and table alike.
 function filterControls(withDump) {

@@ -3,8 +3,6 @@
 const verdictWords = ['better', 'worse', 'undecided', 'identical'];
 const opposite = {better: 'worse', worse: 'better'};
 
-const conditionOf = (dump, spp) => report.conditions.find((c) => c.dump === dump && c.spp === spp);
-const rankedMethods = (dump, spp) => (conditionOf(dump, spp)?.field ?? []).map((i) => methodOf(report.combinations[i]));
 
 // {mean, low, high, verdict} of a combination against the method `baseline` in the same condition; null where unknown.
 function ratioTo(condition, index, baseline) {
@@ -63,6 +61,7 @@ function startHeadline(area) {
   darkQuery.addEventListener('change', draw);
   draw();
 }
+starts['headline-area'] = startHeadline;
 
 // The rows: the order of the overall ratio where there is one, else that of the first recording.
 function headlineMethods() {

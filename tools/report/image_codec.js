@@ -1,4 +1,4 @@
-// Undoes image_packing.py: base64, deflate, bytes sorted by weight, half floats or counts.
+// Undoes image_packing.py: base64, deflate, bytes sorted by weight, half floats, floats or counts.
 let halfTable = null;
 function halfValues() {
   if (halfTable) return halfTable;
@@ -20,11 +20,15 @@ async function unpackImage(index) {
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
   const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
   const pixels = width * height, size = pixels * channels, values = new Float32Array(size);
-  const table = kind === 'half' ? halfValues() : null;
+  const table = kind === 'half' ? halfValues() : null, word = new DataView(new ArrayBuffer(4));
+  const floatAt = (i) => {
+    for (let b = 0; b < 4; ++b) word.setUint8(3 - b, bytes[b * size + i]);
+    return word.getFloat32(0);
+  };
   for (let c = 0, i = 0; c < channels; ++c) {
     for (let p = 0; p < pixels; ++p, ++i) {
       const bits = bytes[i] | (bytes[size + i] << 8);
-      values[p * channels + c] = (table ? table[bits] : bits) * scale;
+      values[p * channels + c] = kind === 'float' ? floatAt(i) : (table ? table[bits] : bits) * scale;
     }
   }
   return values;

@@ -116,3 +116,4 @@ async function startLive(area) {
     area.append(element('p', {class: 'warning'}, `The program does not answer: ${error.message}. Start spool view again.`));
   }
 }
+starts['live-area'] = startLive;

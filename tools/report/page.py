@@ -11,9 +11,10 @@ from html import escape
 
 from assets import ASSETS, HERE, load_asset
 
-OWN_SCRIPTS = ("report_data.js", "charts.js", "image_codec.js", "picture_store.js", "colour_scales.js",
-               "export_buttons.js", "headline.js", "crop_strip.js", "result_table.js", "viewer.js",
-               "viewer_panes.js", "viewer_insets.js", "viewer_controls.js", "viewer_pointers.js", "pixel_panel.js", "footprint.js", "live.js", "page_start.js")
+VIEWER_SCRIPTS = ("image_codec.js", "picture_store.js", "colour_scales.js", "viewer.js", "viewer_panes.js",
+                  "viewer_insets.js", "viewer_controls.js", "viewer_pointers.js", "pixel_panel.js")
+OWN_SCRIPTS = ("charts.js", "export_buttons.js", "headline.js", "crop_strip.js", "result_table.js", *VIEWER_SCRIPTS,
+               "footprint.js", "live.js")
 
 
 def json_for_html(value):
@@ -29,18 +30,20 @@ def script_for_html(source):
     return source.replace("<!--", "<\\!--")
 
 
-def build_page(title, sections, data, packed, served=False):
-    """`sections`: [(id, heading, HTML)], in order. `served`: by spool view, which the page may ask."""
-    scripts = [script_for_html(load_asset(asset.script)) for asset in ASSETS]
-    own = "\n".join((HERE / name).read_text(encoding="utf-8") for name in OWN_SCRIPTS)
+def build_page(title, sections, data, packed, served=False, viewer_only=False):
+    """`sections`: [(id, heading, HTML)], in order. `served`: by spool view, which the page may ask. `viewer_only`: pictures,
+    and no script of others."""
+    scripts = [] if viewer_only else [script_for_html(load_asset(asset.script)) for asset in ASSETS]
+    names = ("report_data.js", *(VIEWER_SCRIPTS if viewer_only else OWN_SCRIPTS), "page_start.js")
+    own = "\n".join((HERE / name).read_text(encoding="utf-8") for name in names)
     scripts.append(script_for_html(f"(() => {{\n'use strict';\n{own}\n}})();"))
     hashes = " ".join(f"'sha256-{_hash(script)}'" for script in scripts)
     policy = (f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; "
               "img-src data: blob:; base-uri 'none'; form-action 'none'"
               + ("; connect-src 'self'" if served else ""))
     style = (HERE / "style.css").read_text(encoding="utf-8")
-    links = "".join(f'<a href="#{id_}">{escape(heading)}</a>' for id_, heading, _ in sections)
-    body = "".join(f'<section id="{id_}"><h2>{escape(heading)}</h2>{html}</section>\n'
+    links = "".join(f'<a href="#{id_}">{escape(heading)}</a>' for id_, heading, _ in sections if heading)
+    body = "".join(f'<section id="{id_}">{f"<h2>{escape(heading)}</h2>" if heading else ""}{html}</section>\n'
                    for id_, heading, html in sections)
     images = "".join(f'<script type="text/plain" id="image-{i}">{image.text}</script>\n'
                      for i, image in enumerate(packed))
@@ -50,8 +53,8 @@ def build_page(title, sections, data, packed, served=False):
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         '<meta name="color-scheme" content="light dark">\n'
-        f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body>\n"
-        f'<header><h1>{escape(title)}</h1><nav aria-label="Sections">{links}</nav></header>\n'
+        f"<title>{escape(title or 'Spool')}</title>\n<style>{style}</style>\n</head>\n<body>\n"
+        + (f'<header><h1>{escape(title)}</h1><nav aria-label="Sections">{links}</nav></header>\n' if title else "") +
         "<noscript><p class=\"warning\">Charts, table and images need JavaScript; the summary and "
         "the details of the run do not.</p></noscript>\n"
         f"<main>\n{body}</main>\n"

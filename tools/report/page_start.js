@@ -1,5 +1,5 @@
 // Fills the areas that the page holds; whichever fails says so in its place.
-for (const [id, start] of [['headline-area', startHeadline], ['chart-area', startCharts], ['table-area', startTable], ['image-area', startImages], ['live-area', startLive]]) {
+for (const [id, start] of Object.entries(starts)) {
   const area = document.getElementById(id);
   if (!area) continue;
   try {

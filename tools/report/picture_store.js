@@ -58,12 +58,11 @@ const srgbTable = Uint8Array.from({length: 4097}, (_, i) => {
 function paintImage(picture, exposure) {
   return paintedPictures.get(`${picture.key} ${exposure}`, () => {
     const factor = 2 ** exposure * 4096, {values, channels} = picture;
+    const byte = (value) => srgbTable[Math.max(0, Math.min(4096, Math.round(value * factor)))];
     return painted(picture, (p, out, o) => {
-      for (let c = 0; c < 3; ++c) {
-        const value = values[channels === 3 ? 3 * p + c : p];
-        out[o + c] = Number.isNaN(value) ? notFinite[c] :
-          srgbTable[Math.max(0, Math.min(4096, Math.round(value * factor)))];
-      }
+      const colour = [0, 1, 2].map((c) => values[channels === 3 ? 3 * p + c : p]);
+      const finite = colour.every(Number.isFinite);
+      for (let c = 0; c < 3; ++c) out[o + c] = finite ? byte(colour[c]) : notFinite[c];
     });
   });
 }

@@ -2,6 +2,9 @@
 const report = JSON.parse(document.getElementById('report-data').textContent);
 const quantityIndex = new Map(report.quantities.map((q, i) => [q.name, i]));
 
+// How an area of the page is filled, by its id: a page has some of them.
+const starts = {};
+
 // What is shown; parts of the page register to be told of a change.
 const shown = {
   dump: 0,
@@ -20,7 +23,10 @@ function interval(combination, name) {
   return {mean, low, high};
 }
 
-const methodOf = (c) => `${report.samplers[c.sampler]} + ${report.filters[c.filter]}`;
+// An image that was made elsewhere has a name, and no filter.
+const methodOf = (c) => [report.samplers[c.sampler], report.filters[c.filter]].filter((name) => name).join(' + ');
+const conditionOf = (dump, spp) => report.conditions.find((c) => c.dump === dump && c.spp === spp);
+const rankedMethods = (dump, spp) => (conditionOf(dump, spp)?.field ?? []).map((i) => methodOf(report.combinations[i]));
 const isShown = (c) => shown.samplers.has(c.sampler) && shown.filters.has(c.filter);
 
 function numberText(value, digits = 4) {

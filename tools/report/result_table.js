@@ -56,6 +56,7 @@ function startTable(area) {
   listeners.push(filter);
   build();
 }
+starts['table-area'] = startTable;
 
 function buildTable() {
   const texts = ['recording', 'sampler', 'filter'];

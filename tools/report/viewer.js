@@ -1,5 +1,5 @@
-// The pictures of one recording: A, B and the reference beside each other, under a slider, or in turn. All panes share
-// zoom, place and exposure. What is shown follows from `state` alone; `render` makes the page agree with it.
+// The pictures of one recording: A, B and the reference - or all that there are, where the page says so - beside each
+// other, under a slider, or in turn. All panes share zoom, place and exposure. What is shown follows from `state` alone; `render` makes the page agree with it.
 function startImages(area) {
   const scenes = report.pictures.scenes.filter((s) => setsOf(s.dump).length > 0);
   if (scenes.length === 0) {
@@ -7,7 +7,7 @@ function startImages(area) {
       ...report.pictures.sets.slice(0, 200).flatMap((set) => linkList(set, 'results'))));
     return;
   }
-  const state = {scene: 0, budget: 0, a: 0, b: 0, layer: 'image', mode: innerWidth < 700 ? 'flip' : 'side', face: 1,
+  const state = {scene: 0, budget: 0, a: 0, b: 0, layer: 'image', mode: innerWidth < 700 && !report.all ? 'flip' : 'side', face: 1,
     split: 0.5, exposure: 0, zoom: 1, x: 0.5, y: 0.5, cursor: null, insets: [], pixel: null};
   const view = {state, scenes, area, panes: [], listeners: [], serial: 0};
   view.scene = () => scenes[state.scene];
@@ -18,7 +18,8 @@ function startImages(area) {
     return sets.filter((set) => report.combinations[set.combination].spp === spp);
   };
   view.names = () => view.candidates().map((set) => methodOf(report.combinations[set.combination]));
-  view.pair = () => [view.candidates()[state.a], view.candidates()[state.b]];
+  view.shownSets = () => (report.all ? view.candidates() : [view.candidates()[state.a], view.candidates()[state.b]]);
+  view.pair = () => [0, 1].map((i) => view.shownSets()[i] ?? view.shownSets()[0]);
   view.choose = (change) => {
     const kept = ['a', 'b'].map((side) => view.names()[state[side]]);
     Object.assign(state, change);
@@ -27,7 +28,7 @@ function startImages(area) {
     if ('scene' in change || 'budget' in change) {
       ['a', 'b'].forEach((side, i) => { state[side] = Math.max(0, view.names().indexOf(kept[i])); });
     }
-    if (['scene', 'a', 'b'].some((key) => key in change)) state.insets = [];
+    if (!report.all && ['scene', 'a', 'b'].some((key) => key in change)) state.insets = [];
     return loadShown(view).then(() => render(view), (error) => sayFailure(view, error));
   };
   Object.assign(state, firstChoice(view));
@@ -49,6 +50,7 @@ function startImages(area) {
     darkQuery.addEventListener('change', () => render(view));
   }, {rootMargin: '200px'}).observe(area);
 }
+starts['image-area'] = startImages;
 
 let openInViewer = () => {};
 
@@ -61,39 +63,40 @@ function sayFailure(view, error) {
 // The baseline against the method that ranks first among those with pictures, at the middle budget; without ranks, the
 // project's own.
 function firstChoice(view) {
+  if (report.all) return {budget: 0, a: 0, b: 1, face: 0};
   // What has to be replayed first is small.
   const budget = view.sets()[0].live ? Math.max(0, view.budgets().indexOf(4)) : Math.floor((view.budgets().length - 1) / 2);
   view.state.budget = budget;
   const names = view.names();
   const ranked = rankedMethods(view.scene().dump, view.budgets()[budget]).filter((name) => names.includes(name));
   return {budget, a: Math.max(0, names.indexOf(report.baseline)),
-    b: names.indexOf([ranked[0], 'multiscale + directional', names.at(-1)].find((name) => names.includes(name)))};
+    b: names.indexOf([report.first, ranked[0], 'multiscale + directional', names.at(-1)].find((name) => names.includes(name)))};
 }
 
-// Pictures of the layer that is shown, and the values behind them: view.shown[face] = {name, picture, values}.
+// Pictures of the layer that is shown, and the values behind them: view.faces[i] = {letter, name, picture, set, map}.
 async function loadShown(view) {
-  const serial = ++view.serial, {state} = view, [a, b] = view.pair();
-  if (a.live) nextLiveTurn();
-  const layer = layers[state.layer];
+  const serial = ++view.serial, {state} = view, sets = view.shownSets(), layer = layers[state.layer];
+  if (sets[0].live) nextLiveTurn();
+  for (const recent of [unpackedPictures, paintedPictures]) recent.most = Math.max(recent.most, 3 * sets.length + 3);
   const of = async (set) => {
     const picture = await loadPicture(set, layer.picture);
     return layer.minus ? differenceOf(picture, await loadPicture(set, layer.minus)) : picture;
   };
-  const [imageA, imageB, reference, shownA, shownB] = await Promise.all([loadPicture(a, 'estimate'),
-    loadPicture(b, 'estimate'), loadPicture(a.images.reference !== undefined ? a : b, 'reference'), of(a), of(b)]);
-  for (const set of [a, b].filter((entry) => entry.live && serial === view.serial)) {
+  const judged = sets.find((set) => set.images.reference !== undefined) ?? sets[0];
+  const [reference, images, pictures] = await Promise.all([loadPicture(judged, 'reference'),
+    Promise.all(sets.map((set) => loadPicture(set, 'estimate'))), Promise.all(sets.map(of))]);
+  for (const set of sets.filter((entry) => entry.live && serial === view.serial)) {
     const {spent, relmse} = await liveAnswer('replay', parametersOf(set));
     set.said = `: ${spent} samples${relmse === undefined ? '' : `, relMSE ${numberText(relmse)}`}`;
   }
   if (serial !== view.serial) return;
-  const name = (set) => methodOf(report.combinations[set.combination]);
-  view.images = {a: imageA, b: imageB, reference};
-  view.faces = [{letter: 'A', name: name(a), picture: shownA, set: a, map: state.layer !== 'image'},
-    {letter: 'B', name: name(b), picture: shownB, set: b, map: state.layer !== 'image'}];
+  view.images = {a: images[0], b: images[1] ?? images[0], reference};
+  view.faces = sets.map((set, i) => ({letter: report.all ? String(i + 1) : 'AB'[i], name: methodOf(report.combinations[set.combination]),
+    picture: pictures[i], set, map: state.layer !== 'image'}));
   if (reference) view.faces.push({letter: 'R', name: 'reference', picture: reference, map: false});
-  state.face = Math.min(state.face, view.faces.length - 1);
-  view.size = {width: imageA.width, height: imageA.height};
-  if (state.insets.length === 0) state.insets = chooseInsets(view);
+  for (const key of ['face', ...(report.all ? ['a', 'b'] : [])]) state[key] = Math.min(state[key], view.faces.length - 1);
+  view.size = {width: images[0].width, height: images[0].height};
+  if (state.insets.length === 0) state.insets = report.crops ?? chooseInsets(view);
 }
 
 function facePainting(view, face) {
@@ -105,7 +108,7 @@ function facePainting(view, face) {
 
 function linkList(set, letter) {
   const c = report.combinations[set.combination];
-  if (set.live) return [`${letter}, ${methodOf(c)}, ${c.spp} spp${set.said ?? ''}. `];
+  if (Object.keys(set.links).length === 0) return [`${letter}, ${methodOf(c)}, ${c.spp} spp${set.said ?? ''}. `];
   return [`${letter}, ${methodOf(c)}, ${c.spp} spp: `, ...Object.entries(set.links).flatMap(
     ([name, href], i) => [i > 0 ? ', ' : '', element('a', {href}, `${name}.exr`)]), '. '];
 }

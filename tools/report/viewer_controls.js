@@ -1,19 +1,23 @@
 // Controls of the viewer, its keys, mouse and fingers.
 const modes = {side: 'side by side', split: 'split', flip: 'flip'};
-const faceKeys = {a: 0, b: 1, r: 2, 1: 0, 2: 1, 3: 2};
+// Which face a key shows: a number its place, r the last one, which is the reference where there is one.
+const faceKeys = (faces) => Object.fromEntries([...(report.all ? [] : [['a', 0], ['b', 1]]),
+  ...faces.slice(0, 9).map((_, i) => [i + 1, i]), ...faces.flatMap((face, i) => (face.letter === 'R' ? [['r', i]] : []))]);
 
 function buildViewer(view) {
+  const keys = report.all ? '1 2 3 .. r' : 'a b r';
   view.controls = element('div', {class: 'controls viewer-controls'});
   view.tabs = element('div', {class: 'tabs', role: 'group', 'aria-label': 'Which picture'});
-  view.stage = element('div', {class: 'stage', id: 'stage', tabindex: '0', role: 'application',
-    'aria-label': 'Pictures: arrow keys move, + and - zoom, a, b and r or space flip, e and E expose'});
+  view.stage = element('div', {class: report.all ? 'stage all' : 'stage', id: 'stage', tabindex: '0', role: 'application',
+    'aria-label': `Pictures: arrow keys move, + and - zoom, ${keys} or space flip, e and E expose`});
   view.status = element('output', {class: 'note', id: 'pixel-values'});
   view.insets = element('div', {class: 'insets', id: 'insets'});
   view.links = element('p', {class: 'note'});
-  view.area.append(view.controls, view.tabs, element('div', {class: 'work'}, view.stage, view.insets), view.status,
-    element('p', {class: 'note'}, 'Drag moves, wheel or + - zooms (after a click into the pictures), a b r or space flip, ',
-      'e E exposure, [ ] budget, , . layer, 0 resets; drag a coloured frame to move its inset. ',
-      view.sets()[0].live ? '' : 'Values have eleven bits here; the EXR files have all.'), view.links);
+  const work = report.all ? [view.stage, view.status, view.insets] : [element('div', {class: 'work'}, view.stage, view.insets), view.status];
+  view.area.append(view.controls, view.tabs, ...work,
+    element('p', {class: 'note'}, `Drag moves, wheel or + - zooms (after a click into the pictures), ${keys} or space flip, `,
+      `e E exposure, ${report.all ? '' : '[ ] budget, '}, . layer, 0 resets; drag a coloured frame to move its inset. `,
+      view.sets()[0].live ? '' : `Values have eleven bits here${Object.keys(view.sets()[0].links).length ? '; the EXR files have all' : ''}.`), view.links);
   buildPixelPanel(view);
   view.stage.addEventListener('keydown', (event) => onKey(view, event));
   listenToPointers(view);
@@ -26,7 +30,7 @@ function render(view) {
   drawPanes(view);
   drawInsets(view);
   const [a, b] = view.pair();
-  view.links.replaceChildren(...linkList(a, 'A'), ...(b === a ? [] : linkList(b, 'B')));
+  if (!report.all) view.links.replaceChildren(...linkList(a, 'A'), ...(b === a ? [] : linkList(b, 'B')));
   showValues(view);
   view.stage.dataset.ready = 'true';
   for (const listener of view.listeners) listener();
@@ -41,20 +45,26 @@ function renderControls(view) {
     const focused = view.controls.contains(document.activeElement) ? document.activeElement.id : '';
     const pick = (name) => (i) => view.choose({[name]: i});
     const labelled = (id, label) => { label.lastElementChild.id = id; return label; };
-    view.controls.replaceChildren(
+    const sides = report.all ? view.faces.map((face) => face.name) : names;
+    view.controls.replaceChildren(...(report.all ? [] : [
       labelled('viewer-scene', select('Recording', view.scenes.map((s) => report.dumps[s.dump]), state.scene, pick('scene'))),
-      slider('budget-slider', 'Samples per pixel', 0, budgets.length - 1, 1, pick('budget')),
-      labelled('viewer-a', select('A', names, state.a, pick('a'))),
-      labelled('viewer-b', select('B', names, state.b, pick('b'))),
+      slider('budget-slider', 'Samples per pixel', 0, budgets.length - 1, 1, pick('budget'))]),
+    ...(report.all && sides.length < 3 ? [] : [
+      labelled('viewer-a', select('A', sides, state.a, pick('a'))),
+      labelled('viewer-b', select('B', sides, state.b, pick('b')))]),
       buttons(view, 'layer', 'Layer', Object.keys(layers).filter((name) => has(view, name)).map((n) => [n, layers[n].name])),
-      buttons(view, 'mode', 'Show', Object.entries(modes)),
+      view.faces.length < 2 ? '' : buttons(view, 'mode', 'Show', Object.entries(modes)),
       slider('exposure-slider', 'Exposure', -10, 10, 0.5, (value) => { state.exposure = value; render(view); }),
       slider('split-slider', 'Split', 0, 1, 0.005, (value) => { state.split = value; render(view); }));
     if (focused) document.getElementById(focused)?.focus();
   }
-  view.controls.querySelector('#viewer-a').value = state.a;
-  view.controls.querySelector('#viewer-b').value = state.b;
-  setSlider(view.controls.querySelector('#budget-slider'), state.budget, `${budgets[state.budget]} spp`);
+  for (const side of ['a', 'b']) {
+    const list = view.controls.querySelector(`#viewer-${side}`);
+    if (!list) continue;
+    list.value = state[side];
+    list.parentElement.hidden = report.all && state.mode !== 'split';  // all are shown otherwise
+  }
+  if (!report.all) setSlider(view.controls.querySelector('#budget-slider'), state.budget, `${budgets[state.budget]} spp`);
   setSlider(view.controls.querySelector('#exposure-slider'), state.exposure, `${state.exposure >= 0 ? '+' : ''}${state.exposure} EV`);
   setSlider(view.controls.querySelector('#split-slider'), state.split, '');
   view.controls.querySelector('#split-slider').parentElement.hidden = state.mode !== 'split';
@@ -106,14 +116,12 @@ function onKey(view, event) {
     0: () => { Object.assign(state, {zoom: 1, x: 0.5, y: 0.5, exposure: 0, split: 0.5}); zoomBy(view, 1); render(view); },
     e: () => { state.exposure = Math.min(10, state.exposure + 0.5); render(view); },
     E: () => { state.exposure = Math.max(-10, state.exposure - 0.5); render(view); },
-    ' ': () => view.choose({mode: 'flip', face: state.face === 0 ? 1 : 0}),
+    ' ': () => view.choose({mode: 'flip', face: report.all ? (state.face + 1) % view.faces.length : state.face === 0 ? 1 : 0}),
     '[': () => budget(-1), ']': () => budget(1),
     ',': () => view.choose({layer: around(state.layer, shownLayers, -1)}),
     '.': () => view.choose({layer: around(state.layer, shownLayers, 1)}),
   };
-  for (const [key, face] of Object.entries(faceKeys)) {
-    if (face < view.faces.length) actions[key] = () => view.choose({mode: 'flip', face});
-  }
+  for (const [key, face] of Object.entries(faceKeys(view.faces))) actions[key] = () => view.choose({mode: 'flip', face});
   if (!actions[event.key]) return;
   event.preventDefault();
   actions[event.key]();

@@ -1,10 +1,14 @@
 // The panes of the viewer: their size, what is drawn in them, which pixel lies where.
-const insetColours = ['#ffd400', '#00e5ff'];
+const insetColours = ['#ffd400', '#00e5ff', '#ff5cc8', '#7dff5c', '#ff8a3d', '#b18cff'];
+const insetColour = (i) => insetColours[i % insetColours.length];
+const LEAST_PANE = 220;  // CSS pixels, where there are several rows
 
 // As large as the width and most of the window's height allow, with the picture's own shape: it fills its pane.
 function paneSize(view, count) {
-  const room = view.area.clientWidth - 8 * (count - 1), {width, height} = view.size;
-  const wide = Math.max(80, Math.min(room / count, 0.8 * innerHeight * width / height));
+  const whole = view.area.clientWidth - (report.all ? 1 : 0), {width, height} = view.size;
+  const most = report.all ? Math.max(1, Math.floor((whole + 8) / (LEAST_PANE + 8))) : count;
+  const columns = Math.ceil(count / Math.ceil(count / most));
+  const wide = Math.max(80, Math.min((whole - 8 * (columns - 1)) / columns, 0.8 * innerHeight * width / height));
   return {width: Math.floor(wide), height: Math.floor(wide * height / width)};
 }
 
@@ -12,7 +16,8 @@ function paneSize(view, count) {
 function paneFaces(view) {
   const {mode, face} = view.state;
   if (mode === 'side') return view.faces.map((f) => [f]);
-  return mode === 'split' ? [[view.faces[0], view.faces[1]]] : [[view.faces[face]]];
+  const [a, b] = report.all ? [view.state.a, view.state.b] : [0, 1];
+  return mode === 'split' ? [[view.faces[a], view.faces[b]]] : [[view.faces[face]]];
 }
 
 function layOutPanes(view) {
@@ -91,14 +96,14 @@ function drawFace(view, context, face, {scale, left, top}) {
 
 // Inset windows, the pixel that was touched and the cursor, in every pane.
 function drawMarks(view, context, {scale, left, top}, unit) {
-  const frame = (x, y, side, colour, width) => {
+  const frame = ({x, y, width = 1, height = 1}, colour, line) => {
     context.strokeStyle = colour;
-    context.lineWidth = width * unit;
-    context.strokeRect(left + x * scale, top + y * scale, side * scale, side * scale);
+    context.lineWidth = line * unit;
+    context.strokeRect(left + x * scale, top + y * scale, width * scale, height * scale);
   };
   view.state.insets.forEach((inset, i) => {
-    frame(inset.x, inset.y, inset.side, '#000', 4);
-    frame(inset.x, inset.y, inset.side, insetColours[i], 2);
+    frame(inset, '#000', 4);
+    frame(inset, insetColour(i), 2);
   });
   const crop = view.scene().crop ?? [0, 0];
   for (const {x, y} of pixelsOf(view.scene().dump)) {
@@ -113,10 +118,10 @@ function drawMarks(view, context, {scale, left, top}, unit) {
   }
   const {pixel, cursor} = view.state;
   if (pixel) {
-    frame(pixel.x, pixel.y, 1, '#000', 4);
-    frame(pixel.x, pixel.y, 1, '#fff', 2);
+    frame(pixel, '#000', 4);
+    frame(pixel, '#fff', 2);
   }
-  if (cursor) frame(cursor.x, cursor.y, 1, '#fff', 1);
+  if (cursor) frame(cursor, '#fff', 1);
 }
 
 // Pixel of the picture under a point of the window; null beside it.

@@ -103,5 +103,6 @@ function showValues(view) {
     const numbers = channels === 3 ? [0, 1, 2].map((c) => values[3 * p + c]) : [values[p]];
     return `${letter} ${numbers.map((v) => (Number.isNaN(v) ? 'none' : numberText(v, 3))).join(' ')}`;
   });
-  view.status.textContent = `x ${at.x + crop[0]}, y ${at.y + crop[1]}:  ${texts.join('   ')}`;
+  const whole = report.shrunk ?? 1;
+  view.status.textContent = `x ${at.x * whole + crop[0]}, y ${at.y * whole + crop[1]}:  ${texts.join('   ')}`;
 }

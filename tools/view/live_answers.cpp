@@ -3,13 +3,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <utility>
 
 #include "lib/image_io/picture.h"
 #include "lib/statistics/piece_statistics.h"
 #include "tools/json_text.h"
+#include "tools/show/plane_text.h"
 
 namespace spool::tools {
 namespace {
@@ -54,46 +54,9 @@ Answer json_answer(const Result<Value>& value) {
   return value ? Answer{200, "application/json", json_text(*value)} : answer_of(value.error());
 }
 
-// Planes behind what is said of them.
-class PlaneText {
- public:
-  PlaneText(int width, int height)
-      : said_({{"width", width}, {"height", height}, {"planes", ordered_json::array()}}) {}
-
-  void say(const std::string& name, const ordered_json& value) { said_[name] = value; }
-  // value(channel, pixel)
-  template <class Value>
-  void add(const std::string& name, std::size_t channels, std::size_t pixels, Value&& value) {
-    said_["planes"].push_back({{"name", name}, {"channels", channels}});
-    for (std::size_t p = 0; p < pixels; ++p) {
-      for (std::size_t c = 0; c < channels; ++c)
-        values_.push_back(static_cast<float>(value(c, p)));
-    }
-  }
-  void add(const std::string& name, const RgbImage& image) {
-    add(name, 3, image[0].size(), [&](std::size_t c, std::size_t p) { return image[c][p]; });
-  }
-  template <class T>
-  void add(const std::string& name, const Image<T>& image) {
-    add(name, 1, image.size(), [&](std::size_t, std::size_t p) { return image[p]; });
-  }
-  Answer answer() const {
-    std::string text = json_text(said_);
-    text.append((4 - text.size() % 4) % 4, ' ');
-    std::string body;
-    for (int shift = 0; shift < 32; shift += 8)
-      body += static_cast<char>(text.size() >> shift & 255u);
-    body += text;
-    const std::size_t begin = body.size();
-    body.resize(begin + values_.size() * sizeof(float));
-    std::memcpy(body.data() + begin, values_.data(), values_.size() * sizeof(float));
-    return {200, "application/octet-stream", std::move(body)};
-  }
-
- private:
-  ordered_json said_;
-  std::vector<float> values_;
-};
+Answer plane_answer(const PlaneText& planes) {
+  return {200, "application/octet-stream", planes.text()};
+}
 
 Answer replay_answer(LiveReplays& replays, const Query& query) {
   const Result<ReplayKey> key = key_of(query);
@@ -115,7 +78,7 @@ Answer replay_answer(LiveReplays& replays, const Query& query) {
   }
   if (replay.result.level) planes.add("filter_size", *replay.result.level);
   if (replay.result.dominant_direction) planes.add("direction", *replay.result.dominant_direction);
-  return planes.answer();
+  return plane_answer(planes);
 }
 
 Answer reference_answer(LiveReplays& replays, const Query& query) {
@@ -127,7 +90,7 @@ Answer reference_answer(LiveReplays& replays, const Query& query) {
   const RgbImage& mean = (*opened)->reference->mean;
   PlaneText planes(mean[0].width(), mean[0].height());
   planes.add("reference", mean);
-  return planes.answer();
+  return plane_answer(planes);
 }
 
 Result<ordered_json> pixel_told(LiveReplays& replays, const Query& query) {

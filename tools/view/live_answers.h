@@ -9,8 +9,7 @@
 namespace spool::tools {
 
 // `choices`: recordings with size and exposure, samplers and filters by label.
-// `replay`, `reference`: planes. First a number of four bytes, lowest first, and so many bytes of
-// JSON that say width, height and planes; then the planes as 32-bit floats [y][x][c].
+// `replay`, `reference`: planes (tools/show/plane_text.h).
 // `pixel`: as `spool pixel --json`.
 Answers live_answers(const std::shared_ptr<LiveReplays>& replays);
 

@@ -8,6 +8,7 @@ import weakref
 from collections.abc import Callable
 
 from . import _core
+from .cells import results_html
 from .error import SpoolError
 from .own_methods import failure_shown
 from .plan_text import plan_text
@@ -54,6 +55,9 @@ class Results:
 
     def __repr__(self):
         return f"<spool.Results: {len(self.rows)} rows, {len(self.means)} means>"
+
+    def _repr_html_(self):
+        return results_html(self.rows, self.statistics)
 
     @property
     def means(self) -> list[dict]:

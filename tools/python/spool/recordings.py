@@ -1,6 +1,7 @@
 """Where samples come from: a file, or arrays."""
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 import weakref
@@ -9,6 +10,7 @@ from typing import Union
 import numpy as np
 
 from . import _core, reader
+from .cells import recording_html
 from .error import SpoolError
 
 FEATURES = {"albedo": "RGB", "normal": "XYZ", "depth": "Z"}
@@ -24,6 +26,10 @@ class Dump(reader.Dump):
     def __repr__(self):
         return (f"<spool.Dump {self.path}: {self.width} x {self.height} pixels, {self.spp} samples each, "
                 f"{', '.join(self.layers)}>")
+
+    def _repr_html_(self):
+        return recording_html(self, json.loads(_core.recording_facts(os.path.abspath(self.path))),
+                              self.pixel("reference") if "reference" in self.layers else None)
 
 
 def open(path: str | os.PathLike) -> Dump:
@@ -44,6 +50,12 @@ class Recording:
 
     def __repr__(self):
         return f"<spool.Recording {self.source.name}: {self.width} x {self.height} pixels, {self.spp} samples each>"
+
+    def _repr_html_(self):
+        facts = [["samples in memory", self.source.name], ["image", f"{self.width} x {self.height} pixels"],
+                 ["samples", f"{self.spp} per pixel, {self.sample_order}"], ["arrays", ", ".join(self.arrays)],
+                 ["verified", "no: write it, and dumps/verify/verify.py FILE --write tests the samples"]]
+        return recording_html(self, facts, self.arrays.get("reference"))
 
 
 Samples = Union[Dump, Recording, str, os.PathLike, np.ndarray]  # what replay and reconstruct take

@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import _core
+from .cells import density_html, reconstruction_html
 from .error import SpoolError
+from .images import Image
 from .own_methods import Method, failure_shown, method_text
 from .recordings import Samples, option_text, recording_of
 
@@ -45,6 +47,9 @@ class Selection:
     def __repr__(self):
         return f"<spool.Selection of {self.recording.source.name}: {self.log['spent']} samples>"
 
+    def _repr_html_(self):
+        return density_html(self)
+
     @property
     def counts(self) -> np.ndarray:
         """Samples taken of each piece, [y][x] int32."""
@@ -53,7 +58,7 @@ class Selection:
     @property
     def image(self) -> np.ndarray:
         """The mean of the samples taken, [y][x][3] float64."""
-        return self.replayed.image()
+        return self.replayed.image().view(Image)
 
     @property
     def log(self) -> dict:
@@ -81,6 +86,9 @@ class Reconstruction:
     seconds: float
     views: Mapping = field(repr=False)
 
+    def _repr_html_(self):
+        return reconstruction_html(self)
+
 
 def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filter: str | Method, *, spp: int = 0,
                 preset: str = "", seed: int = 0, order: str = "recorded", holdout: int = 0, pieces: int = 1,
@@ -100,9 +108,10 @@ def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filt
                                  selection.replayed if isinstance(selection, Selection) else None, counts, spp, preset,
                                  settings("filter", options, pool), _shuffled(order),
                                  seed, holdout, pieces, ",".join(views), threads)
+    image = made.image().view(Image)
     if not whole:
-        return made.image()
-    return Reconstruction(made.image(), made.variance(), made.level(), made.dominant_direction(), made.notes(),
+        return image
+    return Reconstruction(image, made.variance(), made.level(), made.dominant_direction(), made.notes(),
                           made.guards(), made.seconds(), made.views())
 
 

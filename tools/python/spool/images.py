@@ -1,0 +1,63 @@
+"""Images: arrays that a notebook shows."""
+from __future__ import annotations
+
+import base64
+import json
+
+import numpy as np
+
+from . import _core
+from .error import SpoolError
+
+_MOST_SIDE = 512  # pixels of a picture in a cell
+_LEAST_WIDE = 256  # CSS pixels
+
+
+class Image(np.ndarray):
+    """An image [y][x][3] of linear values: an array in everything, which a notebook shows with its numbers."""
+
+    def __array_wrap__(self, array, context=None, return_scalar=False):
+        array = np.asarray(array)
+        if array.ndim == 0:
+            return array[()]
+        return array.view(Image) if array.ndim == 3 and array.shape[2] == 3 else array
+
+    def _repr_html_(self):
+        if self.ndim != 3 or self.shape[2] != 3 or self.dtype.kind != "f" or 0 in self.shape:
+            return None  # shown as an array
+        image = image_array(self, "image")
+        facts = json.loads(_core.image_statistics(image))
+        height, width = self.shape[:2]
+        shrunk = -(-max(height, width) // _MOST_SIDE)
+        said = [f"{width} x {height} pixels" + (f", shrunk by {shrunk} here" if shrunk > 1 else "")]
+        if facts["luminance"] is not None:
+            said.append(f"mean luminance {facts['luminance']:.4g}, values {facts['smallest']:.4g} to {facts['largest']:.4g}")
+        if facts["not_finite"]:
+            said.append(f"{facts['not_finite']} pixels not finite (magenta)")
+        return figure(_core.tone_mapped_png(image, None, _MOST_SIDE), "; ".join(said))
+
+
+def figure(png: bytes, caption: str) -> str:
+    """HTML of a picture with a line of HTML below; pixels of a small one are drawn large."""
+    width = int.from_bytes(png[16:20], "big")  # of its header
+    wide = width * max(1, -(-_LEAST_WIDE // width))
+    drawn = "; image-rendering: pixelated" if wide > width else ""
+    return (f'<figure style="margin: 0"><img alt="" style="width: {wide}px; max-width: 100%{drawn}" '
+            f'src="data:image/png;base64,{base64.b64encode(png).decode()}"><figcaption>{caption}</figcaption></figure>')
+
+
+def image_array(image, name: str) -> np.ndarray:
+    """[y][x][3] float64 of an array [y][x][3], or of grey [y][x]."""
+    if isinstance(image, np.ma.MaskedArray):
+        raise SpoolError("usage", f"{name}: is masked: give an array with NaN where there is nothing")
+    try:
+        array = np.asarray(image)
+    except (TypeError, ValueError) as reason:
+        raise SpoolError("usage", f"{name}: is no image: {reason}") from None
+    if array.dtype.kind != "f":
+        raise SpoolError("usage", f"{name}: holds {array.dtype}, not floats: give linear values, for example image.astype(float)")
+    if array.ndim == 2:
+        array = np.repeat(array[..., None], 3, axis=2)
+    if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
+        raise SpoolError("usage", f"{name}: has shape {array.shape}, not (height, width, 3) or (height, width)")
+    return np.ascontiguousarray(array, np.float64)

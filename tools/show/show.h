@@ -1,0 +1,26 @@
+// `spool show`: EXR images beside each other as one HTML file, without a recording.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/console.h"
+#include "tools/show/shown_images.h"
+
+namespace spool::tools {
+
+struct ShowOptions {
+  std::vector<std::string> images;  // "FILE" or "NAME=FILE"
+  std::filesystem::path reference;  // empty: none
+  std::filesystem::path output;     // NAME.html
+  std::vector<std::string> crops;   // "X,Y,WIDTH,HEIGHT"
+  ShowSettings settings;
+};
+
+// "X,Y,WIDTH,HEIGHT" in whole numbers.
+Result<ShownCrop> parse_crop(const std::string& text);
+
+Result<void> run_show(const ShowOptions& options, const CommonOptions& common);
+
+}  // namespace spool::tools
