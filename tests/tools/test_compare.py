@@ -129,6 +129,19 @@ def test_a_change_of_an_option_is_compared_by_name(run, good, evaluate):
     run("compare", a, "c", "--match", "name").failed_with(2, "have one name")
 
 
+def test_presets_of_one_method_are_compared_by_name(run, good, dump, tmp_path):
+    for preset in ("paper", "robust"):
+        good("evaluate", dump, "--samplers", f"multiscale:{preset}", "--spp", 4, "--replicates", 4, "--no-pictures", "-o", preset)
+    assert run("compare", "paper", "robust").code == 1  # by label they have nothing in common
+    found = run("compare", "paper", "robust", "--match", "name", "--json", "--all").json
+    assert found["comparisons"] and all("multiscale:paper" in c["combination"] and "->" in c["combination"] for c in found["comparisons"])
+    # A folder with both is matched by preset.
+    good("evaluate", dump, "--samplers", "multiscale:paper,multiscale:robust", "--spp", 4, "--replicates", 4, "--no-pictures", "-o", "both")
+    found = run("compare", "both", "robust", "--match", "name", "--json", "--all").json
+    assert {c["verdict"] for c in found["comparisons"]} <= {"identical", "undecided", "not compared"}
+    assert len(found["only_before"]) == 1 and "paper" in found["only_before"][0]
+
+
 def test_statistics_of_an_old_folder_are_computed_anew(run, good, evaluate, tmp_path):
     a = evaluate("a")
     path = tmp_path / a / "statistics.json"

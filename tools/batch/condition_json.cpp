@@ -34,13 +34,18 @@ std::vector<bool> outside_band(const Plan& plan, const std::vector<MethodResults
 ordered_json about(const Plan& plan, const PlanScene& scene,
                    const std::vector<MethodResults>& methods) {
   double shared = 0.0;
-  bool known = true, one_image = true;
+  bool known = true, one_image = true, measured = true;
   for (const MethodResults& method : methods) {
     if (method.done == 0) continue;
     shared = std::max(shared, method.shared);
     known = known && method.shared_known;
+    measured = measured && (!method.spread.empty() || method.one_image());
     one_image = one_image && method.one_image();
   }
+  // Of older programs, with halves = false, and where a half is shorter than the budget.
+  const char* assumed = measured ? ""
+                                 : "; how much recordings differ is assumed from common samples "
+                                   "and not measured on halves";
   const auto said = [&](const char* kind, std::string text) {
     return ordered_json{{"kind", kind}, {"shared", shared}, {"text", std::move(text)}};
   };
@@ -62,13 +67,16 @@ ordered_json about(const Plan& plan, const PlanScene& scene,
   if (shared > 0.0) {
     return said("shared",
                 fmt::format("another recording of the scene; replicates of one method share up to "
-                            "{:.2g} % of their samples{}, and intervals are widened for it",
+                            "{:.2g} % of their samples{}, and intervals are widened for it{}",
                             100.0 * shared,
                             plan.experiment.order == ReplicateOrder::kShuffled
                                 ? " (each shuffles the same ones)"
-                                : ""));
+                                : "",
+                            assumed));
   }
-  return said("disjoint", "another recording of the scene; replicates have no sample in common");
+  return said("disjoint",
+              fmt::format("another recording of the scene; replicates have no sample in common{}",
+                          assumed));
 }
 
 struct Places {
