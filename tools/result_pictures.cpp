@@ -131,14 +131,17 @@ Result<void> write_contact_sheet(const std::filesystem::path& path, const Result
 
 Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,
                                    const PictureScale& scale, bool overwrite, bool shared) {
+  Result<void> all;
   for (const NamedPanel& named : panels_of(images, scale, true)) {
     const std::filesystem::path stem = folder / named.name;
     if (named.name == "reference") continue;  // the same for every result
     SPOOL_TRY(write_png(stem.string() + ".png", labelled_picture(named.panel), overwrite, shared));
-    SPOOL_TRY(
-        write_exr(stem.string() + ".exr", named.data, {.overwrite = overwrite, .shared = shared}));
+    const Result<void> written =
+        write_exr(stem.string() + ".exr", named.data, {.overwrite = overwrite, .shared = shared});
+    if (!written && written.error().code != ErrorCode::kData) return written;
+    if (!written && all) all = written;
   }
-  return {};
+  return all;
 }
 
 }  // namespace spool::tools

@@ -38,7 +38,7 @@ Result<void> write_contact_sheet(const std::filesystem::path& path, const Result
 
 // In `folder`: estimate, density, filter_size, direction, squared_error and flip (the last four
 // where there are such; FLIP of both images at the scale's exposure), each as .png to look at and
-// .exr to compute with.
+// .exr to compute with. kData names the first that cannot hold its numbers; the others are written.
 Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,
                                    const PictureScale& scale, bool overwrite, bool shared = false);
 

@@ -276,6 +276,13 @@ std::vector<ResultColumn> make_columns() {
   return columns;
 }
 
+// A spreadsheet computes a text that begins like a formula, quoted or not: ' keeps it text.
+std::string inert(const std::string& text) {
+  return !text.empty() && std::string_view("=+-@'\t\r").find(text[0]) != std::string_view::npos
+             ? "'" + text
+             : text;
+}
+
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -320,10 +327,12 @@ std::string csv_header() {
 }
 
 std::string to_csv_row(const std::vector<std::string>& fields) {
+  const std::vector<ResultColumn>& columns = result_columns();
+  SPOOL_CHECK_EQ(fields.size(), columns.size());
   std::string line;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     if (i > 0) line += ',';
-    line += csv_field(fields[i]);
+    line += csv_field(columns[i].is_number ? fields[i] : inert(fields[i]));
   }
   return line;
 }

@@ -14,7 +14,7 @@ sys.path[:0] = [str(REPORT), str(HERE)]
 def made_folder(tmp_path_factory):
     """A results folder with images; some methods tie, some differ."""
     from made_results import make_rows, write_images, write_results
-    from result_images import dump_names, file_name_of
+    from file_names import dump_names, file_name_of
 
     folder = tmp_path_factory.mktemp("results")
     rows = make_rows()

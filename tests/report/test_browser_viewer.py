@@ -7,7 +7,7 @@ from opened_page import PHONE, WIDE, Opened, browser, opened, report  # noqa: F4
 
 from exr_image import read_exr, rgb
 from report import main
-from result_images import dump_names, file_name_of
+from file_names import dump_names, file_name_of
 
 STATE = "JSON.parse(document.getElementById('report-data').textContent)"
 

@@ -21,7 +21,7 @@ import figure  # noqa: E402
 from figure import main  # noqa: E402
 from figure_tables import latex, markdown  # noqa: E402
 from draw_curves import read  # noqa: E402
-from result_images import dump_names, file_name_of  # noqa: E402
+from file_names import dump_names, file_name_of  # noqa: E402
 
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
 
@@ -133,7 +133,7 @@ def test_a_group_of_any_name_has_its_files_in_the_folder(made_folder, tmp_path, 
     folder, output = with_group(made_folder, tmp_path, group), tmp_path / "out" / "f"
     (output / "comparison_x").mkdir(parents=True)
     assert main([str(folder), "-o", str(output)]) == 0
-    stem = f"comparison_{file_name_of(group)[:100]}"
+    stem = f"comparison_{file_name_of(group)}"
     names = {path.name for path in output.iterdir() if path.is_file()}
     assert {f"{stem}{i}.{kind}" for i in ("", "-2") for kind in ("pdf", "svg", "png")} < names and len(names) == 13
     assert {p.name for p in tmp_path.iterdir()} == {"results", "out"} and [*(tmp_path / "out").iterdir()] == [output]

@@ -10,7 +10,8 @@ from failure import Failure
 from image_packing import pack_counts, pack_half
 from page import build_page, json_for_html, script_for_html
 from report import main
-from result_images import dump_names, file_name_of, find_images, pack_images
+from file_names import dump_names, file_name_of
+from result_images import find_images, pack_images
 
 HOSTILE = '</script><script>alert(1)</script>"&\'<img src=x onerror=alert(2)>'
 

@@ -24,21 +24,28 @@ Result<void> check_against(const DumpIdentity& dump, const std::vector<DumpIdent
 
 }  // namespace
 
-std::vector<DumpIdentity> known_dumps(const fs::path& folder) {
+Result<std::vector<DumpIdentity>> known_dumps(const fs::path& folder) {
   const auto json = format::parse_json_file<ordered_json>(folder / "dumps.json");
   std::vector<DumpIdentity> dumps;
   if (!json.is_array()) return dumps;
   for (const auto& entry : json) {
     if (!entry.is_object()) continue;
-    dumps.push_back({entry.value("path", ""), entry.value("bytes", std::uint64_t{0}),
-                     entry.value("modified", std::int64_t{0}), entry.value("sha256", ""), ""});
+    try {
+      dumps.push_back({entry.value("path", ""), entry.value("bytes", std::uint64_t{0}),
+                       entry.value("modified", std::int64_t{0}), entry.value("sha256", ""), ""});
+    } catch (const ordered_json::type_error&) {
+      return fail(ErrorCode::kData,
+                  "{}: entry {}: path and sha256 are texts, bytes and modified numbers: choose "
+                  "another folder or give --force",
+                  (folder / "dumps.json").string(), dumps.size() + 1);
+    }
   }
   return dumps;
 }
 
 Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>& dumps,
                                                  const fs::path& folder) {
-  const std::vector<DumpIdentity> known = known_dumps(folder);
+  SPOOL_ASSIGN(const std::vector<DumpIdentity> known, known_dumps(folder));
   std::vector<DumpIdentity> identified;
   for (const std::string& dump : dumps) {
     std::error_code status;
@@ -77,7 +84,7 @@ Result<void> write_identities(const std::vector<DumpIdentity>& dumps, const fs::
 }
 
 Result<void> check_same_dumps(const std::vector<DumpIdentity>& dumps, const fs::path& other) {
-  const std::vector<DumpIdentity> known = known_dumps(other);
+  SPOOL_ASSIGN(const std::vector<DumpIdentity> known, known_dumps(other));
   for (const DumpIdentity& dump : dumps)
     SPOOL_TRY(check_against(dump, known, other));
   return {};

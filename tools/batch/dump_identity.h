@@ -23,8 +23,8 @@ struct DumpIdentity {
 // must not be mixed.
 Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>& dumps,
                                                  const std::filesystem::path& folder);
-// Those of `folder`; empty where there is no dumps.json.
-std::vector<DumpIdentity> known_dumps(const std::filesystem::path& folder);
+// Those of `folder`; empty where there is no dumps.json, kData where it has values of other types.
+Result<std::vector<DumpIdentity>> known_dumps(const std::filesystem::path& folder);
 Result<void> write_identities(const std::vector<DumpIdentity>& dumps,
                               const std::filesystem::path& folder);
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <span>
 
+#include "formats/crc32.h"
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/png_writer.h"
@@ -15,7 +17,18 @@ namespace {
 // compared between methods.
 constexpr double kDensityRange = 8.0;
 
-// Labels hold ':' and '{', which file names should not.
+// Of a file name, which may have 255 bytes with its ending: one part, and all of them together.
+constexpr std::size_t kLongestPart = 100;
+constexpr std::size_t kLongestStem = 200;
+
+// A longer name is cut, and told apart by a checksum of the whole.
+std::string bounded(const std::string& name, std::size_t most) {
+  if (name.size() <= most) return name;
+  return fmt::format("{}-{:08x}", name.substr(0, most - 9),
+                     format::crc32(std::as_bytes(std::span(name))));
+}
+
+// Labels hold ':' and '{', which file names should not. tools/report/file_names.py does the same.
 std::string file_name_of(const std::string& label) {
   std::string name = label;
   for (char& c : name) {
@@ -23,7 +36,7 @@ std::string file_name_of(const std::string& label) {
   }
   while (name.ends_with('_'))
     name.pop_back();
-  return name;
+  return bounded(name, kLongestPart);
 }
 
 constexpr std::size_t kLargestSheet = 24;  // estimates
@@ -70,9 +83,10 @@ EvaluationPictures::EvaluationPictures(std::filesystem::path folder,
 }
 
 std::string EvaluationPictures::stem_of(const Cell& cell) const {
-  return fmt::format("{}_{}_{}_{:g}spp", dump_names_.at(cell.dump),
-                     file_name_of(cell.sampler.label()), file_name_of(cell.filter.label()),
-                     cell.spp);
+  const std::string stem =
+      fmt::format("{}_{}_{}_{:g}spp", dump_names_.at(cell.dump), file_name_of(cell.sampler.label()),
+                  file_name_of(cell.filter.label()), cell.spp);
+  return bounded(stem, kLongestStem);
 }
 
 Result<void> EvaluationPictures::add(const CellResult& result, const CellImages& images) {
@@ -88,8 +102,8 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
   std::error_code status;
   std::filesystem::create_directories(folder_ / stem, status);
   SPOOL_TRY(write_reference(result, images, stem));
-  SPOOL_TRY(write_result_pictures(folder_ / stem, pictures, scale, true, true));
-  return write_contact_sheet(folder_ / (stem + ".png"), pictures, scale, true, true);
+  SPOOL_TRY(write_contact_sheet(folder_ / (stem + ".png"), pictures, scale, true, true));
+  return write_result_pictures(folder_ / stem, pictures, scale, true, true);
 }
 
 // Every result has its own reference where that is made of the samples it did not take.

@@ -24,7 +24,8 @@ class EvaluationPictures {
   // `dumps`: all recordings, in the order that gives their short names.
   EvaluationPictures(std::filesystem::path folder, const std::vector<std::string>& dumps);
 
-  // Writes what belongs to one result; results of other replicates are passed over.
+  // Writes what belongs to one result; results of other replicates are passed over. kData names a
+  // picture that cannot hold its numbers; all others are then written.
   Result<void> add(const CellResult& result, const CellImages& images);
 
   // Writes DUMP_SPPspp.png for every recording and budget from the images in the folder: reference

@@ -210,7 +210,9 @@ class PlanRun {
     const Cell& cell = result.cell;
     if (images && is_pictured(cell)) {
       const StageClock clock(result.alone ? CpuOf::kProcess : CpuOf::kThread);
-      SPOOL_TRY(pictures_.add(result, *images));
+      const Result<void> drawn = pictures_.add(result, *images);
+      if (!drawn && drawn.error().code != ErrorCode::kData) return drawn;
+      if (!drawn && undrawn_++ == 0) first_undrawn_ = drawn.error().message;
       result.writing = clock.elapsed();
     }
     const ResultRecord record = record_of(result);
@@ -245,6 +247,10 @@ class PlanRun {
                       "out: column samples_spent",
                       short_of_samples_, results_));
     }
+    if (undrawn_ > 0) {
+      print_warning(fmt::format("{} of {} results lack a picture; the first: {}", undrawn_,
+                                results_, first_undrawn_));
+    }
     if (missing > 0) {
       return fail(
           ErrorCode::kData,
@@ -272,7 +278,8 @@ class PlanRun {
   std::atomic<int> at_once_ = 1;  // sampling runs beside each other
   std::size_t wanted_ = 0;
   std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0;
-  std::string first_failure_;
+  std::size_t undrawn_ = 0;  // results with a picture that cannot hold its numbers
+  std::string first_failure_, first_undrawn_;
   bool any_shared_ = false;  // times are of a machine that other results shared
 };
 

@@ -75,7 +75,8 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
                 path.string());
   }
   SPOOL_ASSIGN(folder.plan, read_plan(path / "plan.toml", {known_samplers(), known_filters()}));
-  for (const DumpIdentity& dump : known_dumps(path))
+  SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps, known_dumps(path));
+  for (const DumpIdentity& dump : dumps)
     folder.sha256[dump.path.filename().string()] = dump.sha256;
   const CellStore store(path);
   const ReadRecord read = [&](const Cell& cell) {

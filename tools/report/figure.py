@@ -15,7 +15,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from failure import NO_NUMPY, USAGE, Failure, guarded  # noqa: E402
 
 MOST_METHODS = 5
-LONGEST_NAME = 100  # of a recording or group in a file's name; file systems take 255 bytes
 
 
 def main(arguments=None):
@@ -52,7 +51,8 @@ def make_figures(options):
     from figure_folder import FigureFolder
     from figure_tables import curves_csv, latex_table, markdown_table
     from headline_data import headline_budget
-    from result_images import dump_names, file_name_of, find_images, numbered
+    from file_names import dump_names, file_name_of, numbered
+    from result_images import find_images
     from results_table import choose_metric, read_results
     from statistics_file import read_statistics
     from vocabulary import read_manifest
@@ -78,7 +78,7 @@ def make_figures(options):
             raise Failure(f"--recording: no {name}; there are {', '.join(labels.values())}", USAGE)
     chosen = choose_methods(options.method, conditions[0])
     images = {combinations[entry.combination].key: entry.paths for entry in found}
-    names = numbered({dump: f"comparison_{file_name_of(label)[:LONGEST_NAME]}" for dump, label in labels.items()})
+    names = numbered({dump: f"comparison_{file_name_of(label)}" for dump, label in labels.items()})
     compared = 0
     with FigureFolder(options.output, options.force) as folder:
         folder.text("table.tex", latex_table(statistics, metric, labels))

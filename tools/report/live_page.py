@@ -46,7 +46,7 @@ def page(title):
 
 def facts(folder):
     from pixel_data import recording_paths, replay_order
-    from result_images import dump_names
+    from file_names import dump_names
     from results_table import read_results
     from statistics_file import read_statistics
     from vocabulary import read_manifest

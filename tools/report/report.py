@@ -54,7 +54,8 @@ def make_report(options):
     from page import build_page
     from pixel_data import pixel_answers
     from report_data import OWN_MEANINGS, quantity_names, report_data
-    from result_images import dump_names, find_images, pack_images
+    from file_names import dump_names
+    from result_images import find_images, pack_images
     from results_table import choose_metric, read_results
     from sections import guards_html, quantities_html, run_html, summary_html
     from statistics_file import read_statistics

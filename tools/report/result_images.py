@@ -7,13 +7,13 @@ DUMP_reference.exr. Every result of a recording is cropped alike, so that pages 
 
 import math
 import os
-import re
 from typing import NamedTuple
 from urllib.parse import quote
 
 import numpy as np
 
 from exr_image import read_exr, rgb, single
+from file_names import LONGEST_STEM, bounded, dump_names, file_name_of
 from image_packing import Packed, pack_counts, pack_half
 from results_table import without_threads
 
@@ -48,27 +48,6 @@ class ResultImages(NamedTuple):
     bytes: int  # in the page
 
 
-def file_name_of(label):
-    """As tools/batch/evaluation_pictures.cpp names files: byte by byte."""
-    return re.sub(rb"[^A-Za-z0-9.\-]", b"_", label.encode("utf-8", "replace")).decode().rstrip("_")
-
-
-def dump_names(dumps):
-    """{recording: name of its files}: stems, numbered where two are alike."""
-    return numbered({dump: file_name_of(os.path.splitext(os.path.basename(dump))[0]) for dump in dumps})
-
-
-def numbered(stems):
-    """{key: stem}, with -2, -3 where two are alike."""
-    names = {}
-    for key, stem in stems.items():
-        name, i = stem, 2
-        while name in names.values():
-            name, i = f"{stem}-{i}", i + 1
-        names[key] = name
-    return names
-
-
 class _Found(NamedTuple):
     combination: int
     dump: str
@@ -79,8 +58,8 @@ def find_images(folder, combinations):
     names = dump_names(dict.fromkeys(c.dump for c in combinations))
     found = []
     for index, c in enumerate(combinations):
-        stem = "_".join([names[c.dump], file_name_of(without_threads(c.sampler)), file_name_of(c.filter),
-                         f"{c.spp:g}spp"])
+        stem = bounded("_".join([names[c.dump], file_name_of(without_threads(c.sampler)), file_name_of(c.filter),
+                                 f"{c.spp:g}spp"]), LONGEST_STEM)
         paths = {name: folder / stem / f"{name}.exr" for name in PICTURES}
         if not paths["reference"].exists():
             paths["reference"] = folder / f"{names[c.dump]}_reference.exr"

@@ -15,6 +15,7 @@ from regular_file import open_regular
 COUNTED = {"spp": 1e-9, "replicate": 0.0, "threads": 0.0}  # of the key: numbers, and the least they may be
 KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")
 TEXT = {"dump", "dump_path", "sampler", "filter", "timing", "reference", "energy_masks", "guards", "error"}
+FORMULA = re.compile(r"^'([=+\-@'\t\r])")  # to_csv_row of lib/experiment puts the ' before
 csv.field_size_limit(1 << 24)
 
 
@@ -48,7 +49,7 @@ def _read(path, reader):
         if len(fields) != len(header):
             raise Failure(f"{path}: line {reader.line_num} has {len(fields)} fields, not "
                           f"{len(header)}: run spool evaluate again")
-        row = {name: field if name in TEXT else _number(path, reader.line_num, name, field)
+        row = {name: FORMULA.sub(r"\1", field) if name in TEXT else _number(path, reader.line_num, name, field)
                for name, field in zip(header, fields)}
         row["dump"] = row.get("dump_path", row["dump"])  # as statistics.json names it
         key = tuple(row[name] for name in KEY)

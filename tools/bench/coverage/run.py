@@ -19,7 +19,7 @@ import spool  # noqa: E402
 
 PAGE = ROOT / "docs" / "coverage.md"
 TINY = ("balls", "caustic", "caustic_mitsuba", "chess", "fireflies", "mist", "table")
-SAMPLERS = "uniform,mitchell,adaptive_wavelet,greedy_error,nl_means,neyman,multiscale,multiscale:paper"
+SAMPLERS = "uniform,mitchell,adaptive_wavelet,greedy_error,nl_means,neyman,multiscale"
 SAMPLES, BUDGETS = 64, "4,8,16"
 QUANTITIES = ("mse", "relmse", "energy_ratio")
 
