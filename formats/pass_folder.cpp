@@ -9,6 +9,7 @@
 
 #include "formats/pass_plan.h"
 #include "formats/pass_recording.h"
+#include "formats/sample_watch.h"
 #include "formats/spool_writer.h"
 
 namespace spool::format {
@@ -55,7 +56,7 @@ Result<void> scatter(const PassManifest& manifest, const PassEntry& entry, uint3
 // Samples [begin, begin + count) of one row of tiles, all sample groups.
 Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
                         std::span<const Tile> tiles, uint32_t begin, uint32_t count,
-                        SpoolWriter& writer) {
+                        SampleWatch& watch, SpoolWriter& writer) {
   const uint32_t y0 = tiles.front().y0;
   const uint32_t y1 = y0 + tiles.front().height;
   std::vector<float> rows(size_t{manifest.width} * (y1 - y0));
@@ -73,6 +74,10 @@ Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
       }
     }
     for (size_t t = 0; t < tiles.size(); ++t) {
+      const Tile& tile = tiles[t];
+      if (group.group == 0)
+        watch.add({tile.x0, tile.y0, tile.x0 + tile.width, tile.y0 + tile.height}, begin, count,
+                  group.type, blocks[t]);
       SPOOL_TRY(writer.write_block(group.group, tiles[t].number, begin, count, blocks[t]));
     }
   }
@@ -135,7 +140,20 @@ Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& 
   return {};
 }
 
-Result<void> write_dump(const PassRecording& recording, const DumpPlan& plan, SpoolWriter& writer) {
+// What speaks against the order that the dump claims, where it claims less; kData where it does
+// not.
+Result<std::string> judge(const SampleWatch& watch, const PassManifest& manifest,
+                          SampleOrder claim) {
+  std::string objection = watch.objection();
+  if (objection.empty() || claim != SampleOrder::kExchangeable) return objection;
+  return fail(ErrorCode::kData,
+              "{}: {}, so the samples of a pixel are not exchangeable: record them again",
+              manifest.folder.string(), objection);
+}
+
+// Returns a remark on the samples, or nothing.
+Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& plan,
+                               SpoolWriter& writer) {
   const PassManifest& manifest = recording.manifest;
   const DumpHeader& header = plan.header;
   SPOOL_TRY(writer.write_meta(recording_meta(recording)));
@@ -148,21 +166,24 @@ Result<void> write_dump(const PassRecording& recording, const DumpPlan& plan, Sp
   SPOOL_TRY(write_pass_group<uint32_t>(
       manifest, header, plan.seed, 1, [](const PassEntry& pass, size_t) { return pass.seed; },
       writer));
+  SampleWatch watch(header.width, header.height, header.spp, plan.film != 0);
   const uint32_t bands = (header.height + header.tile_size - 1) / header.tile_size;
   for (uint32_t band = 0; band < bands; ++band) {
     const std::vector<Tile> tiles = tiles_of_band(header, band);
     for (uint32_t begin = 0; begin < header.spp; begin += header.block_spp) {
       const uint32_t count = std::min(header.block_spp, header.spp - begin);
-      SPOOL_TRY(write_band(manifest, plan, tiles, begin, count, writer));
+      SPOOL_TRY(write_band(manifest, plan, tiles, begin, count, watch, writer));
     }
     if (plan.reference != 0) SPOOL_TRY(write_reference_band(manifest, plan, tiles, writer));
   }
-  return writer.finish();
+  SPOOL_ASSIGN(std::string remark, judge(watch, manifest, header.sample_order));
+  SPOOL_TRY(writer.finish());
+  return remark;
 }
 
 PackReport report_of(const PassRecording& recording, const DumpHeader& header,
                      const std::filesystem::path& out) {
-  PackReport report{header.width, header.height, header.spp, 0, 0, 0.0, {}, 0};
+  PackReport report{header.width, header.height, header.spp, 0, 0, 0.0, {}, 0, {}};
   const auto& batches = recording.manifest.batches;
   report.batches = static_cast<uint32_t>(batches.size());
   if (!batches.empty()) report.reference_spp = batches.size() * batches.front().samples;
@@ -189,8 +210,10 @@ Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders
   // A dump of half the samples is no use where the passes are still at hand.
   writer_options.discard_unfinished = true;
   SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, plan.header, writer_options));
-  SPOOL_TRY(write_dump(recording, plan, writer));
-  return report_of(recording, plan.header, out);
+  SPOOL_ASSIGN(std::string remark, write_dump(recording, plan, writer));
+  PackReport report = report_of(recording, plan.header, out);
+  report.remark = std::move(remark);
+  return report;
 }
 
 }  // namespace spool::format

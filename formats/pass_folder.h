@@ -29,6 +29,7 @@ struct PackReport {
       0.0;  // CPU (or wall) seconds of a sample, median of the passes; 0 unknown
   std::vector<std::string> layers;
   uint64_t bytes = 0;  // size of the dump
+  std::string remark;  // on the samples, where there is one
 };
 
 Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders,

@@ -153,7 +153,7 @@ std::string recording_meta(const PassRecording& recording) {
   const json source = parse_json(manifest.recording);
   json meta;
   for (const char* key : {"renderer", "scene", "camera", "frame", "view_layer", "needs", "mode",
-                          "settings", "mist_depth"}) {
+                          "settings", "mist_depth", "group"}) {
     if (source.contains(key)) meta[key] = source[key];
   }
   meta["version"] = source.value("renderer_version", json());

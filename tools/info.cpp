@@ -186,6 +186,10 @@ std::vector<std::vector<std::string>> rows_of(const ordered_json& info) {
     const std::string text = remark(info, key);
     if (!text.empty()) rows.push_back({key, text});
   }
+  const auto remarks = info["meta"].find("import_remarks");
+  if (remarks != info["meta"].end() && remarks->is_array())
+    for (const auto& text : *remarks)
+      rows.push_back({"remark", text.is_string() ? text.get<std::string>() : text.dump()});
   add_verification(info["meta"], rows);
   return rows;
 }

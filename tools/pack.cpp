@@ -59,7 +59,8 @@ Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& c
                               {"reference_samples_per_pixel", report.reference_spp},
                               {"cost_per_sample", report.cost_per_sample},
                               {"layers", report.layers},
-                              {"bytes", report.bytes}};
+                              {"bytes", report.bytes},
+                              {"remark", report.remark}};
     print(json_text(out));
   } else if (!common.quiet) {
     print_line(fmt::format(
@@ -67,6 +68,7 @@ Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& c
         format_bytes(static_cast<double>(report.bytes)),
         report.reference_spp > 0 ? fmt::format("reference of {} samples", report.reference_spp)
                                  : "no reference"));
+    if (!report.remark.empty()) print_line(report.remark);
   }
   return {};
 }

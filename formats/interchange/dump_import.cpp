@@ -6,8 +6,8 @@
 #include "formats/checked_math.h"
 #include "formats/dump_geometry.h"
 #include "formats/header_rules.h"
+#include "formats/interchange/import_watch.h"
 #include "formats/interchange/layer_names.h"
-#include "formats/interchange/sha256.h"
 #include "formats/spool_writer.h"
 
 namespace spool::interchange {
@@ -79,10 +79,11 @@ DumpHeader make_header(const DumpPlan& plan, const std::vector<uint16_t>& groups
   return header;
 }
 
-// Memory that is used again from tile to tile.
+// Memory that is used again from tile to tile, and what is noticed on the way.
 struct Scratch {
   std::vector<std::byte> box;                    // rows of a layer
   std::vector<std::vector<std::byte>> payloads;  // blocks of a tile
+  ImportWatch watch;
 };
 
 // Blocks [block, last] of one tile of one group; their samples are [begin, end).
@@ -150,6 +151,9 @@ Result<void> write_tile(SpoolWriter& writer, const DumpGeometry& geometry, uint1
       SPOOL_TRY(fill_layer(geometry, part, layer, channel, source, scratch, counts));
       channel += layer.array.components;
     }
+    for (uint32_t b = part.block; b <= part.last && layout.scope == Scope::kSample; ++b)
+      scratch.watch.add(part.rect, geometry.block_begin(group, b), geometry.block_count(group, b),
+                        layout.type, layers, scratch.payloads[b - part.block]);
     for (uint32_t b = part.block; b <= part.last; ++b)
       SPOOL_TRY(writer.write_block(group, tile, geometry.block_begin(group, b),
                                    geometry.block_count(group, b),
@@ -158,28 +162,7 @@ Result<void> write_tile(SpoolWriter& writer, const DumpGeometry& geometry, uint1
   return {};
 }
 
-nlohmann::json to_json(const ImportRecord& record, bool half) {
-  nlohmann::json files = nlohmann::json::array();
-  for (const ForeignFile& file : record.files)
-    files.push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
-  nlohmann::json json = {
-      {"format", record.format},   {"version", record.version},     {"files", files},
-      {"options", record.options}, {"converted", record.converted}, {"dropped", record.dropped}};
-  if (record.independent == "unknown")
-    json["independent"] = "unknown";
-  else
-    json["independent"] = record.independent == "true";
-  if (half) json["precision"] = "half";
-  return json;
-}
-
 }  // namespace
-
-Result<ForeignFile> identify(const format::FileHandle& file) {
-  SPOOL_ASSIGN(const uint64_t bytes, file.size());
-  SPOOL_ASSIGN(std::string hash, sha256_of(file));
-  return ForeignFile{file.path().filename().string(), bytes, std::move(hash)};
-}
 
 std::optional<uint64_t> stored_bytes(const std::vector<ForeignLayer>& layers) {
   std::optional<uint64_t> total = 0;
@@ -215,7 +198,7 @@ Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
 
   ImportReport report{plan.width, plan.height, plan.spp, {}, {}, {}};
   bool half = false;
-  Scratch scratch;
+  Scratch scratch{{}, {}, ImportWatch(plan)};
   for (const ForeignLayer& layer : plan.layers) {
     report.layers.push_back(layer.name);
     half = half || layer.array.type == ElementType::kFloat16;
@@ -233,6 +216,7 @@ Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
                            report.counts));
     first = end;
   }
+  SPOOL_TRY(scratch.watch.judge(source, plan.sample_order, writer, report.notes));
   SPOOL_TRY(writer.finish());
   if (report.counts.non_finite > 0)
     report.notes.push_back(fmt::format("{} values are not finite and were stored as they are",

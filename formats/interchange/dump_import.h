@@ -10,11 +10,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "formats/dump_header.h"
+#include "formats/interchange/dump_plan.h"
 #include "formats/interchange/expansion.h"
-#include "formats/interchange/sample_array.h"
 #include "lib/core/error.h"
 
 namespace spool::interchange {
@@ -35,39 +33,6 @@ struct ImportReport {
   std::vector<std::string> layers;
   ValueCounts counts;
   std::vector<std::string> notes;  // one line each, for the user
-};
-
-struct ForeignFile {
-  std::string name;
-  uint64_t bytes = 0;
-  std::string sha256;
-};
-
-Result<ForeignFile> identify(const format::FileHandle& file);
-
-// `meta.import`; `independent`: "true", "false" or "unknown".
-struct ImportRecord {
-  std::string format;
-  int version = 1;
-  std::vector<ForeignFile> files;
-  nlohmann::json options = nlohmann::json::object();
-  std::vector<std::string> converted, dropped;
-  std::string independent = "unknown";
-};
-
-struct ForeignLayer {
-  std::string name;
-  std::vector<std::string> components;
-  format::Scope scope = format::Scope::kSample;
-  SampleArray array;
-};
-
-struct DumpPlan {
-  uint32_t width = 0, height = 0, spp = 0;
-  format::SampleOrder sample_order = format::SampleOrder::kRenderer;
-  std::vector<ForeignLayer> layers;  // radiance first
-  nlohmann::json meta = nlohmann::json::object();
-  ImportRecord record;
 };
 
 // What the layers take in a .spool, before compression; empty beyond 64 bits.

@@ -368,6 +368,17 @@ TEST_F(PassFolderTest, ADamagedPassIsNamed) {
   expect_refusal({a}, ErrorCode::kDamage, "pass_00001.f32: damaged");
 }
 
+TEST_F(PassFolderTest, ARepeatedImageUnderAnotherSeedIsRefused) {
+  const fs::path a = make_folder("a", 0, 5, 0);
+  write_file(a, pass_line(4, "shift"), pass_values(1));  // the seed did not reach the renderer
+  expect_refusal({a}, ErrorCode::kData, "image 4 is image 1 again, 1 of 5 are repeated");
+  const fs::path b = make_folder("b", 0, 5, 0, "sequence");
+  write_file(b, pass_line(4, "sequence"), pass_values(1));
+  const auto report = pack_passes({b}, root_ / "b.spool");
+  ASSERT_TRUE(report.has_value()) << report.error().message;
+  EXPECT_THAT(report->remark, HasSubstr("image 4 is image 1 again"));
+}
+
 TEST_F(PassFolderTest, AMissingPassIsNamed) {
   const fs::path a = make_folder("a", 0, 3, 1);
   fs::remove(a / "reference_00000.f32");

@@ -1,0 +1,130 @@
+"""Samples that are not what a dump claims of them, in folders and arrays alike; features in another convention."""
+import numpy as np
+import pytest
+import spool
+
+from conftest import run_jobs
+from test_exr_folder import folder
+
+RNG = np.random.default_rng(34)
+HEIGHT, WIDTH, SPP = 12, 13, 16
+LIGHT = RNG.gamma(0.5, 1, (HEIGHT, WIDTH, SPP, 3)).astype("f4")
+HALF = LIGHT[:, :, :SPP // 2]
+
+
+def stopped(fill):
+    """Pixels that hold one value from a sample of their own on, some to the end."""
+    light, last = LIGHT.copy(), RNG.integers(4, SPP + 1, (HEIGHT, WIDTH))
+    for y, x in np.ndindex(HEIGHT, WIDTH):
+        light[y, x, last[y, x]:] = light[y, x, last[y, x] - 1] if fill is None else fill
+    return light
+
+
+def means(light):
+    return (np.cumsum(light, 2) / np.arange(1, light.shape[2] + 1)[:, None]).astype("f4")
+
+
+WRONG = {
+    "a seed again": (np.concatenate([HALF, HALF], 2), "image 8 is image 0 again, 8 of 16"),
+    "each image twice": (np.repeat(HALF, 2, 2), "image 1 is image 0 again, 8 of 16"),
+    "one image again": (np.concatenate([LIGHT[:, :, :15], LIGHT[:, :, 4:5]], 2), "image 15 is image 4 again, 1 of 16"),
+    "again, rounded": (np.concatenate([HALF, HALF.astype("f2").astype("f4")], 2), "image 8 is almost image 0 again"),
+    "one image": (np.repeat(LIGHT[:, :, :1], 4, 2), "all 4 images are alike"),
+    "running means": (means(LIGHT), "running means"),
+    "few running means": (means(HALF), "running means"),
+    "running sums": (np.cumsum(LIGHT, 2), "running means or sums"),
+    "held": (stopped(None), "adaptive"), "black": (stopped(0), "adaptive"), "not a number": (stopped(np.nan), "adaptive"),
+    "brighter": (RNG.random((HEIGHT, WIDTH, 32, 3)) * (1 + 0.1 * np.arange(32))[:, None], "brighter"),
+}
+
+
+def packed(tmp_path, light, *options, form="npz"):
+    light = np.asarray(light, "f4")
+    if form == "npz":
+        source = tmp_path / "a.npz"
+        np.savez(source, radiance=light)
+        options = ("layout=HWSC", *options)
+    else:
+        source = folder(tmp_path, "RGB", list(light.transpose(2, 0, 1, 3)))
+    return run_jobs((f"import {form}", source, tmp_path / "a.spool", *options))[0]
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_samples_that_are_not_exchangeable_are_refused_where_that_is_claimed(tmp_path, kind):
+    light, reason = WRONG[kind]
+    code, message = packed(tmp_path, light, "exchangeable=on", "tile=8" if kind == "held" else "block=3")
+    assert code == 1 and reason in message and "not exchangeable" in message, message
+    assert not list(tmp_path.glob("*.spool*"))
+    code, message = packed(tmp_path, light)
+    assert code == 0 and reason in message and "not independent" in message, message
+    with spool.open(tmp_path / "a.spool") as dump:
+        assert reason in dump.meta["import_remarks"][0]
+
+
+@pytest.mark.parametrize("kind", ["a seed again", "running means", "held"])
+def test_folders_are_judged_alike(tmp_path, kind):
+    code, message = packed(tmp_path, WRONG[kind][0], "exchangeable=on", form="exr-folder")
+    assert code == 1 and WRONG[kind][1] in message, message
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_independent_samples_pass(tmp_path, seed):
+    rng = np.random.default_rng(seed)
+    height, width, spp = (int(n) for n in rng.integers(1, 30, 3))
+    shape = (height, width, spp, 1)
+    light = [rng.gamma(0.05, 1, shape), rng.pareto(1, shape), rng.random(shape) < 0.02, np.full(shape, 0.5),
+             rng.random(shape) * (rng.random((1, 1, spp, 1)) < 0.5)][seed % 5] * np.ones(3)
+    code, message = packed(tmp_path, light, "exchangeable=on")
+    assert (code, message) == (0, ""), message
+
+
+def test_images_beyond_the_watched_pixels_are_found(tmp_path):
+    rng = np.random.default_rng(1)
+    light = rng.random((4, 400, 300, 3), np.float32)
+    light[3] = light[1]
+    np.savez(tmp_path / "a.npz", radiance=light)
+    code, message = run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=SHWC", "exchangeable=on"))[0]
+    assert code == 1 and "image 3 is image 1 again, 1 of 4" in message, message
+
+
+def unit(shape):
+    v = RNG.standard_normal(shape + (3,))
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+SHAPE = (20, 20, 4)
+FACING = unit(SHAPE)
+FACING[..., 2] = np.abs(FACING[..., 2]) + 0.1
+FACING /= np.linalg.norm(FACING, axis=-1, keepdims=True)
+MISSED = np.where(RNG.random(SHAPE + (1,)) < 0.2, 0, unit(SHAPE))
+PLACES = RNG.random(SHAPE + (3,)) * 10
+CONVENTIONS = {
+    "encoded normals": ({"normal": MISSED / 2 + 0.5}, "normal: encoded as n / 2 + 1 / 2"),
+    "encoded in bytes": ({"normal": np.rint((unit(SHAPE) / 2 + 0.5) * 255)}, "normal: encoded in 8 bits"),
+    "long normals": ({"normal_geo": 3 * unit(SHAPE)}, "normal_geo: 100 % have another length than 1 (3 to 3)"),
+    "camera space": ({"normal": FACING}, "normal: Z is above 0 in 100 % of them, as in camera space"),
+    "percent": ({"albedo": np.full(SHAPE + (3,), 96)}, "albedo: 100 % of the values are above 1, the largest 96"),
+    "negative albedo": ({"albedo": RNG.random(SHAPE + (3,)) - 0.1}, "albedo: "),
+    "negative depth": ({"depth": -RNG.random(SHAPE)}, "depth: 100 % of the values are below 0"),
+    "far": ({"depth": np.where(RNG.random(SHAPE) < 0.5, 1e10, 3)}, "where nothing is hit, 0 is expected"),
+    "depth buffer": ({"depth": 1 - RNG.random(SHAPE) / 10}, "of a depth buffer?"),
+    "units": ({"depth": 1000 * PLACES[..., 0], "position": PLACES}, "depth: spans 1e+04 where position spans 17"),
+}
+
+
+@pytest.mark.parametrize("kind", CONVENTIONS)
+def test_features_in_another_convention_are_named(tmp_path, kind):
+    layers, remark = CONVENTIONS[kind]
+    np.savez(tmp_path / "a.npz", radiance=RNG.random(SHAPE + (3,)).astype("f4"), **{k: v.astype("f4") for k, v in layers.items()})
+    code, message = run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC"))[0]
+    assert code == 0 and remark in message and message.count(";") == 1, message
+    with spool.open(tmp_path / "a.spool") as dump:
+        assert remark in dump.meta["import_remarks"][0]
+
+
+def test_features_as_the_format_has_them_are_not_remarked(tmp_path):
+    arrays = {"radiance": RNG.random(SHAPE + (3,)), "normal": MISSED, "albedo": RNG.random(SHAPE + (3,)), "position": PLACES,
+              "depth": np.where(RNG.random(SHAPE) < 0.2, 0, PLACES[..., 2] + 1)}
+    for dtype in ("f4", "f2"):
+        np.savez(tmp_path / "a.npz", **{name: values.astype(dtype) for name, values in arrays.items()})
+        assert run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC", "force"))[0] == (0, "")
