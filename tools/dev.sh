@@ -42,7 +42,8 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 what is done is not done again (half an hour of two cores in all)
   experiments --full [ID...] [--recording NAME]
                                 on the recordings of full size that are here, added to what other machines measured, and
-                                docs/experiments_full.md from all of it; --write-only: the page alone; stop it and go on any time
+                                docs/experiments_full.md from all of it; --write-only: the page alone; stop it and go on any time;
+                                experiments --judge: what is kept judged anew, after a change of its claims
                                 (about an hour of CPU time a recording in all)
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
                                 and write docs/tuning.md; what is done is not done again (five minutes of CPU time);
@@ -355,14 +356,14 @@ bench() {
 
 experiments() {
   setup test
-  build release spool spool_png series_statistics
-  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/experiments/run.py "$@"
+  build release spool spool_png
+  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/study/study.py "$@"
 }
 
 tune() {
   setup test
-  build release spool series_statistics
-  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/experiments/tune.py "$@"
+  build release spool
+  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/study/tune.py "$@"
 }
 
 # --- distrust ----------------------------------------------------------------------------------

@@ -50,4 +50,4 @@ def test_a_dead_link_or_anchor_stops_the_build(site, right, wrong):
 
 
 def test_pictures_of_the_pages_are_in_it(site):
-    assert (site / "docs/images/method/density.png").is_file() and (site / "docs/results/experiments/e2.csv").is_file()
+    assert (site / "docs/images/method/density.png").is_file() and (site / "docs/results/experiments/e3_samplers_over_budget_claims.csv").is_file()

@@ -12,13 +12,13 @@ COMMITTED = ROOT / "docs/images/method"
 
 
 def test_committed_pictures_are_made_again(tmp_path):
-    subprocess.run([sys.executable, ROOT / "tools/experiments/method_pictures.py", "--program",
+    subprocess.run([sys.executable, ROOT / "tools/study/method_pictures.py", "--program",
                     os.environ["SPOOL_PROGRAM"], "--output", tmp_path], check=True)
     made = sorted(path.name for path in tmp_path.glob("*.png"))
     assert made == sorted(path.name for path in COMMITTED.glob("*.png"))
     for name in made:
         now, then = (oiio.ImageBuf(str(folder / name)).get_pixels(oiio.UINT8) for folder in (tmp_path, COMMITTED))
-        assert np.array_equal(now, then), f"{name}: run tools/experiments/method_pictures.py and look at what changed"
+        assert np.array_equal(now, then), f"{name}: run tools/study/method_pictures.py and look at what changed"
 
 
 def test_the_page_shows_every_picture():

@@ -12,8 +12,8 @@ from conftest import LONGEST_RUN, PROGRAM
 ROOT = Path(__file__).resolve().parents[2]
 MADE_ELSEWHERE = {"counts", "exec", "image", "oidn", "python"}  # need a file, a command or a library
 PLANS = sorted((ROOT / "tools/plans").glob("*.toml"))
-sys.path.insert(0, str(ROOT / "tools/experiments"))
-from pools import make_pools  # noqa: E402
+sys.path.insert(0, str(ROOT / "tools/study"))
+from plans import make_recordings  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def plans(tmp_path_factory):
     (tree / "dumps").symlink_to(ROOT / "dumps")
     for plan in PLANS:
         (tree / "tools/plans" / plan.name).write_text(plan.read_text())
-    make_pools(PROGRAM, tree / "tools/plans/pools")
+    make_recordings(PROGRAM, tree / "tools/plans/pools")
     return tree / "tools/plans"
 
 

@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 constexpr std::int64_t kMostCells = 4096;
+constexpr const char* kKeptLines = "kept.jsonl";
 
 // "2:4000 5:96": samples taken, and the number of pieces that gave so many.
 std::string counts_text(const std::vector<std::pair<int, long long>>& counts) {
@@ -89,6 +90,50 @@ ordered_json to_json(const ResultRecord& record) {
   return json;
 }
 
+// Which cell a record is of, wherever its recording lies.
+std::string key_of(const ResultRecord& record) {
+  std::string key;
+  for (const char* column : {"dump", "sampler", "filter"})
+    key += record.text(column) + '\n';
+  for (const char* column : {"spp", "replicate", "threads"})
+    key += format_number(record.number(column)) + '\n';
+  return key;
+}
+
+// As result_fields(): what is neither a number nor a text is an empty field.
+std::string field_of(const ordered_json& fields, const std::string& column) {
+  const auto found = fields.find(column);
+  if (found == fields.end()) return {};
+  if (found->is_string()) return found->get<std::string>();
+  return found->is_number() ? found->dump() : std::string();
+}
+
+// All but the columns that say which cell it is.
+void fill(const ordered_json& fields, const ordered_json& spread, ResultRecord& record) {
+  const std::vector<ResultColumn>& columns = result_columns();
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (columns[i].kind != ColumnKind::kCell) record.fields[i] = field_of(fields, columns[i].name);
+  }
+  if (const auto kept = spread.find("counts"); kept != spread.end() && kept->is_string())
+    record.counts = counts_of(kept->get<std::string>());
+  if (const auto kept = spread.find("halves"); kept != spread.end())
+    record.halves = halves_of(*kept);
+}
+
+std::map<std::string, ordered_json> read_lines(const fs::path& path) {
+  std::map<std::string, ordered_json> lines;
+  std::ifstream file(path, std::ios::binary);
+  for (std::string text; std::getline(file, text);) {
+    auto json = format::parse_json<ordered_json>(text);
+    if (!json.is_object()) continue;
+    ResultRecord record;
+    for (const ResultColumn& column : result_columns())
+      record.fields.push_back(field_of(json, column.name));
+    lines.try_emplace(key_of(record), std::move(json));
+  }
+  return lines;
+}
+
 std::string contents(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -100,6 +145,13 @@ bool is_failed(const fs::path& path) {
 }
 
 }  // namespace
+
+CellStore::CellStore(fs::path folder) : folder_(std::move(folder)) {
+  const fs::path lines = folder_ / kKeptLines;
+  std::error_code status;
+  if (fs::is_regular_file(lines, status))
+    kept_ = std::make_shared<const std::map<std::string, ordered_json>>(read_lines(lines));
+}
 
 Result<void> CellStore::create() const {
   std::error_code status;
@@ -127,33 +179,31 @@ Result<void> CellStore::write(const std::string& id, const ResultRecord& record)
 }
 
 Result<ResultRecord> CellStore::read(const std::string& id, const Cell& cell) const {
-  const fs::path path = path_of(id);
-  std::error_code status;
-  if (!fs::is_regular_file(path, status)) {
-    return fail(ErrorCode::kIo, "{}: not finished yet", path.string());
-  }
-  const auto json = format::parse_json_file<ordered_json>(path);
-  const auto understood = [&] {
-    return !json.is_discarded() && json.contains("fields") && json["fields"].is_object();
-  };
-  if (!understood()) return fail(ErrorCode::kData, "{}: is no result of a cell", path.string());
   CellResult empty;
   empty.cell = cell;
   ResultRecord record;
-  for (const ResultColumn& column : result_columns()) {
-    std::string field;
-    if (column.kind == ColumnKind::kCell) {
-      field = column.text(empty);
-    } else if (const auto found = json["fields"].find(column.name);
-               found != json["fields"].end() && found->is_string()) {
-      field = found->get<std::string>();
-    }
-    record.fields.push_back(std::move(field));
+  for (const ResultColumn& column : result_columns())
+    record.fields.push_back(column.kind == ColumnKind::kCell ? column.text(empty) : "");
+  const fs::path path = path_of(id);
+  std::error_code status;
+  if (!fs::is_regular_file(path, status)) {
+    if (kept_) return kept_record(std::move(record));
+    return fail(ErrorCode::kIo, "{}: not finished yet", path.string());
   }
-  if (const auto kept = json.find("counts"); kept != json.end() && kept->is_string()) {
-    record.counts = counts_of(kept->get<std::string>());
+  const auto json = format::parse_json_file<ordered_json>(path);
+  if (!json.is_object() || !json.contains("fields") || !json["fields"].is_object()) {
+    return fail(ErrorCode::kData, "{}: is no result of a cell", path.string());
   }
-  if (const auto kept = json.find("halves"); kept != json.end()) record.halves = halves_of(*kept);
+  fill(json["fields"], json, record);
+  return record;
+}
+
+Result<ResultRecord> CellStore::kept_record(ResultRecord record) const {
+  const auto line = kept_->find(key_of(record));
+  if (line == kept_->end()) {
+    return fail(ErrorCode::kIo, "{}: not in it", (folder_ / kKeptLines).string());
+  }
+  fill(line->second, line->second, record);
   return record;
 }
 

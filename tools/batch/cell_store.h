@@ -4,12 +4,19 @@
 // So a run that was killed is continued from what it has, several processes or machines may fill
 // one folder, and the folders of several may be put together. A file that cannot be understood (a
 // disk that ran full, another version) counts as missing.
+//
+// Results may also be kept as lines, DIR/kept.jsonl: each has columns of results.jsonl, and
+// `counts` and `halves` as a cell has them. A cell that has no file of its own is read from there.
 #pragma once
 
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "lib/core/error.h"
 #include "lib/experiment/plan.h"
@@ -19,7 +26,7 @@ namespace spool::tools {
 
 class CellStore {
  public:
-  explicit CellStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  explicit CellStore(std::filesystem::path folder);
 
   Result<void> create() const;
   bool has_any() const;
@@ -37,9 +44,12 @@ class CellStore {
   std::filesystem::path path_of(const std::string& id) const { return cells() / (id + ".json"); }
 
  private:
+  Result<ResultRecord> kept_record(ResultRecord record) const;
   std::filesystem::path cells() const { return folder_ / "cells"; }
 
   std::filesystem::path folder_;
+  // Lines by the columns that say which cell it is; null where there are none.
+  std::shared_ptr<const std::map<std::string, nlohmann::ordered_json>> kept_;
 };
 
 }  // namespace spool::tools

@@ -1,0 +1,247 @@
+"""The study: pages say what statistics.json says, results are kept so that the program can judge them again."""
+import csv
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from conftest import LONGEST_RUN, PROGRAM
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools/study"))
+import full_size  # noqa: E402
+import kept  # noqa: E402
+import pages  # noqa: E402
+import plans  # noqa: E402
+import tables  # noqa: E402
+
+RESULTS = ROOT / "docs/results"
+FULL = sorted((RESULTS / "experiments_full").glob("*.tar.xz"))
+EVERY = sorted(RESULTS.glob("*/*.tar.xz"))
+MOST_BYTES = 4_000_000
+
+
+def named(paths):
+    return [f"{p.parent.name}-{p.name.split('.')[0]}" for p in paths]
+
+
+def evaluate(*arguments):
+    finished = subprocess.run([PROGRAM, "evaluate", *map(str, arguments), "-q"], text=True, capture_output=True, timeout=LONGEST_RUN)
+    assert finished.returncode == 0, finished.stderr
+
+
+def comparisons(claims):
+    """{question and place: (verdict, ratio as printed)}"""
+    return {(c["better"], c["than"], c["metric"], c["samples"], tables.number(c["below"]), tables.recording(p["dump"]), tables.number(p["spp"]),
+             str(p["threads"])): (p["verdict"], [tables.number(kept.short(v)) for v in p["ratio"]]) for c in claims for p in c["places"]}
+
+
+def printed(path):
+    with open(path, encoding="utf-8", newline="") as stream:
+        return {tuple(row[k] for k in ("better", "than", "metric", "samples", "below", "recording", "spp", "threads")):
+                (row["verdict"], [row[k] for k in ("ratio", "low", "high") if row[k]]) for row in csv.DictReader(stream)}
+
+
+def differences(claims, path):
+    said, found = printed(path), comparisons(claims)
+    return len(found), [key for key in found.keys() | said.keys() if found.get(key) != said.get(key)]
+
+
+@pytest.mark.parametrize("archive", FULL, ids=named(FULL))
+def test_what_is_kept_of_full_size_is_judged_by_the_program_as_the_page_says(archive, tmp_path):
+    folder = kept.unpacked(archive, tmp_path)
+    evaluate("--statistics-only", folder)
+    statistics = json.loads((folder / "statistics.json").read_text())
+    assert kept.trimmed(statistics) == json.loads(kept.unpack(archive)["statistics.json"])
+    if statistics["claims"]:
+        count, wrong = differences(statistics["claims"], archive.parent / f"{archive.name.split('.')[0]}_claims.csv")
+        assert count > 0 and wrong == []
+
+
+@pytest.mark.parametrize("archive", EVERY, ids=named(EVERY))
+def test_every_place_of_a_claim_is_printed_with_the_verdict_of_statistics_json(archive):
+    claims = json.loads(kept.unpack(archive)["statistics.json"])["claims"]
+    if claims:
+        count, wrong = differences(claims, archive.parent / f"{archive.name.split('.')[0]}_claims.csv")
+        assert count > 0 and wrong == []
+
+
+@pytest.mark.parametrize("name", ["experiments", "experiments_full"])
+def test_page_and_statistics_json_differ_in_no_comparison(name):
+    """Of the tables as they stand on the page: every claim's verdict, and its places that hold, are reversed, are undecided."""
+    page = (ROOT / f"docs/{name}.md").read_text(encoding="utf-8")
+    store, compared, wrong = pages.Kept(RESULTS / name), 0, []
+    for section in re.split(r"^## ", page, flags=re.M)[1:]:
+        chapter = next((c for c in pages.CHAPTERS if section.startswith(c["id"] + ":")), None)
+        if chapter is None or "| claim |" not in section:
+            continue
+        rows = [[cell.strip() for cell in line.strip("|").split(" | ")] for line in section.splitlines() if line.startswith("| ")]
+        columns = rows[0][1:]
+        for plan in (*chapter["plans"], *chapter.get("more", ())):
+            for claim in store.claims(plan):
+                words = [p["verdict"] for p in claim["places"]]
+                expected = f"{claim['verdict']} {words.count('holds')}/{words.count('reversed')}/{words.count('undecided')}"
+                place = [i for i, c in enumerate(columns) if c.endswith(claim["samples"] + " samples")
+                         and (len(chapter["plans"]) == 1 or c.startswith(plan.split("_")[0].upper() + ","))]
+                cells = [row[1 + place[0]] for row in rows if row[0].removesuffix(" [R]") == claim["text"]]
+                compared += 1
+                if expected not in cells and claim["samples"] == "own":
+                    wrong.append((plan, claim["text"], cells, expected))
+                if claim["samples"] == "fresh" and expected not in [row[1 + place[0]] for row in rows]:
+                    wrong.append((plan, claim["text"], expected))
+    assert compared > 60 and wrong == []
+
+
+@pytest.mark.parametrize("name", ["experiments", "experiments_full"])
+def test_a_page_is_what_its_template_gives_today(name):
+    made = pages.page(f"{name}.in", pages.Kept(RESULTS / name), name == "experiments_full").rstrip("\n") + "\n"
+    assert made == (ROOT / f"docs/{name}.md").read_text(encoding="utf-8"), "tools/dev.sh experiments [--full] --write-only"
+
+
+def test_a_sentence_does_not_outlive_its_verdict(tmp_path, monkeypatch):
+    store = pages.Kept(RESULTS / "experiments_full")
+    claim = store.claims("e3_samplers_over_budget")[0]
+    (tmp_path / "templates").mkdir()
+    monkeypatch.setattr(pages, "HERE", tmp_path)
+    question = "; ".join(["e3_samplers_over_budget", claim["better"], claim["than"], claim["metric"], claim["samples"]])
+    (tmp_path / "templates/p.in").write_text("Lower {{" + question + "; holds}}.")
+    assert pages.page("p.in", store, True) == "Lower (36 of 36 hold)."
+    claim["verdict"] = "mixed"
+    with pytest.raises(pages.Changed, match="now 'mixed'"):
+        pages.page("p.in", store, True)
+    (tmp_path / "templates/p.in").write_text("Lower {{" + question.replace("uniform", "box") + "; holds}}.")
+    with pytest.raises(pages.Changed, match="no such claim"):
+        pages.page("p.in", store, True)
+
+
+def test_what_is_kept_is_small():
+    sizes = {p: p.stat().st_size for p in RESULTS.rglob("*") if p.is_file()}
+    assert sum(size for p, size in sizes.items() if p.suffix == ".xz") <= MOST_BYTES
+    assert len(EVERY) > 25
+
+
+PLAN = """recordings = ["{}"]
+spp = [4]
+replicates = 3
+pictures = false
+samplers = ["uniform", "multiscale"]
+filters = ["box", "gaussian"]
+claim = [{{ better = "multiscale + box", than = "uniform + box", metric = "mse" }}]
+"""
+
+
+@pytest.fixture(scope="module")
+def evaluated(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("evaluated")
+    subprocess.run([PROGRAM, "synth", "scene_s", "--size", "24", "--samples", "32", "--seed", "3", "-o", folder / "s.spool", "-q"], check=True)
+    (folder / "plan.toml").write_text(PLAN.format(folder / "s.spool"))
+    evaluate(folder / "plan.toml", "-o", folder / "results")
+    return folder / "results"
+
+
+def kept_lines(results):
+    """Lines of results.jsonl with the counts and halves of their cells, which are found by their error."""
+    cells = {}
+    for path in (results / "cells").glob("*.json"):
+        cell = json.loads(path.read_text())
+        cells.setdefault((cell["fields"]["mse"], cell["fields"]["ssim"]), cell)
+    for line in (results / "results.jsonl").read_text().splitlines():
+        row = json.loads(line)
+        cell = next(c for (mse, ssim), c in cells.items() if float(mse) == row["mse"] and float(ssim) == row["ssim"])
+        yield {**row, **{k: cell[k] for k in ("counts", "halves") if k in cell}}
+
+
+def judged(folder):
+    evaluate("--statistics-only", folder)
+    return json.loads((folder / "statistics.json").read_text())
+
+
+def test_lines_that_were_kept_are_judged_as_the_cells_were(evaluated, tmp_path):
+    for name in ("plan.toml", "claims.json"):
+        shutil.copy(evaluated / name, tmp_path)
+    lines = list(kept_lines(evaluated))
+    (tmp_path / "kept.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    assert judged(tmp_path) == json.loads((evaluated / "statistics.json").read_text())
+    without = [{k: v for k, v in line.items() if k != "halves"} for line in lines]
+    (tmp_path / "kept.jsonl").write_text("".join(json.dumps(line) + "\n" for line in without))
+    assert judged(tmp_path)["claims"][0]["places"][0]["ratio"] != json.loads((evaluated / "statistics.json").read_text())["claims"][0]["places"][0]["ratio"]
+
+
+def test_lines_that_cannot_be_understood_count_as_missing(evaluated, tmp_path):
+    shutil.copy(evaluated / "plan.toml", tmp_path)
+    first = next(line for line in kept_lines(evaluated) if (line["sampler"], line["filter"], line["replicate"]) == ("uniform", "box", 0))
+    hostile = ["", "{", "[1, 2]", "7", '{"dump": 3, "spp": "x"}', "[" * 5000, '{"mse": "' + "9" * 400 + '"}', "\0", json.dumps({**first, "mse": {"a": 1}, "spp": [4]}),
+               json.dumps({**first, "halves": {"mse": {"columns": -1, "cells": "1", "varying": ""}}, "counts": "4:-1"})]
+    (tmp_path / "kept.jsonl").write_text("\n".join(hostile) + "\n")
+    statistics = judged(tmp_path)
+    assert [(e["sampler"], e["filter"], e["replicates"]) for e in statistics["results"]] == [("uniform", "box", 1)]
+    assert statistics["claims"][0]["verdict"] == "not compared" and statistics["claims"][0]["after_results"] is True
+
+
+def test_a_folder_of_lines_is_not_evaluated_into(evaluated, tmp_path):
+    (tmp_path / "kept.jsonl").write_text("")
+    finished = subprocess.run([PROGRAM, "evaluate", evaluated.parent / "plan.toml", "-o", tmp_path, "-q"], text=True, capture_output=True)
+    assert finished.returncode == 2 and "holds no results that could be continued" in finished.stderr
+
+
+@pytest.fixture
+def small_full(tmp_path, monkeypatch):
+    """A plan and two recordings of full size, both analytic and tiny."""
+    (tmp_path / "plans/full_size").mkdir(parents=True)
+    (tmp_path / "plans/p.toml").write_text(PLAN.format("pools/one.spool").replace("replicates = 3", "replicates = 8"))
+    (tmp_path / "plans/full_size/p.toml").write_text('samplers = ["neyman"]\n')
+    made = {name: ["scene_s", 16, 32, seed] for seed, name in enumerate(("one", "two"))}
+    monkeypatch.setattr(plans, "FULL", {**plans.FULL, "analytic": made, "others": ["two", "elsewhere"], "instead": {}, "replicates": 3})
+    monkeypatch.setattr(plans, "PLANS", tmp_path / "plans")
+    return full_size.Store(PROGRAM, tmp_path / "scratch", tmp_path / "kept")
+
+
+def test_full_size_is_measured_recording_by_recording_and_judged_together(small_full, tmp_path):
+    assert small_full.measure("p", "one", density=False) and not small_full.measure("p", "one", density=False)
+    assert not small_full.measure("p", "elsewhere", density=False)
+    store = pages.Kept(tmp_path / "kept")
+    assert [p["dump"] for p in store.claims("p")[0]["places"]] == ["one"]
+    assert small_full.measure("p", "two", density=False)
+    texts = kept.unpack(tmp_path / "kept/p.tar.xz")
+    statistics = json.loads(texts["statistics.json"])
+    assert [p["dump"] for p in statistics["claims"][0]["places"]] == ["one", "two"]
+    assert "after_results" not in statistics["claims"][0]
+    assert {e["sampler"] for e in statistics["results"]} == {"uniform", "multiscale", "neyman"}
+    assert {e["replicates"] for e in statistics["results"]} == {3} and str(tmp_path) not in texts["plan.toml"] + texts["statistics.json"]
+    assert small_full.measure("p", "one", density=False, again=True)
+    assert json.loads(kept.unpack(tmp_path / "kept/p.tar.xz")["statistics.json"])["claims"] == statistics["claims"]
+
+
+def test_a_claim_that_is_added_later_is_marked(small_full, tmp_path):
+    small_full.measure("p", "one", density=False)
+    plan = tmp_path / "plans/p.toml"
+    plan.write_text(plan.read_text().replace("claim = [", 'claim = [{ better = "uniform + gaussian", than = "uniform + box" },'))
+    assert not small_full.measure("p", "one", density=False)
+    small_full.judge("p")
+    marks = {c["better"]: c.get("after_results", False) for c in pages.Kept(tmp_path / "kept").claims("p")}
+    assert marks == {"uniform + gaussian": True, "multiscale + box": False}
+
+
+@pytest.mark.parametrize("name", sorted(p.stem for p in (ROOT / "tools/plans/full_size").glob("*.toml")))
+def test_a_plan_at_full_size_is_understood(name, tmp_path):
+    plan = plans.full_plan(name, [ROOT / "dumps/tiny/table.spool"])
+    labels = {f"{s[0]} + {f[0]}" for s in plans.methods_of(plan, "sampler") for f in plans.methods_of(plan, "filter")}
+    assert {c[k] for c in plan.get("claim", ()) for k in ("better", "than")} <= labels
+    (tmp_path / "plan.toml").write_text(plans.text_of(plan))
+    evaluate(tmp_path / "plan.toml", "--dry-run")
+
+
+def test_a_plan_text_is_the_plan():
+    for path in plans.PLANS.rglob("*.toml"):
+        assert plans.tomllib.loads(plans.text_of(plans.read(path))) == plans.read(path), path
+
+
+def test_a_method_by_description_is_marked():
+    claim = {"text": "t", "better": "multiscale:paper{a=1} + box", "than": "mitchell{x=2} + box", "metric": "mse", "below": 1.0, "samples": "own",
+             "verdict": "holds", "counts": {"holds": 2}}
+    assert "| t [R] | holds 2/0/0 |" in tables.claims_table({"p": [claim]}, {"mitchell"})
+    assert "| t | holds 2/0/0 |" in tables.claims_table({"p": [claim]}, {"mitchell2", "multi"})

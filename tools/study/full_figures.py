@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""Pictures of full size for docs/experiments_full.md, in docs/images/full_size: one for each figure of the paper and recording.
+
+    tools/study/full_figures.py cornell_box_picture torus ...     by name, as recordings of full size lie on this machine
+        [--figure e1 e4 e5 e8 e9]   default: all that the recording has its use for
+        [--crop X,Y,SIDE]...        windows of e4 and e9; default: where the errors of all methods together are largest
+
+Images that a picture is made of stay in build/full_figures: remove them to have them made again.
+
+Columns are methods. e1 (Figure 7): samples and the level that took most of them, by wavelet. e5 (Figure 9): samples of every sampler.
+e8 (Figures 11c-f): samples with tiles. e4 (Figure 10), e9 (Figure 12): pictures with crops beside the reference.
+"""
+import argparse
+import io
+import sys
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.colors import ListedColormap, LogNorm  # noqa: E402
+from matplotlib.patches import Rectangle  # noqa: E402
+from PIL import Image  # noqa: E402
+
+from full_picture import shown  # noqa: E402
+from plans import FULL, ROOT, full_recording  # noqa: E402
+from replays import Runs, errors, reference_of, rgb, spool  # noqa: E402
+
+FOLDER = ROOT / "docs/images/full_size"
+WAVELETS = ("haar", "5-3", "9-7", "db3")
+SAMPLERS = ("mitchell", "adaptive_wavelet", "greedy_error", "nl_means", "multiscale", "multiscale:paper", "neyman")
+DIRECTIONS = (("box", "no filter"), ("directional{anisotropy=none}", "isotropic"),
+              ("directional{anisotropy=bank,bank_levels=3}", "bank, three stages"), ("directional", "directional"))
+METHODS = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "wavelet_shrinkage"),
+           ("greedy_error", "greedy_selection"), ("nl_means", "nl_means"), ("multiscale:paper", "directional:paper"), ("multiscale", "directional"))
+FRAMES = ("#e69f00", "#56b4e9")
+LEVELS = ListedColormap(["#404040", "#440154", "#31688e", "#35b779", "#fde725"])  # 0 (none), 1 .. 4
+
+
+def save(figure, path, photos):
+    """A PNG; of maps 256 colours, which is a third of the bytes: in a photo that would be noise that no method made."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, dpi=100)
+    plt.close(figure)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    whole = Image.open(buffer).convert("RGB")
+    (whole if photos else whole.quantize(256, dither=Image.Dither.NONE)).save(path, optimize=True)
+    print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB", flush=True)
+
+
+def grid(rows, columns, aspect, width=12.0, bar=0.08):
+    """aspect: height of a panel over its width, of each row; bar: share of the width that a colour bar takes."""
+    side = width / columns
+    figure, axes = plt.subplots(rows, columns, figsize=(width, sum((1 - bar) * side * a + 0.25 for a in aspect[:rows])), squeeze=False, layout="constrained",
+                                gridspec_kw={"height_ratios": aspect[:rows]})
+    for axis in axes.flat:
+        axis.set_xticks([])
+        axis.set_yticks([])
+    return figure, axes
+
+
+class Pictures:
+    def __init__(self, program, recording, folder, spp):
+        self.runs, self.spp = Runs(program, recording, folder, spp), spp
+        self.reference = reference_of(recording)
+        self.exposure = 0.9 / max(np.percentile(self.reference, 95), 1e-9)
+        self.aspect = self.reference.shape[0] / self.reference.shape[1]
+        self.taken = {}
+
+    def samples(self, sampler, views=()):
+        """Layers of a replay: n, and view.NAME."""
+        key = sampler, views
+        if key not in self.taken:
+            self.taken[key] = self.runs.replay(sampler, *(("--views", ",".join(views)) if views else ()))
+        return spool.exr.read(self.taken[key])
+
+    def density(self, axis, counts, title):
+        image = axis.imshow(counts, cmap="viridis", norm=LogNorm(max(1, self.spp / 8), self.spp * 8), interpolation="nearest")
+        axis.set_title(title, fontsize=10)
+        return image
+
+    def image(self, sampler, filter_name):
+        self.samples(sampler)
+        return rgb(self.runs.image(self.taken[sampler, ()], filter_name))
+
+    def photo(self, axis, image, title=""):
+        axis.imshow(shown(image, self.exposure), interpolation="nearest")
+        axis.set_title(title, fontsize=10)
+
+
+def colour_bar(figure, image, axes, label):
+    figure.colorbar(image, ax=axes, orientation="vertical", shrink=0.8, aspect=25, pad=0.01).set_label(label, fontsize=9)
+
+
+def levels(p):
+    """Figure 7, with our preset and with the paper's."""
+    figure, axes = grid(4, len(WAVELETS), [p.aspect] * 4)
+    names = tuple(f"samples.{k}" for k in range(1, 5))
+    for row, preset in ((0, ""), (2, ":paper")):
+        for column, name in enumerate(WAVELETS):
+            layers = p.samples(f"multiscale{preset}{{filter={name}}}", names)
+            density = p.density(axes[row][column], layers["n"].astype(float), f"{name}, {'paper, tiles of 64' if preset else 'robust'}")
+            of_level = np.stack([layers[f"view.{n}"].astype(float) for n in names])
+            most = np.where(of_level.max(axis=0) > 0, of_level.argmax(axis=0) + 1, 0)
+            level = axes[row + 1][column].imshow(most, cmap=LEVELS, vmin=-0.5, vmax=4.5, interpolation="nearest")
+        colour_bar(figure, density, list(axes[row]), "samples of a pixel")
+        colour_bar(figure, level, list(axes[row + 1]), "level that took most")
+    return figure
+
+
+def densities(p):
+    """Figure 9."""
+    figure, axes = grid(2, 4, [p.aspect] * 2)
+    p.photo(axes[0][0], p.reference, "reference")
+    for axis, sampler in zip(axes.flat[1:], SAMPLERS):
+        density = p.density(axis, p.samples(sampler)["n"].astype(float), sampler)
+    colour_bar(figure, density, list(axes.flat), "samples of a pixel")
+    return figure
+
+
+def tiles(p):
+    """Figures 11c to 11f."""
+    settings = [("multiscale", "no tiles"), *((f"multiscale{{parallel=tiles,tile={t}}}", f"tiles of {t}") for t in (64, 16)),
+                ("multiscale:paper{tile=64}", "paper, tiles of 64")]
+    figure, axes = grid(1, 4, [p.aspect])
+    for axis, (sampler, title) in zip(axes.flat, settings):
+        density = p.density(axis, p.samples(sampler)["n"].astype(float), title)
+    colour_bar(figure, density, list(axes.flat), "samples of a pixel")
+    return figure
+
+
+def windows(images, reference, side=48, count=2):
+    """Where the relative errors of all images together are largest, whoever wins there; without overlap."""
+    errors = sum(np.minimum(np.abs(image - reference).mean(axis=2) / (reference.mean(axis=2) + 0.1 * reference.mean()), 2.0) for image in images)
+    worth = np.cumsum(np.cumsum(np.pad(errors, ((1, 0), (1, 0))), axis=0), axis=1)
+    sums = worth[side:, side:] - worth[:-side, side:] - worth[side:, :-side] + worth[:-side, :-side]
+    found = []
+    for _ in range(count):
+        y, x = np.unravel_index(np.argmax(sums), sums.shape)
+        found.append((int(x), int(y), side))
+        sums[max(0, y - 2 * side):y + 2 * side, max(0, x - 2 * side):x + 2 * side] = -np.inf
+    return found
+
+
+def beside(p, methods, titles, crops):
+    images = [p.image(*method) for method in methods]
+    crops = crops or windows(images, p.reference)
+    figure, axes = grid(1 + len(crops), len(images) + 1, [p.aspect] + [1.0] * len(crops), width=1.5 * (len(images) + 1), bar=0.0)
+    for column, (image, title) in enumerate(zip([*images, p.reference], [*titles, "reference"])):
+        p.photo(axes[0][column], image, title)
+        for row, (x, y, side) in enumerate(crops):
+            axes[0][column].add_patch(Rectangle((x - 0.5, y - 0.5), side, side, fill=False, edgecolor=FRAMES[row % 2], linewidth=1.2))
+            below = axes[1 + row][column]
+            p.photo(below, image[y:y + side, x:x + side])
+            for spine in below.spines.values():
+                spine.set(color=FRAMES[row % 2], linewidth=2)
+        if column < len(images):
+            found = errors(p.runs.program, image, p.reference)
+            text = f"relMSE {found['relmse']:.2g}\ntrimmed {found['relmse_trimmed']:.2g}\nenergy {found['energy_ratio']:.3f}"
+            axes[-1][column].set_xlabel(text, fontsize=9)
+    return figure
+
+
+def directions(p, crops):
+    return beside(p, [*(("multiscale", f) for f, _ in DIRECTIONS), ("multiscale:paper", "directional:paper")],
+                  [*(f"multiscale,\n{title}" for _, title in DIRECTIONS), "paper"], crops)
+
+
+def every_method(p, crops):
+    return beside(p, METHODS, ["paper" if s == "multiscale:paper" else f"{s} +\n{f}" for s, f in METHODS], crops)
+
+
+# name: (samples per pixel, whether it has crops, what draws it)
+FIGURES = {"e1": (4, False, levels), "e4": (8, True, directions), "e5": (16, False, densities), "e8": (8, False, tiles),
+           "e9": (8, True, every_method)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("recordings", nargs="+")
+    parser.add_argument("--figure", nargs="+", choices=list(FIGURES))
+    parser.add_argument("--crop", action="append")
+    parser.add_argument("--program", default=ROOT / "build/release/spool", type=Path)
+    arguments = parser.parse_args()
+    crops = [tuple(map(int, text.split(","))) for text in arguments.crop or []]
+    for name in arguments.recordings:
+        path = full_recording(arguments.program, name, ROOT / "build/experiments_full/pools")
+        if path is None:
+            sys.exit(f"full_figures: {name} is not here: tools/dev.sh record {name}")
+        chosen = arguments.figure or (["e8"] if name in FULL["analytic"] and name.endswith("_512") else ["e1", "e4", "e5", "e9"])
+        for figure in chosen:
+            spp, cropped, draw = FIGURES[figure]
+            folder = ROOT / "build/full_figures" / f"{name}_{path.stat().st_mtime_ns}_{spp}"
+            folder.mkdir(parents=True, exist_ok=True)
+            pictures = Pictures(arguments.program, path, folder, spp)
+            save(draw(pictures, crops) if cropped else draw(pictures), FOLDER / f"{figure}_{name}.png", photos=cropped)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,112 @@
+"""Plans on recordings of full size (dumps/POOLS.toml): measured one recording at a time, kept together, judged by the program.
+
+Recordings are on no machine together, so a run adds those that are here and were not measured yet.
+"""
+import datetime
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+
+import kept
+from plans import PLANS, ROOT, full_plan, full_recording, full_recordings, text_of
+from whole_file import write_whole
+
+
+def plan_hash(plan):
+    """Of what the plan measures, whatever it claims."""
+    asked = {k: v for k, v in plan.items() if k not in ("recordings", "title", "claim", "pictures", "fresh")}
+    return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def commit():
+    """Of the program's methods: the last that changed the library; the word "changed" where it is not committed."""
+    def git(*arguments):
+        return subprocess.run(["git", "-C", ROOT, *arguments], capture_output=True, text=True).stdout.strip()
+    return git("log", "-1", "--format=%h %cs", "--", "lib", "formats") + (
+        " changed" if git("status", "--porcelain", "--untracked-files=no", "--", "lib", "formats") else "")
+
+
+class Store:
+    """Measures, and keeps what was measured."""
+
+    def __init__(self, program, scratch, folder, threads="0"):
+        self.program, self.scratch, self.folder, self.threads = program, scratch, folder, threads
+        self._hashes = scratch / "samples_sha256.json"
+
+    def kept(self, plan):
+        return self.folder / f"{plan}.tar.xz"
+
+    def made(self, plan):
+        """{recording: by which program, when, of which samples}"""
+        return json.loads(kept.unpack(self.kept(plan)).get("made.json", "{}"))
+
+    def samples_hash(self, path):
+        """Computed once for each file (dumps/verify/content_hash.py)."""
+        known = json.loads(self._hashes.read_text()) if self._hashes.exists() else {}
+        key = f"{path.stem} {path.stat().st_size} {path.stat().st_mtime_ns}"
+        if key not in known:
+            sys.path.append(str(ROOT / "dumps/verify"))
+            from content_hash import content_hash  # needs numpy
+            known[key] = content_hash(path)
+            self.scratch.mkdir(parents=True, exist_ok=True)
+            write_whole(self._hashes, json.dumps(known))
+        return known[key]
+
+    def measure(self, plan, name, density, again=False):
+        """False where the recording is not here, or nothing was to be done."""
+        path = full_recording(self.program, name, self.scratch / "pools")
+        if path is None:
+            return False
+        asked = full_plan(plan, [path])
+        made = {"plan_sha256": plan_hash(asked), "samples_sha256": self.samples_hash(path)}
+        before = self.made(plan).get(name, {})
+        if not again and made.items() <= before.items():
+            return False
+        print(f"{plan} on {name}", flush=True)
+        folder = self.scratch / plan / f"{name}-{made['plan_sha256']}-{made['samples_sha256'][:8]}"  # another plan is another folder
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(folder.with_suffix(".toml"), text_of(asked))
+        threads = () if "threads" in asked else ("--threads", self.threads)
+        kept.evaluate(self.program, folder.with_suffix(".toml"), folder, *threads, *(["--force"] if again else []))
+        by = kept.made_by(folder)
+        made |= {"version": by["version"], "commit": commit(), "date": datetime.date.today().isoformat(), "described": by["described"],
+                 "processor": by["machine"]["processor"], "hardware_threads": by["machine"]["threads"], "replicates": asked["replicates"]}
+        measured = {}
+        if density:
+            from density import densities  # needs numpy
+            measured = densities(self.program, asked, folder)
+        self._add(plan, name, folder, made, measured)
+        return True
+
+    def _add(self, plan, name, folder, made, density):
+        """Lines kept of this recording give way to its cells; the whole is judged."""
+        texts = kept.unpack(self.kept(plan))
+        lines = [line for line in texts.get("kept.jsonl", "").splitlines(keepends=True) if json.loads(line)["dump"] != name]
+        texts["kept.jsonl"] = "".join(lines)
+        texts.update((f"cells/{cell.name}", kept.small_cell(cell.read_text())) for cell in (folder / "cells").glob("*.json"))
+        texts["made.json"] = json.dumps({**json.loads(texts.get("made.json", "{}")), name: made}, indent=1) + "\n"
+        if density:
+            texts["density.json"] = json.dumps(kept.short({**json.loads(texts.get("density.json", "{}")), **density}))
+        if "claims.json" not in texts and not lines:
+            texts["claims.json"] = (folder / "claims.json").read_text()
+        self._judged(plan, texts)
+
+    def judge(self, plan):
+        """What is kept, by the plan and its claims as they are now."""
+        if texts := kept.unpack(self.kept(plan)):
+            self._judged(plan, texts)
+
+    def _judged(self, plan, texts):
+        made = json.loads(texts["made.json"])
+        names = [n for n in full_recordings(plan) if n in made]
+        texts["plan.toml"] = text_of(full_plan(plan, [f"{n}.spool" for n in names]))
+        folder = self.scratch / plan / "kept"
+        shutil.rmtree(folder, ignore_errors=True)
+        for name, text in texts.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(text, encoding="utf-8")
+        kept.judge(self.program, folder)
+        texts["statistics.json"] = json.dumps(kept.trimmed(json.loads((folder / "statistics.json").read_text())), separators=(",", ":"))
+        kept.pack(self.kept(plan), texts)

@@ -1,0 +1,111 @@
+"""What is kept of results: docs/results/experiments[_full]/PLAN.tar.xz, folders of `spool evaluate` made small.
+
+    plan.toml, claims.json   as the run had them
+    made.json                by which program, when, on which machine; of full size for each recording
+    statistics.json          what the program found, without the pairs of methods that no claim names
+    cells/, kept.jsonl       of full size, whose recordings are not in the tree: what is needed to judge them anew
+
+Every verdict, interval and ratio is the program's; nothing is computed here.
+"""
+import io
+import json
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+from whole_file import write_whole
+
+QUANTITIES = ("mse", "relmse", "relmse_trimmed", "relmse_equal_energy", "energy_ratio", "flip_ldr", "ssim", "seconds_sampling",
+              "seconds_filtering", "cpu_sampling", "cpu_filtering", "saturated_share")
+FIELDS = (*QUANTITIES, "mse_fresh", "relmse_fresh", "energy_fresh", "samples_spent", "recorded_spp", "recorded_kurtosis", "width",
+          "height", "reference", "error")
+HALVES = ("mse", "relmse", "mse_fresh", "relmse_fresh")
+
+
+def short(value):
+    """Six digits, in what JSON holds."""
+    if isinstance(value, float):
+        return float(f"{value:.6g}")
+    if isinstance(value, list):
+        return [short(v) for v in value]
+    return {k: short(v) for k, v in value.items()} if isinstance(value, dict) else value
+
+
+def evaluate(program, plan, folder, *more):
+    """Goes on where it stopped. Exit code 1 means cells that failed, which the results name; another ends the script."""
+    code = subprocess.run([program, "evaluate", plan, "-o", folder, "-q", *more], stdout=subprocess.DEVNULL).returncode
+    if code not in (0, 1):
+        sys.exit(f"study: {plan} stopped with exit code {code}; the same command goes on")
+
+
+def judge(program, folder):
+    subprocess.run([program, "evaluate", "--statistics-only", folder, "-q"], check=True, stdout=subprocess.DEVNULL)
+
+
+def trimmed(statistics):
+    """What pages show of statistics.json; recordings by their names, wherever they lie."""
+    results = [{"dump": Path(e["dump"]).stem, **{k: e[k] for k in ("spp", "threads", "sampler", "filter", "replicates")},
+                "quantities": {q: e["quantities"][q] for q in QUANTITIES if q in e.get("quantities", {})}} for e in statistics["results"]]
+    ratios = [{"dump": Path(c["dump"]).stem, **{k: c[k] for k in ("spp", "threads", "metric", "about")},
+               "ranking": [{k: m[k] for k in ("sampler", "filter", "ratio")} for m in c["ranking"] if m.get("ratio")]}
+              for c in statistics["conditions"] if c["metric"] in ("mse", "relmse")]
+    claims = [{**c, "places": [{**p, "dump": Path(p["dump"]).stem} for p in c["places"]]} for c in statistics["claims"]]
+    return short({"version": statistics["version"], "claims": claims, "results": results, "conditions": ratios})
+
+
+def small_cell(text):
+    cell = json.loads(text)
+    kept = {"version": cell["version"], "fields": {k: v for k, v in cell["fields"].items() if k in FIELDS}}
+    halves = {k: v for k, v in cell.get("halves", {}).items() if k in HALVES}
+    return json.dumps({**kept, **({"counts": cell["counts"]} if "counts" in cell else {}), **({"halves": halves} if halves else {})},
+                      separators=(",", ":"))
+
+
+def pack(path, texts):
+    """{name: text} as one compressed file, the same bytes for the same texts."""
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w:xz", preset=9) as archive:
+        for name, text in sorted(texts.items()):
+            entry = tarfile.TarInfo(name)
+            entry.size = len(text.encode())
+            archive.addfile(entry, io.BytesIO(text.encode()))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, buffer.getvalue())
+
+
+def unpack(path):
+    """{name: text}; empty where nothing is kept yet."""
+    if not path.exists():
+        return {}
+    with tarfile.open(path) as archive:
+        return {member.name: archive.extractfile(member).read().decode() for member in archive if member.isfile()}
+
+
+def texts_of(folder, recording_here):
+    """What is kept of a folder; of recordings that are in the tree not the cells."""
+    made = json.loads((folder / "made.json").read_text()) if (folder / "made.json").exists() else made_by(folder)
+    texts = {"made.json": json.dumps(made, indent=1) + "\n",
+             "statistics.json": json.dumps(trimmed(json.loads((folder / "statistics.json").read_text())), separators=(",", ":"))}
+    for name in ("plan.toml", "claims.json", *(() if recording_here else ("kept.jsonl", "density.json", "figures.json"))):
+        if (folder / name).exists():
+            texts[name] = (folder / name).read_text(encoding="utf-8")
+    if not recording_here:
+        texts.update((f"cells/{cell.name}", small_cell(cell.read_text())) for cell in (folder / "cells").glob("*.json"))
+    return texts
+
+
+def made_by(folder):
+    manifest = json.loads((folder / "manifest.json").read_text())
+    plan = manifest["plan"]
+    described = sorted({m["name"] for kind in ("samplers", "filters") for m in plan[kind] if m.get("by_description")})
+    return {"version": manifest["version"], "started": manifest["started"], "machine": manifest["machine"], "described": described,
+            "dumps": [{**d, "path": Path(d["path"]).name} for d in manifest["dumps"]]}
+
+
+def unpacked(path, folder):
+    """The folder as `spool evaluate --statistics-only` and `spool compare` take it."""
+    for name, text in unpack(path).items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder

@@ -1,0 +1,92 @@
+"""The plans of tools/plans, as they are and on recordings of full size, and the recordings that they name.
+
+A plan keeps its methods, budgets and claims at full size, and gets what tools/plans/full_size/PLAN.toml says in addition.
+"""
+import itertools
+import json
+import os
+import subprocess
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PLANS = ROOT / "tools/plans"
+NAMED = tomllib.loads((Path(__file__).parent / "recordings.toml").read_text(encoding="utf-8"))
+FULL = NAMED["full"]
+CACHE = Path(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache"))) / "spool"
+RECORDINGS = Path(os.environ.get("SPOOL_RECORDINGS", CACHE / "recordings"))
+
+
+def read(path):
+    return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def merged(plan, more):
+    """Lists are joined, other keys replaced."""
+    joined = {k: v + more[k] if isinstance(v, list) and k in more else more.get(k, v) for k, v in plan.items()}
+    return {**more, **joined}
+
+
+def full_plan(name, files):
+    """The plan on these recordings of full size."""
+    more = PLANS / "full_size" / f"{name}.toml"
+    plan = merged(read(PLANS / f"{name}.toml"), read(more) if more.exists() else {})
+    return {**plan, "recordings": [str(f) for f in files], "replicates": FULL["replicates"], "pictures": False}
+
+
+def full_recordings(name):
+    """Names of the recordings of full size that the plan asks for, whether they are here or not."""
+    own = [Path(path).stem for path in read(PLANS / f"{name}.toml")["recordings"]]
+    more = [] if name in FULL["alone"] else [*FULL["more"].get(name, []), *FULL["others"]]
+    return list(dict.fromkeys([*(FULL["instead"].get(r, r) for r in own), *more]))
+
+
+def _value(value):
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{k} = {_value(v)}" for k, v in value.items()) + " }"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def text_of(plan):
+    """As TOML."""
+    return "".join(f"{key} = {_value(value)}\n" for key, value in plan.items())
+
+
+def methods_of(plan, kind):
+    """[(label as in the results, name with preset, {option: value})], sweeps written out; kind is sampler or filter."""
+    found = [(name, name, {}) for name in plan.get(kind + "s", [])]
+    for entry in plan.get(kind, []):
+        settings = {k: v if isinstance(v, list) else [v] for k, v in sorted(entry.items()) if k not in ("name", "preset")}
+        name = entry["name"] + (f":{entry['preset']}" if "preset" in entry else "")
+        for values in itertools.product(*settings.values()):
+            options = dict(zip(settings, values))
+            text = ",".join(f"{o}={v}" for o, v in options.items())
+            found.append((name + (f"{{{text}}}" if text else ""), name, options))
+    return found
+
+
+def make_recording(program, folder, name, made_by):
+    """An analytic recording; a finished file appears under its name at once, so a name means done."""
+    path = folder / f"{name}.spool"
+    if not path.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        scene, side, samples, seed = made_by
+        subprocess.run([program, "synth", scene, "--size", str(side), "--samples", str(samples), "--seed", str(seed), "-o", path, "-q"],
+                       check=True)
+    return path
+
+
+def make_recordings(program, folder=PLANS / "pools"):
+    """Those that the plans name at 64 x 64 pixels."""
+    for name, made_by in NAMED["analytic"].items():
+        make_recording(program, folder, name, made_by)
+
+
+def full_recording(program, name, folder):
+    """Its file, or None where it is not here; analytic ones are made in the folder."""
+    if name in FULL["analytic"]:
+        return make_recording(program, folder, name, FULL["analytic"][name])
+    path = RECORDINGS / f"{name}.spool"
+    return path if path.exists() else None

@@ -1,0 +1,117 @@
+"""Tables of what statistics.json holds: claims and errors, as Markdown and as CSV. Prints figures; computes none."""
+import csv
+import io
+import math
+from pathlib import PurePosixPath
+
+TITLES = {"scene_s": "scene S", "scene_s_fireflies": "scene S with fireflies"}
+METRICS = {"mse": "MSE", "relmse": "relMSE"}
+ORDER = ("holds", "reversed", "undecided", "not compared")
+QUESTION = ("better", "than", "metric", "below")
+
+
+def recording(dump):
+    return PurePosixPath(dump).stem
+
+
+def place(entry):
+    """Of a method's results: recording, budget, threads and method."""
+    return recording(entry["dump"]), entry["spp"], entry["threads"], entry["sampler"], entry["filter"]
+
+
+def number(value, digits=3):
+    """Three significant digits, no exponent between 0.001 and 10000."""
+    if value is None or value == "":
+        return ""
+    if value == 0 or 1e-3 <= abs(value) < 1e4:
+        places = max(0, digits - 1 - math.floor(math.log10(abs(value)))) if value else 0
+        return f"{value:.{places}f}"
+    return f"{value:.{digits - 1}e}"
+
+
+def interval(found):
+    """0.123 [0.110, 0.138]"""
+    if not found:
+        return "–"
+    return number(found[0]) + (f" [{number(found[1])}, {number(found[2])}]" if len(found) == 3 and found[1] != found[2] else "")
+
+
+def markdown(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |" for row in rows])
+
+
+def as_csv(header, rows):
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows([header, *rows])
+    return stream.getvalue()
+
+
+def by_description(method, described):
+    """Whether a part of "SAMPLER + FILTER" is re-implemented from a description."""
+    return any(part.partition("{")[0].partition(":")[0] in described for part in method.split(" + "))
+
+
+def verdict(claim):
+    """'mixed 28/6/2': the program's verdict, and at how many places the claim holds, is reversed, is undecided."""
+    if claim is None:
+        return "–"
+    return f"{claim['verdict']} " + "/".join(str(claim["counts"].get(word, 0)) for word in ORDER[:3])
+
+
+def claims_table(by_plan, described=()):
+    """A row for each question, a column for each plan that asks some, on own and on fresh samples."""
+    rows, columns = {}, {}
+    for plan, claims in by_plan.items():
+        for claim in claims:
+            row = rows.setdefault(tuple(claim[k] for k in QUESTION), {"text": claim["text"]})
+            if by_description(claim["better"], described) or by_description(claim["than"], described):
+                row["text"] = claim["text"] + " [R]"
+            row[plan, claim["samples"]] = claim
+            name = {"own": "own samples", "fresh": "fresh samples"}[claim["samples"]]
+            columns[plan, claim["samples"]] = name if len(by_plan) == 1 else f"{plan.split('_')[0].upper()}, {name}"
+    return markdown(["claim", *columns.values()], [[row["text"], *(verdict(row.get(c)) for c in columns)] for row in rows.values()])
+
+
+def summary(claims):
+    """'Of 16 claims: 6 holds, 10 mixed.'"""
+    verdicts = [c["verdict"] for c in claims]
+    return f"Of {len(claims)} claims: " + ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts)) + "."
+
+
+def claims_csv(claims):
+    header = ["text", "better", "than", "metric", "samples", "below", "source", "after_results", "recording", "spp", "threads", "verdict",
+              "ratio", "low", "high", "p", "replicates"]
+    rows = []
+    for c in claims:
+        question = [c["text"], c["better"], c["than"], c["metric"], c["samples"], number(c["below"]), c.get("source", ""),
+                    int(c.get("after_results", False))]
+        for place in c["places"]:
+            ratio = [number(v) for v in place["ratio"]] + [""] * (3 - len(place["ratio"]))
+            rows.append([*question, recording(place["dump"]), number(place["spp"]), place["threads"], place["verdict"], *ratio,
+                         number(place["p"], 2), place["replicates"]])
+    return as_csv(header, rows)
+
+
+def results_csv(statistics):
+    """A row for each method, recording and budget: every quantity that is there with its interval, and the ratios to uniform + box."""
+    ratios = {}
+    for condition in statistics["conditions"]:
+        for method in condition["ranking"]:
+            ratios.setdefault(place({**condition, **method}), {})[condition["metric"] + "_ratio"] = method["ratio"]
+    found = [({**e["quantities"], **ratios.get(place(e), {})}, e) for e in statistics["results"]]
+    columns = list(dict.fromkeys(name for quantities, _ in found for name in quantities))
+    header = ["recording", "spp", "threads", "sampler", "filter", *(c + end for c in columns for end in ("", "_low", "_high"))]
+    rows = []
+    for quantities, e in found:
+        values = [[number(v) for v in quantities.get(c, [])] for c in columns]
+        rows.append([recording(e["dump"]), number(e["spp"]), e["threads"], e["sampler"], e["filter"],
+                     *(v for three in values for v in three + [""] * (3 - len(three)))])
+    return as_csv(header, rows)
+
+
+def errors_table(statistics, columns, methods, spp):
+    """Methods by recording at one budget; columns: [(recording, quantity)]."""
+    found = {(recording(e["dump"]), e["sampler"], e["filter"], e["spp"]): e["quantities"] for e in statistics["results"]}
+    rows = [[" + ".join(m), *(interval(found.get((name, *m, spp), {}).get(quantity)) for name, quantity in columns)] for m in methods]
+    return markdown(["method", *(f"{TITLES.get(n, n)}, {METRICS.get(q, q)}" for n, q in columns)], rows)
