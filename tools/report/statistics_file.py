@@ -33,6 +33,7 @@ class Statistics:
         self.conditions = data["conditions"]
         self.curves = data["curves"]
         self.overall = data["overall"]
+        self.claims = data.get("claims") or []
         self._name_threads()
 
     def scene_of(self):
