@@ -2,10 +2,25 @@
 
 #include <utility>
 
+#include "lib/filters/filters.h"
+#include "lib/sampling/samplers.h"
 #include "tools/evaluate.h"
 #include "tools/page_generator.h"
 
 namespace spool::tools {
+namespace {
+
+// "uniform,multiscale,...": every other method is the user's own.
+std::string built_in_names() {
+  std::string names;
+  for (const Sampler& sampler : samplers())
+    names += sampler.argument.empty() ? sampler.name + "," : "";
+  for (const Filter& filter : filters())
+    names += filter.argument.empty() ? filter.name + "," : "";
+  return names;
+}
+
+}  // namespace
 
 Result<void> run_figure(const FigureOptions& options, const CommonOptions& common) {
   std::filesystem::path folder = options.source;
@@ -20,11 +35,16 @@ Result<void> run_figure(const FigureOptions& options, const CommonOptions& commo
   }
   std::vector<std::string> words = {"--output=" + options.output.string(),
                                     "--metric=" + options.metric,
-                                    fmt::format("--spp={}", options.spp)};
+                                    fmt::format("--spp={}", options.spp),
+                                    fmt::format("--column={}", options.column),
+                                    "--font=" + options.font,
+                                    "--built-in=" + built_in_names()};
   for (const std::string& name : options.recordings)
     words.push_back("--recording=" + name);
   for (const std::string& name : options.methods)
     words.push_back("--method=" + name);
+  for (const std::string& crop : options.crops)
+    words.push_back("--crops=" + crop);
   if (common.force) words.emplace_back("--force");
   words.insert(words.end(), {"--", folder.string()});
   SPOOL_ASSIGN(const std::string said,

@@ -19,10 +19,12 @@ pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python"
 
 import figure  # noqa: E402
 from figure import main  # noqa: E402
-from figure_tables import latex, markdown  # noqa: E402
+from figure_tables import markdown  # noqa: E402
+from figure_text import latex, significant  # noqa: E402
 from draw_curves import read  # noqa: E402
 from file_names import dump_names, file_name_of  # noqa: E402
 
+PICTURES = ("curves", "curves_time", "comparison", "comparison_chess", "comparison_kitchen")
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
 
 
@@ -44,9 +46,8 @@ def name_of(entry):
 
 def test_every_file_is_written_and_fonts_are_embedded(drawn):
     names = {path.name for path in drawn.iterdir()}
-    pictures = {f"{stem}.{kind}" for stem in ("curves", "comparison_chess", "comparison_kitchen")
-                for kind in ("pdf", "svg", "png")}
-    assert names == pictures | {"curves.csv", "curves.py", "table.tex", "table.md"}
+    pictures = {f"{stem}.{kind}" for stem in PICTURES for kind in ("pdf", "svg", "png")}
+    assert names == pictures | {"curves.csv", "curves.py", "figure_text.py", "captions.tex", "table.tex", "table.md"}
     for path in drawn.glob("*.pdf"):
         data = path.read_bytes()
         assert data.startswith(b"%PDF") and b"/FontFile2" in data and b"/Type3" not in data
@@ -69,7 +70,8 @@ def test_the_script_draws_the_same_curves_again(drawn, tmp_path):
     subprocess.run([sys.executable, str(drawn / "curves.py"), str(drawn / "curves.csv"), "-o", str(tmp_path / "again")],
                    check=True, capture_output=True)
     for kind in ("pdf", "svg", "png"):
-        assert (tmp_path / f"again.{kind}").read_bytes() == (drawn / f"curves.{kind}").read_bytes()
+        for name in ("", "_time"):
+            assert (tmp_path / f"again{name}.{kind}").read_bytes() == (drawn / f"curves{name}.{kind}").read_bytes()
 
 
 @pytest.mark.parametrize("told", [True, False])
@@ -82,11 +84,14 @@ def test_the_best_is_bold_only_where_a_verdict_says_so(tmp_path, told):
     (tmp_path / "statistics.json").write_text(json.dumps(data))
     assert main([str(tmp_path), "-o", str(tmp_path / "f")]) == 0  # no pictures: no comparison
     tex, text = (tmp_path / "f" / "table.tex").read_text(), (tmp_path / "f" / "table.md").read_text()
-    assert tex.count(r"\textbf") == (6 if told else 0)
+    assert tex.count(r"\mathbf") == (6 if told else 0)
     assert text.count("**0") == (6 if told else 0)
     for condition in conditions(tmp_path):
-        best = condition["ranking"][0]["value"]
-        assert f"{best[0]:.3g} [{best[1]:.3g}, {best[2]:.3g}]" in tex
+        for entry in condition["ranking"]:
+            mean, low, high = map(significant, entry["value"])
+            bold = told and entry is condition["ranking"][0]
+            assert rf"${rf'{chr(92)}mathbf{{{mean}}}' if bold else mean}_{{\,{low}}}^{{\,{high}}}$" in tex
+            assert f"{mean} [{low}, {high}]" in text.replace("\\", "")
 
 
 def test_a_choice_of_methods_and_budget_is_kept_and_a_wrong_one_named(made_folder, tmp_path, capsys):
@@ -94,11 +99,13 @@ def test_a_choice_of_methods_and_budget_is_kept_and_a_wrong_one_named(made_folde
                  "--method", "uniform + box", "--method", "mitchell + gaussian"]
     assert main(arguments) == 0
     assert not (tmp_path / "f" / "comparison_kitchen.pdf").exists() and (tmp_path / "f" / "comparison_chess.pdf").exists()
-    drawn = {r["method"] for r in csv.DictReader((tmp_path / "f" / "curves.csv").open()) if r["drawn"] == "1"}
-    assert drawn == {"uniform + box", "mitchell + gaussian"}
+    drawn = {r["method"]: r["drawn"] for r in csv.DictReader((tmp_path / "f" / "curves.csv").open()) if r["drawn"] != "0"}
+    assert drawn == {"uniform + box": "1", "mitchell + gaussian": "2"}
     capsys.readouterr()
     for extra, word in ((["--method", "best + ever"], "best + ever"), (["--spp", "5"], "5 samples"),
-                        (["--recording", "x"], "no x"), (["--metric", "mae"], "relmse"), ([], "--force")):
+                        (["--recording", "x"], "no x"), (["--metric", "mae"], "relmse"), ([], "--force"),
+                        (["--font", "latex:a b"], "latex:PACKAGE"), (["--font", "\\input"], "latex:PACKAGE"),
+                        ([f"--method=m{i} + x" for i in range(9)], "no 'm0 + x'")):
         assert main([*arguments, *extra]) == 2
         error = capsys.readouterr().err
         assert word in error and error.count("\n") == 1
@@ -111,8 +118,9 @@ def test_hostile_names_stay_text(tmp_path):
     write_results(tmp_path, rows)
     write_images(tmp_path, rows, dump_names(["a.spool"]), file_name_of)
     assert main([str(tmp_path), "-o", str(tmp_path / "f"), "--method", f"{hostile} + box", "--method", "uniform + box"]) == 0
-    tex = (tmp_path / "f" / "table.tex").read_text()
-    assert r"\input" not in tex and r"\textbackslash{}input\{/etc/passwd\}\$x\_1\$\&\%" in tex
+    for name in ("table.tex", "captions.tex"):
+        tex = (tmp_path / "f" / name).read_text().replace(r"\allowbreak{}", "")
+        assert r"\input" not in tex and r"\textbackslash{}input\{/etc/passwd\}\$x\_1\$\&\%\textless{}b" in tex
     assert "<b>" not in (tmp_path / "f" / "table.md").read_text()
     assert latex("a_b%") == r"a\_b\%" and markdown("a|b\nc") == r"a\|b c"
 
@@ -135,7 +143,7 @@ def test_a_group_of_any_name_has_its_files_in_the_folder(made_folder, tmp_path, 
     assert main([str(folder), "-o", str(output)]) == 0
     stem = f"comparison_{file_name_of(group)}"
     names = {path.name for path in output.iterdir() if path.is_file()}
-    assert {f"{stem}{i}.{kind}" for i in ("", "-2") for kind in ("pdf", "svg", "png")} < names and len(names) == 13
+    assert {f"{stem}{i}.{kind}" for i in ("", "-2") for kind in ("pdf", "svg", "png")} < names and len(names) == 21
     assert {p.name for p in tmp_path.iterdir()} == {"results", "out"} and [*(tmp_path / "out").iterdir()] == [output]
     for path in output.glob("*.svg"):
         ElementTree.parse(path)

@@ -190,24 +190,37 @@ void add_figure(Program& program) {
       ->required();
   add_output(verb, options.output, "the folder of the figures");
   verb.add_option("--metric", options.metric, "the error (relmse)");
-  verb.add_option("--spp", options.spp, "budget of the comparisons (the middle one)")
+  verb.add_option("--spp", options.spp, "budget of the comparisons (the largest)")
       ->check(CLI::Range(0.0, 65536.0));
   verb.add_option("--recording", options.recordings, "compare on this one; may be given again");
-  verb.add_option(
-          "--method", options.methods,
-          "'SAMPLER + FILTER' to show, in this order; may be given again (uniform + box and "
-          "the best)")
+  verb.add_option("--method", options.methods,
+                  "'SAMPLER + FILTER' to show, in this order; may be given again, eight times at "
+                  "most (your own methods, the baseline, the best of the others)")
       ->take_all()
       ->allow_extra_args(false);
+  verb.add_option("--crops", options.crops,
+                  "[RECORDING:]X,Y,W,H: a window to show, in pixels; may be given again, four "
+                  "times at most (two where methods differ to the eye)")
+      ->take_all()
+      ->allow_extra_args(false);
+  verb.add_option("--column", options.column,
+                  "columns of a paper that a figure is as wide as: 3.33 or 7 inches (comparisons "
+                  "2, curves of one recording 1)")
+      ->check(CLI::IsMember({1, 2}));
+  verb.add_option("--font", options.font,
+                  "latex: text set by LaTeX, in its own font; latex:PACKAGE: in that of a package, "
+                  "libertine for example");
   add_common(verb, program.common, false, true);
   verb.footer(
-      "Writes comparison_RECORDING (reference, insets where methods differ most, error maps, "
-      "numbers)\nand curves, each as .pdf, .svg and .png; curves.csv and curves.py, which draws "
-      "it; "
-      "table.tex\nand table.md. Bold: told apart from every other method. Needs Python 3 with "
-      "numpy and matplotlib.\n"
+      "Writes comparison_RECORDING (reference, windows, error maps, numbers), comparison "
+      "(recordings "
+      "as\nrows), curves and curves_time, each as .pdf, .svg and .png; captions.tex, table.tex and "
+      "table.md;\ncurves.csv and curves.py, which draws it. Bold: told apart from every other "
+      "method. "
+      "Needs Python 3\nwith numpy and matplotlib.\n"
       "Examples:\n"
       "  spool figure results -o figures\n"
+      "  spool figure results -o figures --column 1 --font latex --crops 12,20,16,16\n"
       "  spool figure results -o figures --spp 4 --method 'uniform + box' \\\n"
       "    --method 'multiscale + directional'\n"
       "  spool figure tools/plans/quick.toml -o figures");

@@ -1,110 +1,169 @@
 #!/usr/bin/env python3
-"""Draws curves.csv (error over budget or time, with 95 % intervals) as PDF, SVG and PNG.
+"""Draws curves.csv, error over budget and over time with 95 % intervals, as PDF, SVG and PNG.
 
-usage: curves.py [curves.csv] [-o NAME]     needs matplotlib; edit it for your paper
+usage: curves.py [curves.csv] [-o NAME] [--column 1|2] [--font latex]
+Needs matplotlib and, beside it, figure_text.py; edit it for your paper.
 """
 
+import argparse
 import csv
-import sys
+import math
 from collections import defaultdict
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("agg")
-from matplotlib import pyplot  # noqa: E402
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator  # noqa: E402
+from figure_text import WIDTHS, extent, literal, metric_name, save, style, tick_text, whole
+from matplotlib import pyplot
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 # Okabe and Ito's colours; marker and dash tell lines apart without colour.
 COLOURS = ["#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7f7f7f"]
 MARKERS = ["o", "s", "D", "^", "v", "P", "X", "*"]
 DASHES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (3, 1)), (0, (1, 1)), (0, (8, 2))]
-STYLE = {"font.family": "serif", "font.size": 8, "pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "path",
-         "svg.hashsalt": "spool", "axes.linewidth": 0.6, "lines.linewidth": 1.1, "lines.markersize": 4,
-         "legend.fontsize": 7, "axes.titlesize": 8, "mathtext.fontset": "dejavuserif"}
+MOST_PANELS = 9  # of a page
+GAP = 0.06  # inches, between labels
 
 
 def read(path):
-    """{scene: {method: [(spp, mean, low, high)]}}, and the metric; the rows that are marked as drawn. A ' before a
-    text keeps spreadsheets from computing it."""
+    """{scene: {method: [(spp, mean, low, high, seconds)]}}, and the metric; the rows that are marked as drawn, in the
+    order of the marks. A ' before a text keeps spreadsheets from computing it."""
     curves, metric = defaultdict(lambda: defaultdict(list)), ""
     with open(path, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
+        for row in sorted(csv.DictReader(file), key=lambda row: int(row["drawn"])):
             scene, method, metric = (row[key][row[key][:1] == "'":] for key in ("scene", "method", "metric"))
-            if row["drawn"] == "1" and row["mean"] and float(row["mean"]) > 0:
+            if row["drawn"] != "0" and row["mean"] and float(row["mean"]) > 0:
                 mean = float(row["mean"])
                 low, high = (float(row[key]) if row[key] else mean for key in ("low", "high"))
-                curves[scene][method].append((float(row["spp"]), mean, low, high))
+                seconds = float(row["seconds"]) if row["seconds"] else math.nan
+                curves[scene][method].append((float(row["spp"]), mean, low, high, seconds))
     return curves, metric
 
 
-def literal(text):
-    """No text of the file is read as mathematics; no character of it is one that SVG cannot hold."""
-    text = "".join(c if c.isprintable() else " " for c in text)
-    return text.replace("\\", r"\\").replace("$", r"\$")
+def ticks_between(low, high, most):
+    """At most that many values on a logarithmic axis, and two where there can be."""
+    first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
+    for step in ((1, 2, 5), (1, 3), (1,)):
+        values = [m * 10.0 ** k for k in range(first, last + 1) for m in step]
+        inside = [v for v in values if low <= v <= high]
+        if 2 <= len(inside) <= most:
+            return inside
+    if len(inside) > most:
+        return inside[::-(-len(inside) // most)]
+    return [v for v in MaxNLocator(most - 1).tick_values(low, high) if low <= v <= high]
 
 
-def panel(axes, methods, colour_of):
-    count = max(len(methods), 2)
-    for place, (method, points) in enumerate(methods.items()):
-        aside = 1 + 0.06 * (place / (count - 1) - 0.5)  # bars at one budget stand beside each other
-        xs, means, lows, highs = zip(*sorted(points))
-        i = colour_of[method]
-        bars = [[m - max(low, m * 1e-6) for m, low in zip(means, lows)], [high - m for m, high in zip(means, highs)]]
-        axes.errorbar([x * aside for x in xs], means, yerr=bars, color=COLOURS[i % 8], marker=MARKERS[i % 8],
-                      linestyle=DASHES[i % 8], capsize=1.8, elinewidth=0.7, label=literal(method))
+def budget_ticks(figure, budgets, width):
+    """Those whose labels do not touch, the first and the last among them."""
+    left, right = math.log(budgets[0]), math.log(budgets[-1])
+    at = {b: 0.9 * width * (math.log(b) - left) / ((right - left) or 1.0) for b in budgets}
+    reach = {b: extent(figure, f"{b:g}", 8)[0] / 2 + GAP / 2 for b in budgets}
+    kept = [budgets[0], budgets[-1]] if len(budgets) > 1 else budgets[:1]
+    for b in budgets[1:-1]:
+        if all(abs(at[b] - at[k]) > reach[b] + reach[k] for k in kept):
+            kept.append(b)
+    return sorted(kept)
+
+
+def panel(axes, methods, colour_of, width, over_time):
+    """`methods`: [(spp, mean, low, high, seconds)] of each."""
+    count, figure = max(len(methods), 2), axes.figure
     budgets = sorted({point[0] for points in methods.values() for point in points})
+    spread = 0.06 if len(budgets) > 1 else 0.3
+    lows, highs = [], []
+    for place, (method, points) in enumerate(methods.items()):
+        aside = 1 if over_time else 1 + spread * (place / (count - 1) - 0.5)  # bars at one budget stand beside each other
+        points = sorted(points)
+        xs = [point[4] if over_time else point[0] * aside for point in points]
+        means = [point[1] for point in points]
+        bars = [[m - max(p[2], m * 1e-6) for m, p in zip(means, points)], [p[3] - m for m, p in zip(means, points)]]
+        lows += [m - bar for m, bar in zip(means, bars[0])]
+        highs += [m + bar for m, bar in zip(means, bars[1])]
+        i = colour_of[method] % len(COLOURS)
+        axes.errorbar(xs, means, yerr=bars, color=COLOURS[i], marker=MARKERS[i], linestyle=DASHES[i], capsize=1.8,
+                      elinewidth=0.7, label=method)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xticks(budgets)
-    axes.set_xticklabels([f"{b:g}" for b in budgets])
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    low, high = min(lows), max(highs)
+    margin = max(1.03, (high / low) ** 0.05)
+    axes.set_ylim(low / margin, high * margin)
+    if len(budgets) == 1 and not over_time:
+        axes.set_xlim(budgets[0] / 2, budgets[0] * 2)
+    x_ticks = ticks_between(*axes.get_xlim(), 4) if over_time else budget_ticks(figure, budgets, width)
+    for axis, ticks in ((axes.xaxis, x_ticks), (axes.yaxis, ticks_between(*axes.get_ylim(), 6))):
+        axis.set_major_locator(FixedLocator(ticks))
+        axis.set_major_formatter(FuncFormatter(tick_text))
+        axis.set_minor_locator(NullLocator())
     axes.grid(True, color="#dddddd", linewidth=0.4)
 
 
-def draw(path, output):
-    """Files written."""
+def legend(figure, handles, width):
+    """Below, in as many columns as the page has room for; its height in inches."""
+    names = list(handles)
+    for columns in range(min(len(names), 4), 0, -1):
+        room = width / columns - 0.5
+        labels = [whole(figure, name, room, 7.5) if columns == 1 else literal(name) for name in names]
+        made = figure.legend(handles.values(), labels, loc="lower center", ncol=columns, frameon=False, borderpad=0.2,
+                             borderaxespad=0.1, handlelength=2.6, columnspacing=1.4)
+        box = made.get_window_extent(figure.canvas.get_renderer())
+        if columns == 1 or box.width <= 0.97 * width * figure.dpi:
+            return box.height / figure.dpi
+        made.remove()
+    return 0.0
+
+
+def page(curves, metric, colour_of, output, column, over_time):
+    width = WIDTHS[column]
+    across = min(len(curves), 3 if column == 2 else 1 if len(curves) < 4 else 2)
+    down = -(-len(curves) // across)
+    figure, grid = pyplot.subplots(down, across, figsize=(width, 2.0 * down), squeeze=False)
+    room = width / across - 0.75
+    for axes in grid.flat[len(curves):]:
+        axes.set_visible(False)
+    titles = 0.0
+    for axes, (scene, methods) in zip(grid.flat, curves.items()):
+        panel(axes, methods, colour_of, room, over_time)
+        title = whole(figure, scene, room, 8)
+        titles = max(titles, 0.12 * title.count("\n"))
+        axes.set_title(title)
+        axes.set_xlabel("time in seconds" if over_time else "samples per pixel")
+    for axes in grid[:, 0]:
+        axes.set_ylabel(whole(figure, metric_name(metric), 1.4, 8))
+    handles = {}
+    for axes in grid.flat[:len(curves)]:
+        handles.update({label: handle for handle, label in zip(*axes.get_legend_handles_labels())})
+    handles = {name: handles[name] for name in colour_of if name in handles}
+    below = legend(figure, handles, width)
+    height = (1.95 + titles) * down + below + 0.05
+    figure.set_size_inches(width, height)
+    figure.tight_layout(pad=0.3, h_pad=0.8, w_pad=0.8, rect=(0, (below + 0.03) / height, 1, 1))
+    return save(figure, output)
+
+
+def draw(path, place, column=0, font=""):
+    """Files written; `place` gives the path of a page from what comes after its name."""
     curves, metric = read(path)
-    with pyplot.rc_context(STYLE):
-        names = list(dict.fromkeys(method for methods in curves.values() for method in methods))
-        colour_of = {name: i for i, name in enumerate(names)}
-        across = min(3, max(1, len(curves)))
-        down = -(-max(1, len(curves)) // across)
-        legend_rows = -(-len(names) // 3)
-        height = 2.1 * down + 0.17 * legend_rows + 0.2
-        figure, grid = pyplot.subplots(down, across, figsize=(min(7.0, 3.3 * across), height), squeeze=False)
-        for axes in grid.flat[len(curves):]:
-            axes.set_visible(False)
-        for axes, (scene, methods) in zip(grid.flat, curves.items()):
-            panel(axes, methods, colour_of)
-            axes.set_title(literal(scene))
-            axes.set_xlabel("samples per pixel")
-        for axes in grid[:, 0]:
-            axes.set_ylabel(literal(metric))
-        handles = {}
-        for axes in grid.flat:
-            handles.update({label: handle for handle, label in zip(*axes.get_legend_handles_labels())})
-        figure.legend(handles.values(), handles.keys(), loc="lower center", ncol=3, frameon=False)
-        figure.tight_layout(rect=(0, (0.17 * legend_rows + 0.1) / height, 1, 1))
-        return save(figure, output)
-
-
-def save(figure, output):
-    """The figure as PDF, SVG and PNG, the same bytes each time."""
-    undated = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {"Software": None}}
+    column = column or (1 if len(curves) == 1 else 2)
+    colour_of = {}
+    for methods in curves.values():
+        for method in methods:
+            colour_of.setdefault(method, len(colour_of))
     written = []
-    for kind, metadata in undated.items():
-        written.append(Path(f"{output}.{kind}"))
-        figure.savefig(written[-1], metadata=metadata, dpi=300)
-    pyplot.close(figure)
+    with pyplot.rc_context(style(font)):
+        for over_time in (False, True):
+            shown = {scene: {m: [p for p in points if not over_time or p[4] > 0] for m, points in methods.items()}
+                     for scene, methods in curves.items()}
+            shown = {scene: {m: points for m, points in methods.items() if points} for scene, methods in shown.items()}
+            shown = [(scene, methods) for scene, methods in shown.items() if methods]
+            for start in range(0, len(shown), MOST_PANELS):
+                name = ("_time" if over_time else "") + (f"-{start // MOST_PANELS + 1}" if start else "")
+                written += page(dict(shown[start:start + MOST_PANELS]), metric, colour_of, place(name), column, over_time)
     return written
 
 
 if __name__ == "__main__":
-    words = sys.argv[1:]
-    name = words[words.index("-o") + 1] if "-o" in words else "curves"
-    source = words[0] if words and words[0] != "-o" else Path(__file__).with_name("curves.csv")
-    print(*draw(source, name))
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("source", nargs="?", default=Path(__file__).with_name("curves.csv"))
+    parser.add_argument("-o", "--output", default="curves")
+    parser.add_argument("--column", type=int, default=0, choices=(1, 2))
+    parser.add_argument("--font", default="", help="latex, or latex:PACKAGE")
+    asked = parser.parse_args()
+    print(*draw(asked.source, lambda after: asked.output + after, asked.column, asked.font))

@@ -1,75 +1,212 @@
-"""One figure of a recording: the reference with two frames, the same windows of every method, error maps, numbers."""
+"""Recordings as rows: the reference with frames, the same windows of every method, error maps, numbers."""
+
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib import pyplot
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import FixedLocator, NullLocator
 
-from draw_curves import STYLE, literal, save
 from exr_image import read_exr, rgb, single
-from inset_windows import choose_windows
-from result_images import tone_mapped
+from figure_layout import GAP, lay_out
+from figure_text import LEADING, WIDTHS, extent, fitted, literal, save, style, whole
+from figure_windows import choose_windows, inside
+from result_images import exposure_and_mean, tone_mapped
 
-FRAMES = (("#e69f00", "-"), ("#0072b2", "--"))  # colour and dash: told apart in grey, too
+# Colour and dash: told apart in grey, too.
+FRAMES = (("#e69f00", "-"), ("#0072b2", "--"), ("#56b4e9", (0, (1, 1))), ("#009e73", "-."))
+HEAD_SIZES = (7.5, 7, 6.5, 6, 5.5)
+FOOT_SIZES = (7, 6.5, 6, 5.5, 5, 4.5)
+LINE = 1.22 / 72  # inches of a line for each point of its size
+TALLEST = 7.2  # inches of a page, which has a caption, too
+TALLEST_ALONE = 5.0  # of a figure of one recording
 
 
-def draw_comparison(panels, reference_path, exposure, output):
-    """`panels`: [(name, lines of numbers, bold, {picture: path})]. Files written."""
-    estimates = [rgb(read_exr(paths["estimate"])) for _, _, _, paths in panels]
-    reference = rgb(read_exr(reference_path)) if reference_path else estimates[-1]
-    errors = [single(read_exr(paths["squared_error"])) if "squared_error" in paths else None for _, _, _, paths in panels]
-    windows = choose_windows(estimates[0], estimates[-1], reference)
-    height, width = reference.shape[:2]
-    columns = len(panels) + (1 if reference_path else 0)
-    cell = 7.0 / (columns + 2.15)
-    big = 2 * cell
-    with pyplot.rc_context(STYLE):
-        rows = 2 * cell + cell * height / width + 0.7
-        figure = pyplot.figure(figsize=(7.0, rows))
+class Shown(NamedTuple):
+    method: str
+    lines: list  # of numbers
+    bold: bool  # told apart from every other
+    paths: dict  # picture: file
 
-        def place(left, top, wide, high):
-            axes = figure.add_axes((left / 7.0, 1 - (top + high) / rows, wide / 7.0, high / rows))
-            axes.set_xticks([])
-            axes.set_yticks([])
-            return axes
 
-        top = 0.3
-        shown = min(big, big * height / width)
-        axes = place(0.0, top, shown * width / height, shown)
-        axes.imshow(tone_mapped(reference, exposure), interpolation="nearest")
-        axes.set_title("reference" if reference_path else literal(panels[-1][0]))
-        for window, (colour, dash) in zip(windows, FRAMES):
+class Block:
+    """A recording: its pictures, read."""
+
+    def __init__(self, label, methods, crops):
+        self.label, self.methods = label, methods  # {place: Shown}
+        self.estimates = {place: rgb(read_exr(shown.paths["estimate"])) for place, shown in methods.items()}
+        path = next((shown.paths["reference"] for shown in methods.values() if "reference" in shown.paths), None)
+        self.judged = path is not None
+        self.reference = rgb(read_exr(path)) if path else self.estimates[max(self.estimates)]
+        self.exposure = exposure_and_mean(self.reference)[0]
+        self.height, self.width = self.reference.shape[:2]
+        images = [image for image in self.estimates.values() if image.shape == self.reference.shape]
+        self.windows = (inside(crops, self.reference.shape, label) if crops else
+                        choose_windows(images, self.reference, self.exposure))
+
+    def errors(self):
+        return {place: np.maximum(single(read_exr(shown.paths["squared_error"])), 0.0)
+                for place, shown in self.methods.items() if "squared_error" in shown.paths}
+
+
+class Comparison:
+    def __init__(self, blocks, names, head_line, column):
+        self.blocks, self.names = blocks, names  # of every place; the reference comes last
+        self.width = WIDTHS[column]
+        self.figure = pyplot.figure(figsize=(self.width, 4.0))
+        self.errors = blocks[0].errors() if len(blocks) == 1 else {}
+        self.keyed = False
+        self._lay_out(head_line)
+
+    def _lay_out(self, head_line):
+        first = self.blocks[0]
+        self.edge = 0.03
+        inner = self.width - 2 * self.edge
+        self.head_line, self.head_size = fitted(self.figure, head_line, inner, (8, 7, 6, 5), 3) or (
+            whole(self.figure, head_line, inner, 5), 5)
+        self.top = self.edge + LINE * self.head_size * (1 + self.head_line.count("\n")) + 0.02
+        tallest = TALLEST_ALONE if len(self.blocks) == 1 else TALLEST
+        aspect = max(block.width / block.height for block in self.blocks)
+        shapes = [window.width / window.height for window in first.windows]
+        head, foot = 3 * LINE * 7, 2 * LINE * 7 + 0.06
+        tiles = len(self.names) + any(block.judged for block in self.blocks)
+        self.layout = lay_out(inner, (tallest - self.top) / len(self.blocks), tiles, aspect, shapes, bool(self.errors), head,
+                              foot)
+        self.tile_heads = [self._fit(name, self.layout.tile) for name in self.names]
+        if None in self.tile_heads:
+            self.keyed = True
+            self.tile_heads = [(str(i + 1), 7.5) for i in range(len(self.names))]
+        self.tile_heads.append(self._fit("reference", self.layout.tile) or ("reference", 4.5))
+        self.labels = [self._fit(block.label, self.layout.thumb[0]) or
+                       (whole(self.figure, block.label, self.layout.thumb[0], 5), 5) for block in self.blocks]
+        self.feet = [{place: [self._foot(line) for line in shown.lines] for place, shown in block.methods.items()}
+                     for block in self.blocks]
+        self.foot = 0.06 + max(sum(map(_height, lines)) for feet in self.feet for lines in feet.values())
+        keys = [whole(self.figure, f"{i + 1}: {name}", inner, 7) for i, name in enumerate(self.names)] if self.keyed else []
+        self.keys = "\n".join(keys)
+        heights = [self._head_of(i) for i in range(len(self.blocks))]
+        self.height = self.top + sum(self.layout.height(head, self.foot) for head in heights) + self.edge + (
+            extent(self.figure, self.keys, 7)[1] + 0.08 if keys else 0.0)
+        self.figure.set_size_inches(self.width, self.height)
+
+    def _fit(self, text, width):
+        return fitted(self.figure, text, width - 0.02, HEAD_SIZES, 3)
+
+    def _foot(self, line):
+        width = self.layout.tile - 0.02
+        return fitted(self.figure, line, width, FOOT_SIZES, 2) or (whole(self.figure, line, width, 4.5), 4.5)
+
+    def _head_of(self, block):
+        """Methods are named over the first block, and over every row of tiles where they take several."""
+        named = self.tile_heads if block == 0 or len(self.layout.rows) > 1 else []
+        return 0.05 + max(map(_height, [self.labels[block], *named]))
+
+    def axes(self, left, top, width, height):
+        axes = self.figure.add_axes(((self.edge + self.layout.left + left) / self.width, 1 - (top + height) / self.height, width / self.width,
+                                     height / self.height))
+        axes.set_xticks([])
+        axes.set_yticks([])
+        return axes
+
+    def text(self, left, top, text_and_size, **more):
+        """`left`: the middle of the text."""
+        text, size = text_and_size
+        more = {"ha": "center", "va": "top", "linespacing": LEADING, **more}
+        self.figure.text((self.edge + self.layout.left + left) / self.width, 1 - top / self.height, text, fontsize=size, **more)
+
+    def draw(self):
+        self.text(self.width / 2 - self.edge - self.layout.left, self.edge, (self.head_line, self.head_size))
+        top = self.top
+        for index, block in enumerate(self.blocks):
+            head = self._head_of(index)
+            self._thumbnail(block, self.labels[index], top + head)
+            for row, places in enumerate(self.layout.rows):
+                left = self.layout.thumb[0] + 2 * GAP if row == 0 else 0.0
+                for place in places:
+                    self._tile(block, index, place, left, top + head)
+                    left += self.layout.tile + GAP
+                top += self.layout.height(head, self.foot) / len(self.layout.rows)
+        if self.keys:
+            self.text(-self.layout.left, top + 0.03, (self.keys, 7), ha="left")
+
+    def _thumbnail(self, block, label, top):
+        wide, high = self.layout.thumb
+        self.text(wide / 2, top - 0.03, label, va="bottom")
+        axes = self.axes(0.0, top, wide, max(high, min(self.layout.windows, wide * block.height / block.width)))
+        axes.set_anchor("N")
+        axes.imshow(tone_mapped(block.reference, block.exposure), interpolation=_resampling(block.width, wide))
+        for window, (colour, dash) in zip(block.windows, FRAMES):
             axes.add_patch(Rectangle((window.x - 0.5, window.y - 0.5), window.width, window.height, fill=False,
-                                     edgecolor=colour, linestyle=dash, linewidth=1.4))
-        images = list(zip([panel[0] for panel in panels], estimates))
-        if reference_path:
-            images.append(("reference", reference))
-        left = big + 0.15 * cell
-        for column, (name, image) in enumerate(images):
-            for row, (window, (colour, dash)) in enumerate(zip(windows, FRAMES)):
-                axes = place(left + column * cell, top + row * cell, 0.96 * cell, 0.96 * cell)
-                axes.imshow(tone_mapped(window.of(image), exposure), interpolation="nearest")
-                for spine in axes.spines.values():
-                    spine.set(edgecolor=colour, linestyle=dash, linewidth=1.4)
-                if row == 0:
-                    axes.set_title(_broken(name), fontsize=6.5)
-        mean = float(np.mean(reference[np.isfinite(reference)]))
-        norm = LogNorm(1e-5 * max(mean, 1e-12) ** 2, max(mean, 1e-12) ** 2)
-        for column, ((name, lines, bold, _), error) in enumerate(zip(panels, errors)):
-            axes = place(left + column * cell, top + 2 * cell, 0.96 * cell, 0.96 * cell * height / width)
+                                     edgecolor=colour, linestyle=dash, linewidth=1.2, clip_on=False, zorder=5))
+        if self.errors:
+            self._colour_bar(wide, top + self.layout.windows + GAP)
+
+    def _norm(self):
+        """Four decades below what few pixels exceed, the same for all methods."""
+        values = np.concatenate([error[np.isfinite(error)].ravel() for error in self.errors.values()])
+        high = max(float(np.quantile(values, 0.995)) if values.size else 1.0, 1e-30)
+        return LogNorm(1e-4 * high, high)
+
+    def _colour_bar(self, wide, top):
+        norm, length = self._norm(), min(1.6, 0.8 * wide)
+        powers = [k for k in range(-40, 40) if norm.vmin <= 10.0 ** k <= norm.vmax]
+        powers = powers if length > 1.2 else powers[::len(powers) - 1 or 1]
+        bar = self.axes((wide - length) / 2, top + 0.22, length, 0.08)
+        self.figure.colorbar(ScalarMappable(norm, "inferno"), cax=bar, orientation="horizontal")
+        bar.xaxis.set_major_locator(FixedLocator([10.0 ** k for k in powers]))
+        bar.xaxis.set_minor_locator(NullLocator())
+        bar.set_xticklabels([f"$10^{{{k}}}$" for k in powers], fontsize=6)
+        bar.tick_params(pad=1.5, length=2)
+        self.text(wide / 2, top + 0.17, ("squared error", 6.5), va="bottom")
+
+    def _tile(self, block, index, place, left, top):
+        is_reference = place == len(self.names)
+        image = block.reference if is_reference else block.estimates.get(place)
+        tile, middle = self.layout.tile, left + self.layout.tile / 2
+        if index == 0 or len(self.layout.rows) > 1:
+            self.text(middle, top - 0.03, self.tile_heads[place], va="bottom")
+        if image is None or (is_reference and not block.judged):
+            return
+        x, y = left, top
+        for window, (colour, dash) in zip(block.windows, FRAMES):
+            shape = self.layout.size if self.layout.beside else self.layout.size * window.height / window.width
+            wide, high = (shape * window.width / window.height, shape) if self.layout.beside else (tile, shape)
+            axes = self.axes(x, y, wide, high)
+            axes.imshow(tone_mapped(window.of(image), block.exposure), interpolation=_resampling(window.width, wide))
+            for spine in axes.spines.values():
+                spine.set(edgecolor=colour, linestyle=dash, linewidth=1.2)
+            x, y = (x + wide + GAP, y) if self.layout.beside else (x, y + high + GAP)
+        below = top + self.layout.windows
+        if not is_reference and self.layout.maps:
+            below += GAP
+            error = self.errors.get(place)
             if error is not None:
-                axes.imshow(np.maximum(error, norm.vmin), norm=norm, cmap="inferno", interpolation="nearest")
-            for i, line in enumerate(lines):
-                axes.text(0.5, -0.06, "\n" * i + line, transform=axes.transAxes, ha="center", va="top", fontsize=5.8,
-                          fontweight="bold" if bold and i == 0 else "normal")
-        bar = place(0.1 * cell, top + 2 * cell + 0.35 * cell * height / width, 1.7 * cell, 0.1)
-        figure.colorbar(ScalarMappable(norm, "inferno"), cax=bar, orientation="horizontal")
-        bar.set_title("squared error", fontsize=6.5)
-        bar.tick_params(labelsize=6)
-        return save(figure, output)
+                norm = self._norm()
+                axes = self.axes(left, below, tile, self.layout.maps)
+                axes.imshow(np.maximum(error, norm.vmin), norm=norm, cmap="inferno",
+                            interpolation=_resampling(error.shape[1], tile))
+            below += self.layout.maps
+        below += 0.05
+        for i, line in enumerate(self.feet[index].get(place, [])):
+            self.text(middle, below, line, fontweight="bold" if block.methods[place].bold and i == 0 else "normal")
+            below += _height(line)
 
 
-def _broken(name):
-    """A method on two lines: sampler, filter."""
-    return literal(name).replace(" + ", "\n+ ", 1)
+def draw_comparison(blocks, names, head_line, output, column=0, font=""):
+    """Files written."""
+    with pyplot.rc_context(style(font)):
+        comparison = Comparison(blocks, names, head_line, column or 2)
+        comparison.draw()
+        return save(comparison.figure, output)
+
+
+def _height(text_and_size):
+    text, size = text_and_size
+    return LINE * size * (1 + text.count("\n"))
+
+
+def _resampling(pixels, inches):
+    """Pixels stay squares where they are to be seen; a picture of more than a page has is averaged."""
+    return "nearest" if pixels < 150 * inches else "antialiased"

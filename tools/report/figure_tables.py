@@ -1,30 +1,148 @@
-"""Tables for a paper, LaTeX and Markdown, and the CSV of curves. The best is bold only where the verdicts of
-statistics.json tell it apart from every other method."""
+"""Tables for a paper, LaTeX and Markdown, and the CSV of curves. Every number is one of statistics.json; the best is bold
+only where its verdicts tell it apart from every other method."""
 
 import csv
 import io
+from typing import NamedTuple
 
+from figure_text import breakable, latex, metric_name, printable, significant
 from headline_data import best_is_alone
-from number_text import interval_text
-from statistics_file import interval_of
+from statistics_file import Interval, interval_of
 from summary import name_of
 
-LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+MOST_LINES = 34  # of a table that fits into a column
+LINE_LETTERS = 24  # of a name
 
 
-def printable(text):
-    """One line without control characters, which neither LaTeX nor XML can hold."""
-    return "".join(c if c.isprintable() else " " for c in text)
+class Row(NamedTuple):
+    method: str
+    value: Interval
+    ratio: Interval
+    letters: str
+    bold: bool
+    loses: bool
 
 
-def latex(text):
-    return "".join(LATEX.get(c, "\\" + c if c in "{}$&#_%" else c) for c in printable(text))
+def rows_of(condition):
+    alone = best_is_alone(condition["ranking"])
+    return [Row(name_of(entry), interval_of(entry["value"]), interval_of(entry.get("ratio")), entry["letters"],
+                alone and place == 0, "loses_energy" in entry) for place, entry in enumerate(condition["ranking"])]
+
+
+def by_scene(statistics, metric):
+    """{scene: [condition]}, budgets in order"""
+    scenes = {}
+    for condition in statistics.of_metric(metric):
+        scenes.setdefault(condition["dump"], []).append(condition)
+    return {dump: sorted(conditions, key=lambda c: c["spp"]) for dump, conditions in scenes.items()}
+
+
+def latex_interval(interval, bold=False):
+    if interval.mean != interval.mean:
+        return ""
+    mean = latex_number(interval.mean)
+    text = rf"\mathbf{{{mean}}}" if bold else mean
+    if interval.low == interval.low and interval.high == interval.high:
+        text += rf"_{{\,{latex_number(interval.low)}}}^{{\,{latex_number(interval.high)}}}"
+    return f"${text}$"
+
+
+def latex_number(value):
+    mantissa, _, exponent = significant(value).partition("e")
+    return mantissa + (rf"{{\cdot}}10^{{{exponent}}}" if exponent else "")
+
+
+def parts_of(rows, name):
+    """Lists of rows, each of which fits into a column; `name`: what is broken into lines there."""
+    parts, lines = [[]], 0
+    for row in rows:
+        lines += 1 + len(name(row)) // LINE_LETTERS
+        if lines > MOST_LINES and parts[-1]:
+            parts.append([])
+            lines = 1 + len(name(row)) // LINE_LETTERS
+        parts[-1].append(row)
+    return [part for part in parts if part]
+
+
+def latex_tables(statistics, metric, labels, baseline, captions):
+    """One table for each recording, of several parts where it has many rows. `captions`: of a scene and its part."""
+    text = [r"% needs \usepackage{booktabs,tabularx}", ""]
+    for dump, conditions in by_scene(statistics, metric).items():
+        lines = [(rf"\multicolumn{{4}}{{@{{}}l}}{{\emph{{{c['spp']:g} samples per pixel}}}} \\", row)
+                 for c in conditions for row in rows_of(c)]
+        parts = parts_of(lines, lambda line: line[1].method)
+        for i, part in enumerate(parts):
+            text += [r"\begin{table}", rf"\caption{{{captions(dump, i, len(parts))}}}", r"\footnotesize",
+                     r"\setlength{\tabcolsep}{3pt}",
+                     r"\begin{tabularx}{\linewidth}{@{}>{\raggedright\arraybackslash}Xrrl@{}}", r"\toprule",
+                     rf"& {latex(metric_name(metric))} & {'ratio' if baseline else ''} & \\"]
+            shown = None
+            for budget, row in part:
+                text += [r"\midrule", budget] if budget != shown else []
+                shown = budget
+                text.append(" & ".join([breakable(row.method), latex_interval(row.value, row.bold), latex_interval(row.ratio),
+                                        latex(row.letters) + (r"$\dagger$" if row.loses else "")]) + r" \\[2pt]")
+            text += [r"\bottomrule", r"\end{tabularx}", r"\end{table}", ""]
+    return "\n".join([*text, *claims_table(statistics.claims, labels)])
+
+
+def claim_rows(claims, labels):
+    """[(text or "", where, verdict, ratio)], as the program gives them."""
+    rows = []
+    for claim in claims:
+        after = " (added after results)" if claim.get("after_results") else ""
+        rows.append((claim["text"] + after, "", claim["verdict"], Interval()))
+        rows += [("", f"{labels.get(place['dump'], place['dump'])}, {place['spp']:g} spp", place["verdict"],
+                  interval_of(place.get("ratio"))) for place in claim["places"]]
+    return rows
+
+
+def claims_table(claims, labels):
+    text = []
+    for part in parts_of(claim_rows(claims, labels), lambda row: row[0] or row[1]):
+        text += [r"\begin{table}", r"\caption{Claims of the plan and what the results say of them. Ratio: error of the "
+                 r"method that is claimed to be better over that of the other; sub- and superscript: ends of its 95\,\% "
+                 r"interval.}", r"\footnotesize", r"\setlength{\tabcolsep}{3pt}",
+                 r"\begin{tabularx}{\linewidth}{@{}>{\raggedright\arraybackslash}Xlr@{}}", r"\toprule",
+                 r"claim & verdict & ratio \\", r"\midrule"]
+        text += [rf"{breakable(claim) if claim else chr(92) + 'quad ' + breakable(where)} & {latex(verdict)} & "
+                 rf"{latex_interval(ratio)} \\[2pt]" for claim, where, verdict, ratio in part]
+        text += [r"\bottomrule", r"\end{tabularx}", r"\end{table}", ""]
+    return text
 
 
 def markdown(text):
     for c in "\\|*_`<>[]":
         text = text.replace(c, "\\" + c)
     return printable(text)
+
+
+def plain_interval(interval):
+    if interval.mean != interval.mean:
+        return ""
+    text = significant(interval.mean)
+    known = interval.low == interval.low and interval.high == interval.high
+    return text + (f" [{significant(interval.low)}, {significant(interval.high)}]" if known else "")
+
+
+def markdown_table(statistics, metric, labels, baseline):
+    lines = []
+    for dump, conditions in by_scene(statistics, metric).items():
+        for condition in conditions:
+            lines += [f"**{markdown(labels[dump])}, {condition['spp']:g} samples per pixel**", "",
+                      f"| method | {markdown(metric_name(metric))} | ratio | |", "|---|---:|---:|---|"]
+            for row in rows_of(condition):
+                value = markdown(plain_interval(row.value))
+                lines.append("| " + " | ".join([markdown(row.method), f"**{value}**" if row.bold else value,
+                                                markdown(plain_interval(row.ratio)),
+                                                row.letters + (" †" if row.loses else "")]) + " |")
+            lines.append("")
+    lines += ["Means with 95 % intervals" + (f"; ratio: to {markdown(baseline)}" if baseline else "") + ". Methods that share "
+              "a letter are not told apart; bold: told apart from every other method; †: loses light.", ""]
+    for claim, where, verdict, ratio in claim_rows(statistics.claims, labels):
+        lines.append(markdown(f"{claim}: {verdict}") if claim else
+                     "- " + markdown(f"{where}: {verdict} {plain_interval(ratio)}".rstrip()))
+    return "\n".join([*lines, ""] if statistics.claims else lines)
 
 
 def csv_text(text):
@@ -34,74 +152,17 @@ def csv_text(text):
     return "'" + text if text[:1] in tuple("=+-@'") else text
 
 
-class Cell:
-    def __init__(self, text, letters="", bold=False):
-        self.text, self.letters, self.bold = text, letters, bold
-
-
-def cells_of(statistics, metric):
-    """{scene: {method: {spp: Cell}}}, and the budgets"""
-    table, budgets = {}, []
-    for condition in statistics.of_metric(metric):
-        alone = best_is_alone(condition["ranking"])
-        budgets.append(condition["spp"])
-        for place, entry in enumerate(condition["ranking"]):
-            lost = " (-)" if "loses_energy" in entry else ""
-            cell = Cell(interval_text(interval_of(entry["value"]), 3) + lost, entry["letters"], alone and place == 0)
-            table.setdefault(condition["dump"], {}).setdefault(name_of(entry), {})[condition["spp"]] = cell
-    return table, sorted(set(budgets))
-
-
-def latex_table(statistics, metric, labels):
-    table, budgets = cells_of(statistics, metric)
-    lines = [r"% needs \usepackage{booktabs}; superscripts: methods that share a letter are not told apart",
-             r"\begin{tabular}{l" + "r" * len(budgets) + "}", r"\toprule",
-             " & ".join([latex(metric), *(f"{b:g} spp" for b in budgets)]) + r" \\"]
-    for dump, methods in table.items():
-        lines += [r"\midrule", rf"\multicolumn{{{len(budgets) + 1}}}{{l}}{{\emph{{{latex(labels[dump])}}}}} \\"]
-        for method, row in methods.items():
-            lines.append(" & ".join([latex(method), *(_latex_cell(row.get(b)) for b in budgets)]) + r" \\")
-    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}",
-                      "% (-): loses energy. Intervals: 95 %, each for itself.", ""])
-
-
-def _latex_cell(cell):
-    if cell is None:
-        return ""
-    text = latex(cell.text)
-    text = rf"\textbf{{{text}}}" if cell.bold else text
-    return text + (rf"\textsuperscript{{{latex(cell.letters)}}}" if cell.letters else "")
-
-
-def markdown_table(statistics, metric, labels):
-    table, budgets = cells_of(statistics, metric)
-    lines = []
-    for dump, methods in table.items():
-        lines += [f"**{markdown(labels[dump])}**", "", "| " + " | ".join(
-            [markdown(metric), *(f"{b:g} spp" for b in budgets)]) + " |", "|---" + "|---:" * len(budgets) + "|"]
-        for method, row in methods.items():
-            lines.append("| " + " | ".join([markdown(method), *(_markdown_cell(row.get(b)) for b in budgets)]) + " |")
-        lines.append("")
-    lines += ["Means with 95 % intervals. Methods that share a letter are not told apart; bold: told apart from every "
-              "other method; (-): loses energy.", ""]
-    return "\n".join(lines)
-
-
-def _markdown_cell(cell):
-    if cell is None:
-        return ""
-    text = markdown(cell.text)
-    return (f"**{text}**" if cell.bold else text) + (f" {cell.letters}" if cell.letters else "")
-
-
 def curves_csv(statistics, metric, labels, drawn):
-    """Every method at every budget; `drawn`: those that the script draws."""
+    """Every method at every budget; `drawn`: those that the script draws, numbered from 1 in their order."""
+    seconds = {(r["dump"], r["spp"], name_of(r)): interval_of(r.get("quantities", {}).get("seconds_total")).mean
+               for r in statistics.results}
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(["scene", "method", "spp", "metric", "mean", "low", "high", "drawn"])
+    writer.writerow(["scene", "method", "spp", "metric", "mean", "low", "high", "seconds", "drawn"])
     for condition in statistics.of_metric(metric):
         for entry in condition["ranking"]:
-            numbers = ["" if n != n else repr(n) for n in interval_of(entry["value"])]
-            writer.writerow([csv_text(labels[condition["dump"]]), csv_text(name_of(entry)), f"{condition['spp']:g}",
-                             csv_text(metric), *numbers, int(name_of(entry) in drawn)])
+            name = name_of(entry)
+            numbers = [*interval_of(entry["value"]), seconds.get((condition["dump"], condition["spp"], name), float("nan"))]
+            writer.writerow([csv_text(labels[condition["dump"]]), csv_text(name), f"{condition['spp']:g}", csv_text(metric),
+                             *("" if n != n else repr(n) for n in numbers), drawn.index(name) + 1 if name in drawn else 0])
     return out.getvalue()

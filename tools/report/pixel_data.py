@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from exr_image import read_exr, rgb
-from inset_windows import relative_error
+from figure_windows import relative_error
 
 MOST_PIXELS = 12  # of a recording
 MOST_SAMPLES = 256

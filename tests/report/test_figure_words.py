@@ -1,0 +1,128 @@
+"""Which methods `spool figure` shows, and what captions and tables say of them."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import pytest
+from made_results import make_rows, write_images, write_results
+
+pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python")
+
+import figure_set  # noqa: E402
+from failure import Failure  # noqa: E402
+from figure import main  # noqa: E402
+from figure_methods import choose_methods, left_out_text, own_methods  # noqa: E402
+from result_images import dump_names, file_name_of  # noqa: E402
+
+HOSTILE = r"a_b%&#${x}~^\d"
+DOCUMENT = r"""\documentclass[twocolumn]{article}
+\usepackage[T1]{fontenc}\usepackage{graphicx,booktabs,tabularx}
+\begin{document}\input{captions}\input{table}\end{document}"""
+
+
+def condition(*names, baseline="uniform + box"):
+    """Of one budget, best first."""
+    ranking = []
+    for name in names:
+        sampler, filter_ = name.split(" + ")
+        ranking.append({"sampler": sampler, "filter": filter_, **({} if name == baseline else {"against_baseline": "better"})})
+    return {"ranking": ranking}
+
+
+def results(*names):
+    return [{"sampler": s, "filter": f, "sampler_name": s.split(":")[0], "filter_name": f.split(":")[0]}
+            for s, f in (name.split(" + ") for name in names)]
+
+
+OTHERS = [f"multiscale + f{i}" for i in range(6)]
+BUILT_IN = frozenset(["uniform", "multiscale", "box", *(f"f{i}" for i in range(6))])
+
+
+def test_own_methods_come_first_then_the_baseline_and_what_is_left_out_is_named():
+    names = [*OTHERS, "uniform + box", "uniform + exec:./den", "mine + box"]
+    own = own_methods(results(*names), BUILT_IN)
+    assert own == {"uniform + exec:./den": ["exec:./den"], "mine + box": ["mine"]}
+    chosen = choose_methods([], [condition(*names)], own)
+    assert chosen == ["uniform + exec:./den", "mine + box", "uniform + box", "multiscale + f0", "multiscale + f1"]
+    said = left_out_text(chosen, [condition(*names)])
+    assert all(f"f{i}" in said for i in range(2, 6)) and "f1" not in said and "mine" not in said
+    assert left_out_text(names, [condition(*names)]) == ""
+
+
+def test_without_the_programs_list_commands_and_images_are_still_own():
+    assert set(own_methods(results("python:f + box", "uniform + image:x.exr", "uniform + box"), frozenset())) == {
+        "python:f + box", "uniform + image:x.exr"}
+
+
+def test_each_own_name_is_shown_where_it_is_best_and_eight_methods_are_the_most():
+    names = [f"mine + f{i}" for i in range(6)] + ["uniform + other", "uniform + box", "uniform + f0"]
+    chosen = choose_methods([], [condition(*names)], own_methods(results(*names), BUILT_IN))
+    assert len(chosen) == 8 and "uniform + other" in chosen and chosen[0] == "mine + f0"
+    assert chosen[-2:] == ["uniform + box", "uniform + f0"]
+
+
+@pytest.mark.parametrize("baseline", ["uniform + box", "multiscale + f2", ""])
+def test_the_baseline_is_the_one_that_the_file_compares_the_others_with(baseline):
+    chosen = choose_methods([], [condition(*OTHERS, "uniform + box", baseline=baseline)], {})
+    assert (chosen[0] == baseline) if baseline else chosen == OTHERS[:5]
+
+
+def test_a_method_that_only_another_recording_has_may_be_asked_for():
+    conditions = [condition("uniform + box", "a + f"), condition("uniform + box", "b + f")]
+    assert choose_methods(["b + f"], conditions, {}) == ["b + f"]
+    with pytest.raises(Failure, match="room for 8"):
+        choose_methods([f"m{i} + f" for i in range(9)], [condition(*(f"m{i} + f" for i in range(9)))], {})
+
+
+def made(folder, claims=(), samplers=("uniform", HOSTILE, "exec:./den -x")):
+    rows = make_rows(dumps=("scenes/a.spool",), samplers=samplers, filters=("box", "directional"), budgets=(4, 8),
+                     replicates=3, size=(20, 16))
+    write_results(folder, rows)
+    write_images(folder, rows, dump_names(["scenes/a.spool"]), file_name_of)
+    data = json.loads((folder / "statistics.json").read_text())
+    data["claims"] = list(claims)
+    data["scenes"][0]["group"] = HOSTILE
+    for entry in data["results"]:
+        entry["sampler_name"], entry["filter_name"] = entry["sampler"].split(":")[0], entry["filter"]
+    (folder / "statistics.json").write_text(json.dumps(data))
+    return folder
+
+
+CLAIM = {"text": f"{HOSTILE} halves the error", "better": "a", "than": "b", "metric": "relmse", "verdict": "not supported",
+         "places": [{"dump": "scenes/a.spool", "spp": 8, "verdict": "contradicted", "ratio": [1.234, 1.111, 1.362]},
+                    {"dump": "scenes/a.spool", "spp": 4, "verdict": "not compared", "ratio": []}], "after_results": True}
+
+
+def test_captions_say_budget_replicates_and_intervals_and_claims_are_the_programs(tmp_path):
+    assert main([str(made(tmp_path / "r", [CLAIM])), "-o", str(tmp_path / "f"), "--built-in=uniform,box,directional"]) == 0
+    captions, tex, text = ((tmp_path / "f" / name).read_text() for name in ("captions.tex", "table.tex", "table.md"))
+    for picture in re.findall(r"\{(\S+?\.pdf)\}", captions):
+        assert (tmp_path / "f" / picture).exists()
+    assert captions.count(r"\begin{figure") == 3 and "at 8 samples per pixel" in captions and "over 3 replicates" in captions
+    assert "exec:./den" in captions and "have the start of a command" in captions
+    assert "contradicted & $1.23_{\\,1.11}^{\\,1.36}$" in tex and "(added after results)" in tex
+    assert re.search(r"8 spp: contradicted 1\.23 ..1\.11, 1\.36", text) and "not supported" in text
+    assert "(a)" not in captions and "relmse" not in captions + tex + text
+
+
+@pytest.mark.skipif(not shutil.which("pdflatex"), reason="SKIPPED: no LaTeX")
+def test_latex_takes_captions_and_tables_as_they_are_and_a_column_holds_them(tmp_path):
+    folder = made(tmp_path / "r", [CLAIM] * 30, ("uniform", HOSTILE, "x" * 90, "multiscale:paper{alpha=0.3,epochs=4}"))
+    assert main([str(folder), "-o", str(tmp_path / "f"), "--column", "1"]) == 0
+    (tmp_path / "f" / "paper.tex").write_text(DOCUMENT)
+    done = subprocess.run(["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "paper"], cwd=tmp_path / "f",
+                          capture_output=True, text=True, errors="replace")
+    log = (tmp_path / "f" / "paper.log").read_text(errors="replace")
+    assert done.returncode == 0, done.stdout[-2000:]
+    assert "Overfull" not in log and "too large" not in log, log[-3000:]
+
+
+def test_a_table_of_many_methods_is_cut_into_parts(tmp_path, monkeypatch):
+    monkeypatch.setattr(figure_set.FigureSet, "_curves", lambda *_: [])
+    folder = made(tmp_path / "r", (), [f"m{i}" for i in range(60)])
+    assert main([str(folder), "-o", str(tmp_path / "f"), "--method", "m0 + box", "--method", "m1 + box"]) == 0
+    tex = (tmp_path / "f" / "table.tex").read_text()
+    assert tex.count(r"\begin{table}") == 8 and "part 8 of 8" in tex  # of 240 rows
+    assert sum(tex.count(f"m{i} + ") for i in range(60)) == 240

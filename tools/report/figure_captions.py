@@ -1,0 +1,96 @@
+"""captions.tex: every figure as an environment with the caption that its numbers need."""
+
+from described import MARK
+from figure_text import breakable, latex, metric_name
+from number_text import list_text
+from summary import name_of
+
+LONGEST = 12  # of a list of names
+HIGHER = ("psnr", "ssim", "ms_ssim")
+
+
+def environment(files, caption, column):
+    """`files`: names without ending."""
+    kind, width = ("figure*", r"\textwidth") if column == 2 else ("figure", r"\columnwidth")
+    lines = []
+    for i, file in enumerate(files):
+        note = r" \emph{(continued)}" if i else ""
+        lines += [rf"\begin{{{kind}}}", r"\centering", rf"\includegraphics[width={width}]{{{file}.pdf}}",
+                  rf"\caption{{{caption}{note}}}", rf"\label{{fig:{file}}}", rf"\end{{{kind}}}", ""]
+    return lines
+
+
+def replicates_text(statistics):
+    counts = sorted({entry["replicates"] for entry in statistics.results})
+    several = f"{counts[0]:g}" if len(counts) == 1 else f"{counts[0]:g} to {counts[-1]:g}"
+    return f"{several} replicate{'' if several == '1' else 's'}"
+
+
+def numbers_text(statistics, metric, conditions):
+    """What the numbers of figure and table are about."""
+    better = "larger is better" if metric.startswith(HIGHER) else "smaller is better"
+    abouts = list(dict.fromkeys(c["about"]["text"] for c in conditions))
+    return (rf"Numbers are means of {latex(metric_name(metric))} over {replicates_text(statistics)} with 95\,\% intervals "
+            f"({better}). Intervals and verdicts are about {latex('; or '.join(abouts))}.")
+
+
+def notes(conditions, methods):
+    """Of the methods that are shown: who loses light, and which are no originals."""
+    lost = {name_of(e): 100 * e["loses_energy"] for c in conditions for e in c["ranking"]
+            if "loses_energy" in e and name_of(e) in methods}
+    text = ""
+    if lost:
+        names = [f"{name} ({share:.2g} %)" for name, share in lost.items()]
+        text += " Light is lost by " + breakable(list_text(names, LONGEST)) + "."
+    if any(MARK in name for name in methods):
+        text += " [R]: implemented again from a description."
+    return text
+
+
+def comparison_caption(statistics, metric, conditions, shown, labels):
+    """`shown`: the blocks of the figure."""
+    names = list_text([breakable(label) for label in labels], LONGEST)
+    methods = list(dict.fromkeys(s.method for block in shown for s in block.methods.values()))
+    judged = all(block.judged for block in shown)
+    seen = [*map(breakable, methods), *(["the reference"] if judged else [])]
+    text = (f"{names} at {conditions[0]['spp']:g} samples per pixel. Left: {'the reference' if judged else 'a picture'} with "
+            f"its windows; then these windows of {list_text(seen, LONGEST)}, at one exposure.")
+    if len(shown) == 1:
+        text += " Below them: squared error, on one scale."
+    text += " " + numbers_text(statistics, metric, conditions)
+    if any(s.bold for block in shown for s in block.methods.values()):
+        text += " Bold: told apart from every other method of the evaluation."
+    return text + notes(conditions, methods)
+
+
+def curves_caption(statistics, metric, methods, over_time, shared, commands):
+    conditions = statistics.of_metric(metric)
+    text = latex(metric_name(metric)) + " over " + (
+        "time: of sampling and filtering, and of rendering the samples where the recording says it" if over_time else
+        "samples per pixel; points at one budget stand beside each other") + ", on logarithmic axes. "
+    text += numbers_text(statistics, metric, conditions)
+    if over_time and shared:
+        text += " Results were made beside each other on one machine, so times are longer than alone."
+    if over_time and commands:
+        text += (" Times of " + list_text([breakable(name) for name in commands], LONGEST)
+                 + " have the start of a command and its files in them.")
+    return text + notes(conditions, methods)
+
+
+def table_caption(statistics, metric, labels, baseline):
+    """A function of a scene and of the part of its table."""
+    def caption(dump, part, parts):
+        conditions = [c for c in statistics.of_metric(metric) if c["dump"] == dump]
+        methods = [name_of(e) for c in conditions for e in c["ranking"]]
+        text = latex(metric_name(metric)) + " on " + breakable(labels[dump])
+        text += f" (part {part + 1} of {parts})" if parts > 1 else ""
+        text += ". " + numbers_text(statistics, metric, conditions) + " Sub- and superscript: ends of the interval."
+        if baseline:
+            text += f" Ratio: error over that of {breakable(baseline)} on the same replicates."
+        text += " Methods that share a letter are not told apart; bold: told apart from every other."
+        if any("loses_energy" in e for c in conditions for e in c["ranking"]):
+            text += r" $\dagger$: loses light."
+        if any(MARK in name for name in methods):
+            text += " [R]: implemented again from a description."
+        return text
+    return caption

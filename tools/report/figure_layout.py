@@ -1,0 +1,66 @@
+"""Where the parts of a comparison stand: pure arithmetic, in inches."""
+
+from typing import NamedTuple
+
+GAP = 0.04
+SMALLEST = 0.5  # a window below it is made larger by another row, where the page has room
+LARGEST = 1.6
+THUMB_SHARE = 0.36  # of the page's width
+
+
+class Layout(NamedTuple):
+    beside: bool  # the windows of a method stand beside each other, not below
+    size: float  # of a window: its width where they stand below each other, else its height
+    rows: list  # [[place of a tile]]; the first row begins with the thumbnail
+    thumb: tuple  # width, height
+    tile: float  # width
+    windows: float  # height of all windows of a tile
+    maps: float  # height of an error map; 0 without
+    left: float  # of the first row, which the others are not longer than
+
+    def height(self, head, foot):
+        """Of a block: heads above, numbers below."""
+        return len(self.rows) * (head + self.windows + (GAP + self.maps if self.maps else 0.0) + foot)
+
+
+def lay_out(width, height, tiles, aspect, shapes, with_maps, head, foot):
+    """The layout with the largest windows; one row where they do not become too small by it. `aspect`: width by height of
+    the picture; `shapes`: those of the windows; `head`, `foot`: inches of text above and below a row."""
+    candidates = []
+    for rows in range(1, tiles + 2):
+        for beside in (False,) if with_maps else (False, True):
+            found = _largest(rows, beside, width, height, tiles, aspect, shapes, with_maps, head, foot)
+            if found and found.size >= SMALLEST:
+                return found
+            if found:
+                candidates.append(found)
+    return max(candidates, key=lambda layout: layout.size, default=None) or _at(
+        0.2, False, width, tiles, aspect, shapes, with_maps)
+
+
+def _largest(rows, beside, width, height, tiles, aspect, shapes, with_maps, head, foot):
+    for step in range(int(100 * LARGEST), 19, -1):
+        layout = _at(step / 100, beside, width, tiles, aspect, shapes, with_maps)
+        if layout and len(layout.rows) <= rows and layout.height(head, foot) <= height:
+            return layout
+    return None
+
+
+def _at(size, beside, width, tiles, aspect, shapes, with_maps):
+    """None where a tile is wider than the page."""
+    gaps = GAP * (len(shapes) - 1)
+    tile = size * sum(shapes) + gaps if beside else size
+    windows = size if beside else sum(size / shape for shape in shapes) + gaps
+    wide = min(windows * aspect, THUMB_SHARE * width)
+    rows, left, longest = [[]], wide + 2 * GAP, 0.0
+    for place in range(tiles):
+        if left + tile > width + 1e-9:
+            rows.append([])
+            left = 0.0
+        rows[-1].append(place)
+        left += tile + GAP
+        longest = max(longest, left - GAP)
+    if tile > width:
+        return None
+    return Layout(beside, size, rows, (wide, wide / aspect), tile, windows, tile / aspect if with_maps else 0.0,
+                  (width - longest) / 2)

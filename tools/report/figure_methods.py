@@ -1,0 +1,60 @@
+"""Which methods a figure shows: those of the user first, the baseline, then the first of the ranking."""
+
+from failure import USAGE, Failure
+from number_text import list_text
+from summary import name_of
+
+MOST_METHODS = 8
+MOST_OWN = 6
+USUAL = 5
+ARGUMENTS = ("exec", "import", "image", "counts", "python")  # their names are followed by what the user wrote
+
+
+def baseline_of(conditions):
+    """The method that the others' ratios are to: the only one of a ranking that is not compared with it."""
+    for condition in conditions:
+        alone = [entry for entry in condition["ranking"] if "against_baseline" not in entry]
+        if len(alone) == 1 and len(condition["ranking"]) > 1:
+            return name_of(alone[0])
+    return ""
+
+
+def own_methods(results, built_in):
+    """{method: the names in it that are not built in}; `built_in`: the program's own samplers and filters."""
+    own = {}
+    for entry in results:
+        names = [entry.get(kind, "") for kind in ("sampler_name", "filter_name")]
+        found = [label for name, label in zip(names, (entry["sampler"], entry["filter"]))
+                 if name.split(":")[0] in ARGUMENTS or (built_in and name not in built_in)]
+        if found:
+            own[name_of(entry)] = found
+    return own
+
+
+def choose_methods(wanted, conditions, own):
+    """Names in the order of the figure. `conditions`: of one budget."""
+    names = list(dict.fromkeys(name_of(entry) for condition in conditions for entry in condition["ranking"]))
+    for name in wanted:
+        if name not in names:
+            raise Failure(f"--method: no '{name}' at this budget; there are {'; '.join(names[:12])}", USAGE)
+    if len(set(wanted)) > MOST_METHODS:
+        raise Failure(f"--method: {len(set(wanted))} methods: a figure has room for {MOST_METHODS}", USAGE)
+    if wanted:
+        return list(dict.fromkeys(wanted))
+    baseline = baseline_of(conditions)
+    mine = [name for name in names if name in own and name != baseline]
+    chosen = []
+    for part in dict.fromkeys(part for name in mine for part in own[name]):  # each of them once, where it is best
+        chosen.append(next(name for name in mine if part in own[name]))
+    chosen = list(dict.fromkeys(chosen + mine))[:MOST_OWN]
+    chosen.sort(key=names.index)
+    chosen += [baseline] if baseline else []
+    others = [name for name in names if name not in chosen and name not in own]
+    return chosen + others[:max(1, USUAL - len(chosen))]
+
+
+def left_out_text(chosen, conditions):
+    """"; not drawn: ..." where the ranking has more."""
+    names = dict.fromkeys(name_of(entry) for condition in conditions for entry in condition["ranking"])
+    rest = [name for name in names if name not in chosen]
+    return f"; not drawn (--method draws them): {list_text(rest, 7)}" if rest else ""

@@ -1,0 +1,138 @@
+"""All figures and tables of one evaluation: what is chosen, drawn, written and said."""
+
+import shutil
+from pathlib import Path
+
+from aggregate import aggregate
+from described import Described
+from draw_curves import draw
+from failure import USAGE, Failure
+from figure_captions import comparison_caption, curves_caption, environment, table_caption
+from figure_comparison import Block, Shown, draw_comparison
+from figure_folder import FigureFolder
+from figure_methods import baseline_of, choose_methods, left_out_text, own_methods
+from figure_tables import curves_csv, latex_tables, markdown_table
+from figure_text import metric_name, significant
+from figure_windows import asked_windows
+from headline_data import best_is_alone
+from file_names import dump_names, file_name_of, numbered
+from result_images import find_images
+from results_table import choose_metric, read_results
+from statistics_file import interval_of, read_statistics
+from summary import name_of
+from vocabulary import read_manifest
+
+MOST_ROWS = {1: 3, 2: 6}  # recordings of a figure of that many columns
+LONGEST_NAME = 100  # of a recording or group in a file's name; file systems take 255 bytes
+
+
+class FigureSet:
+    def __init__(self, options):
+        self.options = options
+        self.table = read_results(options.folder / "results.csv")
+        self.metric = choose_metric(options.metric, self.table)
+        self.statistics = read_statistics(options.folder)
+        if self.metric not in self.statistics.metrics():
+            raise Failure(f"--metric: methods are ranked by {', '.join(self.statistics.metrics())}, not by {self.metric}", USAGE)
+        combinations = aggregate(self.table, self.statistics)
+        self.labels = dump_names(dict.fromkeys(c.dump for c in combinations))
+        self.labels.update({s["dump"]: s["group"] for s in self.statistics.scenes if s["group"]})
+        found = find_images(options.folder, combinations)
+        described = Described(read_manifest(options.folder))
+        described.mark(combinations)
+        described.mark_statistics(self.statistics)
+        self.images = {combinations[entry.combination].key: entry.paths for entry in found}
+        ranked = self.statistics.of_metric(self.metric)
+        self.budget = options.spp or max((c["spp"] for c in ranked), default=0.0)
+        self.conditions = [c for c in ranked if c["spp"] == self.budget]
+        if not self.conditions:
+            budgets = ", ".join(f"{b:g}" for b in sorted({c["spp"] for c in ranked}))
+            raise Failure(f"--spp: no results at {self.budget:g} samples per pixel; there are {budgets}", USAGE)
+        self._choose()
+
+    def _choose(self):
+        options = self.options
+        for name in options.recording:
+            if name not in self.labels.values():
+                raise Failure(f"--recording: no {name}; there are {', '.join(self.labels.values())}", USAGE)
+        self.crops = asked_windows(options.crops, list(self.labels.values()))
+        self.baseline = baseline_of(self.statistics.of_metric(self.metric))
+        self.own = own_methods(self.statistics.results, frozenset(filter(None, options.built_in.split(","))))
+        self.chosen = choose_methods(options.method, self.conditions, self.own)
+        self.left_out = left_out_text(self.chosen, self.conditions)
+
+    def write(self):
+        with FigureFolder(self.options.output, self.options.force) as folder:
+            captions = self._comparisons(folder)
+            compared = len(captions)
+            captions += self._curves(folder)
+            lines = [line for caption in captions for line in caption]
+            folder.text("captions.tex", "\n".join(["% needs \\usepackage{graphicx}", "", *lines]))
+            caption = table_caption(self.statistics, self.metric, self.labels, self.baseline)
+            folder.text("table.tex", latex_tables(self.statistics, self.metric, self.labels, self.baseline, caption))
+            folder.text("table.md", markdown_table(self.statistics, self.metric, self.labels, self.baseline))
+        return (f"{self.options.output}: {compared} comparison{'' if compared == 1 else 's'} at {self.budget:g} spp, curves, "
+                f"captions and tables of {metric_name(self.metric)}" + self.left_out
+                + ("" if compared else "; no pictures in the folder, so no comparison"))
+
+    def _comparisons(self, folder):
+        """Captions of one figure for each recording, and of those with several as rows."""
+        names = numbered({dump: f"comparison_{file_name_of(label)[:LONGEST_NAME]}" for dump, label in self.labels.items()})
+        shown = [c for c in self.conditions if not self.options.recording or self.labels[c["dump"]] in self.options.recording]
+        blocks = [(c, block) for c, block in ((c, self._block(c)) for c in shown) if block]
+        captions = [self._comparison(folder, names[c["dump"]], [(c, block)]) for c, block in blocks]
+        if len(blocks) > 1:
+            most = MOST_ROWS[self.options.column or 2]
+            for start in range(0, len(blocks), most):
+                name = "comparison" + (f"-{start // most + 1}" if start else "")
+                captions.append(self._comparison(folder, name, blocks[start:start + most]))
+        return captions
+
+    def _block(self, condition):
+        """The pictures of one recording; None where there are none to compare."""
+        entries = {name_of(entry): entry for entry in condition["ranking"]}
+        alone = best_is_alone(condition["ranking"])
+        panels = {}
+        for place, method in enumerate(self.chosen):
+            entry = entries.get(method)
+            paths = self.images.get((condition["dump"], condition["spp"], entry["sampler"], entry["filter"])) if entry else None
+            if not paths:
+                continue
+            value = interval_of(entry["value"])
+            lines = [significant(value.mean) if value.mean == value.mean else "not known"]
+            if value.low == value.low and value.high == value.high:
+                lines.append(f"[{significant(value.low)}, {significant(value.high)}]")
+            panels[place] = Shown(method, lines, alone and entry is condition["ranking"][0], paths)
+        label = self.labels[condition["dump"]]
+        return Block(label, panels, self.crops.get(label) or self.crops.get("")) if panels else None
+
+    def _comparison(self, folder, name, rows):
+        conditions, blocks = [c for c, _ in rows], [block for _, block in rows]
+        column = self.options.column or 2
+        head = f"{metric_name(self.metric)} at {self.budget:g} sample{'' if self.budget == 1 else 's'} per pixel"
+        if any(len(s.lines) > 1 for block in blocks for s in block.methods.values()):
+            head += ", with 95 % intervals"
+        draw_comparison(blocks, self.chosen, head, folder.pictures(name), column, self.options.font)
+        caption = comparison_caption(self.statistics, self.metric, conditions, blocks, [block.label for block in blocks])
+        return environment([name], caption, column)
+
+    def _curves(self, folder):
+        source = folder.text("curves.csv", curves_csv(self.statistics, self.metric, self.labels, self.chosen))
+        for script, name in (("draw_curves.py", "curves.py"), ("figure_text.py", "figure_text.py")):
+            shutil.copyfile(Path(__file__).with_name(script), folder.file(name))
+        pages = []
+
+        def place(after):
+            pages.append("curves" + after)
+            return folder.pictures(pages[-1])
+
+        column = self.options.column or (1 if len(self.labels) == 1 else 2)
+        draw(source, place, column, self.options.font)
+        shared = any(row.get("timing") == "shared" for row in self.table.rows)
+        commands = [name for name in self.chosen if any("exec" in part or name in self.own for part in self.own.get(name, []))]
+        captions = []
+        for over_time in (False, True):
+            files = [page for page in pages if page.startswith("curves_time") == over_time]
+            caption = curves_caption(self.statistics, self.metric, self.chosen, over_time, shared, commands)
+            captions.append(environment(files, caption, column))
+        return captions

@@ -1,0 +1,80 @@
+"""The windows that insets show: those asked for, or those where the methods differ most to the eye on something that one
+recognises."""
+
+import numpy as np
+
+from failure import USAGE, Failure
+from result_images import Crop, tone_mapped
+
+MOST_WINDOWS = 4
+MOST_STRETCHED = 4  # times as wide as high, or as high as wide
+
+
+def relative_error(image, reference):
+    """[y][x] squared difference relative to the reference, summed over channels."""
+    scale = float(np.mean(reference[np.isfinite(reference)])) or 1.0
+    truth = reference.astype(np.float64) / scale
+    difference = image.astype(np.float64) / scale - truth
+    return np.nan_to_num((difference ** 2 / (truth ** 2 + 0.01)).sum(axis=2), nan=0.0, posinf=0.0)
+
+
+def asked_windows(texts, labels):
+    """{recording, or "" for those without windows of their own: [Crop]} of "x,y,w,h" and "RECORDING:x,y,w,h"."""
+    windows = {}
+    for text in texts:
+        name, _, numbers = text.rpartition(":")
+        if name and name not in labels:
+            raise Failure(f"--crops {text[:80]}: no recording {name[:60]}; there are {', '.join(labels)}", USAGE)
+        parts = [part.strip() for part in numbers.split(",")]
+        if len(parts) != 4 or not all(part.isascii() and part.isdigit() and len(part) < 10 for part in parts):
+            raise Failure(f"--crops {text[:80]}: give X,Y,W,H or RECORDING:X,Y,W,H, whole numbers of pixels", USAGE)
+        crop = Crop(*map(int, parts))
+        if not crop.width or not crop.height or max(crop[2:]) > MOST_STRETCHED * min(crop[2:]):
+            raise Failure(f"--crops {text[:80]}: a window has at least one pixel and is at most {MOST_STRETCHED} times as "
+                          "wide as high or as high as wide", USAGE)
+        windows.setdefault(name, []).append(crop)
+    for name, crops in windows.items():
+        if len(crops) > MOST_WINDOWS:
+            raise Failure(f"--crops: {len(crops)} windows{' of ' + name if name else ''}: give at most {MOST_WINDOWS}", USAGE)
+    return windows
+
+
+def inside(crops, shape, label):
+    """`crops`, which must lie in a picture of this shape."""
+    height, width = shape[:2]
+    for c in crops:
+        if c.x + c.width > width or c.y + c.height > height:
+            raise Failure(f"--crops {','.join(map(str, c))}: not inside {label}, which has {width} x {height} pixels; "
+                          "RECORDING:X,Y,W,H is for one recording only", USAGE)
+    return crops
+
+
+def choose_windows(images, reference, exposure, count=2):
+    """Square windows of a fifth of the shorter side, apart from each other and off the border. The score of a window
+    is how far the methods' mean errors in it lie apart as they are seen, times the contrast of the blurred reference in it,
+    times the share of it that is neither black nor white."""
+    truth = tone_mapped(reference, exposure).astype(np.float64) / 255.0
+    height, width = truth.shape[:2]
+    side = min(height, width, max(16, min(height, width) // 5))
+    border = min(1 + max(height, width) // 100, (height - side) // 2, (width - side) // 2)
+    errors = [np.abs(tone_mapped(image, exposure) / 255.0 - truth).mean(axis=2) for image in images]
+    apart = np.std([_mean(error, side) for error in errors], axis=0)
+    grey = _mean(np.pad(truth.mean(axis=2), ((1, 1), (1, 1)), mode="edge"), 3)
+    contrast = np.sqrt(np.maximum(_mean(grey ** 2, side) - _mean(grey, side) ** 2, 0.0))
+    told = _mean(((grey > 0.03) & (grey < 0.97)).astype(float), side)
+    score = (apart / (apart.max() or 1.0) + 0.05) * (contrast / (contrast.max() or 1.0) + 0.05) * (told + 0.05)
+    score = score[border:score.shape[0] - border, border:score.shape[1] - border]
+    ys, xs = np.mgrid[0:score.shape[0], 0:score.shape[1]]
+    windows = []
+    for _ in range(count):
+        y, x = np.unravel_index(np.argmax(score), score.shape)
+        windows.append(Crop(int(x) + border, int(y) + border, side, side))
+        distance = np.maximum(np.abs(ys - y), np.abs(xs - x))  # below `side` they meet
+        score = score * np.clip((distance - side) / (0.5 * side), 1e-9, 1.0)
+    return windows
+
+
+def _mean(image, side):
+    """Of every square window of that side."""
+    sums = np.pad(np.cumsum(np.cumsum(image, 0), 1), ((1, 0), (1, 0)))
+    return (sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]) / side ** 2
