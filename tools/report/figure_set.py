@@ -23,7 +23,6 @@ from summary import name_of
 from vocabulary import read_manifest
 
 MOST_ROWS = {1: 3, 2: 6}  # recordings of a figure of that many columns
-LONGEST_NAME = 100  # of a recording or group in a file's name; file systems take 255 bytes
 
 
 class FigureSet:
@@ -77,7 +76,7 @@ class FigureSet:
 
     def _comparisons(self, folder):
         """Captions of one figure for each recording, and of those with several as rows."""
-        names = numbered({dump: f"comparison_{file_name_of(label)[:LONGEST_NAME]}" for dump, label in self.labels.items()})
+        names = numbered({dump: f"comparison_{file_name_of(label)}" for dump, label in self.labels.items()})
         shown = [c for c in self.conditions if not self.options.recording or self.labels[c["dump"]] in self.options.recording]
         blocks = [(c, block) for c, block in ((c, self._block(c)) for c in shown) if block]
         captions = [self._comparison(folder, names[c["dump"]], [(c, block)]) for c, block in blocks]
