@@ -154,6 +154,63 @@ std::string describe_order(const ordered_json& info) {
                              : "exchangeable (not known to be independent)";
 }
 
+std::string reference_text(const ordered_json& info) {
+  if (!info["reference"].get<bool>()) return "none recorded";
+  return info["reference_variance"].get<bool>() ? "recorded, with its variance"
+                                                : "recorded, without variance";
+}
+
+std::string samples_text(const ordered_json& info) {
+  return fmt::format("{} per pixel, {}{}", info["samples_per_pixel"].get<unsigned>(),
+                     describe_order(info), info["complete"].get<bool>() ? "" : ", INCOMPLETE");
+}
+
+void add_remarks(const ordered_json& meta, std::vector<std::vector<std::string>>& rows) {
+  const auto remarks = meta.find("import_remarks");
+  if (remarks == meta.end() || !remarks->is_array()) return;
+  for (const auto& text : *remarks)
+    rows.push_back({"remark", text.is_string() ? text.get<std::string>() : text.dump()});
+}
+
+// A line for each thing that one asks first.
+std::vector<std::vector<std::string>> short_rows_of(const ordered_json& info) {
+  std::vector<std::vector<std::string>> rows;
+  rows.push_back({"file", fmt::format("{}, {}", info["file"].get<std::string>(),
+                                      format_bytes(info["bytes"].get<double>()))});
+  rows.push_back({"image", fmt::format("{} x {} pixels", info["width"].get<unsigned>(),
+                                       info["height"].get<unsigned>())});
+  rows.push_back({"samples", samples_text(info)});
+  std::string layers;
+  for (const auto& layer : info["layers"]) {
+    if (layer["scope"] == "pixel") continue;
+    layers += (layers.empty() ? "" : ", ") + layer["name"].get<std::string>();
+  }
+  rows.push_back({"layers", layers});
+  rows.push_back({"reference", reference_text(info)});
+  std::string renderer;
+  for (const char* key : {"renderer", "version", "scene", "mode"}) {
+    const std::string text = remark(info, key);
+    const bool named = key == std::string_view("scene") || key == std::string_view("mode");
+    if (!text.empty())
+      renderer += (renderer.empty() ? ""
+                   : named          ? ", "
+                                    : " ") +
+                  (named ? key + (" " + text) : text);
+  }
+  if (!renderer.empty()) rows.push_back({"renderer", renderer});
+  if (!info["cost_per_sample"].is_null()) {
+    rows.push_back({"cost", format_seconds(info["cost_per_sample"].get<double>()) + " per sample"});
+  }
+  add_remarks(info["meta"], rows);
+  std::vector<std::vector<std::string>> verification;
+  add_verification(info["meta"], verification);
+  for (const auto& row : verification) {
+    const bool failing = row[0] == "claim" && row[1].find(" FAILS: ") != std::string::npos;
+    if (row[0] != "claim" || failing) rows.push_back(row);
+  }
+  return rows;
+}
+
 std::vector<std::vector<std::string>> rows_of(const ordered_json& info) {
   std::vector<std::vector<std::string>> rows;
   rows.push_back({"file", info["file"].get<std::string>()});
@@ -161,10 +218,7 @@ std::vector<std::vector<std::string>> rows_of(const ordered_json& info) {
   if (info["sha256"] != "") rows.push_back({"sha256", info["sha256"].get<std::string>()});
   rows.push_back({"image", fmt::format("{} x {} pixels", info["width"].get<unsigned>(),
                                        info["height"].get<unsigned>())});
-  rows.push_back(
-      {"samples",
-       fmt::format("{} per pixel, {}{}", info["samples_per_pixel"].get<unsigned>(),
-                   describe_order(info), info["complete"].get<bool>() ? "" : ", INCOMPLETE")});
+  rows.push_back({"samples", samples_text(info)});
   for (const auto& layer : info["layers"]) {
     std::string components;
     for (const auto& component : layer["components"]) {
@@ -174,10 +228,7 @@ std::vector<std::vector<std::string>> rows_of(const ordered_json& info) {
                                            components, layer["type"].get<std::string>(),
                                            layer["scope"].get<std::string>())});
   }
-  rows.push_back({"reference", !info["reference"].get<bool>() ? "none recorded"
-                               : info["reference_variance"].get<bool>()
-                                   ? "recorded, with its variance"
-                                   : "recorded, without variance"});
+  rows.push_back({"reference", reference_text(info)});
   rows.push_back(
       {"cost", info["cost_per_sample"].is_null()
                    ? "not recorded"
@@ -186,10 +237,7 @@ std::vector<std::vector<std::string>> rows_of(const ordered_json& info) {
     const std::string text = remark(info, key);
     if (!text.empty()) rows.push_back({key, text});
   }
-  const auto remarks = info["meta"].find("import_remarks");
-  if (remarks != info["meta"].end() && remarks->is_array())
-    for (const auto& text : *remarks)
-      rows.push_back({"remark", text.is_string() ? text.get<std::string>() : text.dump()});
+  add_remarks(info["meta"], rows);
   add_verification(info["meta"], rows);
   return rows;
 }
@@ -207,12 +255,17 @@ Result<void> run_info(const InfoOptions& options, const CommonOptions& common) {
   SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(options.dump));
   std::error_code status;
   const std::uintmax_t bytes = std::filesystem::file_size(options.dump, status);
-  SPOOL_ASSIGN(const std::string sha256, interchange::sha256_of(options.dump));
+  std::string sha256;
+  if (common.json || options.all) {
+    SPOOL_ASSIGN(sha256, interchange::sha256_of(options.dump));
+  }
   const ordered_json info = describe(reader, bytes, sha256);
   if (common.json) {
     print(json_text(info));
-  } else {
+  } else if (options.all) {
     print(format_columns(rows_of(info), 2));
+  } else {
+    print(format_columns(short_rows_of(info), 2) + "all of it: --all\n");
   }
   return {};
 }

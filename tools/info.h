@@ -11,9 +11,10 @@ namespace spool::tools {
 
 struct InfoOptions {
   std::filesystem::path dump;
+  bool all = false;  // every channel, claim and remark, and the hash, for which all bytes are read
 };
 
-// The rows that it prints, [what, text], without the hash, for which all bytes are read.
+// The rows that it prints with `all`, [what, text], without the hash.
 Result<std::vector<std::vector<std::string>>> recording_facts(const std::filesystem::path& path);
 
 Result<void> run_info(const InfoOptions& options, const CommonOptions& common);

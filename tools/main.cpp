@@ -4,6 +4,8 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "formats/lost_pages.h"
 #include "lib/core/heap_policy.h"
@@ -24,6 +26,36 @@ constexpr const char* kExitCodes =
     "or\n"
     "samples gone; after a signal, 128 and its number.\n"
     "Errors are one line on stderr: what is wrong, where, and what to do.";
+
+constexpr const char* kGreeting =
+    "Spool records every sample of a rendered image once, replays adaptive samplers on the "
+    "record,\n"
+    "filters, and reports error and time.\n\n"
+    "Start:\n"
+    "  spool synth scene_s --size 64 --samples 64 -o s.spool      a recording, without a renderer\n"
+    "  spool evaluate s.spool --samplers uniform,multiscale --filters box,directional \\\n"
+    "    --spp 4,8 -o results                                     which method is better, and by "
+    "how much\n"
+    "  spool report results -o report.html                        the pictures beside the "
+    "numbers\n\n";
+
+// Verbs by what one wants with them, for the greeting and the help.
+const std::pair<const char*, std::vector<const char*>> kGroups[] = {
+    {"Look", {"info", "check", "picture", "pixel", "view", "show"}},
+    {"Record", {"synth", "pack", "convert", "recover"}},
+    {"One image", {"replay", "reconstruct", "metrics"}},
+    {"Compare methods", {"evaluate", "compare", "report", "figure"}},
+    {"More", {"list", "completion", "man"}}};
+
+std::string greeting(const CLI::App& app) {
+  std::string text = kGreeting;
+  for (const auto& [group, verbs] : kGroups) {
+    text += std::string(group) + "\n";
+    for (const char* verb : verbs)
+      text += fmt::format("  {:<12} {}\n", verb, app.get_subcommand(verb)->get_description());
+  }
+  return text + "\nEach verb explains itself: spool VERB --help\n";
+}
 
 int run(int count, char** arguments) {
   Program program;
@@ -51,6 +83,16 @@ int run(int count, char** arguments) {
   add_list(program);
   add_completion(program);
   add_man(program);
+  for (const auto& [group, verbs] : kGroups) {
+    for (const char* verb : verbs)
+      program.app.get_subcommand(verb)->group(group);
+  }
+  if (count == 1) {
+    print(greeting(program.app));
+    const Result<void> arrived = check_output();
+    if (!arrived) print_error(arrived.error());
+    return arrived ? 0 : static_cast<int>(arrived.error().code);
+  }
   try {
     program.app.parse(count, arguments);
   } catch (const CLI::Success& asked_for_help) {

@@ -123,7 +123,7 @@ bpy.ops.preferences.addon_disable(module=name)
 assert not hasattr(s, 'spool_recording') and server.poll() is not None
 print('THE END')
 """ % SPOOL)
-    told = subprocess.run([SPOOL, "info", tmp_path / "scene.spool"], capture_output=True, text=True).stdout
+    told = subprocess.run([SPOOL, "info", tmp_path / "scene.spool", "--all"], capture_output=True, text=True).stdout
     assert "16 x 12" in told and "3 per pixel" in told and "depth (Z)" in told
 
 

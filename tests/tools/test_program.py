@@ -65,8 +65,10 @@ def test_info_tells_what_is_in_the_file(good, dump):
     assert info["cost_per_sample"] == 2e-6
     assert info["meta"]["renderer"]["name"] == "numpy"
     assert [layer["name"] for layer in info["layers"]] == ["radiance", "reference", "reference_variance"]
-    text = good("info", dump).out
+    text = good("info", dump, "--all").out
     assert "24 x 20" in text and "numpy" in text and info["sha256"] in text
+    short = good("info", dump).out
+    assert len(short.splitlines()) <= 10 and "24 x 20" in short and "numpy" in short and "verify.py FILE --write" in short
     assert info["verified"] is None and "verify.py FILE --write" in text
 
 
@@ -78,7 +80,9 @@ def test_info_shows_what_the_verification_found(good, tmp_path):
     write_dump(tmp_path / "kept.spool", samples()[0], meta={"verification": {"holds": False, "findings": claims}})
     info = good("info", "kept.spool", "--json").json
     assert info["verified"] is False and info["meta"]["verification"]["findings"] == claims
-    text = good("info", "kept.spool").out
+    short = good("info", "kept.spool").out
+    assert "FAILS: 1 claims hold, 1 fail, 1 not known" in short and "layer depth FAILS" in short and "film x uniform" not in short
+    text = good("info", "kept.spool", "--all").out
     assert "FAILS: 1 claims hold, 1 fail, 1 not known" in text
     assert "film x uniform holds: spread 0.2880, expected 0.2887, p = 0.43" in text
     assert "layer depth FAILS: range 0" in text
@@ -397,3 +401,17 @@ def test_channels_that_nobody_knows_are_shown_and_change_nothing(good, run, dump
     for channel in "RGB":
         known, more = (read_exr(tmp_path / f"{name}.exr", channel) for name in ("known", "more"))
         assert np.array_equal(known, more)
+
+
+def test_alone_it_greets_with_what_to_type_and_every_verb_by_its_use(good, run, tmp_path):
+    text = good().out
+    assert "Start:" in text and max(map(len, text.splitlines())) <= 100
+    listed = re.findall(r"^  ([a-z]+) +[a-z]", text.split("\nLook\n")[1], re.M)
+    shown = good("--help").out
+    assert "Subcommands:" not in shown and set(listed) == set(re.findall(r"^  ([a-z]+) {5,}", shown, re.M)) and len(listed) >= 20
+    commands = text.split("Start:\n")[1].split("\n\n")[0].replace("\\\n", " ")
+    for line in commands.splitlines():
+        words = re.sub(r" {5,}.*", "", line).split()
+        if words[1] != "report":  # needs what it draws with
+            good(*words[1:])
+    run("--quiet").failed_with(2)

@@ -9,10 +9,13 @@ namespace spool::tools {
 void add_info(Program& program) {
   CLI::App& verb = *program.app.add_subcommand("info", "what was recorded");
   add_dump(verb, program.info.dump);
+  verb.add_flag("--all", program.info.all,
+                "every channel, claim of verification and remark, and the file's SHA-256");
   add_common(verb, program.common, true, false);
   verb.footer(
       "Examples:\n"
       "  spool info dumps/tiny/chess.spool\n"
+      "  spool info dumps/tiny/chess.spool --all\n"
       "  spool info dumps/tiny/chess.spool --json | jq .samples_per_pixel");
   verb.callback([&] { program.chosen = [&] { return run_info(program.info, program.common); }; });
 }
