@@ -29,8 +29,8 @@ Written by `tools/dev.sh bench coverage`. Each recording of `dumps/tiny`, and sc
 replacement from the recorded ones (64 x 64 pixels, {samples} samples, the mean of the recording as exact reference). Each was evaluated
 as `spool evaluate` does it by default, 8 replicates, {budgets} samples: {samplers} with `box`; `uniform` and `multiscale` with
 `directional`. A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
-Its interval should hold the mean of the other {others} recordings in 95 %; a count of {count} is exact to {noise:.0f} % (one standard
-deviation), so a right row lies below 90 % by chance now and then. Rows are *withheld* where most of their recordings have no verdict
+Its interval should hold the mean of the other {others} recordings in 95 %. Of {count} trials a row that is right lies below 90 % by chance in
+{chance:.0f} of 100. Rows are *withheld* where most of their recordings have no verdict
 because few pixels carry the error ([decision 156](decisions/0156-withheld-verdicts.md)); "without halves" are the same results with the
 spread between recordings assumed and not measured ([decision 155](decisions/0155-spread-from-halves.md)), nothing withheld.
 
@@ -87,8 +87,9 @@ def evaluated(world, number, folder):
     if not (results / "statistics.json").exists():
         recording = redrawn(world, number, folder)
         plan = folder / f"plan{number}.toml"
-        plan.write_text(f'recordings = ["{recording.name}"]\nspp = [{BUDGETS}]\npictures = false\n'
-                        f'samplers = {json.dumps(SAMPLERS.split(","))}\nfilters = ["box", "directional"]\n[metrics]\nperceptual = "none"\n')
+        plan.write_text(f'spp = [{BUDGETS}]\npictures = false\nsamplers = {json.dumps(SAMPLERS.split(","))}\n'
+                        f'filters = ["box", "directional"]\n[[dump]]\nfile = "{recording.name}"\ngroup = "{world}"\n'
+                        '[metrics]\nperceptual = "none"\n')
         done = run("evaluate", plan, "-o", results, "-q")
         if not (results / "statistics.json").exists():
             sys.exit(f"{world} {number}: {done.stderr}")
@@ -135,6 +136,11 @@ def coverage(values):
     return sum(held) / len(held) if len(held) > len(values) / 2 else None
 
 
+def by_chance(count):
+    """Chance that fewer than 90 % of `count` intervals hold where each does with 95 %."""
+    return sum(math.comb(count, k) * 0.95 ** k * 0.05 ** (count - k) for k in range(math.ceil(0.9 * count)))
+
+
 def claims(folders, metric):
     """In how many families of comparisons of a method with itself something is claimed, and of how many."""
     found = [run("compare", a, b, "--metric", metric) for a, b in zip(folders[::2], folders[1::2])]
@@ -163,7 +169,7 @@ def main():
         selves.append(f"| {world} | {' | '.join(cells)} |")
         print(table[-1], selves[-1], sep="\n", flush=True)
     PAGE.write_text(TEXT.format(count=count, others=count - 1, samples=SAMPLES, budgets=BUDGETS.replace(",", ", "), methods=methods,
-                                samplers=", ".join(f"`{s}`" for s in SAMPLERS.split(",")), noise=100 * math.sqrt(0.95 * 0.05 / count),
+                                samplers=", ".join(f"`{s}`" for s in SAMPLERS.split(",")), chance=100 * by_chance(count),
                                 table="\n".join(table), low="\n".join(low) or "- none", selves="\n".join(selves)), encoding="utf-8")
 
 
