@@ -41,7 +41,7 @@ def test_readme_code_runs(tmp_path, monkeypatch):
 
 def test_ten_lines_of_python_write_a_valid_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    code = blocks("README.md", "python")[0]
+    code = blocks("docs/formats.md", "python")[0]
     names = {}
     exec(code, names)
     assert len(lines(code)) <= 10
@@ -56,7 +56,7 @@ def test_ten_lines_of_cpp_write_a_valid_file(tmp_path):
     if library is None:
         pytest.skip("SPOOL_FORMATS_LIBRARY is not set; run it through ctest")
     compiler = shutil.which(os.environ.get("CXX", "g++")) or pytest.skip("no C++ compiler")
-    code = blocks("README.md", "cpp")[0]
+    code = blocks("docs/formats.md", "cpp")[0]
     assert len(lines(code)) <= 12  # two of them are #include and using
     head = [line for line in code.splitlines() if line.startswith(("#include", "using "))]
     body = [line for line in code.splitlines() if line not in head]

@@ -26,6 +26,13 @@ def test_the_page(tmp_path, monkeypatch):
     assert abs(ratio - said) < 0.005 and ratio < 1
 
 
+def test_the_lines_of_the_readme(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    code, = blocks((ROOT / "README.md").read_text(encoding="utf-8"))
+    exec(compile(code, "README.md", "exec"), {})
+    assert 0.05 < float(capsys.readouterr().out) < 0.5
+
+
 def test_it_holds_the_numpy_package():
     environment = {**os.environ, "PYTHONPATH": os.environ["SPOOL_FORMAT_MODULES"]}
     listed = subprocess.run([sys.executable, "-c", "import spool, sys; print(*spool.__all__); "
