@@ -59,8 +59,9 @@ def results_html(rows: list, statistics: dict) -> str:
     lines = [_ranked(condition, entry, i == 0) for condition in conditions for i, entry in enumerate(condition["ranking"])]
     if not lines:
         lines = [_alone(entry) for entry in statistics["results"]]
-    head = "".join(f'<th style="{_CELL}nowrap">{name}</th>' for name in ("recording", "spp", "method", conditions[0]["metric"] if conditions else
-                                                                  "relmse", "x uniform + box", "", "energy"))
+    metric = conditions[0]["metric"] if conditions else "relmse"
+    names = ("recording", "spp", "method", metric, f"x {statistics.get('baseline', 'uniform + box')}", "", "energy")
+    head = "".join(f'<th style="{_CELL}nowrap">{html.escape(name)}</th>' for name in names)
     parts.append(f'<div style="overflow-x: auto"><table><thead><tr>{head}</tr></thead><tbody>{"".join(lines[:_MOST_ROWS])}</tbody></table></div>')
     if len(lines) > _MOST_ROWS:
         parts.append(f"<p>{len(lines) - _MOST_ROWS} more rows: <code>.means</code>, or <code>spool report</code></p>")
@@ -79,7 +80,9 @@ def _claim(claim):
 
 def _ranked(condition, entry, first):
     verdict = entry.get("against_baseline", "")
-    letters = f"{entry.get('letters', '')} {verdict}" + ("" if entry.get("compared", True) else " not compared")
+    letters = f"withheld: {entry['withheld']}" if entry.get("withheld") else f"{entry.get('letters', '')} {verdict}"
+    letters += "" if entry.get("compared", True) or "not compared" in letters else " not compared"
+    letters += "".join(f" (about {count} {what} would tell)" for what, count in (entry.get("would_tell") or {}).items())
     energy = _numbers(entry.get("energy")) + (" (loses)" if "loses_energy" in entry else "")
     return _line(condition["dump"] if first else None, condition["spp"] if first else None, entry,
                  _numbers(entry.get("value")), _numbers(entry.get("ratio")), letters, energy, verdict)
