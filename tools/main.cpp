@@ -41,7 +41,7 @@ constexpr const char* kGreeting =
 
 // Verbs by what one wants with them, for the greeting and the help.
 const std::pair<const char*, std::vector<const char*>> kGroups[] = {
-    {"Look", {"info", "check", "picture", "pixel", "view", "show"}},
+    {"Look", {"info", "check", "picture", "pixel", "show", "view"}},
     {"Record", {"synth", "pack", "convert", "recover"}},
     {"One image", {"replay", "reconstruct", "metrics"}},
     {"Compare methods", {"evaluate", "compare", "report", "figure"}},

@@ -305,6 +305,29 @@ def test_an_image_is_a_filter(good, run, dump, tmp_path):
     run("reconstruct", dump, "--filter", "image:small.exr", "-o", "j.exr").failed_with(1, "24 x 19", "24 x 20")
 
 
+def test_an_ensemble_is_the_mean_of_its_parts(good, run, dump, tmp_path):
+    def image(name):
+        good("reconstruct", dump, "--spp", 8, "--filter", name, "-o", "i.exr", "--force")
+        return np.stack([exr.read(tmp_path / "i.exr")[c] for c in "RGB"]).astype(float)
+    parts = ["box", "gaussian{sigma=2}", "nl_means"]
+    assert np.allclose(image(f"ensemble:{'+'.join(parts)}"), np.mean([image(p) for p in parts], axis=0), rtol=1e-5)
+    # By halves: between the parts, nearer to the better one; with 2 samples the mean, which is said.
+    halves = ("--set", "ensemble.weights=halves")
+    good("evaluate", dump, "--filters", "box,gaussian{sigma=2},ensemble:box+gaussian{sigma=2}", *halves, "--spp", 8, "-o", "out", "--no-pictures")
+    with open(tmp_path / "out" / "results.csv", newline="") as file:
+        errors = {}
+        for row in csv.DictReader(file):
+            errors.setdefault(row["filter"], []).append(float(row["mse"]))
+    box, blurred, both = (np.mean(errors[name]) for name in ("box", "gaussian{sigma=2}", "ensemble:box+gaussian{sigma=2}{weights=halves}"))
+    assert min(box, blurred) * 0.5 < both < 0.5 * (box + blurred)
+    few = good("reconstruct", dump, "--spp", 2, "--filter", "ensemble:box+nl_means", *halves, "-o", "few.exr")
+    assert "needs 4 samples" in few.out + few.err
+    for name, words in (("ensemble:box", "2 to 4"), ("ensemble:box+box+box+box+box", "2 to 4"), ("ensemble:box+bxo", "did you mean 'box'"),
+                        ("ensemble:box+ensemble:box+box", "no part"), ("ensemble:box+", "filter"), ("ensemble:", "A+B"),
+                        ("ensemble:box+gaussian{sigma=x}", "sigma")):
+        run("reconstruct", dump, "--spp", 2, "--filter", name, "-o", "x.exr").failed_with(2, words)
+
+
 def test_replicates_of_an_image_claim_no_exactness(good, dump, tmp_path):
     exr.write(tmp_path / "mine.exr", {"Y": np.full((20, 24), 0.5, "f4")})
     arguments = ("evaluate", dump, "--filters", "box,image:mine.exr", "--spp", 4, "--reference", "holdout", "--holdout", 4)

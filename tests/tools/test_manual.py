@@ -13,8 +13,7 @@ def helped(*words):
 
 
 def verbs():
-    listed = helped("--help").split("Subcommands:\n", 1)[1].split("\n\n", 1)[0]
-    return re.findall(r"^  (\w+)  ", listed, re.M)
+    return re.findall(r"^  (\w+)  ", helped("--help"), re.M)
 
 
 def options(verb):

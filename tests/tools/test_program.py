@@ -37,7 +37,6 @@ def test_misuse_is_exit_code_2_with_the_nearest_word(run, dump):
     run("infoo", dump).failed_with(2, "did you mean 'info'")
     run("info", dump, "--jsn").failed_with(2, "did you mean '--json'")
     run("info").failed_with(2, "FILE", "spool info --help")
-    run().failed_with(2)
     run("list", "samplings").failed_with(2, "samplings")
     run("replay", dump, "--sampler", "unifrm", "--spp", 2, "-o", "s.exr").failed_with(2, "uniform")
     run("reconstruct", dump, "--filter", "boxx", "-o", "i.exr").failed_with(2, "did you mean 'box'")
@@ -406,7 +405,7 @@ def test_channels_that_nobody_knows_are_shown_and_change_nothing(good, run, dump
 def test_alone_it_greets_with_what_to_type_and_every_verb_by_its_use(good, run, tmp_path):
     text = good().out
     assert "Start:" in text and max(map(len, text.splitlines())) <= 100
-    listed = re.findall(r"^  ([a-z]+) +[a-z]", text.split("\nLook\n")[1], re.M)
+    listed = re.findall(r"^  ([a-z]+) +\w", text.split("\nLook\n")[1], re.M)
     shown = good("--help").out
     assert "Subcommands:" not in shown and set(listed) == set(re.findall(r"^  ([a-z]+) {5,}", shown, re.M)) and len(listed) >= 20
     commands = text.split("Start:\n")[1].split("\n\n")[0].replace("\\\n", " ")

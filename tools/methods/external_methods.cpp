@@ -13,6 +13,7 @@
 #include "lib/sampling/rounds.h"
 #include "lib/sampling/spending.h"
 #include "tools/methods/called_methods.h"
+#include "tools/methods/ensemble_filter.h"
 #include "tools/methods/external_process.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/statistics_file.h"
@@ -234,6 +235,10 @@ const FilterList& known_filters() {
   static const FilterList all = [] {
     FilterList list = filters();
     list.methods.push_back(with_stage_options(oidn_filter()));
+    list.methods.push_back(with_stage_options(method_with_argument(
+        "ensemble", "A+B",
+        "the mean of two to four filters, or weighted by two halves of the samples",
+        ensemble_option_table(), Needs{}, &make_ensemble_filter)));
     list.methods.push_back(with_stage_options(
         method_with_argument("image", "FILE.exr", "your own: an image that was made elsewhere",
                              OptionTable<NoOptions>{}, made_elsewhere(), &make_image_filter)));

@@ -1,0 +1,46 @@
+#include "tools/methods/ensemble_filter.h"
+
+#include <utility>
+
+namespace spool::tools {
+namespace {
+
+std::vector<std::string> split_parts(const std::string& text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  for (const char c : text) {
+    depth += c == '{' ? 1 : c == '}' ? -1 : 0;
+    if (c == '+' && depth <= 0) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+}  // namespace
+
+Result<ReadyFilter> make_ensemble_filter(const std::string& parts, const OptionValues& set) {
+  SPOOL_ASSIGN(const EnsembleOptions options,
+               with_options(ensemble_option_table(), EnsembleOptions{}, set));
+  const std::vector<std::string> names = split_parts(parts);
+  if (names.size() < 2 || names.size() > kMostEnsembleParts) {
+    return fail(ErrorCode::kUsage,
+                "ensemble:{}: {} parts: name 2 to {}, as in ensemble:oidn+twin_guides", parts,
+                names.size(), kMostEnsembleParts);
+  }
+  std::vector<ReadyFilter> ready;
+  for (const std::string& name : names) {
+    SPOOL_ASSIGN(const MethodChoice choice, choose_method(known_filters(), name));
+    if (choice.name == "ensemble" || !choice.own_label.empty()) {
+      return fail(ErrorCode::kUsage, "ensemble:{}: {} is no part: name filters, without labels",
+                  parts, name);
+    }
+    SPOOL_ASSIGN(ReadyFilter part, make_method(known_filters(), choice));
+    ready.push_back(std::move(part));
+  }
+  return ensemble(std::move(ready), options);
+}
+
+}  // namespace spool::tools
