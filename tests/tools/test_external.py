@@ -320,8 +320,8 @@ def test_an_ensemble_is_the_mean_of_its_parts(good, run, dump, tmp_path):
             errors.setdefault(row["filter"], []).append(float(row["mse"]))
     box, blurred, both = (np.mean(errors[name]) for name in ("box", "gaussian{sigma=2}", "ensemble:box+gaussian{sigma=2}{weights=halves}"))
     assert min(box, blurred) * 0.5 < both < 0.5 * (box + blurred)
-    few = good("reconstruct", dump, "--spp", 2, "--filter", "ensemble:box+nl_means", *halves, "-o", "few.exr")
-    assert "needs 4 samples" in few.out + few.err
+    few = good("reconstruct", dump, "--spp", 2, "--filter", "ensemble:box+nl_means", *halves, "-o", "few.exr", "--json").json
+    assert "needs 4 samples" in few["notes"][0]
     for name, words in (("ensemble:box", "2 to 4"), ("ensemble:box+box+box+box+box", "2 to 4"), ("ensemble:box+bxo", "did you mean 'box'"),
                         ("ensemble:box+ensemble:box+box", "no part"), ("ensemble:box+", "filter"), ("ensemble:", "A+B"),
                         ("ensemble:box+gaussian{sigma=x}", "sigma")):

@@ -408,7 +408,7 @@ def test_alone_it_greets_with_what_to_type_and_every_verb_by_its_use(good, run, 
     listed = re.findall(r"^  ([a-z]+) +\w", text.split("\nLook\n")[1], re.M)
     shown = good("--help").out
     assert "Subcommands:" not in shown and set(listed) == set(re.findall(r"^  ([a-z]+) {5,}", shown, re.M)) and len(listed) >= 20
-    commands = text.split("Start:\n")[1].split("\n\n")[0].replace("\\\n", " ")
+    commands = re.sub(r"\\\n +", " ", text.split("Start:\n")[1].split("\n\n")[0])
     for line in commands.splitlines():
         words = re.sub(r" {5,}.*", "", line).split()
         if words[1] != "report":  # needs what it draws with
