@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -178,6 +179,26 @@ def test_a_full_disk_leaves_nothing_half(made_folder, tmp_path, bytes_left):
     assert full.returncode == 3 and str(tmp_path / "f") in full.stderr and full.stderr.count("\n") == 1, full.stderr
     assert "None" not in full.stderr and [*tmp_path.iterdir()] == []
     assert subprocess.run(command, capture_output=True).returncode == 0  # no --force needed
+
+
+@pytest.mark.parametrize("by_program", [True, False])
+def test_an_interrupt_leaves_nothing_half(made_folder, tmp_path, by_program):
+    """The program kills the script when it is interrupted; the script alone may be killed, too."""
+    verb = [PROGRAM, "figure"] if by_program else [sys.executable, Path(figure.__file__)]
+    running = subprocess.Popen([*verb, made_folder, "-o", tmp_path / "f"], stderr=subprocess.DEVNULL,
+                               env={**os.environ, "SPOOL_PYTHON": sys.executable})
+    wait_until(lambda: list(tmp_path.glob("f/.figure.*.partial")) or running.poll() is not None)
+    assert running.poll() is None
+    running.send_signal(signal.SIGINT if by_program else signal.SIGKILL)
+    assert running.wait() == (130 if by_program else -signal.SIGKILL)
+    wait_until(lambda: not (tmp_path / "f").exists())
+
+
+def wait_until(holds, seconds=120):
+    end = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
 
 
 @pytest.mark.parametrize("group", ["=cmd|' /C calc'!A0", "+1", "-1", "@SUM(1)", "'=1", "plain"])

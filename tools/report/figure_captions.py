@@ -28,7 +28,7 @@ def replicates_text(statistics):
 
 def numbers_text(statistics, metric, conditions):
     """What the numbers of figure and table are about."""
-    better = "larger is better" if metric.startswith(HIGHER) else "smaller is better"
+    better = "1 is best" if metric.startswith("energy") else "larger is better" if metric.startswith(HIGHER) else "smaller is better"
     abouts = list(dict.fromkeys(c["about"]["text"] for c in conditions))
     return (rf"Numbers are means of {latex(metric_name(metric))} over {replicates_text(statistics)} with 95\,\% intervals "
             f"({better}). Intervals and verdicts are about {latex('; or '.join(abouts))}.")

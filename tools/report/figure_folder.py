@@ -1,8 +1,8 @@
 """The folder of the figures: all files of a run appear together, or none does."""
 
 import os
+import secrets
 import shutil
-import tempfile
 from pathlib import Path
 
 from failure import IO, USAGE, Failure
@@ -16,11 +16,13 @@ class FigureFolder:
         self.path, self.force, self.names = path, force, []
 
     def __enter__(self):
-        self.made = not self.path.exists()
+        self.staging = self.path / f".figure.{secrets.token_hex(8)}.partial"
+        self.guard = _remove_when_this_ends(self.staging, None if self.path.exists() else self.path)
         try:
             self.path.mkdir(parents=True, exist_ok=True)
-            self.staging = Path(tempfile.mkdtemp(prefix=".figure.", suffix=".partial", dir=self.path))
+            self.staging.mkdir(mode=0o700)
         except OSError as error:
+            self.guard()
             raise self._failure(error) from error
         return self
 
@@ -34,9 +36,7 @@ class FigureFolder:
         except OSError as late:
             raise self._failure(late) from late
         finally:
-            shutil.rmtree(self.staging, ignore_errors=True)
-            if self.made and not any(self.path.iterdir()):
-                self.path.rmdir()
+            self.guard()
 
     def file(self, name):
         """Where to write the file that gets this name; nothing is replaced unasked."""
@@ -57,3 +57,31 @@ class FigureFolder:
 
     def _failure(self, error):
         return Failure(f"{self.path}: {error.strerror or error}: choose another folder", IO)
+
+
+def _remove_when_this_ends(staging, made):
+    """A function that removes `staging`, and `made` where it is empty. So does a process of its own when this one is
+    killed without a word, as an interrupted spool does with what it started: it reads from a pipe that then ends."""
+    reading, writing = os.pipe()
+    waiting, ready = os.pipe()
+    child = os.fork()
+    if child:
+        os.close(reading)
+        os.close(ready)
+        os.read(waiting, 1)  # until the other is in a group of its own, which no interrupt ends
+        os.close(waiting)
+
+        def remove():
+            os.close(writing)
+            os.waitpid(child, 0)
+        return remove
+    try:
+        os.setsid()
+        os.close(ready)
+        os.close(writing)
+        os.read(reading, 1)
+        shutil.rmtree(staging, ignore_errors=True)
+        if made:
+            made.rmdir()  # an error where it holds figures
+    finally:
+        os._exit(0)
