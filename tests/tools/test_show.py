@@ -1,7 +1,9 @@
 """spool show: EXR images beside each other as one page, without a recording."""
+import base64
 import json
 import os
 import re
+import zlib
 
 import numpy as np
 import pytest
@@ -27,6 +29,16 @@ def images(tmp_path):
 
 def data_of(page):
     return json.loads(re.search(r'id="report-data">(.*?)</script>', page, re.S)[1])
+
+
+def stored(page, place):
+    """The values [y][x][c] of a picture of the page."""
+    image = data_of(page)["pictures"]["images"][place]
+    packed = zlib.decompress(base64.b64decode(re.search(f'id="image-{place}">(.*?)</script>', page, re.S)[1]))
+    dtype = {"half": "<f2", "float": "<f4"}[image["kind"]]
+    size = np.dtype(dtype).itemsize
+    values = np.ascontiguousarray(np.frombuffer(packed, np.uint8).reshape(size, -1).T).view(dtype)
+    return np.moveaxis(values.reshape(image["channels"], image["height"], image["width"]), 0, 2).astype(float) * image["scale"]
 
 
 def numbers_of(page):
@@ -86,7 +98,7 @@ def test_values_that_are_not_finite_are_told_and_hide_no_others(good, tmp_path):
     assert numbers["a"]["relMSE"] == "not known" and numbers["a"]["pixels not finite"] == "2"
     assert numbers["nothing"]["mean luminance"] == "not known" and numbers["reference"]["mean luminance"] == "0.5"
     # A half that holds 1e30 holds no 0.5.
-    assert data_of(page)["pictures"]["images"][0]["kind"] == "float"
+    assert stored(page, 0)[3, 3, 0] == np.float32(1e30) and (stored(page, 0)[4:] == 0.5).all() and np.isnan(stored(page, 0)[1, 1]).all()
     good("show", tmp_path / "a.exr", "--reference", tmp_path / "nothing.exr", "-o", tmp_path / "q.html")
     assert "nothing is judged there" in (tmp_path / "q.html").read_text(encoding="utf-8")
 
@@ -103,6 +115,10 @@ def test_a_page_is_bounded_and_says_so(good, tmp_path):
     assert f"Shrunk by {shrunk}: a pixel here is the mean of {shrunk} x {shrunk} of 900 x 601 pixels" in page
     assert (scene["width"], scene["height"]) == (-(-900 // shrunk), -(-601 // shrunk))
     assert data["crops"][0]["x"] == 450 // shrunk
+    small = stored(page, 0)
+    for y, x in ((0, 0), (7, 11), (scene["height"] - 1, scene["width"] - 1)):  # at the edges of fewer pixels
+        block = image[y * shrunk:(y + 1) * shrunk, x * shrunk:(x + 1) * shrunk]
+        assert small[y, x] == pytest.approx(block.mean(axis=(0, 1)), rel=1e-3)
     assert float(numbers_of(page)["a"]["MSE"]) == 0.0
 
 

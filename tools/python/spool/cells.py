@@ -22,7 +22,7 @@ def recording_html(recording, facts: list, reference) -> str:
     claims = [text for what, text in facts if what == "claim"]
     rows = "".join(_row(what, _verdict(text) if what == "verified" else html.escape(text))
                    for what, text in facts if what not in ("claim", "seeds"))
-    fold = "".join(f"<li>{_verdict(claim)}</li>" for claim in claims)
+    fold = "".join(f"<li>{_verdict(claim)}</li>" for claim in claims[:_MOST_ROWS])
     fold = f"<details><summary>{len(claims)} claims about the samples</summary><ul>{fold}</ul></details>" if claims else ""
     return _beside(_thumbnail(recording, reference), f"<table>{rows}</table>{fold}")
 
@@ -52,7 +52,7 @@ def results_html(rows: list, statistics: dict) -> str:
     """Claims, then the methods of each recording and budget; every number and verdict is one of statistics.json."""
     failed = sum(bool(row.get("error")) for row in rows)
     parts = [f"<p>{len(rows)} results" + (f", {_tinted(f'{failed} failed', 'worse')}" if failed else "") + "</p>"]
-    parts += [f"<ul>{''.join(_claim(claim) for claim in statistics.get('claims', []))}</ul>"] if statistics.get("claims") else []
+    parts += [f"<ul>{''.join(_claim(claim) for claim in statistics['claims'][:_MOST_ROWS])}</ul>"] if statistics.get("claims") else []
     conditions = [c for c in statistics["conditions"] if c["metric"] == "relmse"] or statistics["conditions"]
     if any(condition.get("biased") for condition in conditions):
         parts.append(f"<p>{_tinted('Biased: judged by the samples that the images were made of.', 'worse')}</p>")
