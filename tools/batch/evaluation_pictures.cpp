@@ -5,6 +5,7 @@
 
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
 #include "tools/result_pictures.h"
 
@@ -47,8 +48,7 @@ std::vector<Sheet> sheets_of(const std::vector<PicturedResult>& results) {
 }
 
 Result<RgbImage> read_rgb(const std::filesystem::path& path) {
-  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
-  return rgb_from_exr(file, path.string());
+  return read_picture(path).map([](ForeignPicture picture) { return std::move(picture.rgb); });
 }
 
 }  // namespace

@@ -3,14 +3,17 @@
 #include <cmath>
 #include <utility>
 
+#include "formats/interchange/export_format.h"
 #include "lib/filters/filter_stage.h"
 #include "lib/filters/given_image.h"
 #include "lib/filters/oidn/oidn.h"
-#include "lib/image_io/exr_image.h"
+#include "lib/image_io/counts_exr.h"
+#include "lib/image_io/foreign_picture.h"
 #include "lib/sampling/asked_counts.h"
 #include "lib/sampling/given_counts.h"
 #include "lib/sampling/rounds.h"
 #include "lib/sampling/spending.h"
+#include "tools/console.h"
 #include "tools/methods/called_methods.h"
 #include "tools/methods/external_process.h"
 #include "tools/methods/selection_file.h"
@@ -66,11 +69,13 @@ Needs made_elsewhere() {
   return {.samples = false};
 }
 
-// One call: the statistics go out, the answer comes back as the EXR that the command wrote.
-Result<ExrFile> call(const std::string& command, const PieceStatistics& statistics,
-                     const SamplePool& pool, const ExecOptions& options,
-                     std::vector<std::pair<std::string, std::string>> environment,
-                     const std::function<bool()>* cancelled) {
+// One call: the statistics go out, and `read` takes the EXR that the command wrote.
+template <class Answer>
+Result<Answer> call(const std::string& command, const PieceStatistics& statistics,
+                    const SamplePool& pool, const ExecOptions& options,
+                    std::vector<std::pair<std::string, std::string>> environment,
+                    const std::function<bool()>* cancelled,
+                    Result<Answer> (*read)(const std::filesystem::path&)) {
   SPOOL_ASSIGN(const ExchangeFolder folder, ExchangeFolder::create());
   const std::filesystem::path input = folder / "statistics.exr", output = folder / "answer.exr";
   SPOOL_TRY(write_statistics(input, statistics, pool, options.told));
@@ -87,12 +92,17 @@ Result<ExrFile> call(const std::string& command, const PieceStatistics& statisti
                 "argument",
                 command);
   }
-  Result<ExrFile> answer = read_exr(output);
+  Result<Answer> answer = read(output);
   if (answer) return answer;
   std::string message = answer.error().message;
   if (message.starts_with(output.string()))
     message = "answer" + message.substr(output.string().size());
   return fail(ErrorCode::kData, "exec:{}: {}", command, message);
+}
+
+// A command has no option that chooses: its answer is one picture.
+Result<ForeignPicture> read_answer(const std::filesystem::path& path) {
+  return read_picture(path, {"", "", "", ""});
 }
 
 Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionValues& set) {
@@ -108,7 +118,7 @@ Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionV
                          {"SPOOL_LEFT", std::to_string(question.left)},
                          {"SPOOL_SHARE", std::to_string(question.share)},
                          {"SPOOL_SEED", std::to_string(question.seed)}},
-                        context.cancelled));
+                        context.cancelled, &read_counts_exr));
       return counts_from_exr(answer, fmt::format("exec:{}: answer", command));
     };
     Result<SamplingResult> result = sample_asked_counts(pool, budget, options.asked, ask, context);
@@ -126,9 +136,9 @@ Result<ReadyFilter> make_exec_filter(const std::string& command, const OptionVal
   const FilterFunction run = [command, options](const Selection& selection, const SamplePool& pool,
                                                 const FilterContext&) -> Result<Reconstruction> {
     const std::string name = fmt::format("exec:{}: answer", command);
-    SPOOL_ASSIGN(const ExrFile answer,
-                 call(command, selection.statistics, pool, options, {}, nullptr));
-    SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(answer, name));
+    SPOOL_ASSIGN(const ForeignPicture answer,
+                 call(command, selection.statistics, pool, options, {}, nullptr, &read_answer));
+    const RgbImage& image = answer.rgb;
     for (std::size_t c = 0; c < 3; ++c) {
       for (int y = 0; y < image[c].height(); ++y) {
         for (int x = 0; x < image[c].width(); ++x) {
@@ -166,11 +176,24 @@ Result<ReadySampler> make_counts_sampler(const std::string& path, const OptionVa
   return ReadySampler{run, {}};
 }
 
+const OptionTable<LayerChoice>& layer_option_table() {
+  using O = LayerChoice;
+  static const OptionTable<O> table = {
+      interchange::text_option<O>("layer", &O::layer, "NAME",
+                                  "the layer that is the image, where several may be"),
+      interchange::text_option<O>("part", &O::part, "NAME|N", "the part of the file that has it")};
+  return table;
+}
+
+LayerChoice image_layer() {
+  return {"", "", "--set filter.layer=", "--set filter.part="};
+}
+
 Result<ReadyFilter> make_image_filter(const std::string& path, const OptionValues& set) {
-  SPOOL_TRY(with_options(OptionTable<NoOptions>{}, NoOptions{}, set));
-  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
-  SPOOL_ASSIGN(RgbImage image, rgb_from_exr(file, path));
-  return ReadyFilter{given_image(std::move(image), "image:" + path), made_elsewhere()};
+  SPOOL_ASSIGN(const LayerChoice choice, with_options(layer_option_table(), image_layer(), set));
+  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, choice));
+  print_note(remark_line("image:" + path, picture.remarks));
+  return ReadyFilter{given_image(std::move(picture.rgb), "image:" + path), made_elsewhere()};
 }
 
 // A method whose argument stands where others have a preset.
@@ -219,7 +242,7 @@ const FilterList& known_filters() {
     list.methods.push_back(with_stage_options(oidn_filter()));
     list.methods.push_back(with_stage_options(
         method_with_argument("image", "FILE.exr", "your own: an image that was made elsewhere",
-                             OptionTable<NoOptions>{}, made_elsewhere(), &make_image_filter)));
+                             layer_option_table(), made_elsewhere(), &make_image_filter)));
     list.methods.push_back(with_stage_options(method_with_argument(
         "exec", "COMMAND", "your own: a command that makes the image from the statistics",
         exec_option_table(), Needs{}, &make_exec_filter)));
