@@ -14,8 +14,10 @@ namespace spool::tools {
 
 namespace {
 
-constexpr std::size_t kLongestError = 4096;  // bytes: more is no line that somebody reads
-constexpr std::size_t kErrorEnd = 512;       // of these, of its end, which says what to do
+constexpr std::size_t kLongestError = 360;  // bytes: with what goes before it at most 400
+constexpr std::size_t kErrorEnd = 180;      // of these, of its end, which says what to do
+
+constexpr std::size_t kMark = 32;  // what stands for the bytes that are left out
 
 bool lost_output = false;  // of this process, to stdout
 
@@ -27,7 +29,7 @@ std::size_t start_of_character(std::string_view text, std::size_t at) {
 
 std::string shortened(const std::string& text) {
   if (text.size() <= kLongestError) return text;
-  const std::size_t head = start_of_character(text, kLongestError - kErrorEnd);
+  const std::size_t head = start_of_character(text, kLongestError - kErrorEnd - kMark);
   const std::size_t tail = start_of_character(text, text.size() - kErrorEnd);
   return fmt::format("{} [... {} bytes ...] {}", text.substr(0, head), tail - head,
                      text.substr(tail));
@@ -61,6 +63,11 @@ void print_error(const Error& error) {
 
 void print_warning(std::string_view text) {
   print_raw_error(fmt::format("spool: warning: {}\n", shortened(visible_text(text))));
+}
+
+void print_note(std::string_view text) {
+  if (!text.empty())
+    print_raw_error(fmt::format("spool: note: {}\n", shortened(visible_text(text))));
 }
 
 void open_standard_streams() {

@@ -26,8 +26,9 @@ void print_line(std::string_view text);
 Result<void> check_output();
 
 // To stderr, which may be closed or full: nothing is said of that.
-void print_error(const Error& error);  // "spool: ...", one line, at most a few thousand bytes
+void print_error(const Error& error);  // "spool: ...", one line, at most 400 bytes
 void print_warning(std::string_view text);
+void print_note(std::string_view text);       // nothing where `text` is empty
 void print_raw_error(std::string_view text);  // with the control characters of a progress line
 
 // Descriptors 0 to 2 lead somewhere from now on: a file that is opened must not become stderr.

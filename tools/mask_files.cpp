@@ -1,13 +1,13 @@
 #include "tools/mask_files.h"
 
-#include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
 
 namespace spool::tools {
 
 Result<Plane> read_mask(const std::string& path) {
-  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
-  SPOOL_ASSIGN(const RgbImage rgb, rgb_from_exr(file, path));
-  Plane mask(file.width, file.height);
+  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(path, {"", "", "", ""}));
+  const RgbImage& rgb = picture.rgb;
+  Plane mask(rgb[0].width(), rgb[0].height());
   for (std::size_t i = 0; i < mask.size(); ++i)
     mask[i] = (rgb[0][i] + rgb[1][i] + rgb[2][i]) / 3.0;
   return mask;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/energy_masks.h"
 #include "lib/metrics/error_metrics.h"
 #include "tools/json_text.h"
@@ -16,9 +17,25 @@ namespace {
 
 using nlohmann::ordered_json;
 
-Result<RgbImage> read_rgb(const std::filesystem::path& path) {
-  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
-  return rgb_from_exr(file, path.string());
+// With its remark on stderr.
+Result<ForeignPicture> read_remarked(const std::filesystem::path& path, const LayerChoice& choice,
+                                     const CommonOptions& common) {
+  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, choice));
+  if (!common.quiet) print_note(remark_line(path.string(), picture.remarks));
+  return picture;
+}
+
+// kData when the pixels of the picture `name` do not lie on those of the reference.
+Result<void> check_aligned(const ForeignPicture& picture, const ForeignPicture& reference,
+                           const std::string& name) {
+  SPOOL_TRY(check_same_size(picture.rgb, reference.rgb, name));
+  if (aligned(picture, reference)) return {};
+  return fail(
+      ErrorCode::kData,
+      "{}: shows {} of its display window {}, the reference {} of {}: save both alike, e.g. "
+      "oiiotool --croptofull or --origin",
+      name, text_of(picture.shown), text_of(picture.display), text_of(reference.shown),
+      text_of(reference.display));
 }
 
 std::string value_text(double value) {
@@ -57,23 +74,35 @@ Result<void> check_same_size(const RgbImage& image, const RgbImage& reference,
               reference[0].height());
 }
 
-Result<void> check_finite(const MetricTable& table, const std::string& name) {
-  if (!table.failed) return {};
-  return fail(ErrorCode::kData, "{}: {} pixels are not finite and were left out", name,
-              table.excluded_estimate);
+Result<void> check_finite(const MetricTable& table, const std::string& name,
+                          const std::string& reference) {
+  const auto were = [](std::uint64_t count) {
+    return fmt::format("{} {} not finite and {} left out", count,
+                       count == 1 ? "pixel is" : "pixels are", count == 1 ? "was" : "were");
+  };
+  const std::uint64_t ours = table.excluded_estimate, theirs = table.excluded_reference;
+  if (ours == 0 && theirs == 0) return {};
+  if (theirs == 0) return fail(ErrorCode::kData, "{}: {}", name, were(ours));
+  if (ours == 0) return fail(ErrorCode::kData, "{}: {}", reference, were(theirs));
+  return fail(ErrorCode::kData, "{}: {}; {}: {} more", name, were(ours), reference, were(theirs));
 }
 
 Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
   if (!options.error_map.empty()) SPOOL_TRY(check_exr_name(options.error_map));
   SPOOL_ASSIGN(const MetricOptions metric, metric_settings(options.settings));
-  SPOOL_ASSIGN(const RgbImage image, read_rgb(options.image));
+  SPOOL_ASSIGN(const ForeignPicture picture, read_remarked(options.image, options.layer, common));
+  SPOOL_ASSIGN(ForeignPicture judge,
+               read_remarked(options.reference, options.reference_layer, common));
+  SPOOL_TRY(check_aligned(picture, judge, options.image.string()));
   JudgingReference reference;
-  SPOOL_ASSIGN(reference.mean, read_rgb(options.reference));
-  SPOOL_TRY(check_same_size(image, reference.mean, options.image.string()));
   if (!options.variance.empty()) {
-    SPOOL_ASSIGN(reference.variance, read_rgb(options.variance));
-    SPOOL_TRY(check_same_size(*reference.variance, reference.mean, options.variance.string()));
+    SPOOL_ASSIGN(ForeignPicture variance,
+                 read_remarked(options.variance, {"", "", "", ""}, common));
+    SPOOL_TRY(check_aligned(variance, judge, options.variance.string()));
+    reference.variance = std::move(variance.rgb);
   }
+  reference.mean = std::move(judge.rgb);
+  const RgbImage& image = picture.rgb;
   SPOOL_ASSIGN(const std::vector<EnergyMask> masks, read_energy_masks(options.masks));
   const MetricTable table = error_metrics(image, reference, metric);
   std::vector<std::vector<std::string>> rows = {{"metric", "meaning", "value", "+-"}};
@@ -111,7 +140,9 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
                     "(--set rel_scale=none: as they are); +- one standard error\n",
                     table.pixels, table.relative_scale));
   }
-  return check_finite(table, options.image.string());
+  return check_finite(table, options.image.string(),
+                      options.variance.empty() ? options.reference.string()
+                                               : options.reference.string() + " or its variance");
 }
 
 }  // namespace spool::tools

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/image_io/layer_choice.h"
 #include "lib/metrics/error_metrics.h"
 #include "tools/console.h"
 
@@ -16,6 +17,8 @@ struct MetricsOptions {
   std::vector<std::string> masks;     // "NAME=FILE": energy ratio where the mask is above 0.5
   std::vector<std::string> settings;  // "OPTION=VALUE" of the metrics
   std::filesystem::path error_map;    // squared error per pixel as EXR; empty: none
+  LayerChoice layer;                  // of the image
+  LayerChoice reference_layer = {"", "", "--reference-layer ", "--reference-part "};
 };
 
 // "OPTION=VALUE" of all metrics, the perceptual ones included.
@@ -25,8 +28,9 @@ Result<MetricOptions> metric_settings(const std::vector<std::string>& settings);
 Result<void> check_same_size(const RgbImage& image, const RgbImage& reference,
                              const std::string& name);
 
-// kData when pixels of the image `name` had to be left out.
-Result<void> check_finite(const MetricTable& table, const std::string& name);
+// kData when pixels of the image `name` or of `reference` are not finite and had to be left out.
+Result<void> check_finite(const MetricTable& table, const std::string& name,
+                          const std::string& reference);
 
 Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common);
 

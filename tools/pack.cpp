@@ -26,7 +26,19 @@ Result<void> pack_foreign(const interchange::ImportFormat& format, const PackVer
     return fail(ErrorCode::kUsage, "--from {}: give one source, not {}", options.from,
                 options.sources.size());
   }
-  SPOOL_ASSIGN(const OptionValues set, foreign_settings("import", options.settings, "layout=HWSC"));
+  for (const auto& [given, name] : {std::pair{options.pack.radiance_f16, "--half-radiance"},
+                                    std::pair{options.pack.features_f32, "--full-features"}}) {
+    if (!given) continue;
+    return fail(
+        ErrorCode::kUsage,
+        "{}: is for folders of passes; --from {} keeps the types of its source: leave it out, "
+        "or save the source in that type",
+        name, options.from);
+  }
+  SPOOL_ASSIGN(OptionValues set, foreign_settings("import", options.settings, "layout=HWSC"));
+  for (const auto& [name, value] :
+       {std::pair{"layer", options.layer.layer}, std::pair{"part", options.layer.part}})
+    if (!value.empty()) set.emplace_back(name, value);
   interchange::ImportOptions import;
   import.compress = options.pack.compress;
   import.force = common.force;
@@ -81,6 +93,9 @@ Result<void> run_pack(const PackVerbOptions& options, const CommonOptions& commo
   });
   for (const interchange::ImportFormat& format : exchange::import_formats()) {
     if (format.name == options.from) return pack_foreign(format, options, common);
+  }
+  if (!options.layer.layer.empty() || !options.layer.part.empty()) {
+    return fail(ErrorCode::kUsage, "--layer, --part: folders of passes have none: name a --from");
   }
   if (!options.settings.empty()) {
     return fail(ErrorCode::kUsage, "--set {}: folders of passes have no options: name a --from",

@@ -7,6 +7,7 @@
 
 #include "formats/interchange/expansion.h"
 #include "formats/pass_folder.h"
+#include "lib/image_io/layer_choice.h"
 #include "tools/console.h"
 
 namespace spool::tools {
@@ -17,6 +18,7 @@ struct PackVerbOptions {
   std::filesystem::path output;
   format::PackOptions pack;
   std::vector<std::string> settings;  // "import.OPTION=VALUE" of a foreign format
+  LayerChoice layer;                  // of a format that is made of images
   uint64_t max_expansion = interchange::Expansion{}.times;  // the dump against its source
 };
 

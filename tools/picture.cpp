@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lib/image_io/contact_sheet.h"
-#include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
 #include "tools/picture_name.h"
 
@@ -30,43 +30,45 @@ Result<ValueRange> parse_range(const std::string& text, bool log) {
   return range;
 }
 
-Result<Plane> plane_of(const ExrFile& file, const std::string& channel, const std::string& name) {
-  if (!channel.empty()) {
-    if (const Plane* found = file.find(channel)) return *found;
-    std::string known;
-    for (const NamedPlane& plane : file.channels)
-      known += (known.empty() ? "" : ", ") + plane.name;
-    return fail(ErrorCode::kUsage, "{}: no channel {}: there are {}", name, channel, known);
-  }
-  if (file.channels.size() == 1) return file.channels.front().data;
-  SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(file, name));
-  Plane result(file.width, file.height);
+struct NamedMap {
+  std::string name;
+  Plane plane;
+};
+
+// One channel of the file as it is, or the luminance of its picture.
+Result<NamedMap> map_of(const PictureOptions& options, const CommonOptions& common) {
+  const LayerChoice choice = options.channel.empty()
+                                 ? options.layer
+                                 : LayerChoice{options.channel, options.layer.part, "--channel "};
+  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(options.image, choice));
+  if (!common.quiet && options.channel.empty())
+    print_note(remark_line(options.image.string(), picture.remarks));
+  const RgbImage& rgb = picture.rgb;
+  Plane result(rgb[0].width(), rgb[0].height());
   for (std::size_t i = 0; i < result.size(); ++i)
-    result[i] = luminance(image[0][i], image[1][i], image[2][i]);
-  return result;
+    result[i] = picture.channel.empty() ? luminance(rgb[0][i], rgb[1][i], rgb[2][i]) : rgb[0][i];
+  return NamedMap{picture.channel.empty() ? "luminance" : picture.channel, std::move(result)};
 }
 
-Result<Picture> false_colour_picture(const ExrFile& file, const PictureOptions& options) {
-  SPOOL_ASSIGN(const Plane plane, plane_of(file, options.channel, options.image.string()));
-  const std::array<const Plane*, 1> planes = {&plane};
+Result<Picture> false_colour_picture(const PictureOptions& options, const CommonOptions& common) {
+  SPOOL_ASSIGN(const NamedMap map, map_of(options, common));
+  const std::array<const Plane*, 1> planes = {&map.plane};
   ValueRange range = common_range(planes, options.log);
   if (!options.range.empty()) {
     SPOOL_ASSIGN(range, parse_range(options.range, options.log));
   }
-  const std::string named = options.channel.empty() && file.channels.size() == 1
-                                ? file.channels.front().name
-                                : options.channel;
-  return labelled_picture({options.image.filename().string(), false_colour(plane, range),
-                           ColourBar{range, named.empty() ? "luminance" : named}});
+  return labelled_picture({options.image.filename().string(), false_colour(map.plane, range),
+                           ColourBar{range, map.name}});
 }
 
-Result<Picture> tone_mapped_picture(const ExrFile& file, const PictureOptions& options) {
-  SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(file, options.image.string()));
+Result<Picture> tone_mapped_picture(const PictureOptions& options, const CommonOptions& common) {
+  SPOOL_ASSIGN(const ForeignPicture picture, read_picture(options.image, options.layer));
+  if (!common.quiet) print_note(remark_line(options.image.string(), picture.remarks));
+  const RgbImage& image = picture.rgb;
   if (options.exposure) return tone_map(image, std::exp2(*options.exposure));
   if (options.like.empty()) return tone_map(image, tone_exposure(image));
-  SPOOL_ASSIGN(const ExrFile other, read_exr(options.like));
-  SPOOL_ASSIGN(const RgbImage guide, rgb_from_exr(other, options.like.string()));
-  return tone_map(image, tone_exposure(guide));
+  SPOOL_ASSIGN(const ForeignPicture guide, read_picture(options.like, {"", "", "", ""}));
+  return tone_map(image, tone_exposure(guide.rgb));
 }
 
 }  // namespace
@@ -76,9 +78,8 @@ Result<void> run_picture(const PictureOptions& options, const CommonOptions& com
     return fail(ErrorCode::kUsage, "{}: a PNG is what is written: name it .png",
                 options.output.string());
   }
-  SPOOL_ASSIGN(const ExrFile file, read_exr(options.image));
-  SPOOL_ASSIGN(const Picture picture, options.false_colour ? false_colour_picture(file, options)
-                                                           : tone_mapped_picture(file, options));
+  SPOOL_ASSIGN(const Picture picture, options.false_colour ? false_colour_picture(options, common)
+                                                           : tone_mapped_picture(options, common));
   SPOOL_TRY(write_png(options.output, picture, common.force));
   if (!common.quiet) {
     print_line(fmt::format("{}: {} x {}", options.output.string(), picture.width, picture.height));

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "lib/image_io/layer_choice.h"
 #include "tools/console.h"
 
 namespace spool::tools {
@@ -18,6 +19,7 @@ struct PictureOptions {
   std::string channel;  // of false colour; empty: the only one, else the luminance of R, G, B
   std::string range;    // "LOW,HIGH"; empty: smallest and largest value
   bool log = false;
+  LayerChoice layer;
 };
 
 Result<void> run_picture(const PictureOptions& options, const CommonOptions& common);

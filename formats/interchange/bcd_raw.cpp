@@ -1,4 +1,5 @@
 #include "formats/interchange/bcd_raw.h"
+#include "formats/other_kinds.h"
 
 #include <array>
 
@@ -35,6 +36,7 @@ Result<SampleArray> read_header(const FileHandle& file) {
   const auto possible = [&](Field at, uint32_t limit) {
     return field(at) >= 1 && static_cast<uint32_t>(field(at)) <= limit;
   };
+  SPOOL_TRY(format::refuse_other_kind(name, header, "a BCD raw file", "give the file of BCD"));
   if (!possible(kWidth, format::kMaxSide) || !possible(kHeight, format::kMaxSide) ||
       !possible(kSamples, format::kMaxSpp) || (field(kChannels) != 3 && field(kChannels) != 4))
     return fail(ErrorCode::kData,

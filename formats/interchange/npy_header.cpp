@@ -140,7 +140,9 @@ Result<NpyHeader> parse_npy_header(std::span<const std::byte> start, std::string
   if (start.size() < 10 || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0)
     return damaged("not a .npy array");
   const int major = std::to_integer<int>(start[6]);
-  if (major < 1 || major > 3) return damaged(fmt::format("unknown .npy version {}", major));
+  if (major < 1 || major > 3)
+    return fail(ErrorCode::kData, "{}: version {} of .npy is unknown here: save with numpy.savez",
+                name, major);
   const size_t prefix = major == 1 ? 10 : 12;
   if (start.size() < prefix) return damaged("header is cut");
   const uint64_t length =

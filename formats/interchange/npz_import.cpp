@@ -83,15 +83,19 @@ Result<ForeignLayer> plan_layer(const NpzMember& member, const json& meta, bool 
   layer.name = member.layer;
   const std::string name = fmt::format("{}: {}", file, member.layer);
   const auto type = element_type(member.header.type);
+  // Whole numbers are nearly always a display's: divided and linearised they are light.
+  if (member.layer == "radiance" &&
+      std::string_view("uib").find(member.header.type[1]) != std::string_view::npos)
+    return fail(ErrorCode::kData,
+                "{}: dtype {} is no light: divide by the largest value, linearise where it is "
+                "sRGB, and save with astype('<f4')",
+                name, member.header.type);
   if (!type)
     return fail(ErrorCode::kData, "{}: dtype {}: save with astype('<f4')", name,
                 member.header.type);
   if (*type == ElementType::kFloat64 && !narrow)
     return fail(ErrorCode::kData,
                 "{}: dtype <f8: save with astype('<f4') or --set import.narrow=on", name);
-  if (member.layer == "radiance" && stored_type(*type) == format::DataType::kUint32)
-    return fail(ErrorCode::kData, "{}: dtype {}: save with astype('<f4')", name,
-                member.header.type);
   SPOOL_ASSIGN(layer.scope, scope_of(meta, member.layer, file));
   SPOOL_ASSIGN(layer.components, components_of(meta, member.layer, file));
   std::vector<uint64_t> shape = member.header.shape;

@@ -141,7 +141,7 @@ bool to_planar(std::span<const std::byte> box, const SampleArray& array, const B
       scatter<uint16_t>(from, [&](uint16_t half) {
         const uint16_t magnitude = half & 0x7FFF;
         non_finite += magnitude >= 0x7C00;
-        at_half_limit += magnitude == 0x7BFF || magnitude == 0x7C00;
+        at_half_limit += magnitude == 0x7BFF;
         return half;
       });
       break;

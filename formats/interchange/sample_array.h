@@ -49,7 +49,7 @@ Result<void> read_box(const SampleArray& array, const SampleBox& box, std::vecto
 // What was noticed while values were taken over.
 struct ValueCounts {
   uint64_t non_finite = 0;
-  uint64_t at_half_limit = 0;  // |v| = 65504 or infinite in an f16 source
+  uint64_t at_half_limit = 0;  // |v| = 65504 in an f16 source
 };
 
 // Pixels and samples of a box that go into a block, and where: the box holds `pixels` pixels of

@@ -1,4 +1,5 @@
 #include "formats/interchange/sbmc_tile.h"
+#include "formats/other_kinds.h"
 
 #include <array>
 #include <bit>
@@ -83,6 +84,7 @@ Result<SbmcTile> SbmcTile::open(const std::filesystem::path& path) {
                 name, tile.bytes_);
   std::array<std::byte, kHeaderBytes> bytes;
   SPOOL_TRY(tile.file_.read_at(0, bytes));
+  SPOOL_TRY(format::refuse_other_kind(name, bytes, "a tile of SBMC", "give the folder of tiles"));
   SPOOL_TRY(check_fields(bytes, name));
   const auto field = [&](Field at) { return load<int32_t>(bytes, at); };
   SbmcHeader& header = tile.header_;

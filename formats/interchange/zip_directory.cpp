@@ -8,6 +8,7 @@
 #include "formats/byte_io.h"
 #include "formats/checked_math.h"
 #include "formats/crc32.h"
+#include "formats/other_kinds.h"
 
 namespace spool::interchange {
 namespace {
@@ -80,7 +81,14 @@ Result<Directory> find_directory(const FileHandle& file, uint64_t file_bytes) {
                   file.path().string(), end_at);
     return Directory{offset, bytes, count, end_at};
   }
-  return damaged(file, "no zip directory at the end, the file is cut or is not a zip", file_bytes);
+  SPOOL_TRY(format::refuse_other_kind(file, "a zip archive", "save it with numpy.savez or zip it"));
+  std::vector<std::byte> start(std::min<uint64_t>(file_bytes, 4));
+  SPOOL_TRY(file.read_at(0, start));
+  if (start.size() < 4 || format::kind_of(start) == "a zip archive")
+    return damaged(file, "no zip directory at the end, the file is cut", file_bytes);
+  return fail(ErrorCode::kData,
+              "{}: is not a zip archive (wrong first bytes): give an .npz or .zip",
+              file.path().string());
 }
 
 // Replaces the fields that are all ones by those of the zip64 extra field, in their fixed order.

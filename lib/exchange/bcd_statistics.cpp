@@ -7,6 +7,7 @@
 #include "formats/interchange/scratch_file.h"
 #include "formats/spool_reader.h"
 #include "lib/core/image.h"
+#include "lib/image_io/counts_exr.h"
 #include "lib/image_io/exr_image.h"
 
 namespace spool::exchange {
@@ -65,17 +66,16 @@ void add_pixel(std::span<const float> samples, size_t stride, uint32_t n, int x,
 
 Result<CountImage> read_counts(const std::filesystem::path& path,
                                const format::DumpHeader& header) {
-  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
-  const Plane* counts = file.find("n");
-  if (!counts && file.channels.size() == 1) counts = &file.channels[0].data;
-  if (!counts || file.width != static_cast<int>(header.width) ||
+  SPOOL_ASSIGN(const ExrFile file, read_counts_exr(path));
+  SPOOL_ASSIGN(const std::size_t channel, count_channel(file, path.string()));
+  const Plane& counts = file.channels[channel].data;
+  if (file.width != static_cast<int>(header.width) ||
       file.height != static_cast<int>(header.height))
-    return fail(ErrorCode::kData,
-                "{}: no channel n of {} x {} pixels: give a selection of this dump", path.string(),
-                header.width, header.height);
+    return fail(ErrorCode::kData, "{}: {} x {} pixels, the dump {} x {}: give a selection of it",
+                path.string(), file.width, file.height, header.width, header.height);
   CountImage image(file.width, file.height);
   for (size_t i = 0; i < image.size(); ++i) {
-    const double n = (*counts)[i];
+    const double n = counts[i];
     if (!(n >= 0 && n <= header.spp && n == std::floor(n)))
       return fail(ErrorCode::kData, "{}: count {} (pixel {},{}): 0 to {} were recorded",
                   path.string(), n, i % static_cast<size_t>(file.width),

@@ -6,11 +6,14 @@
 #include <numeric>
 
 #include "formats/byte_io.h"
+#include "formats/half_float.h"
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/scratch_file.h"
 #include "lib/core/random.h"
 #include "lib/exchange/dump_layers.h"
+#include "lib/image_io/colour_space.h"
 #include "lib/image_io/deep_exr_file.h"
+#include "lib/image_io/exr_source.h"
 
 namespace spool::exchange {
 
@@ -180,9 +183,15 @@ Result<void> plan_channels(DeepInput& input) {
 }
 
 float value_at(const DeepRow& row, const DeepHeader& header, size_t channel, size_t i) {
-  if (header.channels[channel].type == PixelType::kFloat)
-    return load<float>(row.values[channel], 4 * i);
-  return std::nanf("");
+  switch (header.channels[channel].type) {
+    case PixelType::kHalf:
+      return format::half_to_float(load<uint16_t>(row.values[channel], 2 * i));
+    case PixelType::kUint:
+      return static_cast<float>(load<uint32_t>(row.values[channel], 4 * i));
+    case PixelType::kFloat:
+      break;
+  }
+  return load<float>(row.values[channel], 4 * i);
 }
 
 Result<void> check_row(const DeepInput& input, const DeepRow& row, int y) {
@@ -288,6 +297,27 @@ Result<uint64_t> read_rows(DeepInput& input, const interchange::Expansion& expan
   return end;
 }
 
+// One part, which is a picture by its name, in the colours of Rec. 709.
+Result<void> check_foreign(const std::filesystem::path& path) {
+  SPOOL_ASSIGN(const ExrSource source, ExrSource::open(path));
+  const std::vector<ExrPart>& parts = source.parts();
+  std::vector<std::string> names;
+  for (const ExrPart& part : parts)
+    names.push_back(part.name);
+  if (parts.size() > 1)
+    return fail(ErrorCode::kData,
+                "{}: has the parts {}: save the one that is meant in a file of its own",
+                source.name(), listed(names));
+  for (const ExrLayer& layer : layers_of(parts))
+    if (layer.name == parts[0].name && layer.kind == LayerKind::kOther)
+      return fail(ErrorCode::kData, "{}: is called {}, which is no radiance: give another part",
+                  source.name(), layer.name);
+  SPOOL_ASSIGN(const auto conversion, conversion_to_rec709(parts[0], source.name()));
+  if (!conversion) return {};
+  return fail(ErrorCode::kData, "{}: the colours are {}: convert to Rec. 709 first", source.name(),
+              conversion->from);
+}
+
 }  // namespace
 
 Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
@@ -303,6 +333,7 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
                 "Monte Carlo "
                 "samples",
                 name);
+  if (!told) SPOOL_TRY(check_foreign(in));
   DeepInput input{name, std::move(reader), std::move(told), {}, 0};
   const DeepHeader& header = input.reader.header();
   SPOOL_TRY(plan_channels(input));

@@ -43,12 +43,6 @@ std::string shown(std::string_view name) {
   return text;
 }
 
-std::pair<std::string, std::string> split_channel(const std::string& name) {
-  const size_t dot = name.rfind('.');
-  if (dot == std::string::npos) return {"", name};
-  return {name.substr(0, dot), name.substr(dot + 1)};
-}
-
 Result<void> require_complete(const format::SpoolReader& dump) {
   if (dump.complete()) return {};
   return fail(ErrorCode::kData, "{}: blocks are missing: an image has no place for holes",

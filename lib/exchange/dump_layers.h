@@ -12,6 +12,7 @@
 #include "formats/interchange/dump_import.h"
 #include "formats/spool_reader.h"
 #include "lib/core/error.h"
+#include "lib/image_io/exr_layers.h"
 #include "lib/image_io/exr_planes.h"
 
 namespace spool::exchange {
@@ -62,8 +63,5 @@ Result<void> read_pixel_layers(const std::filesystem::path& path, uint64_t& end,
 
 // A foreign name as a message may show it: printable ASCII.
 std::string shown(std::string_view name);
-
-// The last component and the layer before it: ("radiance", "R").
-std::pair<std::string, std::string> split_channel(const std::string& name);
 
 }  // namespace spool::exchange

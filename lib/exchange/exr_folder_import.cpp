@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstring>
 
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/scratch_file.h"
 #include "lib/exchange/numbered_files.h"
+#include "lib/exchange/sample_image.h"
 
 namespace spool::exchange {
 
@@ -20,55 +20,17 @@ namespace {
 
 constexpr const char* kPixelFile = "pixel_layers.exr";
 
-Result<void> check_image(const ExrPlanes& image, const ExrPlanes& first, const std::string& file) {
-  if (!image.rec709)
-    return fail(ErrorCode::kData,
-                "{}: chromaticities are not Rec. 709: convert first, e.g. oiiotool --colorconvert",
-                file);
-  double samples = 1;
-  for (const auto& [key, text] : image.attributes.texts)
-    if (key.starts_with("cycles.") && key.ends_with(".samples"))
-      samples = std::max(samples, std::strtod(text.c_str(), nullptr));
-  const bool ours = image.attributes.numbers.contains("spoolVersion");
-  if (const auto found = image.attributes.numbers.find("samplesPerPixel");
-      !ours && found != image.attributes.numbers.end())
-    samples = std::max(samples, found->second);
-  if (samples > 1)
-    return fail(ErrorCode::kData, "{}: holds {} samples per pixel: not a sample record", file,
-                samples);
-  const auto alike = [](const ExrPlane& a, const ExrPlane& b) {
-    return a.name == b.name && a.type == b.type;
-  };
-  if (image.width != first.width || image.height != first.height || image.x0 != first.x0 ||
-      image.y0 != first.y0)
-    return fail(ErrorCode::kData, "{}: another data window than the first image: save them alike",
-                file);
-  if (!std::equal(image.planes.begin(), image.planes.end(), first.planes.begin(),
-                  first.planes.end(), alike))
-    return fail(ErrorCode::kData, "{}: other channels than the first image: save them alike", file);
-  return {};
-}
-
-// The planes of a layer as [y][x][c].
-std::vector<std::byte> interleave(const ExrPlanes& image, const MappedLayer& layer) {
-  const size_t bytes = bytes_per_value(image.planes[layer.planes[0]].type);
-  const size_t channels = layer.planes.size();
-  const size_t pixels = image.planes[layer.planes[0]].values.size() / bytes;
-  std::vector<std::byte> values(pixels * channels * bytes);
-  for (size_t c = 0; c < channels; ++c)
-    for (size_t p = 0; p < pixels; ++p)
-      std::memcpy(&values[(p * channels + c) * bytes],
-                  &image.planes[layer.planes[c]].values[p * bytes], bytes);
-  return values;
+Result<std::vector<ExrPart>> parts_of(const std::filesystem::path& path) {
+  return ExrSource::open(path).map([](const ExrSource& source) { return source.parts(); });
 }
 
 // Layers of the plan with their places in the scratch file; returns its end.
-uint64_t plan_layers(const ExrPlanes& first, const ExrMapping& mapping, DumpPlan& plan) {
+uint64_t plan_layers(const ExrMapping& mapping, DumpPlan& plan) {
   uint64_t end = 0;
   for (const MappedLayer& mapped : mapping.layers) {
     ForeignLayer layer{mapped.name, mapped.components, Scope::kSample, {}};
     layer.array.offset = end;
-    layer.array.type = element_type(first.planes[mapped.planes[0]].type);
+    layer.array.type = element_type(mapped.type);
     layer.array.sample_major = true;
     layer.array.width = plan.width;
     layer.array.height = plan.height;
@@ -130,20 +92,20 @@ Result<void> plan_pass_layers(const ToldDump& told, const std::vector<ExrAttribu
 // The values of every image into the scratch file; their attributes.
 Result<std::vector<ExrAttributes>> read_images(const std::filesystem::path& in,
                                                const std::vector<std::filesystem::path>& files,
-                                               const ExrPlanes& first, const ExrMapping& mapping,
-                                               FileHandle& scratch, DumpPlan& plan) {
+                                               const std::vector<ExrPart>& first,
+                                               const ExrMapping& mapping, FileHandle& scratch,
+                                               DumpPlan& plan) {
   std::vector<ExrAttributes> attributes;
   std::vector<std::byte> first_radiance;
   bool all_alike = files.size() > 1;
   for (size_t s = 0; s < files.size(); ++s) {
-    SPOOL_ASSIGN(ExrPlanes image, read_exr_planes(files[s], {.max_parts = INT32_MAX}));
-    SPOOL_TRY(check_image(image, first, files[s].string()));
+    SPOOL_ASSIGN(SampleImage image, read_sample_image(files[s], first, mapping));
     for (size_t l = 0; l < mapping.layers.size(); ++l) {
-      const auto values = interleave(image, mapping.layers[l]);
+      const std::vector<std::byte>& values = image.layers[l];
       SPOOL_TRY(scratch.write_at(plan.layers[l].array.offset + s * values.size(), values));
       if (l > 0) continue;
+      all_alike = all_alike && (s == 0 || values == first_radiance);
       if (s == 0) first_radiance = values;
-      all_alike = all_alike && values == first_radiance;
     }
     attributes.push_back(std::move(image.attributes));
     SPOOL_ASSIGN(const FileHandle file, FileHandle::open(files[s], format::OpenMode::kRead));
@@ -164,16 +126,16 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   SPOOL_TRY(interchange::refuse_existing_target(out, options.force));
   SPOOL_ASSIGN(const NumberedFiles numbered, numbered_files(in, kPixelFile));
   const std::vector<std::filesystem::path>& files = numbered.paths;
-  SPOOL_ASSIGN(ExrPlanes first, read_exr_planes(files[0], {.max_parts = INT32_MAX}));
+  SPOOL_ASSIGN(const std::vector<ExrPart> first, parts_of(files[0]));
   SPOOL_ASSIGN(const ExrMapping mapping, map_exr_layers(first, options.map, files[0].string()));
-  SPOOL_ASSIGN(auto told, told_dump(first.attributes, files[0].string()));
+  SPOOL_ASSIGN(auto told, told_dump(first[0].attributes, files[0].string()));
+  const ExrWindow& window = first[mapping.layers[0].planes[0].first].data;
+  SPOOL_TRY(check_size(window, files[0].string()));
   DumpPlan plan;
-  plan.width = static_cast<uint32_t>(first.width);
-  plan.height = static_cast<uint32_t>(first.height);
+  plan.width = static_cast<uint32_t>(window.width);
+  plan.height = static_cast<uint32_t>(window.height);
   plan.spp = static_cast<uint32_t>(files.size());
-  uint64_t end = plan_layers(first, mapping, plan);
-  for (ExrPlane& plane : first.planes)
-    plane.values = {};
+  uint64_t end = plan_layers(mapping, plan);
   uint64_t source_bytes = 0;
   std::error_code unreadable;
   for (const auto& file : files)
@@ -191,20 +153,34 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
       told ? told->sample_order : options.sample_order.value_or(format::SampleOrder::kRenderer);
   if (told) plan.meta = told->meta;
   plan.record.format = "exr-folder";
-  plan.record.options["map"] = options.map;
+  plan.record.options["map"] = options.map.layers;
   plan.record.dropped = mapping.dropped;
-  if (first.x0 != 0 || first.y0 != 0)
+  plan.record.converted = mapping.converted;
+  if (window.x0 != 0 || window.y0 != 0)
     plan.record.converted.push_back(
-        fmt::format("the data window began at {},{} and was moved to 0,0", first.x0, first.y0));
+        fmt::format("the data window began at {},{} and was moved to 0,0", window.x0, window.y0));
   std::vector<std::string> notes = plan.record.converted;
   notes.insert(notes.end(), numbered.notes.begin(), numbered.notes.end());
-  if (!mapping.dropped.empty())
-    notes.push_back(fmt::format("not taken over: {} (--set import.map=OURS=LAYER takes a layer)",
-                                fmt::join(mapping.dropped, ", ")));
+  notes.insert(notes.end(), mapping.notes.begin(), mapping.notes.end());
   SPOOL_ASSIGN(ImportReport report, write_dump(out, std::move(plan), options));
   report.notes.insert(report.notes.begin(), notes.begin(), notes.end());
   return report;
 }
+
+namespace {
+
+Option<ExrFolderImportOptions> radiance_option(std::string name, std::string LayerChoice::* member,
+                                               std::string help) {
+  using O = ExrFolderImportOptions;
+  return {std::move(name), "NAME", std::move(help),
+          [=](O& options, std::string_view text) -> Result<void> {
+            options.map.radiance.*member = text;
+            return {};
+          },
+          [=](const O& options) { return options.map.radiance.*member; }};
+}
+
+}  // namespace
 
 interchange::ImportFormat exr_folder_format() {
   using O = ExrFolderImportOptions;
@@ -218,15 +194,17 @@ interchange::ImportFormat exr_folder_format() {
             return fail(ErrorCode::kUsage, "option map: '{}' is no OURS=LAYER, e.g. albedo=DiffCol",
                         text);
           }
-          options.map[std::string(text.substr(0, equals))] = text.substr(equals + 1);
+          options.map.layers[std::string(text.substr(0, equals))] = text.substr(equals + 1);
           return {};
         },
         [](const O& options) {
           std::string text;
-          for (const auto& [ours, theirs] : options.map)
+          for (const auto& [ours, theirs] : options.map.layers)
             text += (text.empty() ? "" : " ") + ours + "=" + theirs;
           return text.empty() ? "none" : text;
-        }}},
+        }},
+       radiance_option("layer", &LayerChoice::layer, "the layer that is radiance, as --layer"),
+       radiance_option("part", &LayerChoice::part, "the part that has it, as --part")},
       import_exr_folder);
 }
 

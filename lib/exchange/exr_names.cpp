@@ -4,12 +4,10 @@
 #include <optional>
 
 #include "formats/interchange/layer_names.h"
+#include "lib/image_io/foreign_picture.h"
 
 namespace spool::exchange {
 namespace {
-
-// Layer -> channel (as spelt) -> plane.
-using Theirs = std::map<std::string, std::map<std::string, size_t>>;
 
 struct Synonym {
   std::string_view theirs, ours;
@@ -17,7 +15,6 @@ struct Synonym {
 
 // Passes of Blender, before 5.0 and since.
 constexpr Synonym kBlender[] = {
-    {"Combined", "radiance"},
     {"Depth", "depth"},
     {"Position", "position"},
     {"Normal", "normal"},
@@ -28,14 +25,8 @@ constexpr Synonym kBlender[] = {
     {"Denoising Depth", "depth_ns"},
 };
 
-// Layers of everybody else, in the order of preference. No name: the base layer.
+// Layers of everybody else, in the order of preference.
 constexpr Synonym kOthers[] = {
-    {"", "radiance"},
-    {"rgba", "radiance"},
-    {"beauty", "radiance"},
-    {"combined", "radiance"},
-    {"color", "radiance"},
-    {"colour", "radiance"},
     {"ns", "normal"},
     {"n", "normal"},
     {"normals", "normal"},
@@ -50,157 +41,276 @@ constexpr Synonym kOthers[] = {
     {"z", "depth"},
 };
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return text;
-}
-
-// The planes of a layer for `count` components, by any of the usual spellings.
-std::optional<std::vector<size_t>> planes_of(const std::map<std::string, size_t>& channels,
-                                             const std::vector<std::string>& components) {
+// The channels of a layer for `count` components, by any of the usual spellings.
+std::optional<std::vector<size_t>> channels_of(const std::map<std::string, size_t>& channels,
+                                               const std::vector<std::string>& components) {
   std::map<std::string, size_t> found;
-  for (const auto& [name, plane] : channels)
-    found.emplace(lower(name), plane);
+  for (const auto& [name, channel] : channels)
+    found.emplace(lower_case(name), channel);
   const auto pick = [&](const std::vector<std::string>& names) {
-    std::vector<size_t> planes;
+    std::vector<size_t> picked;
     for (const std::string& name : names)
-      if (const auto at = found.find(lower(name)); at != found.end()) planes.push_back(at->second);
-    return planes.size() == names.size() ? std::optional(planes) : std::nullopt;
+      if (const auto at = found.find(lower_case(name)); at != found.end())
+        picked.push_back(at->second);
+    return picked.size() == names.size() ? std::optional(picked) : std::nullopt;
   };
-  if (auto planes = pick(components)) return planes;
+  if (auto picked = pick(components)) return picked;
   if (components.size() == 3) {
     for (const auto& names :
          {std::vector<std::string>{"r", "g", "b"}, {"red", "green", "blue"}, {"x", "y", "z"}})
-      if (auto planes = pick(names)) return planes;
+      if (auto picked = pick(names)) return picked;
   }
   if (components.size() == 1 && channels.size() == 1) return std::vector{channels.begin()->second};
   return std::nullopt;
 }
 
-struct Mapper {
-  const ExrPlanes& image;
-  ExrMapping mapping;
-  std::vector<bool> used;
+// The type that holds the values of all: a half is a float, exactly. Nothing for counts beside
+// them.
+std::optional<PixelType> common_type(const ExrPart& part, const std::vector<size_t>& channels) {
+  PixelType type = part.channels[channels[0]].type;
+  for (const size_t c : channels) {
+    const PixelType other = part.channels[c].type;
+    if ((other == PixelType::kUint) != (type == PixelType::kUint)) return std::nullopt;
+    if (other != type) type = PixelType::kFloat;
+  }
+  return type;
+}
 
+const char* word_of(PixelType type) {
+  return type == PixelType::kHalf ? "half" : type == PixelType::kUint ? "uint" : "float";
+}
+
+// Adds a layer, whose colours become those of Rec. 709, as floats.
+Result<void> keep(MappedLayer layer, const ExrPart& part, const std::string& file,
+                  ExrMapping& mapping) {
+  if (layer.is_colour()) {
+    SPOOL_ASSIGN(layer.conversion, conversion_to_rec709(part, file));
+  }
+  if (layer.conversion) {
+    layer.type = PixelType::kFloat;
+    mapping.converted.push_back(
+        fmt::format("{} was converted from {} to Rec. 709", layer.name, layer.conversion->from));
+  }
+  mapping.layers.push_back(std::move(layer));
+  return {};
+}
+
+class Mapper {
+ public:
+  Mapper(const std::vector<ExrPart>& parts, const std::string& file)
+      : parts_(parts), file_(file), layers_(layers_of(parts)) {}
+
+  Result<ExrMapping> map(const LayerMap& map) {
+    LayerChoice choice = map.radiance;
+    if (const auto named = map.layers.find("radiance"); named != map.layers.end())
+      choice.layer = named->second;
+    SPOOL_ASSIGN(const ChosenLayer chosen,
+                 choose_layer(file_, parts_, layers_, choice, Taken::kSamples));
+    if (!chosen.layer.colour)
+      return fail(ErrorCode::kData,
+                  "{}: {} has no R, G, B: radiance has three colours, choose a layer with {}NAME",
+                  file_, spelt(chosen.layer), choice.layer_option);
+    if (!chosen.remark.empty()) mapping_.notes.push_back(chosen.remark);
+    radiance_ = &chosen.layer;
+    SPOOL_TRY(add("radiance", chosen.layer.part,
+                  {chosen.layer.colour->begin(), chosen.layer.colour->end()}));
+    if (mapping_.layers[0].type == PixelType::kUint)
+      return fail(ErrorCode::kData,
+                  "{}: {} holds whole numbers (uint), light has half or float: divide by the "
+                  "largest and linearise",
+                  file_, spelt(chosen.layer));
+    for (const auto& [ours, theirs] : map.layers)
+      if (ours != "radiance") SPOOL_TRY(add_named(ours, theirs));
+    SPOOL_TRY(add_blender());
+    SPOOL_TRY(add_others());
+    list_dropped();
+    return std::move(mapping_);
+  }
+
+ private:
   bool has(std::string_view ours) const {
-    return std::any_of(mapping.layers.begin(), mapping.layers.end(),
+    return std::any_of(mapping_.layers.begin(), mapping_.layers.end(),
                        [&](const MappedLayer& layer) { return layer.name == ours; });
   }
 
-  bool add(const std::string& ours, const std::map<std::string, size_t>& channels) {
+  // Of the view of radiance, in a part that is no deep one.
+  bool beside_radiance(const ExrLayer& layer) const {
+    return parts_[layer.part].flat && (layer.view.empty() || layer.view == radiance_->view);
+  }
+
+  Result<void> add(const std::string& ours, size_t part, const std::vector<size_t>& channels,
+                   std::vector<std::string> components = {"R", "G", "B"}) {
+    const auto type = common_type(parts_[part], channels);
+    if (!type) {
+      std::vector<std::string> types;
+      for (const size_t c : channels)
+        types.push_back(fmt::format("{} {}", parts_[part].channels[c].name,
+                                    word_of(parts_[part].channels[c].type)));
+      return fail(ErrorCode::kData,
+                  "{}: components of {} have types that do not fit ({}): save "
+                  "them in one type",
+                  file_, ours, listed(types));
+    }
+    if (parts_[part].data != parts_[radiance_->part].data)
+      return fail(ErrorCode::kData,
+                  "{}: {} (part {}) has another data window than radiance (part {}): save them "
+                  "alike",
+                  file_, ours, part, radiance_->part);
+    MappedLayer layer{ours, std::move(components), {}, *type};
+    for (const size_t c : channels) {
+      layer.planes.emplace_back(part, c);
+      if (parts_[part].channels[c].type != *type)
+        mapping_.converted.push_back(
+            fmt::format("{}: half to float", parts_[part].channels[c].name));
+    }
+    return keep(std::move(layer), parts_[part], file_, mapping_);
+  }
+
+  // Where the layer has channels that fit; `taken` says whether it was.
+  Result<bool> add_fitting(const std::string& ours, const ExrLayer& layer) {
     const auto known = interchange::find_layer_name(ours);
     std::vector<std::string> components;
-    if (known) {
-      components = known->components;
-    } else {
-      for (const auto& [name, plane] : channels)
-        components.push_back(name);
-    }
-    const auto planes = planes_of(channels, components);
-    if (has(ours) || !planes) return false;
-    const PixelType type = image.planes[planes->front()].type;
-    for (const size_t plane : *planes)
-      if (image.planes[plane].type != type) return false;
-    for (const size_t plane : *planes)
-      used[plane] = true;
-    mapping.layers.push_back({ours, components, *planes, format::Scope::kSample});
+    if (known) components = known->components;
+    for (const auto& [name, channel] : layer.channels)
+      if (!known) components.push_back(name);
+    const auto channels = channels_of(layer.channels, components);
+    if (has(ours) || !channels) return false;
+    SPOOL_TRY(add(ours, layer.part, *channels, components));
     return true;
   }
+
+  Result<void> add_named(const std::string& ours, const std::string& theirs) {
+    std::vector<const ExrLayer*> found;
+    for (const ExrLayer& layer : layers_)
+      if (layer.name == theirs && parts_[layer.part].flat) found.push_back(&layer);
+    if (found.size() > 1)
+      return fail(ErrorCode::kData,
+                  "{}: import.map={}={}: parts {} and {} have a layer of that name", file_, ours,
+                  theirs, found[0]->part, found[1]->part);
+    bool taken = false;
+    if (!found.empty() && interchange::is_layer_name(ours)) {
+      SPOOL_ASSIGN(taken, add_fitting(ours, *found[0]));
+    }
+    if (taken) return {};
+    return fail(ErrorCode::kData,
+                "{}: import.map={}={}: there is no such layer with fitting channels", file_, ours,
+                theirs);
+  }
+
+  // "View.Layer.Depth" of the view layer of radiance.
+  Result<void> add_blender() {
+    if (radiance_->before.empty()) return {};
+    for (const Synonym& row : kBlender) {
+      for (const ExrLayer& layer : layers_) {
+        if (layer.pass != row.theirs || layer.before != radiance_->before ||
+            !beside_radiance(layer))
+          continue;
+        SPOOL_TRY(add_fitting(std::string(row.ours), layer));
+      }
+    }
+    return {};
+  }
+
+  // The layers called `theirs`; two that differ in letter case or part leave it open which is
+  // meant.
+  Result<void> add_only(const std::string& ours, std::string_view theirs, bool not_n) {
+    std::vector<const ExrLayer*> found;
+    for (const ExrLayer& layer : layers_)
+      if (lower_case(layer.before.empty() ? layer.pass : layer.name) == theirs &&
+          beside_radiance(layer) && !(not_n && layer.name == "N"))
+        found.push_back(&layer);
+    if (found.size() > 1 && !has(ours))
+      return fail(ErrorCode::kData, "{}: {} may be {} or {}: choose with --set import.map={}=NAME",
+                  file_, ours, told(*found[0], parts_, layers_), told(*found[1], parts_, layers_),
+                  ours);
+    for (const ExrLayer* layer : found)
+      SPOOL_TRY(add_fitting(ours, *layer));
+    return {};
+  }
+
+  Result<void> add_others() {
+    const auto named = [&](std::string_view name) {
+      return std::any_of(layers_.begin(), layers_.end(), [&](const ExrLayer& layer) {
+        return layer.name == name && beside_radiance(layer);
+      });
+    };
+    // pbrt writes both: N of the surface and Ns as it is shaded.
+    const bool both = named("N") && named("Ns");
+    if (both) SPOOL_TRY(add_exact("normal_geo", "N"));
+    for (const Synonym& row : kOthers)
+      SPOOL_TRY(add_only(std::string(row.ours), row.theirs, both));
+    for (const ExrLayer& layer : layers_) {
+      const std::string ours = lower_case(layer.name);
+      if (interchange::find_layer_name(ours) && ours != "radiance")
+        SPOOL_TRY(add_only(ours, ours, false));
+    }
+    // Z beside R, G, B in their layer.
+    for (const ExrLayer& layer : layers_) {
+      const auto depth = layer.channels.find("Z");
+      if (layer.part == radiance_->part && layer.name == radiance_->name &&
+          depth != layer.channels.end() && !has("depth"))
+        SPOOL_TRY(add("depth", layer.part, {depth->second}, {"Z"}));
+    }
+    return {};
+  }
+
+  Result<void> add_exact(const std::string& ours, std::string_view theirs) {
+    for (const ExrLayer& layer : layers_)
+      if (layer.name == theirs && beside_radiance(layer)) SPOOL_TRY(add_fitting(ours, layer));
+    return {};
+  }
+
+  void list_dropped() {
+    std::vector<ForeignChannel> used;
+    for (const MappedLayer& layer : mapping_.layers)
+      used.insert(used.end(), layer.planes.begin(), layer.planes.end());
+    for (size_t p = 0; p < parts_.size(); ++p)
+      for (size_t c = 0; c < parts_[p].channels.size(); ++c)
+        if (std::find(used.begin(), used.end(), ForeignChannel{p, c}) == used.end())
+          mapping_.dropped.push_back(shown(parts_[p].channels[c].name));
+    if (const std::string unused = unused_channels(parts_, layers_, used); !unused.empty())
+      mapping_.notes.push_back(
+          fmt::format("not taken over: {} (--set import.map=OURS=LAYER takes a layer)", unused));
+  }
+
+  const std::vector<ExrPart>& parts_;
+  const std::string& file_;
+  const std::vector<ExrLayer> layers_;
+  const ExrLayer* radiance_ = nullptr;
+  ExrMapping mapping_;
 };
 
-bool is_blender_pass(std::string_view pass) {
-  return std::any_of(std::begin(kBlender), std::end(kBlender),
-                     [&](const Synonym& row) { return row.theirs == pass; });
-}
-
-// "View.Layer.Combined" -> ("View.Layer", "Combined"); the base layer has no view layer.
-void map_blender(Mapper& mapper, const Theirs& theirs) {
-  std::string view_layer;
-  for (const auto& [layer, channels] : theirs) {
-    const auto [view, pass] = split_channel(layer);
-    if (view.empty() || !is_blender_pass(pass)) continue;
-    if (view_layer.empty() && pass == "Combined") view_layer = view;
-  }
-  for (const Synonym& row : kBlender) {
-    const auto found = theirs.find(fmt::format("{}.{}", view_layer, row.theirs));
-    if (!view_layer.empty() && found != theirs.end())
-      mapper.add(std::string(row.ours), found->second);
-  }
-}
-
-void map_others(Mapper& mapper, const Theirs& theirs) {
-  // pbrt writes both: N of the surface and Ns as it is shaded.
-  const bool both = theirs.contains("N") && theirs.contains("Ns");
-  if (both) mapper.add("normal_geo", theirs.at("N"));
-  for (const Synonym& row : kOthers)
-    for (const auto& [layer, channels] : theirs)
-      if (lower(layer) == row.theirs && !(both && layer == "N"))
-        mapper.add(std::string(row.ours), channels);
-  for (const auto& [layer, channels] : theirs)
-    if (interchange::find_layer_name(lower(layer))) mapper.add(lower(layer), channels);
-  // Z beside R, G, B without a layer.
-  if (const auto base = theirs.find(""); base != theirs.end())
-    if (const auto depth = base->second.find("Z"); depth != base->second.end())
-      mapper.add("depth", {*depth});
-}
-
-Result<ExrMapping> map_told(const ExrPlanes& image, const ToldDump& told, const std::string& file) {
-  ExrMapping mapping;
+Result<ExrMapping> map_told(const ExrPart& part, const ToldDump& told, const std::string& file) {
+  std::vector<MappedLayer> layers;
   for (const ToldChannel& channel : told.channels) {
     if (channel.scope != format::Scope::kSample) continue;
     const std::string theirs = channel.layer == "radiance" ? channel.component : channel.name();
-    const auto plane = std::find_if(image.planes.begin(), image.planes.end(),
-                                    [&](const ExrPlane& p) { return p.name == theirs; });
-    if (plane == image.planes.end())
+    const auto found = std::ranges::find(part.channels, theirs, &ExrChannel::name);
+    if (found == part.channels.end())
       return fail(ErrorCode::kData, "{}: no channel {}: was it dropped by a tool?", file, theirs);
-    if (mapping.layers.empty() || mapping.layers.back().name != channel.layer)
-      mapping.layers.push_back({channel.layer, {}, {}, format::Scope::kSample});
-    MappedLayer& layer = mapping.layers.back();
-    if (!layer.planes.empty() && image.planes[layer.planes[0]].type != plane->type)
+    if (layers.empty() || layers.back().name != channel.layer)
+      layers.push_back({channel.layer, {}, {}, found->type});
+    MappedLayer& layer = layers.back();
+    if (layer.type != found->type)
       return fail(ErrorCode::kData,
                   "{}: the components of {} have different types: save them alike", file,
                   channel.layer);
     layer.components.push_back(channel.component);
-    layer.planes.push_back(static_cast<size_t>(plane - image.planes.begin()));
+    layer.planes.emplace_back(0, static_cast<size_t>(found - part.channels.begin()));
   }
+  ExrMapping mapping;
+  for (MappedLayer& layer : layers)
+    SPOOL_TRY(keep(std::move(layer), part, file, mapping));
   return mapping;
 }
 
 }  // namespace
 
-Result<ExrMapping> map_exr_layers(const ExrPlanes& image, const LayerMap& map,
+Result<ExrMapping> map_exr_layers(const std::vector<ExrPart>& parts, const LayerMap& map,
                                   const std::string& file) {
-  SPOOL_ASSIGN(const auto told, told_dump(image.attributes, file));
-  if (told) return map_told(image, *told, file);
-  Mapper mapper{image, {}, std::vector<bool>(image.planes.size())};
-  Theirs theirs;
-  for (size_t i = 0; i < image.planes.size(); ++i) {
-    auto [layer, channel] = split_channel(image.planes[i].name);
-    theirs[layer].emplace(std::move(channel), i);
-  }
-  for (const auto& [ours, name] : map) {
-    const auto found = theirs.find(name);
-    if (found == theirs.end() || !interchange::is_layer_name(ours) ||
-        !mapper.add(ours, found->second))
-      return fail(ErrorCode::kData,
-                  "{}: import.map={}={}: there is no such layer with fitting channels", file, ours,
-                  name);
-  }
-  map_blender(mapper, theirs);
-  map_others(mapper, theirs);
-  const auto radiance =
-      std::find_if(mapper.mapping.layers.begin(), mapper.mapping.layers.end(),
-                   [](const MappedLayer& layer) { return layer.name == "radiance"; });
-  if (radiance == mapper.mapping.layers.end())
-    return fail(ErrorCode::kData,
-                "{}: no channels R, G, B and no pass Combined: name the layer with "
-                "--set import.map=radiance=LAYER",
-                file);
-  std::rotate(mapper.mapping.layers.begin(), radiance, radiance + 1);
-  for (size_t i = 0; i < image.planes.size(); ++i)
-    if (!mapper.used[i]) mapper.mapping.dropped.push_back(shown(image.planes[i].name));
-  return std::move(mapper.mapping);
+  SPOOL_ASSIGN(const auto told, told_dump(parts[0].attributes, file));
+  if (told) return map_told(parts[0], *told, file);
+  return Mapper(parts, file).map(map);
 }
 
 }  // namespace spool::exchange

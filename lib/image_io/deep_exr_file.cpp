@@ -100,6 +100,8 @@ Result<DeepExrReader> DeepExrReader::open(const std::filesystem::path& path,
     const auto pixels =
         static_cast<std::uint64_t>(window.width) * static_cast<std::uint64_t>(window.height);
     SPOOL_ASSIGN(state->header.channels, exr::checked_channels(name, header));
+    for (const ExrChannel& channel : state->header.channels)
+      SPOOL_TRY(exr::check_full_size(name, channel));
     SPOOL_TRY(exr::check_claim(name, window, 1, 4 * pixels, UINT64_MAX, file_bytes));
     state->header.width = window.width;
     state->header.height = window.height;

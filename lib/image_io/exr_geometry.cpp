@@ -38,10 +38,6 @@ Result<std::vector<ExrChannel>> checked_channels(const std::string& name,
                                                  const Imf::Header& header) {
   std::vector<ExrChannel> channels;
   for (auto i = header.channels().begin(); i != header.channels().end(); ++i) {
-    if (i.channel().xSampling != 1 || i.channel().ySampling != 1) {
-      return fail(ErrorCode::kData, "{}: channel {} is subsampled: write it at full size", name,
-                  i.name());
-    }
     const std::string_view text = i.name();
     if (std::any_of(text.begin(), text.end(), [](char c) { return c < ' ' && c >= 0; }) ||
         text.empty()) {
@@ -49,12 +45,20 @@ Result<std::vector<ExrChannel>> checked_channels(const std::string& name,
                   name, channels.size());
     }
     const Imf::PixelType type = i.channel().type;
-    channels.push_back(
-        {i.name(), type == Imf::HALF ? PixelType::kHalf
-                                     : (type == Imf::UINT ? PixelType::kUint : PixelType::kFloat)});
+    channels.push_back({i.name(),
+                        type == Imf::HALF
+                            ? PixelType::kHalf
+                            : (type == Imf::UINT ? PixelType::kUint : PixelType::kFloat),
+                        i.channel().xSampling != 1 || i.channel().ySampling != 1});
   }
   if (channels.empty()) return fail(ErrorCode::kData, "{}: has no channels", name);
   return channels;
+}
+
+Result<void> check_full_size(const std::string& name, const ExrChannel& channel) {
+  if (!channel.subsampled) return {};
+  return fail(ErrorCode::kData, "{}: channel {} is subsampled: write it at full size", name,
+              channel.name);
 }
 
 Result<void> check_claim(const std::string& name, const Window& window, std::size_t channels,

@@ -30,9 +30,10 @@ void cap_sizes();
 // The data window, within kMaxSide and `max_pixels`.
 Result<Window> checked_window(const std::string& name, const Imf::Header& header,
                               std::uint64_t max_pixels);
-// Channels of full size.
 Result<std::vector<ExrChannel>> checked_channels(const std::string& name,
                                                  const Imf::Header& header);
+// kData for a subsampled channel.
+Result<void> check_full_size(const std::string& name, const ExrChannel& channel);
 // `claimed` bytes of pixels against the cap and the length of the file.
 Result<void> check_claim(const std::string& name, const Window& window, std::size_t channels,
                          std::uint64_t claimed, std::uint64_t max_bytes, std::uint64_t file_bytes);

@@ -7,10 +7,14 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <OpenEXR/ImfCompression.h>
+
+#include "formats/other_kinds.h"
 #include "lib/image_io/exr_chunks.h"
 #include "lib/image_io/exr_geometry.h"
 
@@ -22,6 +26,8 @@ static_assert(std::endian::native == std::endian::little, "OpenEXR numbers are l
 constexpr std::size_t kMaxNameBytes = 255;
 constexpr std::uint32_t kMagic = 20000630;
 constexpr std::uint32_t kTiled = 0x200, kNoImage = 0x800, kMultiPart = 0x1000;  // of the version
+constexpr std::uint32_t kLongNames = 0x400;
+constexpr std::uint32_t kKnownVersion = 0xFF | kTiled | kLongNames | kNoImage | kMultiPart;
 constexpr std::uint64_t kTableEntryBytes = 8;
 
 // Values of these types have one size. Of the others, text and unknown types may have any, and
@@ -37,6 +43,11 @@ const std::map<std::string_view, std::uint64_t>& fixed_sizes() {
       {"v2f", 8},         {"v2i", 8},       {"v3d", 24},
       {"v3f", 12},        {"v3i", 12},      {"tiledesc", 9}};
   return sizes;
+}
+
+// Those that OpenEXR has added since.
+std::string_view newer_compression(int number) {
+  return number == 10 || number == 11 ? " (HTJ2K)" : "";
 }
 
 template <class T>
@@ -63,10 +74,17 @@ class HeaderScan {
 
   Result<void> run() {
     const std::string start = take(8);
-    if (number_at<std::uint32_t>(start, 0) != kMagic || start.size() < 4)
+    if (number_at<std::uint32_t>(start, 0) != kMagic || start.size() < 4) {
+      SPOOL_TRY(format::refuse_other_kind(name_, std::as_bytes(std::span(start)),
+                                          "an OpenEXR image", "convert it, e.g. with oiiotool"));
       return fail(ErrorCode::kData, "{}: is not an OpenEXR image (wrong first bytes)", name_);
+    }
     if (start.size() < 8) return cut();
     version_ = number_at<std::uint32_t>(start, 4);
+    if ((version_ & 0xFF) != 2 || (version_ & ~kKnownVersion) != 0)
+      return fail(ErrorCode::kData,
+                  "{}: version {} (flags {:#x}) of OpenEXR is unknown here: save it as version 2",
+                  name_, version_ & 0xFF, version_ & ~0xFFU);
     const bool several = (version_ & kMultiPart) != 0;
     std::uint64_t table_bytes = 0;
     for (bool ended = false; !ended;) {
@@ -175,6 +193,11 @@ class HeaderScan {
         return refuse(attribute, "says that tiles are empty");
     } else if (attribute.name == "compression" && attribute.type == "compression") {
       part.shape.compression = number_at<std::uint8_t>(value, 0);
+      if (part.shape.compression >= Imf::NUM_COMPRESSION_METHODS)
+        return fail(ErrorCode::kData,
+                    "{}: compression {}{} is unknown here: save it with zip, e.g. oiiotool "
+                    "--compression zip",
+                    name_, part.shape.compression, newer_compression(part.shape.compression));
     } else if (attribute.name == "chunkCount" && attribute.type == "int") {
       part.chunk_count = static_cast<std::uint64_t>(std::max(0, number_at<std::int32_t>(value, 0)));
     } else if (attribute.name == "type" && attribute.type == "string") {
@@ -195,7 +218,12 @@ class HeaderScan {
       }
       if (end == std::string_view::npos || end - at > kMaxNameBytes || value.size() - end < 17)
         break;
-      bytes += number_at<std::int32_t>(value, end + 1) == 1 ? 2 : 4;  // HALF is 1
+      const auto type = number_at<std::int32_t>(value, end + 1);
+      if (type < 0 || type > 2)
+        return fail(ErrorCode::kData,
+                    "{}: channel {} has type {}, which is unknown here: save it as half or float",
+                    name_, one_line(value.substr(at, end - at)), type);
+      bytes += type == 1 ? 2 : 4;  // HALF is 1
       at = end + 17;
     }
     return refuse(attribute, "is no list of channels");

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -12,28 +13,6 @@
 
 namespace spool {
 namespace {
-
-// Every half and float is a double, exactly.
-Plane to_doubles(const ExrPlane& plane, int width, int height) {
-  Plane data(width, height);
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    const std::byte* at = plane.values.data() + i * bytes_per_value(plane.type);
-    if (plane.type == PixelType::kHalf) {
-      Imath::half value;
-      std::memcpy(&value, at, sizeof value);
-      data[i] = static_cast<double>(static_cast<float>(value));
-    } else if (plane.type == PixelType::kUint) {
-      std::uint32_t value = 0;
-      std::memcpy(&value, at, sizeof value);
-      data[i] = static_cast<double>(value);
-    } else {
-      float value = 0.0f;
-      std::memcpy(&value, at, sizeof value);
-      data[i] = static_cast<double>(value);
-    }
-  }
-  return data;
-}
 
 bool representable(double value, PixelType type) {
   switch (type) {
@@ -114,13 +93,23 @@ const Plane* ExrFile::find(std::string_view name) const {
 }
 
 Result<ExrFile> read_exr(const std::filesystem::path& path, const ExrReadLimits& limits) {
-  SPOOL_ASSIGN(ExrPlanes planes, read_exr_planes(path, limits));
+  SPOOL_ASSIGN(ExrSource source, ExrSource::open(path, limits));
+  if (source.parts().size() == 1) return read_part(source, 0);
+  return fail(ErrorCode::kData, "{}: has {} parts: an image of one part is needed", source.name(),
+              source.parts().size());
+}
+
+Result<ExrFile> read_part(ExrSource& source, std::size_t p) {
+  const ExrPart& part = source.parts()[p];
+  std::vector<std::size_t> channels(part.channels.size());
+  std::iota(channels.begin(), channels.end(), std::size_t{0});
+  SPOOL_ASSIGN(std::vector<ExrPlane> planes, source.read(p, channels));
   ExrFile file;
-  file.width = planes.width;
-  file.height = planes.height;
-  file.text_attributes = std::move(planes.attributes.texts);
-  file.number_attributes = std::move(planes.attributes.numbers);
-  for (ExrPlane& plane : planes.planes) {
+  file.width = static_cast<int>(part.data.width);
+  file.height = static_cast<int>(part.data.height);
+  file.text_attributes = part.attributes.texts;
+  file.number_attributes = part.attributes.numbers;
+  for (ExrPlane& plane : planes) {
     file.channels.push_back({plane.name, plane.type, to_doubles(plane, file.width, file.height)});
     plane.values = {};
   }
@@ -156,15 +145,25 @@ ExrFile exr_from_rgb(RgbImage rgb) {
   return file;
 }
 
-Result<RgbImage> rgb_from_exr(const ExrFile& file, std::string_view name) {
-  const Plane* red = file.find("R");
-  const Plane* green = file.find("G");
-  const Plane* blue = file.find("B");
-  if (red && green && blue) return RgbImage{*red, *green, *blue};
-  const Plane* grey = file.find("Y");
-  if (!grey && file.channels.size() == 1) grey = &file.channels.front().data;
-  if (grey) return RgbImage{*grey, *grey, *grey};
-  return fail(ErrorCode::kData, "{}: has neither the channels R, G, B nor Y", name);
+Plane to_doubles(const ExrPlane& plane, int width, int height) {
+  Plane data(width, height);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const std::byte* at = plane.values.data() + i * bytes_per_value(plane.type);
+    if (plane.type == PixelType::kHalf) {
+      Imath::half value;
+      std::memcpy(&value, at, sizeof value);
+      data[i] = static_cast<double>(static_cast<float>(value));
+    } else if (plane.type == PixelType::kUint) {
+      std::uint32_t value = 0;
+      std::memcpy(&value, at, sizeof value);
+      data[i] = static_cast<double>(value);
+    } else {
+      float value = 0.0f;
+      std::memcpy(&value, at, sizeof value);
+      data[i] = static_cast<double>(value);
+    }
+  }
+  return data;
 }
 
 }  // namespace spool

@@ -14,6 +14,7 @@
 
 #include "lib/core/error.h"
 #include "lib/core/image.h"
+#include "lib/image_io/exr_source.h"
 #include "lib/image_io/exr_types.h"
 
 namespace spool {
@@ -34,9 +35,13 @@ struct ExrFile {
   const Plane* find(std::string_view name) const;  // nullptr when absent
 };
 
-// Reads part 0. kIo when the file cannot be opened, kData when it is no flat EXR
-// or too large, kDamage when pixels are missing or do not decode.
+// A file of this program: one part, all of its channels; foreign_picture.h reads those of others.
+// kIo when the file cannot be opened, kData when it is no flat EXR or too large, kDamage when
+// pixels are missing or do not decode.
 Result<ExrFile> read_exr(const std::filesystem::path& path, const ExrReadLimits& limits = {});
+
+// All channels of a part.
+Result<ExrFile> read_part(ExrSource& source, std::size_t part);
 
 // Writes compressed scanlines under a temporary name, then renames. A value that the channel's
 // type cannot hold (a half above 65504, a negative or fractional count) is an error with its pixel.
@@ -49,7 +54,7 @@ Result<void> write_exr(const std::filesystem::path& path, ExrFile&& image,
 // An image whose channels are R, G, B (float).
 ExrFile exr_from_rgb(RgbImage rgb);
 
-// The channels R, G, B of a file; a single channel (Y or the only one) is taken as grey.
-Result<RgbImage> rgb_from_exr(const ExrFile& file, std::string_view name);
+// Every half, float and uint is a double, exactly.
+Plane to_doubles(const ExrPlane& plane, int width, int height);
 
 }  // namespace spool

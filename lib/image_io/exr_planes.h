@@ -1,9 +1,6 @@
-// Flat OpenEXR files bit for bit: channels in their own type, every part.
+// Flat OpenEXR files of one part, bit for bit: channels in their own type.
 //
-// exr_image.h is for pictures; this is for exchange, where a NaN keeps its payload and a half stays
-// a half. deep_exr_file.h has deep scanlines. Files are taken as hostile: sizes are checked against
-// the cap and against the length of the file before anything is allocated. Errors as in
-// exr_image.h.
+// exr_image.h has pictures as doubles, exr_source.h files of other programs. Errors as there.
 #pragma once
 
 #include <cstddef>
@@ -16,23 +13,14 @@
 
 namespace spool {
 
-struct ExrPlane {
-  std::string name;
-  PixelType type = PixelType::kFloat;
-  std::vector<std::byte> values = {};  // [y][x], little-endian
-};
-
 struct ExrPlanes {
   int width = 0;
   int height = 0;
-  int x0 = 0, y0 = 0;  // of the data window
   std::vector<ExrPlane> planes = {};
   ExrAttributes attributes = {};
-  bool rec709 = true;  // no chromaticities, or those of Rec. 709
 };
 
-// The first limits.max_parts parts. Where a later part is named and its channels are not, "PART."
-// is put before them, as readers of several parts do. Parts of another size are refused (kData).
+// kData for a file of several parts.
 Result<ExrPlanes> read_exr_planes(const std::filesystem::path& path,
                                   const ExrReadLimits& limits = {});
 

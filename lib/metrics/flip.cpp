@@ -238,6 +238,12 @@ RgbImage exposed(const RgbImage& image, double exponent) {
   return result;
 }
 
+bool alike(const RgbImage& a, const RgbImage& b) {
+  for (std::size_t c = 0; c < 3; ++c)
+    if (!std::ranges::equal(a[c].pixels(), b[c].pixels())) return false;
+  return true;
+}
+
 }  // namespace
 
 Plane flip_ldr_map(const RgbImage& reference, const RgbImage& test) {
@@ -273,7 +279,10 @@ std::optional<FlipExposures> flip_exposures(const RgbImage& reference) {
   FlipExposures exposures;
   exposures.start = std::log2(aces_at_85_percent() / brightest);
   exposures.stop = std::log2(aces_at_85_percent() / median);
-  exposures.count = std::max(2, static_cast<int>(std::ceil(exposures.stop - exposures.start)));
+  // One for each stop, as the authors have it; theirs are without a bound, and a range of 2^150 is
+  // a finite picture.
+  const double stops = std::ceil(exposures.stop - exposures.start);
+  exposures.count = static_cast<int>(std::clamp(stops, 2.0, double{kMostFlipExposures}));
   return exposures;
 }
 
@@ -284,7 +293,9 @@ std::optional<Plane> flip_hdr_map(const RgbImage& reference, const RgbImage& tes
   for (int i = 0; i < exposures->count; ++i) {
     const double e =
         exposures->start + (exposures->stop - exposures->start) * i / (exposures->count - 1);
-    const Plane map = flip_ldr_map(exposed(reference, e), exposed(test, e));
+    const RgbImage shown = exposed(reference, e), other = exposed(test, e);
+    if (alike(shown, other)) continue;  // also where both are black, or white
+    const Plane map = flip_ldr_map(shown, other);
     for (std::size_t p = 0; p < worst.size(); ++p)
       worst[p] = std::max(worst[p], map[p]);
   }

@@ -2,7 +2,8 @@
 // [AnderssonEtAl20], and its extension to high dynamic range [AnderssonEtAl21].
 //
 // Written from the papers, in double, with the authors' constants for a monitor of 3840 pixels in
-// 0.7 m at 0.7 m; its tests compare with the authors' program. Borders are clamped.
+// 0.7 m at 0.7 m; its tests compare with the authors' program. Borders are clamped. Negative values
+// count as 0 in HDR-FLIP; the authors' tone map takes them as they are.
 #pragma once
 
 #include <optional>
@@ -15,6 +16,10 @@ inline constexpr double kFlipPixelsPerDegree = 67.02064327658225;  // 3840 pi / 
 
 // Both images linear RGB; values outside [0, 1] are clamped.
 Plane flip_ldr_map(const RgbImage& reference, const RgbImage& test);
+
+// An ordinary picture needs 5 to 15, one for each stop between its median and its brightest pixel.
+// Beyond this number they are spread evenly over the same range.
+inline constexpr int kMostFlipExposures = 24;
 
 struct FlipExposures {
   double start = 0, stop = 0;  // base-2 logarithms

@@ -1,4 +1,5 @@
 #include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
 
 #include <cmath>
 #include <limits>
@@ -105,19 +106,26 @@ TEST_F(ExrImage, MissingFolderAndMissingFileAreIoErrors) {
   EXPECT_EQ(read.error().code, ErrorCode::kIo);
 }
 
-TEST_F(ExrImage, RgbIsTakenFromColourGreyOrTheOnlyChannel) {
-  const auto one = [](const char* name) {
-    return ExrFile{
+TEST_F(ExrImage, AGreyPictureIsYAndNoDepthOrCount) {
+  const auto one = [&](const char* name) {
+    const ExrFile image{
         .width = 1, .height = 1, .channels = {{name, PixelType::kFloat, Plane(1, 1, 7)}}};
+    EXPECT_TRUE(write_exr(file("a.exr"), image, {.overwrite = true}));
   };
-  for (const char* name : {"Y", "n", "depth.Z"}) {
-    const auto rgb = rgb_from_exr(one(name), "a.exr");
-    ASSERT_TRUE(rgb) << name;
-    EXPECT_EQ((*rgb)[2](0, 0), 7.0);
+  for (const char* name : {"Y", "V"}) {
+    one(name);
+    const auto picture = read_picture(file("a.exr"));
+    ASSERT_TRUE(picture) << name;
+    EXPECT_EQ(picture->rgb[2](0, 0), 7.0);
+    EXPECT_EQ(picture->channel, name);
   }
-  ExrFile two = one("p");
-  two.channels.push_back({"q", PixelType::kFloat, Plane(1, 1)});
-  EXPECT_FALSE(rgb_from_exr(two, "a.exr"));
+  for (const char* name : {"n", "depth.Z", "A"}) {
+    one(name);
+    EXPECT_FALSE(read_picture(file("a.exr"))) << name;
+    const auto map = read_single_or_picture(file("a.exr"));
+    ASSERT_TRUE(map) << name;
+    EXPECT_EQ(map->rgb[0](0, 0), 7.0);
+  }
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include "formats/interchange/zip_directory.h"
 #include "formats/interchange/zip_writer.h"
 #include "lib/exchange/foreign_formats.h"
+#include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
 
 namespace {
 
@@ -78,6 +80,14 @@ Result<std::string> notes_of(const Result<Report>& report) {
 Result<std::string> run(const Job& job) {
   if (job.verb.starts_with("import ")) return notes_of(run_import(job));
   if (job.verb.starts_with("export ")) return notes_of(run_export(job));
+  if (job.verb == "picture") {  // as metrics, picture and image:FILE read it, into OUT
+    LayerChoice choice;
+    if (job.has("layer")) choice.layer = job.options.at("layer");
+    if (job.has("part")) choice.part = job.options.at("part");
+    SPOOL_ASSIGN(ForeignPicture picture, read_picture(job.in, choice));
+    SPOOL_TRY(write_exr(job.out, exr_from_rgb(std::move(picture.rgb)), {.overwrite = true}));
+    return remark_line(job.in, picture.remarks);
+  }
   if (job.verb == "sparse_zip") {  // 5 GiB of zeros, then three bytes: sizes and offsets past 4 GiB
     std::vector<PlannedMember> members = {{"big", uint64_t{5} << 30}, {"small", 3}};
     plan_zip(members);

@@ -54,7 +54,7 @@ SAMPLES = np.random.default_rng(2).random((4, 3, 2, 3), np.float32)
 
 @pytest.mark.parametrize("code, words, data", [
     (4, "hold no header", b""), (4, "hold no header", raw(SAMPLES)[:19]),
-    (1, "not a BCD raw file", raw(SAMPLES) + b"\0"), (1, "not a BCD raw file", b"PK\3\4" * 30),
+    (1, "not a BCD raw file", raw(SAMPLES) + b"\0"), (1, "is a zip archive, a BCD raw file is needed", b"PK\3\4" * 30),
     (1, "not a BCD raw file", raw(SAMPLES, width=2))])
 def test_other_files_are_refused(tmp_path, code, words, data):
     path = tmp_path / "a.raw"

@@ -97,6 +97,22 @@ TEST(Flip, HighDynamicRangeDoesNotDependOnExposure) {
   EXPECT_NEAR(mean_of(*flip_hdr_map(r, t)), once, 1e-9);
 }
 
+TEST(Flip, AnyFiniteRangeHasABoundedNumberOfExposures) {
+  RgbImage wide = make_rgb(8, 8, 1e-25);
+  for (Plane& plane : wide)
+    plane[63] = 1e25;
+  const FlipExposures exposures = *flip_exposures(wide);
+  EXPECT_EQ(exposures.count, kMostFlipExposures);
+  EXPECT_NEAR(exposures.stop - exposures.start, 50 * std::log2(10.0), 1e-9);  // all of the range
+  RgbImage ordinary = make_rgb(8, 8, 1.0);
+  for (Plane& plane : ordinary)
+    plane[63] = 0x1p20;
+  EXPECT_EQ(flip_exposures(ordinary)->count, 20);  // one for each stop, as the authors have it
+  RgbImage other = wide;
+  other[0][5] = 1e10;
+  EXPECT_GT(mean_of(*flip_hdr_map(wide, other)), 0.0);
+}
+
 TEST(Flip, BlackReferenceHasNoExposures) {
   EXPECT_FALSE(flip_hdr_map(make_rgb(8, 8), make_rgb(8, 8, 1.0)).has_value());
   RgbImage mostly_black = make_rgb(8, 8);

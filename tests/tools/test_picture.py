@@ -59,7 +59,7 @@ def test_false_colour_of_a_channel_has_a_bar_and_grows_lighter(good, image, tmp_
 def test_what_is_wrong_is_named(run, image, tmp_path):
     a, png = tmp_path / "a.exr", tmp_path / "a.png"
     run("picture", a, "-o", tmp_path / "b.exr").failed_with(2, "name it .png")
-    run("picture", a, "--false-colour", "--channel", "Z", "-o", png).failed_with(2, "no channel Z", "R")
+    run("picture", a, "--false-colour", "--channel", "Z", "-o", png).failed_with(2, "no layer or channel Z", "R")
     run("picture", a, "--false-colour", "--range", "3,1", "-o", png).failed_with(2, "LOW,HIGH")
     run("picture", a, "--false-colour", "--range", "0,1", "--log", "-o", png).failed_with(2, "above 0")
     run("picture", tmp_path / "none.exr", "-o", png).failed_with(3, "none.exr")

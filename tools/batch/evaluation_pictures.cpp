@@ -7,6 +7,7 @@
 #include "formats/crc32.h"
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
 #include "tools/result_pictures.h"
 
@@ -60,8 +61,7 @@ std::vector<Sheet> sheets_of(const std::vector<PicturedResult>& results) {
 }
 
 Result<RgbImage> read_rgb(const std::filesystem::path& path) {
-  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
-  return rgb_from_exr(file, path.string());
+  return read_picture(path).map([](ForeignPicture picture) { return std::move(picture.rgb); });
 }
 
 }  // namespace

@@ -39,6 +39,14 @@ void add_output(CLI::App& verb, std::filesystem::path& output, const std::string
   verb.add_option("-o,--output", output, help)->required();
 }
 
+void add_layer(CLI::App& verb, LayerChoice& choice, const std::string& before,
+               const std::string& whose) {
+  verb.add_option("--" + before + "layer", choice.layer,
+                  fmt::format("the layer {} that is the picture, where several may be", whose));
+  verb.add_option("--" + before + "part", choice.part,
+                  fmt::format("the part {} that has it, by name or number", whose));
+}
+
 void add_method(CLI::App& verb, MethodOptions& method) {
   verb.add_option("--preset", method.preset,
                   "values of all options at once: see spool list presets");

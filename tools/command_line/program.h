@@ -68,6 +68,9 @@ void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force);
 // A seed as plans have it, too: TOML has no larger numbers.
 CLI::Validator seed_check();
 void add_dump(CLI::App& verb, std::filesystem::path& dump);
+// --layer and --part, with `before` in front of both words.
+void add_layer(CLI::App& verb, LayerChoice& choice, const std::string& before,
+               const std::string& whose);
 void add_output(CLI::App& verb, std::filesystem::path& output, const std::string& help);
 void add_method(CLI::App& verb, MethodOptions& method);
 void add_pool(CLI::App& verb, PoolOptions& pool);

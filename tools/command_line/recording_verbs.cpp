@@ -68,6 +68,7 @@ void add_pack(Program& program) {
                   "import.OPTION=VALUE, an option of the foreign format: see spool list imports")
       ->take_all()
       ->allow_extra_args(false);
+  add_layer(verb, program.pack.layer, "", "of each image (--from exr-folder)");
   verb.add_option("--max-expansion", program.pack.max_expansion,
                   "of foreign files: how many times larger than its source the dump may be (100)")
       ->check(CLI::Range(uint64_t{1}, interchange::kMaxExpansionTimes));

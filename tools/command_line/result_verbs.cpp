@@ -103,8 +103,7 @@ void add_metrics(Program& program) {
   CLI::App& verb =
       *program.app.add_subcommand("metrics", "every metric of one image against another");
   MetricsOptions& options = program.metrics;
-  verb.add_option("IMAGE", options.image, "an EXR: R, G, B or one channel, scene-linear")
-      ->required();
+  verb.add_option("IMAGE", options.image, "an EXR: R, G, B or Y, scene-linear")->required();
   verb.add_option("REFERENCE", options.reference, "an EXR of the same size")->required();
   verb.add_option("--variance", options.variance,
                   "EXR with the variance of the reference's mean: errors are debiased by it");
@@ -116,6 +115,8 @@ void add_metrics(Program& program) {
                   "OPTION=VALUE of the metrics (spool list metrics): rel_scale=none")
       ->take_all()
       ->allow_extra_args(false);
+  add_layer(verb, options.layer, "", "of IMAGE");
+  add_layer(verb, options.reference_layer, "reference-", "of REFERENCE");
   verb.add_option("--error-map", options.error_map, "also write the squared error of each pixel");
   add_common(verb, program.common, true, true);
   verb.footer(

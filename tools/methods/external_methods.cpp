@@ -3,15 +3,18 @@
 #include <cmath>
 #include <utility>
 
+#include "formats/interchange/export_format.h"
 #include "lib/experiment/stage_clock.h"
 #include "lib/filters/filter_stage.h"
 #include "lib/filters/given_image.h"
 #include "lib/filters/oidn/oidn.h"
-#include "lib/image_io/exr_image.h"
+#include "lib/image_io/counts_exr.h"
+#include "lib/image_io/foreign_picture.h"
 #include "lib/sampling/asked_counts.h"
 #include "lib/sampling/given_counts.h"
 #include "lib/sampling/rounds.h"
 #include "lib/sampling/spending.h"
+#include "tools/console.h"
 #include "tools/methods/called_methods.h"
 #include "tools/methods/ensemble_filter.h"
 #include "tools/methods/external_process.h"
@@ -69,16 +72,19 @@ Needs made_elsewhere() {
 }
 
 // What a command answered, and how long starting it and handing files over took.
+template <class Value>
 struct Answer {
-  ExrFile file;
+  Value value;
   double exchange_seconds = 0;
 };
 
-// One call: the statistics go out, the answer comes back as the EXR that the command wrote.
-Result<Answer> call(const std::string& command, const PieceStatistics& statistics,
-                    const SamplePool& pool, const ExecOptions& options,
-                    std::vector<std::pair<std::string, std::string>> environment,
-                    const std::function<bool()>* cancelled) {
+// One call: the statistics go out, and `read` takes the EXR that the command wrote.
+template <class Value>
+Result<Answer<Value>> call(const std::string& command, const PieceStatistics& statistics,
+                           const SamplePool& pool, const ExecOptions& options,
+                           std::vector<std::pair<std::string, std::string>> environment,
+                           const std::function<bool()>* cancelled,
+                           Result<Value> (*read)(const std::filesystem::path&)) {
   SPOOL_ASSIGN(const ExchangeFolder folder, ExchangeFolder::create());
   const std::filesystem::path input = folder / "statistics.exr", output = folder / "answer.exr";
   const StageClock writing;
@@ -100,12 +106,17 @@ Result<Answer> call(const std::string& command, const PieceStatistics& statistic
                 command);
   }
   const StageClock reading;
-  Result<ExrFile> answer = read_exr(output);
-  if (answer) return Answer{std::move(*answer), exchange + reading.elapsed().wall};
+  Result<Value> answer = read(output);
+  if (answer) return Answer<Value>{std::move(*answer), exchange + reading.elapsed().wall};
   std::string message = answer.error().message;
   if (message.starts_with(output.string()))
     message = "answer" + message.substr(output.string().size());
   return fail(ErrorCode::kData, "exec:{}: {}", command, message);
+}
+
+// A command has no option that chooses: its answer is one picture.
+Result<ForeignPicture> read_answer(const std::filesystem::path& path) {
+  return read_picture(path, {"", "", "", ""});
 }
 
 Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionValues& set) {
@@ -115,16 +126,16 @@ Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionV
                                                  const SamplingContext& context) {
     double exchange = 0.0;
     const AskForCounts ask = [&](const CountQuestion& question) -> Result<CountImage> {
-      SPOOL_ASSIGN(const Answer answer,
+      SPOOL_ASSIGN(const auto answer,
                    call(command, question.statistics, question.pool, options.exec,
                         {{"SPOOL_ROUND", std::to_string(question.round)},
                          {"SPOOL_ROUNDS", std::to_string(question.rounds)},
                          {"SPOOL_LEFT", std::to_string(question.left)},
                          {"SPOOL_SHARE", std::to_string(question.share)},
                          {"SPOOL_SEED", std::to_string(question.seed)}},
-                        context.cancelled));
+                        context.cancelled, &read_counts_exr));
       exchange += answer.exchange_seconds;
-      return counts_from_exr(answer.file, fmt::format("exec:{}: answer", command));
+      return counts_from_exr(answer.value, fmt::format("exec:{}: answer", command));
     };
     Result<SamplingResult> result = sample_asked_counts(pool, budget, options.asked, ask, context);
     if (!result && !result.error().message.starts_with("exec:")) {
@@ -142,9 +153,9 @@ Result<ReadyFilter> make_exec_filter(const std::string& command, const OptionVal
   const FilterFunction run = [command, options](const Selection& selection, const SamplePool& pool,
                                                 const FilterContext&) -> Result<Reconstruction> {
     const std::string name = fmt::format("exec:{}: answer", command);
-    SPOOL_ASSIGN(const Answer answer,
-                 call(command, selection.statistics, pool, options, {}, nullptr));
-    SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(answer.file, name));
+    SPOOL_ASSIGN(const auto answer,
+                 call(command, selection.statistics, pool, options, {}, nullptr, &read_answer));
+    const RgbImage& image = answer.value.rgb;
     for (std::size_t c = 0; c < 3; ++c) {
       for (int y = 0; y < image[c].height(); ++y) {
         for (int x = 0; x < image[c].width(); ++x) {
@@ -184,11 +195,24 @@ Result<ReadySampler> make_counts_sampler(const std::string& path, const OptionVa
   return ReadySampler{run, {}};
 }
 
+const OptionTable<LayerChoice>& layer_option_table() {
+  using O = LayerChoice;
+  static const OptionTable<O> table = {
+      interchange::text_option<O>("layer", &O::layer, "NAME",
+                                  "the layer that is the image, where several may be"),
+      interchange::text_option<O>("part", &O::part, "NAME|N", "the part of the file that has it")};
+  return table;
+}
+
+LayerChoice image_layer() {
+  return {"", "", "--set filter.layer=", "--set filter.part="};
+}
+
 Result<ReadyFilter> make_image_filter(const std::string& path, const OptionValues& set) {
-  SPOOL_TRY(with_options(OptionTable<NoOptions>{}, NoOptions{}, set));
-  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
-  SPOOL_ASSIGN(RgbImage image, rgb_from_exr(file, path));
-  return ReadyFilter{given_image(std::move(image), "image:" + path), made_elsewhere()};
+  SPOOL_ASSIGN(const LayerChoice choice, with_options(layer_option_table(), image_layer(), set));
+  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, choice));
+  print_note(remark_line("image:" + path, picture.remarks));
+  return ReadyFilter{given_image(std::move(picture.rgb), "image:" + path), made_elsewhere()};
 }
 
 // A method whose argument stands where others have a preset.
@@ -241,7 +265,7 @@ const FilterList& known_filters() {
         ensemble_option_table(), Needs{}, &make_ensemble_filter)));
     list.methods.push_back(with_stage_options(
         method_with_argument("image", "FILE.exr", "your own: an image that was made elsewhere",
-                             OptionTable<NoOptions>{}, made_elsewhere(), &make_image_filter)));
+                             layer_option_table(), made_elsewhere(), &make_image_filter)));
     list.methods.push_back(with_stage_options(method_with_argument(
         "exec", "COMMAND", "your own: a command that makes the image from the statistics",
         exec_option_table(), Needs{}, &make_exec_filter)));

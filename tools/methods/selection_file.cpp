@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lib/core/guards.h"
+#include "lib/image_io/counts_exr.h"
 #include "lib/statistics/joined_halves.h"
 #include "tools/methods/view_files.h"
 
@@ -17,15 +18,6 @@ namespace {
 
 constexpr std::array<const char*, 2> kHalves = {"even.", "odd."};
 constexpr double kLargestCount = 65536.0;  // samples per pixel of a dump [spool.md 6]
-
-const NamedPlane& count_channel(const ExrFile& file) {
-  for (const char* name : {"n", "Y", "R"}) {
-    for (const NamedPlane& channel : file.channels) {
-      if (channel.name == name) return channel;
-    }
-  }
-  return file.channels.front();
-}
 
 Result<CountImage> counts_of(const NamedPlane& channel, const std::string& name) {
   CountImage n(channel.data.width(), channel.data.height());
@@ -161,7 +153,8 @@ void read_rest(const ExrFile& file, const std::string& part, SelectionFile& sele
 }  // namespace
 
 Result<CountImage> counts_from_exr(const ExrFile& file, const std::string& name) {
-  return counts_of(count_channel(file), name);
+  SPOOL_ASSIGN(const std::size_t channel, count_channel(file, name));
+  return counts_of(file.channels[channel], name);
 }
 
 Result<void> write_selection(const std::filesystem::path& path, const Selection& selection,
@@ -192,7 +185,7 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
 }
 
 Result<SelectionFile> read_selection(const std::filesystem::path& path) {
-  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
+  SPOOL_ASSIGN(const ExrFile file, read_counts_exr(path));
   SPOOL_TRY(refuse_removed_signal(file, path));
   SelectionFile selection;
   SPOOL_ASSIGN(selection.n, counts_from_exr(file, path.string()));

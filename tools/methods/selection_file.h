@@ -8,7 +8,7 @@
 // `reconstruct` gives the very bits that `evaluate` gives. A selection with halves has the same
 // channels once more for each, `even.n`, `even.A.0`, .. `odd.n`, ..; `n` is all that was looked at
 // in a split decision, and the sum of both where the attribute spool.halves is "together". Any
-// image of counts will do: without `n`, channel Y or R or the first one is taken.
+// image of counts will do: lib/image_io/counts_exr.h says which channel is meant.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ struct SelectionFile {
   HalvesUse halves_use = HalvesUse::kApart;
 };
 
-// The counts in an image: channel n, or Y, or R, or the first; kData where one is no count.
+// The counts in an image (lib/image_io/counts_exr.h); kData where one is no count.
 Result<CountImage> counts_from_exr(const ExrFile& file, const std::string& name);
 
 // What a file of `selection` holds, without the file.

@@ -141,7 +141,7 @@ nb::dict judged(const ImageArray& image, const ImageArray& reference,
           SPOOL_TRY(tools::check_same_size(*judge.variance, judge.mean, "variance"));
         }
         MetricTable made = error_metrics(estimate, judge, options);
-        SPOOL_TRY(tools::check_finite(made, "image"));
+        SPOOL_TRY(tools::check_finite(made, "image", "reference"));
         return made;
       },
       nb::none(), threads);

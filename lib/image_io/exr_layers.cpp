@@ -1,0 +1,147 @@
+#include "lib/image_io/exr_layers.h"
+
+#include <algorithm>
+#include <ranges>
+#include <string_view>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace spool {
+namespace {
+
+constexpr std::size_t kListedNames = 8, kListedBytes = 160;
+
+// Names of layers whose colours are identities: "cryptomatte/HASH/name".
+std::vector<std::string> cryptomattes(const ExrPart& part) {
+  std::vector<std::string> names;
+  for (const auto& [key, text] : part.attributes.texts)
+    if (key.starts_with("cryptomatte/") && key.ends_with("/name") && !text.empty())
+      names.push_back(text);
+  return names;
+}
+
+// The planes that are called R, G, B in any letter case, or red, green, blue.
+std::optional<std::array<std::size_t, 3>> colours(
+    const std::map<std::string, std::size_t>& channels) {
+  for (const auto& names : {std::array{"r", "g", "b"}, std::array{"red", "green", "blue"}}) {
+    std::array<std::size_t, 3> found{};
+    std::array<int, 3> times{};
+    for (const auto& [channel, index] : channels) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (lower_case(channel) != names[c]) continue;
+        found[c] = index;
+        ++times[c];
+      }
+    }
+    if (times == std::array{1, 1, 1}) return found;
+  }
+  return std::nullopt;
+}
+
+// Y alone or beside an alpha; another channel only where it is alone.
+std::optional<std::size_t> grey(const std::map<std::string, std::size_t>& channels) {
+  std::vector<std::pair<std::string, std::size_t>> seen;
+  for (const auto& [channel, index] : channels)
+    if (lower_case(channel) != "a" && lower_case(channel) != "alpha")
+      seen.emplace_back(channel, index);
+  if (seen.size() != 1 || is_no_grey(seen[0].first)) return std::nullopt;
+  if (channels.size() > 1 && seen[0].first != "Y") return std::nullopt;
+  return seen[0].second;
+}
+
+// Takes the view off the end of `pass` and `before`.
+void find_view(const ExrPart& part, ExrLayer& layer) {
+  const auto known = [&](std::string_view word) {
+    return std::find(part.views.begin(), part.views.end(), word) != part.views.end();
+  };
+  if (known(layer.pass)) {
+    layer.view = layer.pass;
+    std::tie(layer.before, layer.pass) = split_channel(layer.before);
+  } else if (!part.view.empty()) {
+    layer.view = part.view;
+    if (layer.pass == part.view) {
+      std::tie(layer.before, layer.pass) = split_channel(layer.before);
+    } else if (layer.pass.size() > part.view.size() + 1 && layer.pass.ends_with(part.view) &&
+               std::string_view("_- ").find(layer.pass[layer.pass.size() - part.view.size() - 1]) !=
+                   std::string_view::npos) {
+      layer.pass.resize(layer.pass.size() - part.view.size() - 1);
+    }
+  }
+  // The first view is what a reader without views shows.
+  if (!part.views.empty() && layer.view == part.views.front()) layer.view.clear();
+}
+
+void describe(const ExrPart& part, ExrLayer& layer) {
+  std::tie(layer.before, layer.pass) = split_channel(layer.name);
+  find_view(part, layer);
+  layer.kind = layer_kind(layer.pass);
+  // "denoised" with the layer "rgba" in it: the part says it.
+  const LayerKind by_part = layer_kind(split_channel(part.name).second);
+  if ((layer.kind == LayerKind::kPicture || layer.kind == LayerKind::kUnknown) &&
+      by_part != LayerKind::kPicture && by_part != LayerKind::kUnknown)
+    layer.kind = by_part;
+  for (const std::string& name : cryptomattes(part))
+    if (layer.name.starts_with(name)) layer.kind = LayerKind::kOther;
+  layer.colour = colours(layer.channels);
+  if (!layer.colour) layer.grey = grey(layer.channels);
+}
+
+}  // namespace
+
+std::pair<std::string, std::string> split_channel(const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  if (dot == std::string::npos) return {"", name};
+  return {name.substr(0, dot), name.substr(dot + 1)};
+}
+
+std::vector<ExrLayer> layers_of(const std::vector<ExrPart>& parts) {
+  std::vector<ExrLayer> layers;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    std::map<std::string, std::map<std::string, std::size_t>> found;
+    for (std::size_t c = 0; c < parts[p].channels.size(); ++c) {
+      auto [layer, channel] = split_channel(parts[p].channels[c].name);
+      found[layer.empty() ? parts[p].name : layer].emplace(std::move(channel), c);
+    }
+    for (auto& [name, channels] : found) {
+      ExrLayer layer;
+      layer.part = p;
+      layer.name = name;
+      layer.channels = std::move(channels);
+      describe(parts[p], layer);
+      layers.push_back(std::move(layer));
+    }
+  }
+  return layers;
+}
+
+std::string spelt(const ExrLayer& layer) {
+  const std::string& only = layer.channels.begin()->first;
+  if (layer.channels.size() == 1) return layer.name.empty() ? only : layer.name + "." + only;
+  return layer.name.empty() ? fmt::format("{}", fmt::join(std::views::keys(layer.channels), ","))
+                            : layer.name;
+}
+
+std::string told(const ExrLayer& layer, const std::vector<ExrPart>& parts,
+                 const std::vector<ExrLayer>& layers) {
+  const bool twice = std::any_of(layers.begin(), layers.end(), [&](const ExrLayer& other) {
+    return other.part != layer.part && other.name == layer.name;
+  });
+  if (!twice) return spelt(layer);
+  return fmt::format("{} of part {} '{}'", spelt(layer), layer.part, parts[layer.part].name);
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i == kListedNames || text.size() + names[i].size() > kListedBytes) {
+      if (i == 0) return fmt::format("{} names", names.size());
+      return text + fmt::format(" and {} more", names.size() - i);
+    }
+    text += (text.empty() ? "" : ", ") + names[i];
+  }
+  return text;
+}
+
+}  // namespace spool

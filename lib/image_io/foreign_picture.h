@@ -1,0 +1,47 @@
+// A picture that another program wrote, as linear R, G, B of Rec. 709: the one reader of every
+// door.
+//
+// Which layer it is: layer_choice.h; its colours: colour_space.h. The picture is what the display
+// window shows of the data window (OpenEXR: "Technical Introduction"); types are half, float, or
+// both. What was chosen, converted or left out stands in `remarks`.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/core/image.h"
+#include "lib/image_io/layer_choice.h"
+
+namespace spool {
+
+struct ForeignPicture {
+  RgbImage rgb;
+  std::string channel;               // of a grey one
+  ExrWindow shown, display;          // what `rgb` holds, and all that is displayed
+  std::vector<std::string> remarks;  // without the name of the file
+};
+
+// kData, kUsage, kIo, kDamage as exr_source.h, layer_choice.h and colour_space.h say; kData also
+// for whole numbers where light is meant, and for a data window outside of the display window.
+Result<ForeignPicture> read_picture(const std::filesystem::path& path,
+                                    const LayerChoice& choice = {});
+// The same of a file that has one channel and may mean anything by it: a mask, a map.
+Result<ForeignPicture> read_single_or_picture(const std::filesystem::path& path,
+                                              const LayerChoice& choice = {});
+
+// Whether the pixels of both lie on each other: in the plane of OpenEXR, or in their displays.
+bool aligned(const ForeignPicture& a, const ForeignPicture& b);
+
+// "x 0 to 9, y 0 to 5"
+std::string text_of(const ExrWindow& window);
+
+// "FILE: a; b", one line for the user; "" when there is nothing to say.
+std::string remark_line(const std::string& file, const std::vector<std::string>& remarks);
+
+// What of a file is not `used` (part and channel), by layers: "A, albedo, depth.Z and 4 more".
+std::string unused_channels(const std::vector<ExrPart>& parts, const std::vector<ExrLayer>& layers,
+                            const std::vector<std::pair<std::size_t, std::size_t>>& used);
+
+}  // namespace spool
