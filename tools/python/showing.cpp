@@ -13,7 +13,7 @@
 
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/contact_sheet.h"
-#include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
 #include "tools/info.h"
 #include "tools/json_text.h"
@@ -115,8 +115,8 @@ std::string facts_json(const std::string& path) {
 nb::object read_image(const std::string& path) {
   return rgb_to_numpy(run<RgbImage>(
       [&](Watch&) -> Result<RgbImage> {
-        SPOOL_ASSIGN(const ExrFile file, read_exr(path));
-        return rgb_from_exr(file, path);
+        SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, {"", "", "", ""}));
+        return std::move(picture.rgb);
       },
       nb::none(), 0));
 }

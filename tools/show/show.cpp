@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "lib/image_io/atomic_file.h"
-#include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
 #include "tools/page_generator.h"
 
 namespace spool::tools {
@@ -58,8 +58,8 @@ std::vector<NamedFile> named_files(const std::vector<std::string>& texts) {
 }
 
 Result<RgbImage> read_rgb(const fs::path& path) {
-  SPOOL_ASSIGN(const ExrFile file, read_exr(path));
-  return rgb_from_exr(file, path.string());
+  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, {"", "", "", ""}));
+  return std::move(picture.rgb);
 }
 
 bool is_page_name(const fs::path& path) {
