@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from types import SimpleNamespace
 
 import pytest
 from made_results import make_rows, write_images, write_results
@@ -13,7 +14,9 @@ pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python"
 import figure_set  # noqa: E402
 from failure import Failure  # noqa: E402
 from figure import main  # noqa: E402
+from figure_captions import notes, numbers_text  # noqa: E402
 from figure_methods import choose_methods, left_out_text, own_methods  # noqa: E402
+from figure_text import breakable  # noqa: E402
 from result_images import dump_names, file_name_of  # noqa: E402
 
 HOSTILE = r"a_b%&#${x}~^\d"
@@ -101,7 +104,9 @@ def test_captions_say_budget_replicates_and_intervals_and_claims_are_the_program
     for picture in re.findall(r"\{(\S+?\.pdf)\}", captions):
         assert (tmp_path / "f" / picture).exists()
     assert captions.count(r"\begin{figure") == 3 and "at 8 samples per pixel" in captions and "over 3 replicates" in captions
-    assert "exec:./den" in captions and "have the start of a command" in captions
+    plain = captions.replace(r"\allowbreak{}", "")
+    assert plain.count("have the start of a command") == 1
+    assert "Times of exec:./den -{}x + directional and exec:./den -{}x + box have the start of a command" in plain
     assert "contradicted & $1.23_{\\,1.11}^{\\,1.36}$" in tex and "(added after results)" in tex
     assert re.search(r"8 spp: contradicted 1\.23 ..1\.11, 1\.36", text) and "not supported" in text
     assert "(a)" not in captions and "relmse" not in captions + tex + text
@@ -126,3 +131,19 @@ def test_a_table_of_many_methods_is_cut_into_parts(tmp_path, monkeypatch):
     tex = (tmp_path / "f" / "table.tex").read_text()
     assert tex.count(r"\begin{table}") == 8 and "part 8 of 8" in tex  # of 240 rows
     assert sum(tex.count(f"m{i} + ") for i in range(60)) == 240
+
+
+def test_the_largest_loss_of_light_is_told_and_what_is_widened_is_said_once():
+    lost = {"sampler": "a", "filter": "b", "loses_energy": 0.05}
+    shared = [{"about": {"kind": "shared", "text": f"another recording; replicates share {n} %"}, "ranking": [
+        {**lost, "loses_energy": n / 100}, {"sampler": "c", "filter": "d"}]} for n in (14, 5)]
+    assert notes(shared, ["a + b", "c + d"]) == r" Light is lost by a + b (up to 14 \%)."
+    assert notes(shared[1:], ["a + b"]) == r" Light is lost by a + b (5 \%)." and notes(shared, ["c + d"]) == ""
+    said = numbers_text(SimpleNamespace(results=[{"replicates": 3}]), "relmse", shared)
+    assert said.count("another recording") == 1 and said.endswith("wider where replicates share samples.")
+
+
+def test_names_break_after_marks_and_words_only_where_they_are_no_words():
+    assert breakable("multiscale{a_b=1} + directional") == (
+        r"multiscale\{\allowbreak{}a\_\allowbreak{}b=\allowbreak{}1\}\allowbreak{} + directional")
+    assert breakable("x" * 21) == r"xxxxxxx\allowbreak{}xxxxxxx\allowbreak{}xxxxxxx" and breakable("") == ""

@@ -29,19 +29,19 @@ def replicates_text(statistics):
 def numbers_text(statistics, metric, conditions):
     """What the numbers of figure and table are about."""
     better = "1 is best" if metric.startswith("energy") else "larger is better" if metric.startswith(HIGHER) else "smaller is better"
-    abouts = list(dict.fromkeys(c["about"]["text"] for c in conditions))
+    about = " or ".join(dict.fromkeys(c["about"]["text"].split(";")[0] for c in conditions))
+    widened = "; they are wider where replicates share samples" if any(c["about"]["kind"] == "shared" for c in conditions) else ""
     return (rf"Numbers are means of {latex(metric_name(metric))} over {replicates_text(statistics)} with 95\,\% intervals "
-            f"({better}). Intervals and verdicts are about {latex('; or '.join(abouts))}.")
+            f"({better}). Intervals and verdicts are about {latex(about)}{widened}.")
 
 
 def notes(conditions, methods):
     """Of the methods that are shown: who loses light, and which are no originals."""
-    lost = {name_of(e): 100 * e["loses_energy"] for c in conditions for e in c["ranking"]
-            if "loses_energy" in e and name_of(e) in methods}
-    text = ""
-    if lost:
-        names = [f"{name} ({share:.2g} %)" for name, share in lost.items()]
-        text += " Light is lost by " + breakable(list_text(names, LONGEST)) + "."
+    lost = {}
+    for entry in (e for c in conditions for e in c["ranking"] if name_of(e) in methods):
+        lost.setdefault(name_of(entry), []).append(100 * entry.get("loses_energy", 0.0))
+    names = [f"{name} ({'up to ' if len(shares) > 1 else ''}{max(shares):.2g} %)" for name, shares in lost.items() if max(shares)]
+    text = f" Light is lost by {breakable(list_text(names, LONGEST))}." if names else ""
     if any(MARK in name for name in methods):
         text += " [R]: implemented again from a description."
     return text

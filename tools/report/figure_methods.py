@@ -31,6 +31,10 @@ def own_methods(results, built_in):
     return own
 
 
+def is_command(name):
+    return name.split(":")[0] == "exec"
+
+
 def choose_methods(wanted, conditions, own):
     """Names in the order of the figure. `conditions`: of one budget."""
     names = list(dict.fromkeys(name_of(entry) for condition in conditions for entry in condition["ranking"]))

@@ -10,7 +10,7 @@ from failure import USAGE, Failure
 from figure_captions import comparison_caption, curves_caption, environment, table_caption
 from figure_comparison import Block, Shown, draw_comparison
 from figure_folder import FigureFolder
-from figure_methods import baseline_of, choose_methods, left_out_text, own_methods
+from figure_methods import baseline_of, choose_methods, is_command, left_out_text, own_methods
 from figure_tables import curves_csv, latex_tables, markdown_table
 from figure_text import metric_name, significant
 from figure_windows import asked_windows
@@ -128,7 +128,8 @@ class FigureSet:
         column = self.options.column or (1 if len(self.labels) == 1 else 2)
         draw(source, place, column, self.options.font)
         shared = any(row.get("timing") == "shared" for row in self.table.rows)
-        commands = [name for name in self.chosen if any("exec" in part or name in self.own for part in self.own.get(name, []))]
+        run = {name_of(r) for r in self.statistics.results if any(is_command(r.get(k, "")) for k in ("sampler_name", "filter_name"))}
+        commands = [name for name in self.chosen if name in run]
         captions = []
         for over_time in (False, True):
             files = [page for page in pages if page.startswith("curves_time") == over_time]

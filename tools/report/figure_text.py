@@ -2,6 +2,7 @@
 
 import io
 import math
+import re
 from pathlib import Path
 
 import matplotlib
@@ -16,7 +17,8 @@ STYLE = {"font.family": ["STIXGeneral", "DejaVu Serif"], "mathtext.fontset": "st
          "axes.unicode_minus": False}
 ANY = 999  # lines
 LEADING = 1.1
-WORD = 7  # letters, after which a name may be broken
+LONGEST_WORD = 20  # letters; a longer one may be broken after every WORD
+WORD = 7
 METRICS = {"mse": "MSE", "rmse": "RMSE", "relmse": "relMSE", "mae": "MAE", "relmae": "relMAE", "smape": "SMAPE", "ssim": "SSIM",
            "ms_ssim": "MS-SSIM", "psnr_tm": "PSNR in dB", "flip_ldr": "FLIP", "flip_hdr": "HDR-FLIP"}
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
@@ -45,12 +47,12 @@ def latex(text):
 
 
 def breakable(text):
-    """A name in LaTeX that may be broken after its marks, and where none comes for long."""
-    parts, run = [], 0
-    for c in printable(text):
-        run = 0 if c in " ,{}:;/_=-" else run + 1
-        parts.append(latex(c) + (r"\allowbreak{}" if c in ",{}:;/_=-" or run == WORD else ""))
-        run %= WORD
+    """A name in LaTeX that may be broken after its marks, and a word of it that is longer than any of a language."""
+    parts = []
+    for word in re.findall(r"[^ ,{}:;/_=-]+|.", printable(text)):
+        step = WORD if len(word) > LONGEST_WORD else LONGEST_WORD
+        pieces = [latex(word[i:i + step]) for i in range(0, len(word), step)]
+        parts.append(r"\allowbreak{}".join(pieces) + (r"\allowbreak{}" if word in ",{}:;/_=-" else ""))
     return "".join(parts)
 
 
