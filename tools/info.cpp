@@ -1,5 +1,8 @@
 #include "tools/info.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include <nlohmann/json.hpp>
 
 #include "formats/interchange/sha256.h"
@@ -215,7 +218,7 @@ std::vector<std::vector<std::string>> rows_of(const ordered_json& info) {
   std::vector<std::vector<std::string>> rows;
   rows.push_back({"file", info["file"].get<std::string>()});
   rows.push_back({"size", format_bytes(info["bytes"].get<double>())});
-  if (info["sha256"] != "") rows.push_back({"sha256", info["sha256"].get<std::string>()});
+  rows.push_back({"sha256", info["sha256"].get<std::string>()});
   rows.push_back({"image", fmt::format("{} x {} pixels", info["width"].get<unsigned>(),
                                        info["height"].get<unsigned>())});
   rows.push_back({"samples", samples_text(info)});
@@ -248,7 +251,13 @@ Result<std::vector<std::vector<std::string>>> recording_facts(const std::filesys
   SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(path));
   std::error_code status;
   const std::uintmax_t bytes = std::filesystem::file_size(path, status);
-  return rows_of(describe(reader, bytes, ""));
+  const ordered_json info = describe(reader, bytes, "");
+  std::vector<std::vector<std::string>> rows = short_rows_of(info), claims;
+  std::erase_if(rows, [](const auto& row) { return row[0] == "claim"; });  // the failing ones
+  add_verification(info["meta"], claims);
+  std::ranges::copy_if(claims, std::back_inserter(rows),
+                       [](const auto& row) { return row[0] == "claim"; });
+  return rows;
 }
 
 Result<void> run_info(const InfoOptions& options, const CommonOptions& common) {

@@ -21,7 +21,7 @@ def recording_html(recording, facts: list, reference) -> str:
     """`facts`: rows of `spool info`; its claims behind a fold. The picture is the reference, else the mean of the samples."""
     claims = [text for what, text in facts if what == "claim"]
     rows = "".join(_row(what, _verdict(text) if what == "verified" else html.escape(text))
-                   for what, text in facts if what not in ("claim", "seeds"))
+                   for what, text in facts if what != "claim")
     fold = "".join(f"<li>{_verdict(claim)}</li>" for claim in claims[:_MOST_ROWS])
     fold = f"<details><summary>{len(claims)} claims about the samples</summary><ul>{fold}</ul></details>" if claims else ""
     return _beside(_thumbnail(recording, reference), f"<table>{rows}</table>{fold}")
