@@ -6,6 +6,8 @@
 
 namespace spool {
 
+using oneapi::tbb::task_group_context;
+
 struct ThreadLimit::Control {
   std::optional<oneapi::tbb::global_control> limit;
 };
@@ -18,5 +20,22 @@ ThreadLimit::ThreadLimit(int threads) : control_(std::make_unique<Control>()) {
 }
 
 ThreadLimit::~ThreadLimit() = default;
+
+struct StoppableWork::Control {
+  task_group_context context{task_group_context::isolated};
+};
+
+StoppableWork::StoppableWork() : control_(std::make_unique<Control>()) {}
+StoppableWork::~StoppableWork() = default;
+
+// As the one task of a group, by this thread: loops inside belong to the group.
+void StoppableWork::run(const std::function<void()>& work) {
+  oneapi::tbb::parallel_for(0, 1, [&](int) { work(); }, control_->context);
+  if (control_->context.is_group_execution_cancelled()) throw WorkStopped{};
+}
+
+void StoppableWork::stop() {
+  control_->context.cancel_group_execution();
+}
 
 }  // namespace spool

@@ -25,20 +25,55 @@ class ThreadLimit {
   std::unique_ptr<Control> control_;
 };
 
+// What a parallel loop throws when its work was stopped. No std::exception: what catches those on
+// the way takes them for failures of one method.
+struct WorkStopped {};
+
+// Work that another thread may end in the middle of its parallel loops, however deep they are.
+class StoppableWork {
+ public:
+  StoppableWork();
+  ~StoppableWork();
+  StoppableWork(const StoppableWork&) = delete;
+  StoppableWork& operator=(const StoppableWork&) = delete;
+
+  // Once. Throws WorkStopped where stop() was called in time, and what `work` throws.
+  void run(const std::function<void()>& work);
+  // From any thread, before run() or during it.
+  void stop();
+
+ private:
+  struct Control;
+  std::unique_ptr<Control> control_;
+};
+
+// body(i) for i = begin .. end-1, unless the work is stopped.
+template <class Index, class Body>
+void parallel_range(Index begin, Index end, Body&& body) {
+  // A context of the loop's own: the only one that says whether it left something out.
+  oneapi::tbb::task_group_context context;
+  oneapi::tbb::parallel_for(
+      begin, end,
+      [&](Index i) {
+        if (!context.is_group_execution_cancelled()) body(i);
+      },
+      context);
+  if (context.is_group_execution_cancelled()) throw WorkStopped{};
+}
+
 template <class Body>
 void parallel_for(std::size_t n, Body&& body) {
   if (n == 1) {
     body(std::size_t{0});
     return;
   }
-  oneapi::tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) { body(i); });
+  parallel_range(std::size_t{0}, n, body);
 }
 
 // body(y) for y = begin .. end-1.
 template <class Body>
 void parallel_rows(int begin, int end, Body&& body) {
-  if (end <= begin) return;
-  oneapi::tbb::parallel_for(begin, end, [&](int y) { body(y); });
+  if (end > begin) parallel_range(begin, end, body);
 }
 
 }  // namespace spool

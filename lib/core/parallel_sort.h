@@ -3,14 +3,19 @@
 
 #include <vector>
 
+#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_sort.h>
 
 namespace spool {
 
-// `before` must tell any two elements apart: there is then one sorted order, whoever sorts.
+// `before` must tell any two elements apart, NaN too: there is then one sorted order, whoever
+// sorts. Work that is stopped meanwhile sorts to the end: half an order is none.
 template <class Value, class Before>
 void parallel_sort(std::vector<Value>& values, Before&& before) {
-  oneapi::tbb::parallel_sort(values.begin(), values.end(), before);
+  using oneapi::tbb::task_group_context;
+  task_group_context alone(task_group_context::isolated);
+  oneapi::tbb::parallel_for(
+      0, 1, [&](int) { oneapi::tbb::parallel_sort(values.begin(), values.end(), before); }, alone);
 }
 
 }  // namespace spool

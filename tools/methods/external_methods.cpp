@@ -1,6 +1,5 @@
 #include "tools/methods/external_methods.h"
 
-#include <cmath>
 #include <utility>
 
 #include "lib/filters/filter_stage.h"
@@ -128,18 +127,8 @@ Result<ReadyFilter> make_exec_filter(const std::string& command, const OptionVal
     const std::string name = fmt::format("exec:{}: answer", command);
     SPOOL_ASSIGN(const ExrFile answer,
                  call(command, selection.statistics, pool, options, {}, nullptr));
-    SPOOL_ASSIGN(const RgbImage image, rgb_from_exr(answer, name));
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (int y = 0; y < image[c].height(); ++y) {
-        for (int x = 0; x < image[c].width(); ++x) {
-          if (std::isfinite(image[c](x, y))) continue;
-          return fail(ErrorCode::kData,
-                      "{}: holds {} in channel {} (pixel {}, {}): every value must be finite", name,
-                      image[c](x, y), "RGB"[c], x, y);
-        }
-      }
-    }
-    return own_image(image, pool, name);
+    SPOOL_ASSIGN(RgbImage image, rgb_from_exr(answer, name));
+    return own_image(std::move(image), pool, name);
   };
   return ReadyFilter{run, needs_of(options)};
 }
