@@ -9,6 +9,7 @@
 #include "tools/batch/evaluation_run.h"
 #include "tools/mask_files.h"
 #include "tools/methods/external_methods.h"
+#include "tools/option_bounds.h"
 
 namespace spool::tools {
 namespace {
@@ -141,7 +142,19 @@ Result<void> compute_statistics(const EvaluateOptions& options, const CommonOpti
 
 }  // namespace
 
+Result<void> validate(const EvaluateOptions& options) {
+  const auto check = [](const char* name, const std::optional<int>& value, const Bounds& bounds) {
+    return value ? check_bounds(name, *value, bounds) : Result<void>();
+  };
+  SPOOL_TRY(check("replicates", options.replicates, kReplicates));
+  SPOOL_TRY(check("repeats", options.repeats, kRepeats));
+  SPOOL_TRY(check("holdout", options.holdout, kHoldout));
+  SPOOL_TRY(check("pieces", options.pieces_per_side, kPiecesPerSide));
+  return options.seed ? check_seed(*options.seed) : Result<void>();
+}
+
 Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   if (options.statistics_only) return compute_statistics(options, common);
   bool has_plan = false;
   for (const auto& file : options.files)

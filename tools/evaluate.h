@@ -45,6 +45,9 @@ struct EvaluateOptions {
   std::filesystem::path output;  // DIR
 };
 
+// What a plan says is looked at where it is read (lib/experiment/plan.h).
+Result<void> validate(const EvaluateOptions& options);
+
 Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& common);
 
 }  // namespace spool::tools

@@ -107,8 +107,9 @@ int run(int count, char** arguments) {
     return static_cast<int>(ErrorCode::kUsage);
   }
   watch_for_interrupts();
+  Result<void> result = check_bounds("threads", program.common.threads, kThreads);
   const ThreadLimit limit(program.common.threads);
-  Result<void> result = program.chosen();
+  if (result) result = program.chosen();
   if (result) result = check_output();
   if (result) return 0;
   print_error(result.error());

@@ -14,6 +14,7 @@
 #include "tools/json_text.h"
 #include "tools/methods/method_memory.h"
 #include "tools/one_replay.h"
+#include "tools/option_bounds.h"
 #include "tools/pixel_answer.h"
 
 namespace spool::tools {
@@ -152,7 +153,15 @@ Result<ReplayMethods> replay_methods(const PixelOptions& options, Methods& metho
 
 }  // namespace
 
+Result<void> validate(const PixelOptions& options) {
+  if (options.samples != 0) SPOOL_TRY(check_bounds("samples", options.samples, kSamples));
+  if (!options.sampler.empty()) SPOOL_TRY(check_bounds("spp", options.spp, kBudget));
+  if (options.evaluation_seed) SPOOL_TRY(check_seed(*options.evaluation_seed));
+  return validate(options.pool);
+}
+
 Result<void> run_pixel(const PixelOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   PoolOptions order = options.pool;
   if (options.evaluation_seed) {
     order.order = PoolOrder::kShuffled;

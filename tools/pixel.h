@@ -27,6 +27,8 @@ struct PixelOptions {
   MethodOptions method;
 };
 
+Result<void> validate(const PixelOptions& options);
+
 Result<void> run_pixel(const PixelOptions& options, const CommonOptions& common);
 
 }  // namespace spool::tools

@@ -190,10 +190,16 @@ Result<void> write_result(const ReconstructOptions& options, Reconstructed& done
 
 }  // namespace
 
+Result<void> validate(const ReconstructOptions& options) {
+  if (options.spp != 0) SPOOL_TRY(check_bounds("spp", options.spp, kSamples));
+  return validate(options.pool);
+}
+
 Result<Reconstructed> reconstruct(const ReconstructOptions& options,
                                   const std::optional<SelectionFile>& selection,
                                   const LoadRecording& load,
                                   const std::function<void(double)>& progress) {
+  SPOOL_TRY(validate(options));
   SPOOL_ASSIGN(const Methods methods, choose_methods({}, {options.filter}, options.method));
   const ReadyFilter filter = average_halves(methods.filters[0].ready);
   const std::vector<std::string> wanted = split_list(options.views);
@@ -221,6 +227,7 @@ Result<Reconstructed> reconstruct(const ReconstructOptions& options,
 }
 
 Result<void> run_reconstruct(const ReconstructOptions& given, const CommonOptions& common) {
+  SPOOL_TRY(validate(given));
   ReconstructOptions options = given;
   options.variance = options.layers || common.json || !options.pictures.empty();
   const bool as_picture = is_png_name(options.output);

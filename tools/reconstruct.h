@@ -30,6 +30,8 @@ struct ReconstructOptions {
   bool variance = true;            // of the image; false: not made where the filter can do without
 };
 
+Result<void> validate(const ReconstructOptions& options);
+
 Result<void> run_reconstruct(const ReconstructOptions& options, const CommonOptions& common);
 
 struct Reconstructed {

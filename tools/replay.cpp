@@ -72,8 +72,14 @@ Result<long long> checked_budget(const SamplePool& pool, double spp) {
   return budget;
 }
 
+Result<void> validate(const ReplayOptions& options) {
+  SPOOL_TRY(check_bounds("spp", options.spp, kBudget));
+  return validate(options.pool);
+}
+
 Result<Replayed> replay(const ReplayOptions& options, const LoadRecording& load,
                         const std::function<void(double)>& progress) {
+  SPOOL_TRY(validate(options));
   SPOOL_ASSIGN(const Methods methods,
                choose_with_loop_filter(options.sampler, options.filter, options.method));
   const ChosenMethod<SamplerFunction>& chosen = methods.samplers[0];
@@ -112,6 +118,7 @@ Result<Replayed> replay(const ReplayOptions& options, const LoadRecording& load,
 }
 
 Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   SPOOL_TRY(check_exr_name(options.output));
   SPOOL_TRY(refuse_existing(options.output, common.force));
   std::optional<Progress> progress;  // from when the recording is there

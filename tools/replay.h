@@ -13,6 +13,7 @@
 #include "lib/sampling/sampler.h"
 #include "tools/console.h"
 #include "tools/methods/method_settings.h"
+#include "tools/option_bounds.h"
 
 namespace spool::tools {
 
@@ -28,6 +29,8 @@ struct ReplayOptions {
   std::filesystem::path output;
   std::filesystem::path pictures;  // folder; empty: none
 };
+
+Result<void> validate(const ReplayOptions& options);
 
 Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common);
 

@@ -5,6 +5,7 @@
 #include "lib/image_io/atomic_file.h"
 #include "lib/synthetic/write_synthetic.h"
 #include "tools/interrupt.h"
+#include "tools/option_bounds.h"
 #include "tools/progress.h"
 
 namespace spool::tools {
@@ -29,8 +30,16 @@ Result<std::pair<int, int>> parse_size(const std::string& text) {
 
 }  // namespace
 
-Result<void> run_synth(const SynthOptions& options, const CommonOptions& common) {
-  SPOOL_TRY(refuse_existing(options.output, common.force));
+Result<void> validate(const SynthOptions& options) {
+  SPOOL_TRY(parse_size(options.size));
+  SPOOL_TRY(check_bounds("samples", options.spp, kSamples));
+  return check_seed(options.seed);
+}
+
+Result<void> synthesise(const SynthOptions& options, bool force,
+                        const std::function<void(double)>& progress) {
+  SPOOL_TRY(validate(options));
+  SPOOL_TRY(refuse_existing(options.output, force));
   SPOOL_ASSIGN(const auto size, parse_size(options.size));
   WriteSyntheticOptions write;
   for (const std::string& setting : options.settings) {
@@ -42,16 +51,21 @@ Result<void> run_synth(const SynthOptions& options, const CommonOptions& common)
                          setting.substr(equals + 1)));
   }
   write.writer.compress = options.compress;
-  write.writer.force = common.force;
+  write.writer.force = force;
   write.writer.discard_unfinished = true;  // the same command makes it again
+  write.progress = progress;
+  return write_synthetic(options.scene, size.first, size.second, options.spp, options.seed,
+                         options.output, write);
+}
+
+Result<void> run_synth(const SynthOptions& options, const CommonOptions& common) {
   Progress progress("synth " + options.scene, common.quiet);
   const InterruptNote note([&] {
     return "nothing is kept of " + options.output.string() + ": the same command starts anew";
   });
-  write.progress = [&](double share) { progress.update(share); };
-  SPOOL_TRY(write_synthetic(options.scene, size.first, size.second, options.spp, options.seed,
-                            options.output, write));
+  SPOOL_TRY(synthesise(options, common.force, [&](double share) { progress.update(share); }));
   if (!common.quiet) {
+    SPOOL_ASSIGN(const auto size, parse_size(options.size));
     print_line(fmt::format("{}: {} x {} pixels, {} samples each, exact reference",
                            options.output.string(), size.first, size.second, options.spp));
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,12 @@ struct SynthOptions {
   bool compress = false;
   std::filesystem::path output;
 };
+
+Result<void> validate(const SynthOptions& options);
+
+// The dump itself; nothing is printed.
+Result<void> synthesise(const SynthOptions& options, bool force,
+                        const std::function<void(double)>& progress);
 
 Result<void> run_synth(const SynthOptions& options, const CommonOptions& common);
 

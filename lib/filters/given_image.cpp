@@ -1,5 +1,6 @@
 #include "lib/filters/given_image.h"
 
+#include <cmath>
 #include <utility>
 
 namespace spool {
@@ -10,6 +11,15 @@ Result<Reconstruction> own_image(RgbImage image, const SamplePool& pool, const s
     return fail(ErrorCode::kData,
                 "{}: {} x {} pixels, the recording has {} x {}: give an image of the same size",
                 name, image[0].width(), image[0].height(), recording.width(), recording.height());
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t p = 0; p < image[c].size(); ++p) {
+      if (std::isfinite(image[c][p])) continue;
+      const auto width = static_cast<std::size_t>(image[c].width());
+      return fail(ErrorCode::kData,
+                  "{}: holds {} in channel {} (pixel {}, {}): every value must be finite", name,
+                  image[c][p], "RGB"[c], p % width, p / width);
+    }
   }
   Reconstruction result;
   result.image = std::move(image);

@@ -7,7 +7,8 @@
 
 namespace spool {
 
-// `image` as the result for a recording of its size; `name` stands in the error of any other size.
+// `image` as the result for a recording of its size; `name` stands in the error of any other size,
+// and of values that are not finite.
 Result<Reconstruction> own_image(RgbImage image, const SamplePool& pool, const std::string& name);
 
 // Hands `image` back for any selection of its size. Refuses half pools: a sampler that compares the

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "lib/core/pairwise_sum.h"
@@ -50,7 +51,7 @@ class Evaluation {
     select_pixels();
     if (table_.pixels == 0) return;
     choose_scales();
-    assign_deciles();
+    if (deciles_) assign_deciles();
     add_up_blocks();
   }
 
@@ -59,19 +60,20 @@ class Evaluation {
     table_.resampled.resize(metric_list().size());
     table_.blocks = bootstrap_.blocks();
     if (table_.pixels == 0) return std::move(table_);
-    LargestFirst relative(relative_, judged_), squared(squared_, judged_);
     const bool resamples = bootstrap_.blocks() > 1;
     add_perceptual();
-    table_.squared = support(squared, kDecileSquares);
-    table_.relative = support(relative, kDecileRelativeSquares);
+    if (options_.wanted.empty()) {
+      table_.squared = support(largest(largest_squared_, squared_), kDecileSquares);
+      table_.relative = support(largest(largest_relative_, relative_), kDecileRelativeSquares);
+    }
     for (std::size_t m = 0; m < metric_list().size(); ++m) {
       const Metric& metric = metric_list()[m];
-      if (metric.rule == Rule::kPerceptual) continue;
-      table_.values[m].value = value(metric, {}, relative, squared);
+      if (metric.rule == Rule::kPerceptual || !wants(m)) continue;
+      table_.values[m].value = value(metric, {});
       if (!resamples || metric.rule == Rule::kMaximum) continue;
       std::vector<double>& resampled = table_.resampled[m];
       for (int r = 0; r < bootstrap_.resamples(); ++r)
-        resampled.push_back(value(metric, bootstrap_.weights(r), relative, squared));
+        resampled.push_back(value(metric, bootstrap_.weights(r)));
       table_.values[m].standard_error = standard_error_of(resampled);
     }
     return std::move(table_);
@@ -143,9 +145,23 @@ class Evaluation {
     return found;
   }
 
+  bool wants(std::size_t m) const { return options_.wanted.empty() || options_.wanted[m]; }
+  // Whether a wanted metric is one of those that `belongs` says yes to.
+  template <class Belongs>
+  bool wants_one(const Belongs& belongs) const {
+    for (std::size_t m = 0; m < metric_list().size(); ++m) {
+      if (wants(m) && belongs(metric_list()[m])) return true;
+    }
+    return false;
+  }
+
   void add_perceptual() {
-    for (PerceptualValue& value : perceptual_metrics(
-             estimate_, reference_.mean, judged_, bootstrap_, options_.perceptual, table_.guards)) {
+    const auto wanted = [&](std::string_view name) {
+      return wants(static_cast<std::size_t>(metric_index(name)));
+    };
+    for (PerceptualValue& value :
+         perceptual_metrics(estimate_, reference_.mean, judged_, bootstrap_, options_.perceptual,
+                            table_.guards, wanted)) {
       const auto m = static_cast<std::size_t>(metric_index(value.name));
       table_.values[m] = {value.estimate.value, value.estimate.standard_error};
       table_.resampled[m] = std::move(value.resampled);
@@ -170,7 +186,7 @@ class Evaluation {
   }
 
   void choose_scales() {
-    exposure_ = tone_map_exposure(reference_.mean, judged_);
+    if (tone_) exposure_ = tone_map_exposure(reference_.mean, judged_);
     if (options_.rel_scale == RelativeScale::kNone) return;
     const double sum = pairwise_sum(judged_.size(), [&](std::size_t p) {
       return judged_[p] ? luminance_at(reference_.mean, p) : 0.0;
@@ -234,7 +250,7 @@ class Evaluation {
       terms[kRelativeAbsolute] += scale * difference / (scale * std::abs(r) + kAbsoluteFloor) / 3.0;
       terms[kSymmetric] +=
           scale * difference / (scale * (std::abs(i) + std::abs(r)) + kAbsoluteFloor) / 3.0;
-      const double tone = tone_mapped(i, exposure_) - tone_mapped(r, exposure_);
+      const double tone = tone_ ? tone_mapped(i, exposure_) - tone_mapped(r, exposure_) : 0.0;
       terms[kToneSquared] += tone * tone / 3.0;
       terms[kEnergy] += i;
       terms[kReferenceEnergy] += r;
@@ -277,7 +293,7 @@ class Evaluation {
           const Terms terms = terms_at(p);
           for (std::size_t t = 0; t < kDecileSquares; ++t)
             sums[t] += terms[t];
-          add_squares(p, sums);
+          if (squares_) add_squares(p, sums);
           relative_[p] = terms[kRelative];
           squared_[p] = terms[kRawSquared];
         }
@@ -320,8 +336,13 @@ class Evaluation {
     return quotient(error, sum(kCount, weights));
   }
 
-  double value(const Metric& metric, std::span<const double> weights, LargestFirst& relative,
-               LargestFirst& squared) {
+  // Sorted when the first metric asks for it.
+  LargestFirst& largest(std::optional<LargestFirst>& sorted, const Plane& values) const {
+    if (!sorted) sorted.emplace(values, judged_);
+    return *sorted;
+  }
+
+  double value(const Metric& metric, std::span<const double> weights) {
     switch (metric.rule) {
       case Rule::kRatio:
         return ratio(metric, weights);
@@ -336,7 +357,7 @@ class Evaluation {
         // The factor keeps ceil from counting the rounding of trim * count as one pixel more.
         const double to_drop = std::ceil(options_.trim * count * (1.0 - 1e-12));
         double left = to_drop, dropped = 0.0;
-        relative.walk([&](const LargestFirst::Entry& entry) {
+        largest(largest_relative_, relative_).walk([&](const LargestFirst::Entry& entry) {
           if (left <= 0.0) return false;
           const double copies = std::min(left, copies_of(entry.pixel, weights));
           dropped += copies * entry.value;
@@ -350,7 +371,7 @@ class Evaluation {
       case Rule::kMaximum: {
         double skip = metric.rule == Rule::kMaximum ? 0.0 : std::floor(sum(kCount, weights) / 1e3);
         double found = kNaN;
-        squared.walk([&](const LargestFirst::Entry& entry) {
+        largest(largest_squared_, squared_).walk([&](const LargestFirst::Entry& entry) {
           skip -= copies_of(entry.pixel, weights);
           found = entry.value;
           return skip >= 0.0;
@@ -376,11 +397,20 @@ class Evaluation {
   const RgbImage& estimate_;
   const JudgingReference& reference_;
   const MetricOptions& options_;
+  // Whether a wanted metric is made of tone-mapped pixels, of deciles, of their squares.
+  const bool tone_ = wants_one([](const Metric& m) { return m.rule == Rule::kDecibel; });
+  const bool squares_ = wants_one([](const Metric& m) {
+    return m.rule == Rule::kEqualEnergy || m.rule == Rule::kEqualDeciles;
+  });
+  const bool deciles_ = squares_ || wants_one([](const Metric& m) {
+                          return m.rule == Rule::kRatio && m.numerator >= kDecileEnergy;
+                        });
   BlockBootstrap bootstrap_;
   Image<std::uint8_t> judged_, decile_;
   double exposure_ = 1.0;
   std::array<std::vector<double>, kTermCount> sums_;  // [term][block]
   Plane relative_, squared_;  // per pixel: relMSE debiased, squared error raw
+  std::optional<LargestFirst> largest_relative_, largest_squared_;
   MetricTable table_;
 };
 
@@ -411,6 +441,7 @@ MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& refe
 std::vector<ErrorMap> error_maps(const RgbImage& estimate, const JudgingReference& reference,
                                  const MetricOptions& options) {
   check_sizes(estimate, reference);
+  SPOOL_CHECK(options.wanted.empty());
   return Evaluation(estimate, reference, options).maps();
 }
 

@@ -54,7 +54,8 @@ struct MetricTable {
   std::uint64_t excluded_estimate = 0;         // pixels of I that are not finite
   std::uint64_t excluded_reference = 0;        // pixels without a finite R
   bool failed = false;                         // I held a non-finite pixel
-  ErrorSupport squared, relative;              // of mse (before its debiasing) and of relmse
+  ErrorSupport squared, relative;              // of mse (before its debiasing) and of relmse; known
+                                               // where all metrics are wanted
   GuardCounts guards;
 
   const MetricValue& operator[](std::string_view name) const;  // the metric must exist

@@ -1,6 +1,8 @@
 // Options of the metrics.
 #pragma once
 
+#include <vector>
+
 #include "lib/core/option_table.h"
 #include "lib/metrics/bootstrap.h"
 #include "lib/metrics/perceptual_metrics.h"
@@ -19,6 +21,7 @@ struct MetricOptions {
   double trim = 0.001;  // share of pixels that relmse_trimmed drops, the largest first
   Perceptual perceptual = Perceptual::kFast;
   BootstrapOptions bootstrap;
+  std::vector<bool> wanted;  // [metric], as metrics(); the others are NaN. Empty: all
 };
 
 const OptionTable<MetricOptions>& metric_option_table();

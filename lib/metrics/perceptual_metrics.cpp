@@ -112,22 +112,28 @@ Plane flip_map(const RgbImage& estimate, const RgbImage& reference,
   return map;
 }
 
-std::vector<PerceptualValue> perceptual_metrics(const RgbImage& estimate, const RgbImage& reference,
-                                                const Image<std::uint8_t>& judged,
-                                                const BlockBootstrap& bootstrap, Perceptual which,
-                                                GuardCounts& guards) {
+std::vector<PerceptualValue> perceptual_metrics(
+    const RgbImage& estimate, const RgbImage& reference, const Image<std::uint8_t>& judged,
+    const BlockBootstrap& bootstrap, Perceptual which, GuardCounts& guards,
+    const std::function<bool(std::string_view)>& wanted) {
   std::vector<PerceptualValue> values = {
       {"ssim", {}, {}}, {"ms_ssim", {}, {}}, {"flip_ldr", {}, {}}, {"flip_hdr", {}, {}}};
   if (which == Perceptual::kNone) return values;
-  const double exposure = tone_map_exposure(reference, judged);
-  const Plane a = luma(estimate, exposure, judged), b = luma(reference, exposure, judged);
-  if (ssim_window(a.width(), a.height()) < kSsimWindow || ms_ssim_scales(a.width(), a.height()) < 5)
-    guards.add(Guard::kSmallImage);
-  values[0] = map_mean("ssim", ssim_maps(a, b).ssim, bootstrap);
-  values[1] = ms_ssim(a, b, bootstrap);
-  values[2] =
-      map_mean("flip_ldr", only_judged(flip_map(estimate, reference, judged), judged), bootstrap);
-  if (which != Perceptual::kAll) return values;
+  if (wanted("ssim") || wanted("ms_ssim")) {
+    const double exposure = tone_map_exposure(reference, judged);
+    const Plane a = luma(estimate, exposure, judged), b = luma(reference, exposure, judged);
+    if (ssim_window(a.width(), a.height()) < kSsimWindow ||
+        ms_ssim_scales(a.width(), a.height()) < 5) {
+      guards.add(Guard::kSmallImage);
+    }
+    if (wanted("ssim")) values[0] = map_mean("ssim", ssim_maps(a, b).ssim, bootstrap);
+    if (wanted("ms_ssim")) values[1] = ms_ssim(a, b, bootstrap);
+  }
+  if (wanted("flip_ldr")) {
+    values[2] =
+        map_mean("flip_ldr", only_judged(flip_map(estimate, reference, judged), judged), bootstrap);
+  }
+  if (which != Perceptual::kAll || !wanted("flip_hdr")) return values;
   const auto hdr = flip_hdr_map(scaled(reference, 1.0, judged), scaled(estimate, 1.0, judged));
   if (hdr) values[3] = map_mean("flip_hdr", only_judged(*hdr, judged), bootstrap);
   return values;

@@ -7,7 +7,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lib/core/guards.h"
@@ -29,11 +31,12 @@ struct PerceptualValue {
 Plane flip_map(const RgbImage& estimate, const RgbImage& reference,
                const Image<std::uint8_t>& judged);
 
-// ssim, ms_ssim, flip_ldr, flip_hdr, in this order. Pixels with judged == 0 are left out; windows
-// of SSIM that hold one are too.
-std::vector<PerceptualValue> perceptual_metrics(const RgbImage& estimate, const RgbImage& reference,
-                                                const Image<std::uint8_t>& judged,
-                                                const BlockBootstrap& bootstrap, Perceptual which,
-                                                GuardCounts& guards);
+// Those of ssim, ms_ssim, flip_ldr and flip_hdr that `wanted` says yes to and `which` holds, in
+// this order; the others are NaN. Pixels with judged == 0 are left out; windows of SSIM that hold
+// one are too.
+std::vector<PerceptualValue> perceptual_metrics(
+    const RgbImage& estimate, const RgbImage& reference, const Image<std::uint8_t>& judged,
+    const BlockBootstrap& bootstrap, Perceptual which, GuardCounts& guards,
+    const std::function<bool(std::string_view)>& wanted);
 
 }  // namespace spool

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <optional>
 #include <vector>
 
 #include "lib/core/parallel.h"
 #include "lib/core/parallel_sort.h"
 #include "lib/core/random.h"
+#include "lib/core/total_order.h"
 #include "lib/kernels/pixel_base.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/sampling/filter_disagreement.h"
@@ -119,22 +119,23 @@ bool place_sample(Offer& offer, const Wish& wish, const Rectangle& bounds) {
   return offer.give(wish.x, wish.y) || give_nearby(offer, wish.x, wish.y, wish.reach, bounds);
 }
 
-// The `wanted` pixels of largest error, at least 1, the largest first, of equal ones the first of
-// the image.
+// The `wanted` pixels of largest error, the largest first, of equal ones the first of the image.
 std::vector<std::size_t> largest_first(const Plane& error, long long wanted) {
+  if (wanted == 0) return {};
   std::vector<double> ranked(error.pixels().begin(), error.pixels().end());
   const auto cut = ranked.begin() + (wanted - 1);
-  std::nth_element(ranked.begin(), cut, ranked.end(), std::greater<>());
+  std::nth_element(ranked.begin(), cut, ranked.end(), descending);
   const double smallest = *cut;
-  auto equal =
-      wanted - std::count_if(ranked.begin(), cut, [&](double value) { return value > smallest; });
+  auto equal = wanted - std::count_if(ranked.begin(), cut,
+                                      [&](double value) { return descending(value, smallest); });
   std::vector<std::size_t> order;
   order.reserve(static_cast<std::size_t>(wanted));
   for (std::size_t p = 0; p < error.size(); ++p) {
-    if (error[p] > smallest || (error[p] == smallest && equal-- > 0)) order.push_back(p);
+    if (descending(error[p], smallest) || (!descending(smallest, error[p]) && equal-- > 0))
+      order.push_back(p);
   }
   parallel_sort(order, [&](std::size_t a, std::size_t b) {
-    return error[a] != error[b] ? error[a] > error[b] : a < b;
+    return descending(error[a], error[b]) || (!descending(error[b], error[a]) && a < b);
   });
   return order;
 }

@@ -60,7 +60,9 @@ SamplingResult end_spending(Spending spending, const SamplePool& pool) {
 
 long long sample_budget(double samples_per_pixel, const RecordedSamples& recording) {
   SPOOL_CHECK_GE(samples_per_pixel, 0.0);
-  return std::llround(samples_per_pixel * recording.width() * recording.height());
+  constexpr double kBeyondAnyPool = 0x1p62;  // and still a whole number
+  return std::llround(
+      std::min(samples_per_pixel * recording.width() * recording.height(), kBeyondAnyPool));
 }
 
 long long count_samples(const CountImage& n) {

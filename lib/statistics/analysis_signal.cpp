@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lib/core/pairwise_sum.h"
+#include "lib/core/total_order.h"
 
 namespace spool {
 
@@ -27,7 +28,7 @@ double exposure_scale(const Plane& values, const CountImage& n, GuardCounts& gua
   if (dropped > 0) {
     std::vector<double> ranked = sampled;
     const auto cut = ranked.begin() + static_cast<std::ptrdiff_t>(kept);
-    std::nth_element(ranked.begin(), cut, ranked.end());
+    std::nth_element(ranked.begin(), cut, ranked.end(), ascending);
     // Of equal values the first of the image are kept.
     const double largest = *cut;
     auto equal = kept - static_cast<std::size_t>(std::count_if(

@@ -1,10 +1,11 @@
 #include "lib/metrics/error_metrics.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <bit>
 #include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "lib/metrics/error_parts.h"
 #include "lib/metrics/largest_first.h"
@@ -240,6 +241,29 @@ TEST(LargestFirst, WalksEveryPixelInDescendingOrderThoughOnlyTheHeadIsSorted) {
     return true;
   });
   EXPECT_EQ(visited, values.size());
+}
+
+TEST(ErrorMetrics, ThoseThatAreWantedHaveTheSameBitsAndTheOthersNone) {
+  const RgbImage r = make_rgb(40, 33, 0.5);
+  RgbImage i = r;
+  for (std::size_t p = 0; p < i[0].size(); ++p)
+    i[p % 3][p] += 0.001 * static_cast<double>(p % 17);
+  MetricOptions options;
+  options.perceptual = Perceptual::kAll;
+  const MetricTable all = error_metrics(i, {r, {}, {}}, options);
+  for (std::size_t m = 0; m < metrics().size(); ++m) {
+    options.wanted.assign(metrics().size(), false);
+    options.wanted[m] = true;
+    const MetricTable one = error_metrics(i, {r, {}, {}}, options);
+    for (std::size_t other = 0; other < metrics().size(); ++other) {
+      const MetricValue& expected = other == m ? all.values[m] : MetricValue{};
+      const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+      EXPECT_EQ(bits(one.values[other].value), bits(expected.value)) << metrics()[other].name;
+      EXPECT_EQ(bits(one.values[other].standard_error), bits(expected.standard_error))
+          << metrics()[other].name;
+    }
+    EXPECT_EQ(one.resampled[m].size(), all.resampled[m].size()) << metrics()[m].name;
+  }
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 """Every failure is a SpoolError with the line and the exit code of the program."""
+import pickle
+
 import numpy as np
 import pytest
 
@@ -106,3 +108,45 @@ def test_options_of_functions(dump):
         spool.replay(dump, choosy, 4, strength="much")
     with pytest.raises(spool.SpoolError, match="needs a default"):
         spool.sampler(lambda statistics, strength: statistics.n)
+
+
+def test_an_error_survives_pickle():
+    error = spool.SpoolError("damaged", "x.spool: record 3")
+    again = pickle.loads(pickle.dumps(error))
+    assert (again.kind, again.message, again.code, str(again)) == (error.kind, error.message, spool.DAMAGE, str(error))
+
+
+def test_a_function_without_its_decorator_and_keys_that_are_none(dump):
+    def bare(statistics):
+        return statistics.n
+
+    for call in (lambda: spool.replay(dump, bare, 4), lambda: spool.replay(dump, "cross_halves", 4, filter=bare),
+                 lambda: spool.reconstruct(dump, None, bare),
+                 lambda: spool.evaluate({"recordings": [dump], "spp": [4], "samplers": [bare], "filters": ["box"]})):
+        with pytest.raises(spool.SpoolError, match="bare is a function without its decorator: write @spool"):
+            call()
+    with pytest.raises(spool.SpoolError, match="is a filter"):
+        spool.replay(dump, spool.filter(bare), 4)
+    plan = {"recordings": [dump], "spp": [4], "samplers": ["uniform"], "filters": ["box"]}
+    for key in ("replicate", "seeds", "a key", "", "\x7f"):
+        with pytest.raises(spool.SpoolError, match="unknown key") as caught:
+            spool.evaluate({**plan, key: 1})
+        assert key.strip("\x7f") in caught.value.message
+    with pytest.raises(spool.SpoolError, match="plan: key: 5"):
+        spool.evaluate({**plan, 5: 1})
+    with pytest.raises(spool.SpoolError, match="plan: seed: None"):
+        spool.evaluate({**plan, "seed": None})
+
+
+def test_an_image_with_nan(dump, tmp_path, program):
+    from spool import exr
+    image = np.ones((dump.height, dump.width, 3), "f4")
+    image[3, 2, 1] = np.nan
+    exr.write(tmp_path / "i.exr", {channel: image[..., c] for c, channel in enumerate("RGB")})
+    name = f"image:{tmp_path / 'i.exr'}"
+    words = "holds nan in channel G \\(pixel 2, 3\\)"
+    with pytest.raises(spool.SpoolError, match=words) as caught:
+        spool.reconstruct(dump, None, name)
+    assert program("reconstruct", dump.path, "--filter", name, "-o", "o.exr") == (1, caught.value.message)
+    with pytest.raises(spool.SpoolError, match=words):
+        spool.evaluate({"recordings": [dump], "spp": [4], "replicates": 1, "samplers": ["uniform"], "filters": [name]})

@@ -1,6 +1,9 @@
-"""Ctrl-C ends the work and raises KeyboardInterrupt; other Python threads run meanwhile."""
+"""Ctrl-C ends the work and raises KeyboardInterrupt; other Python threads run meanwhile; the interpreter may end."""
+import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -24,15 +27,19 @@ def large():
 def test_evaluate_goes_on_afterwards(large, tmp_path):
     plan = {"recordings": [large], "spp": [8, 16], "replicates": 12, "samplers": ["multiscale"],
             "filters": ["directional", "twin_guides"], "pictures": False}
-    start = time.monotonic()
-    interrupt_after(3.0)
+    begin = []
+
+    def interrupt(share, done, of):
+        if done > 0 and not begin:
+            begin.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+
     with pytest.raises(KeyboardInterrupt):
-        spool.evaluate(plan, output=tmp_path / "kept")
-    assert time.monotonic() - start < 30
-    kept = len(list((tmp_path / "kept" / "cells").iterdir()))
-    smaller = {**plan, "replicates": 1}
-    with pytest.raises(spool.SpoolError, match="does not have" if kept else ""):
-        spool.evaluate({**smaller, "spp": [2]}, output=tmp_path / "kept")
+        spool.evaluate(plan, output=tmp_path / "kept", progress=interrupt)
+    assert time.monotonic() - begin[0] < 30
+    assert len(list((tmp_path / "kept" / "cells").iterdir())) > 0
+    with pytest.raises(spool.SpoolError, match="does not have"):
+        spool.evaluate({**plan, "replicates": 1, "spp": [2]}, output=tmp_path / "kept")
 
 
 def test_a_sampler_in_python(large):
@@ -74,3 +81,127 @@ def test_other_threads_run_meanwhile(large):
     thread.join()
     inside = [time for time in ticks if begin < time < end]
     assert len(inside) > 5 and max(np.diff([begin, *inside, end])) < 0.5 * (end - begin)
+
+
+@pytest.mark.parametrize("name", ["nl_means", "twin_guides", "directional", "welch", "greedy_selection"])
+def test_a_filter_ends_within_a_second(name):
+    large = spool.synth("slanted_edge", width=512, height=512, spp=16)
+    spool.replay(large, "uniform", 1)  # the file is open
+    begin = []
+
+    def interrupt():
+        begin.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.7, interrupt)
+    timer.start()
+    try:
+        spool.reconstruct(large, None, name, **({"window": 10} if name == "nl_means" else {}))
+    except KeyboardInterrupt:
+        assert time.monotonic() - begin[0] < 1.0 * int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))
+    else:  # done before the signal
+        timer.cancel()
+        assert not begin
+    assert np.isfinite(spool.reconstruct(large, None, "box")).all()
+
+
+def test_a_function_that_never_ends(large):
+    @spool.sampler
+    def endless(statistics):
+        while True:
+            pass
+
+    @spool.filter
+    def stubborn(statistics):
+        for _ in range(2):  # takes one signal for something else
+            try:
+                while True:
+                    time.sleep(0.01)
+            except KeyboardInterrupt:
+                pass
+        return statistics.mean
+
+    interrupt_after(0.5)
+    with pytest.raises(KeyboardInterrupt):
+        spool.replay(large, endless, 4)
+    interrupt_after(0.5), interrupt_after(1.0)
+    with pytest.raises(KeyboardInterrupt):
+        spool.reconstruct(large, None, stubborn)
+    interrupt_after(0.7)
+    with pytest.raises(KeyboardInterrupt):
+        spool.evaluate({"recordings": [large], "spp": [4], "replicates": 1, "samplers": [endless], "filters": ["box"]})
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt("mine"), SystemExit(3), GeneratorExit()])
+def test_what_is_no_failure_stays_what_it_is(large, raised):
+    @spool.sampler
+    def leaving(statistics):
+        raise raised
+
+    @spool.filter
+    def leaving_too(statistics):
+        raise raised
+
+    for call in (lambda: spool.replay(large, leaving, 4), lambda: spool.reconstruct(large, None, leaving_too),
+                 lambda: spool.evaluate({"recordings": [large], "spp": [4], "replicates": 1, "samplers": ["uniform"],
+                                         "filters": [leaving_too]})):
+        with pytest.raises(type(raised)) as caught:
+            call()
+        assert caught.value is raised
+
+
+def test_a_function_calls_the_library_and_not_itself(large):
+    @spool.sampler(rounds=1)
+    def helped(statistics):
+        return spool.replay(large, "uniform", 2).counts
+
+    @spool.sampler(rounds=1)
+    def itself(statistics):
+        return spool.replay(large, itself, 2).counts
+
+    assert (spool.replay(large, helped, 4).counts >= 3).all()
+    with pytest.raises(spool.SpoolError, match="none like itself"):
+        spool.replay(large, itself, 4)
+    assert threading.active_count() < 10
+
+
+@pytest.mark.parametrize("work", ["spool.replay(dump, 'multiscale', 32)", "spool.reconstruct(dump, None, 'nl_means')",
+                                  "spool.replay(dump, endless, 4)", "spool.replay(dump, asleep, 4)"])
+def test_the_interpreter_ends_while_a_thread_works(work):
+    script = f"""
+import threading, time, spool
+dump = spool.synth("slanted_edge", width=256, height=256, spp=32)
+@spool.sampler
+def endless(statistics):
+    while True: pass
+@spool.sampler
+def asleep(statistics):
+    time.sleep(1e6)
+def go_on():
+    while True: {work}
+for _ in range(2):
+    threading.Thread(target=go_on, daemon=True).start()
+time.sleep(1)
+print("end", flush=True)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (0, "end\n") and "terminate" not in done.stderr, done.stderr
+
+
+def fails(number):
+    return spool.replay(np.ones((4, 4, 2, 3)), "uniform", number)
+
+
+def works(number):
+    return spool.replay(np.ones((4, 4, 8, 3)), "multiscale", number).log["spent"]
+
+
+@pytest.mark.parametrize("start", ["fork", "spawn"])
+def test_other_processes(start, monkeypatch):
+    works(2)  # the threads of this process are not in the other one
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
+    with multiprocessing.get_context(start).Pool(2) as pool:
+        assert pool.map_async(works, [1, 2, 3, 4]).get(60) == [16, 32, 48, 64]
+        with pytest.raises(spool.SpoolError, match="spp: -1") as caught:
+            pool.map_async(fails, [-1]).get(60)
+    assert caught.value.code == spool.USAGE

@@ -1,10 +1,11 @@
-"""A mapped recording is not copied, nor is an array that lies as the library reads it."""
+"""A mapped recording is not copied, an array is, and many calls take no more memory than a few."""
 import os
 import re
 import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 import spool
 
@@ -36,13 +37,50 @@ def test_a_mapped_file(tmp_path):
     assert taken < 400 * pixels + 8e6 < 0.75 * size + 8e6, (taken, size)
 
 
-def test_an_array_that_lies_right():
-    planes = np.random.default_rng(1).random((3, 64, 64, 16), np.float32)  # [c][y][x][s]
-    recording = spool.recording(np.moveaxis(planes, 0, 3))
-    before = spool.replay(recording, "uniform", 16).image
-    planes *= 2  # seen through the recording: it is the same memory
-    assert np.allclose(spool.replay(recording, "uniform", 16).image, 2 * before)
-    assert not np.allclose(before, 2 * before)
+# After 200 calls, which take what is taken once; 3000 in the full test.
+MANY_CALLS = """
+import gc, re, sys, numpy as np, spool
+def resident():
+    gc.collect()
+    return int(re.search(r"VmRSS:\\s+(\\d+)", open("/proc/self/status").read())[1]) * 1024
+random = np.random.default_rng(1)
+recording = spool.recording(random.random((8, 8, 8, 3), np.float32))
+image = random.random((8, 8, 3))
+chosen = spool.replay(recording, "uniform", 4)
+calls = {"replay": lambda: spool.replay(recording, "multiscale", 4), "metrics": lambda: spool.metrics(image, image),
+         "reconstruct": lambda: spool.reconstruct(recording, chosen, "directional")}
+count = int(sys.argv[1])
+for call in calls.values():
+    for _ in range(200):
+        call()
+for name, call in calls.items():
+    before = resident()
+    for _ in range(count):
+        call()
+    print(name, resident() - before)
+"""
+
+
+def test_many_calls():
+    calls = int(os.environ.get("SPOOL_PYTHON_CALLS", "1000"))
+    done = subprocess.run([sys.executable, "-c", MANY_CALLS, str(calls)], check=True, capture_output=True, text=True)
+    taken = {name: int(size) for name, size in map(str.split, done.stdout.splitlines())}
+    assert len(taken) == 3 and max(taken.values()) < 4e6 * max(calls / 3000, 1 / 3), taken
+
+
+def test_an_array_is_copied():
+    planes = np.random.default_rng(1).random((3, 8, 8, 16), np.float32)  # [c][y][x][s], as the library reads it
+    recording = spool.recording(np.moveaxis(planes, 0, 3), reference=np.ones((8, 8, 3)))
+    before = {sampler: spool.replay(recording, sampler, 4).image for sampler in ("uniform", "greedy_error", "multiscale")}
+    planes[1, 5, 5, 2] = np.nan
+    planes[:, 3] = np.inf
+    for sampler, image in before.items():
+        assert (spool.replay(recording, sampler, 4).image == image).all()
+    for array in recording.arrays.values():
+        with pytest.raises(ValueError, match="read-only"):
+            array[0, 0, 0] = 1
+    with pytest.raises(spool.SpoolError, match="not finite"):
+        spool.replay(np.moveaxis(planes, 0, 3), "uniform", 4)
 
 
 def test_a_view_outlives_what_it_came_from():

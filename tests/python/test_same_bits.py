@@ -1,4 +1,7 @@
 """The package and the program: the same bits for every sampler and every filter, from a file and from arrays."""
+import os
+import time
+
 import numpy as np
 import pytest
 
@@ -131,3 +134,30 @@ def same_rows(rows, others, *but):
     for row, other in zip(rows, others):
         assert facts(row) == facts(other)
     return len(rows) == len(others)
+
+
+def test_metrics_that_are_asked_for(layers):
+    image, reference = layers["radiance"].mean(axis=2), layers["reference"]
+    whole = spool.metrics(image, reference, standard_errors=True, variance=layers["reference_variance"])
+    for name in whole:
+        one = spool.metrics(image, reference, metrics=name, standard_errors=True, variance=layers["reference_variance"])
+        assert list(one) == [name] and np.array_equal(one[name], whole[name], equal_nan=True), name
+    some = spool.metrics(image, reference, metrics=["ssim", "relmse", "energy_ratio_d3"])
+    assert list(some) == ["relmse", "ssim", "energy_ratio_d3"]  # as in every table
+    with pytest.raises(spool.SpoolError, match="unknown metric 'relmze', did you mean 'relmse'"):
+        spool.metrics(image, reference, metrics=["relmze"])
+
+
+def test_one_metric_is_cheap():
+    image = np.random.default_rng(1).random((1024, 1024, 3))
+    spool.metrics(image, image, metrics=["relmse"])
+    before = time.process_time()
+    spool.metrics(image, 0.5 * image, metrics=["relmse"])
+    assert time.process_time() - before < 0.2 * int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))
+
+
+def test_arrays_of_one_plan(layers):
+    one, two = layers["radiance"], 2 * layers["radiance"]
+    results = spool.evaluate({"recordings": [one, spool.recording(two, reference=2 * layers["reference"]), one],
+                              "spp": [4], "replicates": 2, "samplers": ["uniform"], "filters": ["box"]})
+    assert sorted({row["dump"] for row in results.rows}) == ["recording", "recording_2", "recording_3"]

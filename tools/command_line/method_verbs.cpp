@@ -12,9 +12,8 @@ void add_replay(Program& program) {
   verb.add_option("--sampler", options.sampler, "see spool list samplers")->required();
   verb.add_option("--filter", options.filter,
                   "in the loop of cross_halves and filtered_halves, in place of their own");
-  verb.add_option("--spp", options.spp, "budget, samples per pixel on average")
-      ->required()
-      ->check(CLI::Range(1e-3, 65536.0));
+  within(verb.add_option("--spp", options.spp, "budget, samples per pixel on average"), kBudget)
+      ->required();
   add_method(verb, options.method);
   add_pool(verb, options.pool);
   verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
@@ -43,8 +42,8 @@ void add_reconstruct(Program& program) {
   CLI::Option* selection = verb.add_option(
       "--selection", options.selection,
       "which samples: an image of counts (channel n, Y, R or its only one), of the dump's size");
-  verb.add_option("--spp", options.spp, "instead: the first samples of each pixel (all)")
-      ->check(CLI::Range(1, 65536))
+  within(verb.add_option("--spp", options.spp, "instead: the first samples of each pixel (all)"),
+         kSamples)
       ->excludes(selection);
   verb.add_option("--filter", options.filter, "see spool list filters")->required();
   add_method(verb, options.method);
@@ -82,8 +81,7 @@ void add_pixel(Program& program) {
       ->required()
       ->take_all()
       ->allow_extra_args(false);
-  verb.add_option("--samples", options.samples, "the first so many (all)")
-      ->check(CLI::Range(1, 65536));
+  within(verb.add_option("--samples", options.samples, "the first so many (all)"), kSamples);
   CLI::Option* evaluation =
       verb.add_option("--evaluation-seed", options.evaluation_seed,
                       "the seed of an evaluation: the order in which its replicate 0 takes samples")
@@ -99,11 +97,13 @@ void add_pixel(Program& program) {
   verb.add_option("--seed", options.pool.seed, "seed of the order (0)")
       ->check(seed_check())
       ->excludes(evaluation);
-  verb.add_option("--holdout", options.pool.holdout, "samples per pixel that are never offered (0)")
-      ->check(CLI::Range(0, 65535));
+  within(verb.add_option("--holdout", options.pool.holdout,
+                         "samples per pixel that are never offered (0)"),
+         kHoldout);
   verb.add_option("--sampler", options.sampler, "also: how many samples it takes of the pixel");
-  verb.add_option("--spp", options.spp, "budget of the sampler, samples per pixel on average")
-      ->check(CLI::Range(1e-3, 65536.0));
+  within(
+      verb.add_option("--spp", options.spp, "budget of the sampler, samples per pixel on average"),
+      kBudget);
   verb.add_option("--filter", options.filter,
                   "also: with which weights it makes the pixel, where it can say");
   add_method(verb, options.method);

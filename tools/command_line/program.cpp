@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "lib/core/option_table.h"
+
 namespace spool::tools {
 
 // The switches of a verb; every verb takes --threads and --quiet.
@@ -12,9 +14,13 @@ void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force) {
   if (json) verb.add_flag("--json", common.json, "print JSON instead of text");
   if (force) verb.add_flag("--force", common.force, "replace what exists");
   verb.add_flag("--quiet,-q", common.quiet, "no progress, no remarks");
-  verb.add_option("--threads", common.threads,
-                  "threads to use, 0 for all; the results do not depend on it")
-      ->check(CLI::Range(0, 1024));
+  within(verb.add_option("--threads", common.threads,
+                         "threads to use, 0 for all; the results do not depend on it"),
+         kThreads);
+}
+
+CLI::Option* within(CLI::Option* option, const Bounds& bounds) {
+  return option->type_name(number_range(bounds.lowest, bounds.highest));
 }
 
 // A seed as plans have it, too: TOML has no larger numbers. CLI11 itself wraps what is negative.
@@ -67,9 +73,9 @@ void add_pool(CLI::App& verb, PoolOptions& pool) {
       ->option_text("recorded|shuffled");
   verb.add_option("--seed", pool.seed, "seed of the order and of the method (0)")
       ->check(seed_check());
-  verb.add_option("--holdout", pool.holdout, "samples per pixel that are never offered (0)")
-      ->check(CLI::Range(0, 65535));
-  verb.add_option("--pieces", pool.pieces_per_side, kPieces)->check(CLI::Range(1, 2));
+  within(verb.add_option("--holdout", pool.holdout, "samples per pixel that are never offered (0)"),
+         kHoldout);
+  within(verb.add_option("--pieces", pool.pieces_per_side, kPieces), kPiecesPerSide);
 }
 
 }  // namespace spool::tools

@@ -19,6 +19,7 @@
 #include "tools/list.h"
 #include "tools/manual_verbs.h"
 #include "tools/metrics.h"
+#include "tools/option_bounds.h"
 #include "tools/pack.h"
 #include "tools/picture.h"
 #include "tools/pixel.h"
@@ -65,6 +66,8 @@ struct Program {
 
 // The switches of a verb; every verb takes --threads and --quiet.
 void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force);
+// Says in the help what the option may be; looked at by validate() of the verb.
+CLI::Option* within(CLI::Option* option, const Bounds& bounds);
 // A seed as plans have it, too: TOML has no larger numbers.
 CLI::Validator seed_check();
 void add_dump(CLI::App& verb, std::filesystem::path& dump);

@@ -118,7 +118,7 @@ void add_synth(Program& program) {
   SynthOptions& options = program.synth;
   verb.add_option("NAME", options.scene, "see spool list scenes")->required();
   verb.add_option("--size", options.size, "WxH or N pixels (128x128)");
-  verb.add_option("--samples", options.spp, "per pixel (64)")->check(CLI::Range(1, 65536));
+  within(verb.add_option("--samples", options.spp, "per pixel (64)"), kSamples);
   verb.add_option("--seed", options.seed, "of the samples (1)")->check(seed_check());
   verb.add_option("--set", options.settings, "OPTION=VALUE of the scene: see spool list scenes")
       ->take_all()

@@ -49,25 +49,25 @@ void add_evaluate(Program& program) {
   verb.add_option("--samplers", options.samplers, "a,b:PRESET,LABEL=c{OPTION=VALUE} (uniform)");
   verb.add_option("--filters", options.filters, "the same of filters (box)");
   verb.add_option("--spp", options.spp, "budgets in samples per pixel: 4,8,16");
-  verb.add_option("--replicates", options.replicates,
-                  "repetitions, with samples that no other has as far as they reach (8)")
-      ->check(CLI::Range(1, 100000));
-  verb.add_option("--repeats", options.repeats,
-                  "times each stage is run for the median of its time (1)")
-      ->check(CLI::Range(1, 1000));
+  within(verb.add_option("--replicates", options.replicates,
+                         "repetitions, with samples that no other has as far as they reach (8)"),
+         kReplicates);
+  within(verb.add_option("--repeats", options.repeats,
+                         "times each stage is run for the median of its time (1)"),
+         kRepeats);
   verb.add_option("--sweep-threads", options.cell_threads,
                   "run everything with each of these numbers of threads: 1,2,4");
   add_method(verb, options.methods);
   verb.add_option("--reference", options.reference,
                   "what images are judged by: " + reference_names() +
                       " (default: the first of these that the dump can give)");
-  verb.add_option("--holdout", options.holdout,
-                  "samples per pixel kept for judging (a quarter, where they are needed)")
-      ->check(CLI::Range(0, 65535));
+  within(verb.add_option("--holdout", options.holdout,
+                         "samples per pixel kept for judging (a quarter, where they are needed)"),
+         kHoldout);
   verb.add_option("--seed", options.seed, "seed of all replicates (1)")->check(seed_check());
   verb.add_flag("--recorded-order", options.recorded_order,
                 "take samples in recorded order; all replicates are then alike");
-  verb.add_option("--pieces", options.pieces_per_side, kPieces)->check(CLI::Range(1, 2));
+  within(verb.add_option("--pieces", options.pieces_per_side, kPieces), kPiecesPerSide);
   verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
   verb.add_flag("--fresh", options.fresh,
                 "also apply the counts to samples that had no say in them, and take bias and "

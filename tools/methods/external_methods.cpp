@@ -1,6 +1,5 @@
 #include "tools/methods/external_methods.h"
 
-#include <cmath>
 #include <utility>
 
 #include "formats/interchange/export_format.h"
@@ -153,20 +152,9 @@ Result<ReadyFilter> make_exec_filter(const std::string& command, const OptionVal
   const FilterFunction run = [command, options](const Selection& selection, const SamplePool& pool,
                                                 const FilterContext&) -> Result<Reconstruction> {
     const std::string name = fmt::format("exec:{}: answer", command);
-    SPOOL_ASSIGN(const auto answer,
+    SPOOL_ASSIGN(auto answer,
                  call(command, selection.statistics, pool, options, {}, nullptr, &read_answer));
-    const RgbImage& image = answer.value.rgb;
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (int y = 0; y < image[c].height(); ++y) {
-        for (int x = 0; x < image[c].width(); ++x) {
-          if (std::isfinite(image[c](x, y))) continue;
-          return fail(ErrorCode::kData,
-                      "{}: holds {} in channel {} (pixel {}, {}): every value must be finite", name,
-                      image[c](x, y), "RGB"[c], x, y);
-        }
-      }
-    }
-    SPOOL_ASSIGN(Reconstruction own, own_image(image, pool, name));
+    SPOOL_ASSIGN(Reconstruction own, own_image(std::move(answer.value.rgb), pool, name));
     own.exchange_seconds = answer.exchange_seconds;
     return own;
   };

@@ -50,6 +50,17 @@ Plane plane_from_numpy(const PlaneArray& array) {
   return plane;
 }
 
+Result<void> check_image_size(std::size_t width, std::size_t height, const std::string& name) {
+  constexpr std::size_t kLargestSide = 65536, kMostPixels = std::size_t{1} << 28;
+  if (width > 0 && height > 0 && width <= kLargestSide && height <= kLargestSide &&
+      width * height <= kMostPixels) {
+    return {};
+  }
+  return fail(ErrorCode::kUsage,
+              "{}: {} x {} pixels: give 1 to {} on a side, and at most {} in all", name, width,
+              height, kLargestSide, kMostPixels);
+}
+
 RgbImage rgb_from_numpy(const ImageArray& array) {
   RgbImage image = make_rgb(static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)));
   for (std::size_t i = 0; i < image[0].size(); ++i) {

@@ -13,7 +13,7 @@ namespace spool::python {
 
 namespace nb = nanobind;
 
-using ImageArray = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using ImageArray = nb::ndarray<const double, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu>;
 using PlaneArray = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using CountArray = nb::ndarray<const std::int64_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using SampleArray = nb::ndarray<const float, nb::ndim<4>, nb::c_contig, nb::device::cpu>;
@@ -23,7 +23,9 @@ nb::object counts_to_numpy(const CountImage& counts);  // [y][x] int32
 nb::object rgb_to_numpy(const RgbImage& image);        // [y][x][c] float64
 
 Plane plane_from_numpy(const PlaneArray& array);
-RgbImage rgb_from_numpy(const ImageArray& array);  // of shape (height, width, 3)
+// kUsage where there is no pixel, or more than an image may have.
+Result<void> check_image_size(std::size_t width, std::size_t height, const std::string& name);
+RgbImage rgb_from_numpy(const ImageArray& array);
 // kData when a count is negative or beyond 32 bits; `name` says whose they are.
 Result<CountImage> counts_from_numpy(const CountArray& array, const std::string& name);
 

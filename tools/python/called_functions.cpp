@@ -3,8 +3,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -15,6 +15,7 @@
 #include "lib/statistics/transformed_moments.h"
 #include "tools/methods/called_methods.h"
 #include "tools/python/arrays.h"
+#include "tools/python/running.h"
 
 namespace spool::python {
 namespace {
@@ -29,40 +30,83 @@ Held hold(nb::object object) {
           }};
 }
 
+std::string text_of(const nb::handle& value) {
+  try {
+    const nb::object bytes = nb::str(value).attr("encode")("utf-8", "backslashreplace");
+    return nb::cast<nb::bytes>(bytes).c_str();
+  } catch (nb::python_error&) {  // of an exception whose __str__ raises
+    return "";
+  }
+}
+
+// What a function raised, as the error of its method; thrown on where it is meant for whoever began
+// the work.
+Error error_of(const std::string& name, nb::python_error& error, Watch* watch) {
+  if (watch != nullptr && !error.matches(PyExc_Exception)) {
+    if (!watch->raised) watch->raised.emplace(error);
+    watch->stop();
+    throw WorkStopped{};
+  }
+  const std::string type = text_of(error.type().attr("__name__"));
+  const bool own = type == "SpoolError";
+  return fail(own ? ErrorCode::kUsage : ErrorCode::kData, "python:{}: {}{}", name,
+              own ? "" : type + ": ", text_of(error.value()))
+      .value();
+}
+
 // `work` with the interpreter's lock; what it raises becomes the error of the method.
 template <class Work>
-auto with_python(const std::string& name, Work&& work) -> decltype(work()) {
-  const nb::gil_scoped_acquire lock;
-  try {
-    return work();
-  } catch (nb::python_error& error) {
-    const std::string type = nb::cast<std::string>(error.type().attr("__name__"));
-    const std::string text = nb::cast<std::string>(nb::str(error.value()));
-    return fail(type == "SpoolError" ? ErrorCode::kUsage : ErrorCode::kData, "python:{}: {}{}",
-                name, type == "SpoolError" ? "" : type + ": ", text);
-  }
+auto with_python(const std::string& name, Watch* watch, Work&& work) -> decltype(work()) {
+  std::optional<decltype(work())> result;
+  survive_the_end([&] {
+    const nb::gil_scoped_acquire lock;
+    if (watch != nullptr) watch->enter_callback();
+    try {
+      result = work();
+    } catch (nb::python_error& error) {
+      if (watch != nullptr) watch->leave_callback();
+      result = tl::unexpected<Error>(error_of(name, error, watch));
+      return;
+    }
+    if (watch != nullptr) watch->leave_callback();
+  });
+  return std::move(*result);
 }
 
 struct CalledFunction {
   std::string name;
   tools::CalledOptions options;
   Held function;
+  std::shared_ptr<Watch> watch;  // of the work that it is a part of; null in a thread of a result
 };
+
+// What the decorator or a call set, by the table that the program has for it.
+Result<tools::CalledOptions> options_of(const nb::object& made) {
+  OptionValues set;
+  for (const auto& [option, text] : nb::cast<nb::dict>(made.attr("texts")))
+    set.emplace_back(nb::cast<std::string>(option), nb::cast<std::string>(text));
+  SPOOL_ASSIGN(tools::CalledOptions options,
+               with_options(tools::called_sampler_option_table(), {}, set));
+  options.told.moments = nb::cast<std::vector<double>>(made.attr("moments"));
+  return options;
+}
 
 Result<CalledFunction> look_up(const Held& lookup, const char* kind, const std::string& name,
                                const OptionValues& set) {
-  return with_python(name, [&]() -> Result<CalledFunction> {
+  const std::shared_ptr<Watch> watch = Watch::current();
+  if (watch && watch->is_called_back()) {
+    return fail(ErrorCode::kUsage,
+                "python:{}: asked for by a function of one's own: such a function may call the "
+                "methods of the library, and none like itself",
+                name);
+  }
+  return with_python(name, watch.get(), [&]() -> Result<CalledFunction> {
     nb::dict options;
     for (const auto& [option, text] : set)
       options[nb::str(option.c_str())] = text;
     const nb::object made = (*lookup)(kind, name, options);
-    CalledFunction called{name, {}, hold(made)};
-    called.options.told.features = nb::cast<bool>(made.attr("features"));
-    called.options.told.moments = nb::cast<std::vector<double>>(made.attr("moments"));
-    called.options.asked.rounds = nb::cast<int>(made.attr("rounds"));
-    const nb::object first = made.attr("init_spp");
-    if (!first.is_none()) called.options.asked.init_spp = nb::cast<int>(first);
-    return called;
+    SPOOL_ASSIGN(tools::CalledOptions chosen, options_of(made));
+    return CalledFunction{name, std::move(chosen), hold(made), watch};
   });
 }
 
@@ -146,7 +190,7 @@ Result<CountImage> answer_of(const nb::object& answer, const CountQuestion& ques
 Result<CountImage> ask(const CalledFunction& called, const CountQuestion& question) {
   SPOOL_ASSIGN(const Known known,
                known_of(question.statistics, question.pool, called.options.told));
-  return with_python(called.name, [&]() -> Result<CountImage> {
+  return with_python(called.name, called.watch.get(), [&]() -> Result<CountImage> {
     nb::dict told = to_python(known, question.statistics.n);
     told["round"] = question.round;
     told["rounds"] = question.rounds;
@@ -172,19 +216,9 @@ Result<ReadySampler> sampler_of(const CalledFunction& called) {
 }
 
 Result<RgbImage> image_of(const CalledFunction& called, const Known& known, const CountImage& n) {
-  return with_python(called.name, [&]() -> Result<RgbImage> {
+  return with_python(called.name, called.watch.get(), [&]() -> Result<RgbImage> {
     const nb::object answer = called.function->attr("ask")(to_python(known, n));
-    const auto array = nb::cast<ImageArray>(answer);
-    for (std::size_t i = 0; i < array.size(); ++i) {
-      if (std::isfinite(array.data()[i])) continue;
-      const std::size_t pixel = i / 3;
-      return fail(ErrorCode::kData,
-                  "python:{}: answer: holds {} in channel {} (pixel {}, {}): every value must be "
-                  "finite",
-                  called.name, array.data()[i], "RGB"[i % 3], pixel % array.shape(1),
-                  pixel / array.shape(1));
-    }
-    return rgb_from_numpy(array);
+    return rgb_from_numpy(nb::cast<ImageArray>(answer));
   });
 }
 
@@ -199,6 +233,10 @@ Result<ReadyFilter> filter_of(const CalledFunction& called) {
 }
 
 }  // namespace
+
+void check_called_options(const nb::object& made) {
+  if (const auto options = options_of(made); !options) raise(options.error());
+}
 
 void call_methods_through(nb::object lookup) {
   // Never let go: the list of methods ends after the interpreter.

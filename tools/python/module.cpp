@@ -2,8 +2,10 @@
 #include <nanobind/nanobind.h>
 
 #include "formats/lost_pages.h"
+#include "lib/core/check.h"
 #include "tools/python/called_functions.h"
 #include "tools/python/evaluation.h"
+#include "tools/python/running.h"
 #include "tools/python/showing.h"
 #include "tools/python/steps.h"
 
@@ -12,8 +14,12 @@ NB_MODULE(_core, module) {
   nanobind::set_leak_warnings(false);
   // A recording that is cut while it is mapped is an error, as in the program, and no SIGBUS.
   spool::format::survive_lost_pages();
+  // Nor does an error of the library take the process with it.
+  spool::throw_failed_checks();
   module.attr("version") = SPOOL_VERSION;
   module.def("call_methods_through", &spool::python::call_methods_through);
+  module.def("check_called_options", &spool::python::check_called_options);
+  module.def("end_all_work", &spool::python::end_all_work);
   spool::python::bind_source(module);
   spool::python::bind_replay(module);
   spool::python::bind_reconstruct(module);

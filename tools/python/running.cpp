@@ -1,29 +1,43 @@
 #include "tools/python/running.h"
 
+#include <cxxabi.h>
 #include <nanobind/stl/string.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
-#include <future>
 #include <new>
-#include <thread>
 
-#include "lib/core/parallel.h"
 #include "lib/core/visible_text.h"
+#include "tools/option_bounds.h"
+#include "tools/python/workers.h"
 
 namespace spool::python {
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenLooks{50};
+constexpr std::chrono::seconds kLongestEnd{5};
+constexpr std::size_t kLongestLine = 4096;  // bytes
 
-// Not a std::exception: what catches those on the way takes them for errors of one result.
-struct Interrupted {};
+thread_local std::shared_ptr<Watch> t_watch;   // of the work that this thread does
+thread_local std::vector<Watch*> t_callbacks;  // functions of one's own that run on it
 
-Result<void> guarded(const std::function<Result<void>(Watch&)>& work, Watch& watch, int threads) {
+// Calls that have not returned; with the interpreter's lock.
+std::vector<Watch*>& calls() {
+  static auto* const instance = new std::vector<Watch*>;
+  return *instance;
+}
+unsigned long g_last_thread = 0;  // the one that ends the interpreter, from then on
+
+Result<void> guarded(const std::function<Result<void>(Watch&)>& work, Watch& watch,
+                     StoppableWork& stoppable, int threads) {
   try {
     const ThreadLimit limit(threads);
-    return work(watch);
-  } catch (const Interrupted&) {
+    Result<void> outcome;
+    stoppable.run([&] { outcome = work(watch); });
+    return outcome;
+  } catch (const WorkStopped&) {
     return fail(ErrorCode::kData, "interrupted");
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kIo, "out of memory: use a smaller image");
@@ -34,9 +48,13 @@ Result<void> guarded(const std::function<Result<void>(Watch&)>& work, Watch& wat
 
 }  // namespace
 
+std::shared_ptr<Watch> Watch::current() {
+  return t_watch;
+}
+
 void Watch::update(double share) {
   share_ = share;
-  if (stopped_) throw Interrupted{};
+  if (stopped_) throw WorkStopped{};
 }
 
 void Watch::update(double share, std::size_t done, std::size_t of) {
@@ -45,40 +63,123 @@ void Watch::update(double share, std::size_t done, std::size_t of) {
   update(share);
 }
 
+void Watch::stop() {
+  stopped_ = true;
+  work_.stop();
+}
+
+void Watch::enter_callback() {
+  callbacks_.push_back(PyThread_get_thread_ident());
+  t_callbacks.push_back(this);
+}
+
+void Watch::leave_callback() {
+  std::erase(callbacks_, PyThread_get_thread_ident());
+  t_callbacks.pop_back();
+}
+
+void Watch::interrupt_callbacks() {
+  for (const unsigned long thread : callbacks_)
+    PyThreadState_SetAsyncExc(thread, PyExc_KeyboardInterrupt);
+}
+
 void raise(const Error& error) {
   const nb::object type = nb::module_::import_("spool.error").attr("SpoolError");
-  const std::string line = visible_text(one_line(error.message));
+  const std::string line = visible_text(one_line(
+      error.message.size() <= kLongestLine ? error.message
+                                           : error.message.substr(0, kLongestLine) + " ..."));
   const nb::object exception = type.attr("of_code")(static_cast<int>(error.code), line);
   PyErr_SetObject(type.ptr(), exception.ptr());
   throw nb::python_error();
 }
 
+void survive_the_end(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const abi::__forced_unwind&) {
+    while (true)
+      ::pause();
+  }
+}
+
+// One call of a function of this module, from its begin to its end.
+class WatchedCall {
+ public:
+  WatchedCall() {
+    if (!t_callbacks.empty()) watch_->outer_ = t_callbacks.back()->shared_from_this();
+    watch_->called_back_ = !t_callbacks.empty();
+    calls().push_back(watch_.get());
+  }
+  ~WatchedCall() { std::erase(calls(), watch_.get()); }
+  WatchedCall(const WatchedCall&) = delete;
+  WatchedCall& operator=(const WatchedCall&) = delete;
+
+  void run(const std::function<Result<void>(Watch&)>& work, const nb::object& progress,
+           int threads) {
+    Result<void> outcome;
+    const auto job = begin_job([&] {
+      t_watch = watch_;
+      outcome = guarded(work, *watch_, watch_->work_, threads);
+      t_watch.reset();
+    });
+    while (!wait(*job))
+      look(progress);
+    if (wanted_) throw std::move(*wanted_);
+    if (watch_->raised) throw std::move(*watch_->raised);
+    if (!outcome) raise(outcome.error());
+    if (!progress.is_none()) progress(1.0, watch_->of(), watch_->of());
+  }
+
+ private:
+  bool wait(Job& job) {
+    bool ended = false;
+    survive_the_end([&] {
+      PyThreadState* const thread = PyEval_SaveThread();
+      ended = job.wait_for(kBetweenLooks);
+      PyEval_RestoreThread(thread);
+    });
+    return ended;
+  }
+
+  // Each signal interrupts once more: a function may have caught the last one.
+  void look(const nb::object& progress) {
+    try {
+      if (watch_->outer_ && watch_->outer_->stopped()) watch_->stop();
+      if (PyErr_CheckSignals() != 0) throw nb::python_error();
+      if (!progress.is_none() && !wanted_) progress(watch_->share(), watch_->done(), watch_->of());
+    } catch (nb::python_error& error) {
+      if (!wanted_) wanted_.emplace(error);
+      watch_->stop();
+      watch_->interrupt_callbacks();
+    }
+  }
+
+  std::shared_ptr<Watch> watch_ = std::make_shared<Watch>();
+  std::optional<nb::python_error> wanted_;  // by a signal, or by `progress`
+};
+
+void end_all_work() {
+  g_last_thread = PyThread_get_thread_ident();
+  const auto begin = std::chrono::steady_clock::now();
+  for (Watch* const watch : calls()) {
+    watch->stop();
+    watch->interrupt_callbacks();
+  }
+  while (!calls().empty() && std::chrono::steady_clock::now() - begin < kLongestEnd) {
+    const nb::gil_scoped_release released;
+    ::usleep(10'000);
+  }
+}
+
 void run_watched(const std::function<Result<void>(Watch&)>& work, const nb::object& progress,
                  int threads) {
-  Watch watch;
-  std::promise<Result<void>> promise;
-  std::future<Result<void>> result = promise.get_future();
-  std::optional<nb::python_error> wanted;  // by a signal, or by `progress`
-  std::optional<Result<void>> outcome;
-  {
-    const nb::gil_scoped_release released;
-    const std::jthread worker([&] { promise.set_value(guarded(work, watch, threads)); });
-    while (result.wait_for(kBetweenLooks) != std::future_status::ready) {
-      if (wanted) continue;
-      const nb::gil_scoped_acquire held;
-      try {
-        if (PyErr_CheckSignals() != 0) throw nb::python_error();
-        if (!progress.is_none()) progress(watch.share(), watch.done(), watch.of());
-      } catch (nb::python_error& error) {
-        wanted.emplace(error);
-        watch.stop();
-      }
-    }
-    outcome = result.get();
-  }
-  if (wanted) throw std::move(*wanted);
-  if (!outcome->has_value()) raise(outcome->error());
-  if (!progress.is_none()) progress(1.0, watch.of(), watch.of());
+  if (const auto bounds = tools::check_bounds("threads", threads, tools::kThreads); !bounds)
+    raise(bounds.error());
+  if (g_last_thread != 0 && g_last_thread != PyThread_get_thread_ident())
+    raise({ErrorCode::kUsage, "the interpreter ends: no thread begins anything now"});
+  if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
+    raise({ErrorCode::kUsage, "progress: is no function: write one of (share, done, of)"});
+  WatchedCall().run(work, progress, threads);
 }
 
 }  // namespace spool::python

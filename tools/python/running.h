@@ -1,5 +1,6 @@
 // Long work away from the interpreter: without its lock, on a thread of its own, while the thread
-// that asked for it looks for signals. Ctrl-C ends it where it next says how far it is.
+// that asked for it looks for signals. Ctrl-C ends it in the middle of its parallel loops, and a
+// function of one's own where it stands.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -7,29 +8,52 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "lib/core/error.h"
+#include "lib/core/parallel.h"
 
 namespace spool::python {
 
 namespace nb = nanobind;
 
 // What work says of itself, and is told; from any thread.
-class Watch {
+class Watch : public std::enable_shared_from_this<Watch> {
  public:
-  // Throws, through the work, when somebody asked for its end.
+  // That of the work which this thread does, or null.
+  static std::shared_ptr<Watch> current();
+
+  // Throws WorkStopped, through the work, when its end was asked for.
   void update(double share);
   void update(double share, std::size_t done, std::size_t of);
   bool stopped() const { return stopped_; }
-  void stop() { stopped_ = true; }
+  void stop();
 
   double share() const { return share_; }
   std::size_t done() const { return done_; }
   std::size_t of() const { return of_; }
+  // Whether a function of one's own asked for the work, or for work around it.
+  bool is_called_back() const { return called_back_; }
+
+  // The four below with the interpreter's lock. A function of one's own begins and ends on this
+  // thread.
+  void enter_callback();
+  void leave_callback();
+  // Raises KeyboardInterrupt in the functions that run now, where they stand.
+  void interrupt_callbacks();
+  // What a function raised that is no failure of its method (KeyboardInterrupt, SystemExit).
+  std::optional<nb::python_error> raised;
 
  private:
+  friend class WatchedCall;
+
+  StoppableWork work_;
+  std::shared_ptr<Watch> outer_;  // of the work that a function belongs to which asked for this one
+  bool called_back_ = false;
+  std::vector<unsigned long> callbacks_;  // their threads, as Python counts them
   std::atomic<bool> stopped_ = false;
   std::atomic<double> share_ = 0.0;
   std::atomic<std::size_t> done_ = 0, of_ = 0;
@@ -37,6 +61,14 @@ class Watch {
 
 // Raises spool.SpoolError with the line that the program would print.
 [[noreturn]] void raise(const Error& error);
+
+// A thread that wants the interpreter's lock after the interpreter's end is ended by Python (before
+// 3.14), through frames of C++ that do not bear it: from here it waits for the end of the process.
+// `work` takes the lock, or keeps it.
+void survive_the_end(const std::function<void()>& work);
+
+// Ends all work and waits for it, some seconds at most; from the interpreter's `atexit`.
+void end_all_work();
 
 // Runs `work` with at most `threads` threads (0: all). `progress`: None, or called with the share
 // done, results done and results in all, a few times a second. Raises what Python wants raised

@@ -6,16 +6,16 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+
 #include "lib/core/guards.h"
-#include "lib/image_io/atomic_file.h"
-#include "lib/metrics/metric_list.h"
-#include "lib/synthetic/write_synthetic.h"
 #include "tools/metrics.h"
 #include "tools/python/arrays.h"
 #include "tools/python/running.h"
 #include "tools/python/source.h"
 #include "tools/reconstruct.h"
 #include "tools/replay.h"
+#include "tools/synth.h"
 
 namespace spool::python {
 namespace {
@@ -23,11 +23,11 @@ namespace {
 using tools::Reconstructed;
 using tools::Replayed;
 
-PoolOptions pool_options(bool shuffled, std::uint64_t seed, int holdout, int pieces) {
+PoolOptions pool_options(bool shuffled, std::int64_t seed, int holdout, int pieces) {
   PoolOptions pool;
   pool.pieces_per_side = pieces;
   pool.order = shuffled ? PoolOrder::kShuffled : PoolOrder::kRecorded;
-  pool.seed = seed;
+  pool.seed = static_cast<std::uint64_t>(seed);
   pool.holdout = holdout;
   return pool;
 }
@@ -55,7 +55,7 @@ nb::dict guards_of(const GuardCounts& counts) {
 
 Replayed replayed(Source& source, const std::string& sampler, double spp, const std::string& filter,
                   const std::string& preset, const std::vector<std::string>& settings,
-                  bool shuffled, std::uint64_t seed, int holdout, int pieces, bool decision_split,
+                  bool shuffled, std::int64_t seed, int holdout, int pieces, bool decision_split,
                   const std::string& views, int threads) {
   tools::ReplayOptions options;
   options.dump = source.name();
@@ -96,7 +96,7 @@ nb::object image_of(const Replayed& done) {
 Reconstructed reconstructed(Source& source, const std::string& filter, const Replayed* selection,
                             const std::optional<CountArray>& counts, int spp,
                             const std::string& preset, const std::vector<std::string>& settings,
-                            bool shuffled, std::uint64_t seed, int holdout, int pieces,
+                            bool shuffled, std::int64_t seed, int holdout, int pieces,
                             const std::string& views, int threads) {
   tools::ReconstructOptions options;
   options.dump = source.name();
@@ -110,6 +110,8 @@ Reconstructed reconstructed(Source& source, const std::string& filter, const Rep
   if (selection != nullptr) {
     chosen = tools::contents_of(selection->sampled.selection, selection->pool.options());
   } else if (counts) {
+    if (const auto size = check_image_size(counts->shape(1), counts->shape(0), "selection"); !size)
+      raise(size.error());
     Result<CountImage> n = counts_from_numpy(*counts, "selection");
     if (!n) raise(n.error());
     chosen = tools::SelectionFile{std::move(*n), {}, {}, {}};
@@ -126,16 +128,23 @@ nb::object variance_of(const Reconstructed& done) {
   return done.made.variance ? rgb_to_numpy(*done.made.variance) : nb::none();
 }
 
+Result<void> check_images(const ImageArray& image, const ImageArray& reference) {
+  SPOOL_TRY(check_image_size(image.shape(1), image.shape(0), "image"));
+  return check_image_size(reference.shape(1), reference.shape(0), "reference");
+}
+
 nb::dict judged(const ImageArray& image, const ImageArray& reference,
                 const std::optional<ImageArray>& variance, const std::vector<std::string>& settings,
-                int threads) {
+                const std::vector<std::string>& wanted, int threads) {
+  if (const auto sizes = check_images(image, reference); !sizes) raise(sizes.error());
   const RgbImage estimate = rgb_from_numpy(image);
   JudgingReference judge;
   judge.mean = rgb_from_numpy(reference);
   if (variance) judge.variance = rgb_from_numpy(*variance);
   const MetricTable table = run<MetricTable>(
       [&](Watch&) -> Result<MetricTable> {
-        SPOOL_ASSIGN(const MetricOptions options, tools::metric_settings(settings));
+        SPOOL_ASSIGN(MetricOptions options, tools::metric_settings(settings));
+        SPOOL_ASSIGN(options.wanted, tools::metrics_named(wanted));
         SPOOL_TRY(tools::check_same_size(estimate, judge.mean, "image"));
         if (judge.variance) {
           SPOOL_TRY(tools::check_same_size(*judge.variance, judge.mean, "variance"));
@@ -147,27 +156,27 @@ nb::dict judged(const ImageArray& image, const ImageArray& reference,
       nb::none(), threads);
   nb::dict values;
   for (std::size_t m = 0; m < metrics().size(); ++m) {
+    if (!wanted.empty() && std::ranges::find(wanted, metrics()[m].name) == wanted.end()) continue;
     values[nb::str(metrics()[m].name.c_str())] =
         nb::make_tuple(table.values[m].value, table.values[m].standard_error);
   }
   return values;
 }
 
-void synthesise(const std::string& scene, int width, int height, int spp, std::uint64_t seed,
-                const std::string& path,
-                const std::vector<std::pair<std::string, std::string>>& set, bool compress,
+void synthesise(const std::string& scene, int width, int height, int spp, std::int64_t seed,
+                const std::string& path, const std::vector<std::string>& settings, bool compress,
                 bool force) {
+  tools::SynthOptions options;
+  options.scene = scene;
+  options.size = fmt::format("{}x{}", width, height);
+  options.spp = spp;
+  options.seed = static_cast<std::uint64_t>(seed);
+  options.settings = settings;
+  options.compress = compress;
+  options.output = path;
   run_watched(
-      [&](Watch& watch) -> Result<void> {
-        SPOOL_TRY(refuse_existing(path, force));
-        WriteSyntheticOptions write;
-        for (const auto& [option, value] : set)
-          SPOOL_TRY(set_option(synthetic_option_table(), write.scene, option, value));
-        write.writer.compress = compress;
-        write.writer.force = force;
-        write.writer.discard_unfinished = true;
-        write.progress = [&](double share) { watch.update(share); };
-        return write_synthetic(scene, width, height, spp, seed, path, write);
+      [&](Watch& watch) {
+        return tools::synthesise(options, force, [&](double share) { watch.update(share); });
       },
       nb::none(), 0);
 }
@@ -180,6 +189,30 @@ Reference reference_of(const ImageArray& mean, const std::optional<ImageArray>& 
 
 using NamedArray = std::tuple<std::string, std::string, SampleArray>;
 
+// Of radiance, or of another layer of its samples with so many channels.
+Result<void> check_layer(const SampleArray& layer, const SampleArray& radiance,
+                         std::size_t channels, const std::string& name) {
+  constexpr std::size_t kMostSamples = 65536;
+  SPOOL_TRY(check_image_size(layer.shape(2), layer.shape(1), name));
+  const std::size_t spp = layer.shape(3);
+  bool fits = layer.shape(0) == channels && spp > 0 && spp <= kMostSamples;
+  for (std::size_t d = 1; d < 4; ++d)
+    fits = fits && layer.shape(d) == radiance.shape(d);
+  if (fits) return {};
+  return fail(ErrorCode::kUsage, "{}: {} x {} x {} x {} values [c][y][x][s] are not of one size",
+              name, layer.shape(0), layer.shape(1), layer.shape(2), spp);
+}
+
+Result<void> check_arrays(const SampleArrays& arrays, const std::string& name) {
+  SPOOL_TRY(check_layer(arrays.radiance, arrays.radiance, 3, name + ": radiance"));
+  if (arrays.film) SPOOL_TRY(check_layer(*arrays.film, arrays.radiance, 2, name + ": film"));
+  for (const auto& [layer, values] : arrays.features) {
+    SPOOL_TRY(check_layer(values, arrays.radiance, layer.components.size(),
+                          fmt::format("{}: {}", name, layer.name)));
+  }
+  return {};
+}
+
 void make_array_source(Source* place, const std::string& name, const SampleArray& radiance,
                        const std::optional<SampleArray>& film,
                        const std::vector<NamedArray>& features,
@@ -188,6 +221,7 @@ void make_array_source(Source* place, const std::string& name, const SampleArray
   SampleArrays arrays{radiance, film, {}, {}, exchangeable};
   for (const auto& [layer, components, values] : features)
     arrays.features.emplace_back(FeatureLayer{layer, components}, values);
+  if (const auto sizes = check_arrays(arrays, name); !sizes) raise(sizes.error());
   if (reference) arrays.reference = reference_of(*reference, variance);
   new (place) Source(name, std::move(arrays));
 }
@@ -242,7 +276,7 @@ void bind_reconstruct(nb::module_& module) {
 
 void bind_metrics(nb::module_& module) {
   module.def("metrics", &judged, nb::arg("image"), nb::arg("reference"), nb::arg("variance").none(),
-             nb::arg("settings"), nb::arg("threads"));
+             nb::arg("settings"), nb::arg("wanted"), nb::arg("threads"));
 }
 
 void bind_synth(nb::module_& module) {

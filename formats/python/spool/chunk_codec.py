@@ -6,6 +6,7 @@ frame that the specification bounds, and the decoder gets the raw size as a hard
 import numpy as np
 
 from . import record_layout as layout
+from .arguments import whole
 from .error import SpoolError
 
 _LEVEL = 1
@@ -27,6 +28,13 @@ def shuffle(raw, itemsize):
 
 def unshuffle(raw, itemsize):
     return np.frombuffer(raw, np.uint8).reshape(itemsize, -1).T.tobytes()
+
+
+def level(value):
+    """What a caller hands over as one."""
+    if not 1 <= whole("compress", value) <= 22:
+        raise SpoolError("usage", f"compress: {value} is no level of zstd: 1 to 22, or True")
+    return int(value)
 
 
 def compress(raw, itemsize, level=_LEVEL):

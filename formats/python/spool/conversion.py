@@ -26,5 +26,6 @@ def convert(array, dtype, what):
 
 def _refuse(bad, array, what, why):
     if bad.any():
+        bad, array = np.atleast_1d(bad), np.atleast_1d(array)
         where = tuple(int(axis[0]) for axis in np.nonzero(bad))
         raise SpoolError("usage", f"{what}: {array[where]} at {list(where)} {why}: choose a wider dtype")

@@ -20,6 +20,9 @@ class SpoolError(Exception):
         self.kind = kind
         self.message = message
 
+    def __reduce__(self):  # two arguments, which pickle cannot know
+        return type(self), (self.kind, self.message)
+
     @classmethod
     def of_code(cls, code, message):
         """The error of an exit code, where nothing more is known."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from . import chunk_codec
 from . import record_layout as layout
+from .arguments import path as path_of
 from .error import ADVICE, SpoolError
 
 
@@ -21,7 +22,7 @@ class RecordFile:
     """entries: the index, one row per record before INDX; uuid, version; newer_minor: reserved bytes are ignored."""
 
     def __init__(self, path):
-        self.path = os.fspath(path)
+        self.path = path_of("path", path)
         self._lock = threading.Lock()
         self._map = None
         self._file = None

@@ -1,6 +1,5 @@
 """One call from arrays to a complete `.spool` file."""
-import numpy as np
-
+from .arguments import array, mapping, path as path_of
 from .channel import VOCABULARY
 from .error import SpoolError
 from .writer import Writer
@@ -19,8 +18,10 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     layers, or from `components`: {"half_vector": "XYZ"}. float64 is rounded to float32; `dtypes` asks for another:
     {"albedo": "f2"}.
     """
-    components, scope, dtypes = dict(components or {}), dict(scope or {}), dict(dtypes or {})
-    arrays = {"radiance": np.asarray(radiance), **{name: np.asarray(array) for name, array in layers.items()}}
+    path = path_of("path", path)
+    components, scope, dtypes = (mapping(name, {} if given is None else given) for name, given in
+                                 (("components", components), ("scope", scope), ("dtypes", dtypes)))
+    arrays = {name: array(f"{path}: {name}", values, "fiub") for name, values in {"radiance": radiance, **layers}.items()}
     if arrays["radiance"].ndim != 4 or arrays["radiance"].shape[3] != 3:
         raise SpoolError("usage", f"{path}: radiance has shape {arrays['radiance'].shape}, not (height, width, spp, 3)")
     for name in {**components, **scope, **dtypes}:
@@ -28,20 +29,20 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
             raise SpoolError("usage", f"{path}: no layer {name}: it has {', '.join(arrays)}")
     height, width, spp, _ = arrays["radiance"].shape
     declared = {}
-    for name, array in arrays.items():
+    for name, values in arrays.items():
         if name not in components and name not in VOCABULARY:
             raise SpoolError("usage", f"{path}: layer {name} is not in the list: name its components")
-        code = dtypes.get(name) or _DTYPES.get(array.dtype.newbyteorder("=").str[1:])
+        code = dtypes.get(name) or _DTYPES.get(values.dtype.newbyteorder("=").str[1:])
         if code is None:
-            raise SpoolError("usage", f"{path}: layer {name} is {array.dtype}: convert it with astype")
+            raise SpoolError("usage", f"{path}: layer {name} is {values.dtype}: convert it with astype")
         declared[name] = (code, tuple(components.get(name, VOCABULARY.get(name, ("",))[0])),
                           scope.get(name, "pixel" if name in PIXEL_LAYERS else "sample"))
     with Writer(path, width, height, spp, declared, tile_size=tile_size, block_spp=block_spp,
                 sample_order=sample_order, meta=meta, uuid=uuid, compress=compress, force=force) as writer:
-        samples = {name: array for name, array in arrays.items() if declared[name][2] == "sample"}
+        samples = {name: values for name, values in arrays.items() if declared[name][2] == "sample"}
         writer.write_passes(0, samples)
-        for name, array in arrays.items():
+        for name, values in arrays.items():
             if declared[name][2] == "pixel":
-                writer.write_pixel(name, array)
+                writer.write_pixel(name, values)
             elif declared[name][2] == "pass":
-                writer.write_pass(name, array)
+                writer.write_pass(name, values)

@@ -10,6 +10,7 @@ import numpy as np
 
 from . import channel, chunk_codec, meta as meta_json
 from . import record_layout as layout
+from .arguments import choice, flag, path as path_of, text, whole, wrong
 from .conversion import convert
 from .error import SpoolError
 from .geometry import Geometry, groups_of
@@ -28,14 +29,17 @@ class Writer:
                  sample_order="renderer", meta=None, uuid=None, compress=False, force=False):
         if (layers is None) == (channels is None):
             raise SpoolError("usage", f"{path}: give either layers or channels")
-        self.path, self._compress = os.fspath(path), compress
+        self.path = path_of("path", path)
         self._file = None
         try:
+            flag("force", force)
+            self._compress = compress if isinstance(compress, (bool, np.bool_)) else chunk_codec.level(compress)
+            sizes = [whole(name, value) for name, value in (("width", width), ("height", height), ("tile_size", tile_size),
+                                                            ("spp", spp), ("block_spp", block_spp))]
             self.channels = _with_dtypes(channels if channels is not None else channel.channels_of(layers))
-            if sample_order not in layout.SAMPLE_ORDERS:
-                raise SpoolError("usage", f"sample_order {sample_order!r} is not one of {layout.SAMPLE_ORDERS}")
+            choice("sample_order", sample_order, layout.SAMPLE_ORDERS)
             group_count = 1 + max((entry.group for entry in self.channels), default=0)
-            self.geometry = Geometry(width, height, tile_size, spp, block_spp, group_count, len(self.channels),
+            self.geometry = Geometry(*sizes, group_count, len(self.channels),
                                      sample_order=layout.SAMPLE_ORDERS.index(sample_order))
             self.geometry.validate()
             channel.validate(self.channels, group_count)
@@ -259,4 +263,7 @@ def _with_dtypes(channels):
 def _uuid(value):
     if isinstance(value, uuid_module.UUID):
         return value
-    return uuid_module.UUID(bytes=value) if isinstance(value, bytes) else uuid_module.UUID(value)
+    try:
+        return uuid_module.UUID(bytes=value) if isinstance(value, bytes) else uuid_module.UUID(text("uuid", value))
+    except ValueError:
+        raise wrong("uuid", value, "no UUID") from None

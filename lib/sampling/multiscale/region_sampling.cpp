@@ -47,7 +47,9 @@ Rectangle sampled_region(const Board& board, const RegionEntry& entry) {
 
 int predicted_count(double priority, double lowest) {
   if (!(lowest > 0.0)) return 1;
-  return static_cast<int>(std::clamp(std::sqrt(priority / lowest), 1.0, double{kMostPredicted}));
+  // Written so that NaN, of two infinite priorities, gives 1.
+  const double predicted = std::max(1.0, std::sqrt(priority / lowest));
+  return static_cast<int>(std::min(predicted, double{kMostPredicted}));
 }
 
 int offered(const Board& board, const Samples& samples, const SamplePool& pool, int x, int y,

@@ -1,6 +1,8 @@
 """Methods compared: `spool evaluate` in this process."""
 from __future__ import annotations
 
+import functools
+import itertools
 import json
 import os
 import tempfile
@@ -8,6 +10,7 @@ import weakref
 from collections.abc import Callable
 
 from . import _core
+from .arguments import flag, path, text, wrong
 from .cells import results_html
 from .error import SpoolError
 from .own_methods import failure_shown
@@ -26,21 +29,25 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
     `progress(share, done, of)` is
     called a few times a second.
     """
+    if progress is not None and not callable(progress):
+        raise wrong("progress", progress, "no function of (share, done, of)")
+    kept = None if output is None else os.path.abspath(text("output", path("output", output)))
+    switches = flag("force", force), flag("exact_timing", exact_timing)
     with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
-        folder = None if output else tempfile.TemporaryDirectory(prefix="spool-")
-        place = os.path.abspath(output) if output else os.path.join(folder.name, "results")
-        if isinstance(plan, dict) and not output:
+        folder = None if kept else tempfile.TemporaryDirectory(prefix="spool-")
+        place = kept or os.path.join(folder.name, "results")
+        if isinstance(plan, dict) and not kept:
             plan = {"pictures": False, **plan}  # nobody would see them
-        text, name, beside = _text_of(plan, scratch)
+        written, name, beside = _text_of(plan, scratch)
         # Results that are there are kept, whatever the rest of the plan did.
         with failure_shown(*_functions_of(plan)):
-            _core.evaluate(text, name, beside, place, force, exact_timing, progress)
+            _core.evaluate(written, name, beside, place, *switches, progress)
     return Results(place, folder)
 
 
 def results(folder: str | os.PathLike) -> Results:
     """What `spool evaluate -o FOLDER` wrote, or evaluate(output=FOLDER)."""
-    return Results(os.path.abspath(folder))
+    return Results(os.path.abspath(path("folder", folder)))
 
 
 class Results:
@@ -48,10 +55,21 @@ class Results:
 
     def __init__(self, folder, temporary=None):
         self.folder = folder
-        self.rows = [json.loads(line) for line in _read(folder, "results.jsonl").splitlines()]
-        self.statistics = json.loads(_read(folder, "statistics.json"))
+        for name in _FILES:  # read when they are asked for, but missed at once
+            if not os.path.isfile(os.path.join(folder, name)):
+                raise SpoolError("io", f"{folder}: no {name} in it: evaluate it first")
         if temporary:
             weakref.finalize(self, temporary.cleanup)
+
+    @functools.cached_property
+    def rows(self) -> list[dict]:
+        """A dict for each result, as results.jsonl has them."""
+        return [_parsed(self.folder, _FILES[0], line) for line in _read(self.folder, _FILES[0]).splitlines()]
+
+    @functools.cached_property
+    def statistics(self) -> dict:
+        """What statistics.json has."""
+        return _parsed(self.folder, _FILES[1], _read(self.folder, _FILES[1]))
 
     def __repr__(self):
         return f"<spool.Results: {len(self.rows)} rows, {len(self.means)} means>"
@@ -78,39 +96,57 @@ class Results:
         return pandas.DataFrame(self.rows)
 
 
+_FILES = ("results.jsonl", "statistics.json")
+_LARGEST_PLAN = 16 << 20  # as the program's
+
+
 def _text_of(plan, scratch):
     """TOML, its name in errors, and the folder that its paths are relative to."""
     if not isinstance(plan, dict):
-        path = os.fspath(plan)
+        place = path("plan", plan)
         try:
-            with open(path, encoding="utf-8") as file:
-                return file.read(), path, os.path.dirname(os.path.abspath(path))
-        except (OSError, UnicodeDecodeError) as reason:
-            raise SpoolError("io", f"{path}: {getattr(reason, 'strerror', None) or reason}") from reason
+            with open(place, encoding="utf-8") as file:
+                written = file.read(_LARGEST_PLAN + 1)
+        except (OSError, ValueError) as reason:
+            raise SpoolError("io", f"{place}: {getattr(reason, 'strerror', None) or reason}") from reason
+        if len(written) > _LARGEST_PLAN:
+            raise SpoolError("usage", f"{place}: is longer than {_LARGEST_PLAN} characters: it is no plan")
+        return written, place, os.path.dirname(os.path.abspath(place))
     return plan_text(plan, lambda item: _path_of(item, scratch)), "plan", os.getcwd()
 
 
 def _path_of(item, scratch):
     """Arrays are written to a file, which goes when the results are there."""
     if isinstance(item, (str, os.PathLike)):
-        return os.path.abspath(item)
+        return os.path.abspath(text("recordings", path("recordings", item)))
     if isinstance(item, Dump):
         return os.path.abspath(item.path)
     held = recording_of(item)
     assert isinstance(held, Recording)
-    path = os.path.join(scratch, f"{held.source.name}.spool")
-    write(path, sample_order=held.sample_order, **held.arrays)
-    return path
+    name = held.source.name
+    taken = set(os.listdir(scratch))  # two of one name: NAME, NAME_2
+    free = next(one for one in itertools.chain([name], (f"{name}_{i}" for i in itertools.count(2))) if f"{one}.spool" not in taken)
+    place = os.path.join(scratch, f"{free}.spool")
+    write(place, sample_order=held.sample_order, **held.arrays)
+    return place
 
 
 def _functions_of(plan):
-    named = [*plan.get("samplers", ()), *plan.get("filters", ())] if isinstance(plan, dict) else []
-    return [entry["name"] if isinstance(entry, dict) else entry for entry in named]
+    given = [plan.get(key, ()) for key in ("samplers", "filters")] if isinstance(plan, dict) else []
+    named = [entry for entries in given for entry in (entries if isinstance(entries, (list, tuple)) else [entries])]
+    return [entry.get("name") if isinstance(entry, dict) else entry for entry in named]
+
+
+def _parsed(folder, name, written):
+    try:
+        return json.loads(written)
+    except ValueError as reason:
+        raise SpoolError("data", f"{os.path.join(folder, name)}: is no JSON ({reason}): evaluate it again") from reason
 
 
 def _read(folder, name):
     try:
         with open(os.path.join(folder, name), encoding="utf-8") as file:
             return file.read()
-    except OSError as reason:
-        raise SpoolError("io", f"{folder}: no {name} in it ({reason.strerror}): evaluate it first") from reason
+    except (OSError, UnicodeDecodeError) as reason:
+        raise SpoolError("io", f"{folder}: {name}: {getattr(reason, 'strerror', None) or reason}") from reason

@@ -1,6 +1,7 @@
 """Samplers and filters of one's own: Python functions that take part beside the library's."""
 from __future__ import annotations
 
+import atexit
 import contextlib
 import hashlib
 import inspect
@@ -10,8 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import _core
+from .arguments import flag, option_text, text, whole, wrong
 from .error import SpoolError
-from .recordings import option_text
 
 _OF_THE_STAGE = ("clamp", "energy")  # options that every filter has, handled by the library
 _MADE = {}  # by kind and key: how the library finds the function of a name that stands in a plan
@@ -45,9 +46,16 @@ class Method:
     """A function as a method; calling it calls the function."""
 
     def __init__(self, function, kind, init_spp, rounds, features, moments, label):
+        if not callable(function) or not hasattr(function, "__code__"):
+            raise wrong(f"spool.{kind}", function, "no function")
         self.function, self.kind = function, kind
-        self.label = label or function.__name__
-        self.init_spp, self.rounds, self.features, self.moments = init_spp, rounds, features, moments
+        self.label = function.__name__ if label is None else text("label", label)
+        # As the program writes them; what each may be stands in the library's table.
+        self.texts = {"features": option_text(flag("features", features))}
+        if kind == "sampler":
+            self.texts["init_spp"] = "auto" if init_spp is None else str(whole("init_spp", init_spp))
+            self.texts["rounds"] = str(whole("rounds", rounds))
+        self.moments = _lambdas(moments)
         parameters = list(inspect.signature(function).parameters.values())[1:]
         self.defaults = {p.name: p.default for p in parameters if p.kind is not p.VAR_KEYWORD}
         for name, default in self.defaults.items():
@@ -57,6 +65,7 @@ class Method:
                 raise SpoolError("usage", f"{self.label}: every filter has an option {name} already: name yours otherwise")
         # Results are kept by what made them: another function of the same name is another method.
         self.key = f"{function.__name__}@{hashlib.sha256(_code_of(function).encode()).hexdigest()[:8]}"
+        _core.check_called_options(self.with_options({}))
         _MADE[kind, self.key] = self
         self.__doc__ = function.__doc__
 
@@ -69,29 +78,22 @@ class Method:
     def with_options(self, texts):
         """Ready to be called, with its options as texts."""
         given = dict(texts)
-        own = {"features": self.features, "moments": self.moments, **({"init_spp": self.init_spp, "rounds": self.rounds} if self.kind == "sampler"
-                                             else {})}
-        chosen = {name: given.pop(name) for name in list(given) if name in own}
+        own = {name: given.pop(name, value) for name, value in self.texts.items()}
+        moments = _lambdas(given.pop("moments")) if "moments" in given else self.moments
         options = dict(self.defaults)
-        for name, text in given.items():
+        for name, value in given.items():
             if name not in options:
-                known = ", ".join([*own, *options])
+                known = ", ".join([*own, "moments", *options])
                 raise SpoolError("usage", f"option {name}: unknown: it has {known}")
-            options[name] = _value_of(name, text, options[name])
-        first = chosen.get("init_spp", self.init_spp)
-        return _Ready(self, options, None if first in (None, "auto") else _value_of("init_spp", first, 1),
-                      _value_of("rounds", chosen.get("rounds", self.rounds), 1),
-                      _value_of("features", chosen.get("features", self.features), True),
-                      _lambdas(chosen.get("moments", self.moments)))
+            options[name] = _value_of(name, value, options[name])
+        return _Ready(self, options, own, moments)
 
 
 @dataclass(frozen=True)
 class _Ready:
     method: Method
     options: dict
-    init_spp: int | None
-    rounds: int
-    features: bool
+    texts: dict
     moments: list
 
     def ask(self, told):
@@ -100,7 +102,7 @@ class _Ready:
             told[layers] = {name: np.stack(channels, axis=-1) for name, channels in told[layers].items()}
         statistics = Statistics(**told)
         try:
-            answer = np.asarray(self.method.function(statistics, **self.options))
+            answer = self.method.function(statistics, **self.options)
             return _wants(answer, statistics) if self.method.kind == "sampler" else _image(answer, statistics)
         except BaseException as reason:
             _LAST["raised"] = reason  # for failure_shown
@@ -119,7 +121,7 @@ def sampler(function: Callable | None = None, *, init_spp: int | None = None, ro
     """
     def make(of):
         return Method(of, "sampler", init_spp, rounds, features, moments, label)
-    return make(function) if function else make
+    return make if function is None else make(function)
 
 
 def filter(function: Callable | None = None, *, features: bool = False, moments: tuple[float, ...] = (),
@@ -130,12 +132,20 @@ def filter(function: Callable | None = None, *, features: bool = False, moments:
     """
     def make(of):
         return Method(of, "filter", None, 1, features, moments, label)
-    return make(function) if function else make
+    return make if function is None else make(function)
 
 
-def method_text(method: str | Method) -> str:
+def method_text(kind: str, method: str | Method) -> str:
     """A method as the program writes it."""
-    return f"python:{method.key}" if isinstance(method, Method) else str(method)
+    if isinstance(method, Method):
+        if method.kind != kind:
+            raise SpoolError("usage", f"{kind}: {method!r} is a {method.kind}")
+        return f"python:{method.key}"
+    if callable(method):
+        name = getattr(method, "__name__", None) or type(method).__name__
+        raise SpoolError("usage", f"{kind}: {name} is a function without its decorator: write @spool.{kind} above it, or "
+                                  f"spool.{kind}({name})")
+    return text(kind, method)
 
 
 @contextlib.contextmanager
@@ -144,7 +154,7 @@ def failure_shown(*methods):
     if not any(isinstance(method, Method) for method in methods):
         yield
         return
-    _LAST.clear()
+    _LAST.pop("raised", None)
     try:
         yield
     except SpoolError as error:
@@ -158,14 +168,27 @@ def _look_up(kind, key, texts):
 
 
 def _wants(answer, statistics):
+    if isinstance(answer, np.ma.MaskedArray):
+        raise TypeError("a sampler answers with a plain array, not a masked one")
+    answer = np.asarray(answer)
     if answer.ndim != 2 or answer.dtype.kind not in "iufb":
         raise TypeError(f"a sampler answers with numbers [y][x], not {answer.dtype} of shape {answer.shape}")
     if answer.shape != statistics.n.shape:
         raise ValueError(f"{answer.shape} wants answered for {statistics.n.shape} pieces")
-    return np.ascontiguousarray(answer, np.float64 if answer.dtype.kind == "f" else np.int64)
+    if answer.dtype.kind != "f":
+        return np.ascontiguousarray(answer, np.int64)
+    weights = np.ascontiguousarray(answer, np.float64)
+    odd = np.argwhere(~(np.isfinite(weights) & (weights >= 0)))
+    if len(odd):
+        y, x = odd[0]
+        raise ValueError(f"{weights[y, x]} is no weight (pixel {x}, {y}): each is finite and not below 0")
+    return weights
 
 
 def _image(answer, statistics):
+    if isinstance(answer, np.ma.MaskedArray):
+        raise TypeError("a filter answers with a plain array, not a masked one")
+    answer = np.asarray(answer)
     if answer.ndim != 3 or answer.shape[2] != 3 or answer.dtype.kind not in "iuf":
         raise TypeError(f"a filter answers with an image [y][x][3], not {answer.dtype} of shape {answer.shape}")
     return np.ascontiguousarray(answer, np.float64)
@@ -173,8 +196,6 @@ def _image(answer, statistics):
 
 def _value_of(name, text, like):
     """An option that is a text, as a value of the kind that its default is."""
-    if not isinstance(text, str):
-        return text
     try:
         if isinstance(like, bool):
             return {"on": True, "off": False, "True": True, "False": False}[text]
@@ -186,11 +207,19 @@ def _value_of(name, text, like):
 
 def _lambdas(moments):
     """Of transforms, from numbers or from a text as the program writes it: off, 0.25, 0.25+1."""
-    parts = ([] if moments == "off" else moments.split("+")) if isinstance(moments, str) else np.atleast_1d(moments).tolist()
-    chosen = [_value_of("moments", part, 1.0) for part in parts]
+    try:
+        if isinstance(moments, str):
+            parts = [] if moments == "off" else moments.split("+")
+        else:
+            parts = np.atleast_1d(moments)
+            if parts.ndim > 1:
+                raise ValueError
+        chosen = [float(part) for part in parts]
+    except (TypeError, ValueError, OverflowError):
+        raise wrong("option moments", moments, "no list of numbers") from None
     if not all(0 < value <= 4 for value in chosen):
         raise SpoolError("usage", f"option moments: {moments}: each lambda is above 0, at most 4")
-    return [float(value) for value in chosen]
+    return chosen
 
 
 def _code_of(function):
@@ -202,3 +231,4 @@ def _code_of(function):
 
 
 _core.call_methods_through(_look_up)
+atexit.register(_core.end_all_work)  # no thread is to be at work when the interpreter goes

@@ -1,57 +1,73 @@
 """A plan as a dict, written as the TOML that `spool evaluate` reads (lib/experiment/plan.h)."""
 import json
 import os
+import re
 
-from .error import SpoolError
-from .own_methods import Method
+from .arguments import mapping, text, whole, wrong
+from .own_methods import Method, method_text
 
 
 def plan_text(plan, path_of):
     """The TOML of a dict. `path_of` gives the path of what stands under "recordings"."""
     top, tables = [], []
-    for key, value in plan.items():
+    for key, value in mapping("plan", plan).items():
         if key == "recordings":
-            top.append(f"recordings = {_value([path_of(item) for item in _as_list(value)])}")
+            top.append(f"recordings = {_value(key, [path_of(item) for item in _as_list(value)])}")
         elif key in ("samplers", "filters"):
             named = [method for method in _as_list(value) if isinstance(method, str)]
-            top += [f"{key} = {_value(named)}"] if named else []
-            tables += [_table(f"[[{key[:-1]}]]", _method(method)) for method in _as_list(value) if method not in named]
+            top += [f"{key} = {_value(key, named)}"] if named else []
+            tables += [_table(f"[[{key[:-1]}]]", _method(key[:-1], method)) for method in _as_list(value)
+                       if not isinstance(method, str)]
         elif key in ("spp", "threads"):
-            top.append(f"{key} = {_value(_as_list(value))}")
+            top.append(f"{key} = {_value(key, _as_list(value))}")
         elif isinstance(value, dict):
-            tables.append(_table(f"[{key}]", value))
+            tables.append(_table(f"[{_key(key)}]", value))
         elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
-            tables += [_table(f"[[{key}]]", item) for item in value]
+            tables += [_table(f"[[{_key(key)}]]", item) for item in value]
         else:
-            top.append(f"{key} = {_value(value)}")
+            top.append(f"{_key(key)} = {_value(key, value)}")
     return "\n".join(top + tables) + "\n"
 
 
-def _method(method):
-    """A name, a function, or {"name": either, option: value or list of values, "label": text}."""
-    entry = dict(method) if isinstance(method, dict) else {"name": method}
-    if isinstance(entry.get("name"), Method):
-        entry.setdefault("label", entry["name"].label)
-        entry["name"] = f"python:{entry['name'].key}"
+def _method(kind, method):
+    """A function, or {"name": a name or a function, option: value or list of values, "label": text}."""
+    entry = mapping(f"plan: {kind}", method) if isinstance(method, dict) else {"name": method}
+    named = entry.get("name")
+    if isinstance(named, Method):
+        entry.setdefault("label", named.label)
+    if named is not None or not isinstance(method, dict):  # a dict without a name is refused by its reader
+        entry["name"] = method_text(kind, named)
     return entry
 
 
 def _table(heading, entries):
-    return "\n".join(["", heading, *(f"{key} = {_value(value)}" for key, value in entries.items())])
+    return "\n".join(["", heading, *(f"{_key(key)} = {_value(key, value)}"
+                                     for key, value in mapping(f"plan: {heading}", entries).items())])
 
 
-def _value(value):
+def _key(key):
+    return key if re.fullmatch("[A-Za-z0-9_-]+", key) else _quoted(key)
+
+
+def _value(key, value):
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(_value, value)) + "]"
+        return "[" + ", ".join(_value(key, item) for item in value) + "]"
     if isinstance(value, (str, os.PathLike)):
-        return json.dumps(os.fspath(value), ensure_ascii=False)
-    if isinstance(value, (int, float)):
+        return _quoted(text(f"plan: {key}", os.fspath(value)))
+    if isinstance(value, int):
+        return repr(whole(f"plan: {key}", value, 64))
+    if isinstance(value, float):
         return repr(value)
-    if hasattr(value, "item"):  # a number of numpy's
-        return _value(value.item())
-    raise SpoolError("usage", f"plan: {value!r} is no number, text, list or table")
+    if hasattr(value, "item") and getattr(value, "ndim", None) == 0:  # a number of numpy's
+        return _value(key, value.item())
+    raise wrong(f"plan: {key}", value, "no number, text, list or table")
+
+
+def _quoted(line):
+    # TOML has DEL among what is escaped, JSON has not.
+    return json.dumps(line, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _as_list(value):

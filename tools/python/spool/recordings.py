@@ -10,9 +10,11 @@ from typing import Union
 import numpy as np
 
 from . import _core, reader
+from .arguments import array, choice, flag, option_text, path as path_of, seed as seed_of, text, whole
 from .cells import recording_html
 from .error import SpoolError
 
+LARGEST_SIDE = 65536  # as in a file
 FEATURES = {"albedo": "RGB", "normal": "XYZ", "depth": "Z"}
 
 
@@ -34,7 +36,7 @@ class Dump(reader.Dump):
 
 def open(path: str | os.PathLike) -> Dump:
     """Opens a complete `.spool` file."""
-    dump = Dump(path)
+    dump = Dump(path_of("path", path))
     if dump.path.endswith(".partial"):
         dump.close()
         return reader.open(path)  # which says what is wrong with it
@@ -42,7 +44,7 @@ def open(path: str | os.PathLike) -> Dump:
 
 
 class Recording:
-    """Samples in memory. `arrays` are those it was made of, by name, as spool.write takes them."""
+    """Samples in memory. `arrays` are copies of those it was made of, by name, as spool.write takes them."""
 
     def __init__(self, source, arrays, sample_order):
         self.source, self.arrays, self.sample_order = source, arrays, sample_order
@@ -68,15 +70,19 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     """Samples that lie in memory, radiance [y][x][s][3], as something to replay.
 
     `film` [y][x][s][2] are positions inside the pixel, `albedo`, `normal` [y][x][s][3] and `depth` [y][x][s] features,
-    `reference` and `reference_variance` [y][x][3] what images are judged by. An array of float32 that lies in memory as
-    [c][y][x][s] (np.moveaxis of such a one) is not copied.
+    `reference` and `reference_variance` [y][x][3] what images are judged by. All are copied: what is written into them
+    later does not reach the recording.
     """
     given = {"radiance": radiance, "film": film, "albedo": albedo, "normal": normal, "depth": depth,
              "reference": reference, "reference_variance": reference_variance}
-    arrays = {key: np.asarray(array) for key, array in given.items() if array is not None}
+    if os.path.basename(text("name", name)) != name or name in ("", ".", ".."):
+        raise SpoolError("usage", f"name {name!r}: is no name of a file")
+    choice("sample_order", sample_order, ("exchangeable", "renderer"))
+    arrays = {key: array(f"{name}: {key}", values) for key, values in given.items()
+              if values is not None or key == "radiance"}
     shape = arrays["radiance"].shape
-    if len(shape) != 4 or shape[3] != 3 or 0 in shape:
-        raise SpoolError("usage", f"{name}: radiance has shape {shape}, not (height, width, spp, 3)")
+    if len(shape) != 4 or shape[3] != 3 or 0 in shape or max(shape) > LARGEST_SIDE:
+        raise SpoolError("usage", f"{name}: radiance has shape {shape}, not (height, width, spp, 3) of 1 to {LARGEST_SIDE} each")
     for key, channels in (("film", 2), ("albedo", 3), ("normal", 3), ("depth", 1)):
         if key in arrays:
             arrays[key] = arrays[key].reshape(*shape[:3], 1) if arrays[key].shape == shape[:3] else arrays[key]
@@ -84,11 +90,12 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     for key in ("reference", "reference_variance"):
         if key in arrays:
             _want_shape(name, key, arrays[key], (*shape[:2], 3))
-    features = [(key, components, _planes(arrays[key])) for key, components in FEATURES.items() if key in arrays]
-    source = _core.Source(name, _planes(arrays["radiance"]), _planes(arrays["film"]) if "film" in arrays else None,
-                          features, _image(arrays.get("reference")), _image(arrays.get("reference_variance")),
-                          sample_order == "exchangeable")
-    return Recording(source, arrays, sample_order)
+    held = {key: _image(values) if key.startswith("reference") else _planes(values) for key, values in arrays.items()}
+    source = _core.Source(name, held["radiance"], held.get("film"),
+                          [(key, components, held[key]) for key, components in FEATURES.items() if key in held],
+                          held.get("reference"), held.get("reference_variance"), sample_order == "exchangeable")
+    return Recording(source, {key: values if key.startswith("reference") else np.moveaxis(values, 0, 3)
+                              for key, values in held.items()}, sample_order)
 
 
 def recording_of(samples: Samples) -> Dump | Recording:
@@ -97,37 +104,37 @@ def recording_of(samples: Samples) -> Dump | Recording:
         return samples
     if isinstance(samples, (str, os.PathLike)):
         return open(samples)
-    return recording(samples)
+    return recording(array("samples", samples))
 
 
 def synth(scene: str, *, width: int = 128, height: int = 128, spp: int = 64, seed: int = 1,
           path: str | os.PathLike | None = None, compress: bool = False, force: bool = False, **options) -> Dump:
     """An analytic scene, sampled, with its exact reference. Without a path the file goes with the Dump."""
-    folder = None if path else tempfile.TemporaryDirectory(prefix="spool-")
-    place = os.path.join(folder.name, f"{scene}.spool") if folder else os.fspath(path)
-    _core.synth(scene, width, height, spp, seed, place, [(key, option_text(value)) for key, value in options.items()],
-                compress, force)
+    sizes = whole("width", width), whole("height", height), whole("spp", spp), seed_of(seed)
+    folder = None if path is not None else tempfile.TemporaryDirectory(prefix="spool-")
+    place = os.path.join(folder.name, "synth.spool") if folder else text("path", path_of("path", path))
+    _core.synth(text("scene", scene), *sizes, place, [f"{key}={option_text(value)}" for key, value in options.items()],
+                flag("compress", compress), flag("force", force))
     dump = open(place)
     if folder:
         weakref.finalize(dump, folder.cleanup)
     return dump
 
 
-def option_text(value):
-    """An option as it is written on a command line."""
-    if isinstance(value, (bool, np.bool_)):
-        return "on" if value else "off"
-    if isinstance(value, np.generic):
-        value = value.item()
-    return repr(value) if isinstance(value, float) else str(value)
+def _planes(values):
+    """A copy [c][y][x][s] that nobody else writes to."""
+    return _frozen(np.moveaxis(values, 3, 0), np.float32)
 
 
-def _planes(array):
-    return np.ascontiguousarray(np.moveaxis(array, 3, 0), np.float32)
+def _image(values):
+    return _frozen(values, np.float64)
 
 
-def _image(array):
-    return None if array is None else np.ascontiguousarray(array, np.float64)
+def _frozen(values, kind):
+    with np.errstate(over="ignore"):  # what becomes infinite is left out as such
+        copy = np.array(values, kind, order="C", copy=True)
+    copy.flags.writeable = False
+    return copy
 
 
 def _want_shape(name, key, array, shape):

@@ -7,11 +7,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import _core
+from .arguments import array, choice, flag, mapping, number, option_text, seed as seed_of, text, texts
+from .arguments import whole as whole_number
 from .cells import density_html, reconstruction_html
 from .error import SpoolError
 from .images import Image
 from .own_methods import Method, failure_shown, method_text
-from .recordings import Samples, option_text, recording_of
+from .recordings import Samples, recording_of
 
 
 def replay(samples: Samples, sampler: str | Method, spp: float, *, seed: int = 0, order: str = "recorded",
@@ -26,14 +28,16 @@ def replay(samples: Samples, sampler: str | Method, spp: float, *, seed: int = 0
     one. `pool`: {rule: value} for samples that are no ordinary numbers.
     """
     recording = recording_of(samples)
+    before = (method_text("sampler", sampler), number("spp", spp), "" if filter is None else method_text("filter", filter),
+              text("preset", preset), settings("sampler", options, pool), *_pool(order, seed, holdout, pieces),
+              flag("decision_split", decision_split))
+    limit = whole_number("threads", threads)
 
     def run(wanted):
         with failure_shown(sampler, filter):
-            return _core.replay(recording.source, method_text(sampler), spp, method_text(filter) if filter else "", preset,
-                                settings("sampler", options, pool), _shuffled(order), seed, holdout, pieces,
-                                decision_split, ",".join(wanted), threads)
+            return _core.replay(recording.source, *before, ",".join(wanted), limit)
 
-    return Selection(recording, run, tuple(views or ()))
+    return Selection(recording, run, texts("views", () if views is None else views))
 
 
 class Selection:
@@ -100,16 +104,14 @@ def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filt
     all). `filter`: a name as the program takes it, or a function made by @spool.filter; `options` are its own.
     """
     recording = recording_of(samples)
-    counts = None
-    if selection is not None and not isinstance(selection, Selection):
-        counts = np.ascontiguousarray(selection, np.int64)
+    chosen = (selection.replayed, None) if isinstance(selection, Selection) else (None, _counts(selection))
+    arguments = (*chosen, whole_number("spp", spp), text("preset", preset), settings("filter", options, pool),
+                 *_pool(order, seed, holdout, pieces), ",".join(texts("views", views)), whole_number("threads", threads))
+    everything = flag("whole", whole)
     with failure_shown(filter):
-        made = _core.reconstruct(recording.source, method_text(filter),
-                                 selection.replayed if isinstance(selection, Selection) else None, counts, spp, preset,
-                                 settings("filter", options, pool), _shuffled(order),
-                                 seed, holdout, pieces, ",".join(views), threads)
+        made = _core.reconstruct(recording.source, method_text("filter", filter), *arguments)
     image = made.image().view(Image)
-    if not whole:
+    if not everything:
         return image
     return Reconstruction(image, made.variance(), made.level(), made.dominant_direction(), made.notes(),
                           made.guards(), made.seconds(), made.views())
@@ -118,10 +120,22 @@ def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filt
 def settings(part, options, pool):
     """["PART.OPTION=VALUE"] as the program's --set takes them."""
     return [f"{part}.{key}={option_text(value)}" for key, value in options.items()] + [
-        f"pool.{key}={option_text(value)}" for key, value in (pool or {}).items()]
+        f"pool.{key}={option_text(value)}" for key, value in mapping("pool", {} if pool is None else pool).items()]
 
 
-def _shuffled(order):
-    if order not in ("recorded", "shuffled"):
-        raise SpoolError("usage", f"order {order!r}: write recorded or shuffled")
-    return order == "shuffled"
+def _pool(order, seed, holdout, pieces):
+    return choice("order", order, ("recorded", "shuffled")) == "shuffled", seed_of(seed), whole_number("holdout", holdout), whole_number("pieces", pieces)
+
+
+def _counts(selection):
+    """Whole numbers [y][x], whatever kind of number they are."""
+    if selection is None:
+        return None
+    counts = array("selection", selection)
+    if counts.ndim != 2:
+        raise SpoolError("usage", f"selection: has shape {counts.shape}, not (height, width)")
+    odd = np.argwhere(~((counts >= -2.0**62) & (counts <= 2.0**62) & (counts == np.floor(counts))))  # NaN, too
+    if len(odd):
+        y, x = odd[0]
+        raise SpoolError("data", f"selection: {counts[y, x]} is no number of samples (pixel {x}, {y})")
+    return np.ascontiguousarray(counts, np.int64)

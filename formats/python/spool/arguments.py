@@ -1,0 +1,112 @@
+"""What a function was handed, as what it needs, or a SpoolError in one line. Bounds of numbers are the library's matter."""
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from .error import SpoolError
+
+
+def whole(name: str, value, bits: int = 32) -> int:
+    """A whole number that a number of the library holds."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
+        raise wrong(name, value, "no whole number")
+    if not -2 ** (bits - 1) <= value < 2 ** (bits - 1):
+        raise wrong(name, value, "too large a number")
+    return int(value)
+
+
+def seed(value) -> int:
+    return whole("seed", value, 64)
+
+
+def number(name: str, value) -> float:
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise wrong(name, value, "no number")
+    try:
+        return float(value)
+    except OverflowError:
+        raise wrong(name, value, "too large a number") from None
+
+
+def flag(name: str, value) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise wrong(name, value, "neither True nor False")
+    return bool(value)
+
+
+def text(name: str, value) -> str:
+    """A text that the library can be handed: UTF-8, without NUL."""
+    if not isinstance(value, str):
+        raise wrong(name, value, "no text")
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        raise wrong(name, value, "no text that can be written") from None
+    if "\0" in value:
+        raise wrong(name, value, "no text: it holds a NUL")
+    return str(value)
+
+
+def texts(name: str, values) -> list[str]:
+    """Several, or one."""
+    if isinstance(values, str):
+        return [text(name, values)]
+    if not isinstance(values, Iterable) or isinstance(values, (bytes, Mapping, np.ndarray)):
+        raise wrong(name, values, "no list of texts")
+    return [text(name, value) for value in values]
+
+
+def path(name: str, value) -> str:
+    if isinstance(value, os.PathLike):
+        value = os.fspath(value)
+    if not isinstance(value, str):
+        raise wrong(name, value, "no path")
+    if "\0" in value:
+        raise wrong(name, value, "no path: it holds a NUL")
+    return value
+
+
+def mapping(name: str, value) -> dict[str, object]:
+    if not isinstance(value, Mapping):
+        raise wrong(name, value, "no dict")
+    return {text(f"{name}: key", key): value[key] for key in value}
+
+
+def choice(name: str, value, allowed) -> str:
+    if text(name, value) not in allowed:
+        raise wrong(name, value, f"not one of {', '.join(allowed)}")
+    return value
+
+
+def array(name: str, value, kinds: str = "fiu") -> np.ndarray:
+    """An array of ordinary numbers. A mask would be ignored, so it is refused."""
+    if isinstance(value, np.ma.MaskedArray):
+        raise SpoolError("usage", f"{name}: is a masked array, and masks are not looked at: hand over .filled(VALUE)")
+    try:
+        made = np.asarray(value)
+    except (ValueError, TypeError) as reason:
+        raise SpoolError("usage", f"{name}: is no array: {reason}") from reason
+    if made.dtype.kind not in kinds:
+        raise SpoolError("usage", f"{name}: holds {_short(made.dtype)}, not numbers")
+    return made
+
+
+def option_text(value) -> str:
+    """An option as it is written on a command line."""
+    if isinstance(value, (bool, np.bool_)):
+        return "on" if value else "off"
+    if isinstance(value, np.generic):
+        value = value.item()
+    return repr(value) if isinstance(value, float) else text("option", str(value))
+
+
+def wrong(name: str, value, what: str) -> SpoolError:
+    return SpoolError("usage", f"{name}: {_short(repr(value))} is {what}")
+
+
+def _short(of) -> str:
+    line = " ".join(str(of).split())
+    return line if len(line) <= 80 else line[:77] + "..."

@@ -1,0 +1,31 @@
+"""No value that a function is handed ends the process or is taken for something else: each is a SpoolError of one line."""
+import json
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+import argument_cases
+from conftest import LONGEST_RUN
+
+# Of formats/python, which says with Python's own errors what is no number at all.
+OF_THE_FORMAT = {"write"}
+
+
+@pytest.mark.parametrize("name", argument_cases.FUNCTIONS)
+def test_every_parameter(name):
+    script = pathlib.Path(argument_cases.__file__)
+    done = subprocess.run([sys.executable, script, name], capture_output=True, text=True, timeout=4 * LONGEST_RUN)
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.returncode == 0, (lines[-1:], done.returncode, done.stderr[-2000:])
+    wrong = []
+    for case, answer in zip(lines[::2], lines[1::2]):
+        if (answer is None) != case["right"]:
+            wrong.append((case, answer))
+        elif answer is not None:
+            kind, line = answer
+            if not (kind == "SpoolError" or name in OF_THE_FORMAT) or "\n" in line or not 0 < len(line) < 5000:
+                wrong.append((case, kind, line[:200]))
+    assert not wrong, "\n".join(map(str, wrong))
+    assert len(lines) == 2 * len(argument_cases.WRONG) * len(argument_cases.FUNCTIONS[name][1])
