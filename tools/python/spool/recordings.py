@@ -72,8 +72,8 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     for key in ("reference", "reference_variance"):
         if key in arrays:
             _want_shape(name, key, arrays[key], (*shape[:2], 3))
-    features = [(key, components, _planes(arrays[key])) for key, components in FEATURES.items() if key in arrays]
-    source = _core.Source(name, _planes(arrays["radiance"]), _planes(arrays["film"]) if "film" in arrays else None,
+    features = [(key, components, _planes(arrays[key], key)) for key, components in FEATURES.items() if key in arrays]
+    source = _core.Source(name, _planes(arrays["radiance"], "radiance"), _planes(arrays["film"], "film") if "film" in arrays else None,
                           features, _image(arrays.get("reference")), _image(arrays.get("reference_variance")),
                           sample_order == "exchangeable")
     return Recording(source, arrays, sample_order)
@@ -110,8 +110,14 @@ def option_text(value):
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def _planes(array):
-    return np.ascontiguousarray(np.moveaxis(array, 3, 0), np.float32)
+def _planes(array, key):
+    with np.errstate(over="ignore"):
+        planes = np.ascontiguousarray(np.moveaxis(array, 3, 0), np.float32)
+    if array.dtype.kind == "f" and array.dtype.itemsize > 4:
+        lost = np.isinf(planes) & np.isfinite(np.moveaxis(array, 3, 0))
+        if lost.any():
+            raise SpoolError("data", f"{key}: {np.moveaxis(array, 3, 0)[lost][0]} is too large for float32: scale the samples")
+    return planes
 
 
 def _image(array):
