@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <mutex>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "lib/core/visible_text.h"
+#include "tools/quiet.h"
 
 namespace spool::tools {
 
@@ -19,6 +22,7 @@ constexpr std::size_t kErrorEnd = 180;      // of these, of its end, which says 
 
 constexpr std::size_t kMark = 32;  // what stands for the bytes that are left out
 
+bool quiet = false;        // of notes
 bool lost_output = false;  // of this process, to stdout
 
 std::size_t start_of_character(std::string_view text, std::size_t at) {
@@ -65,9 +69,17 @@ void print_warning(std::string_view text) {
   print_raw_error(fmt::format("spool: warning: {}\n", shortened(visible_text(text))));
 }
 
+// Once for each text: a filter is made again for every cell of an evaluation.
 void print_note(std::string_view text) {
-  if (!text.empty())
-    print_raw_error(fmt::format("spool: note: {}\n", shortened(visible_text(text))));
+  static std::mutex mutex;
+  static std::set<std::string, std::less<>> printed;
+  const std::lock_guard lock(mutex);
+  if (quiet || text.empty() || !printed.emplace(text).second) return;
+  print_raw_error(fmt::format("spool: note: {}\n", shortened(visible_text(text))));
+}
+
+void keep_quiet() {
+  quiet = true;
 }
 
 void open_standard_streams() {

@@ -17,6 +17,7 @@
 #include "tools/command_line/recording_verbs.h"
 #include "tools/command_line/result_verbs.h"
 #include "tools/interrupt.h"
+#include "tools/quiet.h"
 
 namespace spool::tools {
 namespace {
@@ -106,6 +107,7 @@ int run(int count, char** arguments) {
     print_error({ErrorCode::kUsage, explain(program.app, error, count, arguments)});
     return static_cast<int>(ErrorCode::kUsage);
   }
+  if (program.common.quiet) keep_quiet();
   watch_for_interrupts();
   Result<void> result = check_bounds("threads", program.common.threads, kThreads);
   const ThreadLimit limit(program.common.threads);

@@ -18,14 +18,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// With its remark on stderr.
-Result<ForeignPicture> read_remarked(const std::filesystem::path& path, const LayerChoice& choice,
-                                     const CommonOptions& common) {
-  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, choice));
-  if (!common.quiet) print_note(remark_line(path.string(), picture.remarks));
-  return picture;
-}
-
 // kData when the pixels of the picture `name` do not lie on those of the reference.
 Result<void> check_aligned(const ForeignPicture& picture, const ForeignPicture& reference,
                            const std::string& name) {
@@ -37,6 +29,36 @@ Result<void> check_aligned(const ForeignPicture& picture, const ForeignPicture& 
       "oiiotool --croptofull or --origin",
       name, text_of(picture.shown), text_of(picture.display), text_of(reference.shown),
       text_of(reference.display));
+}
+
+struct JudgedPictures {
+  RgbImage image;
+  JudgingReference reference;
+  std::vector<std::string> remarks;  // one line for each file
+};
+
+Result<JudgedPictures> read_pictures(const MetricsOptions& options) {
+  SPOOL_ASSIGN(ForeignPicture image, read_picture(options.image, options.layer));
+  SPOOL_ASSIGN(ForeignPicture mean, read_picture(options.reference, options.reference_layer));
+  SPOOL_TRY(check_aligned(image, mean, options.image.string()));
+  JudgedPictures pictures;
+  pictures.remarks = {remark_line(options.image.string(), image.remarks),
+                      remark_line(options.reference.string(), mean.remarks)};
+  if (!options.variance.empty()) {
+    const std::string name = options.variance.string();
+    SPOOL_ASSIGN(ForeignPicture variance, read_picture(options.variance, {"", "", "", ""}));
+    SPOOL_TRY(check_aligned(variance, mean, name));
+    if (!variance.converted_from.empty())
+      return fail(ErrorCode::kData,
+                  "{}: variances in {} are not those in Rec. 709: estimate them after the "
+                  "conversion",
+                  name, variance.converted_from);
+    pictures.remarks.push_back(remark_line(name, variance.remarks));
+    pictures.reference.variance = std::move(variance.rgb);
+  }
+  pictures.image = std::move(image.rgb);
+  pictures.reference.mean = std::move(mean.rgb);
+  return pictures;
 }
 
 std::string value_text(double value) {
@@ -105,20 +127,12 @@ Result<void> check_finite(const MetricTable& table, const std::string& name,
 Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
   if (!options.error_map.empty()) SPOOL_TRY(check_exr_name(options.error_map));
   SPOOL_ASSIGN(const MetricOptions metric, metric_settings(options.settings));
-  SPOOL_ASSIGN(const ForeignPicture picture, read_remarked(options.image, options.layer, common));
-  SPOOL_ASSIGN(ForeignPicture judge,
-               read_remarked(options.reference, options.reference_layer, common));
-  SPOOL_TRY(check_aligned(picture, judge, options.image.string()));
-  JudgingReference reference;
-  if (!options.variance.empty()) {
-    SPOOL_ASSIGN(ForeignPicture variance,
-                 read_remarked(options.variance, {"", "", "", ""}, common));
-    SPOOL_TRY(check_aligned(variance, judge, options.variance.string()));
-    reference.variance = std::move(variance.rgb);
-  }
-  reference.mean = std::move(judge.rgb);
-  const RgbImage& image = picture.rgb;
+  SPOOL_ASSIGN(const JudgedPictures pictures, read_pictures(options));
+  const RgbImage& image = pictures.image;
+  const JudgingReference& reference = pictures.reference;
   SPOOL_ASSIGN(const std::vector<EnergyMask> masks, read_energy_masks(options.masks));
+  for (const std::string& remark : pictures.remarks)
+    print_note(remark);
   const MetricTable table = error_metrics(image, reference, metric);
   std::vector<std::vector<std::string>> rows = {{"metric", "meaning", "value", "+-"}};
   ordered_json json = {{"image", options.image.string()},

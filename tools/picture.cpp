@@ -36,13 +36,12 @@ struct NamedMap {
 };
 
 // One channel of the file as it is, or the luminance of its picture.
-Result<NamedMap> map_of(const PictureOptions& options, const CommonOptions& common) {
+Result<NamedMap> map_of(const PictureOptions& options) {
   const LayerChoice choice = options.channel.empty()
                                  ? options.layer
                                  : LayerChoice{options.channel, options.layer.part, "--channel "};
   SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(options.image, choice));
-  if (!common.quiet && options.channel.empty())
-    print_note(remark_line(options.image.string(), picture.remarks));
+  if (options.channel.empty()) print_note(remark_line(options.image.string(), picture.remarks));
   const RgbImage& rgb = picture.rgb;
   Plane result(rgb[0].width(), rgb[0].height());
   for (std::size_t i = 0; i < result.size(); ++i)
@@ -50,8 +49,8 @@ Result<NamedMap> map_of(const PictureOptions& options, const CommonOptions& comm
   return NamedMap{picture.channel.empty() ? "luminance" : picture.channel, std::move(result)};
 }
 
-Result<Picture> false_colour_picture(const PictureOptions& options, const CommonOptions& common) {
-  SPOOL_ASSIGN(const NamedMap map, map_of(options, common));
+Result<Picture> false_colour_picture(const PictureOptions& options) {
+  SPOOL_ASSIGN(const NamedMap map, map_of(options));
   const std::array<const Plane*, 1> planes = {&map.plane};
   ValueRange range = common_range(planes, options.log);
   if (!options.range.empty()) {
@@ -61,14 +60,15 @@ Result<Picture> false_colour_picture(const PictureOptions& options, const Common
                            ColourBar{range, map.name}});
 }
 
-Result<Picture> tone_mapped_picture(const PictureOptions& options, const CommonOptions& common) {
+Result<Picture> tone_mapped_picture(const PictureOptions& options) {
   SPOOL_ASSIGN(const ForeignPicture picture, read_picture(options.image, options.layer));
-  if (!common.quiet) print_note(remark_line(options.image.string(), picture.remarks));
-  const RgbImage& image = picture.rgb;
-  if (options.exposure) return tone_map(image, std::exp2(*options.exposure));
-  if (options.like.empty()) return tone_map(image, tone_exposure(image));
-  SPOOL_ASSIGN(const ForeignPicture guide, read_picture(options.like, {"", "", "", ""}));
-  return tone_map(image, tone_exposure(guide.rgb));
+  std::optional<ForeignPicture> guide;
+  if (!options.like.empty()) {
+    SPOOL_ASSIGN(guide, read_picture(options.like, {"", "", "", ""}));
+  }
+  print_note(remark_line(options.image.string(), picture.remarks));
+  return tone_map(picture.rgb, options.exposure ? std::exp2(*options.exposure)
+                                                : tone_exposure(guide ? guide->rgb : picture.rgb));
 }
 
 }  // namespace
@@ -78,8 +78,8 @@ Result<void> run_picture(const PictureOptions& options, const CommonOptions& com
     return fail(ErrorCode::kUsage, "{}: a PNG is what is written: name it .png",
                 options.output.string());
   }
-  SPOOL_ASSIGN(const Picture picture, options.false_colour ? false_colour_picture(options, common)
-                                                           : tone_mapped_picture(options, common));
+  SPOOL_ASSIGN(const Picture picture,
+               options.false_colour ? false_colour_picture(options) : tone_mapped_picture(options));
   SPOOL_TRY(write_png(options.output, picture, common.force));
   if (!common.quiet) {
     print_line(fmt::format("{}: {} x {}", options.output.string(), picture.width, picture.height));

@@ -365,8 +365,8 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
         plan.record.dropped.push_back(shown(channel.name));
   }
   std::vector<std::string> notes = plan.record.converted;
-  for (const std::string& dropped : plan.record.dropped)
-    notes.push_back("channel " + dropped + " was not taken over");
+  if (!plan.record.dropped.empty())
+    notes.push_back("not taken over: " + listed(plan.record.dropped));
   SPOOL_ASSIGN(ImportReport report, write_dump(out, std::move(plan), options));
   report.notes.insert(report.notes.begin(), notes.begin(), notes.end());
   return report;

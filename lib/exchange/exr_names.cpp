@@ -108,8 +108,8 @@ class Mapper {
                  choose_layer(file_, parts_, layers_, choice, Taken::kSamples));
     if (!chosen.layer.colour)
       return fail(ErrorCode::kData,
-                  "{}: {} has no R, G, B: radiance has three colours, choose a layer with {}NAME",
-                  file_, spelt(chosen.layer), choice.layer_option);
+                  "{}: {} has no R, G, B: radiance has three colours, save it so or choose a layer",
+                  file_, spelt(chosen.layer));
     if (!chosen.remark.empty()) mapping_.notes.push_back(chosen.remark);
     radiance_ = &chosen.layer;
     SPOOL_TRY(add("radiance", chosen.layer.part,

@@ -73,7 +73,7 @@ void find_view(const ExrPart& part, ExrLayer& layer) {
   if (!part.views.empty() && layer.view == part.views.front()) layer.view.clear();
 }
 
-void describe(const ExrPart& part, ExrLayer& layer) {
+void describe(const ExrPart& part, const std::vector<std::string>& mattes, ExrLayer& layer) {
   std::tie(layer.before, layer.pass) = split_channel(layer.name);
   find_view(part, layer);
   layer.kind = layer_kind(layer.pass);
@@ -82,10 +82,25 @@ void describe(const ExrPart& part, ExrLayer& layer) {
   if ((layer.kind == LayerKind::kPicture || layer.kind == LayerKind::kUnknown) &&
       by_part != LayerKind::kPicture && by_part != LayerKind::kUnknown)
     layer.kind = by_part;
-  for (const std::string& name : cryptomattes(part))
+  for (const std::string& name : mattes)
     if (layer.name.starts_with(name)) layer.kind = LayerKind::kOther;
   layer.colour = colours(layer.channels);
   if (!layer.colour) layer.grey = grey(layer.channels);
+}
+
+// A channel of another name than Y is a picture only where the file has nothing else but an alpha.
+void keep_lone_greys(const std::vector<ExrPart>& parts, std::vector<ExrLayer>& layers) {
+  std::size_t channels = 0;
+  for (const ExrPart& part : parts)
+    for (const ExrChannel& channel : part.channels)
+      channels += layer_kind(split_channel(channel.name).second) == LayerKind::kOther ||
+                          lower_case(channel.name) == "a"
+                      ? 0
+                      : 1;
+  for (ExrLayer& layer : layers)
+    if (layer.grey && channels > 1 && parts[layer.part].channels[*layer.grey].name != "Y" &&
+        !parts[layer.part].channels[*layer.grey].name.ends_with(".Y"))
+      layer.grey.reset();
 }
 
 }  // namespace
@@ -104,15 +119,17 @@ std::vector<ExrLayer> layers_of(const std::vector<ExrPart>& parts) {
       auto [layer, channel] = split_channel(parts[p].channels[c].name);
       found[layer.empty() ? parts[p].name : layer].emplace(std::move(channel), c);
     }
+    const std::vector<std::string> mattes = cryptomattes(parts[p]);
     for (auto& [name, channels] : found) {
       ExrLayer layer;
       layer.part = p;
       layer.name = name;
       layer.channels = std::move(channels);
-      describe(parts[p], layer);
+      describe(parts[p], mattes, layer);
       layers.push_back(std::move(layer));
     }
   }
+  keep_lone_greys(parts, layers);
   return layers;
 }
 
@@ -125,6 +142,7 @@ std::string spelt(const ExrLayer& layer) {
 
 std::string told(const ExrLayer& layer, const std::vector<ExrPart>& parts,
                  const std::vector<ExrLayer>& layers) {
+  if (parts.size() == 1) return spelt(layer);  // whose layers have names of their own
   const bool twice = std::any_of(layers.begin(), layers.end(), [&](const ExrLayer& other) {
     return other.part != layer.part && other.name == layer.name;
   });

@@ -10,6 +10,8 @@
 namespace spool {
 namespace {
 
+constexpr std::size_t kToldNames = 8;  // more than listed() shows need no care
+
 ExrWindow shared(const ExrWindow& a, const ExrWindow& b) {
   const std::int64_t x0 = std::max(a.x0, b.x0), y0 = std::max(a.y0, b.y0);
   return {x0, y0, std::min(a.x0 + a.width, b.x0 + b.width) - x0,
@@ -76,6 +78,7 @@ Result<ForeignPicture> read_layer(ExrSource& source, const std::vector<ExrLayer>
   }
   if (conversion && layer.colour) {
     convert(conversion->matrix, picture.rgb);
+    picture.converted_from = conversion->from;
     picture.remarks.push_back(fmt::format("converted from {} to Rec. 709", conversion->from));
   }
   if (layer.grey && picture.channel != "Y")
@@ -144,7 +147,7 @@ std::string unused_channels(const std::vector<ExrPart>& parts, const std::vector
       if (std::find(used.begin(), used.end(), std::pair(layer.part, index)) == used.end())
         left.push_back(parts[layer.part].channels[index].name);
     if (left.size() > 1 && left.size() == layer.channels.size() && !layer.name.empty())
-      left = {told(layer, parts, layers)};
+      left = {names.size() < kToldNames ? told(layer, parts, layers) : layer.name};
     names.insert(names.end(), left.begin(), left.end());
   }
   return listed(names);

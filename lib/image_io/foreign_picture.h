@@ -19,6 +19,7 @@ namespace spool {
 struct ForeignPicture {
   RgbImage rgb;
   std::string channel;               // of a grey one
+  std::string converted_from;        // the colours of the file, where they are not Rec. 709
   ExrWindow shown, display;          // what `rgb` holds, and all that is displayed
   std::vector<std::string> remarks;  // without the name of the file
 };

@@ -7,6 +7,8 @@
 namespace spool {
 namespace {
 
+constexpr std::size_t kToldNames = 8;  // more than listed() shows need no care
+
 using Layers = std::vector<const ExrLayer*>;
 
 template <class Test>
@@ -127,15 +129,16 @@ class Chooser {
 
   std::vector<std::string> names(const Layers& layers) const {
     std::vector<std::string> names;
-    for (const ExrLayer* layer : layers)
-      names.push_back(told(*layer, parts_, layers_));
+    for (const ExrLayer* layer : layers)  // a file may have a hundred thousand
+      names.push_back(names.size() < kToldNames ? told(*layer, parts_, layers_) : layer->name);
     return names;
   }
 
   // "choose with --layer beauty"
   std::string remedy(const std::string& option, const std::string& name) const {
-    return option.empty() ? "save the one that is meant in a file of its own"
-                          : fmt::format("choose with {}{}", option, name);
+    if (option.empty()) return "save the one that is meant in a file of its own";
+    const char* quote = name.find(' ') == std::string::npos ? "" : "'";
+    return fmt::format("choose with {}{}{}{}", option, quote, name, quote);
   }
 
   tl::unexpected<Error> ambiguous(const Layers& found) const {

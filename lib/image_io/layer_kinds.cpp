@@ -15,8 +15,8 @@ constexpr std::array<Word, 13> kPictures = {
     "colour", "ci",   "c",   "image",  "main",         "radiance"};
 
 // Anywhere in the name.
-constexpr std::array<Word, 6> kNoisy = {"noisy",     "undenois",  "nodenois",
-                                        "notdenois", "predenois", "beforedenois"};
+constexpr std::array<Word, 7> kNoisy = {"noisy",     "undenois",     "nodenois",      "notdenois",
+                                        "predenois", "beforedenois", "denoisingimage"};
 constexpr std::array<Word, 50> kOther = {
     "albedo",      "normal",       "position",      "depth",       "motion",     "velocity",
     "crypto",      "variance",     "stddev",        "stdev",       "deviation",  "occlusion",

@@ -3,6 +3,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import spool
+import spool.exr
 
 import exr_files as exr
 from conftest import run_jobs
@@ -76,6 +77,7 @@ REFUSED = {
     "no chromaticities at all": ([exr.Part(exr.rgb(A), exr.chromaticities(0, 0, 0, 0, 0, 0, 0.3127, 0.3290))], 1, "make no sense", "chromaticities"),
     "nothing displayed": ([exr.Part(exr.rgb(A), origin=(6, 0), display=(0, 0, 6, 4))], 1, "x 6 to 11, y 0 to 3", "nothing is shown"),
     "HTJ2K": ([exr.Part(exr.rgb(A), compression=10)], 1, "(HTJ2K) is unknown here", "zip"),
+    "a channel of an unknown name beside a depth": ([exr.Part({"V": A[..., 0], "W": A[..., 1]})], 1, "no picture", "V,W"),
     "subsampled": ([exr.Part(exr.rgb(A), sampling=2)], 1, "subsampled", "full size"),
 }
 
@@ -199,3 +201,18 @@ def test_another_kind_of_file_is_not_called_damaged(tmp_path, door):
         code, message = run_jobs((f"import {door}", path, tmp_path / "out.spool"))[0]
         assert code == 1 and words in message and "damaged" not in message, (door, message)
         assert len(message) < 400
+
+
+def test_values_that_are_too_large_do_not_become_infinite(tmp_path):
+    with pytest.raises(spool.SpoolError, match="too large for float32"):
+        spool.exr.write(tmp_path / "a.exr", {"R": np.full((2, 2), 1e39)})
+    spool.exr.write(tmp_path / "a.exr", {"R": np.full((2, 2), np.inf)})
+
+
+def test_a_file_of_many_layers_is_one_short_line(tmp_path):
+    layers = {f"layer{i:05}.{c}": A[:1, :1, 0] for i in range(3000) for c in "RGB"}
+    path = exr.write(tmp_path / "a.exr", exr.Part(layers))
+    code, _, message = picture(path)
+    assert code == 1 and "and 2992 more" in message and len(message) < 400, message
+    code, _, message = picture(exr.write(path, exr.Part(layers | exr.rgb(A[:1, :1]))))
+    assert code == 0 and "and 2992 more" in message and len(message) < 400, message

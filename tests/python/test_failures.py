@@ -54,6 +54,8 @@ def test_arrays():
         spool.replay(np.zeros((4, 4, 3)), "uniform", 1)
     with pytest.raises(spool.SpoolError, match="film has shape"):
         spool.recording(np.zeros((4, 4, 2, 3)), film=np.zeros((4, 4, 2, 3)))
+    with pytest.raises(spool.SpoolError, match="radiance: 1e\\+39 is too large for float32"):
+        spool.recording(np.full((4, 4, 2, 3), 1e39))
     with pytest.raises(spool.SpoolError, match="film position") as caught:
         spool.replay(spool.recording(np.ones((4, 4, 2, 3)), film=np.full((4, 4, 2, 2), 1.5)), "uniform", 1, pieces=2)
     assert caught.value.code == spool.DATA
@@ -63,6 +65,8 @@ def test_arrays():
         spool.reconstruct(np.ones((4, 5, 2, 3)), np.ones((4, 4)), "box")
     with pytest.raises(spool.SpoolError, match="not finite"):
         spool.metrics(np.full((4, 4, 3), np.nan), np.ones((4, 4, 3)))
+    with pytest.raises(spool.SpoolError, match="reference: 16 pixels are not finite"):
+        spool.metrics(np.ones((4, 4, 3)), np.full((4, 4, 3), np.nan))
     with pytest.raises(spool.SpoolError, match="is 4 x 4 pixels, the reference 5 x 4"):
         spool.metrics(np.ones((4, 4, 3)), np.ones((4, 5, 3)))
 

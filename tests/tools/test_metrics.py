@@ -1,8 +1,16 @@
 """`spool metrics A.exr B.exr`: against numpy, with masks, and what it refuses."""
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
+import spool
+import spool.exr
 
 from conftest import read_exr
+
+sys.path.append(str(Path(__file__).parents[1] / "interchange"))
+import exr_files  # noqa: E402
 
 
 @pytest.fixture
@@ -44,6 +52,41 @@ def test_masks_and_the_error_map(good, run, images, tmp_path):
         a[bright].sum() / b[bright].sum(), rel=1e-9)
     assert np.allclose(read_exr(tmp_path / "error.exr", "Y"), ((a - b) ** 2).mean(axis=2), rtol=1e-6)
     run("metrics", *images, "--mask", "bright").failed_with(2, "NAME=FILE")
+
+
+@pytest.mark.parametrize("which", ["image", "reference", "both"])
+def test_what_is_not_finite_is_one_line_and_exit_1(run, tmp_path, which):
+    good, bad = np.ones((4, 6), "f4"), np.ones((4, 6), "f4")
+    bad[1, 2], bad[3, 3] = np.nan, np.inf
+    for name in ("image", "reference"):
+        spool.exr.write(tmp_path / f"{name}.exr", dict.fromkeys("RGB", bad if which in (name, "both") else good))
+    done = run("metrics", "image.exr", "reference.exr", "--json")
+    assert done.code == 1 and done.err.count("\n") == 1, done.err
+    assert ("image" if which == "both" else which) + ".exr: 2 pixels are not finite" in done.err, done.err
+
+
+def test_pictures_that_do_not_lie_on_each_other_are_refused(run, tmp_path):
+    pixels = np.random.default_rng(3).random((4, 6, 3), np.float32)
+    def write(name, **windows):
+        exr_files.write(tmp_path / name, exr_files.Part(exr_files.rgb(pixels), **windows))
+    write("a.exr")
+    write("moved.exr", origin=(1, 0), display=(0, 0, 7, 4))
+    write("far.exr", origin=(9, 9), display=(9, 9, 6, 4))
+    write("part.exr", display=(-5, -5, 20, 20))
+    assert run("metrics", "far.exr", "a.exr").code == 0  # the same place of its display
+    assert run("metrics", "part.exr", "a.exr").code == 0  # the same pixels
+    run("metrics", "moved.exr", "a.exr").failed_with(1, "shows x 1 to 6, y 0 to 3 of its display window")
+
+
+def test_the_layer_of_both_files_is_chosen(run, good, tmp_path):
+    one, two = (np.random.default_rng(s).random((4, 6, 3), np.float32) for s in (4, 5))
+    exr_files.write(tmp_path / "a.exr", exr_files.Part(exr_files.rgb(one, "One.Combined") | exr_files.rgb(two, "Two.Combined")))
+    exr_files.write(tmp_path / "b.exr", exr_files.Part(exr_files.rgb(one, "x.beauty") | exr_files.rgb(two, "y.beauty")))
+    run("metrics", "a.exr", "b.exr").failed_with(1, "choose with --layer One.Combined")
+    run("metrics", "a.exr", "b.exr", "--layer", "Two").failed_with(1, "choose with --reference-layer x.beauty")
+    found = good("metrics", "a.exr", "b.exr", "--layer", "Two", "--reference-layer", "y.beauty", "--json")
+    assert found.json["metrics"]["mse"]["value"] == 0 and "not used: One.Combined" in found.err
+    assert run("metrics", "a.exr", "b.exr", "--layer", "Two", "--reference-layer", "y.beauty", "-q").err == ""
 
 
 def test_what_does_not_fit_is_refused(run, good, images, dump):

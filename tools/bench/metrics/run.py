@@ -30,7 +30,9 @@ PSNR, SSIM and LDR-FLIP is numpy's here.
 {table}
 
 Largest difference of FLIP: {worst:.1e} (wanted: 1e-4). What is left of it is the authors' float arithmetic; the rest
-are roundings of double sums.
+are roundings of double sums. Negative values count as 0 here, and the authors' program maps them by its tone curve:
+where half of an image (64 x 64, 0.1 to 1.1) is negated, `flip_hdr` is 0.553 and theirs 0.299; 0.553 too where the
+image is clamped before.
 """
 
 

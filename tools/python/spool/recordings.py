@@ -90,7 +90,7 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     for key in ("reference", "reference_variance"):
         if key in arrays:
             _want_shape(name, key, arrays[key], (*shape[:2], 3))
-    held = {key: _image(values) if key.startswith("reference") else _planes(values) for key, values in arrays.items()}
+    held = {key: _image(values) if key.startswith("reference") else _planes(values, key) for key, values in arrays.items()}
     source = _core.Source(name, held["radiance"], held.get("film"),
                           [(key, components, held[key]) for key, components in FEATURES.items() if key in held],
                           held.get("reference"), held.get("reference_variance"), sample_order == "exchangeable")
@@ -121,9 +121,15 @@ def synth(scene: str, *, width: int = 128, height: int = 128, spp: int = 64, see
     return dump
 
 
-def _planes(values):
+def _planes(values, key):
     """A copy [c][y][x][s] that nobody else writes to."""
-    return _frozen(np.moveaxis(values, 3, 0), np.float32)
+    planes = _frozen(np.moveaxis(values, 3, 0), np.float32)
+    if values.dtype.kind == "f" and values.dtype.itemsize > 4:
+        given = np.moveaxis(values, 3, 0)
+        lost = np.isinf(planes) & np.isfinite(given)
+        if lost.any():
+            raise SpoolError("data", f"{key}: {given[lost][0]} is too large for float32: scale the samples")
+    return planes
 
 
 def _image(values):
