@@ -2,7 +2,8 @@
 # Records a scene with Blender's Cycles and packs it into one dump:
 #   dumps/record.sh NAME|FILE.blend [--size WxH] [--samples N] [--reference N] [--OPTION VALUE]... -o FILE.spool
 # NAME is a script of dumps/scenes. Further options go to dumps/cycles/record.py (--mode, --seed, --channels ...).
-# --compress goes to `spool pack`. dumps/verify tests the samples and keeps what it found in the dump (`spool info`
+# --recordings 4 makes four recordings of a quarter of the samples each, FILE_1.spool ..., which share the reference and are judged as a group by
+# `spool evaluate FILE_*.spool`. --compress goes to `spool pack`. dumps/verify tests the samples and keeps what it found in the dump (`spool info`
 # shows it); --no-verify leaves that out. The passes lie in FILE.spool.passes until the dump is whole and tested, so an
 # interrupted run continues; --keep leaves them there. --force replaces a file of that name.
 # BLENDER names the Blender to use, or a Python with the module bpy; SPOOL the program.
@@ -16,13 +17,15 @@ usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p;}' "$0"; }
 [ $# -ge 1 ] || { usage >&2; exit 2; }
 case $1 in -h|--help) usage; exit 0 ;; -*) fail 2 "the first argument is a scene or a .blend file, not $1" ;; esac
 scene=$1; shift
-out=; keep=; pack=; force=; dry=; verify=yes
+out=; keep=; pack=; force=; dry=; verify=yes; recordings=1
 count=$#
 while [ "$count" -gt 0 ]; do
   argument=$1; shift; count=$((count - 1))
   case $argument in
     -o|--out) [ "$count" -gt 0 ] || fail 2 "$argument needs a file"
               out=$1; shift; count=$((count - 1)) ;;
+    --recordings) [ "$count" -gt 0 ] || fail 2 "$argument needs a number"
+                  recordings=$1; set -- "$@" "$argument" ;;
     --keep) keep=yes ;;
     --no-verify) verify= ;;
     --compress) pack=$argument ;;
@@ -45,7 +48,18 @@ done
 if [ -z "$dry" ] && { ! program=$(command -v "$spool") || [ ! -f "$program" ] || [ ! -x "$program" ]; }; then
   fail 3 "SPOOL=$spool is no program: set it to the built one"
 fi
-[ -n "$force" ] || [ -z "$out" ] || [ ! -e "$out" ] || fail 2 "$out exists: choose another name or give --force"
+case $recordings in ''|*[!0-9]*|0) fail 2 "--recordings $recordings: give a number of recordings" ;; esac
+# NAME.spool, or NAME_1.spool ... NAME_N.spool
+case $(basename "$out") in ?*.*) stem=${out%.*}; end=.${out##*.} ;; *) stem=$out; end= ;; esac
+name_of() { if [ "$recordings" = 1 ]; then echo "$out"; else echo "${stem}_$1$end"; fi; }
+# $passes/named: its own files have got their names since, and a run that was stopped then replaces them.
+refuse_existing() {
+  for number in $(seq "$recordings"); do
+    [ -n "$force" ] || [ -z "$out" ] || [ ! -e "$(name_of "$number")" ] || [ -e "$passes/named" ] ||
+      fail 2 "$(name_of "$number") exists: choose another name or give --force"
+  done
+}
+refuse_existing
 
 blender=${BLENDER:-blender}
 program=$(command -v "$blender") || fail 3 "$blender is not installed: apt-get install blender python3-numpy python3-zstandard, or set BLENDER"
@@ -56,23 +70,36 @@ case $(basename "$program") in
   *) "$program" -b --factory-startup -P "$record" --python-exit-code 3 -- "$@" ;;
 esac
 [ -z "$dry" ] || exit 0
-# The dump gets its name when its samples were tested: the passes lie there until then, and the same command goes on.
+# A dump gets its name when its samples were tested: the passes lie there until then, and the same command goes on.
 checker=; code=0
 for python in ${verify:+python3 /usr/bin/python3}; do
   if "$python" -c 'import numpy, zstandard' 2>/dev/null; then checker=$python; break; fi
 done
-if [ -n "$checker" ]; then
+[ "$recordings" = 1 ] || python3 "$here/cycles/split.py" "$passes" "$recordings" "$out"
+# passes of one recording -> its dump, tested
+finish() {
+  from=$1; to=$2; result=0
+  if [ -z "$checker" ]; then
+    # shellcheck disable=SC2086
+    "$spool" pack "$from" -o "$to" --force $pack
+    [ -z "$verify" ] ||
+      echo "record.sh: $to is not verified: apt-get install python3-numpy python3-zstandard, then dumps/verify/verify.py $to --write" >&2
+    return
+  fi
   # shellcheck disable=SC2086
-  "$spool" pack "$passes" -o "$passes/whole.spool" --force $pack
-  # shellcheck disable=SC2086
-  "$checker" "$here/verify/verify.py" "$passes/whole.spool" -o "$out" --quiet $force || code=$?
-  [ "$code" -le 1 ] || exit "$code"
-  [ "$code" = 0 ] || echo "record.sh: $out is whole, but its samples are not what they should be: see above" >&2
-else
-  # shellcheck disable=SC2086
-  "$spool" pack "$passes" -o "$out" $force $pack
-  [ -z "$verify" ] ||
-    echo "record.sh: $out is not verified: apt-get install python3-numpy python3-zstandard, then dumps/verify/verify.py $out --write" >&2
-fi
-if [ -n "$keep" ]; then rm -f "$passes/whole.spool"; else rm -rf "$passes"; fi
+  "$spool" pack "$from" -o "$from/whole.spool" --force $pack
+  "$checker" "$here/verify/verify.py" "$from/whole.spool" --move-to "$to" --quiet --force || result=$?
+  [ "$result" -le 1 ] || exit "$result"
+  [ "$result" = 0 ] || { code=1; echo "record.sh: $to is whole, but its samples are not what they should be: see above" >&2; }
+}
+refuse_existing
+: > "$passes/named"
+dumps=
+for number in $(seq "$recordings"); do
+  from=$passes; [ "$recordings" = 1 ] || from=$passes/recording_$number
+  finish "$from" "$(name_of "$number")"
+  dumps="$dumps $(name_of "$number")"
+done
+[ "$code" != 0 ] || echo "next: spool evaluate$dumps --spp 4,8 --samplers uniform,multiscale --filters box,directional -o results"
+if [ -n "$keep" ]; then rm -rf "$passes/named" "$passes"/recording_*; else rm -rf "$passes"; fi
 exit "$code"

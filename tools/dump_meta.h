@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -14,5 +15,9 @@ nlohmann::ordered_json merged_meta(const format::SpoolReader& reader);
 
 // Seconds of rendering per sample of a pixel: the remark `cost_per_sample`, if there is one.
 std::optional<double> cost_per_sample(const nlohmann::ordered_json& meta);
+
+// "NAME-ID" where a recorder made the dump as one of several of a scene (remark `group`), else
+// empty.
+std::string recording_group(const nlohmann::ordered_json& meta);
 
 }  // namespace spool::tools

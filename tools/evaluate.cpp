@@ -7,6 +7,7 @@
 
 #include "lib/experiment/loop_filter.h"
 #include "tools/batch/evaluation_run.h"
+#include "tools/dump_meta.h"
 #include "tools/mask_files.h"
 #include "tools/methods/external_methods.h"
 #include "tools/option_bounds.h"
@@ -31,6 +32,19 @@ Result<void> choose_baseline(Plan& plan, const EvaluateOptions& options) {
     return fail(ErrorCode::kUsage, "--baseline: {}", known.error().message);
   }
   plan.baseline = options.baseline;
+  return {};
+}
+
+// Recordings that a recorder made of one scene in one go (`--recordings`) are judged together.
+Result<void> group_recordings(Plan& plan) {
+  for (const std::string& file : plan.recordings) {
+    SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(file));
+    plan.groups.push_back(recording_group(merged_meta(reader)));
+  }
+  const std::vector<std::string> found = plan.groups;
+  for (std::string& group : plan.groups)
+    if (std::ranges::count(found, group) < 2) group.clear();
+  if (std::ranges::all_of(plan.groups, &std::string::empty)) plan.groups.clear();
   return {};
 }
 
@@ -75,6 +89,7 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
     SPOOL_ASSIGN(plan.experiment.reference, parse_reference_kind(options.reference));
   }
   SPOOL_TRY(check_recording_names(plan));
+  SPOOL_TRY(group_recordings(plan));
   return plan;
 }
 

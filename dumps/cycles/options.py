@@ -2,9 +2,10 @@
 import sys
 
 from batches import batch_plan
-from command_line import Parser
+from command_line import Parser, pairs
 from failure import usage_failure
 from passes import CHANNELS, DEFAULT
+from recordings import check as check_recordings
 
 MODES = {
     "iid": "independent samples, a new seed per pass (film position unknown)",
@@ -30,6 +31,8 @@ def parse_options(arguments):
     parser.add_argument("-o", "--out", help="folder of the passes; an interrupted one is continued")
     parser.add_argument("--size", help="WxH or N (default: the scene's)")
     parser.add_argument("--samples", type=int, default=64, help="per pixel (64)")
+    parser.add_argument("--recordings", type=int, default=1, metavar="N",
+                        help="of dumps/record.sh: the samples become N recordings, which share the reference (1)")
     parser.add_argument("--first", type=int, default=0,
                         help="index of the first pass (0), to share a recording among machines")
     parser.add_argument("--mode", choices=MODES, default="iid",
@@ -39,6 +42,8 @@ def parse_options(arguments):
                         help="samples per pixel of an independent reference (0: none)")
     parser.add_argument("--first-batch", type=int, default=0, help="first batch of the reference (0)")
     parser.add_argument("--channels", default=",".join(DEFAULT), help=", ".join(CHANNELS))
+    parser.add_argument("--substitute", action="append", default=[], metavar="NAME=FILE",
+                        help="use FILE where the scene names the file NAME")
     parser.add_argument("--camera", help="name of the camera object")
     parser.add_argument("--frame", type=int, help="frame of the animation")
     parser.add_argument("--threads", type=int, default=0, help="(0: all)")
@@ -59,6 +64,7 @@ def check_options(options):
         raise usage_failure("no folder for the passes: give -o FOLDER")
     if options.plan and not options.dry_run:
         raise usage_failure("--plan %s: only a dry run reads it: add --dry-run" % options.plan)
+    options.substitutes = pairs("--substitute", options.substitute)
     for name, low, high in (("samples", 1, LARGEST), ("first", 0, LARGEST - 1), ("seed", 0, 2**31 - 1),
                             ("reference", 0, 2**24), ("first_batch", 0, 2**20), ("threads", 0, 1024)):
         value = getattr(options, name)
@@ -67,6 +73,9 @@ def check_options(options):
                                 (name.replace("_", "-"), value, low, high))
     if options.first + options.samples > LARGEST:
         raise usage_failure("--first + --samples is more than %d" % LARGEST)
+    check_recordings(options.recordings, options.samples)
+    if options.mode == "sequence" and options.recordings > 1:
+        raise usage_failure("--recordings: the samples of a sequence belong together: use another --mode")
     if options.mode == "sequence" and options.first:
         raise usage_failure("--first: the samples of a sequence belong together, record all in one "
                             "folder")

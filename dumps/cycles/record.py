@@ -18,12 +18,14 @@ sys.dont_write_bytecode = True
 
 import bpy  # noqa: E402
 
+import files  # noqa: E402
 from batches import batch_plan  # noqa: E402
 from camera import ShiftedCamera  # noqa: E402
 from engine import Renderer  # noqa: E402
 from estimate import dry_run  # noqa: E402
 from failure import Failure, io_failure, usage_failure  # noqa: E402
 from options import parse_options, script_arguments  # noqa: E402
+from overrides import overridden  # noqa: E402
 from pass_folder import PassFolder  # noqa: E402
 from passes import (CHANNELS, MIST_DEPTH, describe_channels, describe_layers, plan_channels,  # noqa: E402
                     planes_of, switch_passes)
@@ -41,13 +43,17 @@ class Recorder:
         self.options = options
         self.plan = plan_channels(options.channels, options.mode)
         self.scene, self.identity = load_scene(options.scene, options.blend)
+        changes = files.substitute(options.substitutes)
+        files.require(self.identity["name"])
         own_size = prepare(self.scene, options.camera, options.frame, options.size)
         self.view_layer = bpy.context.view_layer
+        changes += overridden(self.scene, self.view_layer)
         apply_settings(self.scene, self.view_layer, options.threads)
         self.width, self.height = self.scene.render.resolution_x, self.scene.render.resolution_y
         change = aspect_change((self.width, self.height), own_size)
-        if change and not options.scene:
-            self.identity["changes"] = [change]
+        changes += [change] if change else []
+        if changes and not options.scene:
+            self.identity["changes"] = changes
         self.mist_depth = self._set_mist()
         if "object" in self.plan:
             for i, item in enumerate(sorted(self.scene.objects, key=lambda o: o.name)):
@@ -143,6 +149,7 @@ class Stop:
 def record(recorder, options, stop):
     folder = PassFolder(options.out, recorder.recording())
     start = time.monotonic()
+    go_on_with_batches(folder, recorder, options.reference)
     drop_other_batches(folder, recorder)
     jobs = (("pass", recorder.render_pass, range(options.first, options.first + options.samples)),
             ("reference", recorder.render_batch,
@@ -165,6 +172,14 @@ def record(recorder, options, stop):
         options.out, recorder.identity["name"], recorder.width, recorder.height, options.samples,
         kept["pass"], recorder.batches, recorder.batch_spp, kept["reference"],
         duration(time.monotonic() - start), file_note(recorder.renderer), more_note(folder, jobs))
+
+
+def go_on_with_batches(folder, recorder, reference):
+    """A larger reference goes on with batches of the size that is there, where that splits it."""
+    sizes = {entry.get("samples") for entry in folder.entries["reference"].values()}
+    size = sizes.pop() if len(sizes) == 1 else 0
+    if size and reference % size == 0 and reference // size >= recorder.batches:
+        recorder.batch_spp, recorder.batches = size, reference // size
 
 
 def drop_other_batches(folder, recorder):

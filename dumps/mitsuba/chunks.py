@@ -98,6 +98,13 @@ class Chunks:
         except OSError as error:
             raise io_failure("%s: %s" % (error.filename, error.strerror))
 
+    def mark_named(self):
+        """The files of this recording get their names from now on: a run that is stopped then may replace those that have one."""
+        self._save("named", lambda stream: None)
+
+    def is_named(self):
+        return os.path.exists(os.path.join(self.folder, "named"))
+
     def remove(self):
         shutil.rmtree(self.folder)
 

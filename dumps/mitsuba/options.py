@@ -3,8 +3,10 @@ import argparse
 import os
 
 from channels import DEFAULT, LAYERS
-from command_line import Parser
+from command_line import Parser, pairs
 from failure import usage_failure
+from recordings import check as check_recordings
+from recordings import names
 from seeds import USER_LIMIT
 
 
@@ -18,11 +20,13 @@ def parse(arguments, about):
     parser.add_argument("-o", "--out", help="the .spool file to make")
     parser.add_argument("--size", help="WxH or N (default: the film's)")
     parser.add_argument("--samples", type=int, default=64, help="per pixel (64)")
+    parser.add_argument("--recordings", type=int, default=1, metavar="N", help="make N recordings of samples / N each, NAME_1.spool ..., which "
+                        "share the reference: `spool evaluate NAME_*.spool` judges them as a group (1)")
     parser.add_argument("--reference", type=int, default=0, metavar="SPP", help="independent reference (0: none)")
     parser.add_argument("--seed", type=int, default=1, help="0 .. 1023 (1)")
     parser.add_argument("--channels", help="%s; needed: lens and time where the scene has them; all (default %s)" %
                         (", ".join(LAYERS), DEFAULT))
-    parser.add_argument("--half", action="store_true", help="a small file to hand on: radiance in 16 bits, no film positions "
+    parser.add_argument("--half", action="store_true", help="a small file to hand on: radiance, and depth where its range allows, in 16 bits, no film positions "
                         "unless --channels names them")
     parser.add_argument("--integrator", help="plugin to use instead of the scene's, for instance path or volpath")
     parser.add_argument("--max-depth", type=int, help="of the integrator, the scene's or --integrator")
@@ -57,8 +61,13 @@ def check(options):
         value = getattr(options, name)
         if value is not None and not low <= value <= high:
             raise usage_failure("--%s %d is outside %d .. %d" % (name.replace("_", "-"), value, low, high))
-    if options.out and os.path.exists(options.out) and not options.force:
-        raise usage_failure("%s: exists: choose another name or give --force" % options.out)
+    check_recordings(options.recordings, options.samples)
+    begun = options.out and os.path.exists(os.path.join(options.out + ".recording", "named"))
+    for path in names(options.out, options.recordings) if options.out and not options.force and not begun else ():
+        if os.path.exists(path):
+            raise usage_failure("%s: exists: choose another name or give --force" % path)
+        if os.path.lexists(path + ".partial") and not options.no_verify:
+            raise usage_failure("%s.partial: exists, another recording runs or was cut: recover or remove it" % path)
     if options.channels is None:
         options.channels = ",".join(name for name in DEFAULT.split(",") if name != "film" or not options.half)
     for folder in options.files:
@@ -67,13 +76,6 @@ def check(options):
     options.size = parse_size(options.size) if options.size else None
     options.definitions = pairs("-D", options.defines)
     options.substitutes = pairs("--substitute", options.substitute)
-
-
-def pairs(option, texts):
-    for text in texts:
-        if "=" not in text or text.startswith("="):
-            raise usage_failure("%s %s: write NAME=VALUE" % (option, text))
-    return dict(text.partition("=")[::2] for text in texts)
 
 
 def parse_size(text):

@@ -7,16 +7,26 @@ from progress import Progress
 from reference import variance_of_mean
 from seeds import chunk_seed
 
-LARGEST_HALF = 65504.0
+LARGEST_HALF, SMALLEST_HALF = 65504.0, 2.0 ** -14    # with 11 bits of precision
 
 
-def layer_types(layers, half, largest=0.0):
-    """{layer: dtype}. half: radiance and places on the lens in 16 bits, unless a sample is too large for them."""
+def half_ranges(layers, chunks, indices):
+    """(largest radiance, whether 16 bits hold the depth with their full precision)"""
+    fits = "depth" not in layers or all(
+        np.all((depth == 0) | ((depth >= SMALLEST_HALF) & (depth <= LARGEST_HALF)))
+        for depth in (chunks.part(index, "depth") for index in indices))
+    return chunks.largest(indices), fits
+
+
+def layer_types(layers, half, largest=0.0, depth_fits=False):
+    """{layer: dtype}. half: radiance and places on the lens in 16 bits, unless a sample is too large for them; depth by its range."""
     narrow = {"radiance": "f2", "direct": "f2", "lens": "f2"} if half and largest <= LARGEST_HALF else {}
+    if half and depth_fits:
+        narrow["depth"] = "f2"
     return {name: narrow.get(name, LAYERS[name][0]) for name in layers}
 
 
-def metadata(options, mi, recordable, tracer, cut, seconds):
+def metadata(options, mi, recordable, tracer, cut, seconds, first_chunk=0):
     return {"renderer": {"name": "Mitsuba", "version": mi.__version__, "variant": mi.variant()},
             "scene": {"name": recordable.name, "sha256": recordable.digest, "shapes": recordable.shapes[:4096],
                       "changes": recordable.changes},
@@ -24,16 +34,22 @@ def metadata(options, mi, recordable, tracer, cut, seconds):
             "settings": {"integrator": recordable.integrator.class_name(), "integrator_option": options.integrator,
                          "max_depth": options.max_depth, "defines": options.defines, "substitute": options.substitute,
                          "sampler": "independent", "filter": "box"},
-            "seeds": {"user": options.seed, "pool_first": chunk_seed(options.seed, 0), "chunk_samples": cut.step,
+            "seeds": {"user": options.seed, "pool_first": chunk_seed(options.seed, first_chunk), "chunk_samples": cut.step,
                       "chunk_rows": cut.bands[0][1], "reference_first": chunk_seed(options.seed, 0, reference=True)},
             "cost_note": "CPU seconds of all threads",
-            "cost_per_sample": seconds / (tracer.width * tracer.height * options.samples),
+            "cost_per_sample": seconds / (tracer.width * tracer.height * samples_of(options)),
             "shutter": [recordable.shutter_open, recordable.shutter_open + recordable.shutter_time]}
 
 
-def write_file(path, options, meta, tracer, layers, chunks, cut, reference):
+def samples_of(options):
+    """In one of the recordings."""
+    return options.samples // options.recordings
+
+
+def write_file(path, options, meta, tracer, layers, chunks, cut, reference, first_chunk=0):
     """meta: of metadata(); reference: the state of reference.py, or None. A file in the folder of the chunks is replaced."""
-    types = layer_types(layers, options.half, chunks.largest(range(len(cut.parts))) if options.half else 0.0)
+    own = range(first_chunk, first_chunk + len(cut.parts))
+    types = layer_types(layers, options.half, *half_ranges(layers, chunks, own) if options.half else ())
     file_layers = {name: (types[name], LAYERS[name][1]) for name in layers}
     meta = {**meta, "channels": {name: MEANINGS[name] for name in layers}}
     if reference is not None:
@@ -41,16 +57,16 @@ def write_file(path, options, meta, tracer, layers, chunks, cut, reference):
         meta["reference"] = {"samples": options.reference, "independent": True, "nonfinite": int(reference["nonfinite"]),
                              "seconds": float(reference["seconds"])}
     # the writer holds a block of every pixel
-    block = max(1, min(options.block, options.samples, 16 * options.chunk_lanes // (tracer.width * tracer.height)))
+    block = max(1, min(options.block, samples_of(options), 16 * options.chunk_lanes // (tracer.width * tracer.height)))
     chunks.claim(path)
-    with spool.Writer(path, tracer.width, tracer.height, options.samples, file_layers, tile_size=64,
+    with spool.Writer(path, tracer.width, tracer.height, samples_of(options), file_layers, tile_size=64,
                       block_spp=block, sample_order="exchangeable", meta=meta,
                       compress=not options.no_compress, force=options.force or chunks.own(path)) as writer:
         bands = len(cut.bands)
         steps = range(0, len(cut.parts), bands)
         progress = Progress("chunks written", len(steps))
         for index in steps:
-            loaded = [chunks.load(index + band)[0] for band in range(bands)]
+            loaded = [chunks.load(first_chunk + index + band)[0] for band in range(bands)]
             arrays = {name: np.concatenate([part[name] for part in loaded]) for name in layers}
             if "shape" in arrays:
                 arrays["shape"] = arrays["shape"].astype("<u4")

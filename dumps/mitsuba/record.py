@@ -21,10 +21,13 @@ import shared_numbers  # noqa: E402
 from channels import chosen_layers  # noqa: E402
 from chunks import Chunks  # noqa: E402
 from failure import Failure, scene_failure, usage_failure  # noqa: E402
+from finding import line, summary  # noqa: E402
+from finish import Parts, finish  # noqa: E402
 from options import parse  # noqa: E402
-from output import layer_types, metadata, write_file  # noqa: E402
+from output import layer_types  # noqa: E402
 from plan import Cut, describe  # noqa: E402
 from progress import Progress, size as size_text  # noqa: E402
+from recordings import names, next_step  # noqa: E402
 from reference import add_chunk, begun_or_empty  # noqa: E402
 from reference_price import reference_hint  # noqa: E402
 from scene import Wishes, load_scene  # noqa: E402
@@ -55,14 +58,15 @@ def open_tracer(options):
     notes = ([note] if note else []) + ["%s: %s" % (options.scene, change) for change in recordable.changes]
     if variant == "scalar_rgb":
         from scalar_loop import ScalarLoop
-        return mi, recordable, ScalarLoop(mi, recordable, options.samples), notes
+        return mi, recordable, ScalarLoop(mi, recordable, options.samples // options.recordings), notes
     import drjit as dr
     from wavefront import Wavefront
-    return mi, recordable, Wavefront(mi, dr, recordable, options.samples), notes
+    return mi, recordable, Wavefront(mi, dr, recordable, options.samples // options.recordings), notes
 
 
 def plan_of(options, mi, recordable, tracer, layers, cut):
-    return {"scene": recordable.name, "scene_sha256": recordable.digest, "width": tracer.width, "height": tracer.height,
+    several = {} if options.recordings == 1 else {"recordings": options.recordings}
+    return {**several, "scene": recordable.name, "scene_sha256": recordable.digest, "width": tracer.width, "height": tracer.height,
             "samples": options.samples, "seed": options.seed, "layers": layers, "chunk_samples": cut.step, "chunk_rows": cut.bands[0][1],
             "integrator": recordable.integrator.class_name(), "integrator_option": options.integrator,
             "max_depth": options.max_depth, "defines": options.defines, "substitute": options.substitute,
@@ -72,13 +76,14 @@ def plan_of(options, mi, recordable, tracer, layers, cut):
 def record_pool(options, tracer, layers, chunks, cut):
     """Traces the chunks that are not there yet; each keeps the CPU time of all threads that it took. Returns the wall time
     of all, as if none had been there."""
-    missing = [index for index in range(len(cut.parts)) if not chunks.has(index)]
+    total = options.recordings * len(cut.parts)
+    missing = [index for index in range(total) if not chunks.has(index)]
     if missing:  # compiles the kernels, which is no cost of a sample
         tracer.trace(1, chunk_seed(options.seed, SPARE), layers, cut.bands[0])
     pixels = shared_numbers.chosen_pixels(tracer.width, tracer.height)
     progress, begun = Progress("pool", len(missing)), time.monotonic()
     for index in missing:
-        _, count, rows = cut.parts[index]
+        _, count, rows = cut.parts[index % len(cut.parts)]
         started = time.process_time()
         arrays = tracer.trace(count, chunk_seed(options.seed, index), [*dict.fromkeys([*layers, "film"])], rows)
         seconds = time.process_time() - started
@@ -86,14 +91,14 @@ def record_pool(options, tracer, layers, chunks, cut):
         chunks.save(index, {"marks": marks, **{name: arrays[name] for name in layers}}, seconds)
         progress.step()
     progress.close()
-    return (time.monotonic() - begun) * len(cut.parts) / len(missing) if missing else 0.0
+    return (time.monotonic() - begun) * total / len(missing) if missing else 0.0
 
 
 def record_reference(options, tracer, chunks, cut, pool_marks):
     """pool_marks: sorted, of shared_numbers."""
     state, useless = begun_or_empty(chunks.load_reference(), options.reference, cut.parts, tracer.height, tracer.width)
     if useless:
-        print("%s: the reference there was begun for another --reference than %d, or other --chunk-lanes: it begins anew, the pool is kept" % (
+        print("%s: the reference there holds more than --reference %d, or is cut by other --chunk-lanes: it begins anew, the pool is kept" % (
             chunks.folder, options.reference), file=sys.stderr)
     pixels = shared_numbers.chosen_pixels(tracer.width, tracer.height)
     progress = Progress("reference", len(cut.parts) - int(state["chunks"]))
@@ -114,31 +119,23 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
 
 
 def record(options, mi, recordable, tracer, layers):
-    """The claims of verification that fail, as lines."""
-    cut = Cut(tracer, options.samples, options.chunk_lanes)
+    """[(file, findings of verification)]"""
+    cut = Cut(tracer, options.samples // options.recordings, options.chunk_lanes)
+    total = options.recordings * len(cut.parts)
     reference_cut = Cut(tracer, max(options.reference, 1), options.chunk_lanes)
-    if tracer.width > options.chunk_lanes or max(len(cut.parts), len(reference_cut.parts)) >= CHUNK_LIMIT - 1:
+    if tracer.width > options.chunk_lanes or max(total, len(reference_cut.parts)) >= CHUNK_LIMIT - 1:
         raise usage_failure("--chunk-lanes %d is too small for %dx%d pixels: raise it (about %d bytes each)" %
                             (options.chunk_lanes, tracer.width, tracer.height, BYTES_PER_LANE))
     chunks = Chunks(options.out + ".recording", plan_of(options, mi, recordable, tracer, layers, cut))
     wall = record_pool(options, tracer, layers, chunks, cut)
     if wall * options.reference / options.samples > LONG_REFERENCE:
         print("\n".join(reference_hint(options.samples, options.reference, wall, wall * options.reference / options.samples)), flush=True)
-    marks = np.sort(np.concatenate([chunks.part(index, "marks") for index in range(len(cut.parts))]))
+    marks = np.sort(np.concatenate([chunks.part(index, "marks") for index in range(total)]))
     numbers, reference = {"pool": len(marks), "pool_repeated": shared_numbers.repeated(marks)}, None
     if options.reference:
         reference = record_reference(options, tracer, chunks, reference_cut, marks)
         numbers.update(reference=int(reference["looked_at"]), reference_repeated=int(reference["repeated"]))
-    seconds = sum(float(chunks.part(index, "seconds")) for index in range(len(cut.parts)))
-    meta = {**metadata(options, mi, recordable, tracer, cut, seconds), "random_numbers": numbers}
-    # A file has its name when its samples were tested: a run that is stopped before goes on here.
-    path = options.out if options.no_verify else os.path.join(chunks.folder, "whole.spool")
-    remark = write_file(path, options, meta, tracer, layers, chunks, cut, reference)
-    if remark:
-        print(remark, file=sys.stderr)
-    failing = [] if options.no_verify else keep_verification(path, options, chunks)
-    chunks.remove()
-    return failing
+    return finish(options, Parts(mi, recordable, tracer, layers, chunks, cut), numbers, reference)
 
 
 def run(arguments):
@@ -150,21 +147,19 @@ def run(arguments):
     if options.dry_run:
         describe(options, recordable, tracer, layers, layer_types(layers, options.half))
         return
-    failing = record(options, mi, recordable, tracer, layers)
-    print("%s: %dx%d, %d samples a pixel, %s" % (options.out, tracer.width, tracer.height, options.samples,
-                                                 size_text(os.path.getsize(options.out))))
+    failing = []
+    for path, findings in record(options, mi, recordable, tracer, layers):
+        print("%s: %dx%d, %d samples a pixel, %s" % (path, tracer.width, tracer.height, options.samples // options.recordings,
+                                                     size_text(os.path.getsize(path))))
+        failing += ["%s: whole, but its samples are not what they should be: %s" % (path, line(entry)) for entry in findings
+                    if entry["holds"] is False]
+        for entry in findings:
+            if entry["name"] == "picture":
+                print("%s: %s" % (path, line(entry)))
+        print("%s: %s" % (path, summary(findings) if findings else "not verified: dumps/verify/verify.py FILE --write does it"))
     if failing:
-        raise scene_failure("%s: whole, but its samples are not what they should be: %s" % (options.out, failing[0]))
-
-
-def keep_verification(path, options, chunks):
-    """Tests the samples of the file, copies it to where it is to lie with what was found; the claims that fail, as lines."""
-    from finding import line
-    from verify import verify, write_verification
-    found = verify(path)
-    chunks.claim(options.out)
-    write_verification(path, found, options.out, options.force)
-    return [line(entry) for entry in found["findings"] if entry["holds"] is False]
+        raise scene_failure(failing[0])
+    print(next_step(names(options.out, options.recordings)))
 
 
 def main():

@@ -19,13 +19,11 @@ def begun_or_empty(stored, samples, parts, height, width):
     empty = {**empty_reference(height, width), "looked_at": np.int64(0), "repeated": np.int64(0), "cut": cut}
     if stored is None:
         return empty, False
-    if "cut" in stored:
-        fits = np.array_equal(stored["cut"], cut)
-    else:                                  # begun before this was kept: are the samples those of the first parts?
-        done = int(stored["chunks"])
-        expected = sum(count * (rows[1] - rows[0]) * width for _, count, rows in parts[:done])
-        fits = done <= len(parts) and int(stored["count"].sum()) + int(stored["nonfinite"]) == expected
-    return ({**empty, **stored}, False) if fits else (empty, True)
+    done = int(stored["chunks"])           # are the samples there those of the first parts?
+    expected = sum(count * (rows[1] - rows[0]) * width for _, count, rows in parts[:done])
+    fits = (done <= len(parts) and int(stored["count"].sum()) + int(stored["nonfinite"]) == expected
+            and np.array_equal(stored.get("cut", cut)[1:], cut[1:]))
+    return ({**empty, **stored, "cut": cut}, False) if fits else (empty, True)
 
 
 def add_chunk(state, radiance, seconds, rows=None):

@@ -24,6 +24,19 @@ def feature_findings(dump):
     return found
 
 
+def picture_findings(radiance):
+    """Empty, or that most of the picture holds nothing to measure: no error of the samples, and seldom what was meant."""
+    same = (radiance == radiance[:, :, :1]).all(axis=(2, 3))
+    black = float((same & (radiance[:, :, 0] == 0).all(axis=2)).mean())
+    if black > 0.5:
+        return [finding("picture", None, "%.4g %% of the pixels are exactly black in every sample" % (100 * black), "less than half",
+                        note="has the scene its lights, and does the camera see them?")]
+    if radiance.shape[2] > 1 and same.mean() > 0.5:
+        return [finding("picture", None, "%.4g %% of the pixels are the same in every sample" % (100 * same.mean()), "less than half",
+                        note="without noise there is nothing to sample: does the camera see anything but the background?")]
+    return []
+
+
 def why_the_same(radiance, one_value):
     if not one_value:
         return "the seed did not reach the renderer"

@@ -11,6 +11,12 @@ def finding(name, holds, measured, expected, p_value=None, note=""):
     return entry
 
 
+def summary(findings):
+    """What was verified, in one line."""
+    holds = [entry["holds"] for entry in findings]
+    return "%d claims on the samples hold, %d fail, %d not known" % (holds.count(True), holds.count(False), holds.count(None))
+
+
 def line(entry):
     verdict = {True: "holds", False: "FAILS", None: "not known"}[entry["holds"]]
     tail = "" if "p_value" not in entry else "  p = %.3g" % entry["p_value"]

@@ -16,16 +16,16 @@ for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "
     sys.path.insert(0, folder)
 
 from command_line import Parser  # noqa: E402
-from failure import Failure, module_failure  # noqa: E402
+from failure import Failure, module_failure, usage_failure  # noqa: E402
 from progress import Progress  # noqa: E402
 
 try:
     import numpy as np  # noqa: E402
 
     import spool  # noqa: E402
-    from features import feature_findings, radiance_findings  # noqa: E402
+    from features import feature_findings, picture_findings, radiance_findings  # noqa: E402
     from film import film_findings  # noqa: E402
-    from finding import line  # noqa: E402
+    from finding import line, summary  # noqa: E402
     from independence import independence_findings, neighbour_finding, repetition_finding  # noqa: E402
     from reference_agreement import reference_findings  # noqa: E402
     from shared_numbers import shared_number_findings  # noqa: E402
@@ -58,7 +58,7 @@ def verify(path):
                  lambda: [neighbour_finding(finite, film is not None and film.scope == "pass", level)],
                  lambda: film_findings(dump, (x0, y0, x0 + side_x, y0 + side_y), level),
                  lambda: reference_findings(dump if whole else _Window(dump, x0, y0, side_x, side_y), finite, level),
-                 lambda: shared_number_findings(dump.meta) + feature_findings(dump))
+                 lambda: shared_number_findings(dump.meta) + feature_findings(dump) + picture_findings(finite))
         found = []
         progress = Progress("verification", len(tests))
         for test in tests:
@@ -80,41 +80,28 @@ class _Window:
         return self._dump.pixel(layer)[self._slice]
 
 
-def write_verification(path, verification, out=None, force=False):
-    """Writes the dump with the findings in a meta record of their own, in place of an earlier one, to `out`, else over itself;
-    every block is copied as it is read back."""
-    target = out or path + ".verified"
-    with spool.open(path) as dump:
-        with spool.Writer(target, dump.width, dump.height, dump.spp, channels=dump.channels, tile_size=dump.tile_size,
-                          block_spp=dump.block_spp, sample_order=dump.sample_order, uuid=dump.uuid.bytes,
-                          compress=dump.compressed, force=force or not out) as writer:
-            for record in dump.meta_records:
-                if set(json.loads(record)) != {"verification"}:
-                    writer.write_meta(record)
-            writer.write_meta({"verification": verification})
-            blocks = list(dump.blocks())
-            progress = Progress("blocks with the findings", len(blocks))
-            for group, tile, begin in blocks:
-                writer.write_block(group, tile, begin, dump.block(group, tile, begin))
-                progress.step()
-            progress.close()
-    if not out:
-        os.replace(target, path)
+def keep_verification(path, verification, out=None, force=False):
+    """Adds the findings to the dump, in place of earlier ones, and gives it the name `out`; no block is copied."""
+    if out and os.path.lexists(out) and not force:
+        raise usage_failure("%s: exists: choose another name or give --force" % out)
+    spool.append_meta(path, {"verification": verification})
+    if out:
+        os.replace(path, out)
 
 
 def main():
     parser = Parser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("dump")
     parser.add_argument("--write", action="store_true", help="keep the findings in the dump's metadata")
-    parser.add_argument("-o", "--out", help="keep them in a copy of the dump")
-    parser.add_argument("--force", action="store_true", help="replace the copy that is there")
+    parser.add_argument("--move-to", metavar="FILE", help="keep them in the dump, and give it this name")
+    parser.add_argument("--force", action="store_true", help="replace the file of that name")
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--quiet", action="store_true", help="print only what fails")
+    parser.add_argument("--quiet", action="store_true", help="print only what fails or is remarkable")
     try:
         options = parser.parse_args()
         verification = verify(options.dump)
-        if options.write or options.out:
-            write_verification(options.dump, verification, options.out, options.force)
+        if options.write or options.move_to:
+            keep_verification(options.dump, verification, options.move_to, options.force)
     except Failure as failure:
         print("verify: %s" % failure, file=sys.stderr)
         return failure.code
@@ -128,8 +115,9 @@ def main():
         print(json.dumps(verification, indent=1))
     else:
         for entry in verification["findings"]:
-            if entry["holds"] is False or not options.quiet:
+            if entry["holds"] is False or entry["name"] == "picture" or not options.quiet:
                 print(line(entry))
+        print("%s: %s" % (options.move_to or options.dump, summary(verification["findings"])))
     return 0 if verification["holds"] else 1
 
 

@@ -1,3 +1,6 @@
+import os
+
+import numpy as np
 import pytest
 import spool
 from spool import meta
@@ -35,3 +38,39 @@ def test_writer_refuses_what_the_reader_would(tmp_path, value):
         spool.Writer(tmp_path / "meta.spool", 1, 1, 1, {"radiance": ("f4", "RGB")}, meta=value)
     assert caught.value.kind == "usage"
     assert not list(tmp_path.iterdir())
+
+
+def written(path, **more):
+    with spool.Writer(path, 3, 2, 2, {"radiance": ("f4", "RGB")}, meta={"a": 1, "b": 2}, **more) as writer:
+        writer.write_passes(0, {"radiance": np.arange(36, dtype="f4").reshape(2, 3, 2, 3)})
+    return path
+
+
+@pytest.mark.parametrize("compress", [False, True])
+def test_a_record_is_added_in_place_and_moves_no_block(tmp_path, compress):
+    path = written(tmp_path / "a.spool", compress=compress)
+    before = path.read_bytes()
+    for value in (3, 4):
+        spool.append_meta(path, {"b": value})
+    assert spool.check(path).ok
+    with spool.open(path) as dump:
+        assert dump.meta == {"a": 1, "b": 4} and len(dump.meta_records) == 3 and dump.read("radiance").sum() == 35 * 18
+        assert path.read_bytes()[:int(dump.index[-2]["offset"])] == before[:int(dump.index[-2]["offset"])]
+
+
+def test_what_cannot_be_added_leaves_the_file_as_it_was(tmp_path, monkeypatch):
+    path = written(tmp_path / "a.spool")
+    before = path.read_bytes()
+    with pytest.raises(spool.SpoolError, match="a.spool: "):
+        spool.append_meta(path, {"a": float("nan")})
+    real = os.fsync
+    monkeypatch.setattr(os, "fsync", lambda handle: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    with pytest.raises(spool.SpoolError, match="a.spool: No space left on device") as caught:
+        spool.append_meta(path, {"a": 2})
+    monkeypatch.setattr(os, "fsync", real)
+    assert caught.value.kind == "io" and path.read_bytes() == before
+    for _ in range(63):
+        spool.append_meta(path, {"a": 2})
+    with pytest.raises(spool.SpoolError, match="no more records fit"):
+        spool.append_meta(path, {"a": 2})
+    assert spool.check(path).ok

@@ -30,9 +30,20 @@ def test_a_killed_recording_continues_bit_for_bit(mode, tmp_path):
     assert Folder(torn).files() == Folder(tmp_path / "whole").files()
 
 
-@pytest.mark.parametrize("first, second, batch", [(64, 130, 2), (130, 64, 1)])
-def test_another_reference_is_begun_anew_and_says_so(first, second, batch, tmp_path):
-    """Batches of one sample and of two, 64 and 65 of them; killed on the way to the second, which then goes on as any other."""
+def test_a_larger_reference_goes_on_with_the_batches_that_are_there(tmp_path):
+    """64 batches of one sample; a reference of 130 that is begun with nothing there has 65 of two."""
+    options = ("--scene", "chess", "--size", "16", "--samples", "2", "--mode", "iid", "--channels", "radiance", "-o", tmp_path / "passes")
+    assert record(*options, "--reference", "64").returncode == 0
+    before = Folder(tmp_path / "passes").files()
+    done = record(*options, "--reference", "130")
+    assert done.returncode == 0 and "anew" not in done.stderr and "reference 130 x 1 spp (64 kept)" in done.stdout, done.stdout + done.stderr
+    after = Folder(tmp_path / "passes").files()
+    assert len(after) == 132 and before.items() <= after.items()
+
+
+@pytest.mark.parametrize("first, second, batch", [(130, 64, 1)])
+def test_a_smaller_reference_is_begun_anew_and_says_so(first, second, batch, tmp_path):
+    """Batches of two samples and of one, 65 and 64 of them; killed on the way to the second, which then goes on as any other."""
     options = ("--scene", "chess", "--size", "16", "--samples", "4", "--mode", "iid", "--channels", "radiance")
     whole, turned = tmp_path / "whole", tmp_path / "turned"
     for reference, folder in ((second, whole), (first, turned)):

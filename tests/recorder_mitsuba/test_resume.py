@@ -69,10 +69,11 @@ def test_the_same_reference_goes_on_to_the_same_bits(stopped, whole, tmp_path, c
     assert told == "" and content_hash(str(out)) == whole(512)
 
 
-@pytest.mark.parametrize("change, reference", [(lambda state: state, 256), (without_its_number, 18)])
-def test_another_reference_begins_anew_and_the_pool_is_kept(stopped, whole, tmp_path, change, reference):
+@pytest.mark.parametrize("change, reference", [(lambda state: state, 640), (without_its_number, 18)])
+def test_a_larger_reference_goes_on_and_a_smaller_one_begins_anew(stopped, whole, tmp_path, change, reference):
     out, told = go_on(stopped, tmp_path, reference, change)
-    assert "begun for another --reference than %d, or other --chunk-lanes: it begins anew, the pool is kept" % reference in told
+    anew = "the reference there holds more than --reference %d, or is cut by other --chunk-lanes: it begins anew, the pool is kept"
+    assert told == "" if reference > 512 else anew % reference in told
     with spool.open(out) as dump:
         assert dump.meta["reference"]["samples"] == reference
         assert dump.meta["random_numbers"] == {"pool": 16 * PIXELS, "pool_repeated": 0, "reference": reference * PIXELS,
@@ -85,6 +86,7 @@ def test_a_state_that_was_cut_otherwise_is_not_gone_on_with():
     begun, _ = begun_or_empty(None, 64, [(0, 64, (0, 4))], 4, 3)
     assert begun_or_empty(begun, 64, [(0, 64, (0, 4))], 4, 3)[1] is False
     assert begun_or_empty(begun, 64, [(0, 32, (0, 4)), (32, 32, (0, 4))], 4, 3)[1] is True
+    assert begun_or_empty(begun, 128, [(0, 64, (0, 4)), (64, 64, (0, 4))], 4, 3)[1] is False
     assert begun_or_empty(begun, 64, [(0, 64, (0, 2)), (0, 64, (2, 4))], 4, 3)[1] is True
 
 

@@ -6,7 +6,8 @@ import pytest
 
 import progress
 import spool
-from verify import verify, write_verification
+from failure import Failure
+from verify import keep_verification, verify
 
 SIZE, SPP, REFERENCE = 24, 64, 4096
 
@@ -132,11 +133,12 @@ def test_findings_travel_in_the_metadata_and_change_no_sample(tmp_path):
     path = dump(tmp_path / "kept.spool", pool(), uniform_film(), reference=independent_reference())
     with spool.open(path) as before:
         radiance, uuid = before.read("radiance"), before.uuid
-    write_verification(str(path), {"holds": False, "findings": []})
-    write_verification(str(path), verify(str(path)))  # in place of the first
-    assert spool.check(path).ok
+    keep_verification(str(path), {"holds": False, "findings": []})
+    before = path.read_bytes()
+    keep_verification(str(path), verify(str(path)))  # in place of the first
+    assert spool.check(path).ok and path.read_bytes()[:len(before) // 2] == before[:len(before) // 2]
     with spool.open(path) as after:
-        assert after.meta["verification"]["holds"] is True and len(after.meta_records) == 2
+        assert after.meta["verification"]["holds"] is True
         assert after.meta["reference"]["samples"] == REFERENCE
         assert np.array_equal(radiance, after.read("radiance")) and uuid == after.uuid
 
@@ -149,10 +151,29 @@ def test_a_long_verification_says_how_far_it_is(tmp_path, monkeypatch, capsys):
         return now[0]
 
     monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=clock))
-    findings = verify(path)
+    verify(path)
     assert capsys.readouterr().err == "verification 3 of 6, 1 min 15 s left\nverification 6 of 6, 0 s left\n"
-    write_verification(path, findings)
-    assert capsys.readouterr().err == "blocks with the findings 3 of 8, 2 min 05 s left\nblocks with the findings 6 of 8, 50 s left\n"
+
+
+def test_findings_are_kept_under_another_name_and_replace_nothing_unasked(tmp_path):
+    path, out = dump(tmp_path / "a.spool", pool()), tmp_path / "b.spool"
+    out.write_bytes(b"mine")
+    with pytest.raises(Failure, match="b.spool: exists"):
+        keep_verification(str(path), {"findings": []}, str(out))
+    assert out.read_bytes() == b"mine" and path.exists()
+    keep_verification(str(path), {"findings": []}, str(out), force=True)
+    assert not path.exists() and spool.check(out).ok
+
+
+@pytest.mark.parametrize("shown, named", [(0.4, "exactly black"), (0.6, None), (0.0, "exactly black")])
+def test_a_picture_that_is_mostly_black_or_still_is_remarked(tmp_path, shown, named):
+    radiance = pool()
+    radiance[:, int(SIZE * shown):] = 0
+    for name, light in (("black", radiance), ("still", np.where(radiance == 0, np.float32(0.25), radiance))):
+        picture = [entry for entry in verify(str(dump(tmp_path / (name + ".spool"), light)))["findings"] if entry["name"] == "picture"]
+        assert len(picture) == (named is not None)
+        if named:
+            assert picture[0]["holds"] is None and (named if name == "black" else "the same in every sample") in picture[0]["measured"]
 
 
 @pytest.mark.parametrize("again", [lambda s: s % 40, lambda s: s - (s == 60) * 43, lambda s: s // 2])

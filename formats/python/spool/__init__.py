@@ -8,6 +8,7 @@
 
 Every failure is a SpoolError with one line of text and the exit code of the program `spool`.
 """
+from .append import append_meta
 from .channel import Channel, Layer
 from .check import Report, check
 from .error import DAMAGE, DATA, IO, USAGE, SpoolError
@@ -16,5 +17,5 @@ from .save import write
 from .writer import Writer
 
 __all__ = ["Channel", "DAMAGE", "DATA", "Dump", "IO", "Layer", "Report", "SpoolError", "USAGE",
-           "Writer", "check", "open", "write"]
+           "Writer", "append_meta", "check", "open", "write"]
 __version__ = "0.1.0"

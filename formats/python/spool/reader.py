@@ -134,6 +134,15 @@ class Dump:
         return bool(self._records.entries["codec"].any())
 
     @property
+    def index(self):
+        """Entries of all records but the index, as the file holds them."""
+        return self._records.entries
+
+    @property
+    def footer(self):
+        return self._records.foot
+
+    @property
     def record_count(self):
         """All records, the index included."""
         return len(self._records.entries) + 1

@@ -4,7 +4,6 @@ Memory: one block; `write_passes` keeps at most `block_spp` passes. One thread p
 """
 import os
 import uuid as uuid_module
-import zlib
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from .conversion import convert
 from .error import SpoolError
 from .geometry import Geometry, groups_of
 from .partial_file import PartialFile
+from .record_bytes import footer, record
 
 
 class Writer:
@@ -165,12 +165,8 @@ class Writer:
                 raise self._error(f"passes of {', '.join(waiting)} do not fill a block: give the rest of them")
             at, count, data = self._file.size, len(self._entries), len(self._seen)
             self._append(b"INDX", b"".join(self._entries))
-            foot = np.zeros((), layout.FOOTER)
-            foot["index_offset"], foot["file_bytes"] = at, self._file.size + 64
-            foot["record_count"], foot["data_record_count"] = count + 1, data
-            foot["dump_id"], foot["end_magic"] = self._dump_id, np.void(layout.END_MAGIC)
-            foot["flags"] = layout.FLAG_COMPLETE if data == self.geometry.total_blocks(self._groups) else 0
-            self._file.append(layout.seal(foot))
+            flags = layout.FLAG_COMPLETE if data == self.geometry.total_blocks(self._groups) else 0
+            self._file.append(footer(at, self._file.size + 64, count + 1, data, self._dump_id, flags))
             self._file.finish()
         finally:
             self._file.close()
@@ -225,17 +221,9 @@ class Writer:
     def _append(self, type, stored, raw_bytes=None, **fields):
         if len(self._entries) + 2 > layout.MAX_RECORDS and type != b"INDX":
             raise self._error(f"more than {layout.MAX_RECORDS} records")
-        head = np.zeros((), layout.RECORD_HEADER)
-        head["sync"], head["type"] = np.void(layout.SYNC), np.void(type)
-        head["sequence"], head["dump_id"] = len(self._entries), self._dump_id
-        head["stored_bytes"], head["raw_bytes"] = len(stored), len(stored) if raw_bytes is None else raw_bytes
-        head["payload_crc32"] = zlib.crc32(stored)
-        for name, value in fields.items():
-            head[name] = value
-        sealed = layout.seal(head)
-        offset = self._file.size
-        self._file.append(b"".join((sealed, stored, bytes(layout.padded(len(stored)) - len(stored)))))
-        self._entries.append(offset.to_bytes(8, "little") + sealed[4:60])
+        whole, entry = record(type, stored, len(self._entries), self._dump_id, self._file.size, raw_bytes, **fields)
+        self._file.append(whole)
+        self._entries.append(entry)
 
     def _layer(self, name, scope=None):
         if name not in self.layers:

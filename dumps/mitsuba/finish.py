@@ -1,0 +1,51 @@
+"""From the chunks of a recording to its files: written, tested, and only then named."""
+import os
+import sys
+from collections import namedtuple
+
+from failure import usage_failure
+from output import metadata, write_file
+from recordings import group_meta, names
+
+# What a recording is made of. chunks: of all recordings, one after the other; cut: how one of them is cut.
+Parts = namedtuple("Parts", "mi recordable tracer layers chunks cut")
+
+
+def finish(options, parts, numbers, reference):
+    """[(file, findings)]; findings are empty where no test was wanted. numbers: counts for the claim on random numbers."""
+    chunks, outs, done = parts.chunks, names(options.out, options.recordings), []
+    for number, out in enumerate(outs):
+        path = out
+        if not options.no_verify:
+            path = os.path.join(chunks.folder, "whole.spool" if len(outs) == 1 else "whole_%d.spool" % (number + 1))
+        made_of = [parts.recordable.digest, options.seed, options.samples, options.reference, parts.mi.variant(), parts.mi.__version__]
+        group = group_meta(options.out, options.recordings, number, made_of)
+        remark = _write(path, options, parts, number, {"random_numbers": numbers, **group}, reference)
+        if remark and number == 0:
+            print(remark, file=sys.stderr)
+        done.append((path, [] if options.no_verify else _tested(path)))
+    if not options.no_verify:
+        there = [out for out in outs if os.path.lexists(out)]
+        if there and not options.force and not chunks.is_named():
+            raise usage_failure("%s: appeared during the recording: move it away and run the same command again" % there[0])
+        chunks.mark_named()
+        for out, (path, _) in zip(outs, done):
+            os.replace(path, out)
+    chunks.remove()
+    return [(out, findings) for out, (_, findings) in zip(outs, done)]
+
+
+def _write(path, options, parts, number, meta, reference):
+    chunks, cut = parts.chunks, parts.cut
+    first = number * len(cut.parts)
+    seconds = sum(float(chunks.part(first + index, "seconds")) for index in range(len(cut.parts)))
+    meta = {**metadata(options, parts.mi, parts.recordable, parts.tracer, cut, seconds, first), **meta}
+    return write_file(path, options, meta, parts.tracer, parts.layers, chunks, cut, reference, first)
+
+
+def _tested(path):
+    import spool
+    from verify import verify
+    found = verify(path)
+    spool.append_meta(path, {"verification": found})
+    return found["findings"]
