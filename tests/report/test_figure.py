@@ -1,6 +1,7 @@
 """`spool figure`: figures hold the numbers of statistics.json, tables make bold only what a verdict says."""
 
 import csv
+import fcntl
 import json
 import os
 import re
@@ -9,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -192,3 +194,25 @@ def test_a_plan_is_evaluated_first(tmp_path):
     assert (tmp_path / "f" / "comparison_s.pdf").exists() and (tmp_path / "f" / "results" / "statistics.json").exists()
     again = run("figure", tmp_path / "f" / "results", "-o", tmp_path / "f")
     assert again.returncode == 2 and "--force" in again.stderr
+
+
+def test_what_a_killed_run_left_is_removed_by_the_next_and_a_running_one_is_left_alone(made_folder, tmp_path):
+    output = tmp_path / "f"
+    command = [sys.executable, str(Path(figure.__file__)), str(made_folder), "-o", str(output)]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    while process.poll() is None and not list(output.glob(".figure.*.partial/curves.csv")):
+        time.sleep(0.001)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert [path.name[:8] for path in output.iterdir()] == [".figure."]
+    running, elsewhere = output / ".figure.running.partial", tmp_path / "elsewhere"
+    for folder in (running, elsewhere):
+        folder.mkdir()
+        (folder / "curves.csv").write_text("kept")
+    (output / ".figure.link.partial").symlink_to(elsewhere)
+    handle = os.open(running, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_EX)
+    assert subprocess.run(command, check=False, capture_output=True).returncode == 0
+    os.close(handle)
+    assert {path.name for path in output.glob(".figure.*")} == {running.name, ".figure.link.partial"}
+    assert (running / "curves.csv").exists() and (elsewhere / "curves.csv").exists()

@@ -1,11 +1,24 @@
 """The folder of the figures: all files of a run appear together, or none does."""
 
+import fcntl
 import os
 import shutil
 import tempfile
 from pathlib import Path
 
 from failure import IO, USAGE, Failure
+
+
+PREFIX, SUFFIX = ".figure.", ".partial"
+
+
+def _lock(handle):
+    """True when this process has the lock of the folder now; never where the file system has none."""
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
 
 
 class FigureFolder:
@@ -19,9 +32,13 @@ class FigureFolder:
         self.made = not self.path.exists()
         try:
             self.path.mkdir(parents=True, exist_ok=True)
-            self.staging = Path(tempfile.mkdtemp(prefix=".figure.", suffix=".partial", dir=self.path))
+            self._remove_abandoned()
+            self.staging = Path(tempfile.mkdtemp(prefix=PREFIX, suffix=SUFFIX, dir=self.path))
         except OSError as error:
             raise self._failure(error) from error
+        # Held until this process ends, however it does.
+        self.lock = os.open(self.staging, os.O_RDONLY)
+        _lock(self.lock)
         return self
 
     def __exit__(self, _, error, __):
@@ -35,6 +52,7 @@ class FigureFolder:
             raise self._failure(late) from late
         finally:
             shutil.rmtree(self.staging, ignore_errors=True)
+            os.close(self.lock)
             if self.made and not any(self.path.iterdir()):
                 self.path.rmdir()
 
@@ -54,6 +72,16 @@ class FigureFolder:
     def pictures(self, name):
         """Where to write the figure of this name, without the endings that draw_curves.save appends."""
         return [self.file(f"{name}.{kind}") for kind in ("pdf", "svg", "png")][0].with_name(name)
+
+    def _remove_abandoned(self):
+        """What a killed run left; a run that still works holds its lock."""
+        for path in self.path.glob(f"{PREFIX}*{SUFFIX}"):
+            if path.is_symlink() or not path.is_dir():
+                continue
+            handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
+            if _lock(handle):
+                shutil.rmtree(path, ignore_errors=True)
+            os.close(handle)
 
     def _failure(self, error):
         return Failure(f"{self.path}: {error.strerror or error}: choose another folder", IO)
