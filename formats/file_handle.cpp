@@ -236,16 +236,18 @@ Result<bool> FileHandle::try_lock() {
 }
 
 Result<void> FileHandle::lock() {
-  SPOOL_ASSIGN(const bool locked, try_lock());
-  if (locked) return {};
+  const Result<bool> locked = try_lock();
+  if (!locked || *locked) return {};  // an error: a file system without locks
   return fail(ErrorCode::kIo, "{}: another process is writing it: wait or choose another name",
               path_.string());
 }
 
-bool FileHandle::is_named(const std::filesystem::path& path) const {
+Result<bool> FileHandle::is_named(const std::filesystem::path& path) const {
   struct stat own{}, named{};
-  return ::fstat(fd_, &own) == 0 && ::lstat(path.c_str(), &named) == 0 &&
-         own.st_dev == named.st_dev && own.st_ino == named.st_ino;
+  if (::fstat(fd_, &own) == 0 && ::lstat(path.c_str(), &named) == 0)
+    return own.st_dev == named.st_dev && own.st_ino == named.st_ino;
+  if (errno == ENOENT) return false;
+  return system_error(path, "cannot be looked at", errno, "check the device");
 }
 
 Result<void> FileHandle::close() {

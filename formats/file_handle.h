@@ -69,10 +69,10 @@ class FileHandle {
   Result<void> truncate(uint64_t bytes);
   // False when another process holds the lock; kIo where the file system has none.
   Result<bool> try_lock();
-  // kIo when another process holds the lock.
+  // kIo when another process holds the lock; where the file system has none, nothing is done.
   Result<void> lock();
   // Whether `path` still leads to this file: it may have been renamed, replaced or removed.
-  bool is_named(const std::filesystem::path& path) const;
+  Result<bool> is_named(const std::filesystem::path& path) const;
   Result<void> close();
 
  private:

@@ -23,13 +23,20 @@ tl::unexpected<Error> written_by_another(const std::filesystem::path& partial) {
               partial.string());
 }
 
+// Where the file system has no locks (NFS, some of FUSE), O_EXCL alone keeps a second writer out.
+Result<bool> is_ours(FileHandle& file, const std::filesystem::path& partial) {
+  const Result<bool> locked = file.try_lock();
+  if (locked && !*locked) return false;
+  return file.is_named(partial);
+}
+
 // A NAME.partial that is there: emptied when it is to be replaced and nobody writes it.
 Result<FileHandle> reopen_partial(const std::filesystem::path& partial, bool force) {
   SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kAppend));
   SPOOL_TRY(file.size());
-  SPOOL_ASSIGN(const bool locked, file.try_lock());
   // Its writer may have finished and renamed it between the two calls: then it is no longer ours.
-  if (!locked || !file.is_named(partial)) return written_by_another(partial);
+  SPOOL_ASSIGN(const bool ours, is_ours(file, partial));
+  if (!ours) return written_by_another(partial);
   if (!force) {
     return fail(ErrorCode::kUsage,
                 "{}: an unfinished dump is there: resume or recover it, delete it or use --force",
@@ -44,16 +51,27 @@ Result<FileHandle> open_partial(const std::filesystem::path& partial, bool force
   Result<FileHandle> file = FileHandle::open(partial, OpenMode::kCreate);
   if (!file && is_there(partial)) return written_by_another(partial);  // since a moment ago
   if (!file) return file;
-  SPOOL_ASSIGN(const bool locked, file->try_lock());
-  if (!locked || !file->is_named(partial)) return written_by_another(partial);
-  return file;
+  const Result<bool> ours = is_ours(*file, partial);
+  if (ours && *ours) return file;
+  if (ours) return written_by_another(partial);
+  std::error_code ignored;
+  std::filesystem::remove(partial, ignored);  // made a moment ago, and empty
+  return tl::unexpected(ours.error());
+}
+
+Result<void> remove_partial(const std::filesystem::path& partial, bool force) {
+  if (!is_there(partial)) return {};
+  SPOOL_ASSIGN(const FileHandle file, reopen_partial(partial, force));
+  std::error_code ignored;
+  std::filesystem::remove(partial, ignored);
+  return {};
 }
 
 }  // namespace
 
-std::filesystem::path partial_name(const std::filesystem::path& path) {
+std::filesystem::path partial_name(const std::filesystem::path& path, bool remade) {
   std::filesystem::path partial = path;
-  partial += ".partial";
+  partial += remade ? ".remade.partial" : ".partial";
   return partial;
 }
 
@@ -66,12 +84,14 @@ Result<RecordWriter> RecordWriter::create(const std::filesystem::path& path,
   RecordWriter writer;
   writer.path_ = path;
   writer.header_ = header;
+  writer.partial_ = partial_name(path, discard);
   writer.force_ = force;
+  if (discard) SPOOL_TRY(remove_partial(partial_name(path), force));
   const auto open = [&]() -> Result<void> {
-    SPOOL_ASSIGN(writer.file_, open_partial(partial_name(path), force));
+    SPOOL_ASSIGN(writer.file_, open_partial(writer.partial_, force || discard));
     return {};
   };
-  SPOOL_ASSIGN(writer.discarded_, UnfinishedFile::begin(partial_name(path), open));
+  SPOOL_ASSIGN(writer.discarded_, UnfinishedFile::begin(writer.partial_, open));
   // A file that holds no record is worth nothing and would stand in the way of the next try.
   SPOOL_TRY(writer.file_.write_at(0, encode(header)));
   if (!discard) SPOOL_TRY(writer.discarded_.finish([] { return Result<void>(); }));
@@ -84,6 +104,7 @@ Result<RecordWriter> RecordWriter::resume(const std::filesystem::path& path, Fil
                                           uint64_t end, bool force) {
   RecordWriter writer;
   writer.path_ = path;
+  writer.partial_ = partial_name(path);
   writer.file_ = std::move(file);
   writer.header_ = header;
   writer.entries_ = std::move(entries);
@@ -179,7 +200,7 @@ Result<void> RecordWriter::seal(uint64_t data_records, uint32_t flags) {
 }
 
 Result<void> RecordWriter::publish() {
-  const auto rename = [&] { return rename_file(partial_name(path_), path_, force_); };
+  const auto rename = [&] { return rename_file(partial_, path_, force_); };
   if (!discarded_.path().empty() && !force_ && is_there(path_)) {
     return fail(ErrorCode::kIo,
                 "{}: another process wrote it meanwhile: that file stays, this one was dropped",

@@ -19,16 +19,17 @@
 
 namespace spool::format {
 
-// "NAME.partial"
-std::filesystem::path partial_name(const std::filesystem::path& path);
+// "NAME.partial". What can be made again is "NAME.remade.partial": what a killed process left there
+// is replaced unasked, which a NAME.partial, perhaps of a recording, never is.
+std::filesystem::path partial_name(const std::filesystem::path& path, bool remade = false);
 
 class RecordWriter {
  public:
   RecordWriter() = default;
   // A new NAME.partial that holds the file header. `force`: a stale NAME.partial is replaced, and
   // publish() replaces an existing NAME. A file that could not even be started is removed.
-  // `discard`: so is one that is not published, also when the process is interrupted. kIo when
-  // another process is writing it.
+  // `discard`: so is one that is not published, also when the process is interrupted, and what a
+  // killed one left under this name is replaced. kIo when another process is writing it.
   static Result<RecordWriter> create(const std::filesystem::path& path, const FileHeader& header,
                                      bool force, bool discard);
   // Takes over an open, locked NAME.partial after its last good record and cuts off the rest.
@@ -50,6 +51,7 @@ class RecordWriter {
 
   const FileHeader& file_header() const { return header_; }
   const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& partial() const { return partial_; }
 
  private:
   Result<void> check_running() const;
@@ -57,9 +59,9 @@ class RecordWriter {
   Result<void> sync();
   void build(RecordHeader& record, std::span<const std::byte> stored);
 
-  std::filesystem::path path_;
+  std::filesystem::path path_, partial_;
   FileHandle file_;
-  UnfinishedFile discarded_;  // NAME.partial, or nothing; goes before file_ gives up the lock
+  UnfinishedFile discarded_;  // partial_, or nothing; goes before file_ gives up the lock
   FileHeader header_;
   std::vector<IndexEntry> entries_;
   std::vector<std::byte> buffer_;

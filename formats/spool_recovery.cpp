@@ -147,11 +147,10 @@ Result<void> write_output(Rescue& rescue, RecordWriter& writer) {
   list_losses(rescue, indexed);
   const bool complete = rescue.report.kept_blocks == rescue.geometry.slot_count();
   SPOOL_TRY(writer.seal(rescue.report.kept_blocks, complete ? kFlagComplete : 0));
-  const std::filesystem::path partial = partial_name(writer.path());
-  SPOOL_ASSIGN(const CheckReport check, check_dump(partial));
+  SPOOL_ASSIGN(const CheckReport check, check_dump(writer.partial()));
   if (check.intact()) return {};
   return fail(ErrorCode::kIo, "{}: the recovered file does not check ({}): is the disk sound?",
-              partial.string(),
+              writer.partial().string(),
               check.damaged.empty() ? check.open_error : check.damaged.front().reason);
 }
 
@@ -161,7 +160,8 @@ Result<RecoveryReport> recover_dump(const std::filesystem::path& input,
                                     const std::filesystem::path& output, bool force) {
   std::error_code ignored;
   if (std::filesystem::equivalent(input, output, ignored) ||
-      std::filesystem::equivalent(input, partial_name(output), ignored)) {
+      std::filesystem::equivalent(input, partial_name(output), ignored) ||
+      std::filesystem::equivalent(input, partial_name(output, true), ignored)) {
     return fail(ErrorCode::kUsage, "{}: output is the input: choose another name", output.string());
   }
   Rescue rescue;

@@ -117,7 +117,8 @@ Result<SpoolWriter> SpoolWriter::resume(const std::filesystem::path& path,
   const std::filesystem::path partial = partial_name(path);
   SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kAppend));
   SPOOL_TRY(file.lock());
-  if (!file.is_named(partial)) {
+  SPOOL_ASSIGN(const bool named, file.is_named(partial));
+  if (!named) {
     return fail(ErrorCode::kIo, "{}: its writer has just finished it", partial.string());
   }
   SPOOL_ASSIGN(RecordScan scan, scan_records(file));

@@ -106,7 +106,9 @@ Result<TemporaryFile> TemporaryFile::create(const fs::path& target) {
     // Between the two calls somebody who sweeps may have taken it for a dead one.
     const auto locked = made.file_.try_lock();
     const bool ours = !locked || *locked;  // an error: a file system without locks
-    if (ours && made.file_.is_named(name)) return made;
+    if (!ours) continue;
+    SPOOL_ASSIGN(const bool named, made.file_.is_named(name));
+    if (named) return made;
   }
   return fail(ErrorCode::kIo, "{}: no temporary file can be made beside it: try again",
               target.string());
@@ -116,7 +118,8 @@ Result<void> TemporaryFile::publish(Replace replace) {
   SPOOL_TRY(file_.sync());
   return unfinished_.finish([&]() -> Result<void> {
     const FolderLock lock(target_.parent_path());
-    if (!file_.is_named(path())) {
+    SPOOL_ASSIGN(const bool named, file_.is_named(path()));
+    if (!named) {
       return fail(ErrorCode::kIo, "{}: its temporary file was removed: nothing was changed",
                   target_.string());
     }
@@ -143,7 +146,7 @@ std::size_t sweep_temporary_files(const fs::path& folder, std::chrono::seconds a
     auto file = FileHandle::open(entry.path(), OpenMode::kAppend);
     if (!file) continue;
     const auto locked = file->try_lock();
-    if (!locked || !*locked || !file->is_named(entry.path())) continue;
+    if (!locked || !*locked || !file->is_named(entry.path()).value_or(false)) continue;
     if (fs::remove(entry.path(), ignored)) ++removed;
   }
   return removed;

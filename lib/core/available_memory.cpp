@@ -101,7 +101,8 @@ std::optional<std::uint64_t> available_memory(std::uint64_t to_be_mapped) {
     if (name == "MemAvailable:") bytes = 1024 * kilobytes;
   }
   std::ifstream own("/proc/self/cgroup");
-  const std::string groups((std::istreambuf_iterator<char>(own)), {});
+  std::string groups;
+  std::getline(own, groups, '\0');  // a read that fails ends it: the figure is a hint
   take_least(bytes, memory_left_in_groups(groups, "/sys/fs/cgroup"));
   const auto threads = static_cast<std::uint64_t>(allowed_threads() - 1);  // beside this one
   take_least(bytes, left_of_limit(RLIMIT_AS, 0, to_be_mapped + threads * kBytesPerThread));

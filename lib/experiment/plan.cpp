@@ -520,13 +520,15 @@ Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& 
   if (std::filesystem::exists(path, status) && !std::filesystem::is_regular_file(path, status)) {
     return fail(ErrorCode::kUsage, "{}: is no regular file: give a plan on disk", path.string());
   }
-  if (std::filesystem::file_size(path, status) > kLargestPlan && !status) {
+  const std::uintmax_t bytes = std::filesystem::file_size(path, status);
+  if (bytes > kLargestPlan && !status) {
     return fail(ErrorCode::kUsage, "{}: larger than {} MiB: that is no plan", path.string(),
                 kLargestPlan >> 20);
   }
   std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
-  if (!file) return fail(ErrorCode::kIo, "{}: cannot be read", path.string());
+  std::string text(status ? 0 : bytes, '\0');
+  if (status || !file.read(text.data(), static_cast<std::streamsize>(bytes)))
+    return fail(ErrorCode::kIo, "{}: cannot be read", path.string());
   return parse_plan(text, path.string(), path.parent_path(), vocabulary);
 }
 

@@ -120,7 +120,7 @@ TEST(SpoolWriter, ADiscardedDumpLeavesNothingAndAPublishedOneIsWhole) {
   {
     auto writer = SpoolWriter::create(folder / "a.spool", dump.header, dump.options);
     ASSERT_TRUE(writer);
-    EXPECT_TRUE(fs::exists(folder / "a.spool.partial"));
+    EXPECT_TRUE(fs::exists(folder / "a.spool.remade.partial"));
   }
   EXPECT_EQ(files_in(folder.path()), 0u);
   ASSERT_TRUE(make_dump(folder / "a.spool", dump));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <utility>
@@ -134,11 +133,6 @@ std::map<std::string, ordered_json> read_lines(const fs::path& path) {
   return lines;
 }
 
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 bool is_failed(const fs::path& path) {
   const auto json = format::parse_json_file<ordered_json>(path);
   return json.is_discarded() || !json.contains("fields") || json["fields"].contains("error");
@@ -226,7 +220,12 @@ Result<std::size_t> CellStore::take_from(const CellStore& other) const {
     const fs::path own = path_of(path.stem().string());
     std::error_code unreadable;
     if (fs::exists(own, unreadable) && !is_failed(own)) continue;
-    SPOOL_TRY(write_text_file(own, contents(path), true, true));
+    const auto text = format::read_short_text(path);
+    if (!text) {
+      return fail(ErrorCode::kIo, "{}: cannot be read, or is no regular file: delete it",
+                  path.string());
+    }
+    SPOOL_TRY(write_text_file(own, *text, true, true));
     ++taken;
   }
   if (status) {

@@ -35,7 +35,9 @@ std::string quoted(const std::string& word) {
 // The words of this process's command line, as the system keeps them; empty where it does not.
 std::string command_line() {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  std::string bytes;  // words that end in 0; a read that fails ends it
+  for (std::string word; std::getline(file, word, '\0');)
+    bytes += word + '\0';
   std::string text;
   for (std::size_t at = 0; at < bytes.size();) {
     const std::size_t end = std::min(bytes.find('\0', at), bytes.size());

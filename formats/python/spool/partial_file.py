@@ -36,8 +36,7 @@ class PartialFile:
         except OSError as reason:
             raise self.error("io", f"{reason.strerror or reason}: check the folder and its permissions") from None
         try:
-            if fcntl is not None:
-                fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._lock()
             if not self._is_partial():  # its writer finished it between the two calls: it is NAME by now
                 self.close()
                 raise SpoolError("usage", f"{self.name}.partial: another recording wrote it: wait for it")
@@ -92,6 +91,15 @@ class PartialFile:
         if self._handle is not None:
             os.close(self._handle)
             self._handle = None
+
+    def _lock(self):
+        try:
+            if fcntl is not None:
+                fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as reason:
+            if reason.errno in (errno.EAGAIN, errno.EACCES):
+                raise
+            # No locks in this file system (NFS, some of FUSE): O_EXCL alone keeps a second writer out.
 
     def _is_partial(self):
         try:
