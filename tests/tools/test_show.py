@@ -6,6 +6,7 @@ import re
 import zlib
 
 import numpy as np
+import OpenImageIO
 import pytest
 
 from spool import exr
@@ -142,6 +143,19 @@ def test_wrong_use(run, images, tmp_path):
         run("show", a, f"--crop={crop}", "-o", page).failed_with(2, "crop", "40 x 30")
     run("show", *[a] * 65, "-o", page).failed_with(2, "65 images", "64")
     assert not page.exists()
+
+
+def test_pictures_that_do_not_lie_on_each_other(run, good, tmp_path):
+    """Of one size, cut out of a display window of 40 x 30 at two places."""
+    image = np.full((10, 20, 3), 0.5, np.float32)
+    for name, left in (("a", 0), ("same", 0), ("shifted", 7)):
+        buffer = OpenImageIO.ImageBuf(image)
+        buffer.set_origin(left, 0)
+        buffer.set_full(0, 40, 0, 30, 0, 1)
+        assert buffer.write(str(tmp_path / f"{name}.exr")), buffer.geterror()
+    good("show", tmp_path / "a.exr", tmp_path / "same.exr", "-o", tmp_path / "p.html")
+    for words in (("a.exr", "shifted.exr"), ("a.exr", "--reference", "shifted.exr")):
+        run("show", *words, "--force", "-q", "-o", "p.html").failed_with(1, "shifted.exr: shows x 7 to 26", "first image x 0 to 19")
 
 
 def test_what_exists_stays_without_force(run, good, images, tmp_path):

@@ -36,8 +36,7 @@ void add_picture(Program& program) {
 
 void add_show(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
-      "show",
-      "EXR images beside each other as one HTML file: flip, split, zoom, error and FLIP maps");
+      "show", "images beside each other as one HTML file: flip, split, zoom, error and FLIP maps");
   ShowOptions& options = program.show;
   verb.add_option(
           "IMAGES", options.images,

@@ -57,9 +57,22 @@ std::vector<NamedFile> named_files(const std::vector<std::string>& texts) {
   return files;
 }
 
-Result<RgbImage> read_rgb(const fs::path& path) {
+// With its remark on stderr. kData when its pixels do not lie on those of the first picture.
+Result<RgbImage> read_rgb(const fs::path& path, std::optional<ForeignPicture>& first,
+                          const CommonOptions& common) {
   SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, {"", "", "", ""}));
-  return std::move(picture.rgb);
+  if (!common.quiet) print_note(remark_line(path.string(), picture.remarks));
+  RgbImage image = std::move(picture.rgb);
+  picture.rgb = {};
+  if (!first) first = picture;
+  if (picture.shown.width != first->shown.width || picture.shown.height != first->shown.height ||
+      aligned(picture, *first))
+    return image;
+  return fail(ErrorCode::kData,
+              "{}: shows {} of its display window {}, the first image {} of {}: save both alike, "
+              "e.g. oiiotool --croptofull or --origin",
+              path.string(), text_of(picture.shown), text_of(picture.display),
+              text_of(first->shown), text_of(first->display));
 }
 
 bool is_page_name(const fs::path& path) {
@@ -95,15 +108,16 @@ Result<void> run_show(const ShowOptions& options, const CommonOptions& common) {
     SPOOL_ASSIGN(const ShownCrop crop, parse_crop(text));
     settings.crops.push_back(crop);
   }
+  std::optional<ForeignPicture> first;
   std::vector<ShownImage> images;
   for (const NamedFile& file : named_files(options.images)) {
     ShownImage shown{file.name, {}};
-    SPOOL_ASSIGN(shown.result.image, read_rgb(file.path));
+    SPOOL_ASSIGN(shown.result.image, read_rgb(file.path, first, common));
     images.push_back(std::move(shown));
   }
   std::optional<RgbImage> reference;
   if (!options.reference.empty()) {
-    SPOOL_ASSIGN(reference, read_rgb(options.reference));
+    SPOOL_ASSIGN(reference, read_rgb(options.reference, first, common));
   }
   SPOOL_ASSIGN(const std::string planes, shown_planes(images, reference, settings));
   SPOOL_ASSIGN(const std::string html,
