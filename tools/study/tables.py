@@ -53,10 +53,11 @@ def by_description(method, described):
 
 
 def verdict(claim):
-    """'mixed 28/6/2': the program's verdict, and at how many places the claim holds, is reversed, is undecided."""
+    """'mixed 28/6/2 -1': the program's verdict, at how many places the claim holds, is reversed, is undecided, and how many have none."""
     if claim is None:
         return "–"
-    return f"{claim['verdict']} " + "/".join(str(claim["counts"].get(word, 0)) for word in ORDER[:3])
+    without = claim["counts"].get(ORDER[3], 0)
+    return f"{claim['verdict']} " + "/".join(str(claim["counts"].get(word, 0)) for word in ORDER[:3]) + (f" -{without}" if without else "")
 
 
 def claims_table(by_plan, described=()):
@@ -81,14 +82,14 @@ def summary(claims):
 
 def claims_csv(claims):
     header = ["text", "better", "than", "metric", "samples", "below", "source", "after_results", "recording", "spp", "threads", "verdict",
-              "ratio", "low", "high", "p", "replicates"]
+              "withheld", "ratio", "low", "high", "p", "replicates"]
     rows = []
     for c in claims:
         question = [c["text"], c["better"], c["than"], c["metric"], c["samples"], number(c["below"]), c.get("source", ""),
                     int(c.get("after_results", False))]
         for place in c["places"]:
             ratio = [number(v) for v in place["ratio"]] + [""] * (3 - len(place["ratio"]))
-            rows.append([*question, recording(place["dump"]), number(place["spp"]), place["threads"], place["verdict"], *ratio,
+            rows.append([*question, recording(place["dump"]), number(place["spp"]), place["threads"], place["verdict"], place.get("withheld", ""), *ratio,
                          number(place["p"], 2), place["replicates"]])
     return as_csv(header, rows)
 
