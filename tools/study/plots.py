@@ -46,7 +46,7 @@ def draw(curves, path):
         axis.set_axis_off()
     handles = {label: handle for axis in axes.flat for handle, label in zip(*axis.get_legend_handles_labels())}
     figure.legend(handles.values(), handles.keys(), loc="upper center", bbox_to_anchor=(0.5, 0.0), ncol=2, fontsize=7)
-    figure.tight_layout()
+    figure.subplots_adjust(wspace=0.3, hspace=0.35)
     figure.savefig(path, metadata={"Date": None}, bbox_inches="tight")
     plt.close(figure)
 
