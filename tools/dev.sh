@@ -16,7 +16,7 @@ fuzz_packages=(clang-19 libclang-rt-19-dev)  # the runtime of libFuzzer and the 
 tsan_packages=(dpkg-dev)
 bench_packages=(libbenchmark-dev)
 debian_packages=(dpkg-dev file)
-docs_packages=(doxygen git python3-venv)
+docs_packages=(doxygen git python3-matplotlib python3-venv)
 endure_packages=(parallel slurm-client slurmctld slurmd)
 
 usage() {
@@ -243,6 +243,8 @@ docs() {
   fi
   local python="${XDG_CACHE_HOME:-$HOME/.cache}/spool/docs-venv/bin/python" pages=build/docs/pages
   "$python" tools/docs/stage.py "$pages" >&2
+  say "curves of the experiments"
+  /usr/bin/python3 tools/study/plots.py "$pages/docs/results"
   say "C++ reference"
   "$python" tools/docs/header_comments.py build/docs/headers
   mkdir -p "$pages/reference"

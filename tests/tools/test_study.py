@@ -85,6 +85,7 @@ def test_page_and_statistics_json_differ_in_no_comparison(name):
             for claim in store.claims(plan):
                 words = [p["verdict"] for p in claim["places"]]
                 expected = f"{claim['verdict']} {words.count('holds')}/{words.count('reversed')}/{words.count('undecided')}"
+                expected += f" -{words.count('not compared')}" * ("not compared" in words)
                 place = [i for i, c in enumerate(columns) if c.endswith(claim["samples"] + " samples")
                          and (len(chapter["plans"]) == 1 or c.startswith(plan.split("_")[0].upper() + ","))]
                 cells = [row[1 + place[0]] for row in rows if row[0].removesuffix(" [R]") == claim["text"]]
@@ -238,6 +239,17 @@ def test_a_plan_at_full_size_is_understood(name, tmp_path):
 def test_a_plan_text_is_the_plan():
     for path in plans.PLANS.rglob("*.toml"):
         assert plans.tomllib.loads(plans.text_of(plans.read(path))) == plans.read(path), path
+
+
+def test_curves_are_drawn_of_the_methods_that_claims_name(tmp_path):
+    import plots
+    statistics = pages.Kept(RESULTS / "experiments_full").json("e7_tiles", "statistics.json")
+    curves = plots.curves_of(statistics)
+    assert list(curves) == ["scene_s_512"] and {spp for points in curves["scene_s_512"].values() for spp, _ in points} == {4, 16}
+    statistics["claims"] = statistics["claims"][:1]
+    assert set(plots.curves_of(statistics)["scene_s_512"]) == {statistics["claims"][0]["better"], statistics["claims"][0]["than"]}
+    plots.draw(curves, tmp_path / "c.svg")
+    assert (tmp_path / "c.svg").read_text().startswith("<?xml")
 
 
 def test_a_method_by_description_is_marked():

@@ -33,8 +33,9 @@ def parse():
     parser.add_argument("--judge", action="store_true", help="run nothing; judge anew what is kept of full size")
     parser.add_argument("--write-only", action="store_true")
     arguments = parser.parse_args()
+    arguments.full = arguments.full or arguments.judge
     arguments.results = arguments.results or ROOT / "build" / ("experiments_full" if arguments.full else "experiments")
-    known = {c["id"].lower() for c in pages.CHAPTERS}
+    known = {name.lower() for c in pages.CHAPTERS for name in (c["id"], c.get("also", c["id"]))}
     unknown = [i for i in arguments.ids if i.lower() not in known]
     if unknown:
         parser.error(f"no experiment {unknown[0]}: there are {', '.join(c['id'] for c in pages.CHAPTERS)}")
@@ -43,7 +44,7 @@ def parse():
 
 def chosen(arguments, full):
     wanted = {i.lower() for i in arguments.ids}
-    return [c for c in pages.chapters_of(full) if not wanted or c["id"].lower() in wanted]
+    return [c for c in pages.chapters_of(full) if not wanted or wanted & {c["id"].lower(), c.get("also", "").lower()}]
 
 
 def run_small(arguments):
@@ -75,13 +76,9 @@ def run_full(arguments):
 
 def main():
     arguments = parse()
-    full = arguments.full or arguments.judge
     if not arguments.write_only:
-        if full:
-            run_full(arguments)
-        else:
-            run_small(arguments)
-    pages.write(arguments.output, full)
+        (run_full if arguments.full else run_small)(arguments)
+    pages.write(arguments.output, arguments.full)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from pathlib import PurePosixPath
 TITLES = {"scene_s": "scene S", "scene_s_fireflies": "scene S with fireflies"}
 METRICS = {"mse": "MSE", "relmse": "relMSE"}
 ORDER = ("holds", "reversed", "undecided", "not compared")
+WITH_INTERVAL = ("mse", "relmse", "energy_ratio", "mse_ratio", "relmse_ratio")
 QUESTION = ("better", "than", "metric", "below")
 
 
@@ -53,10 +54,11 @@ def by_description(method, described):
 
 
 def verdict(claim):
-    """'mixed 28/6/2': the program's verdict, and at how many places the claim holds, is reversed, is undecided."""
+    """'mixed 28/6/2 -1': the program's verdict, at how many places the claim holds, is reversed, is undecided, and how many have none."""
     if claim is None:
         return "–"
-    return f"{claim['verdict']} " + "/".join(str(claim["counts"].get(word, 0)) for word in ORDER[:3])
+    without = claim["counts"].get(ORDER[3], 0)
+    return f"{claim['verdict']} " + "/".join(str(claim["counts"].get(word, 0)) for word in ORDER[:3]) + (f" -{without}" if without else "")
 
 
 def claims_table(by_plan, described=()):
@@ -80,33 +82,34 @@ def summary(claims):
 
 
 def claims_csv(claims):
-    header = ["text", "better", "than", "metric", "samples", "below", "source", "after_results", "recording", "spp", "threads", "verdict",
-              "ratio", "low", "high", "p", "replicates"]
+    header = ["better", "than", "metric", "samples", "below", "after_results", "recording", "spp", "threads", "verdict",
+              "withheld", "ratio", "low", "high", "p", "replicates"]
     rows = []
     for c in claims:
-        question = [c["text"], c["better"], c["than"], c["metric"], c["samples"], number(c["below"]), c.get("source", ""),
-                    int(c.get("after_results", False))]
+        question = [c["better"], c["than"], c["metric"], c["samples"], number(c["below"]), int(c.get("after_results", False))]
         for place in c["places"]:
             ratio = [number(v) for v in place["ratio"]] + [""] * (3 - len(place["ratio"]))
-            rows.append([*question, recording(place["dump"]), number(place["spp"]), place["threads"], place["verdict"], *ratio,
+            rows.append([*question, recording(place["dump"]), number(place["spp"]), place["threads"], place["verdict"], place.get("withheld", ""), *ratio,
                          number(place["p"], 2), place["replicates"]])
     return as_csv(header, rows)
 
 
 def results_csv(statistics):
-    """A row for each method, recording and budget: every quantity that is there with its interval, and the ratios to uniform + box."""
+    """A row for each method, recording and budget: every quantity that is there, those of WITH_INTERVAL with it, and the ratios to the baseline."""
     ratios = {}
     for condition in statistics["conditions"]:
         for method in condition["ranking"]:
             ratios.setdefault(place({**condition, **method}), {})[condition["metric"] + "_ratio"] = method["ratio"]
     found = [({**e["quantities"], **ratios.get(place(e), {})}, e) for e in statistics["results"]]
-    columns = list(dict.fromkeys(name for quantities, _ in found for name in quantities))
-    header = ["recording", "spp", "threads", "sampler", "filter", *(c + end for c in columns for end in ("", "_low", "_high"))]
+    several = len({e["threads"] for e in statistics["results"]}) > 1  # then wall times say something
+    columns = list(dict.fromkeys(name for quantities, _ in found for name in quantities if several or not name.startswith("seconds_")))
+    ends = {c: ("", "_low", "_high") if c in WITH_INTERVAL else ("",) for c in columns}
+    header = ["recording", "spp", "threads", "sampler", "filter", *(c + end for c in columns for end in ends[c])]
     rows = []
     for quantities, e in found:
-        values = [[number(v) for v in quantities.get(c, [])] for c in columns]
+        values = [[number(v) for v in quantities.get(c, [])] + [""] * 3 for c in columns]
         rows.append([recording(e["dump"]), number(e["spp"]), e["threads"], e["sampler"], e["filter"],
-                     *(v for three in values for v in three + [""] * (3 - len(three)))])
+                     *(v for c, found_values in zip(columns, values) for v in found_values[:len(ends[c])])])
     return as_csv(header, rows)
 
 
