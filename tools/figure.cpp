@@ -2,21 +2,21 @@
 
 #include <utility>
 
-#include "lib/filters/filters.h"
-#include "lib/sampling/samplers.h"
 #include "tools/evaluate.h"
+#include "tools/methods/external_methods.h"
 #include "tools/page_generator.h"
 
 namespace spool::tools {
 namespace {
 
-// "uniform,multiscale,...": every other method is the user's own.
+// "uniform,multiscale,...": every other method is the user's own, and so are commands and images,
+// which the script knows.
 std::string built_in_names() {
   std::string names;
-  for (const Sampler& sampler : samplers())
-    names += sampler.argument.empty() ? sampler.name + "," : "";
-  for (const Filter& filter : filters())
-    names += filter.argument.empty() ? filter.name + "," : "";
+  for (const Sampler& sampler : known_samplers())
+    names += sampler.name + ",";
+  for (const Filter& filter : known_filters())
+    names += filter.name + ",";
   return names;
 }
 

@@ -89,13 +89,16 @@ def made(folder, claims=(), samplers=("uniform", HOSTILE, "exec:./den -x")):
     data["scenes"][0]["group"] = HOSTILE
     for entry in data["results"]:
         entry["sampler_name"], entry["filter_name"] = entry["sampler"].split(":")[0], entry["filter"]
+    for entry in (e for c in data["conditions"] for e in c["ranking"] if e["sampler"] == HOSTILE):
+        entry.update(withheld="few pixels", value=entry["value"][:1], ratio=entry["value"][:1])
     (folder / "statistics.json").write_text(json.dumps(data))
     return folder
 
 
 CLAIM = {"text": f"{HOSTILE} halves the error", "better": "a", "than": "b", "metric": "relmse", "verdict": "not supported",
          "places": [{"dump": "scenes/a.spool", "spp": 8, "verdict": "contradicted", "ratio": [1.234, 1.111, 1.362]},
-                    {"dump": "scenes/a.spool", "spp": 4, "verdict": "not compared", "ratio": []}], "after_results": True}
+                    {"dump": "scenes/a.spool", "spp": 4, "verdict": "not compared", "ratio": [1.2],
+                     "withheld": "few pixels"}], "after_results": True}
 
 
 def test_captions_say_budget_replicates_and_intervals_and_claims_are_the_programs(tmp_path):
@@ -108,7 +111,9 @@ def test_captions_say_budget_replicates_and_intervals_and_claims_are_the_program
     assert plain.count("have the start of a command") == 1
     assert "Times of exec:./den -{}x + directional and exec:./den -{}x + box have the start of a command" in plain
     assert "contradicted & $1.23_{\\,1.11}^{\\,1.36}$" in tex and "(added after results)" in tex
+    assert "4 spp & not compared: few pixels & $1.20$" in tex
     assert re.search(r"8 spp: contradicted 1\.23 ..1\.11, 1\.36", text) and "not supported" in text
+    assert r"$\ddagger$: interval and verdict withheld (few pixels)" in tex and tex.count(r"$\ddagger$") == 5
     assert "(a)" not in captions and "relmse" not in captions + tex + text
 
 
@@ -139,6 +144,8 @@ def test_the_largest_loss_of_light_is_told_and_what_is_widened_is_said_once():
         {**lost, "loses_energy": n / 100}, {"sampler": "c", "filter": "d"}]} for n in (14, 5)]
     assert notes(shared, ["a + b", "c + d"]) == r" Light is lost by a + b (up to 14 \%)."
     assert notes(shared[1:], ["a + b"]) == r" Light is lost by a + b (5 \%)." and notes(shared, ["c + d"]) == ""
+    few = [{**shared[0], "ranking": [{"sampler": "c", "filter": "d", "withheld": "few pixels"}]}]
+    assert notes(few, ["c + d"]) == " Means without an interval: withheld (few pixels)."
     said = numbers_text(SimpleNamespace(results=[{"replicates": 3}]), "relmse", shared)
     assert said.count("another recording") == 1 and said.endswith("wider where replicates share samples.")
 

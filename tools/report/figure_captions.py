@@ -42,9 +42,17 @@ def notes(conditions, methods):
         lost.setdefault(name_of(entry), []).append(100 * entry.get("loses_energy", 0.0))
     names = [f"{name} ({'up to ' if len(shares) > 1 else ''}{max(shares):.2g} %)" for name, shares in lost.items() if max(shares)]
     text = f" Light is lost by {breakable(list_text(names, LONGEST))}." if names else ""
+    why = withheld(conditions, methods)
+    text += f" Means without an interval: withheld ({why})." if why else ""
     if any(MARK in name for name in methods):
         text += " [R]: implemented again from a description."
     return text
+
+
+def withheld(conditions, methods):
+    """Why some of them have no interval; empty where all have."""
+    entries = [e for c in conditions for e in c["ranking"] if name_of(e) in methods]
+    return latex("; ".join(sorted({e["withheld"] for e in entries if "withheld" in e})))
 
 
 def comparison_caption(statistics, metric, conditions, shown, labels):
@@ -90,6 +98,8 @@ def table_caption(statistics, metric, labels, baseline):
         text += " Methods that share a letter are not told apart; bold: told apart from every other."
         if any("loses_energy" in e for c in conditions for e in c["ranking"]):
             text += r" $\dagger$: loses light."
+        why = withheld(conditions, methods)
+        text += rf" $\ddagger$: interval and verdict withheld ({why})." if why else ""
         if any(MARK in name for name in methods):
             text += " [R]: implemented again from a description."
         return text

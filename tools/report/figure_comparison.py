@@ -21,7 +21,7 @@ HEAD_SIZES = (7.5, 7, 6.5, 6, 5.5)
 FOOT_SIZES = (7, 6.5, 6, 5.5, 5, 4.5)
 LINE = 1.22 / 72  # inches of a line for each point of its size
 TALLEST = 7.2  # inches of a page, which has a caption, too
-TALLEST_ALONE = 5.0  # of a figure of one recording
+TALLEST_ALONE = 4.5  # of a figure of one recording
 
 
 class Shown(NamedTuple):

@@ -11,6 +11,7 @@ from statistics_file import Interval, interval_of
 from summary import name_of
 
 MOST_LINES = 34  # of a table that fits into a column
+LATEX_MARKS = {"†": r"$\dagger$", "‡": r"$\ddagger$"}
 LINE_LETTERS = 24  # of a name
 
 
@@ -21,12 +22,16 @@ class Row(NamedTuple):
     letters: str
     bold: bool
     loses: bool
+    withheld: str  # why there is no verdict; "" where there is
+
+    def marks(self):
+        return ("†" if self.loses else "") + ("‡" if self.withheld else "")
 
 
 def rows_of(condition):
     alone = best_is_alone(condition["ranking"])
     return [Row(name_of(entry), interval_of(entry["value"]), interval_of(entry.get("ratio")), entry["letters"],
-                alone and place == 0, "loses_energy" in entry) for place, entry in enumerate(condition["ranking"])]
+                alone and place == 0, "loses_energy" in entry, entry.get("withheld", "")) for place, entry in enumerate(condition["ranking"])]
 
 
 def by_scene(statistics, metric):
@@ -81,7 +86,8 @@ def latex_tables(statistics, metric, labels, baseline, captions):
                 text += [r"\midrule", budget] if budget != shown else []
                 shown = budget
                 text.append(" & ".join([breakable(row.method), latex_interval(row.value, row.bold), latex_interval(row.ratio),
-                                        latex(row.letters) + (r"$\dagger$" if row.loses else "")]) + r" \\[2pt]")
+                                        latex(row.letters) + "".join(LATEX_MARKS[m] for m in row.marks())])
+                            + r" \\[2pt]")
             text += [r"\bottomrule", r"\end{tabularx}", r"\end{table}", ""]
     return "\n".join([*text, *claims_table(statistics.claims, labels)])
 
@@ -92,8 +98,8 @@ def claim_rows(claims, labels):
     for claim in claims:
         after = " (added after results)" if claim.get("after_results") else ""
         rows.append((claim["text"] + after, "", claim["verdict"], Interval()))
-        rows += [("", f"{labels.get(place['dump'], place['dump'])}, {place['spp']:g} spp", place["verdict"],
-                  interval_of(place.get("ratio"))) for place in claim["places"]]
+        rows += [("", f"{labels.get(place['dump'], place['dump'])}, {place['spp']:g} spp",
+                  place["verdict"] + (f": {place['withheld']}" if "withheld" in place else ""), interval_of(place.get("ratio"))) for place in claim["places"]]
     return rows
 
 
@@ -135,10 +141,10 @@ def markdown_table(statistics, metric, labels, baseline):
                 value = markdown(plain_interval(row.value))
                 lines.append("| " + " | ".join([markdown(row.method), f"**{value}**" if row.bold else value,
                                                 markdown(plain_interval(row.ratio)),
-                                                row.letters + (" †" if row.loses else "")]) + " |")
+                                                f"{row.letters} {row.marks()}".strip()]) + " |")
             lines.append("")
     lines += ["Means with 95 % intervals" + (f"; ratio: to {markdown(baseline)}" if baseline else "") + ". Methods that share "
-              "a letter are not told apart; bold: told apart from every other method; †: loses light.", ""]
+              "a letter are not told apart; bold: told apart from every other method; †: loses light; ‡: interval and verdict withheld.", ""]
     for claim, where, verdict, ratio in claim_rows(statistics.claims, labels):
         lines.append(markdown(f"{claim}: {verdict}") if claim else
                      "- " + markdown(f"{where}: {verdict} {plain_interval(ratio)}".rstrip()))
