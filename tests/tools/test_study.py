@@ -79,7 +79,7 @@ def test_page_and_statistics_json_differ_in_no_comparison(name):
         chapter = next((c for c in pages.CHAPTERS if section.startswith(c["id"] + ":")), None)
         if chapter is None or "| claim |" not in section:
             continue
-        rows = [[cell.strip() for cell in line.strip("|").split(" | ")] for line in section.splitlines() if line.startswith("| ")]
+        rows = [[cell.strip().replace("\\|", "|") for cell in line.strip("|").split(" | ")] for line in section.splitlines() if line.startswith("| ")]
         columns = rows[0][1:]
         for plan in (*chapter["plans"], *chapter.get("more", ())):
             for claim in store.claims(plan):
