@@ -21,7 +21,8 @@ std::vector<std::string> split_parts(const std::string& text) {
 
 }  // namespace
 
-Result<ReadyFilter> make_ensemble_filter(const std::string& parts, const OptionValues& set) {
+Result<ReadyFilter> make_ensemble_filter(const MethodList<FilterFunction>& known,
+                                         const std::string& parts, const OptionValues& set) {
   SPOOL_ASSIGN(const EnsembleOptions options,
                with_options(ensemble_option_table(), EnsembleOptions{}, set));
   const std::vector<std::string> names = split_parts(parts);
@@ -32,12 +33,12 @@ Result<ReadyFilter> make_ensemble_filter(const std::string& parts, const OptionV
   }
   std::vector<ReadyFilter> ready;
   for (const std::string& name : names) {
-    SPOOL_ASSIGN(const MethodChoice choice, choose_method(known_filters(), name));
+    SPOOL_ASSIGN(const MethodChoice choice, choose_method(known, name));
     if (choice.name == "ensemble" || !choice.own_label.empty()) {
       return fail(ErrorCode::kUsage, "ensemble:{}: {} is no part: name filters, without labels",
                   parts, name);
     }
-    SPOOL_ASSIGN(ReadyFilter part, make_method(known_filters(), choice));
+    SPOOL_ASSIGN(ReadyFilter part, make_method(known, choice));
     ready.push_back(std::move(part));
   }
   return ensemble(std::move(ready), options);

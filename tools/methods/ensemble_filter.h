@@ -5,11 +5,13 @@
 #include <string>
 
 #include "lib/filters/ensemble.h"
-#include "tools/methods/external_methods.h"
+#include "lib/methods/method_list.h"
 
 namespace spool::tools {
 
-// Parts of "oidn+twin_guides{energy=box}": a + in braces does not part. Errors kUsage.
-Result<ReadyFilter> make_ensemble_filter(const std::string& parts, const OptionValues& set);
+// Parts of "oidn+twin_guides{energy=box}", of those that are `known`: a + in braces does not part.
+// Errors kUsage.
+Result<ReadyFilter> make_ensemble_filter(const MethodList<FilterFunction>& known,
+                                         const std::string& parts, const OptionValues& set);
 
 }  // namespace spool::tools

@@ -203,6 +203,10 @@ Result<ReadyFilter> make_image_filter(const std::string& path, const OptionValue
   return ReadyFilter{given_image(std::move(picture.rgb), "image:" + path), made_elsewhere()};
 }
 
+Result<ReadyFilter> make_known_ensemble(const std::string& parts, const OptionValues& set) {
+  return make_ensemble_filter(known_filters(), parts, set);
+}
+
 // A method whose argument stands where others have a preset.
 template <class Function, class Options>
 Method<Function> method_with_argument(std::string name, std::string argument, std::string summary,
@@ -250,7 +254,7 @@ const FilterList& known_filters() {
     list.methods.push_back(with_stage_options(method_with_argument(
         "ensemble", "A+B",
         "the mean of two to four filters, or weighted by two halves of the samples",
-        ensemble_option_table(), Needs{}, &make_ensemble_filter)));
+        ensemble_option_table(), Needs{}, &make_known_ensemble)));
     list.methods.push_back(with_stage_options(
         method_with_argument("image", "FILE.exr", "your own: an image that was made elsewhere",
                              layer_option_table(), made_elsewhere(), &make_image_filter)));
