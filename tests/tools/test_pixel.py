@@ -81,5 +81,5 @@ def test_a_filter_that_cannot_say_says_so(run, good, scene):
     text = good("pixel", scene, "--at", "3,3", "--sampler", "uniform", "--spp", "4", "--filter", "directional").out
     assert "footprint: size" in text and "uniform took 4" in text
     run("pixel", scene, "--at", "3,3", "--filter", "box").failed_with(2, "--sampler")
-    run("pixel", scene, "--at", "3,3", "--sampler", "uniform").failed_with(2, "--spp")
+    run("pixel", scene, "--at", "3,3", "--sampler", "uniform").failed_with(2, "spp")
     run("pixel", scene, "--at", "3,3", "--sampler", "uniform", "--spp", "99", "--filter", "box").failed_with(1, "record more")

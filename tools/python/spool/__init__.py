@@ -11,6 +11,7 @@ prints and its exit code. Readers and writers of the file format are those of fo
 """
 from ._core import version as __version__
 from .channel import Channel, Layer
+from .append import append_meta
 from .check import Report, check
 from .error import DAMAGE, DATA, IO, USAGE, SpoolError
 from .evaluation import Results, evaluate, results
@@ -25,5 +26,5 @@ from .steps import Reconstruction, Selection, reconstruct, replay
 from .writer import Writer
 
 __all__ = ["Channel", "DAMAGE", "DATA", "Dump", "IO", "Image", "Layer", "Method", "Page", "Reconstruction", "Recording", "Report",
-           "Results", "Selection", "SpoolError", "Statistics", "USAGE", "Writer", "check", "evaluate", "filter", "filters", "metrics",
+           "Results", "Selection", "SpoolError", "Statistics", "USAGE", "Writer", "append_meta", "check", "evaluate", "filter", "filters", "metrics",
            "open", "reconstruct", "recording", "replay", "results", "sampler", "samplers", "show", "synth", "view", "write"]
