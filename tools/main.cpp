@@ -58,6 +58,15 @@ std::string greeting(const CLI::App& app) {
   return text + "\nEach verb explains itself: spool VERB --help\n";
 }
 
+// Prints what was asked for; the exit code.
+int answer(const std::string& text) {
+  print(text);
+  const Result<void> arrived = check_output();
+  if (arrived) return 0;
+  print_error(arrived.error());
+  return static_cast<int>(arrived.error().code);
+}
+
 int run(int count, char** arguments) {
   Program program;
   program.app.name("spool");
@@ -88,21 +97,13 @@ int run(int count, char** arguments) {
     for (const char* verb : verbs)
       program.app.get_subcommand(verb)->group(group);
   }
-  if (count == 1) {
-    print(greeting(program.app));
-    const Result<void> arrived = check_output();
-    if (!arrived) print_error(arrived.error());
-    return arrived ? 0 : static_cast<int>(arrived.error().code);
-  }
+  if (count == 1) return answer(greeting(program.app));
   try {
     program.app.parse(count, arguments);
   } catch (const CLI::Success& asked_for_help) {
     std::ostringstream text;
     program.app.exit(asked_for_help, text, text);
-    print(text.str());
-    const Result<void> arrived = check_output();
-    if (!arrived) print_error(arrived.error());
-    return arrived ? 0 : static_cast<int>(arrived.error().code);
+    return answer(text.str());
   } catch (const CLI::ParseError& error) {
     print_error({ErrorCode::kUsage, explain(program.app, error, count, arguments)});
     return static_cast<int>(ErrorCode::kUsage);

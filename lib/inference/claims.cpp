@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "lib/core/check.h"
-#include "lib/inference/student.h"
 
 namespace spool {
 namespace {
@@ -14,10 +13,7 @@ namespace {
 double p_of(const Comparison& comparison, double limit) {
   if (!comparison.known() || comparison.identical) return comparison.p;
   if (limit != 0.0 && !comparison.logarithmic) return std::numeric_limits<double>::quiet_NaN();
-  const double distance = comparison.difference - limit;
-  if (distance == 0.0 || std::isinf(comparison.standard_error)) return 1.0;
-  if (comparison.standard_error == 0.0) return 0.0;
-  return student_two_sided(distance / comparison.standard_error, comparison.freedom);
+  return comparison.p_of(limit);
 }
 
 }  // namespace

@@ -71,21 +71,31 @@ bool can_tell(Comparison& c, const Series& a, const Series& b) {
   return c.n >= 2 && !a.alike() && !b.alike() && c.withheld == Withheld::kNo;
 }
 
-// A difference without any spread is certain; none at all has p = 1.
 void test(Comparison& c, double standard_error, double freedom) {
   c.standard_error = standard_error;
   c.freedom = freedom;
   const double reach = student_quantile(0.975, freedom) * standard_error;
   c.low = c.difference - reach;
   c.high = c.difference + reach;
-  if (c.difference == 0.0 || std::isinf(standard_error)) {
-    c.p = 1.0;
-  } else {
-    c.p = standard_error > 0.0 ? student_two_sided(c.difference / standard_error, freedom) : 0.0;
-  }
+  c.p = c.p_of(0.0);
+}
+
+// Mean cost of a series with the spread that its halves give it.
+MeanError mean_cost(const Series& series, Better better, bool logarithmic) {
+  HalfVariance between = half_variance(series.halves);
+  const double slope = cost_slope(series, better, logarithmic);
+  between.variance *= slope * slope;
+  return mean_error(costs(series, better, logarithmic), series.correlation, between,
+                    series.recordings);
 }
 
 }  // namespace
+
+double Comparison::p_of(double limit) const {
+  const double distance = difference - limit;
+  if (distance == 0.0 || std::isinf(standard_error)) return 1.0;
+  return standard_error > 0.0 ? student_two_sided(distance / standard_error, freedom) : 0.0;
+}
 
 Interval Comparison::ratio() const {
   Interval found;
@@ -121,15 +131,6 @@ Comparison compare_paired(const Series& a, const Series& b, Better better) {
   if (!can_tell(c, a, b)) return c;
   test(c, found.standard_error, found.freedom);
   return c;
-}
-
-// Mean cost of a series with the spread that its halves give it.
-MeanError mean_cost(const Series& series, Better better, bool logarithmic) {
-  HalfVariance between = half_variance(series.halves);
-  const double slope = cost_slope(series, better, logarithmic);
-  between.variance *= slope * slope;
-  return mean_error(costs(series, better, logarithmic), series.correlation, between,
-                    series.recordings);
 }
 
 Comparison compare_independent(const Series& a, const Series& b, Better better) {

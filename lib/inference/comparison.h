@@ -32,6 +32,9 @@ struct Comparison {
   double correlation = 0;  // between replicates of the difference
 
   bool known() const { return p == p; }
+  // Two-sided p-value of the difference being `limit`: 1 where it is measured to be so or has no
+  // finite error, 0 where it has none at all.
+  double p_of(double limit) const;
   // first / second where logarithmic, else nothing.
   Interval ratio() const;
 };

@@ -63,8 +63,9 @@ class Evaluation {
     const bool resamples = bootstrap_.blocks() > 1;
     add_perceptual();
     if (options_.wanted.empty()) {
-      table_.squared = support(largest(largest_squared_, squared_), kDecileSquares);
-      table_.relative = support(largest(largest_relative_, relative_), kDecileRelativeSquares);
+      table_.squared = support(squared_, largest(largest_squared_, squared_), kDecileSquares);
+      table_.relative =
+          support(relative_, largest(largest_relative_, relative_), kDecileRelativeSquares);
     }
     for (std::size_t m = 0; m < metric_list().size(); ++m) {
       const Metric& metric = metric_list()[m];
@@ -118,12 +119,9 @@ class Evaluation {
   }
 
   // Of what the pixels have above 0: debiased errors may lie below.
-  ErrorSupport support(LargestFirst& errors, int squares) const {
-    double all = 0.0;
-    errors.walk([&](const LargestFirst::Entry& entry) {
-      if (!(entry.value > 0.0)) return false;
-      all += entry.value;
-      return true;
+  ErrorSupport support(const Plane& values, LargestFirst& errors, int squares) const {
+    const double all = pairwise_sum(values.size(), [&](std::size_t p) {
+      return judged_[p] && values[p] > 0.0 ? values[p] : 0.0;
     });
     ErrorSupport found;
     const double worst = std::ceil(kWorstPixels * static_cast<double>(table_.pixels));
@@ -442,7 +440,9 @@ std::vector<ErrorMap> error_maps(const RgbImage& estimate, const JudgingReferenc
                                  const MetricOptions& options) {
   check_sizes(estimate, reference);
   SPOOL_CHECK(options.wanted.empty());
-  return Evaluation(estimate, reference, options).maps();
+  MetricOptions of_maps = options;  // none of them is made of tone-mapped pixels or of deciles
+  of_maps.wanted.assign(metrics().size(), false);
+  return Evaluation(estimate, reference, of_maps).maps();
 }
 
 Plane squared_error_map(const RgbImage& estimate, const JudgingReference& reference) {

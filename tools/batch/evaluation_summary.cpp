@@ -100,11 +100,12 @@ class Summary {
   }
 
   // As the ranking of the metric has it; an empty object where it has not.
-  ordered_json ranked(const ordered_json& result, const char* metric) const {
+  const ordered_json& ranked(const ordered_json& result, const char* metric) const {
+    static const ordered_json none = ordered_json::object();
     const auto of_metric = ranked_.find(metric);
-    if (of_metric == ranked_.end()) return ordered_json::object();
+    if (of_metric == ranked_.end()) return none;
     const auto found = of_metric->second.find(name_of(place_of(result), result));
-    return found == of_metric->second.end() ? ordered_json::object() : found->second;
+    return found == of_metric->second.end() ? none : found->second;
   }
 
  private:
@@ -182,7 +183,7 @@ std::string short_table(const Summary& summary, const std::vector<const ordered_
   for (const ordered_json* result : shown) {
     const std::string heading = shown_place(*result, summary.has_threads());
     const bool first = rows.size() == 1 || headings.back() != heading;
-    const ordered_json ranked = summary.ranked(*result, "relmse");
+    const ordered_json& ranked = summary.ranked(*result, "relmse");
     const std::string name = shown_method(*result);
     rows.push_back({"  " + name, value_text(quantity(*result, "relmse"), "{:.3g}"),
                     ratio_text(ranked), name == baseline ? "(baseline)" : verdict_text(ranked)});
@@ -204,7 +205,7 @@ std::string wide_table(const Summary& summary, const std::vector<const ordered_j
                                                  "energy", "sampling", "filtering"}};
   if (summary.has_threads()) rows.front().emplace_back("threads");
   for (const ordered_json* result : shown) {
-    const ordered_json relmse = summary.ranked(*result, "relmse");
+    const ordered_json& relmse = summary.ranked(*result, "relmse");
     rows.push_back({shown_scene(*result),
                     (*result)["sampler"].get<std::string>() +
                         (is_described_sampler(*result) ? kByDescriptionMark : ""),
@@ -248,7 +249,7 @@ std::string would_tell_text(const Summary& summary, const std::vector<const orde
   constexpr std::size_t kMost = 3;
   std::vector<std::pair<double, std::string>> found;
   for (const ordered_json* result : shown) {
-    const ordered_json ranked = summary.ranked(*result, "relmse");
+    const ordered_json& ranked = summary.ranked(*result, "relmse");
     const auto more = ranked.find("would_tell");
     if (more == ranked.end()) continue;
     for (const auto& [unit, number] : more->items()) {
@@ -300,7 +301,7 @@ std::string support_text(const Summary& summary, const std::vector<const ordered
   double least = std::numeric_limits<double>::infinity();
   for (const ordered_json* result : shown) {
     for (const char* metric : {"relmse", "mse"}) {
-      const ordered_json ranked = summary.ranked(*result, metric);
+      const ordered_json& ranked = summary.ranked(*result, metric);
       if (ranked.contains("withheld"))
         ++withheld[fmt::format("{} ({})", shown_metric(metric),
                                ranked["withheld"].get<std::string>())];
@@ -333,7 +334,7 @@ std::string losses_text(const Summary& summary, const std::vector<const ordered_
   constexpr std::size_t kMost = 3;
   std::map<std::string, double> worst;
   for (const ordered_json* result : shown) {
-    const ordered_json ranked = summary.ranked(*result, "relmse");
+    const ordered_json& ranked = summary.ranked(*result, "relmse");
     if (!ranked.contains("loses_energy")) continue;
     double& loss = worst[shown_method(*result)];
     loss = std::max(loss, ranked["loses_energy"].get<double>());
@@ -360,7 +361,7 @@ std::string summary_text(const ordered_json& statistics, bool wide) {
   if (summary.empty()) return "no results\n";
   const bool shortened = summary.results().size() > kLongestTable;
   const auto shown = shortened ? best_of_each(summary.results()) : summary.results();
-  const std::string baseline = statistics.value("baseline", std::string("uniform + box"));
+  const std::string baseline = statistics["baseline"].get<std::string>();
   const auto any = [&](const auto& is) {
     return std::ranges::any_of(shown, [&](const ordered_json* result) { return is(*result); });
   };
@@ -402,7 +403,7 @@ std::string summary_json(const ordered_json& statistics) {
     entry["filter_by_description"] = is_described_filter(entry);
     entry["biased"] = entry["reference"].get<std::string>().ends_with("(biased)");
     for (const char* metric : {"relmse", "mse"}) {
-      const ordered_json ranked = summary.ranked(*result, metric);
+      const ordered_json& ranked = summary.ranked(*result, metric);
       for (const char* key :
            {"letters", "ratio", "against_baseline", "against_best", "would_tell", "withheld"}) {
         if (ranked.contains(key)) entry["ranks"][metric][key] = ranked[key];

@@ -131,8 +131,8 @@ Withheld MethodResults::withheld(const std::string& metric) const {
   ErrorStanding standing;
   standing.half_pixels = mean(quantity_index(metric + "_half_pixels"));
   const auto measured = spread.find(metric);
-  const double shared = measured == spread.end() ? correlation : measured->second.correlation;
-  standing.independent_replicates = done / (1.0 + (done - 1.0) * std::min(shared, 1.0));
+  const double common = measured == spread.end() ? correlation : measured->second.correlation;
+  standing.independent_replicates = done / (1.0 + (done - 1.0) * std::min(common, 1.0));
   standing.own_spread = recordings >= kOwnSpread;
   if (metric == "relmse") standing.reference_noise = mean(quantity_index("relmse_reference_noise"));
   return withheld_of(standing);
