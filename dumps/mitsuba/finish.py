@@ -14,11 +14,11 @@ Parts = namedtuple("Parts", "mi recordable tracer layers chunks cut")
 def finish(options, parts, numbers, reference):
     """[(file, findings)]; findings are empty where no test was wanted. numbers: counts for the claim on random numbers."""
     chunks, outs, done = parts.chunks, names(options.out, options.recordings), []
+    made_of = [parts.recordable.digest, options.seed, options.samples, options.reference, parts.mi.variant(), parts.mi.__version__]
     for number, out in enumerate(outs):
         path = out
         if not options.no_verify:
             path = os.path.join(chunks.folder, "whole.spool" if len(outs) == 1 else "whole_%d.spool" % (number + 1))
-        made_of = [parts.recordable.digest, options.seed, options.samples, options.reference, parts.mi.variant(), parts.mi.__version__]
         group = group_meta(options.out, options.recordings, number, made_of)
         remark = _write(path, options, parts, number, {"random_numbers": numbers, **group}, reference)
         if remark and number == 0:
@@ -44,8 +44,7 @@ def _write(path, options, parts, number, meta, reference):
 
 
 def _tested(path):
-    import spool
-    from verify import verify
+    from verify import keep_verification, verify
     found = verify(path)
-    spool.append_meta(path, {"verification": found})
+    keep_verification(path, found)
     return found["findings"]

@@ -24,7 +24,7 @@ from failure import Failure, scene_failure, usage_failure  # noqa: E402
 from finding import line, summary  # noqa: E402
 from finish import Parts, finish  # noqa: E402
 from options import parse  # noqa: E402
-from output import layer_types  # noqa: E402
+from output import layer_types, samples_of  # noqa: E402
 from plan import Cut, describe  # noqa: E402
 from progress import Progress, size as size_text  # noqa: E402
 from recordings import names, next_step  # noqa: E402
@@ -58,10 +58,10 @@ def open_tracer(options):
     notes = ([note] if note else []) + ["%s: %s" % (options.scene, change) for change in recordable.changes]
     if variant == "scalar_rgb":
         from scalar_loop import ScalarLoop
-        return mi, recordable, ScalarLoop(mi, recordable, options.samples // options.recordings), notes
+        return mi, recordable, ScalarLoop(mi, recordable, samples_of(options)), notes
     import drjit as dr
     from wavefront import Wavefront
-    return mi, recordable, Wavefront(mi, dr, recordable, options.samples // options.recordings), notes
+    return mi, recordable, Wavefront(mi, dr, recordable, samples_of(options)), notes
 
 
 def plan_of(options, mi, recordable, tracer, layers, cut):
@@ -120,7 +120,7 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
 
 def record(options, mi, recordable, tracer, layers):
     """[(file, findings of verification)]"""
-    cut = Cut(tracer, options.samples // options.recordings, options.chunk_lanes)
+    cut = Cut(tracer, samples_of(options), options.chunk_lanes)
     total = options.recordings * len(cut.parts)
     reference_cut = Cut(tracer, max(options.reference, 1), options.chunk_lanes)
     if tracer.width > options.chunk_lanes or max(total, len(reference_cut.parts)) >= CHUNK_LIMIT - 1:
@@ -149,7 +149,7 @@ def run(arguments):
         return
     failing = []
     for path, findings in record(options, mi, recordable, tracer, layers):
-        print("%s: %dx%d, %d samples a pixel, %s" % (path, tracer.width, tracer.height, options.samples // options.recordings,
+        print("%s: %dx%d, %d samples a pixel, %s" % (path, tracer.width, tracer.height, samples_of(options),
                                                      size_text(os.path.getsize(path))))
         failing += ["%s: whole, but its samples are not what they should be: %s" % (path, line(entry)) for entry in findings
                     if entry["holds"] is False]

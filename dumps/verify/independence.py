@@ -71,9 +71,8 @@ def chance_bits(radiance):
 
 def repetition_finding(radiance, claimed):
     """Independent samples repeat a whole image only where few pixels are noisy; then equality says nothing."""
-    pairs, bits = repeated_images(radiance), chance_bits(radiance)
-    pairs = [(a, b) for a, b in pairs if (radiance[:, :, a] != radiance[:1, :1, a]).any()]   # not of one colour
-    evident = bool(pairs) and bits >= LEAST_BITS
+    pairs = [(a, b) for a, b in repeated_images(radiance) if (radiance[:, :, a] != radiance[:1, :1, a]).any()]   # not of one colour
+    evident = bool(pairs) and chance_bits(radiance) >= LEAST_BITS
     note = "" if not evident else "image %d is image %d%s: a seed started again" % (
         pairs[0][1], pairs[0][0], "" if claimed else "; the header claims renderer order only")
     return finding("images differ", not evident if claimed else None if evident else True,
