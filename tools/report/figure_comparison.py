@@ -57,6 +57,7 @@ class Comparison:
         self.width = WIDTHS[column]
         self.figure = pyplot.figure(figsize=(self.width, 4.0))
         self.errors = blocks[0].errors() if len(blocks) == 1 else {}
+        self.norm = self._norm() if self.errors else None
         self.keyed = False
         self._lay_out(head_line)
 
@@ -150,7 +151,7 @@ class Comparison:
         return LogNorm(1e-4 * high, high)
 
     def _colour_bar(self, wide, top):
-        norm, length = self._norm(), min(1.6, 0.8 * wide)
+        norm, length = self.norm, min(1.6, 0.8 * wide)
         powers = [k for k in range(-40, 40) if norm.vmin <= 10.0 ** k <= norm.vmax]
         powers = powers if length > 1.2 else powers[::len(powers) - 1 or 1]
         bar = self.axes((wide - length) / 2, top + 0.22, length, 0.08)
@@ -183,7 +184,7 @@ class Comparison:
             below += GAP
             error = self.errors.get(place)
             if error is not None:
-                norm = self._norm()
+                norm = self.norm
                 axes = self.axes(left, below, tile, self.layout.maps)
                 axes.imshow(np.maximum(error, norm.vmin), norm=norm, cmap="inferno",
                             interpolation=_resampling(error.shape[1], tile))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from figure_text import breakable, latex, metric_name, printable, significant
 from headline_data import best_is_alone
 from statistics_file import Interval, interval_of
-from summary import name_of
+from summary import late_text, name_of, verdict_text
 
 MOST_LINES = 34  # of a table that fits into a column
 LATEX_MARKS = {"†": r"$\dagger$", "‡": r"$\ddagger$"}
@@ -96,10 +96,9 @@ def claim_rows(claims, labels):
     """[(text or "", where, verdict, ratio)], as the program gives them."""
     rows = []
     for claim in claims:
-        after = " (added after results)" if claim.get("after_results") else ""
-        rows.append((claim["text"] + after, "", claim["verdict"], Interval()))
+        rows.append((claim["text"] + late_text(claim), "", claim["verdict"], Interval()))
         rows += [("", f"{labels.get(place['dump'], place['dump'])}, {place['spp']:g} spp",
-                  place["verdict"] + (f": {place['withheld']}" if "withheld" in place else ""), interval_of(place.get("ratio"))) for place in claim["places"]]
+                  verdict_text(place), interval_of(place.get("ratio"))) for place in claim["places"]]
     return rows
 
 

@@ -10,14 +10,6 @@ MOST_WINDOWS = 4
 MOST_STRETCHED = 4  # times as wide as high, or as high as wide
 
 
-def relative_error(image, reference):
-    """[y][x] squared difference relative to the reference, summed over channels."""
-    scale = float(np.mean(reference[np.isfinite(reference)])) or 1.0
-    truth = reference.astype(np.float64) / scale
-    difference = image.astype(np.float64) / scale - truth
-    return np.nan_to_num((difference ** 2 / (truth ** 2 + 0.01)).sum(axis=2), nan=0.0, posinf=0.0)
-
-
 def asked_windows(texts, labels):
     """{recording, or "" for those without windows of their own: [Crop]} of "x,y,w,h" and "RECORDING:x,y,w,h"."""
     windows = {}

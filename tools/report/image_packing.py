@@ -24,6 +24,10 @@ class Packed(NamedTuple):
     text: str  # base64
     values: np.ndarray  # [y][x] or [y][x][c], as they were
 
+    def header(self):
+        """What the page's scripts read before the text."""
+        return {"width": self.width, "height": self.height, "channels": self.channels, "kind": self.kind, "scale": self.scale}
+
     @property
     def size(self):
         return len(self.text)

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from exr_image import read_exr, rgb
-from figure_windows import relative_error
 
 MOST_PIXELS = 12  # of a recording
 MOST_SAMPLES = 256
@@ -22,6 +21,14 @@ FOOTPRINT_SECONDS = 60  # for all of them; later ones are left out
 METHOD = r"(\w+)(?::\w+)?(?:\{[^{}]*\})?"  # lib/methods/method_text.h, without a label
 LEAST_WEIGHT = 1e-3  # of the largest: smaller ones are not drawn
 JUDGED_APART = ("independent", "leave_selected_out")  # nothing is held out of the list
+
+
+def relative_error(image, reference):
+    """[y][x] squared difference relative to the reference, summed over channels."""
+    scale = float(np.mean(reference[np.isfinite(reference)])) or 1.0
+    truth = reference.astype(np.float64) / scale
+    difference = image.astype(np.float64) / scale - truth
+    return np.nan_to_num((difference ** 2 / (truth ** 2 + 0.01)).sum(axis=2), nan=0.0, posinf=0.0)
 
 
 def pixel_answers(program, found, combinations, manifest, vocabulary):

@@ -115,8 +115,7 @@ def _pictures(images, combinations, dumps):
                         "width": width, "height": height, "crop": list(crop) if crop else None}
     return {
         "scenes": list(scenes.values()),
-        "images": [{"width": p.width, "height": p.height, "channels": p.channels, "kind": p.kind,
-                    "scale": p.scale} for p in images.packed],
+        "images": [p.header() for p in images.packed],
         "sets": [{"combination": s.combination, "images": s.images, "links": s.links}
                  for s in images.sets],
     }

@@ -8,7 +8,7 @@ from html import escape
 from number_text import interval_text, number_text
 from page import licences_html
 from statistics_file import interval_of
-from summary import leading, verdicts
+from summary import late_text, leading, verdict_text, verdicts
 
 LONGEST_VERDICTS = 60
 
@@ -34,7 +34,6 @@ def claims_html(statistics):
 
 
 def _claim(claim):
-    late = " (added after results)" if claim.get("after_results") else ""
     limit = "" if claim["below"] == 1 else f" {number_text(claim['below'])} times"
     asked = (f"{claim['metric']} of {claim['better']} below{limit} that of {claim['than']}, {claim['samples']} samples"
              + (f"; {claim['source']}" if claim.get("source") else ""))
@@ -42,10 +41,10 @@ def _claim(claim):
     rows = "".join(
         f'<tr><th scope="row">{escape(os.path.splitext(os.path.basename(place["dump"]))[0])}</th>'
         f'<td class="number">{place["spp"]:g}</td><td class="number">{_ratio_text(place)}</td>'
-        f'<td>{escape(place["verdict"])}{escape(": " + place["withheld"] if "withheld" in place else "")}</td></tr>'
+        f'<td>{escape(verdict_text(place))}</td></tr>'
         for place in claim["places"])
     return (f'<details class="claim {escape(claim["verdict"].replace(" ", "-"))}"><summary><b>{escape(claim["verdict"])}</b> '
-            f"{escape(claim['text'])}{late} <small>{escape(counts)}</small></summary><p>{escape(asked)}</p>"
+            f"{escape(claim['text'])}{late_text(claim)} <small>{escape(counts)}</small></summary><p>{escape(asked)}</p>"
             '<div class="scroll" tabindex="0"><table><thead><tr><th scope="col">recording</th><th scope="col">spp</th>'
             f'<th scope="col">ratio</th><th scope="col">verdict</th></tr></thead><tbody>{rows}</tbody></table></div></details>')
 

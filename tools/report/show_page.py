@@ -88,8 +88,7 @@ def page_data(said, names, packed):
             "combinations": combinations, "overall": [], "budget": None, "baseline": "uniform + box", "conditions": [], "pixels": [], "all": not filters,
             "first": f"{last['name']} + {last['filter']}", "crops": crops or None, "shrunk": said["shrunk"],
             "pictures": {"scenes": [scene], "sets": sets,
-                         "images": [{"width": p.width, "height": p.height, "channels": p.channels, "kind": p.kind,
-                                     "scale": p.scale} for p in packed]}}
+                         "images": [p.header() for p in packed]}}
 
 
 def _said(statistics):

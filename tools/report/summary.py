@@ -91,6 +91,16 @@ def name_of(entry):
     return f"{entry['sampler']} + {entry['filter']}"
 
 
+def late_text(claim):
+    """Of a claim: whether it was there before the results."""
+    return " (added after results)" if claim.get("after_results") else ""
+
+
+def verdict_text(place):
+    """Of a claim at one place: the verdict, and why there is none."""
+    return place["verdict"] + (f": {place['withheld']}" if "withheld" in place else "")
+
+
 def best_of(condition, metric, labels, baseline):
     where = f"{labels[condition['dump']]} at {condition['spp']:g} spp"
     field = condition["ranking"]

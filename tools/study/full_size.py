@@ -104,9 +104,7 @@ class Store:
         texts["plan.toml"] = text_of(full_plan(plan, [f"{n}.spool" for n in names]))
         folder = self.scratch / plan / "kept"
         shutil.rmtree(folder, ignore_errors=True)
-        for name, text in texts.items():
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_text(text, encoding="utf-8")
+        kept.written(texts, folder)
         kept.judge(self.program, folder)
         texts["statistics.json"] = json.dumps(kept.trimmed(json.loads((folder / "statistics.json").read_text())), separators=(",", ":"))
         kept.pack(self.kept(plan), texts)

@@ -82,16 +82,14 @@ def unpack(path):
         return {member.name: archive.extractfile(member).read().decode() for member in archive if member.isfile()}
 
 
-def texts_of(folder, recording_here):
-    """What is kept of a folder; of recordings that are in the tree not the cells."""
+def texts_of(folder):
+    """What is kept of a folder whose recordings are in the tree: not its cells."""
     made = json.loads((folder / "made.json").read_text()) if (folder / "made.json").exists() else made_by(folder)
     texts = {"made.json": json.dumps(made, indent=1) + "\n",
              "statistics.json": json.dumps(trimmed(json.loads((folder / "statistics.json").read_text())), separators=(",", ":"))}
-    for name in ("plan.toml", "claims.json", *(() if recording_here else ("kept.jsonl", "density.json", "figures.json"))):
+    for name in ("plan.toml", "claims.json"):
         if (folder / name).exists():
             texts[name] = (folder / name).read_text(encoding="utf-8")
-    if not recording_here:
-        texts.update((f"cells/{cell.name}", small_cell(cell.read_text())) for cell in (folder / "cells").glob("*.json"))
     return texts
 
 
@@ -105,7 +103,12 @@ def made_by(folder):
 
 def unpacked(path, folder):
     """The folder as `spool evaluate --statistics-only` and `spool compare` take it."""
-    for name, text in unpack(path).items():
+    return written(unpack(path), folder)
+
+
+def written(texts, folder):
+    """The folder, with these files in it."""
+    for name, text in texts.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
     return folder

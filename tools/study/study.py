@@ -54,7 +54,7 @@ def run_small(arguments):
             folder = arguments.results / plan
             threads = () if "threads" in read(PLANS / f"{plan}.toml") else ("--threads", arguments.threads)
             kept.evaluate(arguments.program, PLANS / f"{plan}.toml", folder, *threads)
-            texts = kept.texts_of(folder, recording_here=True)
+            texts = kept.texts_of(folder)
             if "density" in chapter:
                 from density import densities  # needs numpy
                 texts["density.json"] = json.dumps(kept.short(densities(arguments.program, read(PLANS / f"{plan}.toml"), folder)))

@@ -4,8 +4,6 @@ import io
 import math
 from pathlib import PurePosixPath
 
-TITLES = {"scene_s": "scene S", "scene_s_fireflies": "scene S with fireflies"}
-METRICS = {"mse": "MSE", "relmse": "relMSE"}
 ORDER = ("holds", "reversed", "undecided", "not compared")
 WITH_INTERVAL = ("mse", "relmse", "energy_ratio", "mse_ratio", "relmse_ratio")
 QUESTION = ("better", "than", "metric", "below")
@@ -111,10 +109,3 @@ def results_csv(statistics):
         rows.append([recording(e["dump"]), number(e["spp"]), e["threads"], e["sampler"], e["filter"],
                      *(v for c, found_values in zip(columns, values) for v in found_values[:len(ends[c])])])
     return as_csv(header, rows)
-
-
-def errors_table(statistics, columns, methods, spp):
-    """Methods by recording at one budget; columns: [(recording, quantity)]."""
-    found = {(recording(e["dump"]), e["sampler"], e["filter"], e["spp"]): e["quantities"] for e in statistics["results"]}
-    rows = [[" + ".join(m), *(interval(found.get((name, *m, spp), {}).get(quantity)) for name, quantity in columns)] for m in methods]
-    return markdown(["method", *(f"{TITLES.get(n, n)}, {METRICS.get(q, q)}" for n, q in columns)], rows)

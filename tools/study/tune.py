@@ -19,7 +19,6 @@ from whole_file import write_whole
 
 SAMPLER, FILTER = "multiscale", "directional"
 BAND = (0.97, 1.03)  # of the energy ratio
-SECOND = {"caustic_mitsuba": "caustic", "chess_sequence": "chess"}  # second recordings of a scene that chooses
 APART = ("caustic_mitsuba", "chess_sequence", "fireflies", "scene_s", "scene_s_fireflies",
          *(name for name in NAMED["analytic"] if name.startswith("stress_")))
 FULL_APART = ("thin_lens", "matpreview", "fireflies_256", "scene_s", "scene_s_fireflies")
@@ -122,7 +121,7 @@ def apart_plan(claim):
 def measure(arguments, store, name, plan=None):
     folder = arguments.results / name
     kept.evaluate(arguments.program, plan or PLANS / f"{name}.toml", folder, "--threads", arguments.threads)
-    kept.pack(store.folder / f"{name}.tar.xz", kept.texts_of(folder, recording_here=True))
+    kept.pack(store.folder / f"{name}.tar.xz", kept.texts_of(folder))
 
 
 def run(arguments, store):
