@@ -235,6 +235,12 @@ Result<bool> FileHandle::try_lock() {
   return system_error(path_, "cannot lock", errno, "use a file system with flock");
 }
 
+Result<bool> FileHandle::hold(const std::filesystem::path& path) {
+  const Result<bool> locked = try_lock();
+  if (locked && !*locked) return false;
+  return is_named(path);
+}
+
 Result<void> FileHandle::lock() {
   const Result<bool> locked = try_lock();
   if (!locked || *locked) return {};  // an error: a file system without locks

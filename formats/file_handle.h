@@ -67,6 +67,9 @@ class FileHandle {
   Result<void> write_at(uint64_t offset, std::span<const std::byte> bytes);
   Result<void> sync();
   Result<void> truncate(uint64_t bytes);
+  // Locks the file; whether it is this process's and still called `path`. Where the file system has
+  // no locks (NFS, some of FUSE), O_EXCL alone keeps a second writer out.
+  Result<bool> hold(const std::filesystem::path& path);
   // False when another process holds the lock; kIo where the file system has none.
   Result<bool> try_lock();
   // kIo when another process holds the lock; where the file system has none, nothing is done.

@@ -1,9 +1,6 @@
 #include "formats/other_kinds.h"
 
-#include <algorithm>
-#include <array>
 #include <cstring>
-#include <vector>
 
 namespace spool::format {
 namespace {
@@ -71,14 +68,6 @@ Result<void> refuse_other_kind(const std::string& name, std::span<const std::byt
   const std::string_view kind = kind_of(start);
   if (kind.empty() || kind == wanted) return {};
   return fail(ErrorCode::kData, "{}: is {}, {} is needed: {}", name, kind, wanted, remedy);
-}
-
-Result<void> refuse_other_kind(const FileHandle& file, std::string_view wanted,
-                               std::string_view remedy) {
-  SPOOL_ASSIGN(const uint64_t bytes, file.size());
-  std::vector<std::byte> start(static_cast<size_t>(std::min<uint64_t>(bytes, 32)));
-  SPOOL_TRY(file.read_at(0, start));
-  return refuse_other_kind(file.path().string(), start, wanted, remedy);
 }
 
 }  // namespace spool::format

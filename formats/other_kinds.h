@@ -3,12 +3,10 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 
-#include "formats/file_handle.h"
 #include "lib/core/error.h"
 
 namespace spool::format {
@@ -18,9 +16,6 @@ std::string_view kind_of(std::span<const std::byte> start);
 
 // kData where the file is of another known kind than `wanted`, which is spelt as in the table or is
 // not in it: "FILE: is an HDF5 file, a zip archive is needed: REMEDY".
-Result<void> refuse_other_kind(const FileHandle& file, std::string_view wanted,
-                               std::string_view remedy);
-// The same of bytes that were read already.
 Result<void> refuse_other_kind(const std::string& name, std::span<const std::byte> start,
                                std::string_view wanted, std::string_view remedy);
 

@@ -23,19 +23,12 @@ tl::unexpected<Error> written_by_another(const std::filesystem::path& partial) {
               partial.string());
 }
 
-// Where the file system has no locks (NFS, some of FUSE), O_EXCL alone keeps a second writer out.
-Result<bool> is_ours(FileHandle& file, const std::filesystem::path& partial) {
-  const Result<bool> locked = file.try_lock();
-  if (locked && !*locked) return false;
-  return file.is_named(partial);
-}
-
 // A NAME.partial that is there: emptied when it is to be replaced and nobody writes it.
 Result<FileHandle> reopen_partial(const std::filesystem::path& partial, bool force) {
   SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kAppend));
   SPOOL_TRY(file.size());
   // Its writer may have finished and renamed it between the two calls: then it is no longer ours.
-  SPOOL_ASSIGN(const bool ours, is_ours(file, partial));
+  SPOOL_ASSIGN(const bool ours, file.hold(partial));
   if (!ours) return written_by_another(partial);
   if (!force) {
     return fail(ErrorCode::kUsage,
@@ -51,7 +44,7 @@ Result<FileHandle> open_partial(const std::filesystem::path& partial, bool force
   Result<FileHandle> file = FileHandle::open(partial, OpenMode::kCreate);
   if (!file && is_there(partial)) return written_by_another(partial);  // since a moment ago
   if (!file) return file;
-  const Result<bool> ours = is_ours(*file, partial);
+  const Result<bool> ours = file->hold(partial);
   if (ours && *ours) return file;
   if (ours) return written_by_another(partial);
   std::error_code ignored;

@@ -7,9 +7,9 @@
 #include "formats/byte_io.h"
 #include "formats/checked_math.h"
 #include "formats/crc32.h"
-#include "formats/half_float.h"
 #include "formats/header_rules.h"
 #include "formats/open_dump.h"
+#include "formats/stored_value.h"
 
 namespace spool::format {
 
@@ -97,16 +97,11 @@ struct SpoolReader::State {
 
 namespace {
 
-float value_at(std::span<const std::byte> block, DataType type, size_t index) {
-  if (type == DataType::kFloat16) return half_to_float(load<uint16_t>(block, index * 2));
-  return load<float>(block, index * 4);
-}
-
 // count consecutive values from block[from] to out[0].
 void copy_values(std::span<const std::byte> block, DataType type, size_t from, size_t count,
                  float* out) {
   for (size_t i = 0; i < count; ++i)
-    out[i] = value_at(block, type, from + i);
+    out[i] = stored_value(block, type, from + i);
 }
 
 // The part of [begin, begin + count) that lies in [lower, lower + extent).

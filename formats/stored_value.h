@@ -3,23 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 
+#include "formats/byte_io.h"
 #include "formats/dump_header.h"
 #include "formats/half_float.h"
 
 namespace spool::format {
 
 inline float stored_value(std::span<const std::byte> values, DataType type, size_t at) {
-  if (type == DataType::kFloat16) {
-    uint16_t half = 0;
-    std::memcpy(&half, values.data() + 2 * at, 2);
-    return half_to_float(half);
-  }
-  float value = 0;
-  std::memcpy(&value, values.data() + 4 * at, 4);
-  return value;
+  if (type == DataType::kFloat16) return half_to_float(load<uint16_t>(values, 2 * at));
+  return load<float>(values, 4 * at);
 }
 
 }  // namespace spool::format

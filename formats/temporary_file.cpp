@@ -104,11 +104,8 @@ Result<TemporaryFile> TemporaryFile::create(const fs::path& target) {
     if (!begun) return named_after(target, name, std::move(begun).error());
     made.unfinished_ = std::move(*begun);
     // Between the two calls somebody who sweeps may have taken it for a dead one.
-    const auto locked = made.file_.try_lock();
-    const bool ours = !locked || *locked;  // an error: a file system without locks
-    if (!ours) continue;
-    SPOOL_ASSIGN(const bool named, made.file_.is_named(name));
-    if (named) return made;
+    SPOOL_ASSIGN(const bool ours, made.file_.hold(name));
+    if (ours) return made;
   }
   return fail(ErrorCode::kIo, "{}: no temporary file can be made beside it: try again",
               target.string());

@@ -63,7 +63,7 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
   for (const auto& file : options.files)
     plan.recordings.push_back(file.string());
   SPOOL_ASSIGN(plan.spp, parse_list(options.spp, [](const std::string& text) {
-                 return parse_number("--spp", text, 1e-3, 65536.0);
+                 return parse_number("--spp", text, kBudget.lowest, kBudget.highest);
                }));
   if (plan.spp.empty()) return fail(ErrorCode::kUsage, "--spp: give budgets, for example 4,8,16");
   if (!options.cell_threads.empty()) {

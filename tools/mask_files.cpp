@@ -5,7 +5,7 @@
 namespace spool::tools {
 
 Result<Plane> read_mask(const std::string& path) {
-  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(path, {"", "", "", ""}));
+  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(path, kNoLayerOption));
   const RgbImage& rgb = picture.rgb;
   Plane mask(rgb[0].width(), rgb[0].height());
   for (std::size_t i = 0; i < mask.size(); ++i)

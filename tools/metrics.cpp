@@ -19,16 +19,10 @@ namespace {
 using nlohmann::ordered_json;
 
 // kData when the pixels of the picture `name` do not lie on those of the reference.
-Result<void> check_aligned(const ForeignPicture& picture, const ForeignPicture& reference,
+Result<void> check_lies_on(const ForeignPicture& reference, const ForeignPicture& picture,
                            const std::string& name) {
   SPOOL_TRY(check_same_size(picture.rgb, reference.rgb, name));
-  if (aligned(picture, reference)) return {};
-  return fail(
-      ErrorCode::kData,
-      "{}: shows {} of its display window {}, the reference {} of {}: save both alike, e.g. "
-      "oiiotool --croptofull or --origin",
-      name, text_of(picture.shown), text_of(picture.display), text_of(reference.shown),
-      text_of(reference.display));
+  return check_aligned(picture, reference, name, "the reference");
 }
 
 struct JudgedPictures {
@@ -40,14 +34,14 @@ struct JudgedPictures {
 Result<JudgedPictures> read_pictures(const MetricsOptions& options) {
   SPOOL_ASSIGN(ForeignPicture image, read_picture(options.image, options.layer));
   SPOOL_ASSIGN(ForeignPicture mean, read_picture(options.reference, options.reference_layer));
-  SPOOL_TRY(check_aligned(image, mean, options.image.string()));
+  SPOOL_TRY(check_lies_on(mean, image, options.image.string()));
   JudgedPictures pictures;
   pictures.remarks = {remark_line(options.image.string(), image.remarks),
                       remark_line(options.reference.string(), mean.remarks)};
   if (!options.variance.empty()) {
     const std::string name = options.variance.string();
-    SPOOL_ASSIGN(ForeignPicture variance, read_picture(options.variance, {"", "", "", ""}));
-    SPOOL_TRY(check_aligned(variance, mean, name));
+    SPOOL_ASSIGN(ForeignPicture variance, read_picture(options.variance, kNoLayerOption));
+    SPOOL_TRY(check_lies_on(mean, variance, name));
     if (!variance.converted_from.empty())
       return fail(ErrorCode::kData,
                   "{}: variances in {} are not those in Rec. 709: estimate them after the "

@@ -64,7 +64,7 @@ Result<Picture> tone_mapped_picture(const PictureOptions& options) {
   SPOOL_ASSIGN(const ForeignPicture picture, read_picture(options.image, options.layer));
   std::optional<ForeignPicture> guide;
   if (!options.like.empty()) {
-    SPOOL_ASSIGN(guide, read_picture(options.like, {"", "", "", ""}));
+    SPOOL_ASSIGN(guide, read_picture(options.like, kNoLayerOption));
   }
   print_note(remark_line(options.image.string(), picture.remarks));
   return tone_map(picture.rgb, options.exposure ? std::exp2(*options.exposure)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "lib/core/as_plane.h"
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/png_writer.h"
@@ -27,13 +28,6 @@ ExrFile one_channel(const char* name, PixelType type, const Plane& plane) {
   return file;
 }
 
-Plane plane_of(const CountImage& counts) {
-  Plane plane(counts.width(), counts.height());
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    plane[i] = counts[i];
-  return plane;
-}
-
 NamedPanel size_panel(const CountImage& level) {
   std::set<int> used(level.pixels().begin(), level.pixels().end());
   CategoryKey key;
@@ -41,7 +35,7 @@ NamedPanel size_panel(const CountImage& level) {
     key.entries.emplace_back(l <= 0 ? "none" : std::to_string(1 << std::min(l, 30)),
                              l < 0 ? kNeutral : category_colour(l));
   }
-  const Plane plane = plane_of(level);
+  const Plane plane = as_plane(level);
   return {"filter_size",
           {"filter size (pixels)", category_picture(plane), std::move(key)},
           one_channel("level", PixelType::kFloat, plane)};
@@ -68,7 +62,7 @@ std::vector<NamedPanel> panels_of(const ResultImages& images, const PictureScale
     panels.push_back(
         {"reference", {"reference", tone_map(images.reference->mean, scale.exposure), {}}, {}});
   }
-  const Plane density = plane_of(*images.counts);
+  const Plane density = as_plane(*images.counts);
   panels.push_back({"density",
                     {"density", false_colour(density, scale.density),
                      ColourBar{scale.density, "samples per piece"}},

@@ -1,7 +1,6 @@
 #include "formats/interchange/dump_import.h"
 
 #include <algorithm>
-#include <map>
 
 #include "formats/checked_math.h"
 #include "formats/dump_geometry.h"

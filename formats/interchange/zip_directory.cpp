@@ -81,9 +81,10 @@ Result<Directory> find_directory(const FileHandle& file, uint64_t file_bytes) {
                   file.path().string(), end_at);
     return Directory{offset, bytes, count, end_at};
   }
-  SPOOL_TRY(format::refuse_other_kind(file, "a zip archive", "save it with numpy.savez or zip it"));
-  std::vector<std::byte> start(std::min<uint64_t>(file_bytes, 4));
+  std::vector<std::byte> start(std::min<uint64_t>(file_bytes, 32));
   SPOOL_TRY(file.read_at(0, start));
+  SPOOL_TRY(format::refuse_other_kind(file.path().string(), start, "a zip archive",
+                                      "save it with numpy.savez or zip it"));
   if (start.size() < 4 || format::kind_of(start) == "a zip archive")
     return damaged(file, "no zip directory at the end, the file is cut", file_bytes);
   return fail(ErrorCode::kData,

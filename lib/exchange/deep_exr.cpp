@@ -1,7 +1,6 @@
 #include "lib/exchange/deep_exr.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <numeric>
 

@@ -1,9 +1,7 @@
 #include "lib/exchange/exr_folder_import.h"
 
-#include <algorithm>
 #include <charconv>
 
-#include "formats/interchange/layer_names.h"
 #include "formats/interchange/scratch_file.h"
 #include "lib/exchange/numbered_files.h"
 #include "lib/exchange/sample_image.h"

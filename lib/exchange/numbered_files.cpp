@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "formats/record_layout.h"
+#include "lib/image_io/layer_kinds.h"
 
 namespace spool::exchange {
 namespace {
@@ -22,12 +23,6 @@ struct NumberedFile {
   bool dash = false;  // a '-' before the number, which `before` does not contain
 };
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 std::optional<NumberedFile> parse(const std::filesystem::path& path) {
   NumberedFile file{path, path.filename().string(), {}, {}, {}, 0, false};
   const std::string stem = path.stem().string();
@@ -36,8 +31,8 @@ std::optional<NumberedFile> parse(const std::filesystem::path& path) {
   const size_t text = stem.find_last_not_of("0123456789", end);
   const size_t begin = text == std::string::npos ? 0 : text + 1;
   file.dash = begin > 0 && stem[begin - 1] == '-';
-  file.before = lower(stem.substr(0, begin - (file.dash ? 1 : 0)));
-  file.after = lower(stem.substr(end + 1));
+  file.before = lower_case(stem.substr(0, begin - (file.dash ? 1 : 0)));
+  file.after = lower_case(stem.substr(end + 1));
   const std::string digits = stem.substr(begin, end + 1 - begin);
   const size_t low = digits.size() > kDigits ? digits.size() - kDigits : 0;
   file.high = digits.substr(0, low);
@@ -109,7 +104,7 @@ Result<NumberedFiles> numbered_files(const std::filesystem::path& in, const std:
   for (const auto& entry : std::filesystem::directory_iterator(in, error)) {
     const std::string name = entry.path().filename().string();
     if (name == except) continue;
-    if (name.starts_with('.') || lower(entry.path().extension().string()) != ".exr" ||
+    if (name.starts_with('.') || lower_case(entry.path().extension().string()) != ".exr" ||
         entry.is_directory(unknown)) {
       left_out.push_back(name);
       continue;

@@ -1,7 +1,6 @@
 #include "lib/image_io/counts_exr.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "lib/image_io/exr_layers.h"
 #include "lib/image_io/exr_source.h"

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -94,16 +93,13 @@ const Plane* ExrFile::find(std::string_view name) const {
 
 Result<ExrFile> read_exr(const std::filesystem::path& path, const ExrReadLimits& limits) {
   SPOOL_ASSIGN(ExrSource source, ExrSource::open(path, limits));
-  if (source.parts().size() == 1) return read_part(source, 0);
-  return fail(ErrorCode::kData, "{}: has {} parts: an image of one part is needed", source.name(),
-              source.parts().size());
+  SPOOL_TRY(source.check_single_part());
+  return read_part(source, 0);
 }
 
 Result<ExrFile> read_part(ExrSource& source, std::size_t p) {
   const ExrPart& part = source.parts()[p];
-  std::vector<std::size_t> channels(part.channels.size());
-  std::iota(channels.begin(), channels.end(), std::size_t{0});
-  SPOOL_ASSIGN(std::vector<ExrPlane> planes, source.read(p, channels));
+  SPOOL_ASSIGN(std::vector<ExrPlane> planes, source.read_all(p));
   ExrFile file;
   file.width = static_cast<int>(part.data.width);
   file.height = static_cast<int>(part.data.height);

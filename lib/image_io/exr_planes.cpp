@@ -1,7 +1,6 @@
 #include "lib/image_io/exr_planes.h"
 
 #include <exception>
-#include <numeric>
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -31,14 +30,10 @@ Imf::Compression imf_compression(ExrCompression compression) {
 
 Result<ExrPlanes> read_exr_planes(const std::filesystem::path& path, const ExrReadLimits& limits) {
   SPOOL_ASSIGN(ExrSource source, ExrSource::open(path, limits));
-  if (source.parts().size() != 1)
-    return fail(ErrorCode::kData, "{}: has {} parts: an image of one part is needed", source.name(),
-                source.parts().size());
+  SPOOL_TRY(source.check_single_part());
   const ExrPart& part = source.parts().front();
-  std::vector<std::size_t> channels(part.channels.size());
-  std::iota(channels.begin(), channels.end(), std::size_t{0});
   ExrPlanes image;
-  SPOOL_ASSIGN(image.planes, source.read(0, channels));
+  SPOOL_ASSIGN(image.planes, source.read_all(0));
   image.width = static_cast<int>(part.data.width);
   image.height = static_cast<int>(part.data.height);
   image.attributes = part.attributes;

@@ -1,5 +1,7 @@
 #include "lib/image_io/exr_source.h"
 
+#include <numeric>
+
 #include <exception>
 
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -146,6 +148,18 @@ Result<std::vector<ExrPlane>> ExrSource::read(std::size_t part,
   } catch (const std::exception& error) {
     return damaged(state_->name, error);
   }
+}
+
+Result<std::vector<ExrPlane>> ExrSource::read_all(std::size_t part) {
+  std::vector<std::size_t> channels(parts()[part].channels.size());
+  std::iota(channels.begin(), channels.end(), std::size_t{0});
+  return read(part, channels);
+}
+
+Result<void> ExrSource::check_single_part() const {
+  if (parts().size() == 1) return {};
+  return fail(ErrorCode::kData, "{}: has {} parts: an image of one part is needed", name(),
+              parts().size());
 }
 
 }  // namespace spool

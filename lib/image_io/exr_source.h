@@ -32,6 +32,8 @@ class ExrSource {
   // Channels of a flat part, by their indices. kData for a deep part, for what is subsampled or too
   // large, kDamage when pixels are missing or do not decode.
   Result<std::vector<ExrPlane>> read(std::size_t part, const std::vector<std::size_t>& channels);
+  Result<std::vector<ExrPlane>> read_all(std::size_t part);
+  Result<void> check_single_part() const;  // kData where there are several
 
  private:
   struct State;

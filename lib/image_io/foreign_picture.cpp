@@ -123,10 +123,17 @@ Result<ForeignPicture> read_single_or_picture(const std::filesystem::path& path,
   return read(path, choice, true);
 }
 
-bool aligned(const ForeignPicture& a, const ForeignPicture& b) {
-  if (a.shown.width != b.shown.width || a.shown.height != b.shown.height) return false;
-  return a.shown == b.shown || (a.shown.x0 - a.display.x0 == b.shown.x0 - b.display.x0 &&
-                                a.shown.y0 - a.display.y0 == b.shown.y0 - b.display.y0);
+Result<void> check_aligned(const ForeignPicture& a, const ForeignPicture& b, std::string_view name,
+                           std::string_view other) {
+  const bool same_size = a.shown.width == b.shown.width && a.shown.height == b.shown.height;
+  if (same_size && (a.shown == b.shown || (a.shown.x0 - a.display.x0 == b.shown.x0 - b.display.x0 &&
+                                           a.shown.y0 - a.display.y0 == b.shown.y0 - b.display.y0)))
+    return {};
+  return fail(ErrorCode::kData,
+              "{}: shows {} of its display window {}, {} {} of {}: save both alike, e.g. oiiotool "
+              "--croptofull or --origin",
+              name, text_of(a.shown), text_of(a.display), other, text_of(b.shown),
+              text_of(b.display));
 }
 
 std::string text_of(const ExrWindow& window) {

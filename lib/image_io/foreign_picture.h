@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lib/core/error.h"
@@ -32,8 +33,10 @@ Result<ForeignPicture> read_picture(const std::filesystem::path& path,
 Result<ForeignPicture> read_single_or_picture(const std::filesystem::path& path,
                                               const LayerChoice& choice = {});
 
-// Whether the pixels of both lie on each other: in the plane of OpenEXR, or in their displays.
-bool aligned(const ForeignPicture& a, const ForeignPicture& b);
+// kData where the pixels of `name` do not lie on those of `other`, in the plane of OpenEXR or in
+// their displays.
+Result<void> check_aligned(const ForeignPicture& picture, const ForeignPicture& reference,
+                           std::string_view name, std::string_view other);
 
 // "x 0 to 9, y 0 to 5"
 std::string text_of(const ExrWindow& window);

@@ -21,6 +21,9 @@ struct LayerChoice {
   std::string layer_option = "--layer ", part_option = "--part ";
 };
 
+// Of a door that has no option for it.
+inline const LayerChoice kNoLayerOption = {"", "", "", ""};
+
 enum class Taken {
   kPicture,  // of a picture and its denoised version the one that the file calls the picture
   kSamples,  // the noisy one: a denoised picture is no sample

@@ -30,8 +30,7 @@ void add_picture(Program& program) {
       "  spool picture image.exr -o image.png\n"
       "  spool picture image.exr --like reference.exr -o image.png\n"
       "  spool picture density.exr --false-colour --log --range 1,64 -o density.png");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_picture(program.picture, program.common); }; });
+  runs(verb, program, run_picture, program.picture);
 }
 
 void add_show(Program& program) {
@@ -67,7 +66,7 @@ void add_show(Program& program) {
       "Examples:\n"
       "  spool show before.exr after.exr --reference reference.exr -o page.html\n"
       "  spool show ours=a/image.exr theirs=b/image.exr --crop 30,20,40,30 -o page.html");
-  verb.callback([&] { program.chosen = [&] { return run_show(program.show, program.common); }; });
+  runs(verb, program, run_show, program.show);
 }
 
 }  // namespace spool::tools

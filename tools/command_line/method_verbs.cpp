@@ -30,8 +30,7 @@ void add_replay(Program& program) {
       "  spool replay dumps/tiny/chess.spool --sampler multiscale --preset paper \\\n"
       "    --set sampler.alpha=0.3 --spp 8 -o chess_8.exr\n"
       "  spool reconstruct dumps/tiny/chess.spool --selection chess_8.exr --filter box -o box.exr");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_replay(program.replay, program.common); }; });
+  runs(verb, program, run_replay, program.replay);
 }
 
 void add_reconstruct(Program& program) {
@@ -116,7 +115,7 @@ void add_pixel(Program& program) {
       "    --filter directional\n"
       "  spool pixel dumps/tiny/chess.spool --at 20,30 --samples 16\n"
       "  spool pixel dumps/tiny/chess.spool --at 20,30 --evaluation-seed 1 --json");
-  verb.callback([&] { program.chosen = [&] { return run_pixel(program.pixel, program.common); }; });
+  runs(verb, program, run_pixel, program.pixel);
 }
 
 void add_view(Program& program) {
@@ -136,7 +135,7 @@ void add_view(Program& program) {
       "Examples:\n"
       "  spool view dumps/tiny/chess.spool\n"
       "  spool view results --port 8000");
-  verb.callback([&] { program.chosen = [&] { return run_view(program.view, program.common); }; });
+  runs(verb, program, run_view, program.view);
 }
 
 void add_list(Program& program) {
@@ -155,7 +154,7 @@ void add_list(Program& program) {
       "Examples:\n"
       "  spool list samplers\n"
       "  spool list filters --json | jq '.[].name'");
-  verb.callback([&] { program.chosen = [&] { return run_list(program.list, program.common); }; });
+  runs(verb, program, run_list, program.list);
 }
 
 }  // namespace spool::tools

@@ -64,6 +64,15 @@ struct Program {
   Verb chosen;
 };
 
+// What a verb does when it is chosen.
+template <class Options>
+void runs(CLI::App& verb, Program& program,
+          Result<void> (*run)(const Options&, const CommonOptions&), const Options& options) {
+  verb.callback([&program, &options, run] {
+    program.chosen = [&program, &options, run] { return run(options, program.common); };
+  });
+}
+
 // The switches of a verb; every verb takes --threads and --quiet.
 void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force);
 // Says in the help what the option may be; looked at by validate() of the verb.

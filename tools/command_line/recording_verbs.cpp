@@ -17,7 +17,7 @@ void add_info(Program& program) {
       "  spool info dumps/tiny/chess.spool\n"
       "  spool info dumps/tiny/chess.spool --all\n"
       "  spool info dumps/tiny/chess.spool --json | jq .samples_per_pixel");
-  verb.callback([&] { program.chosen = [&] { return run_info(program.info, program.common); }; });
+  runs(verb, program, run_info, program.info);
 }
 
 void add_check(Program& program) {
@@ -29,7 +29,7 @@ void add_check(Program& program) {
       "Examples:\n"
       "  spool check dumps/tiny/chess.spool\n"
       "  for f in *.spool; do spool check -q $f || echo \"$f is damaged\"; done");
-  verb.callback([&] { program.chosen = [&] { return run_check(program.check, program.common); }; });
+  runs(verb, program, run_check, program.check);
 }
 
 void add_recover(Program& program) {
@@ -43,8 +43,7 @@ void add_recover(Program& program) {
       "Examples:\n"
       "  spool recover damaged.spool saved.spool\n"
       "  spool recover night.spool.partial saved.spool    (a recording that was interrupted)");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_recover(program.recover, program.common); }; });
+  runs(verb, program, run_recover, program.recover);
 }
 
 void add_pack(Program& program) {
@@ -81,7 +80,7 @@ void add_pack(Program& program) {
       "  spool pack --from npz samples.npz --set import.layout=HWSC -o mine.spool\n"
       "  spool pack --from exr-folder renders --set import.map=albedo=DiffCol \\\n"
       "    -o mine.spool");
-  verb.callback([&] { program.chosen = [&] { return run_pack(program.pack, program.common); }; });
+  runs(verb, program, run_pack, program.pack);
 }
 
 void add_convert(Program& program) {
@@ -108,8 +107,7 @@ void add_convert(Program& program) {
       "  spool convert dumps/tiny/chess.spool --to npz -o chess.npz\n"
       "  spool convert dumps/tiny/chess.spool --to oidn --set export.spp=1,2,4,8 -o oidn_set\n"
       "  spool convert dumps/tiny/chess.spool --to bcd-stats --set export.spp=16 -o chess_bcd");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_convert(program.convert, program.common); }; });
+  runs(verb, program, run_convert, program.convert);
 }
 
 void add_synth(Program& program) {
@@ -130,7 +128,7 @@ void add_synth(Program& program) {
       "Examples:\n"
       "  spool synth scene_s --size 128 --samples 64 -o s.spool\n"
       "  spool synth slanted_edge --set angle=45 -o edge.spool");
-  verb.callback([&] { program.chosen = [&] { return run_synth(program.synth, program.common); }; });
+  runs(verb, program, run_synth, program.synth);
 }
 
 }  // namespace spool::tools

@@ -95,8 +95,7 @@ void add_evaluate(Program& program) {
       "  spool evaluate --statistics-only results\n"
       "  spool evaluate plan.toml --shard 3/16 -o shared/results       (on machine 3 of 16)\n"
       "  spool evaluate plan.toml --merge -o shared/results            (when all are done)");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_evaluate(program.evaluate, program.common); }; });
+  runs(verb, program, run_evaluate, program.evaluate);
 }
 
 void add_metrics(Program& program) {
@@ -123,8 +122,7 @@ void add_metrics(Program& program) {
       "Examples:\n"
       "  spool metrics mine.exr reference.exr\n"
       "  spool metrics mine.exr reference.exr --json --set rel_scale=none --set rel_eps=0.001");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_metrics(program.metrics, program.common); }; });
+  runs(verb, program, run_metrics, program.metrics);
 }
 
 void add_compare(Program& program) {
@@ -155,8 +153,7 @@ void add_compare(Program& program) {
       "  spool evaluate plan.toml -o new && spool compare accepted new\n"
       "  spool compare accepted new --metric relmse,cpu --tolerance 0.02\n"
       "  spool compare alpha_03 alpha_04 --match name");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_compare(program.compare, program.common); }; });
+  runs(verb, program, run_compare, program.compare);
 }
 
 void add_report(Program& program) {
@@ -177,8 +174,7 @@ void add_report(Program& program) {
       "Examples:\n"
       "  spool evaluate dumps/tiny/chess.spool --spp 4,8,16 -o results\n"
       "  spool report results -o report.html");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_report(program.report, program.common); }; });
+  runs(verb, program, run_report, program.report);
 }
 
 void add_figure(Program& program) {
@@ -225,8 +221,7 @@ void add_figure(Program& program) {
       "  spool figure results -o figures --spp 4 --method 'uniform + box' \\\n"
       "    --method 'multiscale + directional'\n"
       "  spool figure tools/plans/quick.toml -o figures");
-  verb.callback(
-      [&] { program.chosen = [&] { return run_figure(program.figure, program.common); }; });
+  runs(verb, program, run_figure, program.figure);
 }
 
 }  // namespace spool::tools

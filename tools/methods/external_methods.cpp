@@ -115,7 +115,7 @@ Result<Answer<Value>> call(const std::string& command, const PieceStatistics& st
 
 // A command has no option that chooses: its answer is one picture.
 Result<ForeignPicture> read_answer(const std::filesystem::path& path) {
-  return read_picture(path, {"", "", "", ""});
+  return read_picture(path, kNoLayerOption);
 }
 
 Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionValues& set) {

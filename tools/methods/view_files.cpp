@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "lib/core/as_plane.h"
 #include "lib/core/option_table.h"
 #include "lib/image_io/picture.h"
 #include "lib/image_io/png_writer.h"
@@ -18,13 +19,6 @@ constexpr int kPictureSide = 512;  // small images are enlarged up to this
 
 std::string_view family_of(std::string_view name) {
   return name.substr(0, name.find('.'));
-}
-
-Plane as_plane(const CountImage& counts) {
-  Plane plane(counts.width(), counts.height());
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    plane[i] = counts[i];
-  return plane;
 }
 
 bool has_view(const Views& views, std::string_view name) {

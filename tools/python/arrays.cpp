@@ -6,6 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "formats/record_layout.h"
+
 namespace spool::python {
 namespace {
 
@@ -51,14 +53,13 @@ Plane plane_from_numpy(const PlaneArray& array) {
 }
 
 Result<void> check_image_size(std::size_t width, std::size_t height, const std::string& name) {
-  constexpr std::size_t kLargestSide = 65536, kMostPixels = std::size_t{1} << 28;
-  if (width > 0 && height > 0 && width <= kLargestSide && height <= kLargestSide &&
-      width * height <= kMostPixels) {
+  if (width > 0 && height > 0 && width <= format::kMaxSide && height <= format::kMaxSide &&
+      width * height <= format::kMaxPixels) {
     return {};
   }
   return fail(ErrorCode::kUsage,
               "{}: {} x {} pixels: give 1 to {} on a side, and at most {} in all", name, width,
-              height, kLargestSide, kMostPixels);
+              height, format::kMaxSide, format::kMaxPixels);
 }
 
 RgbImage rgb_from_numpy(const ImageArray& array) {

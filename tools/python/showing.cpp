@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "lib/core/as_plane.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/foreign_picture.h"
@@ -76,26 +77,26 @@ nb::bytes png_of(const Picture& picture) {
   return bytes_of(run<Png>([&](Watch&) { return png_bytes(picture); }, nb::none(), 0));
 }
 
+Plane shrunk_to(const Plane& plane, int most_side) {
+  const int longer = std::max(plane.width(), plane.height());
+  return tools::shrunk(plane, std::max(1, (longer + most_side - 1) / most_side));
+}
+
 // The exposure is that of the whole image.
 nb::bytes tone_mapped_png(const ImageArray& array, const std::optional<double>& exposure,
                           int most_side) {
   RgbImage image = rgb_from_numpy(array);
   const double factor = exposure ? std::exp2(*exposure) : tone_exposure(image);
-  const int longer = std::max(image[0].width(), image[0].height());
   for (Plane& plane : image)
-    plane = tools::shrunk(plane, std::max(1, (longer + most_side - 1) / most_side));
+    plane = shrunk_to(plane, most_side);
   return png_of(tone_map(image, factor));
 }
 
 // As the density of an evaluation's pictures, with its bar.
 nb::bytes density_png(const CountArray& array, int most_side) {
-  const CountImage counts = *counts_of(array, "counts");
-  Plane plane(counts.width(), counts.height());
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    plane[i] = counts[i];
+  Plane plane = as_plane(*counts_of(array, "counts"));
   const ValueRange range{1.0, std::max(2.0, *std::ranges::max_element(plane.pixels())), true};
-  const int longer = std::max(plane.width(), plane.height());
-  plane = tools::shrunk(plane, std::max(1, (longer + most_side - 1) / most_side));
+  plane = shrunk_to(plane, most_side);
   return png_of(labelled_picture(
       {"density", false_colour(plane, range), ColourBar{range, "samples per piece"}}));
 }
@@ -115,7 +116,7 @@ std::string facts_json(const std::string& path) {
 nb::object read_image(const std::string& path) {
   return rgb_to_numpy(run<RgbImage>(
       [&](Watch&) -> Result<RgbImage> {
-        SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, {"", "", "", ""}));
+        SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, kNoLayerOption));
         return std::move(picture.rgb);
       },
       nb::none(), 0));

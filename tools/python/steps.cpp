@@ -1,13 +1,13 @@
 #include "tools/python/steps.h"
 
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 
+#include "formats/record_layout.h"
 #include "lib/core/guards.h"
 #include "tools/metrics.h"
 #include "tools/python/arrays.h"
@@ -192,10 +192,9 @@ using NamedArray = std::tuple<std::string, std::string, SampleArray>;
 // Of radiance, or of another layer of its samples with so many channels.
 Result<void> check_layer(const SampleArray& layer, const SampleArray& radiance,
                          std::size_t channels, const std::string& name) {
-  constexpr std::size_t kMostSamples = 65536;
   SPOOL_TRY(check_image_size(layer.shape(2), layer.shape(1), name));
   const std::size_t spp = layer.shape(3);
-  bool fits = layer.shape(0) == channels && spp > 0 && spp <= kMostSamples;
+  bool fits = layer.shape(0) == channels && spp > 0 && spp <= format::kMaxSpp;
   for (std::size_t d = 1; d < 4; ++d)
     fits = fits && layer.shape(d) == radiance.shape(d);
   if (fits) return {};

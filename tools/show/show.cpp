@@ -60,19 +60,14 @@ std::vector<NamedFile> named_files(const std::vector<std::string>& texts) {
 // With its remark on stderr. kData when its pixels do not lie on those of the first picture.
 Result<RgbImage> read_rgb(const fs::path& path, std::optional<ForeignPicture>& first,
                           const CommonOptions& common) {
-  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, {"", "", "", ""}));
+  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, kNoLayerOption));
   if (!common.quiet) print_note(remark_line(path.string(), picture.remarks));
   RgbImage image = std::move(picture.rgb);
   picture.rgb = {};
   if (!first) first = picture;
-  if (picture.shown.width != first->shown.width || picture.shown.height != first->shown.height ||
-      aligned(picture, *first))
-    return image;
-  return fail(ErrorCode::kData,
-              "{}: shows {} of its display window {}, the first image {} of {}: save both alike, "
-              "e.g. oiiotool --croptofull or --origin",
-              path.string(), text_of(picture.shown), text_of(picture.display),
-              text_of(first->shown), text_of(first->display));
+  if (picture.shown.width == first->shown.width && picture.shown.height == first->shown.height)
+    SPOOL_TRY(check_aligned(picture, *first, path.string(), "the first image"));
+  return image;
 }
 
 bool is_page_name(const fs::path& path) {

@@ -1,5 +1,6 @@
 // The reconstruction of [LiuZheng (section 4)], step by step in the order of the text.
 #include "lib/filters/directional/directional.h"
+#include "lib/core/as_plane.h"
 
 #include <optional>
 #include <utility>
@@ -15,13 +16,6 @@
 
 namespace spool {
 namespace {
-
-Plane as_plane(const CountImage& image) {
-  Plane plane(image.width(), image.height());
-  for (std::size_t i = 0; i < plane.size(); ++i)
-    plane[i] = image[i];
-  return plane;
-}
 
 Plane scaled(const Plane& plane, double factor) {
   Plane result = plane;

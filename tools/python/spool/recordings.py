@@ -13,8 +13,8 @@ from . import _core, reader
 from .arguments import array, choice, flag, option_text, path as path_of, seed as seed_of, text, whole
 from .cells import recording_html
 from .error import SpoolError
+from .record_layout import MAX_SIDE
 
-LARGEST_SIDE = 65536  # as in a file
 FEATURES = {"albedo": "RGB", "normal": "XYZ", "depth": "Z"}
 
 
@@ -81,8 +81,8 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     arrays = {key: array(f"{name}: {key}", values) for key, values in given.items()
               if values is not None or key == "radiance"}
     shape = arrays["radiance"].shape
-    if len(shape) != 4 or shape[3] != 3 or 0 in shape or max(shape) > LARGEST_SIDE:
-        raise SpoolError("usage", f"{name}: radiance has shape {shape}, not (height, width, spp, 3) of 1 to {LARGEST_SIDE} each")
+    if len(shape) != 4 or shape[3] != 3 or 0 in shape or max(shape) > MAX_SIDE:
+        raise SpoolError("usage", f"{name}: radiance has shape {shape}, not (height, width, spp, 3) of 1 to {MAX_SIDE} each")
     for key, channels in (("film", 2), ("albedo", 3), ("normal", 3), ("depth", 1)):
         if key in arrays:
             arrays[key] = arrays[key].reshape(*shape[:3], 1) if arrays[key].shape == shape[:3] else arrays[key]
