@@ -15,10 +15,10 @@ namespace spool::tools {
 
 struct ShownImage {
   std::string name;
-  Reconstruction result;             // the image, and what else a filter has
-  std::string filter = {};           // of a replay: `name` is then that of its sampler
-  double spp = 0.0;                  // of a replay
-  std::optional<CountImage> counts;  // of a replay
+  Reconstruction result;                  // the image, and what else a filter has
+  std::string filter = {};                // of a replay: `name` is then that of its sampler
+  double spp = 0.0;                       // of a replay
+  std::optional<CountImage> counts = {};  // of a replay
 };
 
 struct ShownCrop {
