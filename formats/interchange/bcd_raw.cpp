@@ -1,10 +1,10 @@
 #include "formats/interchange/bcd_raw.h"
-#include "formats/other_kinds.h"
 
 #include <array>
 
 #include "formats/byte_io.h"
 #include "formats/checked_math.h"
+#include "formats/other_kinds.h"
 #include "formats/spool_reader.h"
 
 namespace spool::interchange {

@@ -1,5 +1,4 @@
 #include "formats/interchange/sbmc_tile.h"
-#include "formats/other_kinds.h"
 
 #include <array>
 #include <bit>
@@ -7,6 +6,7 @@
 
 #include "formats/byte_io.h"
 #include "formats/interchange/lz4_frame.h"
+#include "formats/other_kinds.h"
 #include "formats/record_layout.h"
 
 namespace spool::interchange {

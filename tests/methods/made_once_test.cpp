@@ -5,8 +5,8 @@
 #include "lib/sampling/uniform.h"
 #include "tests/support/memory_pool.h"
 #include "tools/methods/called_methods.h"
-#include "tools/reconstruct.h"
-#include "tools/replay.h"
+#include "tools/verbs/reconstruct.h"
+#include "tools/verbs/replay.h"
 
 namespace spool::tools {
 namespace {

@@ -1,11 +1,11 @@
 #include "tools/batch/condition_json.h"
-#include "lib/experiment/plan_cells.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lib/experiment/baseline.h"
+#include "lib/experiment/plan_cells.h"
 
 namespace spool::tools {
 namespace {

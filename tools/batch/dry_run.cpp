@@ -14,8 +14,8 @@
 #include "tools/batch/run_folder.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
-#include "tools/json_text.h"
 #include "tools/methods/external_methods.h"
+#include "tools/terminal/json_text.h"
 
 namespace spool::tools {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "lib/core/error.h"
 #include "tools/batch/run_request.h"
-#include "tools/console.h"
+#include "tools/terminal/console.h"
 
 namespace spool::tools {
 

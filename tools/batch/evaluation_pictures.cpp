@@ -9,7 +9,7 @@
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
-#include "tools/result_pictures.h"
+#include "tools/verbs/result_pictures.h"
 
 namespace spool::tools {
 namespace {

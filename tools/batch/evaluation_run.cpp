@@ -1,6 +1,4 @@
 #include "tools/batch/evaluation_run.h"
-#include "lib/experiment/plan_cells.h"
-#include "lib/experiment/plan_text.h"
 
 #include <atomic>
 #include <chrono>
@@ -9,6 +7,8 @@
 #include <utility>
 
 #include "formats/spool_reader.h"
+#include "lib/experiment/plan_cells.h"
+#include "lib/experiment/plan_text.h"
 #include "lib/experiment/result_record.h"
 #include "lib/experiment/result_table.h"
 #include "lib/image_io/atomic_file.h"
@@ -26,10 +26,10 @@
 #include "tools/batch/statistics.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
-#include "tools/interrupt.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
-#include "tools/progress.h"
+#include "tools/terminal/interrupt.h"
+#include "tools/terminal/progress.h"
 
 namespace spool::tools {
 namespace {

@@ -13,7 +13,7 @@
 #include "lib/core/error.h"
 #include "lib/experiment/plan.h"
 #include "tools/batch/run_request.h"
-#include "tools/console.h"
+#include "tools/terminal/console.h"
 
 namespace spool::tools {
 

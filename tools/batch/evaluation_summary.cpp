@@ -11,9 +11,9 @@
 #include "lib/core/visible_text.h"
 #include "lib/inference/withheld.h"
 #include "tools/batch/claims_json.h"
-#include "tools/console.h"
-#include "tools/json_text.h"
 #include "tools/methods/external_methods.h"
+#include "tools/terminal/console.h"
+#include "tools/terminal/json_text.h"
 
 namespace spool::tools {
 namespace {

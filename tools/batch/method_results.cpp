@@ -1,5 +1,4 @@
 #include "tools/batch/method_results.h"
-#include "lib/experiment/plan_cells.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include "formats/spool_reader.h"
 #include "lib/core/check.h"
+#include "lib/experiment/plan_cells.h"
 #include "lib/inference/shared_samples.h"
 #include "lib/metrics/error_metrics.h"
 #include "tools/methods/external_methods.h"
@@ -27,9 +27,10 @@ std::vector<Quantity> make_quantities() {
     const Range range = metric.better == Better::kHigher ? Range::kReal : Range::kPositive;
     list.push_back({metric.name, range, true});
   }
-  for (const char* name : {"seconds_total", kCpuTotal, "seconds_sampling", "seconds_filtering",
-                           "cpu_sampling", "cpu_filtering", "seconds_exchange", "seconds_reading", "seconds_judging",
-                           "seconds_writing", "peak_memory_mb", "samples_per_pixel", "efficiency"})
+  for (const char* name :
+       {"seconds_total", kCpuTotal, "seconds_sampling", "seconds_filtering", "cpu_sampling",
+        "cpu_filtering", "seconds_exchange", "seconds_reading", "seconds_judging",
+        "seconds_writing", "peak_memory_mb", "samples_per_pixel", "efficiency"})
     list.push_back({name});
   for (const char* name : {"saturated_share", "mse_worst_share", "relmse_worst_share"})
     list.push_back({name, Range::kShare});

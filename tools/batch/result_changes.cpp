@@ -1,9 +1,9 @@
 #include "tools/batch/result_changes.h"
-#include "lib/experiment/plan_cells.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "lib/experiment/plan_cells.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/dump_identity.h"
 #include "tools/methods/external_methods.h"

@@ -1,5 +1,4 @@
 #include "tools/batch/run_folder.h"
-#include "lib/experiment/plan_cells.h"
 
 #include <chrono>
 #include <unordered_map>
@@ -7,6 +6,7 @@
 
 #include "formats/spool_reader.h"
 #include "formats/temporary_file.h"
+#include "lib/experiment/plan_cells.h"
 #include "tools/batch/cell_store.h"
 
 namespace spool::tools {

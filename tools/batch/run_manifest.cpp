@@ -1,5 +1,4 @@
 #include "tools/batch/run_manifest.h"
-#include "tools/methods/external_methods.h"
 
 #include <ctime>
 #include <fstream>
@@ -15,6 +14,7 @@
 #include "formats/bounded_json.h"
 #include "lib/experiment/experiment.h"
 #include "lib/image_io/atomic_file.h"
+#include "tools/methods/external_methods.h"
 
 namespace spool::tools {
 namespace {

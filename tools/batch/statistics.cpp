@@ -1,11 +1,11 @@
 #include "tools/batch/statistics.h"
-#include "lib/experiment/plan_cells.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "lib/experiment/baseline.h"
+#include "lib/experiment/plan_cells.h"
 #include "lib/inference/budget_curve.h"
 #include "lib/inference/equal_time.h"
 #include "lib/inference/ranking.h"

@@ -4,7 +4,7 @@
 
 #include "lib/core/option_table.h"
 #include "lib/exchange/foreign_formats.h"
-#include "tools/foreign_settings.h"
+#include "tools/verbs/foreign_settings.h"
 
 namespace spool::tools {
 namespace {

@@ -13,12 +13,12 @@
 #include "lib/sampling/given_counts.h"
 #include "lib/sampling/rounds.h"
 #include "lib/sampling/spending.h"
-#include "tools/console.h"
 #include "tools/methods/called_methods.h"
 #include "tools/methods/ensemble_filter.h"
 #include "tools/methods/external_process.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/statistics_file.h"
+#include "tools/terminal/console.h"
 
 namespace spool::tools {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "lib/experiment/loop_filter.h"
 #include "tools/batch/evaluation_run.h"
-#include "tools/mask_files.h"
 #include "tools/methods/external_methods.h"
 #include "tools/python/running.h"
+#include "tools/verbs/mask_files.h"
 
 namespace spool::python {
 namespace {

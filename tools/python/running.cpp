@@ -10,8 +10,8 @@
 #include <new>
 
 #include "lib/core/visible_text.h"
-#include "tools/option_bounds.h"
 #include "tools/python/workers.h"
+#include "tools/verbs/option_bounds.h"
 
 namespace spool::python {
 namespace {

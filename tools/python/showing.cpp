@@ -16,11 +16,11 @@
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
-#include "tools/info.h"
-#include "tools/json_text.h"
 #include "tools/python/arrays.h"
 #include "tools/python/running.h"
 #include "tools/show/shown_images.h"
+#include "tools/terminal/json_text.h"
+#include "tools/verbs/info.h"
 
 namespace spool::python {
 namespace {

@@ -9,13 +9,13 @@
 
 #include "formats/record_layout.h"
 #include "lib/core/guards.h"
-#include "tools/metrics.h"
 #include "tools/python/arrays.h"
 #include "tools/python/running.h"
 #include "tools/python/source.h"
-#include "tools/reconstruct.h"
-#include "tools/replay.h"
-#include "tools/synth.h"
+#include "tools/verbs/metrics.h"
+#include "tools/verbs/reconstruct.h"
+#include "tools/verbs/replay.h"
+#include "tools/verbs/synth.h"
 
 namespace spool::python {
 namespace {

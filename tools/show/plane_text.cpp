@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "tools/json_text.h"
+#include "tools/terminal/json_text.h"
 
 namespace spool::tools {
 

@@ -9,7 +9,7 @@
 
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/foreign_picture.h"
-#include "tools/page_generator.h"
+#include "tools/verbs/page_generator.h"
 
 namespace spool::tools {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/console.h"
 #include "tools/show/shown_images.h"
+#include "tools/terminal/console.h"
 
 namespace spool::tools {
 

@@ -8,8 +8,8 @@
 
 #include "lib/image_io/picture.h"
 #include "lib/statistics/piece_statistics.h"
-#include "tools/json_text.h"
 #include "tools/show/plane_text.h"
+#include "tools/terminal/json_text.h"
 
 namespace spool::tools {
 namespace {

@@ -10,7 +10,7 @@
 #include "lib/pool/load_recording.h"
 #include "lib/sampling/samplers.h"
 #include "tools/methods/method_memory.h"
-#include "tools/pixel_answer.h"
+#include "tools/verbs/pixel_answer.h"
 
 namespace spool::tools {
 namespace {

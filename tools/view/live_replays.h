@@ -21,7 +21,7 @@
 #include "lib/methods/method_text.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/sampling/sampler.h"
-#include "tools/one_replay.h"
+#include "tools/verbs/one_replay.h"
 #include "tools/view/bounded_cache.h"
 
 namespace spool::tools {

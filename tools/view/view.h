@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "tools/console.h"
+#include "tools/terminal/console.h"
 
 namespace spool::tools {
 

@@ -1,10 +1,10 @@
 // The reconstruction of [LiuZheng (section 4)], step by step in the order of the text.
 #include "lib/filters/directional/directional.h"
-#include "lib/core/as_plane.h"
 
 #include <optional>
 #include <utility>
 
+#include "lib/core/as_plane.h"
 #include "lib/filters/directional/base_image.h"
 #include "lib/filters/directional/base_step.h"
 #include "lib/filters/directional/filter_size.h"

@@ -1,0 +1,138 @@
+// The program `spool`: arguments in, verbs called, errors and exit codes out. What a verb takes
+// stands in command_line/.
+#include <exception>
+#include <new>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/lost_pages.h"
+#include "lib/core/heap_policy.h"
+#include "lib/core/parallel.h"
+#include "tools/command_line/image_verbs.h"
+#include "tools/command_line/manual.h"
+#include "tools/command_line/method_verbs.h"
+#include "tools/command_line/misspelt.h"
+#include "tools/command_line/recording_verbs.h"
+#include "tools/command_line/result_verbs.h"
+#include "tools/terminal/interrupt.h"
+#include "tools/terminal/quiet.h"
+
+namespace spool::tools {
+namespace {
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 done, 1 data unusable, 2 wrong use, 3 input or output failed, 4 damage found "
+    "or\n"
+    "samples gone; after a signal, 128 and its number.\n"
+    "Errors are one line on stderr: what is wrong, where, and what to do.";
+
+constexpr const char* kGreeting =
+    "Spool records every sample of a rendered image once, replays adaptive samplers on the "
+    "record,\n"
+    "filters, and reports error and time.\n\n"
+    "Start:\n"
+    "  spool synth scene_s --size 64 --samples 64 -o s.spool      a recording, without a renderer\n"
+    "  spool evaluate s.spool --samplers uniform,multiscale --filters box,directional \\\n"
+    "    --spp 4,8 -o results                                     which method is better, and by "
+    "how much\n"
+    "  spool report results -o report.html                        the pictures beside the "
+    "numbers\n\n";
+
+// Verbs by what one wants with them, for the greeting and the help.
+const std::pair<const char*, std::vector<const char*>> kGroups[] = {
+    {"Look", {"info", "check", "picture", "pixel", "show", "view"}},
+    {"Record", {"synth", "pack", "convert", "recover"}},
+    {"One image", {"replay", "reconstruct", "metrics"}},
+    {"Compare methods", {"evaluate", "compare", "report", "figure"}},
+    {"More", {"list", "completion", "man"}}};
+
+std::string greeting(const CLI::App& app) {
+  std::string text = kGreeting;
+  for (const auto& [group, verbs] : kGroups) {
+    text += std::string(group) + "\n";
+    for (const char* verb : verbs)
+      text += fmt::format("  {:<12} {}\n", verb, app.get_subcommand(verb)->get_description());
+  }
+  return text + "\nEach verb explains itself: spool VERB --help\n";
+}
+
+// Prints what was asked for; the exit code.
+int answer(const std::string& text) {
+  print(text);
+  const Result<void> arrived = check_output();
+  if (arrived) return 0;
+  print_error(arrived.error());
+  return static_cast<int>(arrived.error().code);
+}
+
+int run(int count, char** arguments) {
+  Program program;
+  program.app.name("spool");
+  program.app.footer(std::string(kExitCodes) + "\n\nEach verb explains itself: spool VERB --help");
+  program.app.require_subcommand(1);
+  program.app.set_version_flag("--version", "spool " SPOOL_VERSION);
+  add_info(program);
+  add_check(program);
+  add_recover(program);
+  add_pack(program);
+  add_convert(program);
+  add_synth(program);
+  add_replay(program);
+  add_reconstruct(program);
+  add_evaluate(program);
+  add_metrics(program);
+  add_compare(program);
+  add_report(program);
+  add_figure(program);
+  add_picture(program);
+  add_show(program);
+  add_pixel(program);
+  add_view(program);
+  add_list(program);
+  add_completion(program);
+  add_man(program);
+  for (const auto& [group, verbs] : kGroups) {
+    for (const char* verb : verbs)
+      program.app.get_subcommand(verb)->group(group);
+  }
+  if (count == 1) return answer(greeting(program.app));
+  try {
+    program.app.parse(count, arguments);
+  } catch (const CLI::Success& asked_for_help) {
+    std::ostringstream text;
+    program.app.exit(asked_for_help, text, text);
+    return answer(text.str());
+  } catch (const CLI::ParseError& error) {
+    print_error({ErrorCode::kUsage, explain(program.app, error, count, arguments)});
+    return static_cast<int>(ErrorCode::kUsage);
+  }
+  if (program.common.quiet) keep_quiet();
+  watch_for_interrupts();
+  Result<void> result = check_bounds("threads", program.common.threads, kThreads);
+  const ThreadLimit limit(program.common.threads);
+  if (result) result = program.chosen();
+  if (result) result = check_output();
+  if (result) return 0;
+  print_error(result.error());
+  return static_cast<int>(result.error().code);
+}
+
+}  // namespace
+}  // namespace spool::tools
+
+int main(int count, char** arguments) {
+  spool::tools::open_standard_streams();
+  spool::keep_freed_memory();
+  spool::format::survive_lost_pages();
+  try {
+    return spool::tools::run(count, arguments);
+  } catch (const std::bad_alloc&) {
+    spool::tools::print_error({spool::ErrorCode::kIo, "out of memory: use a smaller image"});
+    return static_cast<int>(spool::ErrorCode::kIo);
+  } catch (const std::exception& error) {
+    spool::tools::print_error({spool::ErrorCode::kData, error.what()});
+    return static_cast<int>(spool::ErrorCode::kData);
+  }
+}

@@ -1,0 +1,58 @@
+#include "tools/terminal/progress.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "lib/core/visible_text.h"
+#include "tools/terminal/console.h"
+
+namespace spool::tools {
+namespace {
+
+constexpr std::chrono::milliseconds kBetweenLines{100};
+constexpr std::chrono::milliseconds kBetweenLogLines{60000};
+// Before this the speed is not known well enough to promise a time.
+constexpr std::chrono::milliseconds kBeforeEstimate{500};
+
+int terminal_width() {
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 100;
+}
+
+}  // namespace
+
+Progress::Progress(std::string task, bool quiet)
+    : task_(std::move(task)),
+      visible_(!quiet && ::isatty(STDERR_FILENO) == 1),
+      logged_(!quiet && !visible_) {}
+
+Progress::~Progress() {
+  if (visible_) print_raw_error("\r\033[K");
+}
+
+void Progress::update(double share, const std::string& detail, std::optional<double> seconds_left) {
+  if (!visible_ && !logged_) return;
+  const std::scoped_lock lock(mutex_);
+  const Clock::time_point now = Clock::now();
+  if (now - printed_ < (visible_ ? kBetweenLines : kBetweenLogLines)) return;
+  printed_ = now;
+  const double done = std::clamp(share, 0.0, 1.0);
+  std::string line = fmt::format("{} {:3.0f} %", task_, 100.0 * done);
+  if (!seconds_left && now - start_ > kBeforeEstimate && done > 0.01) {
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    seconds_left = elapsed * (1.0 - done) / done;
+  }
+  if (seconds_left) line += ", " + format_seconds(*seconds_left) + " left";
+  if (!detail.empty()) line += "  " + detail;
+  if (logged_) {
+    print_raw_error(visible_text(line) + "\n");
+    return;
+  }
+  print_raw_error(fmt::format("\r\033[K{:.{}}", visible_text(line), terminal_width() - 1));
+}
+
+}  // namespace spool::tools

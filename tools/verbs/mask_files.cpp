@@ -1,0 +1,37 @@
+#include "tools/verbs/mask_files.h"
+
+#include "lib/image_io/foreign_picture.h"
+
+namespace spool::tools {
+
+Result<Plane> read_mask(const std::string& path) {
+  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(path, kNoLayerOption));
+  const RgbImage& rgb = picture.rgb;
+  Plane mask(rgb[0].width(), rgb[0].height());
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    mask[i] = (rgb[0][i] + rgb[1][i] + rgb[2][i]) / 3.0;
+  return mask;
+}
+
+Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts) {
+  std::vector<EnergyMask> masks;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      return fail(ErrorCode::kUsage, "--mask {}: write NAME=FILE.exr", text);
+    }
+    EnergyMask mask{text.substr(0, equals), "", text.substr(equals + 1), {}};
+    SPOOL_ASSIGN(mask.plane, read_mask(mask.path));
+    masks.push_back(std::move(mask));
+  }
+  return masks;
+}
+
+Result<void> read_masks(std::vector<EnergyMask>& masks) {
+  for (EnergyMask& mask : masks) {
+    SPOOL_ASSIGN(mask.plane, read_mask(mask.path));
+  }
+  return {};
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,171 @@
+#include "tools/verbs/metrics.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/core/nearest_name.h"
+#include "lib/image_io/exr_image.h"
+#include "lib/image_io/foreign_picture.h"
+#include "lib/metrics/energy_masks.h"
+#include "lib/metrics/error_metrics.h"
+#include "tools/terminal/json_text.h"
+#include "tools/verbs/mask_files.h"
+#include "tools/verbs/picture_name.h"
+
+namespace spool::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+// kData when the pixels of the picture `name` do not lie on those of the reference.
+Result<void> check_lies_on(const ForeignPicture& reference, const ForeignPicture& picture,
+                           const std::string& name) {
+  SPOOL_TRY(check_same_size(picture.rgb, reference.rgb, name));
+  return check_aligned(picture, reference, name, "the reference");
+}
+
+struct JudgedPictures {
+  RgbImage image;
+  JudgingReference reference;
+  std::vector<std::string> remarks;  // one line for each file
+};
+
+Result<JudgedPictures> read_pictures(const MetricsOptions& options) {
+  SPOOL_ASSIGN(ForeignPicture image, read_picture(options.image, options.layer));
+  SPOOL_ASSIGN(ForeignPicture mean, read_picture(options.reference, options.reference_layer));
+  SPOOL_TRY(check_lies_on(mean, image, options.image.string()));
+  JudgedPictures pictures;
+  pictures.remarks = {remark_line(options.image.string(), image.remarks),
+                      remark_line(options.reference.string(), mean.remarks)};
+  if (!options.variance.empty()) {
+    const std::string name = options.variance.string();
+    SPOOL_ASSIGN(ForeignPicture variance, read_picture(options.variance, kNoLayerOption));
+    SPOOL_TRY(check_lies_on(mean, variance, name));
+    if (!variance.converted_from.empty())
+      return fail(ErrorCode::kData,
+                  "{}: variances in {} are not those in Rec. 709: estimate them after the "
+                  "conversion",
+                  name, variance.converted_from);
+    pictures.remarks.push_back(remark_line(name, variance.remarks));
+    pictures.reference.variance = std::move(variance.rgb);
+  }
+  pictures.image = std::move(image.rgb);
+  pictures.reference.mean = std::move(mean.rgb);
+  return pictures;
+}
+
+std::string value_text(double value) {
+  return std::isnan(value) ? "n/a" : fmt::format("{:.6g}", value);
+}
+
+ordered_json number(double value) {
+  if (std::isnan(value)) return nullptr;
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+}  // namespace
+
+Result<MetricOptions> metric_settings(const std::vector<std::string>& settings) {
+  MetricOptions metric;
+  metric.perceptual = Perceptual::kAll;
+  for (const std::string& text : settings) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) {
+      return fail(ErrorCode::kUsage, "--set {}: write OPTION=VALUE, for example trim=0.01", text);
+    }
+    SPOOL_TRY(
+        set_option(metric_option_table(), metric, text.substr(0, equals), text.substr(equals + 1)));
+  }
+  return metric;
+}
+
+Result<std::vector<bool>> metrics_named(const std::vector<std::string>& names) {
+  std::vector<bool> wanted;
+  for (const std::string& name : names) {
+    const int index = metric_index(name);
+    if (index < 0) {
+      return fail(ErrorCode::kUsage, "{}",
+                  unknown_name("metric", name, names_of(metrics()), ": see spool list metrics"));
+    }
+    wanted.resize(metrics().size(), false);
+    wanted[static_cast<std::size_t>(index)] = true;
+  }
+  return wanted;
+}
+
+Result<void> check_same_size(const RgbImage& image, const RgbImage& reference,
+                             const std::string& name) {
+  if (image[0].width() == reference[0].width() && image[0].height() == reference[0].height()) {
+    return {};
+  }
+  return fail(ErrorCode::kData, "{}: is {} x {} pixels, the reference {} x {}: crop one of them",
+              name, image[0].width(), image[0].height(), reference[0].width(),
+              reference[0].height());
+}
+
+Result<void> check_finite(const MetricTable& table, const std::string& name,
+                          const std::string& reference) {
+  const auto were = [](std::uint64_t count) {
+    return fmt::format("{} {} not finite and {} left out", count,
+                       count == 1 ? "pixel is" : "pixels are", count == 1 ? "was" : "were");
+  };
+  const std::uint64_t ours = table.excluded_estimate, theirs = table.excluded_reference;
+  if (ours == 0 && theirs == 0) return {};
+  if (theirs == 0) return fail(ErrorCode::kData, "{}: {}", name, were(ours));
+  if (ours == 0) return fail(ErrorCode::kData, "{}: {}", reference, were(theirs));
+  return fail(ErrorCode::kData, "{}: {}; {}: {} more", name, were(ours), reference, were(theirs));
+}
+
+Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
+  if (!options.error_map.empty()) SPOOL_TRY(check_exr_name(options.error_map));
+  SPOOL_ASSIGN(const MetricOptions metric, metric_settings(options.settings));
+  SPOOL_ASSIGN(const JudgedPictures pictures, read_pictures(options));
+  const RgbImage& image = pictures.image;
+  const JudgingReference& reference = pictures.reference;
+  SPOOL_ASSIGN(const std::vector<EnergyMask> masks, read_energy_masks(options.masks));
+  for (const std::string& remark : pictures.remarks)
+    print_note(remark);
+  const MetricTable table = error_metrics(image, reference, metric);
+  std::vector<std::vector<std::string>> rows = {{"metric", "meaning", "value", "+-"}};
+  ordered_json json = {{"image", options.image.string()},
+                       {"reference", options.reference.string()},
+                       {"metrics", ordered_json::object()}};
+  const auto add = [&](const std::string& name, const std::string& meaning,
+                       const MetricValue& value) {
+    rows.push_back({name, meaning, value_text(value.value), value_text(value.standard_error)});
+    json["metrics"][name] = {{"value", number(value.value)},
+                             {"standard_error", number(value.standard_error)}};
+  };
+  for (std::size_t m = 0; m < metrics().size(); ++m)
+    add(metrics()[m].name, metrics()[m].meaning, table.values[m]);
+  for (const EnergyMask& mask : masks) {
+    SPOOL_ASSIGN(const MetricValue ratio,
+                 energy_in_mask(image, reference.mean, mask, metric.bootstrap));
+    add("energy_ratio_in_" + mask.name, "energy ratio where the mask is above 0.5", ratio);
+  }
+  json["relative_scale"] = table.relative_scale;
+  json["pixels_judged"] = table.pixels;
+  json["excluded_image"] = table.excluded_estimate;
+  json["excluded_reference"] = table.excluded_reference;
+  if (!options.error_map.empty()) {
+    ExrFile map{image[0].width(), image[0].height(), {}};
+    map.channels.push_back({"Y", PixelType::kFloat, squared_error_map(image, reference)});
+    SPOOL_TRY(write_exr(options.error_map, map, {.overwrite = common.force}));
+  }
+  if (common.json) {
+    print(json_text(json));
+  } else {
+    print(format_columns(rows, 2));
+    print(
+        fmt::format("\n{} pixels judged; relative metrics after a factor {:.4g} on both images "
+                    "(--set rel_scale=none: as they are); +- one standard error\n",
+                    table.pixels, table.relative_scale));
+  }
+  return check_finite(table, options.image.string(),
+                      options.variance.empty() ? options.reference.string()
+                                               : options.reference.string() + " or its variance");
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,139 @@
+#include "tools/verbs/page_generator.h"
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <system_error>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tools/methods/external_process.h"
+
+namespace spool::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using TemporaryFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+std::string from_environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+// Beside the installed program, or in the source tree that the program was built from.
+Result<fs::path> find_script(const std::string& name) {
+  const std::string chosen = from_environment("SPOOL_REPORT");
+  std::vector<fs::path> folders;
+  std::error_code status;
+  if (!chosen.empty()) {
+    folders = {chosen};
+  } else {
+    const fs::path program = fs::read_symlink("/proc/self/exe", status).parent_path();
+    for (fs::path up = program; folders.size() < 8 && up.has_relative_path(); up = up.parent_path())
+      folders.push_back(up / "tools" / "report");
+    folders.insert(folders.begin(), program.parent_path() / "share" / "spool" / "report");
+  }
+  for (const fs::path& folder : folders) {
+    if (fs::is_regular_file(folder / name, status)) return folder / name;
+  }
+  return fail(ErrorCode::kIo, "{}: no {} there: set SPOOL_REPORT to the folder that holds it",
+              folders.front().string(), name);
+}
+
+std::string contents(std::FILE* file) {
+  std::string text;
+  std::array<char, 4096> buffer{};
+  std::rewind(file);
+  for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), file)) > 0;)
+    text.append(buffer.data(), n);
+  while (text.ends_with('\n'))
+    text.pop_back();
+  return text;
+}
+
+struct Finished {
+  int exit_code = 0;
+  std::string out, err;
+};
+
+// Runs a program found on the path; `input` becomes its standard input.
+std::optional<Finished> run_program(std::vector<std::string> words, const std::string& input) {
+  const TemporaryFile in(std::tmpfile(), std::fclose), out(std::tmpfile(), std::fclose),
+      err(std::tmpfile(), std::fclose);
+  if (!in || !out || !err) return std::nullopt;
+  if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size()) return std::nullopt;
+  std::rewind(in.get());
+  std::vector<char*> arguments;
+  for (std::string& word : words)
+    arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, fileno(in.get()), STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, fileno(out.get()), STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, fileno(err.get()), STDERR_FILENO);
+  pid_t child = 0;
+  const bool started = start_watched(
+      [&](const posix_spawnattr_t& attributes) {
+        return posix_spawnp(&child, arguments[0], &actions, &attributes, arguments.data(), environ);
+      },
+      child);
+  posix_spawn_file_actions_destroy(&actions);
+  int status = 0;
+  if (!started || waitpid(child, &status, 0) != child) return std::nullopt;
+  forget_watched(child);
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  return Finished{code, contents(out.get()), contents(err.get())};
+}
+
+// SPOOL_PYTHON alone where it is set. Another Python before the system's on the path often lacks
+// the system's numpy.
+std::vector<std::string> interpreters() {
+  const std::string chosen = from_environment("SPOOL_PYTHON");
+  if (!chosen.empty()) return {chosen};
+  return {"python3", "/usr/bin/python3"};
+}
+
+constexpr int kNotFound = 127;
+constexpr int kNoNumpy = 20;  // tools/report/failure.py
+
+// The generator ends with one line; a traceback's last line says most.
+Error error_of(const Finished& finished) {
+  const std::string line = finished.err.substr(finished.err.find_last_of('\n') + 1);
+  const bool known = finished.exit_code >= 1 && finished.exit_code <= 3;
+  return {known ? static_cast<ErrorCode>(finished.exit_code) : ErrorCode::kData,
+          line.empty() ? fmt::format("the report generator ended with code {}", finished.exit_code)
+                       : line};
+}
+
+}  // namespace
+
+Result<std::string> run_generator(const std::string& script, std::vector<std::string> arguments,
+                                  const std::string& input, const GeneratorNeeds& needs) {
+  SPOOL_ASSIGN(const fs::path generator, find_script(script));
+  arguments.insert(arguments.begin(), {"", generator.string()});
+  std::optional<Finished> finished;
+  for (const std::string& python : interpreters()) {
+    arguments.front() = python;
+    finished = run_program(arguments, input);
+    if (finished && finished->exit_code != kNotFound && finished->exit_code != kNoNumpy) break;
+  }
+  if (!finished || finished->exit_code == kNotFound || finished->exit_code == kNoNumpy) {
+    return fail(ErrorCode::kUsage,
+                "{}: {}: {} needs Python 3.9 or newer with {} (apt-get install {}); SPOOL_PYTHON "
+                "names another interpreter",
+                arguments.front(),
+                finished && finished->exit_code == kNoNumpy ? "has no " + needs.packages
+                                                            : "cannot be started",
+                needs.verb, needs.packages, needs.debian);
+  }
+  if (finished->exit_code != 0) return tl::unexpected<Error>(error_of(*finished));
+  return finished->out;
+}
+
+}  // namespace spool::tools

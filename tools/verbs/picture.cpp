@@ -1,0 +1,90 @@
+#include "tools/verbs/picture.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "lib/image_io/contact_sheet.h"
+#include "lib/image_io/foreign_picture.h"
+#include "lib/image_io/png_writer.h"
+#include "tools/verbs/picture_name.h"
+
+namespace spool::tools {
+namespace {
+
+Result<ValueRange> parse_range(const std::string& text, bool log) {
+  ValueRange range{0.0, 0.0, log};
+  const std::vector<std::string> parts = split_list(text);
+  bool good = parts.size() == 2;
+  const std::array<double*, 2> ends = {&range.low, &range.high};
+  for (std::size_t i = 0; good && i < 2; ++i) {
+    const char* end = parts[i].data() + parts[i].size();
+    const auto parsed = std::from_chars(parts[i].data(), end, *ends[i]);
+    good = parsed.ec == std::errc() && parsed.ptr == end && std::isfinite(*ends[i]);
+  }
+  if (!good || range.low >= range.high || (log && range.low <= 0.0)) {
+    return fail(ErrorCode::kUsage, "--range {}: write LOW,HIGH with LOW below HIGH{}", text,
+                log ? ", both above 0 for --log" : "");
+  }
+  return range;
+}
+
+struct NamedMap {
+  std::string name;
+  Plane plane;
+};
+
+// One channel of the file as it is, or the luminance of its picture.
+Result<NamedMap> map_of(const PictureOptions& options) {
+  const LayerChoice choice = options.channel.empty()
+                                 ? options.layer
+                                 : LayerChoice{options.channel, options.layer.part, "--channel "};
+  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(options.image, choice));
+  if (options.channel.empty()) print_note(remark_line(options.image.string(), picture.remarks));
+  const RgbImage& rgb = picture.rgb;
+  Plane result(rgb[0].width(), rgb[0].height());
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i] = picture.channel.empty() ? luminance(rgb[0][i], rgb[1][i], rgb[2][i]) : rgb[0][i];
+  return NamedMap{picture.channel.empty() ? "luminance" : picture.channel, std::move(result)};
+}
+
+Result<Picture> false_colour_picture(const PictureOptions& options) {
+  SPOOL_ASSIGN(const NamedMap map, map_of(options));
+  const std::array<const Plane*, 1> planes = {&map.plane};
+  ValueRange range = common_range(planes, options.log);
+  if (!options.range.empty()) {
+    SPOOL_ASSIGN(range, parse_range(options.range, options.log));
+  }
+  return labelled_picture({options.image.filename().string(), false_colour(map.plane, range),
+                           ColourBar{range, map.name}});
+}
+
+Result<Picture> tone_mapped_picture(const PictureOptions& options) {
+  SPOOL_ASSIGN(const ForeignPicture picture, read_picture(options.image, options.layer));
+  std::optional<ForeignPicture> guide;
+  if (!options.like.empty()) {
+    SPOOL_ASSIGN(guide, read_picture(options.like, kNoLayerOption));
+  }
+  print_note(remark_line(options.image.string(), picture.remarks));
+  return tone_map(picture.rgb, options.exposure ? std::exp2(*options.exposure)
+                                                : tone_exposure(guide ? guide->rgb : picture.rgb));
+}
+
+}  // namespace
+
+Result<void> run_picture(const PictureOptions& options, const CommonOptions& common) {
+  if (!is_png_name(options.output)) {
+    return fail(ErrorCode::kUsage, "{}: a PNG is what is written: name it .png",
+                options.output.string());
+  }
+  SPOOL_ASSIGN(const Picture picture,
+               options.false_colour ? false_colour_picture(options) : tone_mapped_picture(options));
+  SPOOL_TRY(write_png(options.output, picture, common.force));
+  if (!common.quiet) {
+    print_line(fmt::format("{}: {} x {}", options.output.string(), picture.width, picture.height));
+  }
+  return {};
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,68 @@
+#include "tools/verbs/recover.h"
+
+#include <nlohmann/json.hpp>
+
+#include "formats/spool_recovery.h"
+#include "tools/terminal/json_text.h"
+#include "tools/verbs/damage_listing.h"
+
+namespace spool::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json describe(const RecoverOptions& options, const format::RecoveryReport& report) {
+  ordered_json out = {{"input", options.input.string()},     {"output", options.output.string()},
+                      {"kept_blocks", report.kept_blocks},   {"kept_records", report.kept_records},
+                      {"lost_records", report.lost_records}, {"lost", ordered_json::array()},
+                      {"absent", ordered_json::array()},     {"damaged", ordered_json::array()}};
+  for (const auto& block : report.lost)
+    out["lost"].push_back(json_of_block(block));
+  for (const auto& block : report.absent)
+    out["absent"].push_back(json_of_block(block));
+  for (const auto& record : report.damaged)
+    out["damaged"].push_back(json_of_record(record));
+  return out;
+}
+
+// What a cut took away leaves no trace in the file: those blocks are known from the geometry alone.
+std::string balance(const format::RecoveryReport& report) {
+  std::string text = fmt::format(
+      "{} of {} blocks kept, {}", report.kept_blocks,
+      report.kept_blocks + report.lost.size() + report.absent.size(),
+      report.lost_records > 0 ? fmt::format("{} damaged", report.lost.size()) : "none damaged");
+  if (!report.absent.empty()) {
+    text += fmt::format(", {} not there: {}", report.absent.size(),
+                        report.has_index ? "never recorded" : "cut off, or never recorded");
+  }
+  return text;
+}
+
+void print_text(const RecoverOptions& options, const format::RecoveryReport& report) {
+  for (const auto& record : report.damaged)
+    print_line(describe_record(record));
+  for (const auto& block : report.lost)
+    print_line("lost     " + describe_block(block));
+  print_line(
+      fmt::format("{}: {}", options.output.string(),
+                  report.anything_lost() || !report.absent.empty()
+                      ? balance(report)
+                      : fmt::format("{} blocks kept, nothing was lost", report.kept_blocks)));
+}
+
+}  // namespace
+
+Result<void> run_recover(const RecoverOptions& options, const CommonOptions& common) {
+  SPOOL_ASSIGN(const format::RecoveryReport report,
+               format::recover_dump(options.input, options.output, common.force));
+  if (common.json) {
+    print(json_text(describe(options, report)));
+  } else if (!common.quiet) {
+    print_text(options, report);
+  }
+  if (!report.anything_lost()) return {};
+  return fail(ErrorCode::kDamage, "{}: {}; what was kept is whole", options.output.string(),
+              balance(report));
+}
+
+}  // namespace spool::tools

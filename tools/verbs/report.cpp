@@ -1,0 +1,83 @@
+#include "tools/verbs/report.h"
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/core/guards.h"
+#include "lib/experiment/result_table.h"
+#include "lib/filters/filters.h"
+#include "lib/sampling/samplers.h"
+#include "tools/verbs/page_generator.h"
+
+namespace spool::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* name_of(Better better) {
+  return better == Better::kLower ? "lower" : (better == Better::kHigher ? "higher" : "one");
+}
+
+// The meanings that tools/report/vocabulary.py reads.
+std::string vocabulary_json() {
+  nlohmann::ordered_json words = {{"version", SPOOL_VERSION}};
+  for (const MetricDescription& metric : metrics()) {
+    words["metrics"].push_back(
+        {{"name", metric.name}, {"meaning", metric.meaning}, {"better", name_of(metric.better)}});
+  }
+  for (const ResultColumn& column : result_columns()) {
+    words["columns"].push_back({{"name", column.name}, {"meaning", column.meaning}});
+  }
+  for (std::size_t g = 0; g < kGuardCount; ++g) {
+    const auto guard = static_cast<Guard>(g);
+    words["guards"].push_back({{"name", std::string(guard_name(guard))},
+                               {"protects", std::string(guard_protects(guard))}});
+  }
+  // Methods of the program itself whose weights may be asked for: names in a folder of results may
+  // be commands of somebody else.
+  for (const Sampler& sampler : samplers()) {
+    if (sampler.argument.empty()) words["samplers"].push_back(sampler.name);
+  }
+  for (const Filter& filter : filters()) {
+    if (filter.footprints) words["footprints"].push_back(filter.name);
+  }
+  return words.dump();
+}
+
+// What the report script is asked, and its answer.
+Result<std::string> make_report(const ReportOptions& options, std::vector<std::string> words) {
+  words.insert(words.end(),
+               {"--output=" + options.output.string(), "--metric=" + options.metric,
+                "--title=" + options.title, fmt::format("--max-image-mb={}", options.max_image_mb),
+                "--vocabulary=/dev/stdin"});
+  // For the samples of single pixels, which the program reads (`spool pixel`).
+  std::error_code status;
+  const fs::path self = fs::read_symlink("/proc/self/exe", status);
+  if (!status) words.push_back("--program=" + self.string());
+  words.insert(words.end(), {"--", options.folder.string()});
+  return run_generator("report.py", std::move(words), vocabulary_json(),
+                       {"spool report", "numpy", "python3-numpy"});
+}
+
+}  // namespace
+
+Result<void> run_report(const ReportOptions& options, const CommonOptions& common) {
+  std::vector<std::string> words;
+  if (common.force) words.emplace_back("--force");
+  SPOOL_ASSIGN(const std::string said, make_report(options, std::move(words)));
+  if (!common.quiet) print_line(said);
+  return {};
+}
+
+Result<std::string> served_report(const std::filesystem::path& folder) {
+  ReportOptions options;
+  options.folder = folder;
+  options.output = "-";
+  return make_report(options, {"--served"});
+}
+
+}  // namespace spool::tools
