@@ -23,7 +23,7 @@ from batches import batch_plan  # noqa: E402
 from camera import ShiftedCamera  # noqa: E402
 from engine import Renderer  # noqa: E402
 from estimate import dry_run  # noqa: E402
-from failure import Failure, io_failure, usage_failure  # noqa: E402
+from failure import Failure, io_failure, one_line, usage_failure  # noqa: E402
 from options import parse_options, script_arguments  # noqa: E402
 from overrides import overridden  # noqa: E402
 from pass_folder import PassFolder  # noqa: E402
@@ -240,7 +240,7 @@ def main():
         print("record: %s" % failure, file=sys.stderr)
         code = failure.code
     except OSError as error:
-        print("record: %s: %s" % (error.filename, error.strerror), file=sys.stderr)
+        print(one_line("record: %s: %s" % (error.filename, error.strerror)), file=sys.stderr)
         code = 3
     out.flush()
     sys.stderr.flush()

@@ -5,7 +5,7 @@
 import sys
 
 
-LONGEST = 380            # characters of a line, with the name of the program before it at most 400
+LONGEST = 380            # characters of a line; with the name of a program before it at most 400
 
 
 def one_line(text):

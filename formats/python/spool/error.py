@@ -14,7 +14,7 @@ ADVICE = {"not_spool": "check the name", "unsupported": "use a newer reader",
           "incomplete": "run spool recover", "damaged": "run spool recover"}
 
 
-LONGEST = 400            # characters of a line
+LONGEST = 380            # characters of a line; with the name of a program before it at most 400
 
 
 def one_line(text):
