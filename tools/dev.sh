@@ -310,6 +310,7 @@ try_wheel() {  # PYTHON FOLDER
   "$2/bin/spool" evaluate dumps/tiny/chess.spool --samplers uniform --spp 4 --replicates 2 -q -o "$2/results"
   "$2/bin/spool" report "$2/results" -o "$2/report.html" >&2
   "$2/bin/python" -I -c 'import sys, spool; assert len(spool.results(sys.argv[1]).rows) == 2 and spool.samplers()' "$2/results" >&2
+  python3 -m zipfile -l "$wheel" | grep -q 'dist-info/sboms/spool.spdx.json' || die "$wheel has no list of what it contains"
   (($(stat -c %s "$wheel") <= 25 << 20)) || die "$wheel is larger than 25 MB"
 }
 
@@ -328,7 +329,9 @@ wheel() {
     install_locked "$raw/venv/bin/python" build
     CXX="${CXX:-c++}" CMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" CMAKE_BUILD_PARALLEL_LEVEL="$(jobs)" \
       "$raw/venv/bin/python" -m pip wheel -q --no-deps --no-build-isolation -w "$raw" . >&2
-    PATH="$cache/auditwheel-venv/bin:$PATH" auditwheel repair -w build/wheels "$raw"/*.whl >&2
+    PATH="$cache/auditwheel-venv/bin:$PATH" auditwheel repair -w "$raw/repaired" "$raw"/*.whl >&2
+    "$cache/auditwheel-venv/bin/python" tools/package/bundled.py wheel "$raw"/repaired/*.whl
+    mkdir -p build/wheels && mv "$raw"/repaired/*.whl build/wheels
     try_wheel "$python" "$raw/fresh"
     rm -rf "${raw:?}"/*
   done
