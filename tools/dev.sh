@@ -275,17 +275,17 @@ docs() {
   (cd "$worker" && fetch_npm iframe-worker 1.0.4 e8c5d12d87829c503afba01d67772ea9f4aba5b7ae57a0c98e1917711030efbb &&
     tar -xzf iframe-worker-1.0.4.tgz)
   local python="${XDG_CACHE_HOME:-$HOME/.cache}/spool/docs-venv/bin/python" pages=build/docs/pages
-  "$python" tools/docs/stage.py "$pages" >&2
+  "$python" -m tools.docs.stage "$pages" >&2
   say "curves of the experiments"
-  /usr/bin/python3 tools/study/plots.py "$pages/docs/results"
+  run_tool study.plots "$pages/docs/results"
   say "C++ reference"
-  "$python" tools/docs/header_comments.py build/docs/headers
+  "$python" -m tools.docs.header_comments build/docs/headers
   mkdir -p "$pages/reference"
   doxygen tools/docs/Doxyfile </dev/null >&2
   say "site"
   # --quiet would silence the warnings that --strict counts.
   "$python" -m mkdocs build --strict -f tools/docs/mkdocs.yml >&2
-  "$python" tools/docs/search_offline.py build/docs/site "$worker/package/shim/index.js"
+  "$python" -m tools.docs.search_offline build/docs/site "$worker/package/shim/index.js"
   say "open $PWD/build/docs/site/index.html"
 }
 
@@ -364,6 +364,11 @@ record() {
   exec "${arguments[@]}"
 }
 
+# A module of tools/, with the numpy reader, by Debian's Python, which has numpy; one that comes first on PATH may not.
+run_tool() {  # MODULE ARGUMENTS...
+  PYTHONPATH="$PWD/formats/python" "${SPOOL_PYTHON:-/usr/bin/python3}" -m "tools.$1" "${@:2}"
+}
+
 # --- bench -------------------------------------------------------------------------------------
 
 bench() {
@@ -389,21 +394,20 @@ bench() {
       ninja -C build/bench -j "$(jobs)" --quiet spool_python >&2
     fi
     say "bench $subject"
-    # Debian's, which has numpy; the one that comes first on PATH may not.
-    /usr/bin/python3 "tools/bench/$subject/run.py" build/bench "$@"
+    run_tool "bench.$subject.run" build/bench "$@"
   done
 }
 
 experiments() {
   setup test
   build release spool spool_png
-  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/study/study.py "$@"
+  run_tool study.study "$@"
 }
 
 tune() {
   setup test
   build release spool
-  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/study/tune.py "$@"
+  run_tool study.tune "$@"
 }
 
 # --- distrust ----------------------------------------------------------------------------------
