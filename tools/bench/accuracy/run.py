@@ -3,8 +3,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from speed_page import replace_section  # noqa: E402
+from tools.bench.speed_page import replace_section
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "accuracy.md"
 

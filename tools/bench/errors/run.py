@@ -15,9 +15,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tools.bench.speed_page import replace_section
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "tools" / "bench"))
-from speed_page import replace_section  # noqa: E402
 
 PAGE = ROOT / "docs" / "accuracy.md"
 SAMPLERS = ["uniform", "multiscale", "nl_means", "cross_bilateral"]
