@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(g++ cmake ninja-build pkg-config python3
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libdeflate-dev libzstd-dev zlib1g-dev
   libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libexpected-dev libboost-dev libssl-dev liblz4-dev libblosc-dev libgtest-dev libgmock-dev librapidcheck-dev)
-test_packages=(blender chromium doxygen dpkg-dev file fish groff-base libatomic1 libllvm19 python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
+test_packages=(blender chromium doxygen dpkg-dev file fish groff-base libatomic1 libllvm19 python3-distributed python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
   python3-zarr python3-zstandard zsh)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
 wheel_packages=(libpng-dev)
