@@ -10,7 +10,7 @@ import pytest
 import spool
 from spool import executors
 
-TIMES = ("seconds", "cpu", "timing", "at_once", "threads_used", "peak")
+TIMES = ("seconds", "cpu", "efficiency", "peak_memory", "timing")  # of the machine
 PLAN = {"samplers": ["uniform", "multiscale"], "filters": ["box", "directional"], "spp": [2, 4], "replicates": 2}
 CELLS = 2 * 2 * 2 * 2
 
@@ -41,6 +41,7 @@ def test_the_same_bits_as_in_one_process(path, whole, pool, tmp_path):
     assert facts(spread) == facts(whole)
     assert spread.statistics["conditions"] == whole.statistics["conditions"]
     assert shares[-1] == (1.0, CELLS, CELLS)
+    assert {row["timing"] for row in spread.rows} == {"shared"}
 
 
 def test_pictures_are_those_of_one_process(path, pool, tmp_path):
@@ -129,7 +130,7 @@ def test_functions_and_what_is_no_executor_are_named(path, pool):
     def mine(statistics):
         return statistics.mean
 
-    with pytest.raises(spool.SpoolError, match="'mine' is a function, which other processes do not have"):
+    with pytest.raises(spool.SpoolError, match="<spool.filter mine> is a function, which other processes do not have"):
         spool.evaluate(plan_of(path, filters=[mine]), executor=pool)
     with pytest.raises(spool.SpoolError, match="executor"):
         spool.evaluate(plan_of(path), executor=3)

@@ -213,6 +213,8 @@ class PlanRun {
       if (!drawn && undrawn_++ == 0) first_undrawn_ = drawn.error().message;
       result.writing = clock.elapsed();
     }
+    // Tasks of an executor may share their machine.
+    if (request_.only && !request_.exact_timing) result.alone = false;
     const ResultRecord record = record_of(result);
     SPOOL_TRY(store_.write(id_of_.at(key_of(cell)), record));
     ++done_;

@@ -145,7 +145,7 @@ def _check_executor(executor, plan):
         raise wrong("executor", executor, "no concurrent.futures.Executor")
     for method in _functions_of(plan):
         if callable(method) or isinstance(method, Method):
-            raise SpoolError("usage", f"executor: {getattr(method, '__name__', method)!r} is a function, which other "
+            raise SpoolError("usage", f"executor: {method!r} is a function, which other "
                              "processes do not have: leave executor out, or name built-in methods and commands (exec:)")
 
 
