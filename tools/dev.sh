@@ -107,7 +107,10 @@ setup() {
       fetch_report_assets
       ;;
     test) require_packages "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"; setup_python ;;
-    lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
+    lint)
+      require_packages "${build_packages[@]}" "${lint_packages[@]}" "${python_packages[@]}"
+      setup_venv lint-venv "" 'import ruff' lint
+      ;;
     bench) require_packages "${build_packages[@]}" "${bench_packages[@]}" ;;
     docs) require_packages "${docs_packages[@]}"; setup_docs_venv ;;
     all)
@@ -571,6 +574,9 @@ lint() {
   say "format"
   cpp_files | xargs -r clang-format-19 --dry-run -Werror || failed=1
   command -v shellcheck >/dev/null && { shellcheck tools/dev.sh .ci/run || failed=1; }
+
+  say "Python"
+  "${XDG_CACHE_HOME:-$HOME/.cache}/spool/lint-venv/bin/python" -m ruff check --quiet . || failed=1
 
   say "citations, paths, lengths"
   python3 tools/lint.py || failed=1
