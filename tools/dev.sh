@@ -59,7 +59,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   bits                          hashes of fixed results: g++ and clang++, release and debug, each vector width of the machine
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
   strangers                     what the pages say of a filter, sampler, option, metric and import of one's own, done in a copy
-                                of the tree, built and used; how many files each touches (docs/decisions/0140)
+                                of the tree, built and used; how many files each touches (docs/decisions.md, 0140)
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   clean                         remove build/ and demo-output/
 SPOOL_JOBS sets how many compilers run at once (default: one per core).

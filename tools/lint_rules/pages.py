@@ -8,7 +8,6 @@ from pathlib import Path
 
 LINK = re.compile(r"\]\(([^)\s#]*)(?:#([^)\s]*))?\)")
 PAGE_NAME = re.compile(r"(?<![\w/.*-])((?:[\w.-]+/)*[\w-]+\.md)\b")
-DECISION = re.compile(r"^(\d{4})-[\w-]+\.md$")
 START = Path("README.md")
 
 
@@ -63,20 +62,12 @@ def missing_names(files, pages):
 
 
 def decisions():
-    numbers = {}
-    for page in sorted(Path("docs/decisions").glob("*.md")):
-        if page.name == "README.md":
-            continue
-        match = DECISION.match(page.name)
-        if not match:
-            yield f"{page}: name it NNNN-what-it-says.md"
-            continue
-        if match[1] in numbers:
-            yield f"{page}: {numbers[match[1]]} has the same number"
-        numbers[match[1]] = page
-        title = page.read_text(encoding="utf-8").split("\n", 1)[0]
-        if not re.match(rf"# {match[1]} \S", title):
-            yield f"{page}: its first line is no '# {match[1]} title'"
+    numbers = re.findall(r"^### (\S+)", Path("docs/decisions.md").read_text(encoding="utf-8"), re.M)
+    for number in numbers:
+        if not re.fullmatch(r"\d{4}", number):
+            yield f"docs/decisions.md: '### {number}' has no number of four digits"
+        elif numbers.count(number) > 1:
+            yield f"docs/decisions.md: two decisions have the number {number}"
 
 
 def check(files):
