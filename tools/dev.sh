@@ -42,7 +42,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 what is done is not done again (half an hour of two cores in all)
   experiments --full [ID...] [--recording NAME]
                                 on the recordings of full size that are here, added to what other machines measured, and
-                                docs/experiments_full.md from all of it; --write-only: the page alone; stop it and go on any time;
+                                docs/findings.md from all of it; --write-only: the page alone; stop it and go on any time;
                                 experiments --judge: what is kept judged anew, after a change of its claims
                                 (about an hour of CPU time a recording in all)
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
