@@ -13,7 +13,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "recording"))
 
-from failure import Failure, scene_failure  # noqa: E402
+from failure import Failure, one_line, scene_failure  # noqa: E402
 from recordings import group_meta  # noqa: E402
 
 
@@ -50,7 +50,7 @@ def main():
         print("split: %s" % failure, file=sys.stderr)
         return failure.code
     except OSError as error:
-        print("split: %s: %s" % (error.filename, error.strerror), file=sys.stderr)
+        print(one_line("split: %s: %s" % (error.filename, error.strerror)), file=sys.stderr)
         return 3
     return 0
 

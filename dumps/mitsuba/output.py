@@ -4,7 +4,7 @@ import numpy as np
 import spool
 from channels import LAYERS, MEANINGS
 from progress import Progress
-from reference import variance_of_mean
+from reference import told_of, variance_of_mean
 from seeds import chunk_seed
 
 LARGEST_HALF, SMALLEST_HALF = 65504.0, 2.0 ** -14    # with 11 bits of precision
@@ -54,8 +54,7 @@ def write_file(path, options, meta, tracer, layers, chunks, cut, reference, firs
     meta = {**meta, "channels": {name: MEANINGS[name] for name in layers}}
     if reference is not None:
         file_layers["reference"] = file_layers["reference_variance"] = ("f4", "RGB", "pixel")
-        meta["reference"] = {"samples": options.reference, "independent": True, "nonfinite": int(reference["nonfinite"]),
-                             "seconds": float(reference["seconds"])}
+        meta["reference"] = told_of(reference)
     # the writer holds a block of every pixel
     block = max(1, min(options.block, samples_of(options), 16 * options.chunk_lanes // (tracer.width * tracer.height)))
     chunks.claim(path)

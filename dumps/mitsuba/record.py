@@ -28,7 +28,8 @@ from output import layer_types, samples_of  # noqa: E402
 from plan import Cut, describe  # noqa: E402
 from progress import Progress, size as size_text  # noqa: E402
 from recordings import names, next_step  # noqa: E402
-from reference import add_chunk, begun_or_empty  # noqa: E402
+from reference import add_chunk, begun_or_empty, is_left_out, judged, left_out, told_of  # noqa: E402
+from reference_need import outcome  # noqa: E402
 from reference_price import reference_hint  # noqa: E402
 from scene import Wishes, load_scene  # noqa: E402
 from seeds import CHUNK_LIMIT, SPARE, chunk_seed  # noqa: E402
@@ -105,6 +106,11 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
     while int(state["chunks"]) < len(cut.parts):
         index = int(state["chunks"])
         _, count, rows = cut.parts[index]
+        state = judged(state, cut.parts[index]) if options.auto else state
+        if is_left_out(state):
+            state = left_out(state, cut.parts[index])
+            progress.step()
+            continue
         started = time.process_time()
         arrays = tracer.trace(count, chunk_seed(options.seed, index, reference=True), ["radiance", "film"], rows)
         marks = shared_numbers.marks(arrays["film"], rows, pixels)
@@ -115,6 +121,9 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
             chunks.save_reference(state)
         progress.step()
     progress.close()
+    if options.auto:
+        told = told_of(state)
+        print("\n".join(outcome(told, options.reference)), file=sys.stderr)
     return state
 
 
@@ -122,14 +131,15 @@ def record(options, mi, recordable, tracer, layers):
     """[(file, findings of verification)]"""
     cut = Cut(tracer, samples_of(options), options.chunk_lanes)
     total = options.recordings * len(cut.parts)
-    reference_cut = Cut(tracer, max(options.reference, 1), options.chunk_lanes)
+    reference_cut = Cut(tracer, max(options.reference, 1), options.chunk_lanes, options.auto)
     if tracer.width > options.chunk_lanes or max(total, len(reference_cut.parts)) >= CHUNK_LIMIT - 1:
         raise usage_failure("--chunk-lanes %d is too small for %dx%d pixels: raise it (about %d bytes each)" %
                             (options.chunk_lanes, tracer.width, tracer.height, BYTES_PER_LANE))
     chunks = Chunks(options.out + ".recording", plan_of(options, mi, recordable, tracer, layers, cut))
     wall = record_pool(options, tracer, layers, chunks, cut)
     if wall * options.reference / options.samples > LONG_REFERENCE:
-        print("\n".join(reference_hint(options.samples, options.reference, wall, wall * options.reference / options.samples)), flush=True)
+        print("\n".join(reference_hint(options.samples, options.reference, wall, wall * options.reference / options.samples,
+                                       auto=options.auto)), flush=True)
     marks = np.sort(np.concatenate([chunks.part(index, "marks") for index in range(total)]))
     numbers, reference = {"pool": len(marks), "pool_repeated": shared_numbers.repeated(marks)}, None
     if options.reference:

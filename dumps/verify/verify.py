@@ -16,7 +16,7 @@ for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "
     sys.path.insert(0, folder)
 
 from command_line import Parser  # noqa: E402
-from failure import Failure, module_failure, usage_failure  # noqa: E402
+from failure import Failure, module_failure, one_line, usage_failure  # noqa: E402
 from progress import Progress  # noqa: E402
 
 try:
@@ -109,7 +109,7 @@ def main():
         print(error, file=sys.stderr)
         return error.code
     except OSError as error:
-        print("%s: %s" % (options.dump, error.strerror), file=sys.stderr)
+        print(one_line("%s: %s" % (options.dump, error.strerror)), file=sys.stderr)
         return 3
     if options.json:
         print(json.dumps(verification, indent=1))

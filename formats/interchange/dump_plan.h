@@ -23,6 +23,7 @@ struct ForeignLayer {
 struct DumpPlan {
   uint32_t width = 0, height = 0, spp = 0;
   format::SampleOrder sample_order = format::SampleOrder::kRenderer;
+  bool shuffled = false;  // by the importer: images are none of the source's, and prove nothing
   std::vector<ForeignLayer> layers;  // radiance first
   nlohmann::json meta = nlohmann::json::object();
   ImportRecord record;

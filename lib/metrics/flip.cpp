@@ -115,22 +115,23 @@ Taps balanced(Taps taps) {
 Plane convolved(const Plane& image, const Taps& across, const Taps& down) {
   const int width = image.width(), height = image.height();
   const int rx = static_cast<int>(across.size()) / 2, ry = static_cast<int>(down.size()) / 2;
-  Plane rows(width, height), result(width, height);
+  Plane rows(width, height), result(width, height);  // both begin at 0
+  // A tap for the whole row at a time: vectors, and each sum in the order of the taps.
+  const auto add = [&](double tap, const double* from, double* to) {
+    for (int x = 0; x < width; ++x)
+      to[x] += tap * from[x];
+  };
   parallel_rows(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      double sum = 0.0;
-      for (int i = -rx; i <= rx; ++i)
-        sum += across[static_cast<std::size_t>(i + rx)] * image(std::clamp(x + i, 0, width - 1), y);
-      rows(x, y) = sum;
-    }
+    std::vector<double> wide(static_cast<std::size_t>(width + 2 * rx));
+    for (int x = -rx; x < width + rx; ++x)
+      wide[static_cast<std::size_t>(x + rx)] = image(std::clamp(x, 0, width - 1), y);
+    for (std::size_t i = 0; i < across.size(); ++i)
+      add(across[i], &wide[i], &rows(0, y));
   });
   parallel_rows(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      double sum = 0.0;
-      for (int i = -ry; i <= ry; ++i)
-        sum += down[static_cast<std::size_t>(i + ry)] * rows(x, std::clamp(y + i, 0, height - 1));
-      result(x, y) = sum;
-    }
+    for (int i = -ry; i <= ry; ++i)
+      add(down[static_cast<std::size_t>(i + ry)], &rows(0, std::clamp(y + i, 0, height - 1)),
+          &result(0, y));
   });
   return result;
 }

@@ -1,17 +1,15 @@
 """docs/scene_needs.md: a recording without some of its layers, and the rows of its tables."""
-import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools/study"))
 
 
 @pytest.mark.parametrize("name", ["chess", "caustic_mitsuba"])
 def test_a_recording_without_layers_holds_the_same_samples(tmp_path, name):
     import numpy as np
-    import scene_needs
+    from tools.study import scene_needs
     import spool
     for kind, layers in scene_needs.SETS.items():
         with spool.open(ROOT / f"dumps/tiny/{name}.spool") as whole:
@@ -26,7 +24,7 @@ def test_a_recording_without_layers_holds_the_same_samples(tmp_path, name):
 
 
 def test_what_a_layer_costs_and_buys_is_a_row_each():
-    import scene_needs
+    from tools.study import scene_needs
     sets = {kind: {"layers": list(layers), "bytes": 12, "file": 1e6 * (1 + i), "microseconds": None if i else 2.0}
             for i, (kind, layers) in enumerate(scene_needs.SETS.items())}
     one = {"recording": "torus", "renderer": "Mitsuba", "sets": sets,
@@ -39,7 +37,7 @@ def test_what_a_layer_costs_and_buys_is_a_row_each():
 
 
 def test_what_leaving_a_need_out_does_is_a_row():
-    import scene_needs
+    from tools.study import scene_needs
     row = {"scene": "mist", "need": "medium", "microseconds": 3.0, "microseconds_without": 2.0, "noise": [0.2, 0.1, 0.3],
            "noise_without": [0.1, 0.05, 0.15], "left_out": 0.7, "again": 0.001}
     table = scene_needs.need_table({"rows": [row]})
@@ -47,6 +45,6 @@ def test_what_leaving_a_need_out_does_is_a_row():
 
 
 def test_the_page_is_what_is_kept():
-    import scene_needs
+    from tools.study import scene_needs
     for name, text in scene_needs.pages().items():
         assert text == (ROOT / "docs" / name).read_text(encoding="utf-8"), "tools/study/scene_needs.py"

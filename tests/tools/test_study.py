@@ -10,14 +10,9 @@ from pathlib import Path
 import pytest
 
 from conftest import LONGEST_RUN, PROGRAM
+from tools.study import full_size, kept, pages, plans, tables
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools/study"))
-import full_size  # noqa: E402
-import kept  # noqa: E402
-import pages  # noqa: E402
-import plans  # noqa: E402
-import tables  # noqa: E402
 
 RESULTS = ROOT / "docs/results"
 FULL = sorted((RESULTS / "experiments_full").glob("*.tar.xz"))

@@ -8,7 +8,7 @@ import argparse
 import json
 from pathlib import Path
 
-import tables
+from tools.study import tables
 
 
 def read(folders, each):

@@ -11,10 +11,10 @@ import re
 import tomllib
 from pathlib import Path
 
-import kept
-import tables
-from plans import FULL
-from whole_file import write_whole
+from tools.study import kept
+from tools.study import tables
+from tools.study.plans import FULL
+from tools.study.whole_file import write_whole
 
 HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]

@@ -6,15 +6,14 @@ recording, a line for each method that a claim names, with its 95 % interval, as
 import sys
 from pathlib import Path
 
-import matplotlib
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.pyplot as plt
 
-import pages  # noqa: E402
-import tables  # noqa: E402
-from plans import ROOT  # noqa: E402
+from tools.study import pages
+from tools.study import tables
+from tools.study.plans import ROOT
 
+plt.switch_backend("Agg")
 COLOURS = ("#000000", "#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")  # told apart by the colour-blind
 MARKERS = "os^vDP*X"
 COLUMNS = 4

@@ -7,12 +7,10 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+import spool
+import spool.exr
 
-from plans import ROOT
-
-sys.path.insert(0, str(ROOT / "formats" / "python"))
-import spool  # noqa: E402
-import spool.exr  # noqa: E402
+from tools.study.plans import ROOT
 
 
 def rgb(path):

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Measures what layers and needs of a recording cost and what they buy, and writes docs/scene_needs.md.
 
-    tools/study/scene_needs.py small           records four scenes with several sets of layers, 64 x 64 pixels
-    tools/study/scene_needs.py needs           records scenes of Cycles with a need (lens, shutter, medium) and without it
-    tools/study/scene_needs.py full NAME...    recordings of full size that are here, without some of their layers
-    tools/study/scene_needs.py                 the page alone, from what is kept in docs/results/scene_needs
+    python3 -m tools.study.scene_needs small           records four scenes with several sets of layers, 64 x 64 pixels
+    python3 -m tools.study.scene_needs needs           records scenes of Cycles with a need (lens, shutter, medium) and without it
+    python3 -m tools.study.scene_needs full NAME...    recordings of full size that are here, without some of their layers
+    python3 -m tools.study.scene_needs                 the page alone, from what is kept in docs/results/scene_needs
 
 What is recorded is not recorded again: build/scene_needs. Errors and intervals are the program's.
 """
@@ -18,10 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
-import tables
-from plans import CACHE, ROOT, full_recording
-from replays import errors, reference_of, spool
-from whole_file import write_whole
+from tools.study import tables
+from tools.study.plans import CACHE, ROOT, full_recording
+from tools.study.replays import errors, reference_of, spool
+from tools.study.whole_file import write_whole
 
 # Behind the folders that are there: dumps has a pools.py of its own.
 sys.path += [str(ROOT / "dumps"), str(ROOT / "dumps/recording"), str(ROOT / "dumps/verify")]

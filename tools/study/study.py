@@ -13,10 +13,10 @@ import argparse
 import json
 from pathlib import Path
 
-import full_size
-import kept
-import pages
-from plans import PLANS, ROOT, make_recordings, read
+from tools.study import full_size
+from tools.study import kept
+from tools.study import pages
+from tools.study.plans import PLANS, ROOT, make_recordings, read
 
 
 def parse():
@@ -56,7 +56,7 @@ def run_small(arguments):
             kept.evaluate(arguments.program, PLANS / f"{plan}.toml", folder, *threads)
             texts = kept.texts_of(folder)
             if "density" in chapter:
-                from density import densities  # needs numpy
+                from tools.study.density import densities  # needs numpy
                 texts["density.json"] = json.dumps(kept.short(densities(arguments.program, read(PLANS / f"{plan}.toml"), folder)))
             kept.pack(arguments.output / f"results/experiments/{plan}.tar.xz", texts)
 

@@ -11,10 +11,9 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import spool
 
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "formats" / "python"))
-import spool  # noqa: E402
 
 PAGE = ROOT / "docs" / "coverage.md"
 TINY = ("balls", "caustic", "caustic_mitsuba", "chess", "fireflies", "mist", "table")

@@ -13,9 +13,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+from tools.bench.speed_page import replace_section
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "tools" / "bench"))
-from speed_page import replace_section  # noqa: E402
 
 RECORDINGS = ["balls", "caustic", "chess", "table"]  # Cycles; the same layers in each
 READS, WRITES, OPENS_MS, BLOCK_MS, RSS_MB = 3.0, 5.0, 50.0, 2.0, 1024  # targets

@@ -12,10 +12,9 @@ import time
 from pathlib import Path
 
 import numpy as np
+import spool
 
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "formats" / "python"))
-import spool  # noqa: E402
 
 PAGE = ROOT / "docs" / "limits.md"
 GROUPS = Path("/sys/fs/cgroup/memory")     # version 1; version 2 has memory.max in /sys/fs/cgroup

@@ -16,10 +16,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from mosaic import write_mosaic  # noqa: E402
-from page import growth_rows, page  # noqa: E402
-from speed_page import PAGE, replace_section  # noqa: E402
+from tools.bench.methods.mosaic import write_mosaic
+from tools.bench.methods.page import growth_rows, page
+from tools.bench.speed_page import PAGE, replace_section
 
 BUDGET, JUDGED = 8, 1024                       # JUDGED: pixels along a side of the picture that the targets speak of
 SAMPLES, LARGE, LARGE_SAMPLES = 64, 4096, 16

@@ -133,7 +133,6 @@ def compare(program):
     import numpy as np
     import skimage
     from importlib.metadata import version
-    sys.path.insert(0, str(ROOT / "formats" / "python"))
     import spool.exr
     rows, worst = [], {}
     with tempfile.TemporaryDirectory() as folder:
@@ -167,7 +166,7 @@ def main():
     if sys.argv[1] == "--compare":
         sys.exit(compare(Path(sys.argv[2])))
     program = Path(sys.argv[1]).resolve() / "spool"
-    sys.exit(subprocess.run([python_with_packages(), __file__, "--compare", program]).returncode)
+    sys.exit(subprocess.run([python_with_packages(), "-m", "tools.bench.metrics.run", "--compare", program]).returncode)
 
 
 if __name__ == "__main__":

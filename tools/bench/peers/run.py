@@ -7,15 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from speed_page import replace_section  # noqa: E402
+from tools.bench.speed_page import replace_section
 
 ROOT = Path(__file__).resolve().parents[3]
+plt.switch_backend("svg")
 RESULTS = ROOT / "docs" / "results" / "peers"
 IMAGES = {"filter": "filter of 8 uniform samples", "pair": "sampler and filter, 8 of 64 samples"}  # kinds that give an image, which has an error
 OIDN = "Open Image Denoise, albedo and normal"
@@ -24,8 +21,8 @@ OIDN = "Open Image Denoise, albedo and normal"
 def measure(build, arguments):
     cache = Path(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache"))) / "spool"
     python = os.environ.get("SPOOL_PEERS_PYTHON", cache / "peers-venv" / "bin" / "python")
-    done = subprocess.run([python, Path(__file__).with_name("subjects.py"), build / "spool", str(arguments.size),
-                           str(arguments.turns), str(arguments.longest), arguments.without], env={**os.environ, "PYTHONPATH": str(build / "python")}, check=True,
+    done = subprocess.run([python, "-m", "tools.bench.peers.subjects", build / "spool", str(arguments.size),
+                           str(arguments.turns), str(arguments.longest), arguments.without], env={**os.environ, "PYTHONPATH": str(build.resolve() / "python")}, check=True, cwd=ROOT,
                           stdout=subprocess.PIPE, text=True)
     return json.loads(done.stdout)
 

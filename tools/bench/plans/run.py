@@ -11,9 +11,9 @@ import sys
 import time
 from pathlib import Path
 
+from tools.bench.speed_page import replace_section
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "tools" / "bench"))
-from speed_page import replace_section  # noqa: E402
 
 PLAN = ROOT / "tools" / "plans" / "quick.toml"
 CPU, WALL = 12.0, 7.0                           # targets, on two processors
