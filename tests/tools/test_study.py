@@ -244,7 +244,7 @@ def test_a_plan_text_is_the_plan():
 
 
 def test_curves_are_drawn_of_the_methods_that_claims_name(tmp_path):
-    import plots
+    from tools.study import plots
     statistics = pages.Kept(RESULTS / "experiments_full").json("e7_tiles", "statistics.json")
     curves = plots.curves_of(statistics)
     assert list(curves) == ["scene_s_512"] and {spp for points in curves["scene_s_512"].values() for spp, _ in points} == {4, 16}

@@ -9,6 +9,7 @@ from pathlib import Path
 LINK = re.compile(r"\]\(([^)\s#]*)(?:#([^)\s]*))?\)")
 PAGE_NAME = re.compile(r"(?<![\w/.*-])((?:[\w.-]+/)*[\w-]+\.md)\b")
 START = Path("README.md")
+MADE = {"table.md", "claims.md", "curves.md"}  # by the program, or with the site
 
 
 def anchor_of(heading):
@@ -52,7 +53,7 @@ def unreached(pages):
 
 
 def missing_names(files, pages):
-    names = {page.name for page in pages}
+    names = {page.name for page in pages} | MADE
     for path in files:
         text = path.read_text(encoding="utf-8", errors="replace")
         for number, line in enumerate(text.splitlines(), 1):
