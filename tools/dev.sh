@@ -42,7 +42,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 what is done is not done again (half an hour of two cores in all)
   experiments --full [ID...] [--recording NAME]
                                 on the recordings of full size that are here, added to what other machines measured, and
-                                docs/experiments_full.md from all of it; --write-only: the page alone; stop it and go on any time;
+                                docs/findings.md from all of it; --write-only: the page alone; stop it and go on any time;
                                 experiments --judge: what is kept judged anew, after a change of its claims
                                 (about an hour of CPU time a recording in all)
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
@@ -59,7 +59,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   bits                          hashes of fixed results: g++ and clang++, release and debug, each vector width of the machine
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
   strangers                     what the pages say of a filter, sampler, option, metric and import of one's own, done in a copy
-                                of the tree, built and used; how many files each touches (docs/decisions/0140)
+                                of the tree, built and used; how many files each touches (docs/decisions.md, 0140)
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   lock [UV ARGS]                versions and hashes of what pip may install (tools/requirements); --upgrade: newer ones
   clean                         remove build/ and demo-output/
