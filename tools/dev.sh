@@ -262,7 +262,7 @@ demo() {
   rm -rf demo-output
   say "evaluating dumps/cornell_box.spool"
   ./build/release/spool evaluate dumps/cornell_box.spool --samplers uniform,multiscale \
-    --filters box,gaussian,twin_guides --spp 4,8 -o demo-output "$@"
+    --filters box,gaussian,twin_guides --spp 4,8 --replicates 4 -o demo-output "$@"
   if ./build/release/spool report demo-output -o demo-output/report.html &&
     ./build/release/spool figure demo-output --spp 4 -o demo-output/figures; then
     say "open $PWD/demo-output/report.html, and the picture in $PWD/demo-output/figures"
