@@ -113,11 +113,12 @@ SPOOL_VECTOR_CLONES void box_row(const float* from, float* const* rows, int any_
       down += value;
     }
     down *= scale;
+    if constexpr (kOf == BoxOf::kDistances) down = down > 0.0f ? down : Floats{};
     float result[kLanes];
     std::memcpy(result, &down, sizeof(Floats));
     if constexpr (kOf == BoxOf::kDistances) {
       for (float& d : result)
-        d = exp_negative(d > 0.0f ? d : 0.0f);
+        d = exp_negative(d);
     }
     std::memcpy(to + x, result, sizeof(Floats));
   }
