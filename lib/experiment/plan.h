@@ -74,7 +74,7 @@ struct Plan {
   int replicates = 8;
   std::vector<int> threads = {0};
   bool pictures = true;
-  ExperimentOptions experiment;  // masks: names and paths only, until somebody reads the files
+  ExperimentOptions experiment;  // masks: names and paths only, until the files are read
   SanitiseRules rules;
   // Energy ratio, lowest and highest, of the methods that are ranked.
   std::optional<std::pair<double, double>> energy_band;

@@ -1,5 +1,5 @@
-// Control: the box filter with a clamp on uniform samples, and nothing else. Whoever beats it only
-// removes fireflies.
+// Control: the box filter with a clamp on uniform samples, and nothing else. A method that beats it
+// only removes fireflies.
 //
 //   T_p   = factor * mean of the mean luminances of the (up to 8) other pixels of the 3x3 window
 //   image = mean of the pixel's samples, the one of largest luminance scaled down to T_p where it

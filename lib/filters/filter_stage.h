@@ -16,7 +16,7 @@ namespace spool {
 
 enum class OwnOptions {
   kDescribed,      // all; an unknown name is refused here, where the nearest one is known
-  kKnownWhenMade,  // of a filter that somebody else made: it refuses by itself
+  kKnownWhenMade,  // of a filter from elsewhere: it refuses by itself
 };
 
 // `filter` with those of the options above that it describes none of the same name for.

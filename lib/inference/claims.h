@@ -27,7 +27,7 @@ struct Claim {
 
 enum class ClaimVerdict {
   kUnknown,    // not compared
-  kUndecided,  // not told apart from the stated ratio
+  kUndecided,  // not separated from the stated ratio
   kHolds,
   kReversed,
   kMixed  // over several recordings or budgets: holds on some and is reversed on others

@@ -11,7 +11,7 @@
 // theirs, which holds its variance; a lamp is many. Variances that are small by chance would be
 // evidence of nothing: those of the test are at least the median of the nine around them, which one
 // lamp does not move. R_{k+1} reaches less far to the right and down than the filter's window: the
-// regions of the next piece to the right, below and both speak, too, and the loudest counts.
+// regions of the next piece to the right, below and both count, too, and the largest decides.
 #pragma once
 
 #include "lib/core/guards.h"

@@ -18,7 +18,7 @@ struct TwinGuidesOptions {
   double stretch = 2.0;       // of the coarser level along the structure of the picture; 0: round
   double slack = 2.0;         // factor on the estimated noise of the guides
   double detail_slack = 1.6;  // factor on the estimated noise of a scale's detail
-  double tau = 0.10;          // difference of logarithms that tells two pieces apart
+  double tau = 0.10;          // difference of logarithms that separates two pieces
   double feature_gain = 0.1;  // weight of the distance of features
   double cut = 4.0;           // distance at which a weight is 0
   double ridge = 0.05;        // on every coefficient of the fit but the constant

@@ -42,7 +42,7 @@ struct AnalysedBoard : Board {
   std::vector<Image<T>> priority;  // P_1 .. P_K at [k - 1]; -infinity outside `area`
 };
 using ExactBoard = AnalysedBoard<double>;
-using EpochBoard = AnalysedBoard<float>;  // without d and V unless somebody wants to see them
+using EpochBoard = AnalysedBoard<float>;  // without d and V unless they are asked for
 
 // The pyramid that the options ask for: K levels, K + 1 for d_index = same_k.
 PyramidOptions board_pyramid(const MultiscaleOptions& options);
