@@ -28,7 +28,7 @@ std::string sampling_key(const Cell& cell) {
                      cell.threads);
 }
 
-// A recording in use, loaded once for all neighbouring cells that want it.
+// A recording in use, loaded once for all neighbouring cells that use it.
 struct LoadedDump {
   std::string name;
   Result<std::shared_ptr<const RecordedSamples>> samples;

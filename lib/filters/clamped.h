@@ -5,7 +5,7 @@
 //   image = mean of the pixel's samples, the one of largest luminance scaled down to T_p where it
 //           exceeds it
 //
-// One sample of a pixel at most is changed, so a light that two samples of a pixel saw is dimmed
+// One sample of a pixel at most is changed, so a light in two samples of a pixel is dimmed
 // but not lost. Errors fall by much and energy is lost: the measure of how much of a gain is the
 // removal of bright samples. A picture of one pixel has no neighbours and is the box filter's. Slow
 // twin: tests/reference/clamped_reference.h.

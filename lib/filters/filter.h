@@ -41,7 +41,7 @@ struct FilterContext {
   bool variance = true;
 };
 
-// Pixels whose weights are wanted, (x, y).
+// Pixels whose weights are returned, (x, y).
 inline std::vector<std::pair<int, int>> wanted_pixels(const FilterContext& context) {
   return context.footprints ? context.footprints->wanted() : std::vector<std::pair<int, int>>{};
 }

@@ -1,6 +1,6 @@
 // What may stand before and behind any filter, those outside this program too:
 //
-//   clamp = on      the filter sees clamped samples (lib/kernels/sample_clamp.h)
+//   clamp = on      the filter gets clamped samples (lib/kernels/sample_clamp.h)
 //   energy = box    its image gets the energy of the mean of the samples taken, not clamped
 //                   (lib/kernels/energy_step.h)
 //

@@ -53,7 +53,7 @@ using FeatureReader = std::function<Result<std::vector<float>>(
 class RecordedSamples {
  public:
   // Reads and scans every sample once (in parallel) to apply `rules`; `keep`: blocks stay in
-  // memory; `pass`, which may be null, sees what is read. Errors: those of the layer; kData when
+  // memory; `pass`, which may be null, gets what is read. Errors: those of the layer; kData when
   // non-finite samples are forbidden or too many, or when a pixel keeps no sample, unless the rules
   // allow it.
   static Result<RecordedSamples> create(std::string name, LayerBlocks radiance, bool keep,

@@ -32,7 +32,7 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table();
 // What the specification of the filter fixes.
 inline constexpr double kLogFloor = 0.10;    // log(max(x, 0) + kLogFloor L) of a sample
 inline constexpr double kPilotFloor = 0.05;  // log(max(P, 0) + kPilotFloor L) of the pilot
-// What a tap of the next scale sees is a mean over four times as much, of a quarter of the noise.
+// What a tap of the next scale reads is a mean over four times as much, of a quarter of the noise.
 inline constexpr double kRidgeOfCoarser = 0.25;
 
 // Everything is computed on radiance * unit, which is near 1 and may be float. The unit is a power

@@ -2,7 +2,7 @@
 // of its pieces, their pyramids, and the priority of every region. It holds; analysis.h computes.
 // Images of an analysis are of T: double for update=exact, float for update=epoch.
 //
-// A board is the whole image, or a tile of it with what it sees of its neighbours. Images of a
+// A board is the whole image, or a tile of it with its view of its neighbours. Images of a
 // board have window coordinates: (0, 0) is (window.x0, window.y0) of the grid of pieces.
 #pragma once
 

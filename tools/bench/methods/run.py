@@ -22,7 +22,7 @@ from tools.bench.speed_page import PAGE, replace_section
 
 BUDGET, JUDGED = 8, 1024                       # JUDGED: pixels along a side of the picture that the targets name
 SAMPLES, LARGE, LARGE_SAMPLES = 64, 4096, 16
-FEATURES = Path("dumps/tiny/chess.spool")      # for methods that want features, which scene S has not
+FEATURES = Path("dumps/tiny/chess.spool")      # for methods that require features, which scene S has not
 
 
 def samples_at(size):
@@ -71,7 +71,7 @@ class Methods:
         return expected <= self.longest
 
     def library(self, size, threads, methods, features):
-        """One process; the methods that were refused for want of features."""
+        """One process; the methods that were refused without features."""
         if not methods:
             return []
         which = "^(" + "|".join(map(re.escape, methods)) + ")/t"
