@@ -22,7 +22,7 @@ constexpr double kDensityRange = 8.0;
 constexpr std::size_t kLongestPart = 100;
 constexpr std::size_t kLongestStem = 200;
 
-// A longer name is cut, and told apart by a checksum of the whole.
+// A longer name is cut, and a checksum of the whole is added.
 std::string bounded(const std::string& name, std::size_t most) {
   if (name.size() <= most) return name;
   return fmt::format("{}-{:08x}", name.substr(0, most - 9),

@@ -153,7 +153,7 @@ class PlanRun {
     return verdict(missing);
   }
 
-  // The results of a shard are made later; its failures are told now.
+  // The results of a shard are made later; its failures are printed now.
   Result<void> report_shard() {
     for (std::size_t i = 0; i < named_.cells.size(); ++i) {
       if (!chosen_[i]) continue;

@@ -43,7 +43,7 @@ void add_evaluate(Program& program) {
       "evaluate", "every sampler with every filter at every budget: error, time, pictures");
   EvaluateOptions& options = program.evaluate;
   verb.add_option("FILES", options.files,
-                  "recorded dumps; one PLAN.toml that says everything; or, with --statistics-only, "
+                  "recordings; one PLAN.toml that says everything; or, with --statistics-only, "
                   "folders of results")
       ->required();
   verb.add_option("--samplers", options.samplers, "a,b:PRESET,LABEL=c{OPTION=VALUE} (uniform)");
@@ -60,7 +60,7 @@ void add_evaluate(Program& program) {
   add_method(verb, options.methods);
   verb.add_option("--reference", options.reference,
                   "what images are judged by: " + reference_names() +
-                      " (default: the first of these that the dump can give)");
+                      " (default: the first of these that the recording can give)");
   within(verb.add_option("--holdout", options.holdout,
                          "samples per pixel kept for judging (a quarter, where they are needed)"),
          kHoldout);
@@ -212,7 +212,7 @@ void add_figure(Program& program) {
       "Writes comparison_RECORDING (reference, windows, error maps, numbers), comparison "
       "(recordings "
       "as\nrows), curves and curves_time, each as .pdf, .svg and .png; captions.tex, table.tex and "
-      "table.md;\ncurves.csv and curves.py, which draws it. Bold: told apart from every other "
+      "table.md;\ncurves.csv and curves.py, which draws it. Bold: separated from every other "
       "method. "
       "Needs Python 3\nwith numpy and matplotlib.\n"
       "Examples:\n"

@@ -52,8 +52,8 @@ function startHeadline(area) {
     element('div', {class: 'hero'}, element('div', {}, holder, note), element('figure', {}, title, chart)), strip);
   function draw() {
     holder.replaceChildren(headlineTable(draw));
-    note.textContent = `${report.metric} relative to ${hero.baseline}: below 1 is better. Bold: told apart. Methods that ` +
-      'share a letter are not told apart. ▼: loses energy. A click shows the pictures.';
+    note.textContent = `${report.metric} relative to ${hero.baseline}: below 1 is better. Bold: separated. Methods that ` +
+      'share a letter are not separated. ▼: loses energy. A click shows the pictures.';
     title.textContent = `${report.dumps[hero.dump]}: ${report.metric} against samples per pixel`;
     drawHeroChart(chart);
     drawCrops(strip);
@@ -108,7 +108,7 @@ function headlineCell(condition, name) {
   const bounds = (i) => (Number.isFinite(i.low) ? ` [${numberText(i.low, 3)}, ${numberText(i.high, 3)}]` : '');
   const words = [`${report.metric} ${numberText(value.mean)}${bounds(value)}`];
   if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${bounds(ratio)}: ${ratio.verdict} than ${hero.baseline}`.replace(
-    'undecided than', 'not told apart from'));
+    'undecided than', 'not separated from'));
   if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);
   return element('td', {class: `number ${ratio?.verdict ?? ''}`, title: words.join('\n'), 'data-ratio': ratio ? ratio.mean : '',
     'data-verdict': ratio?.verdict ?? '', style: `background: ${ratioColour(ratio?.mean)}`, onclick: () => openInViewer(c)},

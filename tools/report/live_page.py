@@ -1,4 +1,4 @@
-"""The page of `spool view`, whose pictures the program computes while somebody looks.
+"""The page of `spool view`, whose pictures the program computes on request.
 
 usage: live_page.py [--title TEXT]    prints the page
        live_page.py --facts DIR       prints what a folder of results says of its recordings and methods, as JSON

@@ -80,7 +80,7 @@ def _verdict_table(statistics, metric):
     more = f"<p>{rest} further methods: see the table.</p>" if rest > 0 else ""
     over = ("with its 95 % interval, and the verdict" if dumps == 1 else
             f"geometric mean over {dumps} scenes with its interval; below it, on how many the method is "
-            "better, worse or not told apart (undecided)")
+            "better, worse or undecided")
     return (f"<p>{escape(metric)} relative to {escape(statistics.baseline)} at the same budget: {over}.</p>"
             '<div class="scroll" tabindex="0"><table class="verdicts"><thead><tr>'
             f'<th scope="col">method</th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
