@@ -17,6 +17,7 @@ struct Shard {
 struct RunRequest {
   Plan plan;
   std::filesystem::path folder;
+  std::filesystem::path inputs;  // only the inputs of each replicate are written, here
   std::optional<Shard> shard;  // only the cells of this one; results are then made by merging
   bool exact_timing = false;   // one result after another
   bool wide = false;           // the printed table: MSE, energy and times too
