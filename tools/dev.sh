@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(g++ cmake ninja-build pkg-config python3
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libdeflate-dev libzstd-dev zlib1g-dev
   libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libexpected-dev libboost-dev libssl-dev liblz4-dev libblosc-dev libgtest-dev libgmock-dev librapidcheck-dev)
-test_packages=(blender chromium doxygen dpkg-dev file fish groff-base libatomic1 libllvm19 python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
+test_packages=(blender chromium doxygen dpkg-dev file fish groff-base libatomic1 libllvm19 python3-distributed python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
   python3-zarr python3-zstandard zsh)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
 wheel_packages=(libpng-dev)
@@ -42,7 +42,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 what is done is not done again (half an hour of two cores in all)
   experiments --full [ID...] [--recording NAME]
                                 on the recordings of full size that are here, added to what other machines measured, and
-                                docs/experiments_full.md from all of it; --write-only: the page alone; stop it and go on any time;
+                                docs/findings.md from all of it; --write-only: the page alone; stop it and go on any time;
                                 experiments --judge: what is kept judged anew, after a change of its claims
                                 (about an hour of CPU time a recording in all)
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
@@ -59,7 +59,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   bits                          hashes of fixed results: g++ and clang++, release and debug, each vector width of the machine
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
   strangers                     what the pages say of a filter, sampler, option, metric and import of one's own, done in a copy
-                                of the tree, built and used; how many files each touches (docs/decisions/0140)
+                                of the tree, built and used; how many files each touches (docs/decisions.md, 0140)
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   lock [UV ARGS]                versions and hashes of what pip may install (tools/requirements); --upgrade: newer ones
   clean                         remove build/ and demo-output/
@@ -107,7 +107,10 @@ setup() {
       fetch_report_assets
       ;;
     test) require_packages "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"; setup_python ;;
-    lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
+    lint)
+      require_packages "${build_packages[@]}" "${lint_packages[@]}" "${python_packages[@]}"
+      setup_venv lint-venv "" 'import ruff' lint
+      ;;
     bench) require_packages "${build_packages[@]}" "${bench_packages[@]}" ;;
     docs) require_packages "${docs_packages[@]}"; setup_docs_venv ;;
     all)
@@ -571,6 +574,9 @@ lint() {
   say "format"
   cpp_files | xargs -r clang-format-19 --dry-run -Werror || failed=1
   command -v shellcheck >/dev/null && { shellcheck tools/dev.sh .ci/run || failed=1; }
+
+  say "Python"
+  "${XDG_CACHE_HOME:-$HOME/.cache}/spool/lint-venv/bin/python" -m ruff check --quiet . || failed=1
 
   say "citations, paths, lengths"
   python3 tools/lint.py || failed=1

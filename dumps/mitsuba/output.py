@@ -10,6 +10,11 @@ from seeds import chunk_seed
 LARGEST_HALF, SMALLEST_HALF = 65504.0, 2.0 ** -14    # with 11 bits of precision
 
 
+def stored(name, array):
+    """As a chunk keeps it: what every file has in 16 bits in 16 bits."""
+    return array.astype("<f2") if LAYERS[name][0] == "f2" else array
+
+
 def half_ranges(layers, chunks, indices):
     """(largest radiance, whether 16 bits hold the depth with their full precision)"""
     fits = "depth" not in layers or all(
@@ -70,6 +75,8 @@ def write_file(path, options, meta, tracer, layers, chunks, cut, reference, firs
             if "shape" in arrays:
                 arrays["shape"] = arrays["shape"].astype("<u4")
             writer.write_passes(cut.parts[index][0], arrays)
+            if chunks.own(path):
+                chunks.forget(range(first_chunk + index, first_chunk + index + bands))
             progress.step()
         progress.close()
         if reference is not None:

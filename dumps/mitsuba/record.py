@@ -24,7 +24,7 @@ from failure import Failure, scene_failure, usage_failure  # noqa: E402
 from finding import line, summary  # noqa: E402
 from finish import Parts, finish  # noqa: E402
 from options import parse  # noqa: E402
-from output import layer_types, samples_of  # noqa: E402
+from output import layer_types, samples_of, stored  # noqa: E402
 from plan import Cut, describe  # noqa: E402
 from progress import Progress, size as size_text  # noqa: E402
 from recordings import names, next_step  # noqa: E402
@@ -75,10 +75,10 @@ def plan_of(options, mi, recordable, tracer, layers, cut):
 
 
 def record_pool(options, tracer, layers, chunks, cut):
-    """Traces the chunks that are not there yet; each keeps the CPU time of all threads that it took. Returns the wall time
-    of all, as if none had been there."""
+    """Traces the chunks that are not there yet, nor in a file that is whole; each keeps the CPU time of all threads that it took.
+    Returns the wall time of all, as if none had been there."""
     total = options.recordings * len(cut.parts)
-    missing = [index for index in range(total) if not chunks.has(index)]
+    missing = [index for index in range(total) if not chunks.has(index) and not chunks.is_whole(index // len(cut.parts))]
     if missing:  # compiles the kernels, which is no cost of a sample
         tracer.trace(1, chunk_seed(options.seed, SPARE), layers, cut.bands[0])
     pixels = shared_numbers.chosen_pixels(tracer.width, tracer.height)
@@ -89,7 +89,7 @@ def record_pool(options, tracer, layers, chunks, cut):
         arrays = tracer.trace(count, chunk_seed(options.seed, index), [*dict.fromkeys([*layers, "film"])], rows)
         seconds = time.process_time() - started
         marks = shared_numbers.marks(arrays["film"], rows, pixels)
-        chunks.save(index, {"marks": marks, **{name: arrays[name] for name in layers}}, seconds)
+        chunks.save(index, {"marks": marks, **{name: stored(name, arrays[name]) for name in layers}}, seconds)
         progress.step()
     progress.close()
     return (time.monotonic() - begun) * total / len(missing) if missing else 0.0
@@ -136,12 +136,15 @@ def record(options, mi, recordable, tracer, layers):
         raise usage_failure("--chunk-lanes %d is too small for %dx%d pixels: raise it (about %d bytes each)" %
                             (options.chunk_lanes, tracer.width, tracer.height, BYTES_PER_LANE))
     chunks = Chunks(options.out + ".recording", plan_of(options, mi, recordable, tracer, layers, cut))
+    numbers, reference = chunks.load_numbers([options.reference, options.auto]), None
     wall = record_pool(options, tracer, layers, chunks, cut)
     if wall * options.reference / options.samples > LONG_REFERENCE:
         print("\n".join(reference_hint(options.samples, options.reference, wall, wall * options.reference / options.samples,
                                        auto=options.auto)), flush=True)
-    marks = np.sort(np.concatenate([chunks.part(index, "marks") for index in range(total)]))
-    numbers, reference = {"pool": len(marks), "pool_repeated": shared_numbers.repeated(marks)}, None
+    marks = np.empty(0, "<u8")
+    if numbers is None:
+        marks = np.sort(np.concatenate([chunks.part(index, "marks") for index in range(total)]))
+        numbers = {"pool": len(marks), "pool_repeated": shared_numbers.repeated(marks)}
     if options.reference:
         reference = record_reference(options, tracer, chunks, reference_cut, marks)
         numbers.update(reference=int(reference["looked_at"]), reference_repeated=int(reference["repeated"]))

@@ -40,6 +40,9 @@ struct Needs {
 
 // Of methods of other people, and of those that nobody has measured.
 inline constexpr WorkingMemory kUnmeasuredMemory = {400, 5e6};
+// CPU seconds of a megapixel with 8 samples a pixel and default options (docs/speed.md). Only the
+// order of work and its shares depend on it, never a result.
+inline constexpr double kUnmeasuredCost = 5.0;
 
 // A method with its options chosen. It is called as its function is.
 template <class Function>
@@ -64,6 +67,7 @@ struct Method {
   std::vector<ViewDescription> views;
   Needs needs;              // with the default options
   bool footprints = false;  // a filter that can say its weights (footprint.h)
+  double cost = kUnmeasuredCost;
   std::function<std::vector<OptionDescription>(std::string_view preset)> describe;
   // An empty preset is the default. Errors kUsage: an unknown preset or option, a wrong value.
   std::function<Result<Ready<Function>>(std::string_view preset, const OptionValues& set)> make;
@@ -108,6 +112,7 @@ struct MethodParts {
   std::vector<ViewDescription> views = {};
   std::function<Needs(const Options&)> needs = nullptr;  // none: nothing but samples
   WorkingMemory memory = kUnmeasuredMemory;
+  double cost = kUnmeasuredCost;
   bool footprints = false;
   typename WithOptions<Function, Options>::Type run = nullptr;
 
@@ -133,6 +138,7 @@ Method<Function> make_value(MethodParts<Function, Options> parts) {
   method.views = parts.views;
   method.needs = parts.needs_of(parts.presets.front().second);
   method.footprints = parts.footprints;
+  method.cost = parts.cost;
   for (const auto& preset : parts.presets) {
     if (!preset.first.empty()) method.presets.push_back(preset.first);
   }

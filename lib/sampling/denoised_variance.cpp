@@ -68,6 +68,7 @@ Sampler denoised_variance_sampler() {
              return Needs{.features = options.denoised ? Use::kWhenRecorded : Use::kNone};
            },
        .memory = {334, 4e6},
+       .cost = 9.2,
        .run = sample_denoised_variance});
 }
 

@@ -143,6 +143,7 @@ Sampler nl_means_sampler() {
        .options = nl_means_sampling_option_table(),
        .views = {{"error.i", "error before its smoothing, iteration i"}},
        .memory = {274, 4.7e6},
+       .cost = 10,
        .run = sample_nl_means});
 }
 

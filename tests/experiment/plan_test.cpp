@@ -366,25 +366,5 @@ TEST(Plan, CellIdsAreUniqueAndFollowWhatDecidesTheResult) {
   EXPECT_EQ(cell_id(moved, plan), cell_id(cell, plan));
 }
 
-TEST(Plan, ShardsCoverEveryCellOnceAndKeepSamplingRunsTogether) {
-  Plan plan = *parse(kFull);
-  plan.filters.push_back({"box", "robust", {}});
-  std::map<std::string, std::set<int>> shards_of_run;
-  std::vector<int> cells_of_shard(3, 0);
-  for (const Cell& cell : plan.cells()) {
-    const int shard = shard_of(cell, plan, 3);
-    ASSERT_GE(shard, 0);
-    ASSERT_LT(shard, 3);
-    ++cells_of_shard[static_cast<std::size_t>(shard)];
-    shards_of_run[fmt::format("{} {} {} {}", cell.dump, cell.sampler.label(), cell.spp,
-                              cell.replicate)]
-        .insert(shard);
-  }
-  for (const auto& [run, shards] : shards_of_run)
-    EXPECT_EQ(shards.size(), 1u) << run;
-  for (const int cells : cells_of_shard)
-    EXPECT_GT(cells, 0);
-}
-
 }  // namespace
 }  // namespace spool

@@ -1,4 +1,6 @@
 """The choice of options: verdicts of the program are counted, and nothing else."""
+from pathlib import Path
+
 from tools.study import plans, tune
 
 BASE = "multiscale + directional"

@@ -24,6 +24,7 @@
 #include "tools/batch/results_writer.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_manifest.h"
+#include "tools/batch/run_tasks.h"
 #include "tools/batch/runs_at_once.h"
 #include "tools/batch/statistics.h"
 #include "tools/batch/time_estimate.h"
@@ -50,10 +51,12 @@ double pixels_of(const std::string& dump) {
 
 class PlanRun {
  public:
-  PlanRun(const RunRequest& request, const CommonOptions& common, NamedCells named)
+  PlanRun(const RunRequest& request, const CommonOptions& common, NamedCells named,
+          std::vector<bool> chosen)
       : request_(request),
         common_(common),
         named_(std::move(named)),
+        chosen_(std::move(chosen)),
         store_(request.folder),
         pictures_(request.folder, request.plan.recordings),
         estimate_(std::vector<Cell>(), pixels_of) {}
@@ -161,12 +164,12 @@ class PlanRun {
   // The results of a shard are made later; its failures are told now.
   Result<void> report_shard() {
     for (std::size_t i = 0; i < named_.cells.size(); ++i) {
-      if (!in_shard(named_.cells[i])) continue;
+      if (!chosen_[i]) continue;
       if (const auto record = store_.read(named_.ids[i], named_.cells[i])) {
         judge(named_.cells[i], *record);
       }
     }
-    if (!common_.quiet) {
+    if (!common_.quiet && request_.shard) {
       print_line(fmt::format("shard {}/{}: {} of {} results in {}", request_.shard->index,
                              request_.shard->count, done_.load(), wanted_,
                              request_.folder.string()));
@@ -182,11 +185,6 @@ class PlanRun {
                        done_.load(), wanted_, request_.folder.string());
   }
 
-  bool in_shard(const Cell& cell) const {
-    return !request_.shard ||
-           shard_of(cell, request_.plan, request_.shard->count) == request_.shard->index;
-  }
-
   bool is_pictured(const Cell& cell) const {
     return request_.plan.pictures && cell.replicate == 0 &&
            cell.threads == request_.plan.threads.front();
@@ -195,7 +193,7 @@ class PlanRun {
   void find_missing() {
     for (std::size_t i = 0; i < named_.cells.size(); ++i) {
       const Cell& cell = named_.cells[i];
-      if (!in_shard(cell)) continue;
+      if (!chosen_[i]) continue;
       ++wanted_;
       Result<ResultRecord> record = store_.read(named_.ids[i], cell);
       if (record && has_result(*record)) {
@@ -226,6 +224,8 @@ class PlanRun {
       if (!drawn && undrawn_++ == 0) first_undrawn_ = drawn.error().message;
       result.writing = clock.elapsed();
     }
+    // Tasks of an executor may share their machine.
+    if (request_.only && !request_.exact_timing) result.alone = false;
     const ResultRecord record = record_of(result);
     SPOOL_TRY(store_.write(id_of_.at(key_of(cell)), record));
     ++done_;
@@ -280,6 +280,7 @@ class PlanRun {
   const RunRequest& request_;
   const CommonOptions& common_;
   NamedCells named_;
+  std::vector<bool> chosen_;  // of these cells, those of this run
   CellStore store_;
   EvaluationPictures pictures_;
   TimeEstimate estimate_;
@@ -336,12 +337,13 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   if (!request.merge) SPOOL_TRY(register_claims(request.folder, request.plan));
   SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true, true));
   SPOOL_TRY(merge_folders(request, dumps));
-  PlanRun run(request, common, std::move(named));
+  SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named.cells, named.ids));
+  PlanRun run(request, common, std::move(named), std::move(chosen));
   if (!request.merge) SPOOL_TRY(run.run());
   const std::string shard =
       request.shard ? fmt::format("{}/{}", request.shard->index, request.shard->count) : "";
   SPOOL_TRY(write_manifest(request.folder, {dumps, started, &request.plan, shard}));
-  return request.shard ? run.report_shard() : run.collect();
+  return is_part(request) ? run.report_shard() : run.collect();
 }
 
 }  // namespace spool::tools

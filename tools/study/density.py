@@ -12,7 +12,6 @@ Measures of a replay, one number per replicate:
 import itertools
 import json
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -20,7 +19,7 @@ import numpy as np
 import spool
 import spool.exr
 
-from tools.study.plans import PLANS, ROOT, methods_of
+from tools.study.plans import PLANS, methods_of
 from tools.study.whole_file import write_whole
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures of full size for docs/experiments_full.md, in docs/images/full_size: one for each figure of the paper and recording.
+"""Pictures of full size for docs/findings.md, in docs/images/full_size: one for each figure of the paper and recording.
 
     python3 -m tools.study.full_figures cornell_box_picture torus ...     by name, as recordings of full size lie on this machine
         [--figure e1 e4 e5 e8 e9]   default: all that the recording has its use for

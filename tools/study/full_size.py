@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 from tools.study import kept
-from tools.study.plans import PLANS, ROOT, full_plan, full_recording, full_recordings, text_of
+from tools.study.plans import ROOT, full_plan, full_recording, full_recordings, text_of
 from tools.study.whole_file import write_whole
 
 

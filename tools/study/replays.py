@@ -2,7 +2,6 @@
 import json
 import re
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -10,7 +9,6 @@ import numpy as np
 import spool
 import spool.exr
 
-from tools.study.plans import ROOT
 
 
 def rgb(path):

@@ -222,6 +222,7 @@ Filter directional_filter() {
              return Needs{.film_positions = inside ? Use::kWhenRecorded : Use::kNone};
            },
        .memory = {370, 2.6e6},
+       .cost = 0.59,
        .footprints = true,
        .run = reconstruct_directional});
 }

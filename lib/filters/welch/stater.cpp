@@ -115,6 +115,7 @@ Filter stater_filter() {
                           .film_positions = options.slope ? Use::kWhenRecorded : Use::kNone};
            },
        .memory = {478, 5e6},
+       .cost = 7.6,
        .footprints = true,
        .run = reconstruct_stater});
 }

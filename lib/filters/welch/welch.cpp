@@ -151,6 +151,7 @@ Filter welch_filter() {
        .presets = welch_presets(),
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
        .memory = {273, 5e6},
+       .cost = 2.2,
        .footprints = true,
        .run = reconstruct_welch});
 }

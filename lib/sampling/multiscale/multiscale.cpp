@@ -162,6 +162,7 @@ Sampler multiscale_sampler() {
                {"samples.k", "samples that regions of level k took; 0: uniformly spent"},
            },
        .memory = {208, 2.9e6},
+       .cost = 1.55,
        .run = sample_multiscale});
 }
 

@@ -74,7 +74,7 @@ struct MultiscaleOptions {
   int levels() const { return pyramid.levels; }
 };
 
-inline constexpr int kDefaultEpochs = 32;  // docs/decisions/0081-predicted-counts.md
+inline constexpr int kDefaultEpochs = 32;  // docs/decisions.md, 0081
 int epoch_count(const MultiscaleOptions& options);
 
 const OptionTable<MultiscaleOptions>& multiscale_option_table();

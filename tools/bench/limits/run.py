@@ -34,7 +34,7 @@ Written by `tools/dev.sh bench limits`; the source is `tools/bench/limits`.
 | disk | 12 bytes a sample in f32, 6 in f16 | recorders and `synth` stop with exit code 3; what was written can be recovered |
 
 A recording in f32 without compression is mapped, others are decoded into memory, while that and the work fit. A larger one is
-read block by block ([decision 0091](decisions/0091-blocks-are-read-again.md)): statistics go tile by tile and through the blocks of
+read block by block ([decision 0091](decisions.md#0091-a-recording-larger-than-memory-is-read-block-by-block)): statistics go tile by tile and through the blocks of
 a tile in their order. What that costs beside the same in memory: [speed.md](speed.md#a-recording-larger-than-memory).
 
 A sampler that comes back to a tile in steps is cheap while the samples of one tile fit (64 x 64 pixels of 1024 samples: 50 MB), and

@@ -2,8 +2,6 @@
 
 Neighbouring copies share their border pixels' values, as mirror images do, but not their noise.
 """
-import sys
-from pathlib import Path
 
 import numpy as np
 import spool

@@ -8,6 +8,7 @@ would take longer than --longest, told by the size before. What was measured is 
 folder; tables are written into docs/speed.md, unless they shall only be printed.
 """
 import argparse
+import csv
 import json
 import os
 import re
@@ -16,8 +17,8 @@ import sys
 from pathlib import Path
 
 from tools.bench.methods.mosaic import write_mosaic
-from tools.bench.methods.page import page
-from tools.bench.speed_page import replace_section
+from tools.bench.methods.page import growth_rows, page
+from tools.bench.speed_page import PAGE, replace_section
 
 BUDGET, JUDGED = 8, 1024                       # JUDGED: pixels along a side of the picture that the targets speak of
 SAMPLES, LARGE, LARGE_SAMPLES = 64, 4096, 16
@@ -150,10 +151,12 @@ def main():
         for _ in range(options.turns):
             for size in sizes:
                 bench.measure(size, sorted({kind[0] for kind in kept} | set(sizes)))
-    text = page(kept, options.longest)
+    text = page(kept)
     print(text)
     if not options.print:
         replace_section("methods", text)
+        with open(PAGE.parent / "results/speed/sizes.csv", "w", newline="", encoding="utf-8") as stream:
+            csv.writer(stream, lineterminator="\n").writerows(growth_rows(kept))
 
 
 if __name__ == "__main__":
