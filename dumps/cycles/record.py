@@ -1,11 +1,11 @@
-"""Records every sample of a Cycles rendering into a folder of passes; `spool pack` makes it a dump.
+"""Records every sample of a Cycles rendering into a folder of passes; `spool pack` makes it a recording.
 
   blender -b [FILE.blend] -P record.py --python-exit-code 3 -- --scene chess --samples 64 -o FOLDER
   python record.py --blend FILE.blend --samples 64 -o FOLDER               (with the bpy module)
 
 Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or the system refused.
 Run again after an interruption: finished passes are kept, and the samples and the reference are the same
-bit for bit (not the dump: its identifier and the measured cost of a sample differ).
+bit for bit (not the recording: its identifier and the measured cost of a sample differ).
 """
 import os
 import signal

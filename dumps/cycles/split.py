@@ -3,7 +3,7 @@
 
     split.py FOLDER RECORDINGS NAME          FOLDER/recording_1, FOLDER/recording_2, ...
 
-NAME is that of the dump; `spool pack` takes each folder for itself. Exit codes: 0 done, 1 the folder does not split, 3 the system refused.
+NAME is that of the recording; `spool pack` takes each folder for itself. Exit codes: 0 done, 1 the folder does not split, 3 the system refused.
 """
 import json
 import os

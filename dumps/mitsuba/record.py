@@ -3,7 +3,7 @@
 
     python dumps/mitsuba/record.py scene.xml -o scene.spool --size 256 --samples 64 --reference 4096
 
-Scenes of Mitsuba 0.5 and 0.6 are rewritten for Mitsuba 3; what was changed is told and kept in the file.
+Scenes of Mitsuba 0.5 and 0.6 are rewritten for Mitsuba 3; what was changed is printed and kept in the file.
 A run that was stopped goes on where it was when the same command is given again.
 """
 import os
@@ -36,12 +36,12 @@ from seeds import CHUNK_LIMIT, SPARE, chunk_seed  # noqa: E402
 from variant import choose_variant  # noqa: E402
 
 BYTES_PER_LANE = 119       # measured at the peak of the copy to numpy, all layers
-LONG_REFERENCE = 300       # seconds from which on its price is told before it begins
+LONG_REFERENCE = 300       # seconds from which on its price is printed before it begins
 RANDOM_NUMBERS = 2         # how seeds become samples; recordings begun with another number cannot go on
 
 
 def open_tracer(options):
-    """(mi, recordable, tracer, lines to tell)"""
+    """(mi, recordable, tracer, lines to print)"""
     try:
         variant, note = choose_variant(options.variant)
         import mitsuba as mi

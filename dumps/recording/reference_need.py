@@ -38,7 +38,7 @@ def denominator_noise(mean, variance):
 
 
 def outcome(told, limit):
-    """Lines on what became of it. told: what the metadata of the recording say of its reference."""
+    """Lines on what became of it. told: what the metadata of the recording contain about its reference."""
     least, most, noise = told["samples_least"], told["samples_most"], told["denominator_noise"]
     span = "%d" % most if least == most else "%d to %d, %d in the mean," % (least, most, told["samples"])
     lines = ["reference: %s samples a pixel; the noise of relMSE's denominator is %.2g (aim %g)" % (span, noise, DENOMINATOR)]

@@ -1,4 +1,4 @@
-"""What a reference takes, and what a smaller one would: told before it is made."""
+"""What a reference takes, and what a smaller one would: printed before it is made."""
 from progress import duration
 
 

@@ -1,4 +1,4 @@
-"""A dump once more with the same samples and identifier, packed with patience."""
+"""A recording once more with the same samples and identifier, packed with patience."""
 import os
 
 import numpy as np

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rewrites dumps in place so that they are small: one block for all samples of a tile, packed with patience.
+"""Rewrites recordings in place so that they are small: one block for all samples of a tile, packed with patience.
 
     python3 dumps/tiny/squeeze.py dumps/tiny/*.spool
 

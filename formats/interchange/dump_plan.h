@@ -1,4 +1,4 @@
-// What an importer hands over to be written: the layers of a dump as arrays of foreign files.
+// What an importer hands over to be written: the layers of a recording as arrays of foreign files.
 #pragma once
 
 #include <cstdint>

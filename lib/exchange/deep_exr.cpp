@@ -123,7 +123,7 @@ Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
 
 namespace {
 
-// A layer of the dump to be, and where its components are among the deep channels.
+// A layer of the recording to be, and where its components are among the deep channels.
 struct Wanted {
   ForeignLayer layer;
   std::vector<size_t> channels;

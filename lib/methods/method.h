@@ -2,7 +2,7 @@
 // options, the images it can show, what it needs, and how it is made.
 //
 // The file of a method ends with its value; lib/sampling/samplers.cpp and lib/filters/filters.cpp
-// are the only lists. Whoever wants to know something about a method reads it here.
+// are the only lists. What a method is stands here.
 #pragma once
 
 #include <functional>
@@ -33,12 +33,12 @@ struct Needs {
   bool filter_in_loop = false;      // a sampler that asks for the image of a filter
   std::string loop_filter = {};     // that filter's name; empty: the filter of the image
   bool signal = true;               // false: no analysis signal but the mean that exposes it
-  bool variance = true;             // false: means alone where nobody asks for the image's variance
-  bool samples = true;              // false: an image made elsewhere, the same for any samples
+  bool variance = true;  // false: means alone where the image's variance is not asked for
+  bool samples = true;   // false: an image made elsewhere, the same for any samples
   friend bool operator==(const Needs&, const Needs&) = default;
 };
 
-// Of methods of other people, and of those that nobody has measured.
+// Of methods of other people, and of those that were not measured.
 inline constexpr WorkingMemory kUnmeasuredMemory = {400, 5e6};
 // CPU seconds of a megapixel with 8 samples a pixel and default options (docs/speed.md). Only the
 // order of work and its shares depend on it, never a result.

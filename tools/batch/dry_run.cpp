@@ -26,7 +26,7 @@ constexpr int kTrialSamples = 64;     // recorded samples per pixel
 constexpr double kTrialSpp = 8;       // spent
 constexpr double kTrialSeconds = 10;  // at most, for all of them
 
-// Commands of somebody else are not run to see how long they take.
+// Commands of users are not run to see how long they take.
 bool runs_foreign_code(const Cell& cell) {
   return is_foreign_code(cell.sampler) || is_foreign_code(cell.filter);
 }

@@ -130,7 +130,7 @@ def tiles(p):
 
 
 def windows(images, reference, side=48, count=2):
-    """Where the relative errors of all images together are largest, whoever wins there; without overlap."""
+    """Where the relative errors of all images together are largest, whichever wins there; without overlap."""
     errors = sum(np.minimum(np.abs(image - reference).mean(axis=2) / (reference.mean(axis=2) + 0.1 * reference.mean()), 2.0) for image in images)
     worth = np.cumsum(np.cumsum(np.pad(errors, ((1, 0), (1, 0))), axis=0), axis=1)
     sums = worth[side:, side:] - worth[:-side, side:] - worth[side:, :-side] + worth[:-side, :-side]

@@ -14,7 +14,7 @@ from tools.study import tables
 from tools.study.plans import ROOT
 
 plt.switch_backend("Agg")
-COLOURS = ("#000000", "#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")  # told apart by the colour-blind
+COLOURS = ("#000000", "#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")  # distinct for the colour-blind
 MARKERS = "os^vDP*X"
 COLUMNS = 4
 

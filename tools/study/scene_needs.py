@@ -23,7 +23,7 @@ from tools.study.plans import CACHE, ROOT, full_recording
 from tools.study.replays import errors, reference_of, spool
 from tools.study.whole_file import write_whole
 
-# Behind the folders that are there: dumps has a pools.py of its own.
+# Behind the folders that are there: recordings has a pools.py of its own.
 sys.path += [str(ROOT / "dumps"), str(ROOT / "dumps/recording"), str(ROOT / "dumps/verify")]
 
 STORE, SCRATCH = ROOT / "docs/results/scene_needs", ROOT / "build/scene_needs"
@@ -33,7 +33,7 @@ SETS = {"radiance": ("radiance",), "film": ("radiance", "film"), "lens": ("radia
 READERS = {"film": ("greedy_selection", "directional{recon_granularity=sample}"), "features": ("cross_bilateral", "twin_guides")}
 METHODS = ("box", "gaussian", "greedy_selection", "directional", "directional{recon_granularity=sample}", "cross_bilateral", "nl_means",
            "twin_guides")
-SMALL = {  # scene: (renderer, arguments, sets); Cycles tells positions only where it shifts whole pictures
+SMALL = {  # scene: (renderer, arguments, sets); Cycles gives positions only where it shifts whole pictures
     "chess": ("Cycles", ["chess", "--mode", "shift", "--seed", "1"], ("radiance", "film", "features")),
     "table": ("Cycles", ["table", "--mode", "iid", "--seed", "1"], ("radiance", "features")),
     "mist": ("Cycles", ["mist", "--mode", "iid", "--seed", "1"], ("radiance", "features")),

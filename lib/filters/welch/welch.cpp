@@ -146,7 +146,7 @@ Result<Reconstruction> reconstruct_welch(const Selection& selection, const Sampl
 Filter welch_filter() {
   return make_value<FilterFunction, WelchOptions>(
       {.name = "welch",
-       .summary = "neighbours that a t-test of their samples cannot tell apart are averaged",
+       .summary = "neighbours that a t-test of their samples cannot separate are averaged",
        .options = welch_option_table(),
        .presets = welch_presets(),
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::uint64_t kTileLane = 3;  // of random numbers
 
-// A tile as the board of the whole grid was when it was loaded, with what it sees of its
+// A tile as the board of the whole grid was when it was loaded, with its view of its
 // neighbours.
 template <class T>
 AnalysedBoard<T> tile_board(const AnalysedBoard<T>& whole, const Rectangle& tile,

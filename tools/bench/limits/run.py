@@ -131,7 +131,7 @@ class Limits:
         return path
 
     def measure_channels(self, side):
-        """What is recorded beside radiance costs those who ask for it, and nobody else."""
+        """What is recorded beside radiance costs the methods that ask for it, and no other."""
         few = [("albedo", "RGB"), ("normal", "XYZ"), ("depth", "Z")]
         many = few + [(f"light{number}", "RGB") for number in range(12)]
         for layers in ((), few, many):

@@ -28,7 +28,7 @@ def name_of(method, found):
 
 
 def judged(kind, kept, names):
-    """Seconds, memory and threads at the size that the targets speak of."""
+    """Seconds, memory and threads at the size that the targets name."""
     rows = [[kind, "library, CPU-s", "target", "whole command, CPU-s", "bytes/pixel", "2 threads, times faster"]]
     for method in names:
         one, two, whole = (of(kept, JUDGED, threads, where, method) for threads, where in ((1, "library"), (2, "library"), (1, "command")))

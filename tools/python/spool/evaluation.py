@@ -43,7 +43,7 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
         folder = None if kept else tempfile.TemporaryDirectory(prefix="spool-")
         place = kept or os.path.join(folder.name, "results")
         if isinstance(plan, dict) and not kept:
-            plan = {"pictures": False, **plan}  # nobody would see them
+            plan = {"pictures": False, **plan}  # they would not be looked at
         written, name, beside = _text_of(plan, scratch)
         # Results that are there are kept, whatever the rest of the plan did.
         with failure_shown(*_functions_of(plan)):
