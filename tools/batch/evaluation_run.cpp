@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "tools/batch/dump_identity.h"
 #include "tools/batch/evaluation_pictures.h"
 #include "tools/batch/evaluation_summary.h"
+#include "tools/batch/given_images.h"
 #include "tools/batch/registered_claims.h"
 #include "tools/batch/results_writer.h"
 #include "tools/batch/run_folder.h"
@@ -29,6 +31,7 @@
 #include "tools/batch/unused_layers.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
+#include "tools/methods/replicate_images.h"
 #include "tools/terminal/interrupt.h"
 #include "tools/terminal/progress.h"
 
@@ -62,6 +65,7 @@ class PlanRun {
   Result<void> run() {
     find_missing();
     if (missing_.empty()) return {};
+    SPOOL_TRY(check_given_images(request_.plan, missing_));
     estimate_ = TimeEstimate(missing_, pixels_of);
     for (const auto& [cell, record] : learnt_)
       estimate_.learn(cell, record);
@@ -96,6 +100,7 @@ class PlanRun {
                 result.error = intact.error();
                 images = nullptr;
               }
+              result.cell = cell_of_.at(key_of(result.cell));
               if (written) written = keep(result, images);
             },
         .progress =
@@ -108,7 +113,10 @@ class PlanRun {
               if (request_.progress) request_.progress(share, done_.load(), wanted_);
             },
         .cancelled = [&] { return !written.has_value() || stopped(); }};
-    run_cells(missing_, request_.plan.experiment, sources, callbacks);
+    std::vector<Cell> filled;  // with the file names of their images
+    for (const Cell& cell : missing_)
+      cell_of_.emplace(key_of(filled.emplace_back(with_filled_names(cell))), cell);
+    run_cells(filled, request_.plan.experiment, sources, callbacks);
     SPOOL_TRY(written);
     if (!stopped()) return {};
     return fail(ErrorCode::kData, "interrupted; {}", kept_text());
@@ -200,12 +208,15 @@ class PlanRun {
   }
 
   static std::string key_of(const Cell& cell) {
-    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.label(),
-                       cell.filter.label(), cell.spp, cell.replicate, cell.threads);
+    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.text(), cell.filter.text(),
+                       cell.spp, cell.replicate, cell.threads);
   }
 
   Result<void> keep(CellResult& result, const CellImages* images) {
     const Cell& cell = result.cell;
+    if (images && cell.filter.name == "image" &&
+        is_the_reference(images->image, images->reference.mean))
+      references_.insert(fmt::format("{} is the reference of {}", cell.filter.label(), cell.dump));
     if (images && is_pictured(cell)) {
       const StageClock clock(result.alone ? CpuOf::kProcess : CpuOf::kThread);
       const Result<void> drawn = pictures_.add(result, *images);
@@ -251,6 +262,8 @@ class PlanRun {
       print_warning(fmt::format("{} of {} results lack a picture; the first: {}", undrawn_,
                                 results_, first_undrawn_));
     }
+    for (const std::string& found : references_)
+      print_warning(found + ": its error has no meaning");
     if (missing > 0) {
       return fail(
           ErrorCode::kData,
@@ -274,6 +287,7 @@ class PlanRun {
   BestSoFar best_;
   std::vector<Cell> missing_;
   std::unordered_map<std::string, std::string> id_of_;  // of what is missing
+  std::unordered_map<std::string, Cell> cell_of_;       // by its key with file names filled in
   std::vector<std::pair<Cell, ResultRecord>> learnt_;
   std::atomic<std::size_t> done_ = 0;
   std::atomic<int> at_once_ = 1;  // sampling runs beside each other
@@ -281,7 +295,8 @@ class PlanRun {
   std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0;
   std::size_t undrawn_ = 0;  // results with a picture that cannot hold its numbers
   std::string first_failure_, first_undrawn_;
-  bool any_shared_ = false;  // times are of a machine that other results shared
+  std::set<std::string> references_;  // images that are no estimate
+  bool any_shared_ = false;           // times are of a machine that other results shared
 };
 
 }  // namespace

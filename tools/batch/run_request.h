@@ -18,6 +18,7 @@ struct Shard {
 struct RunRequest {
   Plan plan;
   std::filesystem::path folder;
+  std::filesystem::path inputs;  // only the inputs of each replicate are written, here
   std::optional<Shard> shard;  // only the cells of this one; results are then made by merging
   // Only the cells of these names, none: the folder is made ready; results as with a shard.
   std::optional<std::vector<std::string>> only;

@@ -77,6 +77,10 @@ void add_evaluate(Program& program) {
   verb.add_flag("--wide", options.wide, "print MSE, energy, times and errors at equal time too");
   verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
   add_parts_of_a_run(verb, options);
+  verb.add_option("--export-inputs", options.inputs,
+                  "write DIR/{recording}_{spp}_{replicate}.exr (image, variance, features) for a "
+                  "denoiser elsewhere, and no results; its images come back as the filter "
+                  "image:DIR/{recording}_{spp}_{replicate}.exr");
   verb.add_option("-o,--output", options.output, "folder for the results and the pictures");
   add_common(verb, program.common, true, true);
   verb.footer(

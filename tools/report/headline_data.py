@@ -22,9 +22,8 @@ def headline_conditions(statistics, metric, combinations, dumps):
 
 
 def headline_budget(statistics, metric):
-    """The budget that is shown first: the middle one."""
-    budgets = sorted({c["spp"] for c in statistics.of_metric(metric)})
-    return budgets[(len(budgets) - 1) // 2] if budgets else 0.0
+    """The budget that is shown first: the largest."""
+    return max((c["spp"] for c in statistics.of_metric(metric)), default=0.0)
 
 
 def best_is_alone(ranking):

@@ -25,6 +25,8 @@ function interval(combination, name) {
 
 // An image that was made elsewhere has a name, and no filter.
 const methodOf = (c) => [report.samplers[c.sampler], report.filters[c.filter]].filter((name) => name).join(' + ');
+// By its mark, as there is one of each number of threads.
+const isBaseline = (c) => c.baseline || methodOf(c) === report.baseline;
 const conditionOf = (dump, spp) => report.conditions.find((c) => c.dump === dump && c.spp === spp);
 const rankedMethods = (dump, spp) => (conditionOf(dump, spp)?.field ?? []).map((i) => methodOf(report.combinations[i]));
 const isShown = (c) => shown.samplers.has(c.sampler) && shown.filters.has(c.filter);

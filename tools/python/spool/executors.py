@@ -26,8 +26,8 @@ class Plan(NamedTuple):
 
 
 def spread(executor: concurrent.futures.Executor, plan: Plan, place: str, force: bool,
-           progress: Callable[[float, int, int], object] | None) -> None:
-    """Makes what is missing in the folder `place`, then its results.
+           progress: Callable[[float, int, int], object] | None, merge: bool = True) -> None:
+    """Makes what is missing in the folder `place`, then (`merge`) its results.
 
     A result is kept when it arrives; what was lost with a worker is named in the SpoolError, and the same call makes it.
     """
@@ -67,7 +67,8 @@ def spread(executor: concurrent.futures.Executor, plan: Plan, place: str, force:
         reason = str(lost[0][1]) or type(lost[0][1]).__name__
         raise SpoolError("data", f"{place}: {sum(count for count, _ in lost)} of {of} results were lost with their "
                          f"workers ({reason}): the same call goes on from what is kept") from lost[0][1]
-    _run(plan, place, merge=True)
+    if merge:
+        _run(plan, place, merge=True)
 
 
 def _run(plan, place, *, force=False, only=None, merge=False, threads=0):
