@@ -16,7 +16,7 @@ constexpr int kLanes = 4;  // pieces whose sums stay in registers while the offs
 typedef double Doubles __attribute__((vector_size(kLanes * sizeof(double))));
 typedef float Floats __attribute__((vector_size(kLanes * sizeof(float))));
 
-// Weights and images of one row as one row of pieces sees them.
+// Weights and images of one row as one row of pieces uses them.
 struct RowRun {
   const float* weights;  // of the first piece at the first offset
   std::ptrdiff_t step;   // between offsets

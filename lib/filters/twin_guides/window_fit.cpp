@@ -13,8 +13,9 @@ namespace spool {
 namespace {
 
 constexpr int kAll = kPosition + static_cast<int>(kMostFeatureChannels);  // rows with features
-constexpr int kColours = 6;           // three, and their differences
-constexpr float kLeastPivot = 1e-5f;  // of the sum of the weights; below it float says nothing
+constexpr int kColours = 6;  // three, and their differences
+constexpr float kLeastPivot =
+    1e-5f;  // of the sum of the weights; below it float has no digits left
 
 // The window of one piece: weights, and where its pieces lie in the table.
 struct Window {
