@@ -63,7 +63,7 @@ def test_openimageio_reads_the_same_samples(tmp_path):
 
 
 def test_reordered_samples_are_refused(tmp_path):
-    arrays = sample_dumps.rich(tmp_path / "a.spool", 1, finite=True)
+    sample_dumps.rich(tmp_path / "a.spool", 1, finite=True)
     run_jobs(("export deep-exr", tmp_path / "a.spool", tmp_path / "a.exr"))
     image = oiio.ImageInput.open(str(tmp_path / "a.exr"))
     spec, deep = image.spec(), image.read_native_deep_image()

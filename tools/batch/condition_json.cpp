@@ -100,7 +100,7 @@ ordered_json pairs_json(const Condition& condition) {
   return list;
 }
 
-// How much more would decide; recordings where replicates would repeat their samples.
+// How much more would tell; recordings where replicates would repeat their samples.
 ordered_json more_json(const PairVerdict& pair, const MethodResults& method, double spp) {
   constexpr double kMost = 10000.0;
   // The level that the family leaves to this pair.

@@ -244,8 +244,7 @@ std::string equal_time_table(const ordered_json& statistics) {
          format_columns(rows, 3);
 }
 
-// The methods that more replicates or recordings would separate from the baseline, the cheapest
-// first.
+// The methods that more replicates or recordings would tell from the baseline, the cheapest first.
 std::string would_tell_text(const Summary& summary, const std::vector<const ordered_json*>& shown) {
   constexpr std::size_t kMost = 3;
   std::vector<std::pair<double, std::string>> found;
@@ -263,7 +262,7 @@ std::string would_tell_text(const Summary& summary, const std::vector<const orde
   }
   if (found.empty()) return "";
   std::ranges::stable_sort(found, {}, &std::pair<double, std::string>::first);
-  std::string text = "Would decide, about: ";
+  std::string text = "Would tell what is undecided, about: ";
   for (std::size_t i = 0; i < std::min(found.size(), kMost); ++i)
     text += (i > 0 ? "; " : "") + visible_text(found[i].second);
   if (found.size() > kMost)

@@ -1,4 +1,4 @@
-// A pixel as JSON: its samples in the order in which a replay takes them, their
+// What is told of a pixel as JSON: its samples in the order in which a replay takes them, their
 // running mean with its interval, a histogram of their luminance; the footprint of a filter.
 #pragma once
 

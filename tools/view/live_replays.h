@@ -1,4 +1,4 @@
-// Replays and pixels of recordings, computed on request, kept while there is room.
+// Replays and pixels of recordings, computed when somebody asks, kept while there is room.
 //
 // Any number of threads may ask. One replay is computed at a time, on all threads of the program; a
 // replay that its own page has asked past - a slider that went on - is given up.
@@ -69,7 +69,7 @@ class LiveReplays {
   Result<std::shared_ptr<const OpenRecording>> open(std::size_t recording);
   // Null when a later turn of the page has come. Errors: those of the methods.
   Result<std::shared_ptr<const LiveReplay>> replay(const ReplayKey& key, const Turn& turn);
-  // As `spool pixel --json` prints it; kUsage where there is no such pixel.
+  // As `spool pixel --json` tells it; kUsage where there is no such pixel.
   Result<nlohmann::ordered_json> pixel(std::size_t recording, int x, int y);
   // The same with what the sampler took and the filter's footprint.
   Result<nlohmann::ordered_json> pixel(const ReplayKey& key, int x, int y);
