@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(g++ cmake ninja-build pkg-config python3
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libdeflate-dev libzstd-dev zlib1g-dev
   libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libexpected-dev libboost-dev libssl-dev liblz4-dev libblosc-dev libgtest-dev libgmock-dev librapidcheck-dev)
-test_packages=(blender chromium doxygen dpkg-dev file fish groff-base libatomic1 libllvm19 python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
+test_packages=(blender chromium doxygen dpkg-dev file fish groff-base libatomic1 libllvm19 python3-distributed python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
   python3-zarr python3-zstandard zsh)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
 wheel_packages=(libpng-dev)
@@ -42,7 +42,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 what is done is not done again (half an hour of two cores in all)
   experiments --full [ID...] [--recording NAME]
                                 on the recordings of full size that are here, added to what other machines measured, and
-                                docs/experiments_full.md from all of it; --write-only: the page alone; stop it and go on any time;
+                                docs/findings.md from all of it; --write-only: the page alone; stop it and go on any time;
                                 experiments --judge: what is kept judged anew, after a change of its claims
                                 (about an hour of CPU time a recording in all)
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
@@ -59,7 +59,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   bits                          hashes of fixed results: g++ and clang++, release and debug, each vector width of the machine
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
   strangers                     what the pages say of a filter, sampler, option, metric and import of one's own, done in a copy
-                                of the tree, built and used; how many files each touches (docs/decisions/0140)
+                                of the tree, built and used; how many files each touches (docs/decisions.md, 0140)
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
   lock [UV ARGS]                versions and hashes of what pip may install (tools/requirements); --upgrade: newer ones
   clean                         remove build/ and demo-output/
@@ -260,11 +260,12 @@ demo() {
   setup report
   build release spool
   rm -rf demo-output
-  say "evaluating dumps/tiny/chess.spool"
-  ./build/release/spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \
-    --filters box,gaussian,directional --spp 4,8,16 -o demo-output "$@"
-  if ./build/release/spool report demo-output -o demo-output/report.html; then
-    say "open $PWD/demo-output/report.html"
+  say "evaluating dumps/cornell_box.spool"
+  ./build/release/spool evaluate dumps/cornell_box.spool --samplers uniform,multiscale \
+    --filters box,gaussian,twin_guides --spp 4,8 --replicates 4 -o demo-output "$@"
+  if ./build/release/spool report demo-output -o demo-output/report.html &&
+    ./build/release/spool figure demo-output --spp 4 -o demo-output/figures; then
+    say "open $PWD/demo-output/report.html, and the picture in $PWD/demo-output/figures"
   else
     say "the results are in demo-output; spool report needs what the line above says"
   fi

@@ -24,7 +24,7 @@ void for_each_on_threads(std::size_t n, int threads, const std::function<void(st
   std::atomic<std::size_t> next = 0;
   std::exception_ptr thrown;
   std::mutex mutex;
-  StoppableWork* const part_of = current_work();  // whoever stops it stops the loops of the bodies
+  StoppableWork* const part_of = current_work();  // stops the loops of the bodies
   const auto work = [&] {
     oneapi::tbb::task_arena alone(1);
     alone.execute([&] {

@@ -95,6 +95,15 @@ def test_files_of_other_tools(tmp_path):
     assert len(set(first)) > 3  # the nearest sample is not always the first
 
 
+def test_samples_of_one_colour_are_remarked_as_nothing_tells_which_image_they_are_of(tmp_path):
+    values = np.repeat(np.random.default_rng(1).random((4, 3, 5, 1), np.float32), 3, axis=-1)
+    write_deep(tmp_path / "a.exr", ["R", "G", "B", "Z"], values)
+    code, message = run_jobs(("import deep-exr", tmp_path / "a.exr", tmp_path / "a.spool", "deep_samples"))[0]
+    assert code == 0 and "all 3 images are alike" in message, message
+    with spool.open(tmp_path / "a.spool") as dump:
+        assert "not independent" in " ".join(dump.meta["import_remarks"])
+
+
 @pytest.mark.parametrize("channels, change, words", [
     (["R", "G", "B", "A", "Z"], "alpha", "looks like a compositing image"),
     (["R", "G", "B", "Z", "ZBack"], "back", "looks like a compositing image"),

@@ -29,11 +29,11 @@ def test_what_a_layer_costs_and_buys_is_a_row_each():
             for i, (kind, layers) in enumerate(scene_needs.SETS.items())}
     one = {"recording": "torus", "renderer": "Mitsuba", "sets": sets,
            "relmse": {kind: {"box": [0.5, 0.4, 0.6], "twin_guides": [0.1 / (1 + i), 0.05, 0.2]} for i, kind in enumerate(sets)}}
-    cost = scene_needs.cost_table([one])
-    assert "| torus | Mitsuba | radiance | 12 | 1 | 1.00 | 1.00 |" in cost and "| radiance lens | 12 | 3 | 3.00 | – |" in cost
-    gain = scene_needs.gain_table([one])
-    assert "| features | twin_guides | torus | 0.100 [0.0500, 0.200] | 0.0250 [0.0500, 0.200] | twin_guides 0.1 |" in gain
-    assert "| features | cross_bilateral | torus | – | – | twin_guides 0.1 |" in gain
+    cost = scene_needs.cost_rows([one])
+    assert ["torus", "Mitsuba", "radiance", 12, "1", "1.00", "1.00"] in cost and ["torus", "Mitsuba", "radiance lens", 12, "3", "3.00", "–"] in cost
+    gain = scene_needs.gain_rows([one])
+    assert ["features", "twin_guides", "torus", "0.100 [0.0500, 0.200]", "0.0250 [0.0500, 0.200]", "twin_guides 0.1"] in gain
+    assert ["features", "cross_bilateral", "torus", "–", "–", "twin_guides 0.1"] in gain
 
 
 def test_what_leaving_a_need_out_does_is_a_row():
@@ -46,4 +46,5 @@ def test_what_leaving_a_need_out_does_is_a_row():
 
 def test_the_page_is_what_is_kept():
     from tools.study import scene_needs
-    assert scene_needs.page() == (ROOT / "docs/scene_needs.md").read_text(encoding="utf-8"), "tools/study/scene_needs.py"
+    for name, text in scene_needs.pages().items():
+        assert text == (ROOT / "docs" / name).read_text(encoding="utf-8"), "tools/study/scene_needs.py"

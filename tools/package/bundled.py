@@ -48,11 +48,15 @@ def headers_of(build, folders, without):
 def packages_of(files):
     """{Debian's source package and version: (a binary package, its files)}, and the files that no package holds."""
     held, left = {}, set(files)
-    for start in range(0, len(files), 500):
-        for line in output_of("dpkg-query", "-S", *files[start:start + 500]).splitlines():
-            package, _, path = line.partition(": ")
-            held.setdefault(package.split(",")[0], []).append(path)
-            left.discard(path)
+    # /lib is a link to /usr/lib, and some packages list their files below /lib.
+    named = {name: path for path in files for name in (path, path.removeprefix("/usr"))}
+    names = sorted(named)
+    for start in range(0, len(names), 500):
+        for line in output_of("dpkg-query", "-S", *names[start:start + 500]).splitlines():
+            package, _, name = line.partition(": ")
+            if (path := named.get(name)) in left:
+                held.setdefault(package.split(",")[0], []).append(path)
+                left.discard(path)
     found = {}
     for package, paths in held.items():
         source = output_of("dpkg-query", "-W", "-f", "${source:Package} ${source:Version}", package)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures of full size for docs/experiments_full.md, in docs/images/full_size: one for each figure of the paper and recording.
+"""Pictures of full size for docs/findings.md, in docs/images/full_size: one for each figure of the paper and recording.
 
     python3 -m tools.study.full_figures cornell_box_picture torus ...     by name, as recordings of full size lie on this machine
         [--figure e1 e4 e5 e8 e9]   default: all that the recording has its use for
@@ -130,7 +130,7 @@ def tiles(p):
 
 
 def windows(images, reference, side=48, count=2):
-    """Where the relative errors of all images together are largest, whoever wins there; without overlap."""
+    """Where the relative errors of all images together are largest, whichever wins there; without overlap."""
     errors = sum(np.minimum(np.abs(image - reference).mean(axis=2) / (reference.mean(axis=2) + 0.1 * reference.mean()), 2.0) for image in images)
     worth = np.cumsum(np.cumsum(np.pad(errors, ((1, 0), (1, 0))), axis=0), axis=1)
     sums = worth[side:, side:] - worth[:-side, side:] - worth[side:, :-side] + worth[:-side, :-side]

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Runs the plans of tools/plans, keeps what they gave, and writes docs/experiments.md from it.
+"""Runs the plans of tools/plans, keeps what they gave, and writes docs/experiments.md and docs/findings.md from it.
 
     tools/dev.sh experiments                 every experiment; what is done is not done again
     tools/dev.sh experiments E1 A3 methods   these; the page keeps what is there of the others
     tools/dev.sh experiments --write-only    only the page, from what is kept in docs/results/experiments
     tools/dev.sh experiments --judge         what is kept of full size judged anew by the program: after a change of its claims
     tools/dev.sh experiments --full          the same on those recordings of full size that are here, added to what
-                                             was measured before, on any machine: docs/experiments_full.md
+                                             was measured before, on any machine: docs/findings.md
     tools/dev.sh experiments --full E4 --recording torus    that alone; with --again although it was measured
 """
 import argparse
