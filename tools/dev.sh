@@ -260,11 +260,12 @@ demo() {
   setup report
   build release spool
   rm -rf demo-output
-  say "evaluating dumps/tiny/chess.spool"
-  ./build/release/spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \
-    --filters box,gaussian,directional --spp 4,8,16 -o demo-output "$@"
-  if ./build/release/spool report demo-output -o demo-output/report.html; then
-    say "open $PWD/demo-output/report.html"
+  say "evaluating dumps/cornell_box.spool"
+  ./build/release/spool evaluate dumps/cornell_box.spool --samplers uniform,multiscale \
+    --filters box,gaussian,twin_guides --spp 4,8 --replicates 4 -o demo-output "$@"
+  if ./build/release/spool report demo-output -o demo-output/report.html &&
+    ./build/release/spool figure demo-output --spp 4 -o demo-output/figures; then
+    say "open $PWD/demo-output/report.html, and the picture in $PWD/demo-output/figures"
   else
     say "the results are in demo-output; spool report needs what the line above says"
   fi

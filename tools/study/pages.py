@@ -8,11 +8,11 @@ so a sentence that was written about a verdict cannot outlive it.
 """
 import json
 import re
-import tomllib
 from pathlib import Path
 
-from tools.study import kept
-from tools.study import tables
+import tomllib
+
+from tools.study import kept, tables
 from tools.study.plans import FULL
 from tools.study.whole_file import write_whole
 
