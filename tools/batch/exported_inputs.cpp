@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 
-#include "lib/experiment/plan_cells.h"
 #include "lib/experiment/plan_text.h"
 #include "lib/filters/filter.h"
 #include "lib/image_io/atomic_file.h"
@@ -14,6 +13,7 @@
 #include "tools/batch/dump_identity.h"
 #include "tools/batch/given_images.h"
 #include "tools/batch/run_folder.h"
+#include "tools/batch/run_tasks.h"
 #include "tools/batch/runs_at_once.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
@@ -98,10 +98,14 @@ Result<void> export_inputs(const RunRequest& request, const CommonOptions& commo
   SPOOL_TRY(check_dumps(plan));
   SPOOL_TRY(check_image_names(plan, pattern, "--export-inputs"));
   SPOOL_TRY(prepare_inputs(folder, plan));
+  RunRequest of_inputs = request;
+  of_inputs.plan = plan;
+  SPOOL_ASSIGN(const NamedCells named, name_cells(plan));
+  SPOOL_ASSIGN(const std::vector<bool> chosen, chosen_cells(of_inputs, named.cells, named.ids));
   std::vector<Cell> cells;
-  for (Cell& cell : plan.cells()) {
-    if (request.shard && shard_of(cell, plan, request.shard->count) != request.shard->index)
-      continue;
+  for (std::size_t i = 0; i < named.cells.size(); ++i) {
+    if (!chosen[i]) continue;
+    Cell cell = named.cells[i];
     cell.filter = {"image", pattern, {}};
     cells.push_back(with_filled_names(cell));
   }

@@ -12,6 +12,7 @@
 #include "tools/batch/result_changes.h"
 #include "tools/methods/method_settings.h"
 #include "tools/terminal/json_text.h"
+#include "tools/verbs/option_bounds.h"
 
 namespace spool::tools {
 namespace {
@@ -170,7 +171,14 @@ Result<std::vector<std::string>> chosen_metrics(const CompareOptions& options) {
 
 }  // namespace
 
+Result<void> validate(const CompareOptions& options) {
+  SPOOL_TRY(chosen_metrics(options));
+  SPOOL_TRY(check_bounds("significance", options.significance, kSignificance));
+  return check_bounds("tolerance", options.tolerance, kTolerance);
+}
+
 Result<void> run_compare(const CompareOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   SPOOL_ASSIGN(const std::vector<std::string> metrics, chosen_metrics(options));
   SPOOL_ASSIGN(const auto folders, read_folders(options));
   const auto& [before, after] = folders;
