@@ -42,6 +42,12 @@ def test_headers_and_libraries_come_with_what_they_include(packages):
     assert "./usr/bin" not in files
 
 
+def test_each_carries_its_licences_and_its_list(packages):
+    for name, file in packages.items():
+        files = run("dpkg-deb", "--contents", file)
+        assert f"./usr/share/doc/{name}/copyright\n" in files and f"./usr/share/doc/{name}/{name}.spdx.json\n" in files
+
+
 def test_no_file_is_in_two_packages(packages):
     seen = {}
     for name, file in packages.items():
@@ -63,7 +69,7 @@ def test_unpacked_and_removed_nothing_is_left(packages, tmp_path):
             "--log", tmp_path / "dpkg.log"]
     run(*dpkg, "--install", *packages.values())
     assert (root / "usr/bin/spool").is_file()
-    for compiled in ("share/spool/report", "lib/python3/dist-packages/spool"):  # as a run by root leaves it
+    for compiled in ("share/spool/tools/report", "lib/python3/dist-packages/spool"):  # as a run by root leaves it
         (root / "usr" / compiled / "__pycache__").mkdir()
         (root / "usr" / compiled / "__pycache__/x.pyc").touch()
     run(*dpkg, "--purge", *packages)

@@ -4,6 +4,7 @@
 
 #include "formats/spool_reader.h"
 #include "tools/methods/external_methods.h"
+#include "tools/methods/replicate_images.h"
 
 namespace spool::tools {
 
@@ -16,7 +17,7 @@ StudySources study_sources(const CellStore& store, const Plan& plan) {
           },
           [](const MethodChoice& filter) {
             const Filter* method = find_method(known_filters(), filter.name);
-            return method != nullptr && !method->needs.samples;
+            return method != nullptr && !method->needs.samples && !is_of_replicates(filter);
           }};
 }
 

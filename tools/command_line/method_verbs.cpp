@@ -5,8 +5,8 @@
 namespace spool::tools {
 
 void add_replay(Program& program) {
-  CLI::App& verb =
-      *program.app.add_subcommand("replay", "a sampler spends a budget on a dump; counts as EXR");
+  CLI::App& verb = *program.app.add_subcommand(
+      "replay", "a sampler spends a budget on a recording; counts as EXR");
   ReplayOptions& options = program.replay;
   add_dump(verb, options.dump);
   verb.add_option("--sampler", options.sampler, "see spool list samplers")->required();
@@ -38,9 +38,9 @@ void add_reconstruct(Program& program) {
       *program.app.add_subcommand("reconstruct", "the samples of a selection become an image");
   ReconstructOptions& options = program.reconstruct;
   add_dump(verb, options.dump);
-  CLI::Option* selection = verb.add_option(
-      "--selection", options.selection,
-      "which samples: an image of counts (channel n, Y, R or its only one), of the dump's size");
+  CLI::Option* selection = verb.add_option("--selection", options.selection,
+                                           "which samples: an image of counts (channel n, Y, R or "
+                                           "its only one), of the recording's size");
   within(verb.add_option("--spp", options.spp, "instead: the first samples of each pixel (all)"),
          kSamples)
       ->excludes(selection);
@@ -124,9 +124,9 @@ void add_view(Program& program) {
   verb.add_option("FILE|DIR", program.view.target,
                   "a recording, or the folder that spool evaluate -o DIR wrote")
       ->required();
-  verb.add_option("--port", program.view.port,
-                  "of 127.0.0.1; another one where it is taken (any free one)")
-      ->check(CLI::Range(1, 65535));
+  within(verb.add_option("--port", program.view.port,
+                         "of 127.0.0.1; another one where it is taken (any free one)"),
+         kPort);
   add_common(verb, program.common, true, false);
   verb.footer(
       "Prints the address and serves the page until Ctrl-C (exit code 130): to this machine only,\n"

@@ -43,7 +43,7 @@ void add_evaluate(Program& program) {
       "evaluate", "every sampler with every filter at every budget: error, time, pictures");
   EvaluateOptions& options = program.evaluate;
   verb.add_option("FILES", options.files,
-                  "recorded dumps; one PLAN.toml that says everything; or, with --statistics-only, "
+                  "recordings; one PLAN.toml that says everything; or, with --statistics-only, "
                   "folders of results")
       ->required();
   verb.add_option("--samplers", options.samplers, "a,b:PRESET,LABEL=c{OPTION=VALUE} (uniform)");
@@ -60,7 +60,7 @@ void add_evaluate(Program& program) {
   add_method(verb, options.methods);
   verb.add_option("--reference", options.reference,
                   "what images are judged by: " + reference_names() +
-                      " (default: the first of these that the dump can give)");
+                      " (default: the first of these that the recording can give)");
   within(verb.add_option("--holdout", options.holdout,
                          "samples per pixel kept for judging (a quarter, where they are needed)"),
          kHoldout);
@@ -77,6 +77,10 @@ void add_evaluate(Program& program) {
   verb.add_flag("--wide", options.wide, "print MSE, energy, times and errors at equal time too");
   verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
   add_parts_of_a_run(verb, options);
+  verb.add_option("--export-inputs", options.inputs,
+                  "write DIR/{recording}_{spp}_{replicate}.exr (image, variance, features) for a "
+                  "denoiser elsewhere, and no results; its images come back as the filter "
+                  "image:DIR/{recording}_{spp}_{replicate}.exr");
   verb.add_option("-o,--output", options.output, "folder for the results and the pictures");
   add_common(verb, program.common, true, true);
   verb.footer(
@@ -134,16 +138,17 @@ void add_compare(Program& program) {
   verb.add_option("--metric", options.metrics,
                   "one or several: " + fmt::format("{}", fmt::join(compared_metrics(), ", ")) +
                       ", cpu (relmse)");
-  verb.add_option("--significance", options.significance,
-                  "chance of a claim where nothing changed, of all comparisons together (0.05)")
-      ->check(CLI::Range(0.0, 1.0));
+  within(verb.add_option(
+             "--significance", options.significance,
+             "chance of a claim where nothing changed, of all comparisons together (0.05)"),
+         kSignificance);
   verb.add_option("--match", options.match_name,
                   "label: methods with the same options; name: whatever their options (label)")
       ->transform(
           CLI::CheckedTransformer(std::map<std::string, bool>{{"label", false}, {"name", true}}));
-  verb.add_option("--tolerance", options.tolerance,
-                  "relative changes up to this are let pass: 0.01 (0)")
-      ->check(CLI::Range(0.0, 1e6));
+  within(verb.add_option("--tolerance", options.tolerance,
+                         "relative changes up to this are let pass: 0.01 (0)"),
+         kTolerance);
   verb.add_flag("--all", options.all, "also list what did not change");
   add_common(verb, program.common, true, false);
   verb.footer(
@@ -163,9 +168,10 @@ void add_report(Program& program) {
   verb.add_option("DIR", options.folder, "the folder that spool evaluate -o DIR wrote")->required();
   add_output(verb, options.output, "the HTML file; it needs no network and no other file");
   verb.add_option("--metric", options.metric, "the error that the summary compares (relmse)");
-  verb.add_option("--max-image-mb", options.max_image_mb,
-                  "megabytes of images in the page; beyond, crops and links to the EXRs (40)")
-      ->check(CLI::Range(0.0, 1e6));
+  within(
+      verb.add_option("--max-image-mb", options.max_image_mb,
+                      "megabytes of images in the page; beyond, crops and links to the EXRs (40)"),
+      kImageMb);
   verb.add_option("--title", options.title, "heading of the page (names of the recordings)");
   add_common(verb, program.common, false, true);
   verb.footer(
@@ -187,8 +193,8 @@ void add_figure(Program& program) {
       ->required();
   add_output(verb, options.output, "the folder of the figures");
   verb.add_option("--metric", options.metric, "the error (relmse)");
-  verb.add_option("--spp", options.spp, "budget of the comparisons (the largest)")
-      ->check(CLI::Range(0.0, 65536.0));
+  within(verb.add_option("--spp", options.spp, "budget of the comparisons (the largest)"),
+         kFigureSpp);
   verb.add_option("--recording", options.recordings, "compare on this one; may be given again");
   verb.add_option("--method", options.methods,
                   "'SAMPLER + FILTER' to show, in this order; may be given again, eight times at "
@@ -200,10 +206,11 @@ void add_figure(Program& program) {
                   "times at most (two where methods differ to the eye)")
       ->take_all()
       ->allow_extra_args(false);
-  verb.add_option("--column", options.column,
-                  "columns of a paper that a figure is as wide as: 3.33 or 7 inches (comparisons "
-                  "2, curves of one recording 1)")
-      ->check(CLI::IsMember({1, 2}));
+  within(verb.add_option(
+             "--column", options.column,
+             "columns of a paper that a figure is as wide as: 3.33 or 7 inches (comparisons "
+             "2, curves of one recording 1)"),
+         kColumns);
   verb.add_option("--font", options.font,
                   "latex: text set by LaTeX, in its own font; latex:PACKAGE: in that of a package, "
                   "libertine for example");
@@ -212,7 +219,7 @@ void add_figure(Program& program) {
       "Writes comparison_RECORDING (reference, windows, error maps, numbers), comparison "
       "(recordings "
       "as\nrows), curves and curves_time, each as .pdf, .svg and .png; captions.tex, table.tex and "
-      "table.md;\ncurves.csv and curves.py, which draws it. Bold: told apart from every other "
+      "table.md;\ncurves.csv and curves.py, which draws it. Bold: separated from every other "
       "method. "
       "Needs Python 3\nwith numpy and matplotlib.\n"
       "Examples:\n"

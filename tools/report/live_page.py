@@ -1,4 +1,4 @@
-"""The page of `spool view`, whose pictures the program computes while somebody looks.
+"""The page of `spool view`, whose pictures the program computes on request.
 
 usage: live_page.py [--title TEXT]    prints the page
        live_page.py --facts DIR       prints what a folder of results says of its recordings and methods, as JSON
@@ -9,10 +9,7 @@ import json
 import sys
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from failure import NO_NUMPY, Failure, guarded  # noqa: E402
+from tools.report.failure import NO_NUMPY, Failure, guarded
 
 
 def main(arguments=None):
@@ -34,22 +31,22 @@ def _main(arguments):
 
 
 def page(title):
-    from page import build_page, licences_html
+    from tools.report.page import build_page, licences_html
 
     # Filled by live.js with what the program says.
     data = {"dumps": [], "samplers": [], "filters": [], "metric": "relmse", "metrics": [], "quantities": [], "combinations": [],
-            "overall": [], "budget": None, "baseline": "uniform + box", "conditions": [], "pixels": [], "live": True,
+            "overall": [], "budget": None, "baseline": "uniform + box", "own": [], "conditions": [], "pixels": [], "live": True,
             "pictures": {"scenes": [], "images": [], "sets": []}}
-    sections = [("images", "Replayed now", '<div id="live-area"></div>'), ("run", "Scripts of others", licences_html())]
+    sections = [("images", "", '<div id="live-area"></div>'), ("run", "", licences_html())]
     return build_page(f"Spool: {title}", sections, data, [], served=True)
 
 
 def facts(folder):
-    from pixel_data import recording_paths, replay_order
-    from file_names import dump_names
-    from results_table import read_results
-    from statistics_file import read_statistics
-    from vocabulary import read_manifest
+    from tools.report.file_names import dump_names
+    from tools.report.pixel_data import recording_paths, replay_order
+    from tools.report.results_table import read_results
+    from tools.report.statistics_file import read_statistics
+    from tools.report.vocabulary import read_manifest
 
     rows = read_results(folder / "results.csv").rows
     manifest = read_manifest(folder)

@@ -9,7 +9,7 @@ import hashlib
 import json
 from html import escape
 
-from assets import ASSETS, HERE, load_asset
+from tools.report.assets import ASSETS, HERE, load_asset
 
 VIEWER_SCRIPTS = ("image_codec.js", "picture_store.js", "colour_scales.js", "viewer.js", "viewer_panes.js",
                   "viewer_insets.js", "viewer_controls.js", "viewer_pointers.js", "pixel_panel.js")
@@ -67,9 +67,6 @@ def _hash(script):
 
 
 def licences_html():
-    parts = []
-    for asset in ASSETS:
-        text = load_asset(asset.licence)
-        parts.append(f"<details><summary>{escape(asset.name)}, from {escape(asset.source)}: MIT "
-                     f"License</summary><pre>{escape(text)}</pre></details>")
-    return "".join(parts)
+    parts = [f"<h4>{escape(asset.name)}, from {escape(asset.source)}: MIT License</h4><pre>{escape(load_asset(asset.licence))}</pre>"
+             for asset in ASSETS]
+    return f'<details class="licences"><summary>Licences</summary>{"".join(parts)}</details>'

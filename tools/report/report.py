@@ -12,10 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from failure import IO, NO_NUMPY, USAGE, Failure, guarded  # noqa: E402
+from tools.report.failure import IO, NO_NUMPY, USAGE, Failure, guarded
 
 
 def main(arguments=None):
@@ -48,20 +45,20 @@ def parse(arguments):
 
 
 def make_report(options):
-    from aggregate import aggregate
-    from described import Described
-    from headline_data import headline_budget
-    from page import build_page
-    from pixel_data import pixel_answers
-    from report_data import OWN_MEANINGS, quantity_names, report_data
-    from file_names import dump_names
-    from result_images import find_images, pack_images
-    from results_table import choose_metric, read_results
-    from sections import guards_html, quantities_html, run_html, summary_html
-    from statistics_file import read_statistics
-    from statistics_section import statistics_html
-    from summary import is_biased, summarise
-    from vocabulary import read_manifest, read_vocabulary
+    from tools.report.aggregate import aggregate
+    from tools.report.described import Described
+    from tools.report.file_names import dump_names
+    from tools.report.headline_data import headline_budget
+    from tools.report.page import build_page
+    from tools.report.pixel_data import pixel_answers
+    from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
+    from tools.report.result_images import find_images, pack_images
+    from tools.report.results_table import choose_metric, read_results
+    from tools.report.sections import quantities_html, run_html, summary_html
+    from tools.report.statistics_file import read_statistics
+    from tools.report.statistics_section import statistics_html
+    from tools.report.summary import is_biased, summarise
+    from tools.report.vocabulary import read_manifest, read_vocabulary
 
     if not options.served and options.output.exists() and not options.force:
         raise Failure(f"{options.output}: exists: choose another name or give --force", USAGE)
@@ -97,8 +94,7 @@ def make_report(options):
          biased + described.note() + '<div id="table-area"></div>'
          + quantities_html(names, vocabulary, OWN_MEANINGS)),
         ("images", "Images", biased + (LIVE if options.served else "") + images_html(images)),
-        ("guards", "Saturated, rejected, clamped", guards_html(combinations, labels, vocabulary)),
-        ("run", "The run", run_html(manifest, combinations, labels, vocabulary.version)),
+        ("run", "The run", run_html(manifest, combinations, labels, vocabulary)),
     ]
     data = report_data(combinations, statistics, table.metrics, metric, labels, vocabulary, images, pixels)
     if options.served:
@@ -114,7 +110,7 @@ BIASED = ('<p class="warning biased">Biased: judged by the samples that the imag
           "compare methods by these errors.</p>")
 
 
-LIVE = '<p><a href="live">Other budgets and methods, replayed now</a></p>'
+LIVE = '<p><a href="live">Other budgets and methods</a></p>'
 
 
 def images_html(images):

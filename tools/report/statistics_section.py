@@ -3,9 +3,8 @@
 import os
 from html import escape
 
-from failure import Failure
-from number_text import number_text
-from statistics_file import interval_of
+from tools.report.number_text import number_text
+from tools.report.statistics_file import interval_of
 
 LONGEST_RANKING = 24
 
@@ -52,7 +51,7 @@ def _rank_row(entry):
 
 
 def _would_tell(entry):
-    more = [f"about {number_text(count, 2)} {unit} would tell" for unit, count in entry.get("would_tell", {}).items()]
+    more = [f"about {number_text(count, 2)} {unit} would decide" for unit, count in entry.get("would_tell", {}).items()]
     return f"<small>{escape(more[0])}</small>" if more else ""
 
 

@@ -9,6 +9,7 @@
 #include "tools/json/compare_json.h"
 #include "tools/json/study_json.h"
 #include "tools/methods/method_settings.h"
+#include "tools/verbs/option_bounds.h"
 
 namespace spool::tools {
 namespace {
@@ -57,7 +58,7 @@ std::string text_of(const Comparisons& outcome, bool all) {
   list("only after", outcome.only_after);
   const bool paired = std::ranges::any_of(outcome.changes, &Change::paired);
   text += fmt::format(
-      "{} comparisons ({}, on logarithms, all together): {} better, {} worse, {} not told apart, "
+      "{} comparisons ({}, on logarithms, all together): {} better, {} worse, {} undecided, "
       "{} identical, {} not compared.\n",
       outcome.changes.size(), paired ? "paired by replicate" : "independent",
       count(outcome, Verdict::kBetter), count(outcome, Verdict::kWorse),
@@ -120,7 +121,14 @@ Result<std::vector<std::string>> chosen_metrics(const CompareOptions& options) {
 
 }  // namespace
 
+Result<void> validate(const CompareOptions& options) {
+  SPOOL_TRY(chosen_metrics(options));
+  SPOOL_TRY(check_bounds("significance", options.significance, kSignificance));
+  return check_bounds("tolerance", options.tolerance, kTolerance);
+}
+
 Result<void> run_compare(const CompareOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   SPOOL_ASSIGN(const std::vector<std::string> metrics, chosen_metrics(options));
   SPOOL_ASSIGN(const auto folders, read_folders(options));
   const auto& [before, after] = folders;

@@ -108,8 +108,14 @@ Result<void> check_finite(const MetricTable& table, const std::string& name,
   return fail(ErrorCode::kData, "{}: {}; {}: {} more", name, were(ours), reference, were(theirs));
 }
 
-Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
+Result<void> validate(const MetricsOptions& options) {
   if (!options.error_map.empty()) SPOOL_TRY(check_exr_name(options.error_map));
+  SPOOL_TRY(metric_settings(options.settings));
+  return {};
+}
+
+Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   SPOOL_ASSIGN(const MetricOptions metric, metric_settings(options.settings));
   SPOOL_ASSIGN(const JudgedPictures pictures, read_pictures(options));
   const RgbImage& image = pictures.image;

@@ -63,7 +63,7 @@ OptionTable<FilterSizeOptions> filter_size_option_table() {
           "q of eq 9: mean over the region, or the pyramid's value")),
       size_factor_option(),
       expert(number_option<O>("size_factor_fallback", &O::factor_fallback, 0.0, kLargestFactor,
-                              "value where the attenuation says nothing")),
+                              "value where the attenuation is undefined")),
       expert(switch_option<O>("track_a0", &O::track_a0,
                               "use A_0 as the sampler tracked it instead of A_1")),
       choice_option<O, SizeSmooth>("size_smooth", &O::smooth,
@@ -160,6 +160,8 @@ OptionTable<DirectionalOptions> directional_option_table() {
           "exposure", &O::normalise_exposure, {{"normalise", true}, {"none", false}},
           "bring the mean luminance of a bare selection to 1 before deciding")),
       expert(var_mode_option(&O::var_mode)),
+      integer_option<O>("noise_pool", &O::noise_pool, 0, 64,
+                        "largest radius from which a variance is pooled, pieces; 0: not at all"),
       choice_option<O, BaseImage>(
           "base", &O::base,
           {{"chosen", BaseImage::kChosen},

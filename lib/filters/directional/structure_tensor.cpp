@@ -32,7 +32,7 @@ Gradient gradient(const Plane& f) {
 }
 
 // Sum of squares of the response of a difference of f_{level-1} to a delta. The filters are
-// separable and have sum 1, so one row tells the response a along an axis, and (sum of (Da)^2) (sum
+// separable and have sum 1, so one row gives the response a along an axis, and (sum of (Da)^2) (sum
 // of a^2) that of the image.
 double gradient_gain(const DirectionalOptions& options, int level) {
   const int n = 64 << level;  // wider than any response: taps reach 4 (2^k - 1) + 2
@@ -96,6 +96,7 @@ DirectionalEnergy<T> structure_tensor_energy(const Pyramid& pyramid, const Plane
     for (int x = 0; x < width; ++x) {
       double largest = 0.0;
       const double in_noise = gain * noise(x, y);
+      const double shown_in_noise = options.energy.stand_out * in_noise;
       for (std::size_t i = 0; i < angles.size(); ++i) {
         const auto [nx, ny] = normals[i];
         double e = nx * nx * xx(x, y) + 2.0 * nx * ny * xy(x, y) + ny * ny * yy(x, y);
@@ -105,6 +106,7 @@ DirectionalEnergy<T> structure_tensor_energy(const Pyramid& pyramid, const Plane
           e = 0.0;
         }
         largest = std::max(largest, e);
+        e += shown_in_noise;
         result.energy[i](x, y) = static_cast<T>(e);
       }
       if (largest <= 1e-3 * in_noise || largest <= 1e-20) {
