@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "lib/image_io/picture.h"
 #include "lib/metrics/error_metrics.h"
 #include "tools/show/plane_text.h"
