@@ -1,0 +1,125 @@
+#include "lib/experiment/cell_sampling.h"
+
+#include <utility>
+
+#include "lib/core/radical_inverse.h"
+#include "lib/core/random.h"
+#include "lib/experiment/decision_split.h"
+#include "lib/experiment/loop_filter.h"
+#include "lib/experiment/peak_memory.h"
+#include "lib/sampling/spending.h"
+#include "lib/statistics/joined_halves.h"
+
+namespace spool {
+namespace {
+
+PoolOptions pool_options(const ExperimentOptions& options, int replicate, int holdout) {
+  PoolOptions pool{options.pieces_per_side, PoolOrder::kShuffled,
+                   mix(options.seed, static_cast<std::uint64_t>(replicate)), holdout};
+  if (options.order == ReplicateOrder::kRecorded) pool.order = PoolOrder::kRecorded;
+  if (options.order == ReplicateOrder::kDisjoint) {
+    pool.seed = mix(options.seed, std::uint64_t{0});
+    pool.start = radical_inverse(static_cast<unsigned>(replicate));
+  }
+  return pool;
+}
+
+// Halves of the halves of crossfit would say nothing of the mean that is reported.
+bool splits(const ExperimentOptions& options, const Cell& cell, ReferenceKind kind) {
+  const bool measured =
+      cell.replicate < options.halves && options.order != ReplicateOrder::kRecorded;
+  return options.fresh || (measured && kind != ReferenceKind::kCrossfit);
+}
+
+Result<void> add_halves(SampledPart& part, const ReadySampler& sampler,
+                        const SamplingContext& context, bool fresh) {
+  const long long budget = part.sampled.log.budget;
+  const SelectHalf sample = [&](const SamplePool& pool, std::size_t half) -> Result<Selection> {
+    SamplingContext of_half = context;
+    of_half.seed = mix(context.seed, half);
+    of_half.progress = nullptr;
+    SPOOL_ASSIGN(SamplingResult sampled, sampler(pool, budget, of_half));
+    return std::move(sampled.selection);
+  };
+  SPOOL_ASSIGN(part.halves, select_halves(part.pool, budget, fresh, sample));
+  return {};
+}
+
+// `other`: the half that `pool` is not, with crossfit.
+Result<JudgingReference> judging_reference(ReferenceKind kind, const SamplePool& pool,
+                                           const SamplePool& other, const CountImage& counts) {
+  switch (kind) {
+    case ReferenceKind::kIndependent:
+      return independent_reference(pool.recording());
+    case ReferenceKind::kHoldout:
+      return holdout_reference(pool);
+    case ReferenceKind::kHoldoutPair:
+      return holdout_pair_reference(pool);
+    case ReferenceKind::kLeaveSelectedOut:
+      return leave_selected_out_reference(pool, counts);
+    case ReferenceKind::kCrossfit:
+      return other_half_reference(other);
+    case ReferenceKind::kPool:
+      return pool_reference(pool);
+  }
+  return fail(ErrorCode::kUsage, "unknown reference");
+}
+
+Result<SamplingContext> sampling_context(const CellWork& work, const Cell& cell,
+                                         const Needs& sampler, const CellLane& lane) {
+  SamplingContext context;
+  context.seed = mix(work.options.seed, static_cast<std::uint64_t>(cell.replicate));
+  context.progress = [&lane](double share) { lane.report(0.5 * share); };
+  context.cancelled = work.cancelled;
+  if (sampler.filter_in_loop) {
+    SPOOL_ASSIGN(const MethodChoice in_loop, loop_choice(sampler, cell.filter));
+    SPOOL_ASSIGN(const ReadyFilter filter, work.sources.filter(in_loop));
+    SPOOL_TRY(check_loop_filter(cell.sampler, sampler, in_loop, filter.needs));
+    context.filter = loop_filter(filter);
+  }
+  return context;
+}
+
+}  // namespace
+
+Result<SamplingRun> sample_cell(const CellWork& work, const Cell& cell,
+                                const Result<ReadySampler>& ready, RecordingInUse& in_use,
+                                const CellLane& lane) {
+  const ExperimentOptions& options = work.options;
+  SPOOL_ASSIGN(const auto recording, in_use.get(cell.dump));
+  if (options.order == ReplicateOrder::kRecorded && cell.replicate > 0) {
+    return fail(ErrorCode::kUsage,
+                "order=recorded gives every replicate the same samples: use disjoint, or one "
+                "replicate");
+  }
+  const ReferenceKind kind = options.reference.value_or(default_reference_kind(*recording));
+  const bool holds_out = kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair;
+  int holdout = options.holdout.value_or(0);
+  if (!options.holdout && holds_out) holdout = default_holdout(*recording);
+  SPOOL_ASSIGN(SamplePool pool,
+               SamplePool::create(recording, pool_options(options, cell.replicate, holdout)));
+  SPOOL_ASSIGN(ReadySampler sampler, ready);
+  if (options.decision_split) sampler = split_decisions(std::move(sampler));
+  SPOOL_ASSIGN(const SamplingContext context, sampling_context(work, cell, sampler.needs, lane));
+  if (lane.alone) reset_peak_memory();
+  SamplingRun run{{}, {}, kind, in_use.kurtosis()};
+  std::vector<SamplePool> pools = {pool};
+  if (kind == ReferenceKind::kCrossfit) pools = {pool.half(0), pool.half(1)};
+  std::vector<StageTime> times;
+  for (std::size_t i = 0; i < pools.size(); ++i) {
+    SPOOL_ASSIGN(SamplingResult sampled,
+                 timed(options.repeats, lane.cpu(), times.emplace_back(), [&] {
+                   return sampler(pools[i], sample_budget(cell.spp, *recording), context);
+                 }));
+    SPOOL_ASSIGN(JudgingReference reference,
+                 judging_reference(kind, pools[i], pools[pools.size() - 1 - i],
+                                   looked_at(sampled.selection)));
+    run.parts.push_back({pools[i], std::move(sampled), std::move(reference), std::nullopt});
+    if (splits(options, cell, kind))
+      SPOOL_TRY(add_halves(run.parts.back(), sampler, context, options.fresh));
+  }
+  run.time = mean_time(times);
+  return run;
+}
+
+}  // namespace spool

@@ -1,0 +1,26 @@
+#include "lib/experiment/recording_in_use.h"
+
+#include <utility>
+
+#include "lib/experiment/sample_kurtosis.h"
+
+namespace spool {
+
+Result<std::shared_ptr<const RecordedSamples>> RecordingInUse::get(const std::string& name) {
+  if (known_ && name_ == name) return samples_;
+  samples_ = nullptr;
+  const StageClock clock;
+  known_ = false;
+  samples_ = load_(name);
+  reading_ = clock.elapsed();
+  kurtosis_ = samples_ ? sample_kurtosis(**samples_) : 0.0;
+  name_ = name;
+  known_ = true;
+  return samples_;
+}
+
+StageTime RecordingInUse::take_reading() {
+  return std::exchange(reading_, StageTime{});
+}
+
+}  // namespace spool
