@@ -64,6 +64,10 @@ Result<Reconstruction> run_stage(const FilterFunction& filter, const StageOption
 
 }  // namespace
 
+std::vector<OptionDescription> stage_options() {
+  return describe_options(stage_option_table(), StageOptions{});
+}
+
 Filter with_stage_options(Filter filter, OwnOptions own) {
   const OptionTable<StageOptions> table = table_beside(filter);
   Filter staged = filter;

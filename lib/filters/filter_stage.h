@@ -19,6 +19,8 @@ enum class OwnOptions {
   kKnownWhenMade,  // of a filter from elsewhere: it refuses by itself
 };
 
+std::vector<OptionDescription> stage_options();
+
 // `filter` with those of the options above that it describes none of the same name for.
 Filter with_stage_options(Filter filter, OwnOptions own = OwnOptions::kDescribed);
 

@@ -13,10 +13,10 @@ namespace {
 using Rows = std::vector<std::vector<std::string>>;
 
 // The options that are shown, one default a preset; empty without any.
-Rows option_rows(const ListedMethod& method, const std::string& part, bool all) {
+Rows option_rows(const std::vector<ListedOption>& options, const std::string& part, bool all) {
   Rows rows;
-  for (const ListedOption& option : method.options) {
-    if (!all && option.expert) continue;
+  for (const ListedOption& option : options) {
+    if (option.of_every || (!all && option.expert)) continue;
     if (rows.empty()) {
       rows.push_back({"  --set " + part + ".", "allowed"});
       for (const auto& [preset, value] : option.defaults)
@@ -39,12 +39,19 @@ void print_methods(const ListedMethods& list, const std::string& part, bool all)
     if (method.by_description) print(fmt::format("  {}\n", kByDescription));
     if (!method.needs.empty()) print(fmt::format("  needs {}\n", fmt::join(method.needs, ", ")));
     if (method.footprints) print("  says its weights: spool pixel --filter\n");
-    const Rows rows = option_rows(method, part, all);
+    const Rows rows = option_rows(method.options, part, all);
     if (!rows.empty()) print(format_columns(rows, 100));
-    const std::size_t left_out = method.options.size() - (rows.empty() ? 0 : rows.size() - 1);
+    const auto left_out = std::ranges::count_if(
+        method.options, [&](const ListedOption& o) { return !all && o.expert && !o.of_every; });
     if (left_out > 0) print(fmt::format("  {} more with --all\n", left_out));
     print("\n");
   }
+}
+
+void print_for_every_filter() {
+  print("every filter\n");
+  print(format_columns(option_rows(options_of_every_filter(), "filter", true), 100));
+  print("\n");
 }
 
 void print_presets(const std::vector<ListedPreset>& presets) {
@@ -111,6 +118,7 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   } else if (what == "exports") {
     formats(listed_exports(), "export");
   } else if (what == "filters") {
+    if (!common.json) print_for_every_filter();
     methods(listed_filters(), "filter");
   } else {
     methods(listed_samplers(), "sampler");

@@ -4,6 +4,7 @@
 
 #include "lib/exchange/foreign_formats.h"
 #include "lib/experiment/result_table.h"
+#include "lib/filters/filter_stage.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/synthetic/synthetic_scenes.h"
 #include "tools/methods/external_methods.h"
@@ -13,7 +14,7 @@ namespace spool::tools {
 namespace {
 
 ListedOption listed(const OptionDescription& option) {
-  return {option.name, option.allowed, option.help, option.expert, {}};
+  return {option.name, option.allowed, option.help, option.expert, false, {}};
 }
 
 // Options of a method with one default per preset.
@@ -107,8 +108,25 @@ ListedMethods listed_samplers() {
   return listed(known_samplers());
 }
 
+std::vector<ListedOption> options_of_every_filter() {
+  std::vector<ListedOption> options;
+  for (const OptionDescription& option : stage_options()) {
+    options.push_back(listed(option));
+    options.back().defaults = {{"default", option.value}};
+  }
+  return options;
+}
+
 ListedMethods listed_filters() {
-  return listed(known_filters());
+  ListedMethods list = listed(known_filters());
+  for (const OptionDescription& shared : stage_options()) {
+    for (ListedMethod& filter : list) {
+      for (ListedOption& option : filter.options)
+        option.of_every =
+            option.of_every || (option.name == shared.name && option.help == shared.help);
+    }
+  }
+  return list;
 }
 
 ListedMethods listed_imports() {

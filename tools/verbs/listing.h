@@ -10,6 +10,7 @@ namespace spool::tools {
 struct ListedOption {
   std::string name, allowed, help;
   bool expert = false;
+  bool of_every = false;  // every filter has it
   std::vector<std::pair<std::string, std::string>> defaults;  // by preset; "default" without any
 };
 
@@ -27,6 +28,7 @@ using ListedMethods = std::vector<ListedMethod>;
 
 ListedMethods listed_samplers();
 ListedMethods listed_filters();
+std::vector<ListedOption> options_of_every_filter();
 ListedMethods listed_imports();
 ListedMethods listed_exports();
 

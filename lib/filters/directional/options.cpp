@@ -66,13 +66,14 @@ OptionTable<FilterSizeOptions> filter_size_option_table() {
                               "value where the attenuation is undefined")),
       expert(switch_option<O>("track_a0", &O::track_a0,
                               "use A_0 as the sampler tracked it instead of A_1")),
-      choice_option<O, SizeSmooth>("size_smooth", &O::smooth,
-                                   {{"opens_only", SizeSmooth::kOpensOnly},
-                                    {"on", SizeSmooth::kOn},
-                                    {"off", SizeSmooth::kOff}},
-                                   "vote of the neighbours on where the size stops"),
-      number_option<O>("evidence", &O::evidence, 0.0, 1e6,
-                       "standard deviations of a difference that no vote overrules; 0: any vote"),
+      expert(choice_option<O, SizeSmooth>("size_smooth", &O::smooth,
+                                          {{"opens_only", SizeSmooth::kOpensOnly},
+                                           {"on", SizeSmooth::kOn},
+                                           {"off", SizeSmooth::kOff}},
+                                          "vote of the neighbours on where the size stops")),
+      expert(number_option<O>(
+          "evidence", &O::evidence, 0.0, 1e6,
+          "standard deviations of a difference that no vote overrules; 0: any vote")),
       integer_option<O>("size_step", &O::step, 0, 16,
                         "levels that a size may lie above its neighbours' least; 0: any"),
   };
@@ -92,8 +93,9 @@ OptionTable<FilterWidthOptions> filter_width_option_table() {
           "direction of a band: along its edges or across them")),
       number_option<O>("sigma_max", &O::sigma_max, 0.0, 16.0,
                        "widest standard deviation, in units of the size 2^k"),
-      number_option<O>("rho", &O::rho, 0.0, 1.0, "narrowest standard deviation / widest"),
-      number_option<O>("gamma_d", &O::gamma_d, 0.0, 16.0, "exponent of the relative energy"),
+      expert(number_option<O>("rho", &O::rho, 0.0, 1.0, "narrowest standard deviation / widest")),
+      expert(
+          number_option<O>("gamma_d", &O::gamma_d, 0.0, 16.0, "exponent of the relative energy")),
   };
 }
 
@@ -175,15 +177,16 @@ OptionTable<DirectionalOptions> directional_option_table() {
   append_options(table, energy_option_table(), &O::energy);
   append_options(table, filter_width_option_table(), &O::width);
   append_options(table, filter_option_table(), &O::filter);
-  table.push_back(choice_option<O, ReconstructionScope>(
+  table.push_back(expert(choice_option<O, ReconstructionScope>(
       "recon_scope", &O::scope,
       {{"global", ReconstructionScope::kGlobal}, {"tile", ReconstructionScope::kTile}},
-      "analyse and filter the whole image, or each tile alone"));
-  table.push_back(integer_option<O>("tile", &O::tile, 16, 1 << 20, "pieces per side of a tile"));
-  table.push_back(choice_option<O, Precision>(
+      "analyse and filter the whole image, or each tile alone")));
+  table.push_back(
+      expert(integer_option<O>("tile", &O::tile, 16, 1 << 20, "pieces per side of a tile")));
+  table.push_back(expert(choice_option<O, Precision>(
       "recon_precision", &O::precision,
       {{"float32", Precision::kFloat32}, {"float64", Precision::kFloat64}},
-      "precision of bands, energies and weights; sums are always float64"));
+      "precision of bands, energies and weights; sums are always float64")));
   return table;
 }
 
