@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "lib/core/check.h"
-#include "lib/inference/student.h"
+#include "lib/core/student.h"
 
 namespace spool {
 namespace {

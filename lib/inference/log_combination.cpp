@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lib/core/check.h"
-#include "lib/inference/student.h"
+#include "lib/core/student.h"
 
 namespace spool {
 

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/core/student.h"
 #include "lib/filters/welch/pair_intervals.h"
 #include "lib/kernels/denoised_variance.h"
-#include "lib/statistics/student_table.h"
 #include "tests/reference/stater_reference.h"
 #include "tests/support/every_method.h"
 #include "tests/support/film_recording.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/statistics/student_table.h"
+#include "lib/core/student.h"
 #include "tests/reference/welch_reference.h"
 #include "tests/support/every_method.h"
 #include "tests/support/memory_pool.h"

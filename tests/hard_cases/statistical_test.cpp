@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/core/student.h"
 #include "lib/experiment/reference.h"
 #include "lib/filters/filters.h"
 #include "lib/inference/intervals.h"
-#include "lib/inference/student.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/statistics/variance_of_mean.h"
 #include "tests/hard_cases/hard_case.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/inference/student.h"
+#include "lib/core/student.h"
 #include "tests/support/random_images.h"
 
 namespace spool {

@@ -19,6 +19,7 @@
 #include "tools/methods/replicate_images.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/statistics_file.h"
+#include "tools/methods/watched_process.h"
 #include "tools/terminal/console.h"
 
 namespace spool::tools {

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/inotify.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,12 +9,12 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
-#include <mutex>
-#include <set>
 #include <sstream>
 #include <thread>
+#include <utility>
+
+#include "tools/methods/watched_process.h"
 
 extern char** environ;
 
@@ -26,18 +25,6 @@ constexpr std::size_t kLongestWords = 200;  // of a command's last line in an er
 constexpr int kSignalBase = 128;            // a shell's exit code for signal n is 128 + n
 constexpr std::size_t kLogTail = 4096;      // bytes of its output that are kept
 constexpr int kLastReads = 16;              // of what a pipe holds when the command has ended
-
-// What an interrupt must end and remove.
-struct Running {
-  std::mutex mutex;
-  std::set<pid_t> groups;
-  std::set<std::string> folders;
-};
-
-Running& running() {
-  static Running instance;
-  return instance;
-}
 
 // The end of what a command prints, read while it runs: it may print without end.
 class LastWords {
@@ -103,57 +90,6 @@ class Environment {
   std::vector<char*> pointers_;
 };
 
-// What a spawned process gets as its three standard streams.
-struct Streams {
-  int in = -1, out = -1;  // descriptors; -1: /dev/null
-};
-
-// Group 0: one of its own. Signals are as a shell would have them.
-void put_into_group(posix_spawnattr_t& attributes, pid_t group) {
-  sigset_t none, defaults;
-  sigemptyset(&none);  // this program blocks the signals that it waits for, in all its threads
-  sigemptyset(&defaults);
-  for (const int signal : {SIGPIPE, SIGHUP, SIGINT, SIGQUIT, SIGTERM})
-    sigaddset(&defaults, signal);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &defaults);
-  posix_spawnattr_setpgroup(&attributes, group);
-  posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-}
-
-// Starts /bin/sh with these words in a group; an error number of the system when that fails.
-int spawn_shell(std::vector<std::string> words, char** environment, pid_t group, Streams streams,
-                pid_t& child) {
-  posix_spawn_file_actions_t files;
-  posix_spawnattr_t attributes;
-  if (posix_spawn_file_actions_init(&files) != 0) return ENOMEM;
-  if (posix_spawnattr_init(&attributes) != 0) {
-    posix_spawn_file_actions_destroy(&files);
-    return ENOMEM;
-  }
-  const auto lead = [&](int from, int to, int mode) {
-    if (from >= 0) {
-      posix_spawn_file_actions_adddup2(&files, from, to);
-    } else {
-      posix_spawn_file_actions_addopen(&files, to, "/dev/null", mode, 0);
-    }
-  };
-  lead(streams.in, 0, O_RDONLY);
-  lead(streams.out, 1, O_WRONLY);
-  posix_spawn_file_actions_adddup2(&files, 1, 2);
-  put_into_group(attributes, group);
-  std::vector<char*> pointers;
-  for (std::string& word : words)
-    pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  const int status =
-      posix_spawn(&child, "/bin/sh", &files, &attributes, pointers.data(), environment);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
-  return status;
-}
-
 // A command at work, in a group of processes that a guard leads. The guard waits for the end of a
 // pipe that this program holds: should this program be killed, whatever the signal, the guard ends
 // the group and removes the folder.
@@ -182,8 +118,7 @@ void end_group(Group& group) {
   while (::waitpid(group.guard, &ignored, 0) < 0 && errno == EINTR) {
   }
   ::close(group.lifeline);
-  const std::scoped_lock lock(running().mutex);
-  running().groups.erase(group.guard);
+  forget_watched(group.guard);
 }
 
 // An error number of the system when the command cannot be started.
@@ -192,18 +127,14 @@ int start(const ExternalCommand& command, Group& group) {
   if (const int error = lifeline.make(); error != 0) return error;
   if (const int error = output.make(); error != 0) return error;
   Environment environment(command.environment);
-  {
-    const std::scoped_lock lock(running().mutex);  // an interrupt ends it from its first moment on
-    const int error = spawn_shell({"sh", "-c", kGuard, "sh", command.folder.string()}, environ, 0,
-                                  {lifeline.ends[0], -1}, group.guard);
-    if (error != 0) return error;
-    running().groups.insert(group.guard);
-  }
+  const int no_guard = spawn_watched({"/bin/sh", "-c", kGuard, "sh", command.folder.string()},
+                                     {.in = lifeline.ends[0]}, 0, nullptr, group.guard);
+  if (no_guard != 0) return no_guard;
   group.lifeline = lifeline.take(1);
-  std::vector<std::string> words = {"sh", "-c", command.command + " \"$@\"", "sh"};
+  std::vector<std::string> words = {"/bin/sh", "-c", command.command + " \"$@\"", "sh"};
   words.insert(words.end(), command.arguments.begin(), command.arguments.end());
-  const int error = spawn_shell(std::move(words), environment.pointers(), group.guard,
-                                {-1, output.ends[1]}, group.child);
+  const int error = spawn_watched(std::move(words), {.out = output.ends[1]}, group.guard,
+                                  environment.pointers(), group.child);
   if (error != 0) {
     end_group(group);
     return error;
@@ -312,57 +243,6 @@ Result<ExternalTimes> run_external(const ExternalCommand& command) {
       code > kSignalBase ? "was ended by signal" : "failed with exit code",
       code > kSignalBase ? code - kSignalBase : code,
       words.empty() ? ": it printed nothing; run it by hand" : ", its last words: " + words);
-}
-
-bool start_watched(const std::function<int(const posix_spawnattr_t&)>& spawn, const pid_t& child) {
-  posix_spawnattr_t attributes;
-  if (posix_spawnattr_init(&attributes) != 0) return false;
-  put_into_group(attributes, 0);
-  const std::scoped_lock lock(running().mutex);
-  const bool started = spawn(attributes) == 0;
-  if (started) running().groups.insert(child);
-  posix_spawnattr_destroy(&attributes);
-  return started;
-}
-
-void forget_watched(pid_t child) {
-  const std::scoped_lock lock(running().mutex);
-  running().groups.erase(child);
-}
-
-Result<ExchangeFolder> ExchangeFolder::create() {
-  std::error_code status;
-  const std::filesystem::path parent = std::filesystem::temp_directory_path(status);
-  if (status) {
-    return fail(ErrorCode::kIo, "no folder for temporary files ({}): set TMPDIR", status.message());
-  }
-  std::string name = (parent / "spool_XXXXXX").string();
-  const std::scoped_lock lock(running().mutex);
-  if (::mkdtemp(name.data()) == nullptr) {
-    return fail(ErrorCode::kIo, "{}: no folder can be made there ({}): set TMPDIR", parent.string(),
-                std::strerror(errno));
-  }
-  running().folders.insert(name);
-  return ExchangeFolder(name);
-}
-
-ExchangeFolder::~ExchangeFolder() {
-  if (path_.empty()) return;
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-  const std::scoped_lock lock(running().mutex);
-  running().folders.erase(path_.string());
-}
-
-void end_external_work() {
-  // For good: the thread that waits for a command must not take its end for a failure of the
-  // command and leave with another exit code first.
-  running().mutex.lock();
-  for (const pid_t group : running().groups)
-    ::kill(-group, SIGKILL);
-  std::error_code ignored;
-  for (const std::string& folder : running().folders)
-    std::filesystem::remove_all(folder, ignored);
 }
 
 }  // namespace spool::tools

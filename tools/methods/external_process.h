@@ -5,8 +5,6 @@
 // the call. Of what it prints, the end is kept.
 #pragma once
 
-#include <spawn.h>
-#include <sys/types.h>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -35,32 +33,5 @@ struct ExternalTimes {
 // Errors name the command: kData when it fails (with the last line it printed), when it does not
 // end in time or is cancelled; kIo when it cannot be started.
 Result<ExternalTimes> run_external(const ExternalCommand& command);
-
-// A temporary folder that goes when this goes, or when the program is interrupted.
-class ExchangeFolder {
- public:
-  static Result<ExchangeFolder> create();
-  ExchangeFolder(ExchangeFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
-  ExchangeFolder(const ExchangeFolder&) = delete;
-  ExchangeFolder& operator=(const ExchangeFolder&) = delete;
-  ExchangeFolder& operator=(ExchangeFolder&&) = delete;
-  ~ExchangeFolder();
-
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  explicit ExchangeFolder(std::filesystem::path path) : path_(std::move(path)) {}
-  std::filesystem::path path_;
-};
-
-// Another program of our own choice, in a group that an interrupt ends too: `spawn` starts it with
-// the attributes it is given and puts its id into `child`. False when it does not start.
-bool start_watched(const std::function<int(const posix_spawnattr_t&)>& spawn, const pid_t& child);
-void forget_watched(pid_t child);  // when it has ended
-
-// Kills running commands and removes their folders: for the program's way out on an interrupt.
-// Threads that wait for a command then wait for the end of the process.
-void end_external_work();
 
 }  // namespace spool::tools

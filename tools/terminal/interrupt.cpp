@@ -11,7 +11,7 @@
 
 #include "formats/unfinished_files.h"
 #include "lib/core/visible_text.h"
-#include "tools/methods/external_process.h"
+#include "tools/methods/watched_process.h"
 #include "tools/terminal/console.h"
 
 namespace spool::tools {

@@ -7,12 +7,12 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <utility>
 
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tools/methods/external_process.h"
+#include "tools/methods/watched_process.h"
 
 namespace spool::tools {
 namespace {
@@ -70,22 +70,9 @@ std::optional<Finished> run_program(std::vector<std::string> words, const std::s
   if (!in || !out || !err) return std::nullopt;
   if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size()) return std::nullopt;
   std::rewind(in.get());
-  std::vector<char*> arguments;
-  for (std::string& word : words)
-    arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, fileno(in.get()), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(out.get()), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(err.get()), STDERR_FILENO);
+  const Streams streams{fileno(in.get()), fileno(out.get()), fileno(err.get())};
   pid_t child = 0;
-  const bool started = start_watched(
-      [&](const posix_spawnattr_t& attributes) {
-        return posix_spawnp(&child, arguments[0], &actions, &attributes, arguments.data(), environ);
-      },
-      child);
-  posix_spawn_file_actions_destroy(&actions);
+  const bool started = spawn_watched(std::move(words), streams, 0, nullptr, child) == 0;
   int status = 0;
   if (!started || waitpid(child, &status, 0) != child) return std::nullopt;
   forget_watched(child);

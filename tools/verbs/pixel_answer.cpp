@@ -6,7 +6,7 @@
 #include <iterator>
 #include <vector>
 
-#include "lib/inference/student.h"
+#include "lib/core/student.h"
 
 namespace spool::tools {
 namespace {

@@ -5,11 +5,11 @@
 #include <functional>
 
 #include "lib/core/option_table.h"
+#include "lib/core/student.h"
 #include "lib/filters/filter.h"
 #include "lib/kernels/pair_features.h"
 #include "lib/kernels/pair_filter.h"
 #include "lib/statistics/piece_statistics.h"
-#include "lib/statistics/student_table.h"
 
 namespace spool {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "lib/core/student.h"
 #include "lib/filters/welch/pair_intervals.h"
 #include "lib/kernels/denoised_variance.h"
-#include "lib/statistics/student_table.h"
 #include "lib/statistics/transformed_moments.h"
 
 namespace spool {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lib/core/student.h"
 #include "lib/filters/welch/pair_intervals.h"
-#include "lib/statistics/student_table.h"
 #include "lib/statistics/transformed_moments.h"
 #include "lib/statistics/variance_of_mean.h"
 

@@ -1,11 +1,18 @@
-// Student's two-sided quantile [Student08] for one level and any number of degrees of freedom, from
-// a table.
+// Student's distribution [Student08], by Boost.Math.
 #pragma once
 
 #include <vector>
 
 namespace spool {
 
+// t with P(T <= t) = probability, 0 < probability < 1, freedom >= 1 (need not be whole).
+double student_quantile(double probability, double freedom);
+// P(T <= t).
+double student_cdf(double t, double freedom);
+// P(|T| >= |t|); 0 where t is infinite.
+double student_two_sided(double t, double freedom);
+
+// The two-sided quantile for one level and any number of degrees of freedom, from a table.
 class StudentTable {
  public:
   // 0 < alpha < 1: the share of differences that are refused although there is none.

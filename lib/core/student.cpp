@@ -1,0 +1,47 @@
+#include "lib/core/student.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <boost/math/distributions/students_t.hpp>
+
+#include "lib/core/check.h"
+
+namespace spool {
+namespace {
+
+using Student = boost::math::students_t_distribution<double>;
+
+constexpr int kLargestFreedom = 1024;  // of the table
+
+}  // namespace
+
+double student_quantile(double probability, double freedom) {
+  SPOOL_CHECK_GT(probability, 0.0);
+  SPOOL_CHECK_LT(probability, 1.0);
+  return quantile(Student(freedom), probability);
+}
+
+double student_cdf(double t, double freedom) {
+  return cdf(Student(freedom), t);
+}
+
+double student_two_sided(double t, double freedom) {
+  if (std::isinf(t)) return 0.0;
+  return 2.0 * cdf(complement(Student(freedom), std::abs(t)));
+}
+
+StudentTable::StudentTable(double alpha) {
+  SPOOL_CHECK(alpha > 0.0 && alpha < 1.0);
+  for (int freedom = 1; freedom <= kLargestFreedom; ++freedom)
+    quantiles_.push_back(quantile(complement(Student(freedom), alpha / 2.0)));
+}
+
+double StudentTable::operator()(double freedom) const {
+  const double at = std::clamp(freedom, 1.0, static_cast<double>(kLargestFreedom)) - 1.0;
+  const auto i = static_cast<std::size_t>(at);
+  const std::size_t next = std::min(i + 1, quantiles_.size() - 1);
+  return quantiles_[i] + (at - static_cast<double>(i)) * (quantiles_[next] - quantiles_[i]);
+}
+
+}  // namespace spool

@@ -1,0 +1,51 @@
+// Processes that this program starts, and the folders that it exchanges files with them in: an
+// interrupt ends the first and removes the second.
+#pragma once
+
+#include <sys/types.h>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lib/core/error.h"
+
+namespace spool::tools {
+
+// What a process gets as its standard streams: descriptors. -1: /dev/null, for errors that of
+// `out`.
+struct Streams {
+  int in = -1, out = -1, error = -1;
+};
+
+// Starts a program, `words[0]` (of the path, where it has no slash), in the process group `group`;
+// 0: it leads one of its own, which an interrupt ends until forget_watched(). Signals are as a
+// shell would have them. `environment`: null: that of this program. An error number of the system
+// when it cannot be started.
+int spawn_watched(std::vector<std::string> words, const Streams& streams, pid_t group,
+                  char** environment, pid_t& child);
+void forget_watched(pid_t leader);  // when it has ended
+
+// A temporary folder that goes when this goes, or when the program is interrupted.
+class ExchangeFolder {
+ public:
+  static Result<ExchangeFolder> create();
+  ExchangeFolder(ExchangeFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  ExchangeFolder(const ExchangeFolder&) = delete;
+  ExchangeFolder& operator=(const ExchangeFolder&) = delete;
+  ExchangeFolder& operator=(ExchangeFolder&&) = delete;
+  ~ExchangeFolder();
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const char* name) const { return path_ / name; }
+
+ private:
+  explicit ExchangeFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
+// Kills running commands and removes their folders: for the program's way out on an interrupt.
+// Threads that wait for a command then wait for the end of the process.
+void end_external_work();
+
+}  // namespace spool::tools
