@@ -38,7 +38,7 @@ struct SamplingRun {
 struct CellWork {
   const ExperimentOptions& options;
   const ExperimentSources& sources;
-  const std::function<bool()>* cancelled = nullptr;  // asked by samplers; null: nobody may
+  const std::function<bool()>* cancelled = nullptr;  // asked by samplers; null: never
 };
 
 // Errors: those of the recording, of the sampler, and of the reference that is asked for.

@@ -114,13 +114,4 @@ struct ExperimentCallbacks {
   std::function<bool()> cancelled;  // asked between cells
 };
 
-// Results in the order of `cells`; shorter (finished cells only) when cancelled.
-std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
-                                       const ExperimentOptions& options,
-                                       const ExperimentSources& sources,
-                                       const ExperimentCallbacks& callbacks = {});
-// The same without keeping results: memory does not grow with the number of cells.
-void run_cells(const std::vector<Cell>& cells, const ExperimentOptions& options,
-               const ExperimentSources& sources, const ExperimentCallbacks& callbacks);
-
 }  // namespace spool

@@ -23,8 +23,7 @@ enum class CpuOf { kProcess, kThread };
 // Runs from its construction.
 class StageClock {
  public:
-  explicit StageClock(CpuOf of = CpuOf::kProcess)
-      : of_(of), cpu_(cpu_seconds()) {}
+  explicit StageClock(CpuOf of = CpuOf::kProcess) : of_(of), cpu_(cpu_seconds()) {}
 
   StageTime elapsed() const {
     return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(),

@@ -1,4 +1,4 @@
-#include "lib/experiment/experiment.h"
+#include "lib/experiment/run_cells.h"
 
 #include <atomic>
 #include <cmath>

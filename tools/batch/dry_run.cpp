@@ -9,6 +9,7 @@
 #include "lib/core/visible_text.h"
 #include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_table.h"
+#include "lib/experiment/run_cells.h"
 #include "lib/synthetic/scene_s.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/run_folder.h"

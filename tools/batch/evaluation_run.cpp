@@ -12,6 +12,7 @@
 #include "lib/experiment/plan_text.h"
 #include "lib/experiment/result_record.h"
 #include "lib/experiment/result_table.h"
+#include "lib/experiment/run_cells.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"
 #include "lib/study/ranked_results.h"

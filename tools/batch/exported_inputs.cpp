@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "lib/experiment/plan_text.h"
+#include "lib/experiment/run_cells.h"
 #include "lib/filters/filter.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"

@@ -10,7 +10,7 @@ namespace spool::tools {
 struct ListedOption {
   std::string name, allowed, help;
   bool expert = false;
-  bool of_every = false;  // every filter has it
+  bool of_every = false;                                      // every filter has it
   std::vector<std::pair<std::string, std::string>> defaults;  // by preset; "default" without any
 };
 
