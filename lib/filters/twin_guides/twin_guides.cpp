@@ -99,6 +99,7 @@ Filter twin_guides_filter() {
        .presets = {{"robust", {}}, {"heavy_tails", heavy_tailed_twin_guides_options()}},
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
        .memory = {574, 5e6},
+       .cost = 4.7,
        .run = reconstruct_twin_guides});
 }
 
