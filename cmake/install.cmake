@@ -8,6 +8,24 @@ include(CMakePackageConfigHelpers)
 get_property(components GLOBAL PROPERTY SPOOL_COMPONENTS)
 list(TRANSFORM components PREPEND "spool_" OUTPUT_VARIABLE libraries)
 
+# Each package carries its licence, and texts and an SPDX list of what it contains of others: known when all is built.
+function(spool_licences component name)
+  list(JOIN ARGN " " arguments)
+  install(CODE "execute_process(COMMAND python3 ${PROJECT_SOURCE_DIR}/tools/package/bundled.py build
+    ${PROJECT_BINARY_DIR} \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/share/doc/${name}\" --name ${name} ${arguments}
+    COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component} ${excluded})
+endfunction()
+if(NOT SKBUILD)
+  set(without_module --without tools/python tools/bench)
+endif()
+spool_licences(program spool --of lib formats tools --scripts ${without_module})
+if(NOT SKBUILD)
+  spool_licences(png spool-png --of lib/image_io formats)
+  spool_licences(dev libspool-dev --of lib formats)
+  set(excluded EXCLUDE_FROM_ALL)
+  spool_licences(python python3-spool)
+endif()
+
 # --- program -----------------------------------------------------------------------------------
 
 if(SPOOL_BUILD_PROGRAM)

@@ -27,12 +27,15 @@ def catalogue():
 
 def small_command(entry):
     packing = ["--compress"] if entry["renderer"] == "Cycles" else []
-    return shlex.join([RECORDERS[entry["renderer"]], *entry["arguments"], "--size", "64", "--samples", "64", "--reference",
-                       str(entry["reference"]), *packing, "-o", "dumps/" + entry["file"]])
+    return shlex.join([RECORDERS[entry["renderer"]], *entry["arguments"], "--size", str(entry["size"][0]), "--samples", str(entry["samples"]),
+                       "--reference", str(entry["reference"]), *packing, "-o", "dumps/" + entry["file"]])
 
 
 def full_arguments(entry, full, more):
-    """What is not said in `more` is as the catalogue says."""
+    """What is not said in `more` is as the catalogue says. `{scenes}` is where dumps/pools.py looks for scenes by others."""
+    cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    scenes = os.environ.get("SPOOL_SCENES") or os.path.join(cache, "spool", "scenes")
+    entry = {**entry, "arguments": [text.replace("{scenes}", scenes) for text in entry["arguments"]]}
     out = [RECORDERS[entry["renderer"]], *entry["arguments"], *more]
     for option, value in full.items():
         if "--" + option not in more:

@@ -29,7 +29,7 @@ from pool_run import Pace, arguments_of, recorder_of, run_pool  # noqa: E402
 from progress import duration, size as size_text  # noqa: E402
 
 PATH = os.path.join(HERE, "POOLS.toml")
-BYTES = {"Cycles": 90, "Mitsuba": 100}       # a sample and pixel, at the peak: passes or chunks, and the dump beside them
+BYTES = {"Cycles": 90, "Mitsuba": 100}       # a sample and pixel, at the peak: passes or chunks, and the recording beside them
 
 
 def cache(variable, name):

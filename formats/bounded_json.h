@@ -1,4 +1,4 @@
-// The one way from a text to JSON: its length and its depth are known before a parser sees it.
+// The one way from a text to JSON: its length and its depth are known before a parser reads it.
 //
 // The parser of nlohmann/json needs no stack, but copying, comparing and writing a value recurse,
 // and a value takes up to fifty times the memory of its text. Whatever a file says therefore comes

@@ -1,7 +1,7 @@
 // Tiles, blocks and sizes that follow from a DumpHeader.
 //
-// A *slot* numbers every block a complete dump has: group by group, in a group tile by tile, in a
-// tile block by block.
+// A *slot* numbers every block a complete recording has: group by group, in a group tile by tile,
+// in a tile block by block.
 #pragma once
 
 #include <cstdint>

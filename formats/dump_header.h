@@ -1,4 +1,4 @@
-// What a dump is, in memory: geometry and channels of one .spool file.
+// What a recording is, in memory: geometry and channels of one .spool file.
 //
 // A DumpHeader that a reader hands out keeps every rule of formats/spool.md 4.1, 4.2 and 6; a
 // writer refuses one that does not.

@@ -116,7 +116,7 @@ Judged<Footer> check_footer(std::span<const std::byte> last, const FileHeader& h
   if (!crc_matches(last)) return violates(kDamaged, "footer is damaged (offset {})", at);
   const Footer footer = decode_footer(last);
   if (footer.dump_id != header.dump_id()) {
-    return violates(kDamaged, "footer belongs to another dump (offset {})", at);
+    return violates(kDamaged, "footer belongs to another recording (offset {})", at);
   }
   if (footer.file_bytes != file_bytes) {
     return violates(kDamaged, "footer says {} bytes, the file has {} (offset {})",
@@ -152,7 +152,7 @@ Judged<RecordHeader> check_record_bytes(std::span<const std::byte> bytes) {
 }
 
 Judged<void> check_record_alone(const RecordHeader& record, uint64_t dump_id) {
-  if (record.dump_id != dump_id) return violates(kDamaged, "record belongs to another dump");
+  if (record.dump_id != dump_id) return violates(kDamaged, "record belongs to another recording");
   if (!std::ranges::all_of(record.type, is_letter)) {
     return violates(kDamaged, "record type is not four letters");
   }

@@ -3,7 +3,7 @@
 //
 // survive_lost_pages() makes that an error instead. Its handler puts pages of zeros in the place of
 // what was lost, which is a system call and no more, and marks the range; the reader goes on over
-// zeros and whoever reads asks afterwards. A SIGBUS of any other address goes where it went before.
+// zeros, and the reader asks afterwards. A SIGBUS of any other address goes where it went before.
 #pragma once
 
 #include <cstddef>

@@ -140,7 +140,7 @@ Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& 
   return {};
 }
 
-// What speaks against the order that the dump claims, where it claims less; kData where it does
+// What contradicts the order that the recording claims, where it claims less; kData where it does
 // not.
 Result<std::string> judge(const SampleWatch& watch, const PassManifest& manifest,
                           SampleOrder claim) {
@@ -207,7 +207,7 @@ Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders
   writer_options.compress = options.compress;
   writer_options.force = options.force;
   writer_options.uuid = options.uuid;
-  // A dump of half the samples is no use where the passes are still at hand.
+  // A recording of half the samples is no use where the passes are still at hand.
   writer_options.discard_unfinished = true;
   SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, plan.header, writer_options));
   SPOOL_ASSIGN(std::string remark, write_dump(recording, plan, writer));

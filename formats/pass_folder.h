@@ -2,8 +2,8 @@
 //
 // Several folders are joined when they hold disjoint passes of the same recording: all settings
 // agree, no seed occurs twice (in mode sequence: no sample index). Their order is the order of the
-// samples. Groups of the dump: radiance; features (f16 layers); measures (f32 layers); film and
-// seed (pass scope); reference and reference_variance (pixel scope).
+// samples. Groups of the recording: radiance; features (f16 layers); measures (f32 layers); film
+// and seed (pass scope); reference and reference_variance (pixel scope).
 //
 // Errors: kIo, kData and kDamage as in formats/pass_manifest.h; kUsage no folder, target exists;
 // kData where folders do not belong together or a value does not fit f16.
@@ -28,7 +28,7 @@ struct PackReport {
   double cost_per_sample =
       0.0;  // CPU (or wall) seconds of a sample, median of the passes; 0 unknown
   std::vector<std::string> layers;
-  uint64_t bytes = 0;  // size of the dump
+  uint64_t bytes = 0;  // size of the recording
   std::string remark;  // on the samples, where there is one
 };
 

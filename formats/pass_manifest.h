@@ -19,7 +19,7 @@ namespace spool::format {
 
 struct PassChannel {
   std::string name;                    // "albedo.R"
-  DataType type = DataType::kFloat32;  // how the recorder wants it stored
+  DataType type = DataType::kFloat32;  // how the recorder requires it stored
 };
 
 // One finished file: a pass of the pool, or a batch of the reference.

@@ -106,7 +106,7 @@ uint32_t choose_block_spp(const DumpPlan& plan, const PackOptions& options) {
 
 Result<DumpPlan> plan_dump(const PassManifest& manifest, const PackOptions& options) {
   if (manifest.passes.size() > 65536) {
-    return fail(ErrorCode::kData, "{}: {} passes are more than a dump holds (65536)",
+    return fail(ErrorCode::kData, "{}: {} passes are more than a recording holds (65536)",
                 manifest.folder.string(), manifest.passes.size());
   }
   DumpPlan plan;

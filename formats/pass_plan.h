@@ -1,4 +1,4 @@
-// Which planes of recorded passes go into which group of the dump, and how the image is cut.
+// Which planes of recorded passes go into which group of the recording, and how the image is cut.
 #pragma once
 
 #include <array>
@@ -48,7 +48,7 @@ struct Tile {
   uint32_t height = 0;
 };
 
-// kData: more passes than a dump holds.
+// kData: more passes than a recording holds.
 Result<DumpPlan> plan_dump(const PassManifest& manifest, const PackOptions& options);
 
 // The tiles of row `band` of tiles, cropped to the image.

@@ -13,7 +13,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kMaxSeedsInMeta = 4096;  // meta is at most 1 MiB; the dump holds all as `seed.S`
+constexpr size_t kMaxSeedsInMeta =
+    4096;  // meta is at most 1 MiB; the recording holds all as `seed.S`
 
 Result<void> append_folder(const std::filesystem::path& folder, PassRecording& recording) {
   SPOOL_ASSIGN(PassManifest next, read_pass_manifest(folder));

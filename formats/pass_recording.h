@@ -21,7 +21,7 @@ struct PassRecording {
 // passes know their film position, or batches of the reference have different sizes.
 Result<PassRecording> read_pass_recording(const std::vector<std::filesystem::path>& folders);
 
-// The `meta` of the dump: renderer, version, settings, seeds, mode, cost_per_sample, channels.
+// The `meta` of the recording: renderer, version, settings, seeds, mode, cost_per_sample, channels.
 std::string recording_meta(const PassRecording& recording);
 
 // Median CPU seconds (wall seconds where those were not measured) of a sample; 0 if unknown.

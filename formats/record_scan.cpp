@@ -41,7 +41,8 @@ uint64_t find_sync(const FileHandle& file, uint64_t from, uint64_t file_bytes) {
   return file_bytes;
 }
 
-// The dump id of most use when the file header is gone: that of the first intact record header.
+// The recording id of most use when the file header is gone: that of the first intact record
+// header.
 std::optional<uint64_t> find_dump_id(const FileHandle& file, uint64_t file_bytes) {
   for (uint64_t at = find_sync(file, 0, file_bytes); at < file_bytes;
        at = find_sync(file, at + kUnit, file_bytes)) {

@@ -1,8 +1,8 @@
 // Finds every intact record of a file, whatever its state: no index, no footer, holes, foreign
 // bytes.
 //
-// A record counts as intact when sync word, header CRC, dump id, the rules that need no geometry,
-// payload CRC and pad bytes agree. Past damage the scan goes on in steps of 64 bytes.
+// A record counts as intact when sync word, header CRC, recording id, the rules that need no
+// geometry, payload CRC and pad bytes agree. Past damage the scan goes on in steps of 64 bytes.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct RecordScan {
 };
 
 // Errors: kIo; kData when the file is not a .spool file or of a later version; kDamage when not
-// even the identity of the dump can be found.
+// even the identity of the recording can be found.
 Result<RecordScan> scan_records(const FileHandle& file);
 
 // Geometry and channels of the first intact IMAG and CHAN; the error says what is lost.

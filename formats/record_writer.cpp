@@ -23,7 +23,7 @@ tl::unexpected<Error> written_by_another(const std::filesystem::path& partial) {
               partial.string());
 }
 
-// A NAME.partial that is there: emptied when it is to be replaced and nobody writes it.
+// A NAME.partial that is there: emptied when it is to be replaced and has no writer.
 Result<FileHandle> reopen_partial(const std::filesystem::path& partial, bool force) {
   SPOOL_ASSIGN(FileHandle file, FileHandle::open(partial, OpenMode::kAppend));
   SPOOL_TRY(file.size());
@@ -31,9 +31,10 @@ Result<FileHandle> reopen_partial(const std::filesystem::path& partial, bool for
   SPOOL_ASSIGN(const bool ours, file.hold(partial));
   if (!ours) return written_by_another(partial);
   if (!force) {
-    return fail(ErrorCode::kUsage,
-                "{}: an unfinished dump is there: resume or recover it, delete it or use --force",
-                partial.string());
+    return fail(
+        ErrorCode::kUsage,
+        "{}: an unfinished recording is there: resume or recover it, delete it or use --force",
+        partial.string());
   }
   SPOOL_TRY(file.truncate(0));
   return file;

@@ -37,7 +37,7 @@ class RecordWriter {
                                      const FileHeader& header, std::vector<IndexEntry> entries,
                                      uint64_t end, bool force);
 
-  // Sequence, dump id, stored_bytes and CRC of `record` are set here.
+  // Sequence, recording id, stored_bytes and CRC of `record` are set here.
   Result<void> append(RecordHeader record, std::span<const std::byte> stored);
   // A record without codec and without a place in the image.
   Result<void> append_plain(std::string_view type, std::span<const std::byte> payload);

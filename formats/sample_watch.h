@@ -1,6 +1,6 @@
-// Are the samples of a pixel in no meaningful order, as a dump may claim? Noticed while they are
-// written, in one pass and bounded memory: images that come again, running means, a trend, pixels
-// that stop being sampled.
+// Are the samples of a pixel in no meaningful order, as a recording may claim? Noticed while they
+// are written, in one pass and bounded memory: images that come again, running means, a trend,
+// pixels that stop being sampled.
 //
 // Up to 16384 pixels are watched, evenly spread. An image is kept as the sums of its tone-mapped
 // luminance under 16 random signs a pixel: the squares of their differences estimate the squared

@@ -55,11 +55,11 @@ class SpoolReader {
 
   // The stored bytes in place, dtype[channel][y][x][sample]; raw blocks only. Verified once per
   // process before they are handed out. Valid while the reader lives; cutting the file meanwhile
-  // raises SIGBUS (POSIX), or with survive_lost_pages() turns what was cut into zeros: whoever
-  // reads a mapped block asks intact() when he has read it.
+  // raises SIGBUS (POSIX), or with survive_lost_pages() turns what was cut into zeros: the code
+  // that reads a mapped block asks intact() when he has read it.
   Result<std::span<const std::byte>> map_block(uint16_t group, uint32_t tile, uint32_t block) const;
 
-  // The same, verified anew in pieces of `piece` bytes, > 0, that `look` sees in their order (the
+  // The same, verified anew in pieces of `piece` bytes, > 0, that `look` gets in their order (the
   // last one may be shorter) while the processor's cache holds them. With kCopied they are read
   // into memory of the reader, and no page of the mapping is touched.
   enum class Pieces { kMapped, kCopied };

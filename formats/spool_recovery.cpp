@@ -28,7 +28,7 @@ struct Rescue {
   RecoveryReport report;
 };
 
-// What speaks against keeping an intact record; empty if nothing. Marks a block as found.
+// Why an intact record is not kept; empty if it is. Marks a block as found.
 std::string objection(Rescue& rescue, const RecordHeader& record,
                       std::span<const std::byte> stored) {
   if (record.is(kTypeMeta)) {
@@ -132,7 +132,7 @@ void list_losses(Rescue& rescue, const std::vector<IndexEntry>& indexed) {
   }
   const uint64_t written = known.empty() ? 0 : *known.rbegin() + 1;
   const uint64_t gaps = written - rescue.sequences.size();
-  // Bytes of nobody at the end may have been a record, unless the index says otherwise.
+  // Unclaimed bytes at the end may have been a record, unless the index says otherwise.
   const bool torn_tail = indexed.empty() && std::ranges::any_of(rescue.report.damaged,
                                                                 [](const DamagedRecord& damage) {
                                                                   return damage.type == "?";

@@ -46,7 +46,7 @@ struct SpoolWriter::State {
 
   Result<void> check_running() const {
     if (!finished) return {};
-    return fail(ErrorCode::kUsage, "{}: the dump is finished: open a new writer", name());
+    return fail(ErrorCode::kUsage, "{}: the recording is finished: open a new writer", name());
   }
 
   Result<void> write_preamble() {

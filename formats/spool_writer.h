@@ -38,7 +38,7 @@ class SpoolWriter {
                                     const WriterOptions& options = {});
 
   // Goes on with NAME.partial: verifies it, cuts off a torn end and continues with the same uuid.
-  // `options.uuid` is not used. has_block() tells what is there already. kDamage when intact
+  // `options.uuid` is not used. has_block() returns what is there already. kDamage when intact
   // records stand behind a damaged one: resuming would drop them, recovery keeps them.
   static Result<SpoolWriter> resume(const std::filesystem::path& path,
                                     const WriterOptions& options = {});

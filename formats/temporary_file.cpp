@@ -103,7 +103,7 @@ Result<TemporaryFile> TemporaryFile::create(const fs::path& target) {
     auto begun = UnfinishedFile::begin(name, make);
     if (!begun) return named_after(target, name, std::move(begun).error());
     made.unfinished_ = std::move(*begun);
-    // Between the two calls somebody who sweeps may have taken it for a dead one.
+    // Between the two calls another process may have removed it as a dead one.
     SPOOL_ASSIGN(const bool ours, made.file_.hold(name));
     if (ours) return made;
   }

@@ -3,7 +3,7 @@
 //
 // The name is TARGET.spool-RANDOM.partial, made with O_EXCL: processes of one id (containers,
 // machines of one network folder) do not meet in it. The file is locked (flock) while its writer
-// lives, so that what a killed process left can be told from what another one still writes.
+// lives, which separates what a killed process left from what another one still writes.
 #pragma once
 
 #include <chrono>
@@ -50,8 +50,8 @@ class TemporaryFile {
   UnfinishedFile unfinished_;  // after file_: removed while the lock is still held
 };
 
-// Removes the temporary files in `folder` whose writers are gone: those nobody holds a lock on and
-// nobody has written for `age`. Where locks do not work, none. Returns how many.
+// Removes the temporary files in `folder` whose writers are gone: those without a lock and
+// unchanged for `age`. Where locks do not work, none. Returns how many.
 std::size_t sweep_temporary_files(const std::filesystem::path& folder,
                                   std::chrono::seconds age = std::chrono::seconds(0));
 

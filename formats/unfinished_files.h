@@ -15,7 +15,7 @@ namespace spool::format {
 class UnfinishedFile {
  public:
   UnfinishedFile() = default;
-  // Calls `make`, which makes the file, and lists it: one step for whoever ends the process.
+  // Calls `make`, which makes the file, and lists it: one step for the code that ends the process.
   static Result<UnfinishedFile> begin(const std::filesystem::path& path,
                                       const std::function<Result<void>()>& make);
   UnfinishedFile(UnfinishedFile&& other) noexcept;
@@ -25,7 +25,7 @@ class UnfinishedFile {
   ~UnfinishedFile();
 
   const std::filesystem::path& path() const { return path_; }
-  // Calls `rename`, which gives the file its final name; it is nobody's to remove afterwards. When
+  // Calls `rename`, which gives the file its final name; it is not removed afterwards. When
   // `rename` fails, the file stays unfinished.
   Result<void> finish(const std::function<Result<void>()>& rename);
 

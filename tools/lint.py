@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from lint_rules import citations, file_shapes, includes, machine_paths, pages, parsers, seeded_bugs
+from lint_rules import citations, file_shapes, includes, machine_paths, pages, parsers, seeded_bugs, words
 
 
 def tracked_files():
@@ -19,7 +19,7 @@ def main():
     for note in file_shapes.long_files(files):
         print(f"note: {note}")
     problems = [*seeded_bugs.check(), *citations.check(files), *machine_paths.check(files), *parsers.check(files), *includes.check(),
-                *file_shapes.check(files), *pages.check(files)]
+                *file_shapes.check(files), *pages.check(files), *words.check(files)]
     for problem in problems:
         print(problem)
     return 1 if problems else 0

@@ -12,7 +12,7 @@ print(dump.width, "x", dump.height, "pixels,", dump.spp, "samples each")
 dump
 
 # %% [markdown]
-# Eight samples a pixel: the same number everywhere, and where `multiscale` wants them.
+# Eight samples a pixel: the same number everywhere, and where `multiscale` puts them.
 
 # %%
 uniform = spool.reconstruct(dump, spool.replay(dump, "uniform", spp=8), "box")

@@ -1,4 +1,4 @@
-// replay_and_reconstruct FILE.spool IMAGE.exr: 8 samples a pixel where `multiscale` wants them,
+// replay_and_reconstruct FILE.spool IMAGE.exr: 8 samples a pixel where `multiscale` puts them,
 // then a directional filter.
 #include <cstdio>
 

@@ -14,7 +14,7 @@ def dry_run(recorder, options):
     """Needs of the scene and the price of the recording, from three passes and one batch."""
     seconds = [recorder.render_pass(i)[1]["seconds"] for i in range(3)]
     per_pass = statistics.median(seconds[1:])
-    per_batch = recorder.render_batch(0)[1]["seconds"] if recorder.batches else 0.0
+    per_batch = recorder.render_reference(0)[1]["seconds"] if recorder.batches else 0.0
     pixels = recorder.width * recorder.height
     planes = len(channel_names(recorder.plan))
     needs = ", ".join("%s: %s" % (k.replace("_", " "), "yes" if v else "no")
@@ -36,7 +36,7 @@ def dry_run(recorder, options):
             duration(seconds[0] + rest), (seconds[0] + rest) / 60, size(folder_bytes),
             size(dump_bytes)),
         *reference_hint(options.samples, options.reference, per_pass * options.samples, per_batch * recorder.batches,
-                        smaller=spp * batches)]     # a quarter that splits into equal batches
+                        smaller=spp * batches, auto=options.auto)]     # a quarter that splits into equal batches
     if options.plan:
         from plan_layers import unread  # which an older Blender's Python cannot read
         lines.append(unread(options.plan, list(recorder.plan)) or "the methods of %s read all layers" % options.plan)

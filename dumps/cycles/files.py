@@ -59,7 +59,7 @@ def _absolute(owner, path):
 
 
 def substitute(substitutes):
-    """Puts other files in the place of named ones, by name or by path; lines to tell."""
+    """Puts other files in the place of named ones, by name or by path; lines to print."""
     lines = []
     for name, path in substitutes.items():
         if not os.path.exists(path):

@@ -6,6 +6,7 @@ from command_line import Parser, pairs
 from failure import usage_failure
 from passes import CHANNELS, DEFAULT
 from recordings import check as check_recordings
+from reference_need import parse_reference
 
 MODES = {
     "iid": "independent samples, a new seed per pass (film position unknown)",
@@ -38,8 +39,8 @@ def parse_options(arguments):
     parser.add_argument("--mode", choices=MODES, default="iid",
                         help="; ".join("%s: %s" % m for m in MODES.items()))
     parser.add_argument("--seed", type=int, default=1, help="seed of the recording (1)")
-    parser.add_argument("--reference", type=int, default=0, metavar="SPP",
-                        help="samples per pixel of an independent reference (0: none)")
+    parser.add_argument("--reference", default="0", metavar="SPP", help="samples per pixel of an independent reference (0: none); "
+                        "auto: as many as it needs, up to 16384, or to N with auto:N")
     parser.add_argument("--first-batch", type=int, default=0, help="first batch of the reference (0)")
     parser.add_argument("--channels", default=",".join(DEFAULT), help=", ".join(CHANNELS))
     parser.add_argument("--substitute", action="append", default=[], metavar="NAME=FILE",
@@ -65,8 +66,9 @@ def check_options(options):
     if options.plan and not options.dry_run:
         raise usage_failure("--plan %s: only a dry run reads it: add --dry-run" % options.plan)
     options.substitutes = pairs("--substitute", options.substitute)
+    options.reference, options.auto = parse_reference(options.reference)
     for name, low, high in (("samples", 1, LARGEST), ("first", 0, LARGEST - 1), ("seed", 0, 2**31 - 1),
-                            ("reference", 0, 2**24), ("first_batch", 0, 2**20), ("threads", 0, 1024)):
+                            ("first_batch", 0, 2**20), ("threads", 0, 1024)):
         value = getattr(options, name)
         if not low <= value <= high:
             raise usage_failure("--%s %d is out of range [%d, %d]" %
@@ -79,7 +81,9 @@ def check_options(options):
     if options.mode == "sequence" and options.first:
         raise usage_failure("--first: the samples of a sequence belong together, record all in one "
                             "folder")
-    if options.reference > 1 and batch_plan(options.reference)[0] * batch_plan(
+    if options.auto and options.first_batch:
+        raise usage_failure("--first-batch: machines that share a reference must know its length: give --reference a number")
+    if options.reference > 1 and not options.auto and batch_plan(options.reference)[0] * batch_plan(
             options.reference)[1] != options.reference:
         raise usage_failure("--reference %d does not split into equal batches: use a multiple of %d" %
                             (options.reference, batch_plan(options.reference)[0]))

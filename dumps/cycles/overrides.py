@@ -1,7 +1,7 @@
 """What a scene asks of the picture and a recording does not do: one line each, before the settings are replaced."""
 from settings import SAMPLING
 
-# Sampling settings in words; those that are replaced are told in one line.
+# Sampling settings in words; those that are replaced are named in one line.
 WORDS = {"use_adaptive_sampling": "adaptive sampling", "sample_clamp_direct": "clamp of direct light",
          "sample_clamp_indirect": "clamp of indirect light", "light_sampling_threshold": "light threshold", "blur_glossy": "filter glossy",
          "pixel_filter_type": "pixel filter", "use_guiding": "path guiding", "auto_scrambling_distance": "scrambling distance",

@@ -40,22 +40,43 @@ class PassFolder:
 
     def add(self, kind, index, data, entry):
         """data: float32 [channel][y][x]. entry: what the log keeps besides index, file and crc32."""
-        name = FILES[kind] % index
+        line = self._write_file(kind, index, FILES[kind] % index, data, entry)
+        try:
+            _write_synced(self._name("passes.jsonl"), "ab", (json.dumps(line) + "\n").encode())
+        except OSError as error:
+            raise io_failure("%s: %s%s" % (self._name("passes.jsonl"), error.strerror, hint_of(error)))
+        self.entries[kind][index] = line
+
+    def name_of(self, kind, index):
+        return self._name(self.entries[kind][index]["file"])
+
+    def replace(self, kind, files, names):
+        """files: [(data, entry)], in the place of all of this kind; names: with a %d, of no file that is there."""
+        old = list(self.entries[kind])
+        before = [self.entries[kind][index]["file"] for index in old]
+        lines = [self._write_file(kind, index, names % index, data, entry) for index, (data, entry) in enumerate(files)]
+        self.entries[kind].clear()
+        self.entries[kind].update(enumerate(lines))
+        self._write_log(before)
+
+    def _write_file(self, kind, index, name, data, entry):
+        """Returns its line for the log."""
         temporary = self._name(name + ".partial")
-        line = dict(kind=kind, index=index, file=name, crc32=zlib.crc32(data), **entry)
         try:
             _write_synced(temporary, "wb", data)
             os.replace(temporary, self._name(name))
-            _write_synced(self._name("passes.jsonl"), "ab", (json.dumps(line) + "\n").encode())
         except OSError as error:
             if os.path.exists(temporary):
                 os.remove(temporary)
             raise io_failure("%s: %s%s" % (self._name(name), error.strerror, hint_of(error)))
-        self.entries[kind][index] = line
+        return dict(kind=kind, index=index, file=name, crc32=zlib.crc32(data), **entry)
 
     def remove(self, kind, indices):
         """Takes passes out: the log first, in one step, so that a kill in between leaves files without a line."""
-        files = [self.entries[kind].pop(index)["file"] for index in indices]
+        self._write_log([self.entries[kind].pop(index)["file"] for index in indices])
+
+    def _write_log(self, files):
+        """The log of what is there, in one step; then the files go that it no longer names."""
         lines = [json.dumps(line) + "\n" for entries in self.entries.values() for line in entries.values()]
         name = self._name("passes.jsonl")
         try:

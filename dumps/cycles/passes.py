@@ -12,7 +12,7 @@ except ImportError:        # Blender runs without it: the same values, ten times
 
 from failure import io_failure, usage_failure
 
-NOTHING = 1e9          # Cycles writes 1e10 as the depth of rays that hit nothing; a dump holds 0
+NOTHING = 1e9          # Cycles writes 1e10 as the depth of rays that hit nothing; a recording holds 0
 
 
 class Channel:
@@ -82,7 +82,7 @@ CHANNELS = {
 MIST_DEPTH = Channel("Z", ("Mist",), "distance of the first hit from the camera; 0 where nothing is "
                      "hit")
 DEFAULT = ("radiance", "albedo", "normal", "depth")
-# What one may ask for and Cycles does not tell: neither a pass nor a shader node holds these numbers.
+# What may be asked for and Cycles does not provide: neither a pass nor a shader node holds these numbers.
 NOT_TOLD = {
     "lens": "Cycles does not tell where on the lens a sample starts: record with dumps/mitsuba",
     "time": "Cycles does not tell at which moment of the shutter a sample is taken: record with dumps/mitsuba",
@@ -140,7 +140,7 @@ def describe_channels(plan):
 
 
 def describe_layers(plan):
-    """What the numbers of each layer are, for `meta.channels` of the dump."""
+    """What the numbers of each layer are, for `meta.channels` of the recording."""
     return {name: dict({"space": channel.space} if channel.space else {}, note=channel.note)
             for name, channel in plan.items()}
 

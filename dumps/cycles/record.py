@@ -1,11 +1,11 @@
-"""Records every sample of a Cycles rendering into a folder of passes; `spool pack` makes it a dump.
+"""Records every sample of a Cycles rendering into a folder of passes; `spool pack` makes it a recording.
 
   blender -b [FILE.blend] -P record.py --python-exit-code 3 -- --scene chess --samples 64 -o FOLDER
   python record.py --blend FILE.blend --samples 64 -o FOLDER               (with the bpy module)
 
 Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or the system refused.
 Run again after an interruption: finished passes are kept, and the samples and the reference are the same
-bit for bit (not the dump: its identifier and the measured cost of a sample differ).
+bit for bit (not the recording: its identifier and the measured cost of a sample differ).
 """
 import os
 import signal
@@ -23,13 +23,14 @@ from batches import batch_plan  # noqa: E402
 from camera import ShiftedCamera  # noqa: E402
 from engine import Renderer  # noqa: E402
 from estimate import dry_run  # noqa: E402
-from failure import Failure, io_failure, usage_failure  # noqa: E402
+from failure import Failure, io_failure, one_line, usage_failure  # noqa: E402
 from options import parse_options, script_arguments  # noqa: E402
 from overrides import overridden  # noqa: E402
 from pass_folder import PassFolder  # noqa: E402
 from passes import (CHANNELS, MIST_DEPTH, describe_channels, describe_layers, plan_channels,  # noqa: E402
                     planes_of, switch_passes)
 from progress import Progress, duration  # noqa: E402
+from reference import FIRST, record_until_it_suffices  # noqa: E402
 from scene import aspect_change, find_needs, load_scene, prepare, scene_reach  # noqa: E402
 from seeds import film_position, pool_seed, reference_seed  # noqa: E402
 from settings import (apply_settings, longest_sequence, power_of_two, recorded_settings,  # noqa: E402
@@ -67,7 +68,7 @@ class Recorder:
         scratch = options.out or bpy.app.tempdir
         os.makedirs(scratch, exist_ok=True)
         self.renderer = Renderer(self.scene, options.pixels, scratch)
-        self.batch_spp, self.batches = batch_plan(options.reference)
+        self.batch_spp, self.batches = (FIRST, options.reference // FIRST) if options.auto else batch_plan(options.reference)
 
     def _set_mist(self):
         """Distance by the mist pass: the one depth that Cycles writes for every sample index."""
@@ -114,12 +115,13 @@ class Recorder:
             entry["film"] = [x, y]
         return self._render(self.plan, seed, sample, 1, entry)
 
-    def render_batch(self, batch):
-        """The mean of `batch_spp` samples: an aligned block of a sequence of its own."""
+    def render_batch(self, samples, seed):
+        """Their mean: an aligned block of a sequence of its own."""
         self.camera.restore()
-        plan = {"radiance": CHANNELS["radiance"]}
-        seed = reference_seed(self.options.seed, batch)
-        return self._render(plan, seed, self.batch_spp, self.batch_spp, {})
+        return self._render({"radiance": CHANNELS["radiance"]}, seed, samples, samples, {})
+
+    def render_reference(self, batch):
+        return self.render_batch(self.batch_spp, reference_seed(self.options.seed, batch))
 
     def _render(self, plan, seed, first, count, entry):
         switch_passes(self.view_layer, plan)
@@ -149,29 +151,37 @@ class Stop:
 def record(recorder, options, stop):
     folder = PassFolder(options.out, recorder.recording())
     start = time.monotonic()
-    go_on_with_batches(folder, recorder, options.reference)
-    drop_other_batches(folder, recorder)
+    if not options.auto:
+        go_on_with_batches(folder, recorder, options.reference)
+        drop_other_batches(folder, recorder)
+    batches = range(options.first_batch, options.first_batch + recorder.batches)
     jobs = (("pass", recorder.render_pass, range(options.first, options.first + options.samples)),
-            ("reference", recorder.render_batch,
-             range(options.first_batch, options.first_batch + recorder.batches)))
-    kept = {}
+            ("reference", recorder.render_reference, () if options.auto else batches))
+    kept, there = {}, len(folder.entries["reference"])
+
+    def stopped(done, of, label):
+        if stop.wanted:
+            raise io_failure("%s: stopped with %d of %s %s: run the same command again to go on" % (options.out, done, of, label))
+
     for kind, render, wanted in jobs:
         missing = [i for i in wanted if not folder.has(kind, i)]
         kept[kind] = len(wanted) - len(missing)
         progress = Progress("passes" if kind == "pass" else "reference", len(missing))
         for i in missing:
-            if stop.wanted:
-                progress.close()
-                raise io_failure("%s: stopped with %d of %d %s: run the same command again to go on" % (
-                    options.out, kept[kind] + progress.done, len(wanted), progress.label))
+            stopped(kept[kind] + progress.done, len(wanted), progress.label)
             data, entry = render(i)
             folder.add(kind, i, data, entry)
             progress.step()
         progress.close()
+    if options.auto:
+        print("\n".join(record_until_it_suffices(folder, recorder, options, lambda done: stopped(done, "at most 128", "batches"))),
+              file=sys.stderr, flush=True)
+        batch = folder.entries["reference"][0]
+        recorder.batch_spp, recorder.batches, kept["reference"] = batch["samples"], len(folder.entries["reference"]), there
     return "%s: %s, %dx%d, %d passes (%d kept), reference %d x %d spp (%d kept), %s%s%s" % (
         options.out, recorder.identity["name"], recorder.width, recorder.height, options.samples,
         kept["pass"], recorder.batches, recorder.batch_spp, kept["reference"],
-        duration(time.monotonic() - start), file_note(recorder.renderer), more_note(folder, jobs))
+        duration(time.monotonic() - start), file_note(recorder.renderer), "" if options.auto else more_note(folder, jobs))
 
 
 def go_on_with_batches(folder, recorder, reference):
@@ -230,7 +240,7 @@ def main():
         print("record: %s" % failure, file=sys.stderr)
         code = failure.code
     except OSError as error:
-        print("record: %s: %s" % (error.filename, error.strerror), file=sys.stderr)
+        print(one_line("record: %s: %s" % (error.filename, error.strerror)), file=sys.stderr)
         code = 3
     out.flush()
     sys.stderr.flush()

@@ -87,7 +87,7 @@ def prepare(scene, camera, frame, size):
 
 
 def aspect_change(size, own):
-    """A line to tell where the picture has another aspect than the file's own, or None. The scenes of dumps/scenes have no size of
+    """A line to print where the picture has another aspect than the file's own, or None. The scenes of dumps/scenes have no size of
     their own."""
     if abs(size[0] * own[1] - size[1] * own[0]) <= max(own):
         return None

@@ -3,7 +3,7 @@
 
     split.py FOLDER RECORDINGS NAME          FOLDER/recording_1, FOLDER/recording_2, ...
 
-NAME is that of the dump; `spool pack` takes each folder for itself. Exit codes: 0 done, 1 the folder does not split, 3 the system refused.
+NAME is that of the recording; `spool pack` takes each folder for itself. Exit codes: 0 done, 1 the folder does not split, 3 the system refused.
 """
 import json
 import os
@@ -13,7 +13,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "recording"))
 
-from failure import Failure, scene_failure  # noqa: E402
+from failure import Failure, one_line, scene_failure  # noqa: E402
 from recordings import group_meta  # noqa: E402
 
 
@@ -50,7 +50,7 @@ def main():
         print("split: %s" % failure, file=sys.stderr)
         return failure.code
     except OSError as error:
-        print("split: %s: %s" % (error.filename, error.strerror), file=sys.stderr)
+        print(one_line("split: %s: %s" % (error.filename, error.strerror)), file=sys.stderr)
         return 3
     return 0
 

@@ -1,4 +1,4 @@
-"""Layers of a Mitsuba recording: what they are called in the file, their type, and who wants them."""
+"""Layers of a Mitsuba recording: what they are called in the file, their type, and what uses them."""
 
 # layer: (dtype in the file, components, always available)
 LAYERS = {

@@ -52,6 +52,36 @@ class Chunks:
     def has(self, index):
         return os.path.exists(self._name(index))
 
+    def whole_name(self, number):
+        """Of a recording that is written and not yet tested."""
+        return os.path.join(self.folder, "whole_%d.spool" % (number + 1))
+
+    def is_whole(self, number):
+        return os.path.exists(self.whole_name(number))
+
+    def forget(self, indices):
+        """They are in the file now: the disk holds no sample twice. A run that is stopped before it is whole traces them again."""
+        for index in indices:
+            os.remove(self._name(index))
+
+    def save_numbers(self, numbers, wish):
+        self._save("numbers.json", lambda stream: stream.write(json.dumps({"wish": wish, "numbers": numbers}).encode()))
+
+    def load_numbers(self, wish):
+        """What was counted before a file began to take the chunks, or None. wish: the reference; with another one the files that
+        are whole are of no use."""
+        path = os.path.join(self.folder, "numbers.json")
+        if not os.path.exists(path):
+            return None
+        found = self._plan(path)
+        if found["wish"] == wish:
+            return found["numbers"]
+        for name in os.listdir(self.folder):
+            if name.startswith("whole_"):
+                os.remove(os.path.join(self.folder, name))
+        os.remove(path)
+        return None
+
     def save(self, index, arrays, seconds):
         self._save(os.path.basename(self._name(index)),
                    lambda stream: np.savez(stream, seconds=np.float64(seconds), **arrays))

@@ -14,15 +14,17 @@ Parts = namedtuple("Parts", "mi recordable tracer layers chunks cut")
 def finish(options, parts, numbers, reference):
     """[(file, findings)]; findings are empty where no test was wanted. numbers: counts for the claim on random numbers."""
     chunks, outs, done = parts.chunks, names(options.out, options.recordings), []
+    chunks.save_numbers(numbers, [options.reference, options.auto])
     made_of = [parts.recordable.digest, options.seed, options.samples, options.reference, parts.mi.variant(), parts.mi.__version__]
     for number, out in enumerate(outs):
         path = out
         if not options.no_verify:
-            path = os.path.join(chunks.folder, "whole.spool" if len(outs) == 1 else "whole_%d.spool" % (number + 1))
+            path = chunks.whole_name(number)
         group = group_meta(options.out, options.recordings, number, made_of)
-        remark = _write(path, options, parts, number, {"random_numbers": numbers, **group}, reference)
-        if remark and number == 0:
-            print(remark, file=sys.stderr)
+        if options.no_verify or not chunks.is_whole(number):
+            remark = _write(path, options, parts, number, {"random_numbers": numbers, **group}, reference)
+            if remark and number == 0:
+                print(remark, file=sys.stderr)
         done.append((path, [] if options.no_verify else _tested(path)))
     if not options.no_verify:
         there = [out for out in outs if os.path.lexists(out)]

@@ -45,7 +45,7 @@ def measured_colour(pairs):
 def colours(parent, element, note):
     value = element.get("value", "")
     if element.tag in ("rgb", "srgb", "spectrum"):
-        element.attrib.pop("intent", None)                       # says nothing to a 0.6 that renders colours
+        element.attrib.pop("intent", None)                       # has no meaning for a 0.6 that renders colours
     if element.tag in ("rgb", "srgb") and not value.startswith("$"):
         try:
             colour = hex_colour(value) if value.startswith("#") else numbers(value)

@@ -7,6 +7,7 @@ from command_line import Parser, pairs
 from failure import usage_failure
 from recordings import check as check_recordings
 from recordings import names
+from reference_need import parse_reference
 from seeds import USER_LIMIT
 
 
@@ -22,7 +23,8 @@ def parse(arguments, about):
     parser.add_argument("--samples", type=int, default=64, help="per pixel (64)")
     parser.add_argument("--recordings", type=int, default=1, metavar="N", help="make N recordings of samples / N each, NAME_1.spool ..., which "
                         "share the reference: `spool evaluate NAME_*.spool` judges them as a group (1)")
-    parser.add_argument("--reference", type=int, default=0, metavar="SPP", help="independent reference (0: none)")
+    parser.add_argument("--reference", default="0", metavar="SPP", help="samples of an independent reference (0: none); auto: as many as "
+                        "it needs, in bands of rows, up to 16384, or to N with auto:N")
     parser.add_argument("--seed", type=int, default=1, help="0 .. 1023 (1)")
     parser.add_argument("--channels", help="%s; needed: lens and time where the scene has them; all (default %s)" %
                         (", ".join(LAYERS), DEFAULT))
@@ -56,7 +58,8 @@ def check(options):
         raise usage_failure("no output: give -o FILE.spool")
     if options.plan and not options.dry_run:
         raise usage_failure("--plan %s: says something of a --dry-run only: give both or neither" % options.plan)
-    for name, low, high in (("samples", 1, 65536), ("reference", 0, 1 << 24), ("seed", 0, USER_LIMIT - 1),
+    options.reference, options.auto = parse_reference(options.reference)
+    for name, low, high in (("samples", 1, 65536), ("seed", 0, USER_LIMIT - 1),
                             ("chunk_lanes", 1, 1 << 28), ("block", 1, 1024), ("max_depth", -1, 1 << 30)):
         value = getattr(options, name)
         if value is not None and not low <= value <= high:

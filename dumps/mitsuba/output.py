@@ -4,10 +4,15 @@ import numpy as np
 import spool
 from channels import LAYERS, MEANINGS
 from progress import Progress
-from reference import variance_of_mean
+from reference import told_of, variance_of_mean
 from seeds import chunk_seed
 
 LARGEST_HALF, SMALLEST_HALF = 65504.0, 2.0 ** -14    # with 11 bits of precision
+
+
+def stored(name, array):
+    """As a chunk keeps it: what every file has in 16 bits in 16 bits."""
+    return array.astype("<f2") if LAYERS[name][0] == "f2" else array
 
 
 def half_ranges(layers, chunks, indices):
@@ -54,8 +59,7 @@ def write_file(path, options, meta, tracer, layers, chunks, cut, reference, firs
     meta = {**meta, "channels": {name: MEANINGS[name] for name in layers}}
     if reference is not None:
         file_layers["reference"] = file_layers["reference_variance"] = ("f4", "RGB", "pixel")
-        meta["reference"] = {"samples": options.reference, "independent": True, "nonfinite": int(reference["nonfinite"]),
-                             "seconds": float(reference["seconds"])}
+        meta["reference"] = told_of(reference)
     # the writer holds a block of every pixel
     block = max(1, min(options.block, samples_of(options), 16 * options.chunk_lanes // (tracer.width * tracer.height)))
     chunks.claim(path)
@@ -71,6 +75,8 @@ def write_file(path, options, meta, tracer, layers, chunks, cut, reference, firs
             if "shape" in arrays:
                 arrays["shape"] = arrays["shape"].astype("<u4")
             writer.write_passes(cut.parts[index][0], arrays)
+            if chunks.own(path):
+                chunks.forget(range(first_chunk + index, first_chunk + index + bands))
             progress.step()
         progress.close()
         if reference is not None:

@@ -4,7 +4,7 @@ import re
 
 
 def undefined(source, first, definitions):
-    """Names that the scene uses and nobody defines, in its order; first: the one that Mitsuba stumbled on."""
+    """Names that the scene uses and does not define, in its order; first: the one that Mitsuba stumbled on."""
     text = _text(source, set())
     defined = {*_defaults(text), *definitions}
     names = [name for name in dict.fromkeys(re.findall(r"\$(\w+)", text)) if name not in defined]

@@ -4,20 +4,26 @@ import time
 from channels import LAYERS
 from plan_layers import unread
 from progress import duration, size as size_text
+from reference_need import LEAST
 from reference_price import reference_hint
 from seeds import SPARE, chunk_seed
 
 TRIAL_SECONDS = 5.0        # of the trace that the estimate comes from
 REFERENCE_BYTES = 24       # a pixel: mean and variance of three channels
+BAND_ROWS = 16             # of a reference that ends by itself
 
 
 class Cut:
-    """How a recording is cut into chunks of at most `lanes` samples: `step` samples of a band of rows."""
+    """How a recording is cut into chunks of at most `lanes` samples: `step` samples of a band of rows. auto: in low bands, each of
+    which can end by itself where its number of samples is a doubling of LEAST."""
 
-    def __init__(self, tracer, samples, lanes):
-        pixels = tracer.width * tracer.height
-        self.step = max(1, min(lanes // pixels, samples))
-        rows = max(1, min(tracer.height, lanes // (tracer.width * self.step)))
+    def __init__(self, tracer, samples, lanes, auto=False):
+        if auto:
+            rows = max(1, min(tracer.height, BAND_ROWS, lanes // tracer.width))
+            self.step = 1 << (min(lanes // (tracer.width * rows), LEAST).bit_length() - 1)
+        else:
+            self.step = max(1, min(lanes // (tracer.width * tracer.height), samples))
+            rows = max(1, min(tracer.height, lanes // (tracer.width * self.step)))
         self.bands = [(y, min(y + rows, tracer.height)) for y in range(0, tracer.height, rows)]
         self.parts = [(first, min(self.step, samples - first), band) for first in range(0, samples, self.step)
                       for band in self.bands]  # (first sample, samples, rows); the place is the chunk's number
@@ -57,7 +63,7 @@ def describe(options, recordable, tracer, layers, dtypes):
     print("estimate %s (%.2f minutes), dump at most %s" % (
         duration(pool + reference), (pool + reference) / 60,
         size_text(per_sample * pixels * options.samples + (REFERENCE_BYTES * pixels if options.reference else 0))))
-    for line in reference_hint(options.samples, options.reference, pool, reference):
+    for line in reference_hint(options.samples, options.reference, pool, reference, auto=options.auto):
         print(line)
     if options.plan:
         print(unread(options.plan, layers) or "the methods of %s read all layers" % options.plan)

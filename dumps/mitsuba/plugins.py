@@ -7,8 +7,8 @@ from failure import scene_failure, usage_failure
 
 SCALE_TOLERANCE = 5e-4           # below what Mitsuba takes for a scale: a squared length within 1e-3 of 1
 AROUND_ANOTHER = "aov", "moment"
-DEFAULT_FILM = 768, 576          # what Mitsuba takes where the film says nothing
-# size: (width, height); direct: dict of the integrator that sees direct light only, or None; changes: lines to tell
+DEFAULT_FILM = 768, 576          # what Mitsuba takes where the film has no size
+# size: (width, height); direct: dict of the integrator of direct light only, or None; changes: lines to print
 Forced = namedtuple("Forced", "size direct changes")
 
 

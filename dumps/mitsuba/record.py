@@ -3,7 +3,7 @@
 
     python dumps/mitsuba/record.py scene.xml -o scene.spool --size 256 --samples 64 --reference 4096
 
-Scenes of Mitsuba 0.5 and 0.6 are rewritten for Mitsuba 3; what was changed is told and kept in the file.
+Scenes of Mitsuba 0.5 and 0.6 are rewritten for Mitsuba 3; what was changed is printed and kept in the file.
 A run that was stopped goes on where it was when the same command is given again.
 """
 import os
@@ -24,23 +24,24 @@ from failure import Failure, scene_failure, usage_failure  # noqa: E402
 from finding import line, summary  # noqa: E402
 from finish import Parts, finish  # noqa: E402
 from options import parse  # noqa: E402
-from output import layer_types, samples_of  # noqa: E402
+from output import layer_types, samples_of, stored  # noqa: E402
 from plan import Cut, describe  # noqa: E402
 from progress import Progress, size as size_text  # noqa: E402
 from recordings import names, next_step  # noqa: E402
-from reference import add_chunk, begun_or_empty  # noqa: E402
+from reference import add_chunk, begun_or_empty, is_left_out, judged, left_out, told_of  # noqa: E402
+from reference_need import outcome  # noqa: E402
 from reference_price import reference_hint  # noqa: E402
 from scene import Wishes, load_scene  # noqa: E402
 from seeds import CHUNK_LIMIT, SPARE, chunk_seed  # noqa: E402
 from variant import choose_variant  # noqa: E402
 
 BYTES_PER_LANE = 119       # measured at the peak of the copy to numpy, all layers
-LONG_REFERENCE = 300       # seconds from which on its price is told before it begins
+LONG_REFERENCE = 300       # seconds from which on its price is printed before it begins
 RANDOM_NUMBERS = 2         # how seeds become samples; recordings begun with another number cannot go on
 
 
 def open_tracer(options):
-    """(mi, recordable, tracer, lines to tell)"""
+    """(mi, recordable, tracer, lines to print)"""
     try:
         variant, note = choose_variant(options.variant)
         import mitsuba as mi
@@ -74,10 +75,10 @@ def plan_of(options, mi, recordable, tracer, layers, cut):
 
 
 def record_pool(options, tracer, layers, chunks, cut):
-    """Traces the chunks that are not there yet; each keeps the CPU time of all threads that it took. Returns the wall time
-    of all, as if none had been there."""
+    """Traces the chunks that are not there yet, nor in a file that is whole; each keeps the CPU time of all threads that it took.
+    Returns the wall time of all, as if none had been there."""
     total = options.recordings * len(cut.parts)
-    missing = [index for index in range(total) if not chunks.has(index)]
+    missing = [index for index in range(total) if not chunks.has(index) and not chunks.is_whole(index // len(cut.parts))]
     if missing:  # compiles the kernels, which is no cost of a sample
         tracer.trace(1, chunk_seed(options.seed, SPARE), layers, cut.bands[0])
     pixels = shared_numbers.chosen_pixels(tracer.width, tracer.height)
@@ -88,7 +89,7 @@ def record_pool(options, tracer, layers, chunks, cut):
         arrays = tracer.trace(count, chunk_seed(options.seed, index), [*dict.fromkeys([*layers, "film"])], rows)
         seconds = time.process_time() - started
         marks = shared_numbers.marks(arrays["film"], rows, pixels)
-        chunks.save(index, {"marks": marks, **{name: arrays[name] for name in layers}}, seconds)
+        chunks.save(index, {"marks": marks, **{name: stored(name, arrays[name]) for name in layers}}, seconds)
         progress.step()
     progress.close()
     return (time.monotonic() - begun) * total / len(missing) if missing else 0.0
@@ -105,6 +106,11 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
     while int(state["chunks"]) < len(cut.parts):
         index = int(state["chunks"])
         _, count, rows = cut.parts[index]
+        state = judged(state, cut.parts[index]) if options.auto else state
+        if is_left_out(state):
+            state = left_out(state, cut.parts[index])
+            progress.step()
+            continue
         started = time.process_time()
         arrays = tracer.trace(count, chunk_seed(options.seed, index, reference=True), ["radiance", "film"], rows)
         marks = shared_numbers.marks(arrays["film"], rows, pixels)
@@ -115,6 +121,9 @@ def record_reference(options, tracer, chunks, cut, pool_marks):
             chunks.save_reference(state)
         progress.step()
     progress.close()
+    if options.auto:
+        told = told_of(state)
+        print("\n".join(outcome(told, options.reference)), file=sys.stderr)
     return state
 
 
@@ -122,16 +131,20 @@ def record(options, mi, recordable, tracer, layers):
     """[(file, findings of verification)]"""
     cut = Cut(tracer, samples_of(options), options.chunk_lanes)
     total = options.recordings * len(cut.parts)
-    reference_cut = Cut(tracer, max(options.reference, 1), options.chunk_lanes)
+    reference_cut = Cut(tracer, max(options.reference, 1), options.chunk_lanes, options.auto)
     if tracer.width > options.chunk_lanes or max(total, len(reference_cut.parts)) >= CHUNK_LIMIT - 1:
         raise usage_failure("--chunk-lanes %d is too small for %dx%d pixels: raise it (about %d bytes each)" %
                             (options.chunk_lanes, tracer.width, tracer.height, BYTES_PER_LANE))
     chunks = Chunks(options.out + ".recording", plan_of(options, mi, recordable, tracer, layers, cut))
+    numbers, reference = chunks.load_numbers([options.reference, options.auto]), None
     wall = record_pool(options, tracer, layers, chunks, cut)
     if wall * options.reference / options.samples > LONG_REFERENCE:
-        print("\n".join(reference_hint(options.samples, options.reference, wall, wall * options.reference / options.samples)), flush=True)
-    marks = np.sort(np.concatenate([chunks.part(index, "marks") for index in range(total)]))
-    numbers, reference = {"pool": len(marks), "pool_repeated": shared_numbers.repeated(marks)}, None
+        print("\n".join(reference_hint(options.samples, options.reference, wall, wall * options.reference / options.samples,
+                                       auto=options.auto)), flush=True)
+    marks = np.empty(0, "<u8")
+    if numbers is None:
+        marks = np.sort(np.concatenate([chunks.part(index, "marks") for index in range(total)]))
+        numbers = {"pool": len(marks), "pool_repeated": shared_numbers.repeated(marks)}
     if options.reference:
         reference = record_reference(options, tracer, chunks, reference_cut, marks)
         numbers.update(reference=int(reference["looked_at"]), reference_repeated=int(reference["repeated"]))

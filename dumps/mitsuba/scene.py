@@ -27,7 +27,7 @@ Wishes = namedtuple("Wishes", "size integrator max_depth definitions substitutes
 
 
 class Recordable:
-    """scene, sensor, integrator, the integrator of the direct part (None where it cannot tell), and what was changed."""
+    """scene, sensor, integrator, the integrator of the direct part (None where there is none), and what was changed."""
 
     def __init__(self, scene, integrator, direct, name, digest, changes):
         self.scene, self.sensor, self.integrator, self.direct = scene, scene.sensors()[0], integrator, direct

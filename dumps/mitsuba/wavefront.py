@@ -85,7 +85,7 @@ class Wavefront:
         if not self.has_instances:
             shape = dr.gather(mi.UInt32, self.shape_table, found)
             return shape, dr.gather(mi.UInt32, self.material_flags, shape)
-        # What an instance shows is no shape of the scene and has an id outside the table: one more ray tells the instance.
+        # What an instance shows is no shape of the scene and has an id outside the table: one more ray finds the instance.
         hit = self.of.scene.ray_intersect(ray)
         owner = dr.select(hit.instance != None, dr.reinterpret_array(mi.UInt32, hit.instance),  # noqa: E711
                           dr.reinterpret_array(mi.UInt32, hit.shape))

@@ -5,9 +5,18 @@
 import sys
 
 
+LONGEST = 380            # characters of a line; with the name of a program before it at most 400
+
+
+def one_line(text):
+    """Bounded: its beginning, which names the file, and its end, where the remedy stands."""
+    text = " ".join(str(text).split("\n"))
+    return text if len(text) <= LONGEST else "%s [...] %s" % (text[:LONGEST // 2], text[7 - LONGEST // 2:])
+
+
 class Failure(Exception):
     def __init__(self, code, message):
-        super().__init__(message)
+        super().__init__(one_line(message))
         self.code = code
 
 

@@ -4,7 +4,7 @@
     python3 dumps/verify/compare.py cycles.spool mitsuba.spool
 
 Do they show the same picture? That is asked of the references, with their variances. How noisy is a sample, and
-what does it cost? Exit codes: 0 told, 1 they are not two recordings of one picture size, 3 not readable.
+what does it cost? Exit codes: 0 printed, 1 they are not two recordings of one picture size, 3 not readable.
 """
 import argparse
 import json
@@ -24,7 +24,7 @@ BLOCK = 8                # pixels along a side; pixels that are clearly differen
 
 
 def compare(first, second):
-    """{figure: value}; where two are given, of the first and of the second dump."""
+    """{figure: value}; where two are given, of the first and of the second recording."""
     with spool.open(first) as a, spool.open(second) as b:
         if (a.width, a.height) != (b.width, b.height):
             raise ValueError("%s has %dx%d pixels, %s has %dx%d: record both at one size" % (

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""SHA-256 of what a dump holds: samples, features and reference, not identifier, metadata or compression.
+"""SHA-256 of what a recording holds: samples, features and reference, not identifier, metadata or compression.
 
     python3 dumps/verify/content_hash.py FILE.spool...
 

@@ -1,8 +1,8 @@
-"""One statement about a dump: what was measured, what was expected, and whether they agree."""
+"""One statement about a recording: what was measured, what was expected, and whether they agree."""
 
 
 def finding(name, holds, measured, expected, p_value=None, note=""):
-    """holds: True, False, or None where the dump does not say enough to tell."""
+    """holds: True, False, or None where the recording does not contain enough to decide."""
     entry = {"name": name, "holds": holds, "measured": measured, "expected": expected}
     if p_value is not None:
         entry["p_value"] = p_value

@@ -70,7 +70,7 @@ def chance_bits(radiance):
 
 
 def repetition_finding(radiance, claimed):
-    """Independent samples repeat a whole image only where few pixels are noisy; then equality says nothing."""
+    """Independent samples repeat a whole image only where few pixels are noisy; then equality proves nothing."""
     pairs = [(a, b) for a, b in repeated_images(radiance) if (radiance[:, :, a] != radiance[:1, :1, a]).any()]   # not of one colour
     evident = bool(pairs) and chance_bits(radiance) >= LEAST_BITS
     note = "" if not evident else "image %d is image %d%s: a seed started again" % (

@@ -2,7 +2,7 @@
 
 A reference that holds some of the pool's samples judges too kindly, and the difference of the two means shows it
 badly: with a share f of the reference's samples taken from the pool, its square is 1 - 2f N / (N + n) of what it should
-be (pool n, reference N samples), lost in noise for small f. The numbers themselves tell exactly: a sample begins with its
+be (pool n, reference N samples), lost in noise for small f. The numbers themselves are exact: a sample begins with its
 place in the pixel, and 2 x 23 random bits seldom fall alike by chance. So a recorder keeps the places of the pool's
 samples in some pixels, looks for each in the reference's, and writes the counts into `random_numbers` of the metadata.
 """
@@ -46,7 +46,7 @@ def found_again(values, known):
 
 
 def shared_number_findings(meta):
-    """meta of a dump; `random_numbers`: {pool, pool_repeated, reference, reference_repeated}, counts of samples."""
+    """meta of a recording; `random_numbers`: {pool, pool_repeated, reference, reference_repeated}, counts of samples."""
     told, found = meta.get("random_numbers"), []
     if not isinstance(told, dict):
         return found

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Test that the samples of a .spool dump are what its header claims.
+"""Test that the samples of a .spool recording are what its header claims.
 
     python3 dumps/verify/verify.py scene.spool             print the findings
     python3 dumps/verify/verify.py scene.spool --write     and keep them in the dump's metadata
 
-Exit codes: 0 no claim fails, 1 a claim fails or the file is no dump, 2 wrong use, 3 the system refused, 4 damage.
+Exit codes: 0 no claim fails, 1 a claim fails or the file is no recording, 2 wrong use, 3 the system refused, 4 damage.
 """
 import json
 import os
@@ -16,7 +16,7 @@ for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "
     sys.path.insert(0, folder)
 
 from command_line import Parser  # noqa: E402
-from failure import Failure, module_failure, usage_failure  # noqa: E402
+from failure import Failure, module_failure, one_line, usage_failure  # noqa: E402
 from progress import Progress  # noqa: E402
 
 try:
@@ -42,7 +42,7 @@ LARGEST_WINDOW = 1 << 26  # values of radiance looked at together
 
 
 def verify(path):
-    """Findings of one dump. Large dumps are judged on a centred window that fits in memory."""
+    """Findings of one recording. Large recordings are judged on a centred window that fits in memory."""
     level = SIGNIFICANCE / TESTS
     with spool.open(path) as dump:
         side_x, side_y = dump.width, dump.height
@@ -70,7 +70,7 @@ def verify(path):
 
 
 class _Window:
-    """The pixel layers of a part of a dump."""
+    """The pixel layers of a part of a recording."""
 
     def __init__(self, dump, x0, y0, width, height):
         self.layers, self.meta, self.sample_order, self._dump = dump.layers, dump.meta, dump.sample_order, dump
@@ -81,7 +81,7 @@ class _Window:
 
 
 def keep_verification(path, verification, out=None, force=False):
-    """Adds the findings to the dump, in place of earlier ones, and gives it the name `out`; no block is copied."""
+    """Adds the findings to the recording, in place of earlier ones, and gives it the name `out`; no block is copied."""
     if out and os.path.lexists(out) and not force:
         raise usage_failure("%s: exists: choose another name or give --force" % out)
     spool.append_meta(path, {"verification": verification})
@@ -109,7 +109,7 @@ def main():
         print(error, file=sys.stderr)
         return error.code
     except OSError as error:
-        print("%s: %s" % (options.dump, error.strerror), file=sys.stderr)
+        print(one_line("%s: %s" % (options.dump, error.strerror)), file=sys.stderr)
         return 3
     if options.json:
         print(json.dumps(verification, indent=1))

@@ -15,7 +15,7 @@ using format::load;
 using format::store;
 
 constexpr size_t kHeaderBytes = 20;
-constexpr int32_t kVersion = 1;  // nobody checks it
+constexpr int32_t kVersion = 1;  // it is not checked
 enum Field : size_t { kWidth = 4, kHeight = 8, kSamples = 12, kChannels = 16 };
 
 // Bytes in the unit a person would choose.

@@ -40,7 +40,7 @@ std::vector<uint16_t> assign_groups(std::vector<ForeignLayer>& layers) {
   return groups;
 }
 
-// Blocks of a whole dump, as the limit of spool.md 6 counts them.
+// Blocks of a whole recording, as the limit of spool.md 6 counts them.
 uint64_t total_blocks(const DumpHeader& header) {
   const uint64_t tiles = format::divide_up(header.width, header.tile_size) *
                          format::divide_up(header.height, header.tile_size);

@@ -1,7 +1,7 @@
 // The common half of every importer: arrays of a foreign file -> one .spool, block by block.
 //
 // Memory: about one tile of one block of a group, or 64 MiB where a tile's samples are read
-// together; never the image. What was done is told twice: in the report, and in `meta.import`.
+// together; never the image. What was done stands twice: in the report, and in `meta.import`.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What an importer hands over to be written: the layers of a dump as arrays of foreign files.
+// What an importer hands over to be written: the layers of a recording as arrays of foreign files.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,7 @@ struct ForeignLayer {
 struct DumpPlan {
   uint32_t width = 0, height = 0, spp = 0;
   format::SampleOrder sample_order = format::SampleOrder::kRenderer;
+  bool shuffled = false;  // by the importer: images are none of the source's, and prove nothing
   std::vector<ForeignLayer> layers;  // radiance first
   nlohmann::json meta = nlohmann::json::object();
   ImportRecord record;

@@ -1,4 +1,4 @@
-// `meta.import` of a dump: which files it was made of, how, and what was converted or dropped.
+// `meta.import` of a recording: which files it was made of, how, and what was converted or dropped.
 #pragma once
 
 #include <cstdint>

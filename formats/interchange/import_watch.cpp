@@ -14,7 +14,8 @@ bool shares_places(const ForeignLayer& layer) {
 ImportWatch::ImportWatch(const DumpPlan& plan)
     : samples_(plan.width, plan.height, plan.spp,
                std::any_of(plan.layers.begin(), plan.layers.end(), shares_places)),
-      ranges_(uint64_t{plan.width} * plan.height) {}
+      ranges_(uint64_t{plan.width} * plan.height),
+      shuffled_(plan.shuffled) {}
 
 void ImportWatch::add(const format::PixelRect& rect, uint32_t begin, uint32_t count,
                       format::DataType type, std::span<const ForeignLayer> layers,
@@ -36,7 +37,7 @@ Result<void> ImportWatch::judge(const std::string& source, format::SampleOrder c
                                 std::vector<std::string>& notes) const {
   std::vector<std::string> remarks = ranges_.remarks();
   if (const std::string objection = samples_.objection(); !objection.empty()) {
-    if (claim == format::SampleOrder::kExchangeable)
+    if (claim == format::SampleOrder::kExchangeable && !shuffled_)
       return fail(
           ErrorCode::kData,
           "{}: {}, so the samples of a pixel are not exchangeable: pack what is independent, "

@@ -1,5 +1,5 @@
-// What an importer notices while it writes: samples that are not what the order of the dump claims,
-// and features in another convention.
+// What an importer notices while it writes: samples that are not what the order of the recording
+// claims, and features in another convention.
 #pragma once
 
 #include <cstddef>
@@ -25,14 +25,16 @@ class ImportWatch {
   void add(const format::PixelRect& rect, uint32_t begin, uint32_t count, format::DataType type,
            std::span<const ForeignLayer> layers, std::span<const std::byte> block);
 
-  // kData where the dump claims that its samples are in no meaningful order and they are not; else
-  // what was noticed is added to the notes and kept in `meta.import_remarks`.
+  // kData where the recording claims that its samples are in no meaningful order and they are not,
+  // unless the importer shuffled them; else what was noticed is added to the notes and kept in
+  // `meta.import_remarks`.
   Result<void> judge(const std::string& source, format::SampleOrder claim,
                      format::SpoolWriter& writer, std::vector<std::string>& notes) const;
 
  private:
   format::SampleWatch samples_;
   FeatureRanges ranges_;
+  bool shuffled_;
 };
 
 }  // namespace spool::interchange

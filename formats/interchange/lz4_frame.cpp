@@ -23,7 +23,7 @@ Result<void> decode_lz4_frame(std::span<const std::byte> stored, std::span<std::
                   LZ4F_getErrorName(hint));
     given += space;
     taken += left;
-    if (hint != 0 && space == 0 && left == 0) break;  // wants more than there is, or more room
+    if (hint != 0 && space == 0 && left == 0) break;  // requires more than there is, or more room
   }
   if (hint != 0 || given != out.size() || taken != stored.size())
     return fail(

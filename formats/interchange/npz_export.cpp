@@ -25,7 +25,7 @@ std::string_view type_code(format::DataType type) {
                                               : "<u4";
 }
 
-// The dump's own meta, then what a reader of the arrays must know.
+// The recording's own meta, then what a reader of the arrays must know.
 std::string describe(const SpoolReader& dump) {
   json meta = json::object();
   for (const std::string& text : dump.meta())

@@ -1,4 +1,4 @@
-// A dump as numpy's .npz; npz_import.h says what it looks like.
+// A recording as numpy's .npz; npz_import.h says what it looks like.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace spool::interchange {
 
-// Layout HWSC, members stored; bit-exact. Errors: kData when blocks are missing in the dump.
+// Layout HWSC, members stored; bit-exact. Errors: kData when blocks are missing in the recording.
 Result<ExportReport> export_npz(const std::filesystem::path& in, const std::filesystem::path& out,
                                 const ExportOptions& options = {});
 

@@ -171,7 +171,7 @@ Result<FileHandle> locate(const FileHandle& file, const std::vector<NpzMember>& 
   return inflated;
 }
 
-// Removes from `meta` what the dump itself says; remarks stay.
+// Removes from `meta` what the recording itself says; remarks stay.
 void drop_structure(json& meta, const DumpPlan& plan) {
   for (const char* key :
        {"spool_npz", "layout", "scope", "sample_order", "pixel_filter", "colour_space", "import"})

@@ -109,12 +109,12 @@ Result<SbmcScale> find_scale(const std::filesystem::path& in,
   }
   if (zero) return SbmcScale::kRaw;
   return fail(ErrorCode::kUsage,
-              "{}: cannot tell whether distances were divided by the scene's size: give "
+              "{}: unknown whether distances were divided by the scene's size: give "
               "--set import.scale=normalised or raw",
               in.string());
 }
 
-// One layer of the dump: which planes, and how their numbers change.
+// One layer of the recording: which planes, and how their numbers change.
 struct Row {
   const char* name;
   uint32_t plane;

@@ -1,4 +1,4 @@
-// The SHA-256 of a file [Fips180]: what tells two files apart.
+// The SHA-256 of a file [Fips180]: what identifies a file.
 #pragma once
 
 #include <filesystem>

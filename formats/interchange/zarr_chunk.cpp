@@ -11,7 +11,7 @@ namespace {
 
 bool decode_blosc(std::span<const std::byte> stored, std::span<std::byte> out) {
   size_t bytes = 0;
-  // Verifies the header and that `stored` is all of the buffer, before the decoder sees it.
+  // Verifies the header and that `stored` is all of the buffer, before the decoder reads it.
   if (blosc_cbuffer_validate(stored.data(), stored.size(), &bytes) != 0 || bytes != out.size())
     return false;
   const int given = blosc_decompress_ctx(stored.data(), out.data(), out.size(), 1);

@@ -12,12 +12,23 @@
 
 namespace spool {
 
+// `small` where the mask is set, else `large`. No branch and no comparison of floats: either leaves
+// a loop for AVX2 without vectors (g++ 12).
+template <class Float, class Bits>
+Float choose(Bits mask, Float small, Float large) {
+  return std::bit_cast<Float>((std::bit_cast<Bits>(small) & mask) |
+                              (std::bit_cast<Bits>(large) & ~mask));
+}
+
 inline float exp_negative(float x) {
   constexpr float kInverseLn2 = 1.44269504f;
   constexpr float kLn2High = 0.693145752f, kLn2Low = 1.42860677e-6f;
-  constexpr float kLargest = 87.3f;                   // exp(-87.3) is still a normal number
-  constexpr float kRound = 12582912.0f;               // 1.5 * 2^23: adding it rounds to an integer
-  const float bounded = x < kLargest ? x : kLargest;  // NaN becomes kLargest
+  constexpr float kLargest = 87.3f;      // exp(-87.3) is still a normal number
+  constexpr float kRound = 12582912.0f;  // 1.5 * 2^23: adding it rounds to an integer
+  const std::int32_t magnitude = std::bit_cast<std::int32_t>(x) & 0x7FFFFFFF;
+  const std::int32_t beyond = magnitude - std::bit_cast<std::int32_t>(kLargest);
+  const auto below = static_cast<std::uint32_t>(beyond >> 31);
+  const float bounded = choose(below, x, kLargest);  // NaN becomes kLargest
   const float shifted = bounded * kInverseLn2 + kRound;
   const float n = shifted - kRound;
   const float r = n * kLn2High - bounded + n * kLn2Low;  // -(x - n ln 2)
@@ -29,8 +40,7 @@ inline float exp_negative(float x) {
   p = p * r + 0.5f;
   p = p * r * r + r + 1.0f;
   const auto bits = std::bit_cast<std::uint32_t>(shifted);  // low bits hold n
-  const float scale = std::bit_cast<float>((127u - (bits & 0x1FFu)) << 23);
-  return x < kLargest ? p * scale : 0.0f;
+  return p * std::bit_cast<float>(((127u - (bits & 0x1FFu)) << 23) & below);
 }
 
 inline double exp_negative(double x) {

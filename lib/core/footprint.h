@@ -1,4 +1,4 @@
-// With which weights a filter made single pixels: kept only when somebody asked, like views.
+// With which weights a filter made single pixels: kept only on request, like views.
 //
 //   image(pixel) = sum over taps of weight value,  sum of weights = 1
 //

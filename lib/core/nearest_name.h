@@ -1,4 +1,4 @@
-// Names that somebody mistyped: the nearest known one, and the one sentence that says so.
+// Mistyped names: the nearest known one, and the one sentence that names it.
 #pragma once
 
 #include <string>

@@ -8,7 +8,7 @@
 
 namespace spool {
 
-// `before` must tell any two elements apart, NaN too: there is then one sorted order, whoever
+// `before` must distinguish any two elements, NaN too: there is then one sorted order, whatever
 // sorts. Work that is stopped meanwhile sorts to the end: half an order is none.
 template <class Value, class Before>
 void parallel_sort(std::vector<Value>& values, Before&& before) {

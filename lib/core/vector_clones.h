@@ -1,7 +1,7 @@
 // Marks a loop that the compiler shall translate once for each vector width; the machine picks one
 // when the program starts.
 //
-// Wider vectors do not change a bit: every element sees the same operations in the same order, and
+// Wider vectors do not change a bit: every element gets the same operations in the same order, and
 // without contraction (-ffp-contract=off) there is no fused multiply-add to differ by. So only
 // loops whose iterations are independent may be marked. tests/determinism holds the clones to that.
 // Vectors wider than the plain target's go between functions by pointer, never by value: clones and

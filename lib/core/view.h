@@ -1,4 +1,4 @@
-// Intermediate images of a method, by the names of docs/method.md: kept only when somebody asked.
+// Intermediate images of a method, by the names of docs/method.md: kept only on request.
 #pragma once
 
 #include <algorithm>

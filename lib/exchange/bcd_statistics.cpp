@@ -71,8 +71,9 @@ Result<CountImage> read_counts(const std::filesystem::path& path,
   const Plane& counts = file.channels[channel].data;
   if (file.width != static_cast<int>(header.width) ||
       file.height != static_cast<int>(header.height))
-    return fail(ErrorCode::kData, "{}: {} x {} pixels, the dump {} x {}: give a selection of it",
-                path.string(), file.width, file.height, header.width, header.height);
+    return fail(ErrorCode::kData,
+                "{}: {} x {} pixels, the recording {} x {}: give a selection of it", path.string(),
+                file.width, file.height, header.width, header.height);
   CountImage image(file.width, file.height);
   for (size_t i = 0; i < image.size(); ++i) {
     const double n = counts[i];

@@ -123,7 +123,7 @@ Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
 
 namespace {
 
-// A layer of the dump to be, and where its components are among the deep channels.
+// A layer of the recording to be, and where its components are among the deep channels.
 struct Wanted {
   ForeignLayer layer;
   std::vector<size_t> channels;
@@ -358,6 +358,7 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
   for (ForeignLayer& layer : plan.layers)
     layer.array.file = &scratch;
   if (!input.told) {
+    plan.shuffled = true;
     plan.record.converted = {"the samples of each pixel were shuffled"};
     for (const ExrChannel& channel : header.channels)
       if (std::string_view("RGBZ").find(channel.name) == std::string::npos)

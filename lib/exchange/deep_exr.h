@@ -1,10 +1,10 @@
 // Deep OpenEXR [OpenExr]: one deep sample per Monte Carlo sample; export, and import bit for bit.
 //
 // There is no convention for Monte Carlo samples, so this is our own: one part of deep scanlines,
-// channels named and typed as in the dump, Z = spool.index = the number of the sample (a tool that
-// sorts by depth changes nothing; flattening stops for want of alpha instead of returning the first
-// sample as if it were a picture). Layers of pass scope are repeated in every pixel, layers of
-// pixel scope go to NAME.pixel.exr beside it.
+// channels named and typed as in the recording, Z = spool.index = the number of the sample (a tool
+// that sorts by depth changes nothing; flattening stops without alpha instead of returning the
+// first sample as if it were a picture). Layers of pass scope are repeated in every pixel, layers
+// of pixel scope go to NAME.pixel.exr beside it.
 #pragma once
 
 #include <filesystem>

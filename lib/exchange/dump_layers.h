@@ -1,5 +1,5 @@
-// What the formats made of EXR images share: layers of a dump as arrays on disk, and the text that
-// describes them.
+// What the formats made of EXR images share: layers of a recording as arrays on disk, and the text
+// that describes them.
 #pragma once
 
 #include <filesystem>
@@ -36,8 +36,8 @@ struct ScratchLayers {
 Result<ScratchLayers> unpack_layers(const format::SpoolReader& dump,
                                     const std::filesystem::path& out);
 
-// Attributes that let an EXR come back as the dump it was: spoolVersion, spoolChannels, spoolMeta,
-// spoolSampleOrder, spoolSource.
+// Attributes that let an EXR come back as the recording it was: spoolVersion, spoolChannels,
+// spoolMeta, spoolSampleOrder, spoolSource.
 ExrAttributes describe_dump(const format::SpoolReader& dump);
 
 struct ToldChannel {

@@ -40,7 +40,7 @@ std::string channel_name(const LayerInfo& layer, const std::string& component, E
   return names == ExrNames::kPlain ? layer.name + "." + component : "";
 }
 
-// A channel of the dump and its plane.
+// A channel of the recording and its plane.
 struct Place {
   LayerInfo layer;
   uint32_t channel = 0;  // of the group's blocks

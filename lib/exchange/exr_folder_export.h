@@ -1,4 +1,4 @@
-// A dump as a folder of EXR images; exr_folder_import.h says what it looks like.
+// A recording as a folder of EXR images; exr_folder_import.h says what it looks like.
 #pragma once
 
 #include <filesystem>
@@ -18,8 +18,8 @@ struct ExrFolderExportOptions : interchange::ExportOptions {
   ExrNames names = ExrNames::kPlain;
 };
 
-// sample_0000.exr, ... into the new folder `out`, channels in the dump's own types. What the names
-// cannot say is dropped and reported.
+// sample_0000.exr, ... into the new folder `out`, channels in the recording's own types. What the
+// names cannot say is dropped and reported.
 Result<interchange::ExportReport> export_exr_folder(const std::filesystem::path& in,
                                                     const std::filesystem::path& out,
                                                     const ExrFolderExportOptions& options = {});

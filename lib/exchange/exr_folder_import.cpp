@@ -5,6 +5,7 @@
 #include "formats/interchange/scratch_file.h"
 #include "lib/exchange/numbered_files.h"
 #include "lib/exchange/sample_image.h"
+#include "lib/image_io/foreign_picture.h"
 
 namespace spool::exchange {
 
@@ -157,6 +158,12 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   if (window.x0 != 0 || window.y0 != 0)
     plan.record.converted.push_back(
         fmt::format("the data window began at {},{} and was moved to 0,0", window.x0, window.y0));
+  const ExrWindow& display = first[mapping.layers[0].planes[0].first].display;
+  if (display.x0 != window.x0 || display.y0 != window.y0 || display.width != window.width ||
+      display.height != window.height)
+    plan.record.converted.push_back(
+        fmt::format("all of the data window ({}) was taken, the display window is another ({})",
+                    text_of(window), text_of(display)));
   std::vector<std::string> notes = plan.record.converted;
   notes.insert(notes.end(), numbered.notes.begin(), numbered.notes.end());
   notes.insert(notes.end(), mapping.notes.begin(), mapping.notes.end());

@@ -1,4 +1,4 @@
-// Whose name is it? Channels of other renderers and tools -> layers of a dump.
+// Whose name is it? Channels of other renderers and tools -> layers of a recording.
 //
 // Known: what spool wrote itself, Blender's "VIEWLAYER.PASS.CHANNEL" (2.8 to 5), and LAYER.CHANNEL
 // as OpenImageIO, Arnold, Mitsuba, pbrt and others name them. Radiance is the picture of the file

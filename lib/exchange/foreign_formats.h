@@ -1,4 +1,5 @@
-// All foreign formats: those that a dump can be made of, and those that can be made of a dump.
+// All foreign formats: those that a recording can be made of, and those that can be made of a
+// recording.
 #pragma once
 
 #include <vector>

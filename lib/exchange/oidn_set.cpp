@@ -158,7 +158,8 @@ interchange::ExportFormat oidn_target() {
           return {};
         },
         [](const O& options) { return fmt::format("{}", fmt::join(options.spp, ",")); }},
-       interchange::text_option<O>("name", &O::name, "NAME", "of the images (that of the dump)")},
+       interchange::text_option<O>("name", &O::name, "NAME",
+                                   "of the images (that of the recording)")},
       export_oidn_set);
 }
 

@@ -89,7 +89,7 @@ Result<void> check_size(const ExrWindow& window, const std::string& file) {
   constexpr auto kMost = static_cast<int64_t>(format::kMaxSide);
   if (window.width >= 1 && window.height >= 1 && window.width <= kMost && window.height <= kMost)
     return {};
-  return fail(ErrorCode::kData, "{}: {} x {} pixels: a dump has 1 to {} each way", file,
+  return fail(ErrorCode::kData, "{}: {} x {} pixels: a recording has 1 to {} each way", file,
               window.width, window.height, kMost);
 }
 

@@ -1,4 +1,4 @@
-// One EXR image of a folder: one sample of every pixel, in the layers of a dump.
+// One EXR image of a folder: one sample of every pixel, in the layers of a recording.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ struct SampleImage {
   ExrAttributes attributes;                    // of part 0
 };
 
-// kData for sizes that are beyond those of a dump.
+// kData for sizes that are beyond those of a recording.
 Result<void> check_size(const ExrWindow& window, const std::string& file);
 
 // kData for an image that differs from `first` in parts, channels, window or colours, and for one

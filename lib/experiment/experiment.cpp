@@ -28,7 +28,7 @@ std::string sampling_key(const Cell& cell) {
                      cell.threads);
 }
 
-// A recording in use, loaded once for all neighbouring cells that want it.
+// A recording in use, loaded once for all neighbouring cells that use it.
 struct LoadedDump {
   std::string name;
   Result<std::shared_ptr<const RecordedSamples>> samples;
@@ -457,7 +457,7 @@ class Runner {
   const ExperimentSources& sources_;
   const ExperimentCallbacks& callbacks_;
   std::optional<LoadedDump> dump_;  // one at a time: they are large
-  std::mutex callback_;             // held by who calls one, and around done_
+  std::mutex callback_;             // held by the caller of one, and around done_
   std::size_t done_ = 0;            // cells
   const std::function<bool()> is_cancelled_ = [this] { return cancelled(); };
 };

@@ -47,13 +47,13 @@ struct ExperimentOptions {
   ReplicateOrder order = ReplicateOrder::kDisjoint;
   int pieces_per_side = 1;
   bool decision_split = false;  // no sample decides about its own half (decision_split.h)
-  bool fresh = false;           // also the counts on samples that had no say (fresh_samples.h)
+  bool fresh = false;  // also the counts on samples that had no part in them (fresh_samples.h)
   // Replicates whose pool is also split into two halves, to measure how much errors vary between
   // recordings; costs two more runs of the sampler and the filter each.
   int halves = 0;
   std::optional<ReferenceKind> reference;  // absent: default_reference_kind of each recording
-  std::optional<int> holdout;              // samples per pixel; absent: as the reference kind wants
-  int repeats = 1;                         // of sampling and filtering, for their times only
+  std::optional<int> holdout;  // samples per pixel; absent: as the reference kind requires
+  int repeats = 1;             // of sampling and filtering, for their times only
   MetricOptions metrics;
   std::vector<EnergyMask> masks;  // of recordings by file name
 };
@@ -82,8 +82,8 @@ struct CellResult {
   StageTime sampling;  // shared by all filters of one sampling run
   StageTime filtering;
   double exchange_seconds = 0;  // of both: starting commands and handing files over, wall time
-  StageTime judging;                         // metrics
-  StageTime writing;                         // images; for the callback to fill in
+  StageTime judging;            // metrics
+  StageTime writing;            // images; for the callback to fill in
   std::optional<std::uint64_t> peak_memory;  // bytes of the process while it sampled and filtered
   std::optional<double> cost_per_sample;     // seconds, as recorded
   int recorded_spp = 0;                      // samples per pixel of the recording

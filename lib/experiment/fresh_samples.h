@@ -1,5 +1,5 @@
-// Where a gain comes from: the counts that a method decides on applied to samples that had no say,
-// and its error in two parts, bias and variance.
+// Where a gain comes from: the counts that a method decides on applied to samples that had no part
+// in them, and its error in two parts, bias and variance.
 //
 // The even and the odd samples of every piece are two pools (SamplePool::half). A sampler runs on
 // each with the whole budget. Its own image of a half is made of the samples that decided, as the

@@ -195,11 +195,11 @@ class PlanReader {
         } else if (key.str() == "group") {
           group = text;
         } else {
-          return refuse(value, "unknown key '{}' of a dump{}", key.str(),
+          return refuse(value, "unknown key '{}' of a recording{}", key.str(),
                         did_you_mean(key.str(), {"file", "group"}));
         }
       }
-      if (file.empty()) return refuse(*table, "this dump has no file");
+      if (file.empty()) return refuse(*table, "this recording has no file");
       plan.groups.resize(plan.recordings.size());
       plan.recordings.push_back((folder_ / file_of_text(file)).lexically_normal().string());
       plan.groups.push_back(group);

@@ -7,10 +7,10 @@
 //   seed = 1
 //   order = "disjoint"            # or "shuffled", "recorded": which samples replicates take
 //   reference = "independent"     # absent: the best there is
-//   holdout = 16                  # samples per pixel, absent: what the reference wants
+//   holdout = 16                  # samples per pixel, absent: what the reference requires
 //   pieces_per_side = 1
 //   decision_split = false        # true: no sample decides about its own half
-//   fresh = false                 # true: also the counts on samples that had no say
+//   fresh = false                 # true: also the counts on samples that had no part in them
 //   halves = true                 # false: how much errors vary between recordings is assumed from
 //                                 # shared samples and not measured on halves; a third less time
 //   threads = [1, 2]              # a sweep too; absent: as many as the process may use
@@ -39,7 +39,7 @@
 //   than = "uniform + box"
 //   metric = "mse"                # relmse where nothing is said
 //   spp = [4, 8]                  # absent: all
-//   samples = "fresh"             # or "own": on samples that had no say in the counts
+//   samples = "fresh"             # or "own": on samples that had no part in the counts
 //   below = 1.1                   # the ratio that must lie below; 1 where nothing is said
 //   source = "LiuZheng, Figure 12"
 //   [pool]                        # rules for samples that are no ordinary numbers
@@ -74,7 +74,7 @@ struct Plan {
   int replicates = 8;
   std::vector<int> threads = {0};
   bool pictures = true;
-  ExperimentOptions experiment;  // masks: names and paths only, until somebody reads the files
+  ExperimentOptions experiment;  // masks: names and paths only, until the files are read
   SanitiseRules rules;
   // Energy ratio, lowest and highest, of the methods that are ranked.
   std::optional<std::pair<double, double>> energy_band;

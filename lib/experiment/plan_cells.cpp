@@ -61,11 +61,6 @@ std::string cell_id(const Cell& cell, const Plan& plan) {
   return fmt::format("{:016x}", state);
 }
 
-int shard_of(const Cell& cell, const Plan& plan, int shards) {
-  SPOOL_CHECK_GT(shards, 0);
-  return static_cast<int>(hash_sampling(cell, plan) % static_cast<std::uint64_t>(shards));
-}
-
 std::vector<std::string> Plan::method_names() const {
   std::vector<std::string> names;
   for (const MethodChoice& sampler : samplers) {

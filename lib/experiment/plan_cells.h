@@ -1,4 +1,4 @@
-// The scenes and the cells of a plan: their names, and which machine does them.
+// The scenes and the cells of a plan: their names.
 #pragma once
 
 #include <string>
@@ -18,8 +18,5 @@ std::vector<PlanScene> scenes_of(const Plan& plan);  // in the order of their fi
 // Names a cell among all cells of a plan and of what the plan says about all: 16 hexadecimal
 // digits, the same on every machine. Recordings count by their file name, not by their folder.
 std::string cell_id(const Cell& cell, const Plan& plan);
-
-// Which of `shards` machines does the cell: cells that share a sampling run go together.
-int shard_of(const Cell& cell, const Plan& plan, int shards);
 
 }  // namespace spool

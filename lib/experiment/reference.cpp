@@ -103,7 +103,7 @@ Result<void> check_holdout(const SamplePool& pool, int least) {
 const std::vector<ReferenceDescription>& reference_kinds() {
   static const std::vector<ReferenceDescription> kinds = {
       {ReferenceKind::kIndependent, "independent",
-       "the reference recorded with the dump, from samples of its own"},
+       "the reference in the recording, from samples of its own"},
       {ReferenceKind::kHoldout, "holdout",
        "the last samples of every pixel, which no sampler is offered"},
       {ReferenceKind::kHoldoutPair, "holdout_pair",

@@ -40,7 +40,7 @@ inline bool is_biased(ReferenceKind kind) {
 // Samples per pixel to hold out by default: a quarter, at least 16, and none when the recording is
 // too short to spare them (fewer than 32 samples).
 int default_holdout(const RecordedSamples& recording);
-// The kind used when nobody chose: independent where the recording carries a reference, else
+// The kind used without a choice: independent where the recording carries a reference, else
 // holdout where it can spare the samples, else leave_selected_out.
 ReferenceKind default_reference_kind(const RecordedSamples& recording);
 

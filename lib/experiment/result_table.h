@@ -33,8 +33,8 @@ std::size_t column_index(std::string_view name);  // the column must exist
 std::vector<std::string> result_fields(const CellResult& result);
 
 std::string csv_header();
-// Fields quoted as RFC 4180 wants where they hold a comma, a quote or a line break; ' before a text
-// that a spreadsheet would compute.
+// Fields quoted as RFC 4180 requires where they hold a comma, a quote or a line break; ' before a
+// text that a spreadsheet would compute.
 std::string to_csv_row(const std::vector<std::string>& fields);
 std::string to_csv_row(const CellResult& result);
 // One JSON object in one line: numbers as numbers, an empty field as null, an infinite one as text.

@@ -1,4 +1,4 @@
-// How deep a TOML text nests, before a parser sees it.
+// How deep a TOML text nests, before a parser reads it.
 //
 // toml++ bounds the depth of arrays and inline tables, but makes a table in a table for every part
 // of a dotted key, and frees them by recursion: a line of 50,000 parts ends its stack.

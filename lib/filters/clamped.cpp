@@ -92,6 +92,7 @@ Filter clamped_filter() {
                number_option("factor", &O::factor, 0.0, 1e6,
                              "largest sample of a pixel in units of its neighbours' mean"),
            },
+       .cost = 0.17,
        .run = reconstruct_clamped});
 }
 

@@ -52,6 +52,7 @@ Filter cross_bilateral_filter() {
        .views = {{"risk.s", "smoothed estimate of the risk of scale s"}},
        .needs = [](const auto&) { return Needs{.features = Use::kRequired}; },
        .memory = {264, 6.4e6},
+       .cost = 3.8,
        .footprints = true,
        .run = reconstruct_cross_bilateral});
 }

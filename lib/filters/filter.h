@@ -36,12 +36,12 @@ struct FilterContext {
   const Reference* reference = nullptr;  // for oracles only, which say so in their needs
   std::function<void(double)> progress;  // share of the work done, may be empty
   Footprints* footprints = nullptr;      // weights wanted of single pixels, may be null
-  // False: nobody asks for the variance of the image. A filter whose needs say so then gets means
-  // alone: the other planes of the statistics are empty.
+  // False: the variance of the image is not asked for. A filter whose needs allow it then gets
+  // means alone: the other planes of the statistics are empty.
   bool variance = true;
 };
 
-// Pixels whose weights are wanted, (x, y).
+// Pixels whose weights are returned, (x, y).
 inline std::vector<std::pair<int, int>> wanted_pixels(const FilterContext& context) {
   return context.footprints ? context.footprints->wanted() : std::vector<std::pair<int, int>>{};
 }

@@ -53,7 +53,7 @@ Result<Reconstruction> run_stage(const FilterFunction& filter, const StageOption
   if (options.energy == EnergyStage::kBox) {
     GuardCounts counted_by_the_filter;
     const RgbImage mean = pixel_means(selection.statistics, counted_by_the_filter);
-    if (!result->image[0].same_size(mean[0])) return result;  // whoever asked for it says so
+    if (!result->image[0].same_size(mean[0])) return result;  // the caller reports it
     result->image =
         restore_energy(std::move(result->image), mean,
                        scene_luminance(selection.statistics, counted_by_the_filter), {}, guards);

@@ -1,6 +1,6 @@
 // What may stand before and behind any filter, those outside this program too:
 //
-//   clamp = on      the filter sees clamped samples (lib/kernels/sample_clamp.h)
+//   clamp = on      the filter gets clamped samples (lib/kernels/sample_clamp.h)
 //   energy = box    its image gets the energy of the mean of the samples taken, not clamped
 //                   (lib/kernels/energy_step.h)
 //
@@ -16,7 +16,7 @@ namespace spool {
 
 enum class OwnOptions {
   kDescribed,      // all; an unknown name is refused here, where the nearest one is known
-  kKnownWhenMade,  // of a filter that somebody else made: it refuses by itself
+  kKnownWhenMade,  // of a filter from elsewhere: it refuses by itself
 };
 
 // `filter` with those of the options above that it describes none of the same name for.

@@ -1,4 +1,4 @@
-// An image somebody else made, as a filter: for filters outside this program.
+// An image made elsewhere, as a filter: for filters outside this program.
 #pragma once
 
 #include <string>

@@ -97,6 +97,7 @@ Filter greedy_selection_filter() {
                                                 : Use::kWhenRecorded};
            },
        .memory = {284, 2e6},
+       .cost = 0.79,
        .run = reconstruct_greedy_selection});
 }
 

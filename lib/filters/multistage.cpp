@@ -159,6 +159,7 @@ Filter multistage_filter() {
        .source = Source::kDescriptions,
        .needs = [](const auto&) { return Needs{.film_positions = Use::kWhenRecorded}; },
        .memory = {160, 3e6},  // the cells of two bands are the larger constant
+       .cost = 0.94,
        .run = reconstruct_multistage});
 }
 

@@ -116,6 +116,7 @@ Filter nl_means_filter() {
        .presets = nl_means_presets(),
        .needs = [](const auto&) { return Needs{.signal = false}; },
        .memory = {215, 4.7e6},
+       .cost = 2.35,
        .footprints = true,
        .run = reconstruct_nl_means});
 }

@@ -67,6 +67,7 @@ Filter oracle_scale_filter() {
            },
        .needs = [](const auto&) { return Needs{.reference = true}; },
        .memory = {220, 2e6},
+       .cost = 0.29,
        .run = reconstruct_oracle_scale});
 }
 

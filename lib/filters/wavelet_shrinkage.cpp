@@ -113,6 +113,7 @@ Filter wavelet_shrinkage_filter() {
        .source = Source::kDescriptions,
        .options = wavelet_shrinkage_option_table(),
        .memory = {180, 2e6},
+       .cost = 0.36,
        .footprints = true,
        .run = reconstruct_wavelet_shrinkage});
 }

@@ -155,7 +155,7 @@ struct Statement {
   Chromaticities primaries = kRec709;
 };
 
-// What one attribute of text says; nothing where it is absent or says nothing.
+// The value of one attribute of text; nothing where it is absent or empty.
 Result<std::optional<Statement>> stated(const ExrPart& part, const std::string& key,
                                         const std::string& file) {
   const auto found = part.attributes.texts.find(key);

@@ -15,7 +15,7 @@ class ExrOutput : public Imf::OStream {
  public:
   explicit ExrOutput(format::FileHandle& file) : Imf::OStream(file.path().c_str()), file_(file) {}
 
-  void write(const char bytes[], int count) override;  // throws, as OpenEXR wants it
+  void write(const char bytes[], int count) override;  // throws, as OpenEXR requires it
   std::uint64_t tellp() override { return at_; }
   void seekp(std::uint64_t position) override { at_ = position; }
 

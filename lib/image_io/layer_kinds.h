@@ -10,7 +10,7 @@ enum class LayerKind {
   kPicture,   // the whole picture by its name: "", rgba, beauty, Combined
   kNoisy,     // the picture before a denoiser: Noisy Image
   kDenoised,  // the picture after it
-  kUnknown,   // a name that says nothing known here
+  kUnknown,   // a name without a known meaning
   kOther,     // part of a picture, a feature, a statistic, a matte
 };
 

@@ -26,7 +26,7 @@ Interval error_slope(const BudgetCurve& curve);
 double log_slope(std::span<const double> budget, std::span<const double> error);
 
 // Where the curve, straight between its points on logarithmic axes, first reaches the mean of
-// `target`; `low` to `high` are the budgets at which the two are not told apart. Outside the
+// `target`; `low` to `high` are the budgets at which the two are not separated. Outside the
 // measured budgets nothing is extrapolated: the end is given, with a mark.
 struct SamplesNeeded {
   double spp = std::numeric_limits<double>::quiet_NaN();  // where nothing is known

@@ -17,7 +17,7 @@ struct Claim {
   std::string better, than;  // "SAMPLER + FILTER", by their labels
   std::string metric = "relmse";
   std::vector<double> spp;  // empty: all budgets
-  bool fresh = false;       // errors on samples that had no say in the counts
+  bool fresh = false;       // errors on samples that had no part in the counts
   double below = 1.0;       // the ratio that better / than must lie below
   std::string source;       // free: "LiuZheng, Figure 12"
 
@@ -27,7 +27,7 @@ struct Claim {
 
 enum class ClaimVerdict {
   kUnknown,    // not compared
-  kUndecided,  // not told apart from the stated ratio
+  kUndecided,  // not separated from the stated ratio
   kHolds,
   kReversed,
   kMixed  // over several recordings or budgets: holds on some and is reversed on others

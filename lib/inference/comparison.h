@@ -45,7 +45,7 @@ Comparison compare_paired(const Series& a, const Series& b, Better better);
 // Series that have nothing in common.
 Comparison compare_independent(const Series& a, const Series& b, Better better);
 
-// About how much more would tell the two apart at `level` in 80 % of attempts, if they differ by
+// About how much more would separate the two at `level` in 80 % of attempts, if they differ by
 // what was measured. Replicates help while they bring samples of their own; recordings always do.
 struct MoreNeeded {
   double replicates = 0;  // in all; infinite: no number of this recording
@@ -56,7 +56,7 @@ MoreNeeded more_needed(const Comparison& comparison, int recordings, double leve
 enum class Verdict {
   kUnknown,    // not compared
   kIdentical,  // the same values in all replicates
-  kUndecided,  // not told apart
+  kUndecided,  // not separated
   kBetter,
   kWorse
 };

@@ -20,7 +20,7 @@ std::vector<double> logarithms(std::span<const double> values) {
   return logs;
 }
 
-// The mean as it was averaged, of logarithms or not, becomes the mean that is told.
+// The mean as it was averaged, of logarithms or not, becomes the mean that is printed.
 void finish(Interval& interval, double reach, Range range) {
   interval.low = interval.mean - reach;
   interval.high = interval.mean + reach;

@@ -1,4 +1,4 @@
-// Letters for methods, such that two share a letter exactly where they are not told apart
+// Letters for methods, such that two share a letter exactly where they are not separated
 // [Piepho04].
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace spool {
 
-// Letters of items 0 .. count-1, the first letters to the first items. `apart(i, j)`, i < j: told
-// apart. Groups are the maximal sets in which no two are told apart, as few of them as show every
+// Letters of items 0 .. count-1, the first letters to the first items. `apart(i, j)`, i < j: they
+// are separated. Groups are the maximal sets in which no two are separated, as few as show every
 // pair; of more than `most_groups` such sets none is named, and all texts are empty.
 std::vector<std::string> letter_groups(std::size_t count,
                                        const std::function<bool(std::size_t, std::size_t)>& apart,

@@ -1,8 +1,8 @@
-// Which of several methods are told apart on one recording and budget: the one verdict that tables,
+// Which of several methods are separated on one recording and budget: the one verdict that tables,
 // sentences, charts and comparisons print.
 //
 // All pairs are compared together at a family-wise 5 % (Holm). Methods that share a letter are not
-// told apart. With more than `most_paired` methods only the pairs with the best mean and with the
+// separated. With more than `most_paired` methods only the pairs with the best mean and with the
 // baseline are compared, and there are no letters.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Variances of samples, averaged over the neighbours that a test of variances cannot tell apart:
+// Variances of samples, averaged over the neighbours that a test of variances cannot separate:
 // StatER, from descriptions [Sakai25].
 //
 //   l = ln(c s^2),   c = n / (n - z),   e^2 = c^2 (kurtosis - (n - 3) / n) / (n - 1)   [Bonett06]

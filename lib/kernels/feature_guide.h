@@ -1,4 +1,4 @@
-// Recorded features as the weights of a cross-bilateral filter want them: means of the samples
+// Recorded features as the weights of a cross-bilateral filter use them: means of the samples
 // taken in float, one variance per feature.
 //
 //   w_pq = exp(-sum_f |f_p - f_q|^2 / (2 sigma_f^2 max(var_fp + var_fq, 0.01)))

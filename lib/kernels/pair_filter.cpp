@@ -1,7 +1,9 @@
 #include "lib/kernels/pair_filter.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "lib/core/exponential.h"
 #include "lib/core/parallel.h"
@@ -19,14 +21,14 @@ Row row_of(const Image<float>& image, int x, int y, int dx, int dy) {
   return {&image(x, y), &image(x + dx, y + dy)};
 }
 
-// refused[x] += 1 where the test of one plane says no.
+// passed[x]: all bits, and none where the test of one plane says no.
 SPOOL_VECTOR_CLONES
-void test_row(Row mean, Row half2, float kappa, int width, float* __restrict refused) {
+void test_row(Row mean, Row half2, float kappa, int width, std::uint32_t* __restrict passed) {
   for (int x = 0; x < width; ++x) {
     const float d = mean.p[x] - mean.q[x];
     const float own = kappa * half2.p[x], other = half2.q[x];
     const float bound = half2.p[x] + (own < other ? own : other);
-    refused[x] += d * d <= bound ? 0.0f : 1.0f;
+    passed[x] &= d * d <= bound ? ~0u : 0u;
   }
 }
 
@@ -40,11 +42,11 @@ void add_feature_row(Row value, Row variance, int width, float* __restrict dista
 }
 
 SPOOL_VECTOR_CLONES
-void weights_of_row(const float* distance, const float* refused, const float* count, int width,
-                    float* __restrict weight) {
+void weights_of_row(const float* distance, const std::uint32_t* passed, const float* count,
+                    int width, float* __restrict weight) {
   for (int x = 0; x < width; ++x) {
     const float w = exp_negative(distance[x]) * count[x];
-    weight[x] = refused[x] > 0.0f ? 0.0f : w;
+    weight[x] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(w) & passed[x]);
   }
 }
 
@@ -73,13 +75,14 @@ class RowFilter {
   void run(int y, PairMeans& means) const {
     const int r = window_.radius;
     std::vector<float> distance(static_cast<std::size_t>(count_.width()));
-    std::vector<float> refused(distance), weight(distance);
+    std::vector<float> weight(distance);
+    std::vector<std::uint32_t> passed(distance.size());
     for (int dy = std::max(-r, -y); dy <= std::min(r, count_.height() - 1 - y); ++dy) {
       for (int dx = -r; dx <= r; ++dx) {
         if (dx * dx + dy * dy > r * r) continue;
         const int x0 = std::max(0, -dx), width = std::min(count_.width(), count_.width() - dx) - x0;
         if (width <= 0) continue;
-        weigh({x0, y}, {dx, dy}, width, distance, refused, weight);
+        weigh({x0, y}, {dx, dy}, width, distance, passed, weight);
         add_weights(weight.data(), width, &means.weight(x0, y), &means.weight2(x0, y));
         for (std::size_t i = 0; i < values_.size(); ++i) {
           add_values(weight.data(), &(*values_[i])(x0 + dx, y + dy), width, &means.value[i](x0, y));
@@ -100,13 +103,14 @@ class RowFilter {
   // Of one piece, not yet over their sum: those above 0.
   std::vector<Weight> weights_of(Place at) const {
     const int r = window_.radius;
-    std::vector<float> distance(1), refused(1), weight(1);
+    std::vector<float> distance(1), weight(1);
+    std::vector<std::uint32_t> passed(1);
     std::vector<Weight> weights;
     for (int dy = -r; dy <= r; ++dy) {
       for (int dx = -r; dx <= r; ++dx) {
         const Place from{at.x + dx, at.y + dy};
         if (dx * dx + dy * dy > r * r || !count_.bounds().contains(from.x, from.y)) continue;
-        weigh(at, {dx, dy}, 1, distance, refused, weight);
+        weigh(at, {dx, dy}, 1, distance, passed, weight);
         if (weight[0] > 0.0f) weights.push_back({from, weight[0]});
       }
     }
@@ -115,23 +119,23 @@ class RowFilter {
 
  private:
   void weigh(Place at, Place to, int width, std::vector<float>& distance,
-             std::vector<float>& refused, std::vector<float>& weight) const {
+             std::vector<std::uint32_t>& passed, std::vector<float>& weight) const {
     const auto rows = [&](const Image<float>& image) {
       return row_of(image, at.x, at.y, to.x, to.y);
     };
     const double spatial = (to.x * to.x + to.y * to.y) / (2.0 * window_.sigma * window_.sigma);
     std::fill_n(distance.begin(), width, static_cast<float>(spatial));
-    std::fill_n(refused.begin(), width, 0.0f);
+    std::fill_n(passed.begin(), width, ~0u);
     if (to.x != 0 || to.y != 0) {
       for (std::size_t k = 0; k < test_.mean.size(); ++k) {
         test_row(rows(test_.mean[k]), rows(test_.half2[k]), static_cast<float>(test_.kappa), width,
-                 refused.data());
+                 passed.data());
       }
       for (std::size_t c = 0; c < features_.value.size(); ++c)
         add_feature_row(rows(features_.value[c]), rows(features_.variance[c]), width,
                         distance.data());
     }
-    weights_of_row(distance.data(), refused.data(), rows(count_).q, width, weight.data());
+    weights_of_row(distance.data(), passed.data(), rows(count_).q, width, weight.data());
   }
 
   static void finish(int y, PairMeans& means) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <cstring>
 #include <utility>
 
 #include "lib/core/exponential.h"
@@ -20,8 +19,6 @@ constexpr double kMostMean = 1e15, kMostVariance = 1e10;  // the latter times ka
 constexpr std::size_t kMostTargets = 4;
 constexpr int kUsualSide = 7;  // of a patch
 constexpr int kLanes = 16;     // rows are rounded up to as many, so that no loop has a rest
-
-typedef float Floats __attribute__((vector_size(kLanes * sizeof(float))));
 
 int whole_lanes(int width) {
   return (width + kLanes - 1) / kLanes * kLanes;
@@ -90,37 +87,49 @@ class RowRing {
   std::vector<float*> slots_;  // every row twice, so that any `rows` of them follow each other
 };
 
-enum class BoxOf { kDistances, kWeights };
-
 // One more row of a box of side x side: rows[side - 1] becomes sums along `from`, and `to` scale
-// times the sums of all rows, oldest first; of distances, the weights that they make. kSide: side,
-// or 0.
-template <int kSide, BoxOf kOf>
-SPOOL_VECTOR_CLONES void box_row(const float* from, float* const* rows, int any_side, float scale,
-                                 int width, float* to) {
-  const int side = kSide > 0 ? kSide : any_side;
-  for (int x = 0; x < width; x += kLanes) {
-    Floats along, down, value;
-    std::memcpy(&along, from + x, sizeof(Floats));
-    for (int i = 1; i < side; ++i) {
-      std::memcpy(&value, from + x + i, sizeof(Floats));
-      along += value;
-    }
-    std::memcpy(rows[side - 1] + x, &along, sizeof(Floats));
-    std::memcpy(&down, rows[0] + x, sizeof(Floats));
-    for (int j = 1; j < side; ++j) {
-      std::memcpy(&value, rows[j] + x, sizeof(Floats));
-      down += value;
-    }
-    down *= scale;
-    float result[kLanes];
-    std::memcpy(result, &down, sizeof(Floats));
-    if constexpr (kOf == BoxOf::kDistances) {
-      for (float& d : result)
-        d = exp_negative(d > 0.0f ? d : 0.0f);
-    }
-    std::memcpy(to + x, result, sizeof(Floats));
+// times the sums of all rows, oldest first.
+SPOOL_VECTOR_CLONES
+void box_row_of_any_side(const float* from, float* const* rows, int side, float scale, int width,
+                         float* __restrict to) {
+  float* __restrict along = rows[side - 1];
+  std::copy_n(from, width, along);
+  for (int i = 1; i < side; ++i) {
+    for (int x = 0; x < width; ++x)
+      along[x] += from[x + i];
   }
+  std::copy_n(rows[0], width, to);
+  for (int j = 1; j < side; ++j) {
+    const float* row = rows[j];
+    for (int x = 0; x < width; ++x)
+      to[x] += row[x];
+  }
+  for (int x = 0; x < width; ++x)
+    to[x] *= scale;
+}
+
+// The same of the usual side: sums stay in registers.
+SPOOL_VECTOR_CLONES
+void box_row_of_usual_side(const float* from, float* const* rows, float scale, int width,
+                           float* __restrict to) {
+  static_assert(kUsualSide == 7);
+  const float *r0 = rows[0], *r1 = rows[1], *r2 = rows[2], *r3 = rows[3], *r4 = rows[4],
+              *r5 = rows[5];
+  float* __restrict along = rows[6];
+  for (int x = 0; x < width; ++x) {
+    const float sum =
+        from[x] + from[x + 1] + from[x + 2] + from[x + 3] + from[x + 4] + from[x + 5] + from[x + 6];
+    along[x] = sum;
+    to[x] = (r0[x] + r1[x] + r2[x] + r3[x] + r4[x] + r5[x] + sum) * scale;
+  }
+}
+
+SPOOL_VECTOR_CLONES
+void weights_of_distances(float* __restrict row, int width) {
+  for (int x = 0; x < width; ++x)
+    row[x] = row[x] > 0.0f ? row[x] : 0.0f;
+  for (int x = 0; x < width; ++x)  // apart: folded into one loop it has no vectors for AVX2
+    row[x] = exp_negative(row[x]);
 }
 
 // sums[i] += weight * (from[i] - own[i]) and total += weight; weights below the least one count as
@@ -263,10 +272,12 @@ class Tile {
   }
 
   // row_ becomes a row of boxes that end with it; before there are `side` rows, of no meaning.
-  template <BoxOf kOf>
   void box(RowRing& ring, float scale, int width) {
-    const auto row = side_ == kUsualSide ? box_row<kUsualSide, kOf> : box_row<0, kOf>;
-    row(row_, ring.next(), side_, scale, width, boxes_);
+    if (side_ == kUsualSide) {
+      box_row_of_usual_side(row_, ring.next(), scale, width, boxes_);
+    } else {
+      box_row_of_any_side(row_, ring.next(), side_, scale, width, boxes_);
+    }
     std::swap(row_, boxes_);
   }
 
@@ -277,9 +288,10 @@ class Tile {
     for (int y = 0; y < height_ + 4 * f; ++y) {
       distance_row(guide_row(y, 0, 0), guide_row(y, dx, dy), noise_, whole_lanes(width_ + 4 * f),
                    row_);
-      box<BoxOf::kDistances>(distances_, scale / 3.0f, whole_lanes(width_ + 2 * f));
+      box(distances_, scale / 3.0f, whole_lanes(width_ + 2 * f));
       if (y < 2 * f) continue;
-      box<BoxOf::kWeights>(weights_, scale, whole_lanes(width_));
+      weights_of_distances(row_, whole_lanes(width_ + 2 * f));
+      box(weights_, scale, whole_lanes(width_));
       if (y >= 4 * f) add_row(y - 4 * f, dx, dy);
     }
   }

@@ -41,7 +41,7 @@ struct AnalysisEstimates {
   Plane variance;         // [y][x] of `mean`, finite
 };
 
-// Estimates of the analysis signal. With `normalise`, a signal nobody has exposed (exposure 1, the
+// Estimates of the analysis signal. With `normalise`, a signal without exposure (exposure 1, the
 // mark of a bare selection) is brought to mean 1 first; a sampler's own exposure is kept.
 AnalysisEstimates estimate_analysis(const PieceStatistics& statistics,
                                     const VarianceOptions& options, bool normalise,

@@ -39,7 +39,7 @@ struct ClampedSamples {
   Selection selection;  // the same counts, with the statistics of clamped samples
 };
 
-// What a filter sees when samples are clamped before it. `guards` counts the samples scaled down.
+// What a filter gets when samples are clamped before it. `guards` counts the samples scaled down.
 // Halves of the selection are not looked at: clamp each of them apart.
 ClampedSamples clamp_samples(const Selection& selection, const SamplePool& pool,
                              const SampleClampOptions& options, GuardCounts& guards);

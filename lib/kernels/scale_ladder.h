@@ -35,7 +35,7 @@ struct LadderBase {
   bool subpixel = false;
 };
 
-// I_0 and the counts that it was made of, for whoever makes it again with more samples.
+// I_0 and the counts that it was made of, to make it again with more samples.
 struct KeptImage {
   CountImage n;
   RgbImage image;

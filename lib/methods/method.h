@@ -2,7 +2,7 @@
 // options, the images it can show, what it needs, and how it is made.
 //
 // The file of a method ends with its value; lib/sampling/samplers.cpp and lib/filters/filters.cpp
-// are the only lists. Whoever wants to know something about a method reads it here.
+// are the only lists. What a method is stands here.
 #pragma once
 
 #include <functional>
@@ -33,13 +33,16 @@ struct Needs {
   bool filter_in_loop = false;      // a sampler that asks for the image of a filter
   std::string loop_filter = {};     // that filter's name; empty: the filter of the image
   bool signal = true;               // false: no analysis signal but the mean that exposes it
-  bool variance = true;             // false: means alone where nobody asks for the image's variance
-  bool samples = true;              // false: an image made elsewhere, the same for any samples
+  bool variance = true;  // false: means alone where the image's variance is not asked for
+  bool samples = true;   // false: an image made elsewhere, the same for any samples
   friend bool operator==(const Needs&, const Needs&) = default;
 };
 
-// Of methods of other people, and of those that nobody has measured.
+// Of methods of other people, and of those that were not measured.
 inline constexpr WorkingMemory kUnmeasuredMemory = {400, 5e6};
+// CPU seconds of a megapixel with 8 samples a pixel and default options (docs/speed.md). Only the
+// order of work and its shares depend on it, never a result.
+inline constexpr double kUnmeasuredCost = 5.0;
 
 // A method with its options chosen. It is called as its function is.
 template <class Function>
@@ -64,6 +67,7 @@ struct Method {
   std::vector<ViewDescription> views;
   Needs needs;              // with the default options
   bool footprints = false;  // a filter that can say its weights (footprint.h)
+  double cost = kUnmeasuredCost;
   std::function<std::vector<OptionDescription>(std::string_view preset)> describe;
   // An empty preset is the default. Errors kUsage: an unknown preset or option, a wrong value.
   std::function<Result<Ready<Function>>(std::string_view preset, const OptionValues& set)> make;
@@ -108,6 +112,7 @@ struct MethodParts {
   std::vector<ViewDescription> views = {};
   std::function<Needs(const Options&)> needs = nullptr;  // none: nothing but samples
   WorkingMemory memory = kUnmeasuredMemory;
+  double cost = kUnmeasuredCost;
   bool footprints = false;
   typename WithOptions<Function, Options>::Type run = nullptr;
 
@@ -133,6 +138,7 @@ Method<Function> make_value(MethodParts<Function, Options> parts) {
   method.views = parts.views;
   method.needs = parts.needs_of(parts.presets.front().second);
   method.footprints = parts.footprints;
+  method.cost = parts.cost;
   for (const auto& preset : parts.presets) {
     if (!preset.first.empty()) method.presets.push_back(preset.first);
   }

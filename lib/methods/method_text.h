@@ -13,7 +13,7 @@
 
 namespace spool {
 
-// A method, its preset and its options, as somebody chose them.
+// A method, its preset and its options, as they were chosen.
 struct MethodChoice {
   std::string name;
   std::string preset;          // empty: the method's default; or the argument of methods with one
@@ -22,7 +22,7 @@ struct MethodChoice {
 
   // The name in every table: the own label, else "NAME:PRESET{a=1,b=2}".
   std::string label() const;
-  // Who it is: as it is written on a command line, the own label too.
+  // Its name as it is written on a command line, the own label too.
   std::string text() const;
   friend bool operator==(const MethodChoice&, const MethodChoice&) = default;
 };

@@ -19,7 +19,7 @@ Plane flip_ldr_map(const RgbImage& reference, const RgbImage& test);
 
 // An ordinary picture needs 5 to 15, one for each stop between its median and its brightest pixel.
 // Beyond this number they are spread evenly over the same range.
-inline constexpr int kMostFlipExposures = 24;
+inline constexpr int kMostFlipExposures = 16;
 
 struct FlipExposures {
   double start = 0, stop = 0;  // base-2 logarithms

@@ -11,7 +11,7 @@
 namespace spool {
 
 // Values of the judged pixels, the largest first (ties: lower index). Only the head is sorted until
-// somebody walks further.
+// the walk continues.
 class LargestFirst {
  public:
   struct Entry {

@@ -2,7 +2,7 @@
 //
 // SSIM, MS-SSIM and LDR-FLIP look at the images tone-mapped by the reference's exposure
 // (tone_map.h), HDR-FLIP at the radiance. Unlike squared errors they cannot be debiased: noise in
-// the reference counts as error, so they want a clean one. Standard errors resample the pixels'
+// the reference counts as error, so they require a clean one. Standard errors resample the pixels'
 // values by blocks; a value belongs to the block of its window's centre.
 #pragma once
 

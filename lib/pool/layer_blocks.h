@@ -19,7 +19,7 @@
 namespace spool {
 
 // The values [c][y][x][s] of one block. `held` keeps them; where it is null they lie there as long
-// as whoever gave them.
+// as their source.
 struct BlockValues {
   const float* values = nullptr;
   std::shared_ptr<const void> held;

@@ -136,7 +136,7 @@ void offer_features(const std::shared_ptr<const SpoolReader>& reader, RecordedSa
       });
 }
 
-// The last `cost_per_sample` holds, as the format wants; one that is no positive number is none.
+// The last `cost_per_sample` holds, as the format requires; one that is no positive number is none.
 void load_cost(const SpoolReader& reader, RecordedSamples& samples) {
   double seconds = 0.0;
   for (const std::string& text : reader.meta()) {

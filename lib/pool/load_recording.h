@@ -22,7 +22,7 @@ enum class SampleFilm { kLoad, kLeaveOut };
 // Errors: those of format::SpoolReader; kDamage when a block of the radiance is missing, naming its
 // tile and samples; those of RecordedSamples::create. The seconds a sample took come from the
 // top-level meta key `cost_per_sample`. kData, before anything is loaded, when samples, reference
-// and `work` together are more than available_memory(). `pass`, which may be null, sees the samples
+// and `work` together are more than available_memory(). `pass`, which may be null, gets the samples
 // as they are read; they are not expected to be read again then.
 Result<std::shared_ptr<const RecordedSamples>> load_recording(const std::filesystem::path& path,
                                                               const SanitiseRules& rules = {},

@@ -53,7 +53,7 @@ using FeatureReader = std::function<Result<std::vector<float>>(
 class RecordedSamples {
  public:
   // Reads and scans every sample once (in parallel) to apply `rules`; `keep`: blocks stay in
-  // memory; `pass`, which may be null, sees what is read. Errors: those of the layer; kData when
+  // memory; `pass`, which may be null, gets what is read. Errors: those of the layer; kData when
   // non-finite samples are forbidden or too many, or when a pixel keeps no sample, unless the rules
   // allow it.
   static Result<RecordedSamples> create(std::string name, LayerBlocks radiance, bool keep,
@@ -110,7 +110,7 @@ class RecordedSamples {
     const LayerBlocks::Place place = radiance_.place_of(x, y, s);
     return {place.value[0], place.value[place.channel], place.value[2 * place.channel]};
   }
-  // The radiance as it lies, before the rules; for whoever goes through many samples.
+  // The radiance as it lies, before the rules; for code that reads many samples.
   const LayerBlocks& blocks() const { return radiance_; }
   // Whether the rules leave every sample as it lies, and reject none.
   bool as_it_lies() const { return !any_rejected_ && !rules_.changes_values(); }

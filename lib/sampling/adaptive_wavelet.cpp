@@ -215,6 +215,7 @@ Sampler adaptive_wavelet_sampler() {
        .source = Source::kDescriptions,
        .options = adaptive_wavelet_option_table(),
        .memory = {132, 2e6},
+       .cost = 5.8,
        .run = sample_adaptive_wavelet});
 }
 

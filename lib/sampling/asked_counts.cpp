@@ -13,7 +13,7 @@ CountImage grant_wants(const CountImage& wanted, const CountImage& n, const Samp
                        long long left, GuardCounts& guards) {
   SPOOL_CHECK(wanted.same_size(n));
   std::vector<double> weight(n.size());
-  std::vector<long long> room(n.size());  // of the pieces that want something
+  std::vector<long long> room(n.size());  // of the pieces with a request
   long long wants = 0;
   for (int y = 0; y < n.height(); ++y) {
     for (int x = 0; x < n.width(); ++x) {

@@ -1,4 +1,4 @@
-// A sampler that somebody else is: in each round it is asked how many more samples it wants where.
+// A sampler from elsewhere: in each round it is asked how many more samples each piece shall get.
 //
 // Every piece takes its first samples; then, round after round, the answer is granted as far as
 // budget and pool reach [y][x]:

@@ -72,6 +72,7 @@ Sampler cross_bilateral_sampler() {
        .views = {{"density.i", "what iteration i is apportioned over"}},
        .needs = [](const auto&) { return Needs{.features = Use::kRequired}; },
        .memory = {264, 6.8e6},
+       .cost = 14.2,
        .run = sample_cross_bilateral});
 }
 

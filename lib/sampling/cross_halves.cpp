@@ -108,6 +108,7 @@ Sampler cross_halves_sampler() {
                   "relative difference of the filtered halves of half i % 2, round i / 2"}},
        .needs = [](const auto& options) { return loop_needs(options.filter); },
        .memory = {201, 2e6},
+       .cost = 3.7,
        .run = sample_cross_halves});
 }
 

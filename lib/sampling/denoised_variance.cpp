@@ -42,7 +42,7 @@ Result<Plane> sample_deviation(const PieceStatistics& statistics, const SamplePo
 Result<SamplingResult> sample_denoised_variance(const SamplePool& pool, long long budget,
                                                 const DenoisedVarianceOptions& options,
                                                 const SamplingContext& context) {
-  // Variances want two samples.
+  // Variances require two samples.
   const int each = options.init_spp.value_or(std::max(2, default_initial_samples(budget, pool)));
   Spending spending =
       begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed));
@@ -68,6 +68,7 @@ Sampler denoised_variance_sampler() {
              return Needs{.features = options.denoised ? Use::kWhenRecorded : Use::kNone};
            },
        .memory = {334, 4e6},
+       .cost = 9.2,
        .run = sample_denoised_variance});
 }
 

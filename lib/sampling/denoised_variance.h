@@ -2,7 +2,7 @@
 // descriptions: what its kernel is given is public, the kernel is not.
 //
 // The wanted count of a piece is proportional to sqrt(mean_c s_c^2) [Neyman34], s^2 averaged over
-// the neighbours that a test of variances cannot tell apart (lib/kernels/denoised_variance.h). A
+// the neighbours that a test of variances cannot separate (lib/kernels/denoised_variance.h). A
 // round hands its share out over max(0, wanted - n). `source=noisy` takes each piece's own s^2:
 // pieces that no bright sample has met yet are starved, and light is lost. The criterion is
 // absolute: bright places get more than a relative error asks for.

@@ -45,6 +45,7 @@ Sampler filtered_halves_sampler() {
        .views = {{"error.i", "relative difference of the two filtered halves, round i"}},
        .needs = [](const auto& options) { return loop_needs(options.filter); },
        .memory = {128, 2e6},
+       .cost = 9,
        .run = sample_filtered_halves});
 }
 

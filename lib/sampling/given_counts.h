@@ -1,4 +1,4 @@
-// Anybody's own sampler: the counts are given, the statistics follow.
+// A sampler of the user's own: the counts are given, the statistics follow.
 #pragma once
 
 #include <string>

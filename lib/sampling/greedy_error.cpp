@@ -47,6 +47,7 @@ Sampler greedy_error_sampler() {
                                                 : Use::kWhenRecorded};
            },
        .memory = {260, 2e6},
+       .cost = 4.8,
        .run = sample_greedy_error});
 }
 

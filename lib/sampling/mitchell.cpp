@@ -142,6 +142,7 @@ Sampler mitchell_sampler() {
        .options = mitchell_option_table(),
        .views = {{"ratio", "largest contrast over its threshold, at the end"}},
        .memory = {172, 2e6},
+       .cost = 1.16,
        .run = sample_mitchell});
 }
 

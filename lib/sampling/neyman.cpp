@@ -115,6 +115,7 @@ Sampler neyman_sampler() {
            },
        .views = {{"deviation", "deviation of everything recorded"}},
        .memory = {156, 2e6},
+       .cost = 1.1,
        .run = sample_neyman});
 }
 

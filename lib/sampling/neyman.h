@@ -6,7 +6,7 @@
 //         (D the reference, or the mean of everything recorded; u = 1 / its mean luminance)
 //
 // With counts that are fixed in advance and no filter no other counts have a smaller expectation of
-// that error: with minimise=mse the oracle says nothing about relative errors, and the reverse. A
+// that error: with minimise=mse the oracle bounds no relative errors, and the reverse. A
 // sampler that decides by its own samples can still show a smaller error: it stops where it has
 // missed bright samples, which is bias and not variance, so the bound does not hold for it (see the
 // columns *_fresh and *_bias2). Slow twin: tests/reference/neyman_reference.h.

@@ -116,7 +116,7 @@ std::array<HalfSums, 2> empty_halves(const SamplePool& pool,
 Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
                                        const NlMeansSamplingOptions& options,
                                        const SamplingContext& context) {
-  // Both halves want a sample.
+  // Both halves require a sample.
   const int each = options.init_spp.value_or(std::max(2, default_initial_samples(budget, pool)));
   Spending spending =
       begin_spending(pool, budget, initial_counts(pool, budget, each, context.seed));
@@ -143,6 +143,7 @@ Sampler nl_means_sampler() {
        .options = nl_means_sampling_option_table(),
        .views = {{"error.i", "error before its smoothing, iteration i"}},
        .memory = {274, 4.7e6},
+       .cost = 10,
        .run = sample_nl_means});
 }
 

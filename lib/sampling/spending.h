@@ -8,7 +8,7 @@
 
 namespace spool {
 
-// A budget being spent on a pool. Whoever takes samples keeps `left` right.
+// A budget being spent on a pool. Code that takes samples keeps `left` right.
 struct Spending {
   PieceStatistics statistics;  // of everything taken so far
   long long left = 0;          // of the budget, as far as the pool reaches
@@ -28,7 +28,7 @@ void expose(PieceStatistics& statistics, const SamplePool& pool, GuardCounts& gu
 // Takes `extra` samples of every piece; how many they were.
 long long spend(Spending& spending, const SamplePool& pool, const CountImage& extra);
 
-// Tells the context how far a sampler is; an error when the caller wants to stop.
+// Reports to the context how far a sampler is; an error when the caller stops it.
 Result<void> report_progress(const SamplingContext& context, std::string_view sampler,
                              long long spent, long long budget);
 

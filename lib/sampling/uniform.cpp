@@ -66,6 +66,7 @@ Sampler uniform_sampler() {
       {.name = "uniform",
        .summary = "the same number of samples in every piece",
        .memory = {128, 2e6},
+       .cost = 0.125,
        .run = sample_uniform});
 }
 

@@ -1,5 +1,5 @@
-// The means of the samples of one block and nothing else, for who asks for no variance. The same
-// bits as piece_statistics.h takes one by one: every pixel sees the same operations in the same
+// The means of the samples of one block alone, where no variance is asked for. The same
+// bits as piece_statistics.h takes one by one: every pixel gets the same operations in the same
 // order.
 #pragma once
 

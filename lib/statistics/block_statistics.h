@@ -1,5 +1,5 @@
 // The samples of one block added to the statistics of its pixels, four neighbours side by side in
-// registers. The same bits as piece_statistics.h takes one by one: every pixel sees the same
+// registers. The same bits as piece_statistics.h takes one by one: every pixel gets the same
 // operations in the same order.
 #pragma once
 

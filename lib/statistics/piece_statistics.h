@@ -54,7 +54,7 @@ void take(PieceStatistics& statistics, const SamplePool& pool, int x, int y, int
 // Takes the next counts(x, y) samples of every piece, in parallel.
 void take_each(PieceStatistics& statistics, const SamplePool& pool, const CountImage& counts);
 
-// What take() does with each sample, for a caller who fetched the next one of the piece himself.
+// What take() does with each sample, for a caller that fetched the next one of the piece.
 void add_sample(PieceStatistics& statistics, std::size_t piece, const Rgb& value);
 
 // Takes up to `spp` samples of every piece, fewer where a piece has fewer, in parallel; returns how

@@ -2,7 +2,7 @@
 // attenuation of each level where it kept one.
 //
 // A replay always takes a prefix of each pool, so the counts say everything: statistics can be
-// recomputed from pool and counts, and anybody's sampler can take part by writing a count image.
+// recomputed from pool and counts, and any sampler can take part by writing a count image.
 #pragma once
 
 #include <vector>

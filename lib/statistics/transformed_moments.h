@@ -1,4 +1,4 @@
-// Moments of transformed samples: what tests compare that want a distribution nearer to a normal
+// Moments of transformed samples: what tests compare that require a distribution nearer to a normal
 // one.
 //
 //   T(x) = (x^lambda - 1) / lambda [BoxCox64],   T(x) = x for lambda = 1

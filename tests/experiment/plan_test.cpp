@@ -253,8 +253,8 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
       {"[[claim]]\nspp = 5", "plan.toml:6: spp 5 is no budget of the plan"},
       {"[[claim]]\nsamples = 'new'", "plan.toml:6: samples is own or fresh, not 'new'"},
       {"[[claim]]\nbelow = 0", "plan.toml:6: option below: 0 is outside"},
-      {"[[dump]]\ngroup = 'g'", "plan.toml:5: this dump has no file"},
-      {"[[dump]]\nfle = 'b.spool'", "plan.toml:6: unknown key 'fle' of a dump"},
+      {"[[dump]]\ngroup = 'g'", "plan.toml:5: this recording has no file"},
+      {"[[dump]]\nfle = 'b.spool'", "plan.toml:6: unknown key 'fle' of a recording"},
       {"order = 'random'", "plan.toml:5: order is disjoint, shuffled or recorded"},
       {"[[sampler]]\nname = 'multiscal'",
        "plan.toml:5: unknown sampler 'multiscal', did you mean 'multiscale'?"},
@@ -364,26 +364,6 @@ TEST(Plan, CellIdsAreUniqueAndFollowWhatDecidesTheResult) {
   Cell moved = cell;
   moved.dump = "elsewhere/" + std::filesystem::path(cell.dump).filename().string();
   EXPECT_EQ(cell_id(moved, plan), cell_id(cell, plan));
-}
-
-TEST(Plan, ShardsCoverEveryCellOnceAndKeepSamplingRunsTogether) {
-  Plan plan = *parse(kFull);
-  plan.filters.push_back({"box", "robust", {}});
-  std::map<std::string, std::set<int>> shards_of_run;
-  std::vector<int> cells_of_shard(3, 0);
-  for (const Cell& cell : plan.cells()) {
-    const int shard = shard_of(cell, plan, 3);
-    ASSERT_GE(shard, 0);
-    ASSERT_LT(shard, 3);
-    ++cells_of_shard[static_cast<std::size_t>(shard)];
-    shards_of_run[fmt::format("{} {} {} {}", cell.dump, cell.sampler.label(), cell.spp,
-                              cell.replicate)]
-        .insert(shard);
-  }
-  for (const auto& [run, shards] : shards_of_run)
-    EXPECT_EQ(shards.size(), 1u) << run;
-  for (const int cells : cells_of_shard)
-    EXPECT_GT(cells, 0);
 }
 
 }  // namespace

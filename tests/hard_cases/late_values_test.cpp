@@ -64,7 +64,9 @@ TEST_P(LateValue, ReachesNoMemoryButItsOwn) {
       FilterContext context;
       context.reference = &reference;
       const auto made = filter.run(selection, pool, context);
-      if (made) EXPECT_EQ(made->image[0].size(), std::size_t{kWidth} * kHeight) << filter.label();
+      if (made) {
+        EXPECT_EQ(made->image[0].size(), std::size_t{kWidth} * kHeight) << filter.label();
+      }
     }
   }
 }

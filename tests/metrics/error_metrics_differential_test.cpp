@@ -58,7 +58,9 @@ TEST(ErrorMetrics, EqualTheSlowTwin) {
       EXPECT_NEAR(fast.worst_share, slow.worst_share, 1e-12);
       EXPECT_EQ(fast.half_pixels, slow.half_pixels);
       EXPECT_EQ(std::isnan(fast.reference_noise), !c.variance);
-      if (c.variance) EXPECT_NEAR(fast.reference_noise, slow.reference_noise, 1e-12);
+      if (c.variance) {
+        EXPECT_NEAR(fast.reference_noise, slow.reference_noise, 1e-12);
+      }
     }
   }
 }

@@ -42,6 +42,12 @@ def test_headers_and_libraries_come_with_what_they_include(packages):
     assert "./usr/bin" not in files
 
 
+def test_each_carries_its_licences_and_its_list(packages):
+    for name, file in packages.items():
+        files = run("dpkg-deb", "--contents", file)
+        assert f"./usr/share/doc/{name}/copyright\n" in files and f"./usr/share/doc/{name}/{name}.spdx.json\n" in files
+
+
 def test_no_file_is_in_two_packages(packages):
     seen = {}
     for name, file in packages.items():

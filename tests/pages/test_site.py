@@ -51,6 +51,7 @@ def test_a_dead_link_or_anchor_stops_the_build(site, right, wrong):
 
 def test_pictures_of_the_pages_are_in_it(site):
     assert (site / "docs/images/method/density.png").is_file() and (site / "docs/results/experiments/e3_samplers_over_budget_claims.csv").is_file()
+    assert "multiscale is below uniform in MSE" in (site / "docs/results/claims.html").read_text(encoding="utf-8")
     curves = (site / "docs/results/curves.html").read_text(encoding="utf-8")
     drawn = re.findall(r'src="(curves/[^"]+\.svg)"', curves)
     assert len(drawn) > 10 and all((site / "docs/results" / file).is_file() for file in drawn)

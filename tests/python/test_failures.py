@@ -61,7 +61,7 @@ def test_arrays():
     assert caught.value.code == spool.DATA
     with pytest.raises(spool.SpoolError, match="-1 is no number of samples"):
         spool.reconstruct(np.ones((4, 4, 2, 3)), np.full((4, 4), -1), "box")
-    with pytest.raises(spool.SpoolError, match="4 x 4, the dump 5 x 4|5 x 4"):
+    with pytest.raises(spool.SpoolError, match="4 x 4, the recording 5 x 4|5 x 4"):
         spool.reconstruct(np.ones((4, 5, 2, 3)), np.ones((4, 4)), "box")
     with pytest.raises(spool.SpoolError, match="not finite"):
         spool.metrics(np.full((4, 4, 3), np.nan), np.ones((4, 4, 3)))

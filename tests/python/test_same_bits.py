@@ -149,11 +149,14 @@ def test_metrics_that_are_asked_for(layers):
 
 
 def test_one_metric_is_cheap():
-    image = np.random.default_rng(1).random((1024, 1024, 3))
-    spool.metrics(image, image, metrics=["relmse"])
-    before = time.process_time()
-    spool.metrics(image, 0.5 * image, metrics=["relmse"])
-    assert time.process_time() - before < 0.2 * int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))
+    image = np.random.default_rng(1).random((256, 256, 3))
+
+    def seconds(**wanted):
+        before = time.process_time()
+        spool.metrics(image, 0.5 * image, **wanted)
+        return time.process_time() - before
+    seconds()
+    assert min(seconds(metrics=["relmse"]) for _ in range(3)) < 0.2 * seconds()
 
 
 def test_arrays_of_one_plan(layers):

@@ -131,7 +131,7 @@ def test_a_recording_killed_while_its_samples_are_tested_goes_on_and_is_tested(t
     out = tmp_path / "on.spool"
     options = [*OPTIONS, "-o", out, "--reference", 8]
     process = subprocess.Popen([sys.executable, RECORD, *map(str, options)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while process.poll() is None and not os.path.exists(str(out) + ".recording/whole.spool"):
+    while process.poll() is None and not os.path.exists(str(out) + ".recording/whole_1.spool"):
         time.sleep(0.001)
     process.send_signal(signal.SIGKILL)
     assert process.wait() == -signal.SIGKILL and not out.exists()
@@ -139,3 +139,17 @@ def test_a_recording_killed_while_its_samples_are_tested_goes_on_and_is_tested(t
     assert os.listdir(tmp_path) == ["on.spool"] and content_hash(str(out)) == whole(8)
     with spool.open(out) as dump:
         assert dump.meta["verification"]["holds"] is True
+
+
+@pytest.mark.parametrize("reference", [8, 16])
+def test_a_file_that_took_some_chunks_and_was_cut_is_made_again(tmp_path, whole, reference):
+    """Killed as the first chunk is taken: it is traced once more; so is all that a whole file took, for another reference."""
+    out, folder = tmp_path / "on.spool", tmp_path / "on.spool.recording"
+    process = subprocess.Popen([sys.executable, RECORD, *map(str, OPTIONS), "-o", str(out), "--reference", "8"],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while process.poll() is None and not ((folder / "numbers.json").exists() and not (folder / "chunk_00000.npz").exists()):
+        time.sleep(0.0005)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL and not out.exists()
+    check_ok(record(*OPTIONS, "-o", out, "--reference", reference))
+    assert os.listdir(tmp_path) == ["on.spool"] and content_hash(str(out)) == whole(reference)

@@ -1,6 +1,6 @@
 """statistics.json for made results: invented verdicts that a test can know, in the form that the program writes.
 
-Means are geometric, intervals 2 % either way, and methods are told apart where their means are 5 % apart. None of it is
+Means are geometric, intervals 2 % either way, and methods are separated where their means are 5 % apart. None of it is
 how the program does it: the report has to say what the file says.
 """
 import json

@@ -1,4 +1,4 @@
-"""Colours of figures and of the page: told apart in grey print and by colour-blind readers.
+"""Colours of figures and of the page: separated in grey print and by colour-blind readers.
 
 Colour vision after [Vienot99], lightness and distances in CIELAB under D65.
 """

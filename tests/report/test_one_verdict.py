@@ -176,7 +176,7 @@ def check_report(folder, page):
             assert plain(letters) == (withheld or entry["letters"] or ("" if entry["compared"] else "not compared"))
             assert plain(against.split("<small>")[0]) == entry.get("against_baseline", "")
             more = [f"about {count:.2g} {unit}" for unit, count in entry.get("would_tell", {}).items()]
-            assert plain(against).count("would tell") == len(more)
+            assert plain(against).count("would decide") == len(more)
             assert ("loses" in method) == ("loses_energy" in entry)
     check_sentences(plain(text.split('id="charts"')[0]), conditions)
     check_table(text, statistics)
@@ -193,7 +193,7 @@ def check_sentences(text, conditions):
         if len(level) == len(rest):
             assert "none of the other" in sentence
         elif level:
-            named = sentence.split("not told apart from ")[1]
+            named = sentence.split("not separated from ")[1]
             for method in level if len(level) <= 6 else level[:5]:
                 assert method in named
             assert len(level) <= 6 or f"{len(level) - 5} more" in named

@@ -52,7 +52,7 @@ def test_a_tie_is_said_to_be_one(tmp_path):
     rows = one_scene(samplers=("uniform", "mitchell"), filters=("box", "gaussian"), noise=0.005,
                      factor={"uniform": 1.0, "mitchell": 1.0, "box": 1.0, "gaussian": 1.0})
     text = sentences_of(tmp_path, rows)
-    assert "none of the other 3 is told apart from it" in text
+    assert "none of the other 3 is separated from it" in text
     assert "lowest" not in text and "times the" not in text
 
 
@@ -60,8 +60,8 @@ def test_what_ties_with_the_best_is_named(tmp_path):
     rows = one_scene(samplers=("uniform", "mitchell"), filters=("box", "gaussian"), noise=0.005)
     text = sentences_of(tmp_path, rows)
     first, second = "uniform + gaussian", "mitchell + gaussian"
-    assert (f"{first} has the smallest mean" in text and f"not told apart from {second}" in text) or (
-        f"{second} has the smallest mean" in text and f"not told apart from {first}" in text)
+    assert (f"{first} has the smallest mean" in text and f"not separated from {second}" in text) or (
+        f"{second} has the smallest mean" in text and f"not separated from {first}" in text)
     assert "times the error of uniform + box" in text
 
 
@@ -73,7 +73,7 @@ def test_a_sentence_says_the_verdict_of_the_file_whatever_the_figures(tmp_path):
                     if key in entry:
                         entry[key] = "undecided"
     text = sentences_of(tmp_path, one_scene(noise=0.005), forget)
-    assert "none of the other 8 is told apart" in text and "times the error" not in text
+    assert "none of the other 8 is separated" in text and "times the error" not in text
 
 
 def test_one_replicate_claims_nothing(tmp_path):

@@ -1,9 +1,12 @@
-"""tools/dev.sh: what its usage names is there, and what it calls is defined."""
+"""tools/dev.sh: what its usage names is there, what it calls is defined, and what is fetched is pinned by hash."""
 import re
 import subprocess
 from pathlib import Path
 
-SCRIPT = Path(__file__).resolve().parents[2] / "tools" / "dev.sh"
+import pytest
+
+TREE = Path(__file__).resolve().parents[2]
+SCRIPT = TREE / "tools" / "dev.sh"
 TEXT = SCRIPT.read_text()
 CASES = TEXT[TEXT.rindex('case "${1:-help}" in'):]
 
@@ -18,3 +21,57 @@ def test_every_verb_of_the_usage_is_a_case():
     usage = subprocess.run([SCRIPT, "help"], capture_output=True, text=True, check=True).stdout
     verbs = set(re.findall(r"^  (\w+) ", usage, re.M))
     assert len(verbs) > 10 and verbs <= set(re.findall(r"^  (\w+)\) ", CASES, re.M))
+
+
+LOCKS = [*TREE.glob("tools/requirements/*.txt"), TREE / "dumps/mitsuba/requirements.txt"]
+
+
+def function_of(name):
+    return re.search(rf"^{name}\(\) \{{.*?^\}}", TEXT, re.M | re.S)[0]
+
+
+def test_pip_installs_nothing_without_a_hash():
+    calls = re.findall(r"pip (?:install|wheel|download)[^\n]*", TEXT)
+    assert len(calls) == 3
+    for call in calls:
+        assert "--require-hashes" in call or "--no-index" in call or "--no-deps --no-build-isolation" in call, call
+    used = re.findall(r"(?:setup_venv|install_locked) .*", TEXT.replace("\\\n", " "))
+    assert {file.stem for file in LOCKS} - {"requirements"} <= set(" ".join(used).split())
+
+
+@pytest.mark.parametrize("lock", LOCKS, ids=lambda file: file.parent.name + "/" + file.name)
+def test_a_lock_file_pins_all_that_it_was_made_from(lock):
+    pinned = {}
+    for entry in re.split(r"\n(?=\S)", lock.read_text().strip()):
+        name, version, rest = re.match(r"([\w.-]+)==([\w.]+)(.*)$", entry, re.S).groups()
+        assert re.search(r"--hash=sha256:[0-9a-f]{64}", rest), entry
+        pinned.setdefault(name.replace("_", "-").lower(), set()).add(version)
+    for line in lock.with_suffix(".in").read_text().split():
+        name, _, version = line.partition("==")
+        found = pinned[re.match(r"[\w-]+", name)[0].lower()]
+        assert not version or "*" in version or any((one + ".").startswith(version + ".") for one in found), line
+
+
+@pytest.mark.parametrize("workflow", sorted((TREE / ".github/workflows").glob("*.yml")), ids=lambda file: file.name)
+def test_actions_are_pinned_by_commit(workflow):
+    used = re.findall(r"uses: (.*)", workflow.read_text())
+    assert used and all(re.fullmatch(r"[\w./-]+@[0-9a-f]{40}  # v[\d.]+", one) for one in used)
+
+
+def test_an_archive_of_npm_is_the_one_that_was_pinned(tmp_path):
+    npm = tmp_path / "bin/npm"
+    npm.parent.mkdir()
+    npm.write_text("#!/bin/sh\nprintf other >name-1.0.tgz\n")
+    npm.chmod(0o755)
+    functions = function_of("fetch_npm") + "\ndie() { echo \"$*\" >&2; exit 1; }\n"
+
+    def fetch(digest):
+        return subprocess.run(["bash", "-ec", functions + f"fetch_npm name 1.0 {digest}"], cwd=tmp_path, text=True,
+                              capture_output=True, env={"PATH": f"{npm.parent}:/usr/bin:/bin"}, check=False)
+    refused = fetch("0" * 64)
+    assert refused.returncode == 1 and "sha256 differs" in refused.stderr and not (tmp_path / "name-1.0.tgz").exists()
+    right = subprocess.run(["sha256sum"], input="other", text=True, capture_output=True, check=True).stdout.split()[0]
+    assert fetch(right).returncode == 0 and (tmp_path / "name-1.0.tgz").exists()
+    npm.unlink()
+    assert fetch(right).returncode == 0  # what is there is checked, and not fetched again
+    assert "fetch_npm" in function_of("docs") and len(re.findall("npm pack", TEXT)) == 1

@@ -12,7 +12,7 @@ COMMITTED = ROOT / "docs/images/method"
 
 
 def test_committed_pictures_are_made_again(tmp_path):
-    subprocess.run([sys.executable, ROOT / "tools/study/method_pictures.py", "--program",
+    subprocess.run([sys.executable, "-m", "tools.study.method_pictures", "--program",
                     os.environ["SPOOL_PROGRAM"], "--output", tmp_path], check=True)
     made = sorted(path.name for path in tmp_path.glob("*.png"))
     assert made == sorted(path.name for path in COMMITTED.glob("*.png"))

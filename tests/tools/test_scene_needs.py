@@ -1,17 +1,15 @@
 """docs/scene_needs.md: a recording without some of its layers, and the rows of its tables."""
-import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools/study"))
 
 
 @pytest.mark.parametrize("name", ["chess", "caustic_mitsuba"])
 def test_a_recording_without_layers_holds_the_same_samples(tmp_path, name):
     import numpy as np
-    import scene_needs
+    from tools.study import scene_needs
     import spool
     for kind, layers in scene_needs.SETS.items():
         with spool.open(ROOT / f"dumps/tiny/{name}.spool") as whole:
@@ -26,20 +24,20 @@ def test_a_recording_without_layers_holds_the_same_samples(tmp_path, name):
 
 
 def test_what_a_layer_costs_and_buys_is_a_row_each():
-    import scene_needs
+    from tools.study import scene_needs
     sets = {kind: {"layers": list(layers), "bytes": 12, "file": 1e6 * (1 + i), "microseconds": None if i else 2.0}
             for i, (kind, layers) in enumerate(scene_needs.SETS.items())}
     one = {"recording": "torus", "renderer": "Mitsuba", "sets": sets,
            "relmse": {kind: {"box": [0.5, 0.4, 0.6], "twin_guides": [0.1 / (1 + i), 0.05, 0.2]} for i, kind in enumerate(sets)}}
-    cost = scene_needs.cost_table([one])
-    assert "| torus | Mitsuba | radiance | 12 | 1 | 1.00 | 1.00 |" in cost and "| radiance lens | 12 | 3 | 3.00 | – |" in cost
-    gain = scene_needs.gain_table([one])
-    assert "| features | twin_guides | torus | 0.100 [0.0500, 0.200] | 0.0250 [0.0500, 0.200] | twin_guides 0.1 |" in gain
-    assert "| features | cross_bilateral | torus | – | – | twin_guides 0.1 |" in gain
+    cost = scene_needs.cost_rows([one])
+    assert ["torus", "Mitsuba", "radiance", 12, "1", "1.00", "1.00"] in cost and ["torus", "Mitsuba", "radiance lens", 12, "3", "3.00", "–"] in cost
+    gain = scene_needs.gain_rows([one])
+    assert ["features", "twin_guides", "torus", "0.100 [0.0500, 0.200]", "0.0250 [0.0500, 0.200]", "twin_guides 0.1"] in gain
+    assert ["features", "cross_bilateral", "torus", "–", "–", "twin_guides 0.1"] in gain
 
 
 def test_what_leaving_a_need_out_does_is_a_row():
-    import scene_needs
+    from tools.study import scene_needs
     row = {"scene": "mist", "need": "medium", "microseconds": 3.0, "microseconds_without": 2.0, "noise": [0.2, 0.1, 0.3],
            "noise_without": [0.1, 0.05, 0.15], "left_out": 0.7, "again": 0.001}
     table = scene_needs.need_table({"rows": [row]})
@@ -47,5 +45,6 @@ def test_what_leaving_a_need_out_does_is_a_row():
 
 
 def test_the_page_is_what_is_kept():
-    import scene_needs
-    assert scene_needs.page() == (ROOT / "docs/scene_needs.md").read_text(encoding="utf-8"), "tools/study/scene_needs.py"
+    from tools.study import scene_needs
+    for name, text in scene_needs.pages().items():
+        assert text == (ROOT / "docs" / name).read_text(encoding="utf-8"), "tools/study/scene_needs.py"

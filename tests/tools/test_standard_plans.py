@@ -1,19 +1,17 @@
 """The plans of tools/plans: each is understood, and together they miss no method and no experiment."""
 import json
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 
 from conftest import LONGEST_RUN, PROGRAM
+from tools.study.plans import make_recordings
 
 ROOT = Path(__file__).resolve().parents[2]
 MADE_ELSEWHERE = {"counts", "ensemble", "exec", "image", "oidn", "python"}  # need a file, a command, a library or other filters
 PLANS = sorted((ROOT / "tools/plans").glob("*.toml"))
-sys.path.insert(0, str(ROOT / "tools/study"))
-from plans import make_recordings  # noqa: E402
 
 
 @pytest.fixture(scope="module")

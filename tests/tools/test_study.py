@@ -4,20 +4,14 @@ import json
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from conftest import LONGEST_RUN, PROGRAM
+from tools.study import full_size, kept, pages, plans, tables
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools/study"))
-import full_size  # noqa: E402
-import kept  # noqa: E402
-import pages  # noqa: E402
-import plans  # noqa: E402
-import tables  # noqa: E402
 
 RESULTS = ROOT / "docs/results"
 FULL = sorted((RESULTS / "experiments_full").glob("*.tar.xz"))
@@ -72,13 +66,11 @@ def test_every_place_of_a_claim_is_printed_with_the_verdict_of_statistics_json(a
 
 @pytest.mark.parametrize("name", ["experiments", "experiments_full"])
 def test_page_and_statistics_json_differ_in_no_comparison(name):
-    """Of the tables as they stand on the page: every claim's verdict, and its places that hold, are reversed, are undecided."""
-    page = (ROOT / f"docs/{name}.md").read_text(encoding="utf-8")
+    """Of the tables as they stand on the site: every claim's verdict, and its places that hold, are reversed, are undecided."""
     store, compared, wrong = pages.Kept(RESULTS / name), 0, []
-    for section in re.split(r"^## ", page, flags=re.M)[1:]:
-        chapter = next((c for c in pages.CHAPTERS if section.startswith(c["id"] + ":")), None)
-        if chapter is None or "| claim |" not in section:
-            continue
+    page = "\n\n".join(pages.chapter_claims(store, name == "experiments_full"))
+    for section in re.split(r"^### ", page, flags=re.M)[1:]:
+        chapter = next(c for c in pages.CHAPTERS if section.startswith(c["id"] + ":"))
         rows = [[cell.strip().replace("\\|", "|") for cell in line.strip("|").split(" | ")] for line in section.splitlines() if line.startswith("| ")]
         columns = rows[0][1:]
         for plan in (*chapter["plans"], *chapter.get("more", ())):
@@ -87,7 +79,7 @@ def test_page_and_statistics_json_differ_in_no_comparison(name):
                 expected = f"{claim['verdict']} {words.count('holds')}/{words.count('reversed')}/{words.count('undecided')}"
                 expected += f" -{words.count('not compared')}" * ("not compared" in words)
                 place = [i for i, c in enumerate(columns) if c.endswith(claim["samples"] + " samples")
-                         and (len(chapter["plans"]) == 1 or c.startswith(plan.split("_")[0].upper() + ","))]
+                         and (len([p for p in chapter["plans"] if store.claims(p)]) == 1 or c.startswith(plan.split("_")[0].upper() + ","))]
                 cells = [row[1 + place[0]] for row in rows if row[0].removesuffix(" [R]") == claim["text"]]
                 compared += 1
                 if expected not in cells and claim["samples"] == "own":
@@ -97,26 +89,40 @@ def test_page_and_statistics_json_differ_in_no_comparison(name):
     assert compared > 60 and wrong == []
 
 
-@pytest.mark.parametrize("name", ["experiments", "experiments_full"])
+def stores():
+    return pages.Kept(RESULTS / "experiments"), pages.Kept(RESULTS / "experiments_full")
+
+
+@pytest.mark.parametrize("name", ["experiments", "findings"])
 def test_a_page_is_what_its_template_gives_today(name):
-    made = pages.page(f"{name}.in", pages.Kept(RESULTS / name), name == "experiments_full").rstrip("\n") + "\n"
-    assert made == (ROOT / f"docs/{name}.md").read_text(encoding="utf-8"), "tools/dev.sh experiments [--full] --write-only"
+    assert pages.page(f"{name}.in", *stores()) == (ROOT / f"docs/{name}.md").read_text(encoding="utf-8"), "tools/dev.sh experiments --full --write-only"
+
+
+def test_every_sentence_of_the_findings_names_a_claim():
+    text = (pages.HERE / "templates/findings.in").read_text(encoding="utf-8")
+    sentences = re.findall(r"^\d+\. \*\*.+?(?=^\d+\. |^\[R\])", text, re.M | re.S)
+    assert len(sentences) == 10 and all(pages.CLAIM.search(sentence) for sentence in sentences)
+
+
+def test_the_verdict_of_the_readme_is_that_of_its_claims():
+    claims = list(pages.CLAIM.finditer((ROOT / "README.md").read_text(encoding="utf-8")))
+    assert len(claims) == 6 and all(pages.said(claim, stores()[1]) for claim in claims)
 
 
 def test_a_sentence_does_not_outlive_its_verdict(tmp_path, monkeypatch):
-    store = pages.Kept(RESULTS / "experiments_full")
-    claim = store.claims("e3_samplers_over_budget")[0]
+    small, full = stores()
+    claim = full.claims("e3_samplers_over_budget")[0]
     (tmp_path / "templates").mkdir()
     monkeypatch.setattr(pages, "HERE", tmp_path)
     question = "; ".join(["e3_samplers_over_budget", claim["better"], claim["than"], claim["metric"], claim["samples"]])
     (tmp_path / "templates/p.in").write_text("Lower {{" + question + "; holds}}.")
-    assert pages.page("p.in", store, True) == "Lower (36 of 36 hold)."
+    assert "36 of 36 hold; 0.0" in pages.page("p.in", small, full)
     claim["verdict"] = "mixed"
     with pytest.raises(pages.Changed, match="now 'mixed'"):
-        pages.page("p.in", store, True)
+        pages.page("p.in", small, full)
     (tmp_path / "templates/p.in").write_text("Lower {{" + question.replace("uniform", "box") + "; holds}}.")
     with pytest.raises(pages.Changed, match="no such claim"):
-        pages.page("p.in", store, True)
+        pages.page("p.in", small, full)
 
 
 def test_what_is_kept_is_small():
@@ -242,7 +248,7 @@ def test_a_plan_text_is_the_plan():
 
 
 def test_curves_are_drawn_of_the_methods_that_claims_name(tmp_path):
-    import plots
+    from tools.study import plots
     statistics = pages.Kept(RESULTS / "experiments_full").json("e7_tiles", "statistics.json")
     curves = plots.curves_of(statistics)
     assert list(curves) == ["scene_s_512"] and {spp for points in curves["scene_s_512"].values() for spp, _ in points} == {4, 16}

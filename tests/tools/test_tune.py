@@ -1,11 +1,7 @@
 """The choice of options: verdicts of the program are counted, and nothing else."""
-import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools/study"))
-import plans  # noqa: E402
-import tune  # noqa: E402
+from tools.study import plans, tune
 
 BASE = "multiscale + directional"
 TURNED = f"{BASE}{{levels=3}}"

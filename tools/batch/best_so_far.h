@@ -1,5 +1,5 @@
 // The method with the smallest mean relMSE so far, of the recording and budget that a result was
-// added to last: a line for people who wait.
+// added to last: a line while a user waits.
 #pragma once
 
 #include <map>

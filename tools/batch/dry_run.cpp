@@ -12,6 +12,7 @@
 #include "lib/synthetic/scene_s.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/run_folder.h"
+#include "tools/batch/run_tasks.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
 #include "tools/methods/external_methods.h"
@@ -25,7 +26,7 @@ constexpr int kTrialSamples = 64;     // recorded samples per pixel
 constexpr double kTrialSpp = 8;       // spent
 constexpr double kTrialSeconds = 10;  // at most, for all of them
 
-// Commands of somebody else are not run to see how long they take.
+// Commands of users are not run to see how long they take.
 bool runs_foreign_code(const Cell& cell) {
   return is_foreign_code(cell.sampler) || is_foreign_code(cell.filter);
 }
@@ -75,16 +76,17 @@ struct Listing {
   std::string text;  // a line for each
 };
 
-Listing list_cells(const RunRequest& request) {
+Result<Listing> list_cells(const RunRequest& request) {
   const Plan& plan = request.plan;
   const CellStore store(request.folder);
   Listing found;
-  for (const Cell& cell : plan.cells()) {
-    if (request.shard && shard_of(cell, plan, request.shard->count) != request.shard->index) {
-      continue;
-    }
+  SPOOL_ASSIGN(const NamedCells named, name_cells(plan));
+  SPOOL_ASSIGN(const std::vector<bool> chosen, chosen_cells(request, named.cells, named.ids));
+  for (std::size_t i = 0; i < named.cells.size(); ++i) {
+    if (!chosen[i]) continue;
+    const Cell& cell = named.cells[i];
+    const std::string& id = named.ids[i];
     ++found.all;
-    const std::string id = cell_id(cell, plan);
     auto record = request.folder.empty() ? fail(ErrorCode::kIo, "no folder") : store.read(id, cell);
     const bool is_done = record && !record->text("reference").empty();
     if (is_done) {
@@ -132,7 +134,7 @@ Result<void> print_dry_run(const RunRequest& request, const CommonOptions& commo
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
     pixels[dump] = static_cast<double>(reader.header().width) * reader.header().height;
   }
-  Listing cells = list_cells(request);
+  SPOOL_ASSIGN(Listing cells, list_cells(request));
   const bool measured = !cells.done.empty();
   std::vector<Cell>& left = cells.left;
   const std::size_t cells_left = left.size();

@@ -1,7 +1,6 @@
 #include "tools/batch/evaluation_pictures.h"
 
 #include <algorithm>
-#include <cctype>
 #include <span>
 
 #include "formats/crc32.h"
@@ -9,6 +8,7 @@
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
+#include "tools/methods/replicate_images.h"
 #include "tools/verbs/result_pictures.h"
 
 namespace spool::tools {
@@ -18,27 +18,8 @@ namespace {
 // compared between methods.
 constexpr double kDensityRange = 8.0;
 
-// Of a file name, which may have 255 bytes with its ending: one part, and all of them together.
-constexpr std::size_t kLongestPart = 100;
+// Of a file name, which may have 255 bytes with its ending.
 constexpr std::size_t kLongestStem = 200;
-
-// A longer name is cut, and told apart by a checksum of the whole.
-std::string bounded(const std::string& name, std::size_t most) {
-  if (name.size() <= most) return name;
-  return fmt::format("{}-{:08x}", name.substr(0, most - 9),
-                     format::crc32(std::as_bytes(std::span(name))));
-}
-
-// Labels hold ':' and '{', which file names should not. tools/report/file_names.py does the same.
-std::string file_name_of(const std::string& label) {
-  std::string name = label;
-  for (char& c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-') c = '_';
-  }
-  while (name.ends_with('_'))
-    name.pop_back();
-  return bounded(name, kLongestPart);
-}
 
 constexpr std::size_t kLargestSheet = 24;  // estimates
 
@@ -86,7 +67,9 @@ std::string EvaluationPictures::stem_of(const Cell& cell) const {
   const std::string stem =
       fmt::format("{}_{}_{}_{:g}spp", dump_names_.at(cell.dump), file_name_of(cell.sampler.label()),
                   file_name_of(cell.filter.label()), cell.spp);
-  return bounded(stem, kLongestStem);
+  if (stem.size() <= kLongestStem) return stem;
+  return fmt::format("{}-{:08x}", stem.substr(0, kLongestStem - 9),
+                     format::crc32(std::as_bytes(std::span(stem))));
 }
 
 Result<void> EvaluationPictures::add(const CellResult& result, const CellImages& images) {

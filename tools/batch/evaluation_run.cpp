@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -18,16 +19,19 @@
 #include "tools/batch/dump_identity.h"
 #include "tools/batch/evaluation_pictures.h"
 #include "tools/batch/evaluation_summary.h"
+#include "tools/batch/given_images.h"
 #include "tools/batch/registered_claims.h"
 #include "tools/batch/results_writer.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_manifest.h"
+#include "tools/batch/run_tasks.h"
 #include "tools/batch/runs_at_once.h"
 #include "tools/batch/statistics.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
+#include "tools/methods/replicate_images.h"
 #include "tools/terminal/interrupt.h"
 #include "tools/terminal/progress.h"
 
@@ -47,10 +51,12 @@ double pixels_of(const std::string& dump) {
 
 class PlanRun {
  public:
-  PlanRun(const RunRequest& request, const CommonOptions& common, NamedCells named)
+  PlanRun(const RunRequest& request, const CommonOptions& common, NamedCells named,
+          std::vector<bool> chosen)
       : request_(request),
         common_(common),
         named_(std::move(named)),
+        chosen_(std::move(chosen)),
         store_(request.folder),
         pictures_(request.folder, request.plan.recordings),
         estimate_(std::vector<Cell>(), pixels_of) {}
@@ -59,6 +65,7 @@ class PlanRun {
   Result<void> run() {
     find_missing();
     if (missing_.empty()) return {};
+    SPOOL_TRY(check_given_images(request_.plan, missing_));
     estimate_ = TimeEstimate(missing_, pixels_of);
     for (const auto& [cell, record] : learnt_)
       estimate_.learn(cell, record);
@@ -93,6 +100,7 @@ class PlanRun {
                 result.error = intact.error();
                 images = nullptr;
               }
+              result.cell = cell_of_.at(key_of(result.cell));
               if (written) written = keep(result, images);
             },
         .progress =
@@ -105,7 +113,10 @@ class PlanRun {
               if (request_.progress) request_.progress(share, done_.load(), wanted_);
             },
         .cancelled = [&] { return !written.has_value() || stopped(); }};
-    run_cells(missing_, request_.plan.experiment, sources, callbacks);
+    std::vector<Cell> filled;  // with the file names of their images
+    for (const Cell& cell : missing_)
+      cell_of_.emplace(key_of(filled.emplace_back(with_filled_names(cell))), cell);
+    run_cells(filled, request_.plan.experiment, sources, callbacks);
     SPOOL_TRY(written);
     if (!stopped()) return {};
     return fail(ErrorCode::kData, "interrupted; {}", kept_text());
@@ -150,15 +161,15 @@ class PlanRun {
     return verdict(missing);
   }
 
-  // The results of a shard are made later; its failures are told now.
+  // The results of a shard are made later; its failures are printed now.
   Result<void> report_shard() {
     for (std::size_t i = 0; i < named_.cells.size(); ++i) {
-      if (!in_shard(named_.cells[i])) continue;
+      if (!chosen_[i]) continue;
       if (const auto record = store_.read(named_.ids[i], named_.cells[i])) {
         judge(named_.cells[i], *record);
       }
     }
-    if (!common_.quiet) {
+    if (!common_.quiet && request_.shard) {
       print_line(fmt::format("shard {}/{}: {} of {} results in {}", request_.shard->index,
                              request_.shard->count, done_.load(), wanted_,
                              request_.folder.string()));
@@ -174,11 +185,6 @@ class PlanRun {
                        done_.load(), wanted_, request_.folder.string());
   }
 
-  bool in_shard(const Cell& cell) const {
-    return !request_.shard ||
-           shard_of(cell, request_.plan, request_.shard->count) == request_.shard->index;
-  }
-
   bool is_pictured(const Cell& cell) const {
     return request_.plan.pictures && cell.replicate == 0 &&
            cell.threads == request_.plan.threads.front();
@@ -187,7 +193,7 @@ class PlanRun {
   void find_missing() {
     for (std::size_t i = 0; i < named_.cells.size(); ++i) {
       const Cell& cell = named_.cells[i];
-      if (!in_shard(cell)) continue;
+      if (!chosen_[i]) continue;
       ++wanted_;
       Result<ResultRecord> record = store_.read(named_.ids[i], cell);
       if (record && has_result(*record)) {
@@ -202,12 +208,15 @@ class PlanRun {
   }
 
   static std::string key_of(const Cell& cell) {
-    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.label(),
-                       cell.filter.label(), cell.spp, cell.replicate, cell.threads);
+    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.text(), cell.filter.text(),
+                       cell.spp, cell.replicate, cell.threads);
   }
 
   Result<void> keep(CellResult& result, const CellImages* images) {
     const Cell& cell = result.cell;
+    if (images && cell.filter.name == "image" &&
+        is_the_reference(images->image, images->reference.mean))
+      references_.insert(fmt::format("{} is the reference of {}", cell.filter.label(), cell.dump));
     if (images && is_pictured(cell)) {
       const StageClock clock(result.alone ? CpuOf::kProcess : CpuOf::kThread);
       const Result<void> drawn = pictures_.add(result, *images);
@@ -215,6 +224,8 @@ class PlanRun {
       if (!drawn && undrawn_++ == 0) first_undrawn_ = drawn.error().message;
       result.writing = clock.elapsed();
     }
+    // Tasks of an executor may share their machine.
+    if (request_.only && !request_.exact_timing) result.alone = false;
     const ResultRecord record = record_of(result);
     SPOOL_TRY(store_.write(id_of_.at(key_of(cell)), record));
     ++done_;
@@ -251,6 +262,8 @@ class PlanRun {
       print_warning(fmt::format("{} of {} results lack a picture; the first: {}", undrawn_,
                                 results_, first_undrawn_));
     }
+    for (const std::string& found : references_)
+      print_warning(found + ": its error has no meaning");
     if (missing > 0) {
       return fail(
           ErrorCode::kData,
@@ -267,12 +280,14 @@ class PlanRun {
   const RunRequest& request_;
   const CommonOptions& common_;
   NamedCells named_;
+  std::vector<bool> chosen_;  // of these cells, those of this run
   CellStore store_;
   EvaluationPictures pictures_;
   TimeEstimate estimate_;
   BestSoFar best_;
   std::vector<Cell> missing_;
   std::unordered_map<std::string, std::string> id_of_;  // of what is missing
+  std::unordered_map<std::string, Cell> cell_of_;       // by its key with file names filled in
   std::vector<std::pair<Cell, ResultRecord>> learnt_;
   std::atomic<std::size_t> done_ = 0;
   std::atomic<int> at_once_ = 1;  // sampling runs beside each other
@@ -280,7 +295,8 @@ class PlanRun {
   std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0;
   std::size_t undrawn_ = 0;  // results with a picture that cannot hold its numbers
   std::string first_failure_, first_undrawn_;
-  bool any_shared_ = false;  // times are of a machine that other results shared
+  std::set<std::string> references_;  // images that are no estimate
+  bool any_shared_ = false;           // times are of a machine that other results shared
 };
 
 }  // namespace
@@ -321,12 +337,13 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   if (!request.merge) SPOOL_TRY(register_claims(request.folder, request.plan));
   SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true, true));
   SPOOL_TRY(merge_folders(request, dumps));
-  PlanRun run(request, common, std::move(named));
+  SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named.cells, named.ids));
+  PlanRun run(request, common, std::move(named), std::move(chosen));
   if (!request.merge) SPOOL_TRY(run.run());
   const std::string shard =
       request.shard ? fmt::format("{}/{}", request.shard->index, request.shard->count) : "";
   SPOOL_TRY(write_manifest(request.folder, {dumps, started, &request.plan, shard}));
-  return request.shard ? run.report_shard() : run.collect();
+  return is_part(request) ? run.report_shard() : run.collect();
 }
 
 }  // namespace spool::tools

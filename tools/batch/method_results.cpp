@@ -10,6 +10,7 @@
 #include "lib/inference/shared_samples.h"
 #include "lib/metrics/error_metrics.h"
 #include "tools/methods/external_methods.h"
+#include "tools/methods/replicate_images.h"
 
 namespace spool::tools {
 namespace {
@@ -171,7 +172,8 @@ Series MethodResults::fresh_series(const std::string& metric) const {
 
 bool MethodResults::one_image() const {
   const Filter* method = find_method(known_filters(), filter.name);
-  const bool made_elsewhere = method != nullptr && !method->needs.samples;
+  const bool made_elsewhere =
+      method != nullptr && !method->needs.samples && !is_of_replicates(filter);
   return done == 1 || made_elsewhere || Series{values[quantity_index("mse")], 0.0}.alike();
 }
 

@@ -92,7 +92,8 @@ Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, 
   const CellStore store(folder);
   std::error_code status;
   const bool empty = !fs::exists(folder, status) || fs::is_empty(folder, status);
-  if (force && !request.shard && !request.merge) {
+  const bool first = !request.shard && (!request.only || request.only->empty());
+  if (force && first && !request.merge) {
     SPOOL_TRY(store.remove_all());
     for (const char* name :
          {"dumps.json", "manifest.json", "results.csv", "results.jsonl", "statistics.json"})
@@ -113,7 +114,7 @@ Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, 
                 folder.string(), others);
   }
   SPOOL_TRY(store.create());
-  sweep(folder, request.shard ? kAgeBesideShards : std::chrono::seconds(0));
+  sweep(folder, is_part(request) ? kAgeBesideShards : std::chrono::seconds(0));
   return {};
 }
 

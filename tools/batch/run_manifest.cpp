@@ -68,7 +68,7 @@ ordered_json machine() {
           {"compiler", __VERSION__}};
 }
 
-// Every option as it was, those that nobody set too.
+// Every option as it was, the defaults too.
 template <class Function>
 ordered_json methods_json(const std::vector<MethodChoice>& methods,
                           const MethodList<Function>& known) {

@@ -15,7 +15,7 @@ struct UnusedLayers {
 };
 
 // One entry for each recording that has such layers. Layers that no method could read - seeds of a
-// sampler, say - are among them. A file that cannot be read has no entry: whoever reads it says so.
+// sampler, say - are among them. A file that cannot be read has no entry: its reader reports it.
 std::vector<UnusedLayers> unused_layers(const Plan& plan);
 
 // "chess.spool: no method of the plan reads depth, film (31 % of the bytes of a sample)"; "" for

@@ -40,7 +40,7 @@ constexpr const char* kGreeting =
     "  spool report results -o report.html                        the pictures beside the "
     "numbers\n\n";
 
-// Verbs by what one wants with them, for the greeting and the help.
+// Verbs by their use, for the greeting and the help.
 const std::pair<const char*, std::vector<const char*>> kGroups[] = {
     {"Look", {"info", "check", "picture", "pixel", "show", "view"}},
     {"Record", {"synth", "pack", "convert", "recover"}},

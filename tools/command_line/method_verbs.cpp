@@ -5,8 +5,8 @@
 namespace spool::tools {
 
 void add_replay(Program& program) {
-  CLI::App& verb =
-      *program.app.add_subcommand("replay", "a sampler spends a budget on a dump; counts as EXR");
+  CLI::App& verb = *program.app.add_subcommand(
+      "replay", "a sampler spends a budget on a recording; counts as EXR");
   ReplayOptions& options = program.replay;
   add_dump(verb, options.dump);
   verb.add_option("--sampler", options.sampler, "see spool list samplers")->required();
@@ -38,9 +38,9 @@ void add_reconstruct(Program& program) {
       *program.app.add_subcommand("reconstruct", "the samples of a selection become an image");
   ReconstructOptions& options = program.reconstruct;
   add_dump(verb, options.dump);
-  CLI::Option* selection = verb.add_option(
-      "--selection", options.selection,
-      "which samples: an image of counts (channel n, Y, R or its only one), of the dump's size");
+  CLI::Option* selection = verb.add_option("--selection", options.selection,
+                                           "which samples: an image of counts (channel n, Y, R or "
+                                           "its only one), of the recording's size");
   within(verb.add_option("--spp", options.spp, "instead: the first samples of each pixel (all)"),
          kSamples)
       ->excludes(selection);

@@ -38,7 +38,7 @@ CLI::Validator seed_check() {
 }
 
 void add_dump(CLI::App& verb, std::filesystem::path& dump) {
-  verb.add_option("FILE", dump, "a recorded dump, NAME.spool")->required();
+  verb.add_option("FILE", dump, "a recording, NAME.spool")->required();
 }
 
 void add_output(CLI::App& verb, std::filesystem::path& output, const std::string& help) {

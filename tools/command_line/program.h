@@ -1,5 +1,5 @@
 // What a command line becomes: every verb is a function with a plain struct of options, filled by
-// CLI11, which is included here and by nobody outside of this folder.
+// CLI11, which is included here and nowhere outside of this folder.
 #pragma once
 
 #include <filesystem>

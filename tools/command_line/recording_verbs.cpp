@@ -21,7 +21,7 @@ void add_info(Program& program) {
 }
 
 void add_check(Program& program) {
-  CLI::App& verb = *program.app.add_subcommand("check", "verify every record of a dump");
+  CLI::App& verb = *program.app.add_subcommand("check", "verify every record of a recording");
   add_dump(verb, program.check.dump);
   add_common(verb, program.common, true, false);
   verb.footer(
@@ -33,10 +33,10 @@ void add_check(Program& program) {
 }
 
 void add_recover(Program& program) {
-  CLI::App& verb =
-      *program.app.add_subcommand("recover", "all intact records of a damaged dump, as a new one");
-  verb.add_option("IN", program.recover.input, "a cut or damaged dump")->required();
-  verb.add_option("OUT", program.recover.output, "the dump to write")->required();
+  CLI::App& verb = *program.app.add_subcommand(
+      "recover", "all intact records of a damaged recording, as a new one");
+  verb.add_option("IN", program.recover.input, "a cut or damaged recording")->required();
+  verb.add_option("OUT", program.recover.output, "the recording to write")->required();
   add_common(verb, program.common, true, true);
   verb.footer(
       "Exit code 4 and a list of what is lost when anything is; the new file is whole in itself.\n"
@@ -48,7 +48,7 @@ void add_recover(Program& program) {
 
 void add_pack(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
-      "pack", "folders of recorded passes, or a foreign file, become one dump");
+      "pack", "folders of recorded passes, or a foreign file, become one recording");
   format::PackOptions& pack = program.pack.pack;
   verb.add_option("SOURCES", program.pack.sources,
                   "folders that a recorder wrote, joined in this order; or a foreign file")
@@ -59,7 +59,7 @@ void add_pack(Program& program) {
                   fmt::format("what SOURCES are: {} (default passes)", fmt::join(kinds, ", ")))
       ->check(CLI::IsMember(kinds).description(""))
       ->option_text("FORMAT");
-  add_output(verb, program.pack.output, "the dump to write, NAME.spool");
+  add_output(verb, program.pack.output, "the recording to write, NAME.spool");
   verb.add_flag("--compress", pack.compress, "zstd, where it saves 5 % or more");
   verb.add_flag("--half-radiance", pack.radiance_f16, "radiance as 16-bit floats (32)");
   verb.add_flag("--full-features", pack.features_f32, "features as 32-bit floats (16)");
@@ -68,8 +68,9 @@ void add_pack(Program& program) {
       ->take_all()
       ->allow_extra_args(false);
   add_layer(verb, program.pack.layer, "", "of each image (--from exr-folder)");
-  verb.add_option("--max-expansion", program.pack.max_expansion,
-                  "of foreign files: how many times larger than its source the dump may be (100)")
+  verb.add_option(
+          "--max-expansion", program.pack.max_expansion,
+          "of foreign files: how many times larger than its source the recording may be (100)")
       ->check(CLI::Range(uint64_t{1}, interchange::kMaxExpansionTimes));
   add_common(verb, program.common, true, true);
   verb.footer(
@@ -85,9 +86,9 @@ void add_pack(Program& program) {
 
 void add_convert(Program& program) {
   CLI::App& verb =
-      *program.app.add_subcommand("convert", "a dump becomes a neighbour's file or folder");
+      *program.app.add_subcommand("convert", "a recording becomes a neighbour's file or folder");
   ConvertOptions& options = program.convert;
-  verb.add_option("IN", options.input, "a recorded dump, NAME.spool")->required();
+  verb.add_option("IN", options.input, "a recording, NAME.spool")->required();
   const std::vector<std::string> kinds = names_of(exchange::export_formats());
   verb.add_option("--to", options.to, fmt::format("{}", fmt::join(kinds, ", ")))
       ->required()
@@ -102,7 +103,7 @@ void add_convert(Program& program) {
              "oidn: the folder");
   add_common(verb, program.common, true, true);
   verb.footer(
-      "What a format has no place for is refused or named. docs/formats.md tells more.\n"
+      "What a format has no place for is refused or named; see docs/formats.md.\n"
       "Examples:\n"
       "  spool convert dumps/tiny/chess.spool --to npz -o chess.npz\n"
       "  spool convert dumps/tiny/chess.spool --to oidn --set export.spp=1,2,4,8 -o oidn_set\n"
@@ -112,7 +113,7 @@ void add_convert(Program& program) {
 
 void add_synth(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
-      "synth", "an analytic scene with its exact reference, as a dump; needs no renderer");
+      "synth", "an analytic scene with its exact reference, as a recording; needs no renderer");
   SynthOptions& options = program.synth;
   verb.add_option("NAME", options.scene, "see spool list scenes")->required();
   verb.add_option("--size", options.size, "WxH or N pixels (128x128)");
@@ -122,7 +123,7 @@ void add_synth(Program& program) {
       ->take_all()
       ->allow_extra_args(false);
   verb.add_flag("--compress", options.compress, "zstd, where it saves 5 % or more");
-  add_output(verb, options.output, "the dump to write, NAME.spool");
+  add_output(verb, options.output, "the recording to write, NAME.spool");
   add_common(verb, program.common, false, true);
   verb.footer(
       "Examples:\n"

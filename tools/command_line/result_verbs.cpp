@@ -43,7 +43,7 @@ void add_evaluate(Program& program) {
       "evaluate", "every sampler with every filter at every budget: error, time, pictures");
   EvaluateOptions& options = program.evaluate;
   verb.add_option("FILES", options.files,
-                  "recorded dumps; one PLAN.toml that says everything; or, with --statistics-only, "
+                  "recordings; one PLAN.toml that says everything; or, with --statistics-only, "
                   "folders of results")
       ->required();
   verb.add_option("--samplers", options.samplers, "a,b:PRESET,LABEL=c{OPTION=VALUE} (uniform)");
@@ -60,7 +60,7 @@ void add_evaluate(Program& program) {
   add_method(verb, options.methods);
   verb.add_option("--reference", options.reference,
                   "what images are judged by: " + reference_names() +
-                      " (default: the first of these that the dump can give)");
+                      " (default: the first of these that the recording can give)");
   within(verb.add_option("--holdout", options.holdout,
                          "samples per pixel kept for judging (a quarter, where they are needed)"),
          kHoldout);
@@ -77,6 +77,10 @@ void add_evaluate(Program& program) {
   verb.add_flag("--wide", options.wide, "print MSE, energy, times and errors at equal time too");
   verb.add_flag("--no-pictures", options.no_pictures, "numbers only");
   add_parts_of_a_run(verb, options);
+  verb.add_option("--export-inputs", options.inputs,
+                  "write DIR/{recording}_{spp}_{replicate}.exr (image, variance, features) for a "
+                  "denoiser elsewhere, and no results; its images come back as the filter "
+                  "image:DIR/{recording}_{spp}_{replicate}.exr");
   verb.add_option("-o,--output", options.output, "folder for the results and the pictures");
   add_common(verb, program.common, true, true);
   verb.footer(
@@ -212,7 +216,7 @@ void add_figure(Program& program) {
       "Writes comparison_RECORDING (reference, windows, error maps, numbers), comparison "
       "(recordings "
       "as\nrows), curves and curves_time, each as .pdf, .svg and .png; captions.tex, table.tex and "
-      "table.md;\ncurves.csv and curves.py, which draws it. Bold: told apart from every other "
+      "table.md;\ncurves.csv and curves.py, which draws it. Bold: separated from every other "
       "method. "
       "Needs Python 3\nwith numpy and matplotlib.\n"
       "Examples:\n"

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 LONG_FILE_LINES = 250
-# Programs and modules, which nobody includes.
+# Programs and modules, which no file includes.
 WITHOUT_HEADER = {"main.cpp", "module.cpp", "png_module.cpp", "png_module_libpng.cpp"}
 
 

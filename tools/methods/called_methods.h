@@ -1,7 +1,8 @@
 // Methods that are functions of the program which holds this library: `python:NAME`.
 //
-// The Python module (tools/python) says how they are called. Where nobody does, as in the program
-// `spool`, plans and results that name them can be read, and a run of them is an error (kUsage).
+// The Python module (tools/python) provides how they are called. Where it does not, as in the
+// program `spool`, plans and results that name them can be read, and a run of them is an error
+// (kUsage).
 #pragma once
 
 #include <functional>
@@ -22,11 +23,11 @@ struct CalledMethods {
 // For the whole process, once, before a method is made.
 void provide_called_methods(CalledMethods methods);
 
-// Errors: those of whoever provided them.
+// Errors: those of their provider.
 Result<ReadySampler> make_called_sampler(const std::string& name, const OptionValues& set);
 Result<ReadyFilter> make_called_filter(const std::string& name, const OptionValues& set);
 
-// What a sampler that is asked for counts can be told.
+// What a sampler that is asked for counts is given.
 struct CalledOptions {
   AskedCountsOptions asked;
   ToldStatistics told;

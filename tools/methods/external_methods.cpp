@@ -16,6 +16,7 @@
 #include "tools/methods/called_methods.h"
 #include "tools/methods/ensemble_filter.h"
 #include "tools/methods/external_process.h"
+#include "tools/methods/replicate_images.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/statistics_file.h"
 #include "tools/terminal/console.h"
@@ -183,22 +184,34 @@ Result<ReadySampler> make_counts_sampler(const std::string& path, const OptionVa
   return ReadySampler{run, {}};
 }
 
-const OptionTable<LayerChoice>& layer_option_table() {
-  using O = LayerChoice;
-  static const OptionTable<O> table = {
-      interchange::text_option<O>("layer", &O::layer, "NAME",
-                                  "the layer that is the image, where several may be"),
-      interchange::text_option<O>("part", &O::part, "NAME|N", "the part of the file that has it")};
+struct ImageOptions {
+  LayerChoice layer = {"", "", "--set filter.layer=", "--set filter.part="};
+  std::string replicate;
+};
+
+const OptionTable<ImageOptions>& image_option_table() {
+  using O = ImageOptions;
+  static const OptionTable<O> table = [] {
+    OptionTable<O> options = {interchange::text_option<O>(
+        "replicate", &O::replicate, "N", "what {replicate} of the name is; evaluate knows it")};
+    append_options(options,
+                   OptionTable<LayerChoice>{
+                       interchange::text_option<LayerChoice>(
+                           "layer", &LayerChoice::layer, "NAME",
+                           "the layer that is the image, where several may be"),
+                       interchange::text_option<LayerChoice>("part", &LayerChoice::part, "NAME|N",
+                                                             "the part of the file that has it")},
+                   &O::layer);
+    return options;
+  }();
   return table;
 }
 
-LayerChoice image_layer() {
-  return {"", "", "--set filter.layer=", "--set filter.part="};
-}
-
 Result<ReadyFilter> make_image_filter(const std::string& path, const OptionValues& set) {
-  SPOOL_ASSIGN(const LayerChoice choice, with_options(layer_option_table(), image_layer(), set));
-  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, choice));
+  SPOOL_ASSIGN(const ImageOptions options, with_options(image_option_table(), {}, set));
+  if (is_of_replicates({"image", path, {}}) || !options.replicate.empty())
+    return replicate_image_filter(path, options.replicate, options.layer);
+  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, options.layer));
   print_note(remark_line("image:" + path, picture.remarks));
   return ReadyFilter{given_image(std::move(picture.rgb), "image:" + path), made_elsewhere()};
 }
@@ -257,7 +270,7 @@ const FilterList& known_filters() {
         ensemble_option_table(), Needs{}, &make_known_ensemble)));
     list.methods.push_back(with_stage_options(
         method_with_argument("image", "FILE.exr", "your own: an image that was made elsewhere",
-                             layer_option_table(), made_elsewhere(), &make_image_filter)));
+                             image_option_table(), made_elsewhere(), &make_image_filter)));
     list.methods.push_back(with_stage_options(method_with_argument(
         "exec", "COMMAND", "your own: a command that makes the image from the statistics",
         exec_option_table(), Needs{}, &make_exec_filter)));

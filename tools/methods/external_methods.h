@@ -1,7 +1,7 @@
 // The methods that a command may name: those of the library, and those made elsewhere.
 //
-//   counts:FILE.exr   sampler: an image of counts that somebody made
-//   image:FILE.exr    filter: an image that somebody made
+//   counts:FILE.exr   sampler: an image of counts made elsewhere
+//   image:FILE.exr    filter: an image made elsewhere
 //   exec:COMMAND      either: a command that answers files with files
 //   python:NAME       either: a function of a Python program that holds this library
 //                     (called_methods.h)
@@ -23,7 +23,7 @@ namespace spool::tools {
 const SamplerList& known_samplers();
 const FilterList& known_filters();
 
-// A command of somebody else.
+// A command of a user.
 inline bool is_foreign_code(const MethodChoice& method) {
   return method.name == "exec" || method.name.starts_with("exec:");
 }

@@ -193,7 +193,7 @@ int start(const ExternalCommand& command, Group& group) {
   if (const int error = output.make(); error != 0) return error;
   Environment environment(command.environment);
   {
-    const std::scoped_lock lock(running().mutex);  // an interrupt sees it from its first moment on
+    const std::scoped_lock lock(running().mutex);  // an interrupt ends it from its first moment on
     const int error = spawn_shell({"sh", "-c", kGuard, "sh", command.folder.string()}, environ, 0,
                                   {lifeline.ends[0], -1}, group.guard);
     if (error != 0) return error;

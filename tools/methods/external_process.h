@@ -1,4 +1,4 @@
-// A command of somebody else, run by /bin/sh and watched: its end, its time, its last words.
+// A command of a user, run by /bin/sh and watched: its end, its time, its last words.
 //
 // The command is a process group of its own, killed as a whole when it takes too long, when the
 // caller gives up, or when this program is interrupted or killed; nothing that it started outlives

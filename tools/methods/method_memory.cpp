@@ -54,7 +54,7 @@ std::vector<Demands> in_loop_of(const Demands& sampler, const std::vector<Demand
   if (!sampler.needs.filter_in_loop) return {};
   if (sampler.needs.loop_filter.empty()) return filters;
   const auto named = loop_choice(sampler.needs, {});
-  if (!named) return {};  // whoever runs the sampler says so
+  if (!named) return {};  // the run of the sampler reports it
   return demands_of(known_filters(), {*named}).value_or(std::vector<Demands>{});
 }
 

@@ -141,7 +141,7 @@ Error unused(const Setting& setting, const Choices<SamplerFunction>& samplers,
                                  : did_you_mean(setting.part, parts))};
 }
 
-// `filters_beside` tells the names of the filters, once the samplers are made.
+// `filters_beside` returns the names of the filters, once the samplers are made.
 template <class FiltersBeside>
 Result<Methods> choose_beside(const std::vector<std::string>& sampler_names,
                               const FiltersBeside& filters_beside, const MethodOptions& options) {

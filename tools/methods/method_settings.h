@@ -40,7 +40,7 @@ std::vector<MethodChoice> choices_of(const std::vector<ChosenMethod<Function>>& 
   return choices;
 }
 
-// Everything that the settings of one command speak of. Errors are kUsage and name the nearest
+// Everything that the settings of one command name. Errors are kUsage and name the nearest
 // known word. A preset must be known to at least one of the methods; the others keep their default.
 struct Methods {
   std::vector<ChosenMethod<SamplerFunction>> samplers;

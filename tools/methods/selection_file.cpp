@@ -17,7 +17,7 @@ namespace spool::tools {
 namespace {
 
 constexpr std::array<const char*, 2> kHalves = {"even.", "odd."};
-constexpr double kLargestCount = 65536.0;  // samples per pixel of a dump [spool.md 6]
+constexpr double kLargestCount = 65536.0;  // samples per pixel of a recording [spool.md 6]
 
 Result<CountImage> counts_of(const NamedPlane& channel, const std::string& name) {
   CountImage n(channel.data.width(), channel.data.height());
@@ -225,8 +225,8 @@ Result<Selection> apply_selection(const SelectionFile& file, const std::filesyst
                                   const SamplePool& pool, Made made) {
   if (file.n.width() != pool.width() || file.n.height() != pool.height()) {
     return fail(ErrorCode::kData,
-                "{}: is {} x {}, the dump {} x {}: a selection has the dump's size", path.string(),
-                file.n.width(), file.n.height(), pool.width(), pool.height());
+                "{}: is {} x {}, the recording {} x {}: a selection has the recording's size",
+                path.string(), file.n.width(), file.n.height(), pool.width(), pool.height());
   }
   for (int y = 0; y < file.n.height(); ++y) {
     for (int x = 0; x < file.n.width(); ++x) {

@@ -39,8 +39,8 @@ std::string text_of(const nb::handle& value) {
   }
 }
 
-// What a function raised, as the error of its method; thrown on where it is meant for whoever began
-// the work.
+// What a function raised, as the error of its method; thrown on where it is meant for the code that
+// began the work.
 Error error_of(const std::string& name, nb::python_error& error, Watch* watch) {
   if (watch != nullptr && !error.matches(PyExc_Exception)) {
     if (!watch->raised) watch->raised.emplace(error);
@@ -114,7 +114,7 @@ Needs needs_of(const CalledFunction& called) {
   return {.features = called.options.told.features ? Use::kWhenRecorded : Use::kNone};
 }
 
-// What a function is told of the samples taken so far, before the interpreter is asked for.
+// What a function gets of the samples taken so far, before the interpreter is asked for.
 struct Known {
   PieceEstimates pieces;
   CountImage left;

@@ -20,7 +20,7 @@ namespace spool::python {
 
 namespace nb = nanobind;
 
-// What work says of itself, and is told; from any thread.
+// What work reports and what it is asked; from any thread.
 class Watch : public std::enable_shared_from_this<Watch> {
  public:
   // That of the work which this thread does, or null.

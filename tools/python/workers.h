@@ -8,7 +8,7 @@
 
 namespace spool::python {
 
-// Work on a thread of its own. Whoever began it waits for its end.
+// Work on a thread of its own. The caller waits for its end.
 class Job {
  public:
   virtual ~Job() = default;

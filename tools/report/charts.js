@@ -59,7 +59,7 @@ function hoverText(c) {
   }
   const [letters, against] = c.ranks[shown.metric] ?? ['', ''];
   if (letters) lines.push(`group ${letters}`);
-  if (against) lines.push(`${against} than ${report.baseline}`.replace('undecided than', 'not told apart from'));
+  if (against) lines.push(`${against} than ${report.baseline}`.replace('undecided than', 'not separated from'));
   return lines.map(plotText).join('<br>');
 }
 

@@ -31,6 +31,8 @@ class Described:
     def mark_statistics(self, statistics):
         for entry in statistics.methods():
             entry["sampler"], entry["filter"] = self.sampler(entry["sampler"]), self.filter(entry["filter"])
+        sampler, _, filter_ = statistics.baseline.partition(" + ")
+        statistics.baseline = f"{self.sampler(sampler)} + {self.filter(filter_)}"
 
     def note(self):
         """What the mark means, beside every table that names such methods."""

@@ -15,7 +15,7 @@ from figure_text import WIDTHS, extent, literal, metric_name, save, style, tick_
 from matplotlib import pyplot
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
-# Okabe and Ito's colours; marker and dash tell lines apart without colour.
+# Okabe and Ito's colours; marker and dash separate lines without colour.
 COLOURS = ["#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7f7f7f"]
 MARKERS = ["o", "s", "D", "^", "v", "P", "X", "*"]
 DASHES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (3, 1)), (0, (1, 1)), (0, (8, 2))]

@@ -20,7 +20,7 @@ function latexTable(head, rows) {
 const boundsText = ({mean, low, high}) => numberText(mean, 3) +
   (Number.isFinite(low) && low !== high ? ` [${numberText(low, 3)}, ${numberText(high, 3)}]` : '');
 
-// The headline's values and ratios. Bold: the first of its ranking, where the file tells it apart from every other.
+// The headline's values and ratios. Bold: the first of its ranking, where the file separates it from every other.
 function headlineRows() {
   const conditions = report.conditions.filter((c) => c.spp === hero.spp);
   const head = ['method', ...conditions.map((c) => `${report.dumps[c.dump]}, ${hero.spp} spp`)];

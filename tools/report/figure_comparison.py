@@ -15,7 +15,7 @@ from figure_text import LEADING, WIDTHS, extent, fitted, literal, save, style, w
 from figure_windows import choose_windows, inside
 from result_images import exposure_and_mean, tone_mapped
 
-# Colour and dash: told apart in grey, too.
+# Colour and dash: distinct in grey, too.
 FRAMES = (("#e69f00", "-"), ("#0072b2", "--"), ("#56b4e9", (0, (1, 1))), ("#009e73", "-."))
 HEAD_SIZES = (7.5, 7, 6.5, 6, 5.5)
 FOOT_SIZES = (7, 6.5, 6, 5.5, 5, 4.5)
@@ -27,7 +27,7 @@ TALLEST_ALONE = 4.5  # of a figure of one recording
 class Shown(NamedTuple):
     method: str
     lines: list  # of numbers
-    bold: bool  # told apart from every other
+    bold: bool  # separated from every other
     paths: dict  # picture: file
 
 

@@ -1,5 +1,5 @@
 """Tables for a paper, LaTeX and Markdown, and the CSV of curves. Every number is one of statistics.json; the best is bold
-only where its verdicts tell it apart from every other method."""
+only where its verdicts separate it from every other method."""
 
 import csv
 import io
@@ -143,7 +143,7 @@ def markdown_table(statistics, metric, labels, baseline):
                                                 f"{row.letters} {row.marks()}".strip()]) + " |")
             lines.append("")
     lines += ["Means with 95 % intervals" + (f"; ratio: to {markdown(baseline)}" if baseline else "") + ". Methods that share "
-              "a letter are not told apart; bold: told apart from every other method; †: loses light; ‡: interval and verdict withheld.", ""]
+              "a letter are not separated; bold: separated from every other method; †: loses light; ‡: interval and verdict withheld.", ""]
     for claim, where, verdict, ratio in claim_rows(statistics.claims, labels):
         lines.append(markdown(f"{claim}: {verdict}") if claim else
                      "- " + markdown(f"{where}: {verdict} {plain_interval(ratio)}".rstrip()))

@@ -14,7 +14,7 @@ def file_name_of(label):
 
 
 def bounded(name, most):
-    """A longer name is cut, and told apart by a checksum of the whole."""
+    """A longer name is cut, and a checksum of the whole is added."""
     return name if len(name) <= most else f"{name[:most - 9]}-{zlib.crc32(name.encode()):08x}"
 
 

@@ -7,7 +7,7 @@ const opposite = {better: 'worse', worse: 'better'};
 // {mean, low, high, verdict} of a combination against the method `baseline` in the same condition; null where unknown.
 function ratioTo(condition, index, baseline) {
   const c = report.combinations[index];
-  if (methodOf(c) === baseline) return {mean: 1, low: NaN, high: NaN, verdict: 'baseline'};
+  if (baseline === report.baseline ? isBaseline(c) : methodOf(c) === baseline) return {mean: 1, low: NaN, high: NaN, verdict: 'baseline'};
   if (baseline === report.baseline) {
     const verdict = (c.ranks[report.metric] ?? [])[1];
     return verdict ? {...interval(c, `${report.metric}_ratio`), verdict} : null;
@@ -37,9 +37,8 @@ function startHeadline(area) {
   if (budgets.length === 0) return;
   hero.spp = report.budget;
   const methods = [...new Set(report.conditions.flatMap((c) => c.field.map((i) => methodOf(report.combinations[i]))))];
-  const baselines = report.conditions.some((c) => c.pairs.length > 0) ? methods : methods.filter((m) => m === report.baseline);
-  const at = Math.max(0, baselines.indexOf(report.baseline));
-  hero.baseline = baselines[at] ?? report.baseline;
+  const others = report.conditions.some((c) => c.pairs.length > 0) ? methods.filter((m) => m !== report.baseline) : [];
+  const baselines = [report.baseline, ...others];
   const holder = element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Methods and recordings'});
   const chart = element('div', {class: 'chart', id: 'hero-chart'}), title = element('h3');
   const strip = element('div', {class: 'crops', id: 'crops'});
@@ -47,13 +46,13 @@ function startHeadline(area) {
   area.append(
     element('div', {class: 'controls'},
       select('Samples per pixel', budgets.map(String), budgets.indexOf(hero.spp), (i) => { hero.spp = budgets[i]; draw(); }),
-      baselines.length > 1 ? select('Relative to', baselines, at, (i) => { hero.baseline = baselines[i]; draw(); }) : null,
+      baselines.length > 1 ? select('Relative to', baselines, 0, (i) => { hero.baseline = baselines[i]; draw(); }) : null,
       exportButtons('headline')),
     element('div', {class: 'hero'}, element('div', {}, holder, note), element('figure', {}, title, chart)), strip);
   function draw() {
     holder.replaceChildren(headlineTable(draw));
-    note.textContent = `${report.metric} relative to ${hero.baseline}: below 1 is better. Bold: told apart. Methods that ` +
-      'share a letter are not told apart. ▼: loses energy. A click shows the pictures.';
+    note.textContent = `${report.metric} relative to ${hero.baseline}: below 1 is better. Bold: separated. Methods that ` +
+      'share a letter are not separated. ▼: loses energy. A click shows the pictures.';
     title.textContent = `${report.dumps[hero.dump]}: ${report.metric} against samples per pixel`;
     drawHeroChart(chart);
     drawCrops(strip);
@@ -63,16 +62,18 @@ function startHeadline(area) {
 }
 starts['headline-area'] = startHeadline;
 
-// The rows: the order of the overall ratio where there is one, else that of the first recording.
+// The rows: what the user added first; in the order of the overall ratio where there is one, else that of the first recording.
 function headlineMethods() {
   const overall = report.overall.filter((c) => c.spp === hero.spp);
   const conditions = report.conditions.filter((c) => c.spp === hero.spp);
   const names = [...new Set(conditions.flatMap((c) => c.field.map((i) => methodOf(report.combinations[i]))))];
-  if (overall.length === 0) return names;
+  if (overall.length === 0) return ownFirst(names);
   const means = new Map(overall.map((c) => [methodOf(c), interval(c, report.metric).mean]));
   const value = (name) => means.get(name) ?? Infinity;
-  return names.sort((a, b) => (value(a) > value(b)) - (value(a) < value(b)));
+  return ownFirst(names.sort((a, b) => (value(a) > value(b)) - (value(a) < value(b))));
 }
+
+const ownFirst = (names) => [...names.filter((name) => report.own.includes(name)), ...names.filter((name) => !report.own.includes(name))];
 
 function headlineTable(redraw) {
   const conditions = report.conditions.filter((c) => c.spp === hero.spp);
@@ -85,7 +86,7 @@ function headlineTable(redraw) {
   }
   if (withOverall) head.append(element('th', {scope: 'col', title: 'geometric mean over the recordings'}, 'all'));
   const names = headlineMethods(), body = element('tbody');
-  const few = hero.all ? names : names.filter((name, i) => i < hero.most || name === hero.baseline);
+  const few = hero.all ? names : names.filter((name, i) => i < hero.most || name.startsWith(hero.baseline));
   for (const name of few) {
     const row = element('tr', {}, element('th', {scope: 'row'}, name));
     for (const condition of conditions) row.append(headlineCell(condition, name));
@@ -108,7 +109,7 @@ function headlineCell(condition, name) {
   const bounds = (i) => (Number.isFinite(i.low) ? ` [${numberText(i.low, 3)}, ${numberText(i.high, 3)}]` : '');
   const words = [`${report.metric} ${numberText(value.mean)}${bounds(value)}`];
   if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${bounds(ratio)}: ${ratio.verdict} than ${hero.baseline}`.replace(
-    'undecided than', 'not told apart from'));
+    'undecided than', 'not separated from'));
   if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);
   return element('td', {class: `number ${ratio?.verdict ?? ''}`, title: words.join('\n'), 'data-ratio': ratio ? ratio.mean : '',
     'data-verdict': ratio?.verdict ?? '', style: `background: ${ratioColour(ratio?.mean)}`, onclick: () => openInViewer(c)},
@@ -127,7 +128,7 @@ function overallCell(name) {
 
 // The first methods of the table and the baseline over the budgets of one recording.
 function drawHeroChart(target) {
-  const names = new Set([...rankedMethods(hero.dump, hero.spp).slice(0, 5), hero.baseline]);
+  const names = new Set([...ownFirst(rankedMethods(hero.dump, hero.spp)).slice(0, 5), hero.baseline]);
   const points = report.combinations.filter((c) => c.dump === hero.dump && names.has(methodOf(c)) &&
     isPositive(interval(c, report.metric).mean));
   target.hidden = points.length === 0;

@@ -7,7 +7,7 @@ MOST_PAIRS = 60000  # in the page; beyond, only ratios to the baseline
 
 
 def headline_conditions(statistics, metric, combinations, dumps):
-    """[{dump, spp, field: places in `combinations`, best first, alone: the first is told apart from all others, pairs}]"""
+    """[{dump, spp, field: places in `combinations`, best first, alone: the first is separated from all others, pairs}]"""
     index = {c.key: i for i, c in enumerate(combinations)}
     conditions = statistics.of_metric(metric)
     with_pairs = sum(len(c.get("pairs") or []) for c in conditions) <= MOST_PAIRS
@@ -22,13 +22,12 @@ def headline_conditions(statistics, metric, combinations, dumps):
 
 
 def headline_budget(statistics, metric):
-    """The budget that is shown first: the middle one."""
-    budgets = sorted({c["spp"] for c in statistics.of_metric(metric)})
-    return budgets[(len(budgets) - 1) // 2] if budgets else 0.0
+    """The budget that is shown first: the largest."""
+    return max((c["spp"] for c in statistics.of_metric(metric)), default=0.0)
 
 
 def best_is_alone(ranking):
-    """Whether the file tells the first of a ranking apart from every other: only then it may be printed as the best."""
+    """Whether the file separates the first of a ranking from every other: only then it may be printed as the best."""
     others = [entry for entry in ranking[1:] if entry["compared"]]
     return bool(others) and ranking[0]["compared"] and all(e.get("against_best") == "worse" for e in others)
 

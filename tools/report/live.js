@@ -2,7 +2,7 @@
 const live = {page: `${Math.random()}`.slice(2), turn: 0, open: new Map(), stop: new AbortController(), choices: null};
 const livePictures = new Recent(24);
 
-// Whoever is still asked for the budget before is not waited for any more.
+// A request for the budget before is not waited for any more.
 function nextLiveTurn() {
   if (live.open.size > 0) {
     live.stop.abort();

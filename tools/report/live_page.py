@@ -1,4 +1,4 @@
-"""The page of `spool view`, whose pictures the program computes while somebody looks.
+"""The page of `spool view`, whose pictures the program computes on request.
 
 usage: live_page.py [--title TEXT]    prints the page
        live_page.py --facts DIR       prints what a folder of results says of its recordings and methods, as JSON
@@ -38,9 +38,9 @@ def page(title):
 
     # Filled by live.js with what the program says.
     data = {"dumps": [], "samplers": [], "filters": [], "metric": "relmse", "metrics": [], "quantities": [], "combinations": [],
-            "overall": [], "budget": None, "baseline": "uniform + box", "conditions": [], "pixels": [], "live": True,
+            "overall": [], "budget": None, "baseline": "uniform + box", "own": [], "conditions": [], "pixels": [], "live": True,
             "pictures": {"scenes": [], "images": [], "sets": []}}
-    sections = [("images", "Replayed now", '<div id="live-area"></div>'), ("run", "Scripts of others", licences_html())]
+    sections = [("images", "", '<div id="live-area"></div>'), ("run", "", licences_html())]
     return build_page(f"Spool: {title}", sections, data, [], served=True)
 
 

@@ -67,9 +67,6 @@ def _hash(script):
 
 
 def licences_html():
-    parts = []
-    for asset in ASSETS:
-        text = load_asset(asset.licence)
-        parts.append(f"<details><summary>{escape(asset.name)}, from {escape(asset.source)}: MIT "
-                     f"License</summary><pre>{escape(text)}</pre></details>")
-    return "".join(parts)
+    parts = [f"<h4>{escape(asset.name)}, from {escape(asset.source)}: MIT License</h4><pre>{escape(load_asset(asset.licence))}</pre>"
+             for asset in ASSETS]
+    return f'<details class="licences"><summary>Licences</summary>{"".join(parts)}</details>'

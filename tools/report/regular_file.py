@@ -1,4 +1,4 @@
-"""Opens a text file of a folder that anybody may have made: a FIFO or a device in its place is not waited for."""
+"""Opens a text file of a folder from elsewhere: a FIFO or a device in its place is not waited for."""
 
 import os
 import stat

@@ -57,7 +57,7 @@ def make_report(options):
     from file_names import dump_names
     from result_images import find_images, pack_images
     from results_table import choose_metric, read_results
-    from sections import guards_html, quantities_html, run_html, summary_html
+    from sections import quantities_html, run_html, summary_html
     from statistics_file import read_statistics
     from statistics_section import statistics_html
     from summary import is_biased, summarise
@@ -97,8 +97,7 @@ def make_report(options):
          biased + described.note() + '<div id="table-area"></div>'
          + quantities_html(names, vocabulary, OWN_MEANINGS)),
         ("images", "Images", biased + (LIVE if options.served else "") + images_html(images)),
-        ("guards", "Saturated, rejected, clamped", guards_html(combinations, labels, vocabulary)),
-        ("run", "The run", run_html(manifest, combinations, labels, vocabulary.version)),
+        ("run", "The run", run_html(manifest, combinations, labels, vocabulary)),
     ]
     data = report_data(combinations, statistics, table.metrics, metric, labels, vocabulary, images, pixels)
     if options.served:
@@ -114,7 +113,7 @@ BIASED = ('<p class="warning biased">Biased: judged by the samples that the imag
           "compare methods by these errors.</p>")
 
 
-LIVE = '<p><a href="live">Other budgets and methods, replayed now</a></p>'
+LIVE = '<p><a href="live">Other budgets and methods</a></p>'
 
 
 def images_html(images):

@@ -5,7 +5,7 @@ const quantityIndex = new Map(report.quantities.map((q, i) => [q.name, i]));
 // How an area of the page is filled, by its id: a page has some of them.
 const starts = {};
 
-// What is shown; parts of the page register to be told of a change.
+// What is shown; parts of the page register for changes.
 const shown = {
   dump: 0,
   metric: report.metric,
@@ -25,6 +25,8 @@ function interval(combination, name) {
 
 // An image that was made elsewhere has a name, and no filter.
 const methodOf = (c) => [report.samplers[c.sampler], report.filters[c.filter]].filter((name) => name).join(' + ');
+// By its mark, as there is one of each number of threads.
+const isBaseline = (c) => c.baseline || methodOf(c) === report.baseline;
 const conditionOf = (dump, spp) => report.conditions.find((c) => c.dump === dump && c.spp === spp);
 const rankedMethods = (dump, spp) => (conditionOf(dump, spp)?.field ?? []).map((i) => methodOf(report.combinations[i]));
 const isShown = (c) => shown.samplers.has(c.sampler) && shown.filters.has(c.filter);
@@ -59,7 +61,7 @@ function select(label, texts, value, onchange) {
 const darkQuery = matchMedia('(prefers-color-scheme: dark)');
 const isDark = () => darkQuery.matches;
 
-// Colours of samplers, told apart on the page's light and dark grounds and by colour-blind readers.
+// Colours of samplers, distinct on the page's light and dark grounds and by colour-blind readers.
 const palettes = {
   light: ['#0072b2', '#d55e00', '#00805c', '#aa3377', '#44aa99', '#332288', '#5c3d00', '#222222'],
   dark: ['#4da3e0', '#ff8a4c', '#2fc79b', '#f7e3a1', '#7d6bd6', '#9ad4f5', '#fff176', '#eeeeee'],

@@ -6,6 +6,7 @@ Only sums over replicates go in: a page stays usable with ten thousand results.
 import math
 
 from aggregate import RATIO_METRICS, TIMES
+from figure_methods import own_methods
 from headline_data import headline_budget, headline_conditions
 from result_images import exposure_of
 from statistics_file import Interval, interval_of
@@ -29,6 +30,7 @@ def quantity_names(combinations, metrics):
 
 def report_data(combinations, statistics, metrics, metric, labels, vocabulary, images, pixels):
     names = quantity_names(combinations, metrics)
+    own = own_methods(statistics.results, frozenset())
     dumps = list(dict.fromkeys(c.dump for c in combinations))
     samplers = list(dict.fromkeys(c.sampler for c in combinations))
     filters = list(dict.fromkeys(c.filter for c in combinations))
@@ -42,8 +44,9 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "quantities": [{"name": name,
                         "meaning": OWN_MEANINGS.get(name) or vocabulary.meaning(name),
                         "better": _better(name, metrics, vocabulary)} for name in names],
-        "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names)
-                         for c in combinations],
+        # What the user added, which is what a page opens on.
+        "own": list(own),
+        "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names, metric) for c in combinations],
         # For the charts only: the recording after the last one.
         "overall": [_overall(entry, len(dumps), samplers, filters, names, metric) for entry in statistics.overall],
         "budget": headline_budget(statistics, metric),
@@ -53,11 +56,13 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
     }
 
 
-def _combination(c, dump, samplers, filters, names):
+def _combination(c, dump, samplers, filters, names, metric):
     return {"dump": dump, "sampler": samplers.index(c.sampler), "filter": filters.index(c.filter),
             "spp": c.spp, "replicates": c.replicates, "failed": len(c.failures),
             "values": [_interval(c.quantity(name)) for name in names],
             "loses": _loss(c),
+            # Of each number of threads there is one; its name alone would not say it.
+            "baseline": metric in c.ranks and "against_baseline" not in c.ranks[metric],
             # By metric: letters of its group, and the verdict against the baseline.
             "ranks": {metric: [entry["letters"], entry.get("against_baseline", "")]
                       for metric, entry in c.ranks.items()}}
@@ -70,8 +75,8 @@ def _loss(combination):
 
 def _overall(entry, dump, samplers, filters, names, metric):
     found = {name: interval_of(value) for name, value in entry["quantities"].items()}
-    for metric in RATIO_METRICS:
-        found[metric + "_ratio"] = interval_of(entry.get("against_baseline", {}).get(metric, {}).get("ratio"))
+    for name in RATIO_METRICS:
+        found[name + "_ratio"] = interval_of(entry.get("against_baseline", {}).get(name, {}).get("ratio"))
     said = entry.get("against_baseline", {}).get(metric)
     return {"dump": dump, "sampler": samplers.index(entry["sampler"]), "filter": filters.index(entry["filter"]),
             "spp": entry["spp"], "replicates": 0, "failed": 0, "ranks": {}, "loses": 0,

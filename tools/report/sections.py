@@ -14,7 +14,7 @@ LONGEST_VERDICTS = 60
 
 
 def summary_html(sentences, statistics, metric, budget):
-    """Table, chart and crops first, drawn by headline.js; then at most five sentences; the rest can be opened."""
+    """Claims, then table, chart and crops drawn by headline.js, then at most five sentences; the rest can be opened."""
     first = leading(sentences, statistics, metric, budget)
     scopes = "".join(f'<p class="note">{escape(s.text)}</p>' for s in sentences if s.kind == "scope")
     unranked = ("" if metric in statistics.metrics() else
@@ -23,7 +23,7 @@ def summary_html(sentences, statistics, metric, budget):
     rest = [s for s in sentences if s.kind != "scope" and s not in first]
     more = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in rest)
     table = _verdict_table(statistics, metric)
-    return (f'{scopes}{unranked}{claims_html(statistics)}<div id="headline-area"></div><ul class="leading">{shown}</ul>'
+    return (f'{claims_html(statistics)}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>{scopes}'
             f"<details><summary>Every verdict in words, and {escape(metric)} at every budget</summary>"
             f"<ul>{more}</ul>{table}</details>{HOW_TO_READ}")
 
@@ -80,7 +80,7 @@ def _verdict_table(statistics, metric):
     more = f"<p>{rest} further methods: see the table.</p>" if rest > 0 else ""
     over = ("with its 95 % interval, and the verdict" if dumps == 1 else
             f"geometric mean over {dumps} scenes with its interval; below it, on how many the method is "
-            "better, worse or not told apart (undecided)")
+            "better, worse or undecided")
     return (f"<p>{escape(metric)} relative to {escape(statistics.baseline)} at the same budget: {over}.</p>"
             '<div class="scroll" tabindex="0"><table class="verdicts"><thead><tr>'
             f'<th scope="col">method</th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
@@ -114,8 +114,8 @@ def guards_html(combinations, labels, vocabulary):
         parts.append(f'<p class="warning">{excluded:,.0f} pixels of images are not finite and were '
                      "left out of every error: those results count as failed.</p>")
     if not totals:
-        return "".join(parts) + "<p>No clamp, floor or early-out caught anything.</p>"
-    parts.append("<p>Every clamp, floor and early-out that caught something, counted over all "
+        return "".join(parts)
+    parts.append("<details><summary>Samples and pixels that were clamped, rejected or replaced</summary><p>Every clamp, floor and early-out that caught something, counted over all "
                  'replicates.</p><div class="scroll" tabindex="0"><table class="guards"><thead>'
                  '<tr><th scope="col">guard</th><th scope="col">count</th><th scope="col">in '
                  'combinations</th><th scope="col">most in</th></tr></thead><tbody>')
@@ -126,16 +126,16 @@ def guards_html(combinations, labels, vocabulary):
             f'<tr><th scope="row">{escape(name)}<small>{escape(meaning)}</small></th>'
             f"<td>{total:,.0f}</td><td>{len(caught[name])} of {len(combinations)}</td>"
             f"<td>{escape(c.method)}, {escape(labels[c.dump])}, {c.spp:g} spp: {count:,.0f}</td></tr>")
-    return "".join(parts) + "</tbody></table></div>"
+    return "".join(parts) + "</tbody></table></div></details>"
 
 
-def run_html(manifest, combinations, labels, version):
+def run_html(manifest, combinations, labels, vocabulary):
     """Command, program, machine, recordings; what was not recorded is said to be so."""
     rows = [("command", _text(manifest.get("command"))),
             ("program", _text(manifest.get("version"))),
             ("machine", _text(manifest.get("machine"))),
             ("started", _text(manifest.get("started"))),
-            ("report by", f"spool {version}" if version else "")]
+            ("report by", f"spool {vocabulary.version}" if vocabulary.version else "")]
     first = next((row for c in combinations for row in c.rows), {})
     rows.append(("judged by", ", ".join(sorted({
         row.get("reference", "") for c in combinations for row in c.rows} - {""}))))
@@ -157,8 +157,7 @@ def run_html(manifest, combinations, labels, version):
     return (f'<dl class="run">{html}</dl><div class="scroll" tabindex="0"><table><caption>Recordings'
             '</caption><thead><tr><th scope="col">name</th><th scope="col">file</th><th scope="col">'
             'pixels</th><th scope="col">held out</th><th scope="col">sha256</th></tr></thead><tbody>'
-            f'{"".join(body)}</tbody></table></div><h3>Scripts of others in this page</h3>'
-            f"{licences_html()}")
+            f'{"".join(body)}</tbody></table></div>{guards_html(combinations, labels, vocabulary)}{licences_html()}')
 
 
 def _known(value):

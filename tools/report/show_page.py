@@ -85,7 +85,7 @@ def page_data(said, names, packed):
     crops = [dict(zip(("x", "y", "width", "height"), crop)) for crop in said["crops"]]
     last = images[-1]
     return {"dumps": [said["title"]], "samplers": samplers, "filters": filters, "metric": "relmse", "metrics": [], "quantities": [],
-            "combinations": combinations, "overall": [], "budget": None, "baseline": "uniform + box", "conditions": [], "pixels": [], "all": not filters,
+            "combinations": combinations, "overall": [], "budget": None, "baseline": "uniform + box", "own": [], "conditions": [], "pixels": [], "all": not filters,
             "first": f"{last['name']} + {last['filter']}", "crops": crops or None, "shrunk": said["shrunk"],
             "pictures": {"scenes": [scene], "sets": sets,
                          "images": [p.header() for p in packed]}}

@@ -52,7 +52,7 @@ def _rank_row(entry):
 
 
 def _would_tell(entry):
-    more = [f"about {number_text(count, 2)} {unit} would tell" for unit, count in entry.get("would_tell", {}).items()]
+    more = [f"about {number_text(count, 2)} {unit} would decide" for unit, count in entry.get("would_tell", {}).items()]
     return f"<small>{escape(more[0])}</small>" if more else ""
 
 

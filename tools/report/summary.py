@@ -41,14 +41,14 @@ def leading(sentences, statistics, metric, budget):
 
 
 def _counted(statistics, metric, budget):
-    """Of many scenes: how often the two that most often come first do so, and how often that is told apart."""
+    """Of many scenes: how often the two that most often come first do so, and how often they are separated."""
     conditions = [c for c in statistics.of_metric(metric) if c["spp"] == budget]
     first, alone = Counter(), Counter()
     for condition in conditions:
         name = name_of(condition["ranking"][0])
         first[name] += 1
         alone[name] += best_is_alone(condition["ranking"])
-    return [Sentence(f"At {budget:g} spp, {name} comes first on {count} of {len(conditions)} scenes, and is told apart "
+    return [Sentence(f"At {budget:g} spp, {name} comes first on {count} of {len(conditions)} scenes, and is separated "
                      f"from every other method on {alone[name]} of them.") for name, count in first.most_common(2)]
 
 
@@ -116,9 +116,9 @@ def best_of(condition, metric, labels, baseline):
     level = [e for e in compared if e["against_best"] != "worse"]
     if not worse:
         return Sentence(f"{where}: {name_of(best)} has the smallest mean, {value}; none of the other "
-                        f"{len(compared)} is told apart from it.")
+                        f"{len(compared)} is separated from it.")
     if level:
-        text = (f"{where}: {name_of(best)} has the smallest mean, {value}, but is not told apart from "
+        text = (f"{where}: {name_of(best)} has the smallest mean, {value}, but is not separated from "
                 + list_text([name_of(e) for e in level], LONGEST_LIST))
     else:
         text = f"{where}: {name_of(best)} has the lowest error, {value}"
@@ -135,7 +135,7 @@ def _against_baseline(entry, baseline):
         return ""
     ratio = interval_of(entry.get("ratio"))
     if verdict != "better":
-        return f"; it is not told apart from {baseline}"
+        return f"; it is not separated from {baseline}"
     if math.isnan(ratio.mean):
         return f"; it is lower than {baseline} by a ratio that is not resolved"
     return f"; it has {factor_text(ratio)} times the error of {baseline}"

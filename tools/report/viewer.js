@@ -60,17 +60,17 @@ function sayFailure(view, error) {
   if (error.name !== 'AbortError' && error.message !== 'superseded') view.status.textContent = error.message;
 }
 
-// The baseline against the method that ranks first among those with pictures, at the middle budget; without ranks, the
+// The baseline against the method that ranks first among those with pictures, at the largest budget; what the user added before others; without ranks, the
 // project's own.
 function firstChoice(view) {
   if (report.all) return {budget: 0, a: 0, b: 1, face: 0};
   // What has to be replayed first is small.
-  const budget = view.sets()[0].live ? Math.max(0, view.budgets().indexOf(4)) : Math.floor((view.budgets().length - 1) / 2);
+  const budget = view.sets()[0].live ? Math.max(0, view.budgets().indexOf(4)) : view.budgets().length - 1;
   view.state.budget = budget;
   const names = view.names();
   const ranked = rankedMethods(view.scene().dump, view.budgets()[budget]).filter((name) => names.includes(name));
   return {budget, a: Math.max(0, names.indexOf(report.baseline)),
-    b: names.indexOf([report.first, ranked[0], 'multiscale + directional', names.at(-1)].find((name) => names.includes(name)))};
+    b: names.indexOf([report.first, ranked.find((name) => report.own.includes(name)), ranked[0], 'multiscale + directional', names.at(-1)].find((name) => names.includes(name)))};
 }
 
 // Pictures of the layer that is shown, and the values behind them: view.faces[i] = {letter, name, picture, set, map}.

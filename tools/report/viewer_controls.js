@@ -50,8 +50,7 @@ function renderControls(view) {
       labelled('viewer-scene', select('Recording', view.scenes.map((s) => report.dumps[s.dump]), state.scene, pick('scene'))),
       slider('budget-slider', 'Samples per pixel', 0, budgets.length - 1, 1, pick('budget'))]),
     ...(report.all && sides.length < 3 ? [] : [
-      labelled('viewer-a', select('A', sides, state.a, pick('a'))),
-      labelled('viewer-b', select('B', sides, state.b, pick('b')))]),
+      ...['a', 'b'].flatMap((side) => sideLists(view, side, sides).map(([id, label]) => labelled(id, label)))]),
       buttons(view, 'layer', 'Layer', Object.keys(layers).filter((name) => has(view, name)).map((n) => [n, layers[n].name])),
       view.faces.length < 2 ? '' : buttons(view, 'mode', 'Show', Object.entries(modes)),
       slider('exposure-slider', 'Exposure', -10, 10, 0.5, (value) => { state.exposure = value; render(view); }),
@@ -59,10 +58,13 @@ function renderControls(view) {
     if (focused) document.getElementById(focused)?.focus();
   }
   for (const side of ['a', 'b']) {
-    const list = view.controls.querySelector(`#viewer-${side}`);
-    if (!list) continue;
-    list.value = state[side];
-    list.parentElement.hidden = report.all && state.mode !== 'split';  // all are shown otherwise
+    const c = report.all ? {} : report.combinations[view.candidates()[state[side]].combination];
+    for (const [id, value] of [['', state[side]], ['-sampler', c.sampler], ['-filter', c.filter]]) {
+      const list = view.controls.querySelector(`#viewer-${side}${id}`);
+      if (!list) continue;
+      list.value = value;
+      list.parentElement.hidden = report.all && state.mode !== 'split';  // all are shown otherwise
+    }
   }
   if (!report.all) setSlider(view.controls.querySelector('#budget-slider'), state.budget, `${budgets[state.budget]} spp`);
   setSlider(view.controls.querySelector('#exposure-slider'), state.exposure, `${state.exposure >= 0 ? '+' : ''}${state.exposure} EV`);
@@ -74,6 +76,31 @@ function renderControls(view) {
   view.tabs.hidden = state.mode !== 'flip';
   view.tabs.replaceChildren(...view.faces.map((face, i) => element('button', {type: 'button',
     'aria-pressed': String(i === state.face), onclick: () => view.choose({face: i})}, face.name)));
+}
+
+// [[id, list]] of what A or B shows: a list of samplers and one of filters where there are pairs of both, else one of all.
+function sideLists(view, side, names) {
+  const {state} = view, name = side.toUpperCase();
+  const chosen = () => report.combinations[view.candidates()[state[side]].combination];
+  const combinations = report.all ? [] : view.candidates().map((set) => report.combinations[set.combination]);
+  const kinds = ['sampler', 'filter'].map((kind) => [kind, [...new Set(combinations.map((c) => c[kind]))]]);
+  if (kinds.some(([, places]) => places.length < 2)) {
+    return [[`viewer-${side}`, select(name, names, state[side], (i) => view.choose({[side]: i}))]];
+  }
+  // The same other half of the pair where it has a picture.
+  const pick = (kind, other) => (value) => {
+    const fits = combinations.map((c, i) => [c, i]).filter(([c]) => c[kind] === value);
+    const [, place] = fits.find(([c]) => c[other] === chosen()[other]) ?? fits[0];
+    view.choose({[side]: place});
+  };
+  return kinds.map(([kind, places], i) => {
+    const label = select(i === 0 ? name : '+', places.map((place) => report[`${kind}s`][place]), -1, () => {});
+    const list = label.lastElementChild;
+    list.setAttribute('aria-label', `${kind} of ${name}`);
+    [...list.options].forEach((option, at) => { option.value = places[at]; });
+    list.addEventListener('change', () => pick(kind, kinds[1 - i][0])(Number(list.value)));
+    return [`viewer-${side}-${kind}`, label];
+  });
 }
 
 const has = (view, layer) => view.candidates().some((set) => set.images[layers[layer].picture] !== undefined &&

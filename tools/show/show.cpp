@@ -35,7 +35,7 @@ NamedFile named_file(const std::string& text) {
   return {text.substr(0, split), text.substr(split + 1)};
 }
 
-// Files of one name are told apart by their folder, else by a number.
+// Files of one name are labelled by their folder, else by a number.
 std::vector<NamedFile> named_files(const std::vector<std::string>& texts) {
   std::vector<NamedFile> files;
   for (const std::string& text : texts)

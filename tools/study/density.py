@@ -12,18 +12,15 @@ Measures of a replay, one number per replicate:
 import itertools
 import json
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from plans import PLANS, ROOT, methods_of
-from whole_file import write_whole
-
-sys.path.insert(0, str(ROOT / "formats" / "python"))
-import spool  # noqa: E402
-import spool.exr  # noqa: E402
+import spool
+import spool.exr
+from tools.study.plans import PLANS, methods_of
+from tools.study.whole_file import write_whole
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 

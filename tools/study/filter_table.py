@@ -1,12 +1,14 @@
-"""Table of filters from results of `spool evaluate`: filter_table.py RESULTS... [--metric relmse_trimmed].
+"""Filters from results of `spool evaluate`, as CSV: filter_table.py RESULTS... [--metric relmse_trimmed], for docs/results/filters.
 
-A line for each sampler and filter, a column for each budget: the program's geometric mean over recordings (`overall` of statistics.json)
-over that of `--against`, with which all folders share their recordings; its mean energy ratio; CPU milliseconds of the filter.
-With --each a line for each recording instead, of the smallest and largest of which a goal may speak.
+A row for each sampler and filter. For each budget the program's geometric mean over recordings (`overall` of statistics.json) over that of
+`--against`, with which all folders share their recordings, and the mean energy ratio; CPU milliseconds of the filter.
+With --each columns for each recording instead, without the time.
 """
 import argparse
 import json
 from pathlib import Path
+
+from tools.study import tables
 
 
 def read(folders, each):
@@ -22,20 +24,19 @@ def read(folders, each):
 
 
 def figure(found, base, metric):
-    if metric not in found or metric not in base:
-        return ""
-    return f"{found[metric] / base[metric]:.3f} / {found['energy_ratio']:.3f}"
+    """The ratio of errors, and the energy."""
+    return [f"{found[metric] / base[metric]:.3f}", f"{found['energy_ratio']:.3f}"] if metric in found and metric in base else ["", ""]
 
 
 def table(cells, metric, against, each):
     places = sorted({place for of in cells.values() for place in of})
-    header = [f"{name} {spp:g} spp".strip() for name, spp in places] + ([] if each else ["CPU ms"])
-    lines = ["| sampler + filter | " + " | ".join(header) + " |", "|---" * (len(header) + 1) + "|"]
+    header = ["sampler + filter", *(f"{name} {spp:g} spp {what}".strip() for name, spp in places for what in ("relmse", "energy"))]
+    rows = []
     for method, of in sorted(cells.items()):
-        columns = [figure(of.get(place, {}), cells[against].get(place, {}), metric) for place in places]
+        columns = [value for place in places for value in figure(of.get(place, {}), cells[against].get(place, {}), metric)]
         cost = [] if each else [f"{1000 * max(found.get('cpu_filtering', 0) for found in of.values()):.1f}"]
-        lines.append(f"| {' + '.join(method)} | " + " | ".join(columns + cost) + " |")
-    return "\n".join(lines)
+        rows.append([" + ".join(method), *columns, *cost])
+    return tables.as_csv(header + ([] if each else ["CPU ms"]), rows)
 
 
 def main():
@@ -46,7 +47,7 @@ def main():
     parser.add_argument("--each", action="store_true", help="every recording by itself")
     options = parser.parse_args()
     cells = read(options.results, options.each)
-    print(table(cells, options.metric, tuple(options.against.split(" + ", 1)), options.each))
+    print(table(cells, options.metric, tuple(options.against.split(" + ", 1)), options.each), end="")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Pictures of full size for docs/experiments_full.md, in docs/images/full_size: one for each figure of the paper and recording.
+"""Pictures of full size for docs/findings.md, in docs/images/full_size: one for each figure of the paper and recording.
 
-    tools/study/full_figures.py cornell_box_picture torus ...     by name, as recordings of full size lie on this machine
+    python3 -m tools.study.full_figures cornell_box_picture torus ...     by name, as recordings of full size lie on this machine
         [--figure e1 e4 e5 e8 e9]   default: all that the recording has its use for
         [--crop X,Y,SIDE]...        windows of e4 and e9; default: where the errors of all methods together are largest
 
@@ -15,19 +15,17 @@ import io
 import sys
 from pathlib import Path
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import ListedColormap, LogNorm
+from matplotlib.patches import Rectangle
+from PIL import Image
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-from matplotlib.colors import ListedColormap, LogNorm  # noqa: E402
-from matplotlib.patches import Rectangle  # noqa: E402
-from PIL import Image  # noqa: E402
+from tools.study.full_picture import shown
+from tools.study.plans import FULL, ROOT, full_recording
+from tools.study.replays import Runs, errors, reference_of, rgb, spool
 
-from full_picture import shown  # noqa: E402
-from plans import FULL, ROOT, full_recording  # noqa: E402
-from replays import Runs, errors, reference_of, rgb, spool  # noqa: E402
-
+plt.switch_backend("Agg")
 FOLDER = ROOT / "docs/images/full_size"
 WAVELETS = ("haar", "5-3", "9-7", "db3")
 SAMPLERS = ("mitchell", "adaptive_wavelet", "greedy_error", "nl_means", "multiscale", "multiscale:paper", "neyman")
@@ -132,7 +130,7 @@ def tiles(p):
 
 
 def windows(images, reference, side=48, count=2):
-    """Where the relative errors of all images together are largest, whoever wins there; without overlap."""
+    """Where the relative errors of all images together are largest, whichever wins there; without overlap."""
     errors = sum(np.minimum(np.abs(image - reference).mean(axis=2) / (reference.mean(axis=2) + 0.1 * reference.mean()), 2.0) for image in images)
     worth = np.cumsum(np.cumsum(np.pad(errors, ((1, 0), (1, 0))), axis=0), axis=1)
     sums = worth[side:, side:] - worth[:-side, side:] - worth[side:, :-side] + worth[:-side, :-side]

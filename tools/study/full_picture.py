@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes docs/images/full_size.png: what a few samples give on a recording of full size, and where they went.
 
-    tools/study/full_picture.py [RECORDING.spool] [--crop X,Y,SIDE]...
+    python3 -m tools.study.full_picture [RECORDING.spool] [--crop X,Y,SIDE]...
 
 Columns: uniform samples as they are; multiscale samples with the project's own filter; the reference; the density of the
 samples; the level of the filter that `directional` chose. Rows: the picture, then crops. Errors stand under the columns.
@@ -10,17 +10,15 @@ import argparse
 import tempfile
 from pathlib import Path
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.patches import Rectangle
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-from matplotlib.colors import LogNorm  # noqa: E402
-from matplotlib.patches import Rectangle  # noqa: E402
+from tools.study.plans import RECORDINGS, ROOT
+from tools.study.replays import Runs, errors, reference_of, rgb, spool
 
-from plans import RECORDINGS, ROOT  # noqa: E402
-from replays import Runs, errors, reference_of, rgb, spool  # noqa: E402
-
+plt.switch_backend("Agg")
 SPP = "8"
 CROPS = ["96,140,48", "170,190,48"]
 

@@ -9,9 +9,9 @@ import shutil
 import subprocess
 import sys
 
-import kept
-from plans import PLANS, ROOT, full_plan, full_recording, full_recordings, text_of
-from whole_file import write_whole
+from tools.study import kept
+from tools.study.plans import ROOT, full_plan, full_recording, full_recordings, text_of
+from tools.study.whole_file import write_whole
 
 
 def plan_hash(plan):
@@ -75,7 +75,7 @@ class Store:
                  "processor": by["machine"]["processor"], "hardware_threads": by["machine"]["threads"], "replicates": asked["replicates"]}
         measured = {}
         if density:
-            from density import densities  # needs numpy
+            from tools.study.density import densities  # needs numpy
             measured = densities(self.program, asked, folder)
         self._add(plan, name, folder, made, measured)
         return True

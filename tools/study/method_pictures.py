@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes the pictures of docs/method.md from a recording: rows of views as `spool` writes them.
 
-    tools/study/method_pictures.py [--program build/release/spool] [--output docs/images/method]
+    python3 -m tools.study.method_pictures [--program build/release/spool] [--output docs/images/method]
 
 Debian's Python, which has OpenImageIO. A test makes them again and compares every pixel.
 """

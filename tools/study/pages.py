@@ -1,25 +1,30 @@
-"""The pages docs/experiments.md and docs/experiments_full.md: templates, filled from what is kept.
+"""The pages docs/findings.md and docs/experiments.md: templates, filled from what is kept.
 
-A template (templates/PAGE.in) holds sentences. In them
-    {{chapters}}                                      is a part for each chapter of chapters.toml
+A template (templates/PAGE.in) contains sentences. In them
+    {{chapters}}                                      is a row for each chapter of chapters.toml
+    {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
     {{PLAN; BETTER; THAN; METRIC; SAMPLES; VERDICT}}  is where a claim holds, and requires that its verdict is this one
 so a sentence that was written about a verdict cannot outlive it.
 """
 import json
 import re
-import tomllib
 from pathlib import Path
 
-import kept
-import tables
-from plans import FULL
-from whole_file import write_whole
+import tomllib
+
+from tools.study import kept, tables
+from tools.study.plans import FULL
+from tools.study.whole_file import write_whole
 
 HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]
 CLAIM = re.compile(r"\{\{(\w+;[^\n]*?;\s*\w+)\}\}")
 DENSITY = {"levels_3_4": "samples of levels 3 and 4", "near_edges": "adaptive samples near edges", "correlation": "correlation with noise",
            "block_index": "jump at multiples of 16", "tile_jump": "jump at its tiles"}
+
+METHODS = {"uniform + directional": "uniform + directional", "multiscale:paper + directional:paper": "paper", "multiscale{update=epoch} + directional": "robust",
+           "uniform + nl_means": "uniform + nl_means", "nl_means + nl_means": "nl_means", "greedy_error + greedy_selection": "greedy",
+           "mitchell + multistage": "mitchell [R]", "adaptive_wavelet + wavelet_shrinkage": "wavelet [R]"}
 
 
 class Changed(Exception):
@@ -70,38 +75,68 @@ def density_table(measured, measures):
 
 
 def links_of(chapter, plan, store):
-    """Plan, and every place, cell and density of it."""
-    ends = {"_claims": bool(store.claims(plan)), "_density": "density" in chapter, "": True}
-    files = [f"[{name}](results/{store.folder.name}/{plan}{end}.csv)" for end, name in
-             (("_claims", "every place"), ("_density", "densities"), ("", "every cell")) if ends[end]]
-    return f"[{plan}](../tools/plans/{plan}.toml): {', '.join(files) if store.texts(plan) else '**not run yet**'}"
+    """Counted verdicts of a plan, each with its table: every place, cell and density."""
+    if not store.texts(plan):
+        return "not run"
+    claims = store.claims(plan)
+    ends = {"_claims": bool(claims), "_density": "density" in chapter, "": True}
+    names = {"_claims": tables.summary(claims), "_density": "densities", "": "cells"}
+    return ", ".join(f"[{names[end]}](results/{store.folder.name}/{plan}{end}.csv)" for end in names if ends[end])
 
 
-def chapter_blocks(chapter, store, brief):
-    """brief: of what claims came to numbers alone, and no words that another page has."""
-    plans = [*chapter["plans"], *(p for p in chapter.get("more", ()) if store.texts(p))]
-    asked = {p: store.claims(p) for p in plans if store.claims(p)}
-    blocks = [f"## {chapter['id']}: {chapter['title']}"]
-    links = "; ".join(links_of(chapter, p, store) for p in plans) + "."
-    if brief:
-        claims = [c for of_plan in asked.values() for c in of_plan]
-        return [*blocks, f"{tables.summary(claims)} {links}" if claims else links]
-    blocks.append(f"{chapter['question']} {chapter.get('note', '')}".strip())
-    if asked:
-        described = set().union(*(store.described(p) for p in asked))
-        blocks.append(tables.claims_table(asked, described))
-    return [*blocks, links]
+def chapter_rows(chapter, small, full):
+    """A row for each plan of a chapter: what it asks, and what came out at both sizes."""
+    rows = []
+    for i, plan in enumerate((*chapter["plans"], *(p for p in chapter.get("more", ()) if small.texts(p)))):
+        question = " ".join(chapter[k] for k in ("title", "note") if k in chapter) if i == 0 else ""
+        rows.append([chapter["id"] if i == 0 else "", question, f"[{plan}](../tools/plans/{plan}.toml)",
+                     "" if chapter["plans"][0] in FULL["left_out"] else links_of(chapter, plan, full), links_of(chapter, plan, small)])
+    return rows
+
+
+def chapters_table(small, full):
+    rows = [row for chapter in CHAPTERS for row in chapter_rows(chapter, small, full)]
+    return tables.markdown(["", "question", "plan", "full size", "64 x 64 pixels"], rows)
+
+
+def chapter_claims(store, full):
+    """The claims of every chapter as tables, for the site."""
+    blocks = []
+    for chapter in chapters_of(full):
+        asked = {p: store.claims(p) for p in (*chapter["plans"], *chapter.get("more", ())) if store.claims(p)}
+        if asked:
+            described = set().union(*(store.described(p) for p in asked))
+            blocks += [f"### {chapter['id']}: {chapter['title']}", chapter["question"], tables.claims_table(asked, described)]
+    return blocks
+
+
+def matrix(store, methods, plans, spp=8):
+    """Recording by method: relMSE over that of the baseline, and after the stroke the energy that is left."""
+    rows = {}
+    for plan in plans:
+        statistics = store.results(plan)
+        ratios = {tables.place({**c, **m}): m["ratio"][0] for c in statistics.get("conditions", ()) if c["metric"] == "relmse" for m in c["ranking"]}
+        for entry in statistics.get("results", ()):
+            where = tables.place(entry)
+            if entry["spp"] == spp and where in ratios and " + ".join(where[3:]) in methods:
+                cell = f"{tables.number(ratios[where], 2)} / {entry['quantities']['energy_ratio'][0]:.2f}"
+                rows.setdefault(where[0], {}).setdefault(" + ".join(where[3:]), cell)
+    return tables.markdown(["recording", *methods.values()], [[name, *(of.get(m, "–") for m in methods)] for name, of in sorted(rows.items())])
 
 
 def chapters_of(full):
     return [c for c in CHAPTERS if not full or c["plans"][0] not in FULL["left_out"]]
 
 
-def place_text(claim):
+def place_text(claim, plan, store):
+    """Where a claim holds, and its least and largest ratio, with a link to every place."""
     counts = claim["counts"]
     more = [f"{counts[w]} {w}" for w in tables.ORDER[1:3] if counts.get(w)]
     compared = sum(counts.get(word, 0) for word in tables.ORDER[:3])
-    return f"({counts.get('holds', 0)} of {compared} hold{''.join(', ' + m for m in more)})"
+    ratios = sorted(p["ratio"][0] for p in claim["places"] if p["ratio"])
+    spread = f"; {tables.number(ratios[0], 2)} to {tables.number(ratios[-1], 2)}" if ratios else ""
+    name = plan.split("_")[0].upper()
+    return f"([{name}](results/{store.folder.name}/{plan}_claims.csv): {counts.get('holds', 0)} of {compared} hold{''.join(', ' + m for m in more)}{spread})"
 
 
 def said(match, store):
@@ -110,16 +145,18 @@ def said(match, store):
         if (claim["better"], claim["than"], claim["metric"], claim["samples"]) == (better, than, metric, samples):
             if claim["verdict"] != verdict:
                 raise Changed(f"{match.group(0)}: the verdict is now '{claim['verdict']}': write the sentence anew")
-            return place_text(claim)
+            return place_text(claim, plan, store)
     raise Changed(f"{match.group(0)}: no such claim is kept: write the sentence anew")
 
 
-def page(template, store, full):
-    """The text of a page, from what is kept in this Kept."""
+def page(template, small, full):
+    """The text of a page, from what is kept of both sizes; claims are those of full size."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
-    text = CLAIM.sub(lambda match: said(match, store), text)
-    blocks = [block for chapter in chapters_of(full) for block in chapter_blocks(chapter, store, full and chapter.get("brief", False))]
-    return text.replace("{{chapters}}", "\n\n".join(blocks))
+    text = CLAIM.sub(lambda match: said(match, full), text)
+    for name, made in (("chapters", lambda: chapters_table(small, full)), ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
+        if "{{" + name + "}}" in text:
+            text = text.replace("{{" + name + "}}", made())
+    return text.rstrip("\n") + "\n"
 
 
 def write_csv(store, chapter):
@@ -137,10 +174,11 @@ def write_csv(store, chapter):
 
 
 def write(docs, full):
-    """Page and tables, in the folder of the pages."""
-    name = "experiments_full" if full else "experiments"
-    store = Kept(docs / "results" / name)
+    """Pages and tables, in the folder of the pages; findings are those of full size."""
+    small, large = (Kept(docs / "results" / name) for name in ("experiments", "experiments_full"))
+    store = large if full else small
     store.folder.mkdir(parents=True, exist_ok=True)
     for chapter in chapters_of(full):
         write_csv(store, chapter)
-    write_whole(docs / f"{name}.md", page(f"{name}.in", store, full).rstrip("\n") + "\n")
+    for name in ("experiments", "findings") if full else ("experiments",):
+        write_whole(docs / f"{name}.md", page(f"{name}.in", small, large))

@@ -1,21 +1,18 @@
 """Error over budget for every plan of several budgets, drawn when the site is built: plots.py FOLDER.
 
-Writes FOLDER/curves/PLAN.svg and a page beside that folder from docs/results/experiments[_full]: a panel for each recording, a line for each method
-that a claim names, with its 95 % interval, as statistics.json has them.
+Writes FOLDER/curves/PLAN.svg and the pages curves.md and claims.md beside that folder from docs/results/experiments[_full]: a panel for each
+recording, a line for each method that a claim names, with its 95 % interval, as statistics.json has them; and every claim with its verdict.
 """
 import sys
 from pathlib import Path
 
-import matplotlib
+import matplotlib.pyplot as plt
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+from tools.study import pages, tables
+from tools.study.plans import ROOT
 
-import pages  # noqa: E402
-import tables  # noqa: E402
-from plans import ROOT  # noqa: E402
-
-COLOURS = ("#000000", "#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")  # told apart by the colour-blind
+plt.switch_backend("Agg")
+COLOURS = ("#000000", "#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")  # distinct for the colour-blind
 MARKERS = "os^vDP*X"
 COLUMNS = 4
 
@@ -65,6 +62,11 @@ def main():
                 file = f"curves/{name}_{plan}.svg"
                 draw(curves, folder / file)
                 blocks.append(f"![relMSE over samples per pixel, plan {plan}]({file})")
+    claims = ["# Claims of the experiments", "The verdict, and at how many places (recordings and budgets) a claim holds / is reversed / is undecided; after a "
+              "minus those without a verdict. [R]: a re-implementation by description."]
+    for name, title in (("experiments_full", "Full size"), ("experiments", "64 x 64 pixels")):
+        claims += [f"## {title}", *pages.chapter_claims(pages.Kept(ROOT / "docs/results" / name), name == "experiments_full")]
+    (folder / "claims.md").write_text("\n\n".join(claims) + "\n", encoding="utf-8")
     (folder / "curves").with_suffix(".md").write_text("\n\n".join(blocks) + "\n", encoding="utf-8")
 
 

@@ -2,17 +2,13 @@
 import json
 import re
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from plans import ROOT
-
-sys.path.insert(0, str(ROOT / "formats" / "python"))
-import spool  # noqa: E402
-import spool.exr  # noqa: E402
+import spool
+import spool.exr
 
 
 def rgb(path):

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Measures what layers and needs of a recording cost and what they buy, and writes docs/scene_needs.md.
 
-    tools/study/scene_needs.py small           records four scenes with several sets of layers, 64 x 64 pixels
-    tools/study/scene_needs.py needs           records scenes of Cycles with a need (lens, shutter, medium) and without it
-    tools/study/scene_needs.py full NAME...    recordings of full size that are here, without some of their layers
-    tools/study/scene_needs.py                 the page alone, from what is kept in docs/results/scene_needs
+    python3 -m tools.study.scene_needs small           records four scenes with several sets of layers, 64 x 64 pixels
+    python3 -m tools.study.scene_needs needs           records scenes of Cycles with a need (lens, shutter, medium) and without it
+    python3 -m tools.study.scene_needs full NAME...    recordings of full size that are here, without some of their layers
+    python3 -m tools.study.scene_needs                 the page alone, from what is kept in docs/results/scene_needs
 
 What is recorded is not recorded again: build/scene_needs. Errors and intervals are the program's.
 """
@@ -13,17 +13,17 @@ import json
 import os
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
+import tomllib
 
-import tables
-from plans import CACHE, ROOT, full_recording
-from replays import errors, reference_of, spool
-from whole_file import write_whole
+from tools.study import tables
+from tools.study.plans import CACHE, ROOT, full_recording
+from tools.study.replays import errors, reference_of, spool
+from tools.study.whole_file import write_whole
 
-# Behind the folders that are there: dumps has a pools.py of its own.
+# Behind the folders that are there: recordings has a pools.py of its own.
 sys.path += [str(ROOT / "dumps"), str(ROOT / "dumps/recording"), str(ROOT / "dumps/verify")]
 
 STORE, SCRATCH = ROOT / "docs/results/scene_needs", ROOT / "build/scene_needs"
@@ -33,7 +33,7 @@ SETS = {"radiance": ("radiance",), "film": ("radiance", "film"), "lens": ("radia
 READERS = {"film": ("greedy_selection", "directional{recon_granularity=sample}"), "features": ("cross_bilateral", "twin_guides")}
 METHODS = ("box", "gaussian", "greedy_selection", "directional", "directional{recon_granularity=sample}", "cross_bilateral", "nl_means",
            "twin_guides")
-SMALL = {  # scene: (renderer, arguments, sets); Cycles tells positions only where it shifts whole pictures
+SMALL = {  # scene: (renderer, arguments, sets); Cycles gives positions only where it shifts whole pictures
     "chess": ("Cycles", ["chess", "--mode", "shift", "--seed", "1"], ("radiance", "film", "features")),
     "table": ("Cycles", ["table", "--mode", "iid", "--seed", "1"], ("radiance", "features")),
     "mist": ("Cycles", ["mist", "--mode", "iid", "--seed", "1"], ("radiance", "features")),
@@ -172,19 +172,23 @@ def measure_full(program, name):
                 "sets": costs, "relmse": relmse(program, list(files.values()), METHODS, 4, folder / "results")})
 
 
-def cost_table(found):
+COSTS = ["recording", "renderer", "layers", "bytes a sample", "file, MB", "relative", "time of a sample"]
+GAINS = ["layer", "method", "recording", "without it", "with it", "best of radiance alone"]
+
+
+def cost_rows(found):
     rows = []
     for one in found:
         alone = one["sets"]["radiance"]
         for kind in one["sets"].values():
             known = kind["microseconds"] and alone["microseconds"]
-            other = "" if kind.get("same_radiance", True) else " (**other radiance**)"
+            other = "" if kind.get("same_radiance", True) else " (other radiance)"
             rows.append([one["recording"], one["renderer"], " ".join(kind["layers"]) + other, kind["bytes"], f"{kind['file'] / 1e6:.3g}",
                          f"{kind['file'] / alone['file']:.2f}", f"{kind['microseconds'] / alone['microseconds']:.2f}" if known else "–"])
-    return tables.markdown(["recording", "renderer", "layers", "bytes a sample", "file, MB", "relative", "time of a sample"], rows)
+    return rows
 
 
-def gain_table(found):
+def gain_rows(found):
     """relMSE of methods that read a layer, with it and without, beside the best of those that need radiance alone."""
     rows = []
     for layer, filters in READERS.items():
@@ -194,7 +198,7 @@ def gain_table(found):
                 best = min((v[0], m) for m, v in plain.items())
                 rows.append([layer, name, one["recording"], tables.interval(plain.get(name)), tables.interval(more.get(name)),
                              f"{best[1]} {best[0]:.3g}"])
-    return tables.markdown(["layer", "method", "recording", "without it", "with it", "best of radiance alone"], rows)
+    return rows
 
 
 def need_table(found):
@@ -203,15 +207,16 @@ def need_table(found):
     return tables.markdown(["scene", "a sample needs", "time of a sample", "noise without it", "noise with it", "left out", "two references"], rows)
 
 
-def page():
+def pages():
+    """{file beside the page: its text}: the page, and the long tables as CSV."""
     kept = {path.stem: json.loads(path.read_text()) for path in sorted(STORE.glob("*.json"))}
-    needs, small = kept.pop("left_out", None), kept.pop("small", None)
-    parts = {"need": need_table(needs) if needs else "", "cost": cost_table(small) if small else "", "gain": gain_table(small) if small else "",
-             "full_cost": cost_table(kept.values()) if kept else "", "full_gain": gain_table(kept.values()) if kept else ""}
+    needs, small = kept.pop("left_out"), kept.pop("small")
     text = (Path(__file__).parent / "templates/scene_needs.in").read_text(encoding="utf-8")
-    for name, part in parts.items():
-        text = text.replace("{{" + name + "}}", part or "**Not measured yet.**")
-    return text
+    found = [*small, *kept.values()]
+    sizes = ["64 x 64"] * len(small) + ["full"] * len(kept)
+    return {"scene_needs.md": text.replace("{{need}}", need_table(needs)),
+            **{f"results/scene_needs/{name}.csv": tables.as_csv(["size", *header], [[size, *row] for size, one in zip(sizes, found) for row in rows([one])])
+               for name, header, rows in (("costs", COSTS, cost_rows), ("gains", GAINS, gain_rows))}}
 
 
 def main():
@@ -219,7 +224,7 @@ def main():
     parser.add_argument("what", nargs="?", choices=["small", "needs", "full"])
     parser.add_argument("names", nargs="*", help="of recordings of full size")
     parser.add_argument("--program", default=ROOT / "build/release/spool", type=Path)
-    parser.add_argument("-o", "--output", default=ROOT / "docs/scene_needs.md", type=Path)
+    parser.add_argument("-o", "--output", default=ROOT / "docs", type=Path, help="folder of the pages")
     arguments = parser.parse_args()
     program = arguments.program.resolve()
     SCRATCH.mkdir(parents=True, exist_ok=True)
@@ -229,7 +234,8 @@ def main():
         measure_needs(program)
     for name in arguments.names:
         measure_full(program, name)
-    write_whole(arguments.output, page())
+    for name, text in pages().items():
+        write_whole(arguments.output / name, text)
 
 
 if __name__ == "__main__":

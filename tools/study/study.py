@@ -1,22 +1,20 @@
 #!/usr/bin/env python3
-"""Runs the plans of tools/plans, keeps what they gave, and writes docs/experiments.md from it.
+"""Runs the plans of tools/plans, keeps what they gave, and writes docs/experiments.md and docs/findings.md from it.
 
     tools/dev.sh experiments                 every experiment; what is done is not done again
     tools/dev.sh experiments E1 A3 methods   these; the page keeps what is there of the others
     tools/dev.sh experiments --write-only    only the page, from what is kept in docs/results/experiments
     tools/dev.sh experiments --judge         what is kept of full size judged anew by the program: after a change of its claims
     tools/dev.sh experiments --full          the same on those recordings of full size that are here, added to what
-                                             was measured before, on any machine: docs/experiments_full.md
+                                             was measured before, on any machine: docs/findings.md
     tools/dev.sh experiments --full E4 --recording torus    that alone; with --again although it was measured
 """
 import argparse
 import json
 from pathlib import Path
 
-import full_size
-import kept
-import pages
-from plans import PLANS, ROOT, make_recordings, read
+from tools.study import full_size, kept, pages
+from tools.study.plans import PLANS, ROOT, make_recordings, read
 
 
 def parse():
@@ -56,7 +54,7 @@ def run_small(arguments):
             kept.evaluate(arguments.program, PLANS / f"{plan}.toml", folder, *threads)
             texts = kept.texts_of(folder)
             if "density" in chapter:
-                from density import densities  # needs numpy
+                from tools.study.density import densities  # needs numpy
                 texts["density.json"] = json.dumps(kept.short(densities(arguments.program, read(PLANS / f"{plan}.toml"), folder)))
             kept.pack(arguments.output / f"results/experiments/{plan}.tar.xz", texts)
 

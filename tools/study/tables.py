@@ -74,9 +74,9 @@ def claims_table(by_plan, described=()):
 
 
 def summary(claims):
-    """'Of 16 claims: 6 holds, 10 mixed.'"""
+    """'6 hold, 10 mixed'"""
     verdicts = [c["verdict"] for c in claims]
-    return f"Of {len(claims)} claims: " + ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts)) + "."
+    return ", ".join(f"{verdicts.count(v)} {v.replace('holds', 'hold')}" for v in (*ORDER[:1], "mixed", *ORDER[1:]) if v in verdicts)
 
 
 def claims_csv(claims):

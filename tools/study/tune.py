@@ -10,12 +10,9 @@ Candidates are the claims of tools/plans/tuning.toml: each against the defaults.
 import argparse
 from pathlib import Path
 
-import full_size
-import kept
-import pages
-import tables
-from plans import NAMED, PLANS, ROOT, full_recordings, make_recordings, text_of
-from whole_file import write_whole
+from tools.study import full_size, kept, pages, tables
+from tools.study.plans import NAMED, PLANS, ROOT, full_recordings, make_recordings, text_of
+from tools.study.whole_file import write_whole
 
 SAMPLER, FILTER = "multiscale", "directional"
 BAND = (0.97, 1.03)  # of the energy ratio
@@ -98,12 +95,6 @@ def apart_table(claims, recordings):
     return tables.markdown(["recording", *(c["text"].replace("the defaults are below", "defaults below") for c in claims)], rows)
 
 
-def leaders(candidates, recordings, count=8):
-    ranked = sorted(candidates.claims, key=lambda c: -candidates.count(c, recordings))[:count]
-    rows = [[f"`{c['better']}`", candidates.count(c, recordings), tables.verdict(c)] for c in ranked]
-    return tables.markdown(["candidate", "count", "holds/reversed/undecided at all places"], rows)
-
-
 def apart_plan(claim):
     """The choice of all against the defaults, on recordings that never choose."""
     def entry(label):
@@ -142,14 +133,12 @@ def parts(store):
     small, full = (store.json(name, "statistics.json") for name in ("tuning", "tuning_full"))
     if small:
         candidates = Candidates(small)
-        found |= {"choices": choices_table(candidates, candidates.recordings) + "\n\nEvery place: [tuning_claims.csv](results/tuning/tuning_claims.csv).",
-                  "leaders": leaders(candidates, candidates.recordings)}
+        found |= {"choices": choices_table(candidates, candidates.recordings) + "\n\nEvery place: [tuning_claims.csv](results/tuning/tuning_claims.csv)."}
     if full:
         candidates = Candidates(full)
         choosing = [r for r in candidates.recordings if r not in FULL_APART]
         claim, _ = candidates.choose(choosing)
-        found |= {"full_choices": choices_table(candidates, choosing), "full_leaders": leaders(candidates, choosing),
-                  "full_apart": apart_table([claim], FULL_APART) if claim else "The choice is the defaults."}
+        found |= {"full_choices": choices_table(candidates, choosing), "full_apart": apart_table([claim], FULL_APART) if claim else "The choice is the defaults."}
     for name, key in (("tuning_apart", "apart"), ("tuning_rivals", "rivals")):
         if statistics := store.json(name, "statistics.json"):
             found[key] = apart_table(statistics["claims"], list(dict.fromkeys(p["dump"] for p in statistics["claims"][0]["places"])))
@@ -160,7 +149,7 @@ def write(docs):
     store = pages.Kept(docs / "results/tuning")
     text = (pages.HERE / "templates/tuning.in").read_text(encoding="utf-8")
     filled = parts(store)
-    for key in ("choices", "leaders", "apart", "rivals", "full_choices", "full_leaders", "full_apart"):
+    for key in ("choices", "apart", "rivals", "full_choices", "full_apart"):
         text = text.replace("{{" + key + "}}", filled.get(key, "**Not run yet.**"))
     for name in ("tuning", "tuning_full", "tuning_rivals", "tuning_apart"):
         if claims := store.claims(name):

@@ -10,8 +10,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from plans import ROOT
-from replays import Runs, errors, reference_of, rgb
+from tools.study.plans import ROOT
+from tools.study.replays import Runs, errors, reference_of, rgb
 
 PROTOTYPE = ROOT / "docs/results/twin_guides/prototype.csv"
 NAMES = {"relmse_trimmed": "relmse_trimmed", "relmse": "relmse", "energy": "energy_ratio"}

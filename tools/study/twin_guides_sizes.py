@@ -9,7 +9,7 @@ import argparse
 import tempfile
 from pathlib import Path
 
-from replays import Runs, errors, reference_of, rgb, spool
+from tools.study.replays import Runs, errors, reference_of, rgb, spool
 
 OIDN = "oidn{features=off}", "oidn{prefilter=off}", "oidn"
 

@@ -1,4 +1,4 @@
-// What every verb of the program shares: its switches and how it speaks.
+// What every verb of the program shares: its switches and its output.
 //
 // Results go to stdout, errors (one line) and progress to stderr.
 #pragma once

@@ -1,6 +1,6 @@
 // One line on a terminal that says how far a long task is and how long it will still take.
 //
-// Prints to stderr, unless the program is told to be quiet: one line that is overwritten where that
+// Prints to stderr, unless the program shall be quiet: one line that is overwritten where that
 // is a terminal, else a line a minute, the first after a minute, for log files. Any thread may call
 // update().
 #pragma once

@@ -1,4 +1,4 @@
-// `spool check`: every record of a dump verified.
+// `spool check`: every record of a recording verified.
 #pragma once
 
 #include <filesystem>

@@ -72,7 +72,7 @@ std::string text_of(const Outcome& outcome, bool all) {
   list("only after", outcome.only_after);
   const bool paired = std::ranges::any_of(outcome.changes, &Change::paired);
   text += fmt::format(
-      "{} comparisons ({}, on logarithms, all together): {} better, {} worse, {} not told apart, "
+      "{} comparisons ({}, on logarithms, all together): {} better, {} worse, {} undecided, "
       "{} identical, {} not compared.\n",
       outcome.changes.size(), paired ? "paired by replicate" : "independent",
       outcome.count(Verdict::kBetter), outcome.count(Verdict::kWorse),

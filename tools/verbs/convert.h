@@ -1,4 +1,4 @@
-// `spool convert`: a dump becomes a neighbour's file or folder.
+// `spool convert`: a recording becomes a neighbour's file or folder.
 #pragma once
 
 #include <filesystem>

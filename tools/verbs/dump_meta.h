@@ -1,4 +1,4 @@
-// Remarks that a recorder left in a dump's meta data.
+// Remarks that a recorder left in a recording's meta data.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ nlohmann::ordered_json merged_meta(const format::SpoolReader& reader);
 // Seconds of rendering per sample of a pixel: the remark `cost_per_sample`, if there is one.
 std::optional<double> cost_per_sample(const nlohmann::ordered_json& meta);
 
-// "NAME-ID" where a recorder made the dump as one of several of a scene (remark `group`), else
+// "NAME-ID" where a recorder made the recording as one of several of a scene (remark `group`), else
 // empty.
 std::string recording_group(const nlohmann::ordered_json& meta);
 

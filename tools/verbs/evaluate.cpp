@@ -7,6 +7,7 @@
 #include "lib/experiment/plan_cells.h"
 #include "tools/batch/dry_run.h"
 #include "tools/batch/evaluation_run.h"
+#include "tools/batch/exported_inputs.h"
 #include "tools/methods/external_methods.h"
 #include "tools/verbs/dump_meta.h"
 #include "tools/verbs/mask_files.h"
@@ -186,6 +187,15 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
   request.merge_from = options.merge_from;
   if (!options.shard.empty()) {
     SPOOL_ASSIGN(request.shard, parse_shard(options.shard));
+  }
+  request.inputs = options.inputs;
+  if (!options.inputs.empty()) {
+    if (!options.output.empty() || options.merge || options.dry_run) {
+      return fail(ErrorCode::kUsage,
+                  "--export-inputs: writes inputs and no results: leave -o, --merge and --dry-run "
+                  "out, and evaluate when the images are there");
+    }
+    return export_inputs(request, common);
   }
   if (options.dry_run) return print_dry_run(request, common);
   if (options.output.empty()) return fail(ErrorCode::kUsage, "-o: give the folder for the results");

@@ -43,6 +43,7 @@ struct EvaluateOptions {
   bool statistics_only = false;  // files: folders of results
   std::vector<std::filesystem::path> merge_from;
   std::filesystem::path output;  // DIR
+  std::filesystem::path inputs;  // instead of it: a folder for what a denoiser elsewhere needs
 };
 
 // What a plan says is looked at where it is read (lib/experiment/plan.h).

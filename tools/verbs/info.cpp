@@ -147,7 +147,7 @@ void add_verification(const ordered_json& meta, std::vector<std::vector<std::str
   rows.insert(rows.end(), claims.begin(), claims.end());
 }
 
-// What may be said of a pixel's samples; foreign files do not tell whether they are independent.
+// What may be said of a pixel's samples; foreign files do not contain whether they are independent.
 std::string describe_order(const ordered_json& info) {
   if (info["sample_order"] != "exchangeable") return "in renderer order";
   const auto import = info["meta"].find("import");

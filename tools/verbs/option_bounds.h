@@ -1,4 +1,4 @@
-// What the numbers of a verb may be. Each verb looks at its own once, in validate(), whoever hands
+// What the numbers of a verb may be. Each verb checks its own once, in validate(), whatever hands
 // them over: the command line, the Python module, or a program that links this library.
 #pragma once
 

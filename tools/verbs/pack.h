@@ -1,4 +1,4 @@
-// `spool pack`: folders of recorded passes, or a foreign file, become one dump.
+// `spool pack`: folders of recorded passes, or a foreign file, become one recording.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ struct PackVerbOptions {
   format::PackOptions pack;
   std::vector<std::string> settings;  // "import.OPTION=VALUE" of a foreign format
   LayerChoice layer;                  // of a format that is made of images
-  uint64_t max_expansion = interchange::Expansion{}.times;  // the dump against its source
+  uint64_t max_expansion = interchange::Expansion{}.times;  // the recording against its source
 };
 
 Result<void> run_pack(const PackVerbOptions& options, const CommonOptions& common);

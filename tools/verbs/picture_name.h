@@ -1,4 +1,4 @@
-// Names of image files that say what is in them: an EXR under the name of a PNG helps nobody.
+// Names of image files that say what is in them: an EXR under the name of a PNG helps no one.
 #pragma once
 
 #include <filesystem>

@@ -91,7 +91,7 @@ Result<Input> load_input(const ReconstructOptions& options,
   return Input{recording, std::move(pool), std::move(selected)};
 }
 
-// Takes the image where nobody else wants it.
+// Takes the image where it is not used again.
 ExrFile image_file(Reconstruction& result, bool layers, bool last) {
   ExrFile file = exr_from_rgb(last ? std::move(result.image) : result.image);
   if (!layers) return file;

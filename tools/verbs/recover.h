@@ -1,4 +1,4 @@
-// `spool recover`: all intact records of a cut or damaged dump, in a new complete file.
+// `spool recover`: all intact records of a cut or damaged recording, in a new complete file.
 #pragma once
 
 #include <filesystem>

@@ -20,7 +20,7 @@ namespace spool::tools {
 struct ReplayOptions {
   std::filesystem::path dump;
   std::string sampler;
-  std::string filter;  // in the loop of a sampler that wants one; empty: none
+  std::string filter;  // in the loop of a sampler that requires one; empty: none
   double spp = 0.0;    // samples per pixel on average
   MethodOptions method;
   PoolOptions pool;
@@ -35,7 +35,7 @@ Result<void> validate(const ReplayOptions& options);
 Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common);
 
 // How a command gets its recording: what its methods need of it is known by then. The pass, which
-// may be null, sees the samples if they are read now.
+// may be null, gets the samples if they are read now.
 using LoadRecording = std::function<Result<std::shared_ptr<const RecordedSamples>>(
     const SanitiseRules&, const WorkingMemory&, SampleFilm, FirstPass*)>;
 

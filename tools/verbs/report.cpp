@@ -38,7 +38,7 @@ std::string vocabulary_json() {
                                {"protects", std::string(guard_protects(guard))}});
   }
   // Methods of the program itself whose weights may be asked for: names in a folder of results may
-  // be commands of somebody else.
+  // be commands of other users.
   for (const Sampler& sampler : samplers()) {
     if (sampler.argument.empty()) words["samplers"].push_back(sampler.name);
   }

@@ -1,4 +1,4 @@
-// `spool synth`: an analytic scene, sampled, with its exact reference, as a dump.
+// `spool synth`: an analytic scene, sampled, with its exact reference, as a recording.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct SynthOptions {
 
 Result<void> validate(const SynthOptions& options);
 
-// The dump itself; nothing is printed.
+// The recording itself; nothing is printed.
 Result<void> synthesise(const SynthOptions& options, bool force,
                         const std::function<void(double)>& progress);
 

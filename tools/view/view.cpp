@@ -36,7 +36,7 @@ std::vector<MethodChoice> every_method(const MethodList<Function>& list) {
   return choices;
 }
 
-// Those of the names that are methods of the library: others may be commands of somebody else.
+// Those of the names that are methods of the library: others may be commands of other users.
 template <class Function>
 std::vector<MethodChoice> known_methods(const MethodList<Function>& list,
                                         const std::vector<std::string>& names) {

@@ -14,8 +14,18 @@ ADVICE = {"not_spool": "check the name", "unsupported": "use a newer reader",
           "incomplete": "run spool recover", "damaged": "run spool recover"}
 
 
+LONGEST = 380            # characters of a line; with the name of a program before it at most 400
+
+
+def one_line(text):
+    """Bounded, without line ends: its beginning, which names the file, and its end, where the remedy stands."""
+    text = " ".join(str(text).split("\n"))
+    return text if len(text) <= LONGEST else "%s [...] %s" % (text[:LONGEST // 2], text[7 - LONGEST // 2:])
+
+
 class SpoolError(Exception):
     def __init__(self, kind, message):
+        message = one_line(message)
         super().__init__(message)
         self.kind = kind
         self.message = message

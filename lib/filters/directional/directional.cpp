@@ -94,7 +94,7 @@ FilteredTile filter_tile(Tile tile, const SamplePool& pool, const DirectionalOpt
   Pyramid pyramid = build_pyramid(tile.analysis.mean, options.pyramid);
   add_pyramid_views(pyramid, views);
 
-  // Filter size of each piece [LiuZheng (9)]; who refused the base image has stopped before
+  // Filter size of each piece [LiuZheng (9)]; a piece that kept its mean has stopped before
   result.level = sizes_of(tile, pyramid, options, views, result.guards);
   for (std::size_t i = 0; i < raw.size(); ++i) {
     if (raw[i] > 0.0) result.level[i] = 0;
@@ -170,7 +170,7 @@ Result<Reconstruction> reconstruct_directional(const Selection& selection, const
   }
   whole.attenuation = selection.attenuation;
 
-  // Tiles that are filtered alone tell none.
+  // Tiles that are filtered alone report none.
   Footprints* const footprints =
       options.scope == ReconstructionScope::kGlobal ? context.footprints : nullptr;
   const TileFilter filter = [&](Tile tile, Views* views) {
@@ -222,6 +222,7 @@ Filter directional_filter() {
              return Needs{.film_positions = inside ? Use::kWhenRecorded : Use::kNone};
            },
        .memory = {370, 2.6e6},
+       .cost = 0.59,
        .footprints = true,
        .run = reconstruct_directional});
 }

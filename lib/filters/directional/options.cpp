@@ -63,7 +63,7 @@ OptionTable<FilterSizeOptions> filter_size_option_table() {
           "q of eq 9: mean over the region, or the pyramid's value")),
       size_factor_option(),
       expert(number_option<O>("size_factor_fallback", &O::factor_fallback, 0.0, kLargestFactor,
-                              "value where the attenuation says nothing")),
+                              "value where the attenuation is undefined")),
       expert(switch_option<O>("track_a0", &O::track_a0,
                               "use A_0 as the sampler tracked it instead of A_1")),
       choice_option<O, SizeSmooth>("size_smooth", &O::smooth,

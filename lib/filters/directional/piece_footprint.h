@@ -19,7 +19,7 @@ struct FootprintInput {
   int pieces_per_side;
 };
 
-// Adds the footprint of every pixel that `footprints` wants. In plain double loops: the weights are
+// Adds the footprint of every pixel that `footprints` names. In plain double loops: the weights are
 // those of anisotropic_filter.h to the precision of T.
 template <class T>
 void tell_footprints(const FootprintInput<T>& input, Footprints& footprints);

@@ -3,15 +3,16 @@
 //
 //   votes      stop_k blurred with a Gaussian of sigma max(0.8, 0.7 2^k). `on` stops where the
 //              blurred value is at least 1/2; `opens_only` takes the piece's own vote out (all but
-//              a weight of 0.01) and stops where it *and* the piece itself want to
+//              a weight of 0.01) and stops where both it and the piece's own criterion do
 //   evidence   (q_{k+1} - q_k)^2 > z^2 Var(q_{k+1} - q_k): the difference is beyond z standard
-//              deviations of its own noise. Such a piece stops, whatever its neighbours say
+//              deviations of its own noise. Such a piece stops, whatever its neighbours' vote
 //
-// A firefly is about one standard deviation of its own noise, and its neighbours' difference of
-// theirs, which holds its variance; a lamp is many. Variances that are small by chance would be
-// evidence of nothing: those of the test are at least the median of the nine around them, which one
-// lamp does not move. R_{k+1} reaches less far to the right and down than the filter's window: the
-// regions of the next piece to the right, below and both speak, too, and the loudest counts.
+// Why a lamp stops the filter and a firefly does not: one bright sample raises the piece's own
+// variance, so its difference to the neighbourhood stays near one standard deviation; a lamp raises
+// every sample, so the difference is many. A variance estimated from few samples can be too small
+// by chance, so the test uses at least the median variance of the 3 x 3 neighbourhood. R_{k+1} is
+// not centred on the piece; the test therefore also evaluates the regions of the right, lower and
+// lower-right neighbours, and uses the largest difference.
 #pragma once
 
 #include "lib/core/guards.h"

@@ -32,7 +32,7 @@ Gradient gradient(const Plane& f) {
 }
 
 // Sum of squares of the response of a difference of f_{level-1} to a delta. The filters are
-// separable and have sum 1, so one row tells the response a along an axis, and (sum of (Da)^2) (sum
+// separable and have sum 1, so one row gives the response a along an axis, and (sum of (Da)^2) (sum
 // of a^2) that of the image.
 double gradient_gain(const DirectionalOptions& options, int level) {
   const int n = 64 << level;  // wider than any response: taps reach 4 (2^k - 1) + 2

@@ -109,6 +109,7 @@ Filter oidn_filter() {
              return Needs{.features = sees ? Use::kWhenRecorded : Use::kNone};
            },
        .memory = {500, 9e7},  // version 2.5.1 on a picture of 256 x 256 pixels
+       .cost = 1.5,
        .run = reconstruct_oidn});
   filter.make = [make = filter.make](std::string_view preset,
                                      const OptionValues& set) -> Result<ReadyFilter> {

@@ -1,7 +1,7 @@
 // Open Image Denoise as a filter: a network that other people trained [Oidn], in this process.
 //
-// It sees the means of the samples, albedo and normal where they were recorded (a normal only
-// beside an albedo, as the library asks), and is told that radiance is linear and without a limit.
+// It gets the means of the samples, albedo and normal where they were recorded (a normal only
+// beside an albedo, as the library asks); radiance is linear and without a limit.
 // It knows nothing of variances and counts. Not part of the library's own list: it is there when
 // Open Image Denoise is (oidn_library.h).
 #pragma once

@@ -1,4 +1,5 @@
-// Open Image Denoise [Oidn], opened at run time: no build needs it, and whoever has it can use it.
+// Open Image Denoise [Oidn], opened at run time: no build needs it, and it is used where it is
+// installed.
 //
 // Looked for: what the environment variable SPOOL_OIDN names (a file, or a folder that holds
 // libOpenImageDenoise.so), else libOpenImageDenoise.so.2, .so.1, .so where the system looks for

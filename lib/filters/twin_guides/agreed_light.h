@@ -12,7 +12,7 @@
 // picture: what agrees within the short reach stays there (a lamp out of focus would shine
 // on all around it), and only the rest goes far. The least of four means is below the mean: some of
 // the light stays lost. Nothing happens with fewer than two groups. Why these reaches:
-// docs/decisions/0125. Slow twin: tests/reference/twin_guides_reference.h.
+// docs/decisions.md, 0125. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
 #include "lib/filters/twin_guides/sample_moments.h"

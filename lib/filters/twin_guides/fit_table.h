@@ -1,4 +1,4 @@
-// The inputs of one tile and its windows, piece after piece, as the loops over windows want them:
+// The inputs of one tile and its windows, piece after piece, as the loops over windows read them:
 // one vector of regressors, colours and differences to a piece.
 #pragma once
 

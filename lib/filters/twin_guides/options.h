@@ -18,7 +18,7 @@ struct TwinGuidesOptions {
   double stretch = 2.0;       // of the coarser level along the structure of the picture; 0: round
   double slack = 2.0;         // factor on the estimated noise of the guides
   double detail_slack = 1.6;  // factor on the estimated noise of a scale's detail
-  double tau = 0.10;          // difference of logarithms that tells two pieces apart
+  double tau = 0.10;          // difference of logarithms that separates two pieces
   double feature_gain = 0.1;  // weight of the distance of features
   double cut = 4.0;           // distance at which a weight is 0
   double ridge = 0.05;        // on every coefficient of the fit but the constant
@@ -32,7 +32,7 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table();
 // What the specification of the filter fixes.
 inline constexpr double kLogFloor = 0.10;    // log(max(x, 0) + kLogFloor L) of a sample
 inline constexpr double kPilotFloor = 0.05;  // log(max(P, 0) + kPilotFloor L) of the pilot
-// What a tap of the next scale sees is a mean over four times as much, of a quarter of the noise.
+// What a tap of the next scale reads is a mean over four times as much, of a quarter of the noise.
 inline constexpr double kRidgeOfCoarser = 0.25;
 
 // Everything is computed on radiance * unit, which is near 1 and may be float. The unit is a power

@@ -48,7 +48,7 @@ double half_factor(int n, int parity) {
   return parity == 0 ? std::sqrt(odd / even) / n : -std::sqrt(even / odd) / n;
 }
 
-// Welford's recurrence over value(sample) of every piece; use(piece, position, sample, values) sees
+// Welford's recurrence over value(sample) of every piece; use(piece, position, sample, values) gets
 // them, too.
 template <class Value, class Use>
 Moments moments_of(const SamplePool& pool, const CountImage& n, Value value, Use use) {

@@ -94,6 +94,7 @@ Filter twin_guides_filter() {
        .options = twin_guides_option_table(),
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
        .memory = {574, 5e6},
+       .cost = 4.7,
        .run = reconstruct_twin_guides});
 }
 

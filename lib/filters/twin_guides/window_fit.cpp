@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "lib/core/eight_floats.h"
 #include "lib/core/vector_clones.h"
 #include "lib/filters/twin_guides/robust_limit.h"
 
@@ -12,8 +13,9 @@ namespace spool {
 namespace {
 
 constexpr int kAll = kPosition + static_cast<int>(kMostFeatureChannels);  // rows with features
-constexpr int kColours = 6;           // three, and their differences
-constexpr float kLeastPivot = 1e-5f;  // of the sum of the weights; below it float says nothing
+constexpr int kColours = 6;  // three, and their differences
+constexpr float kLeastPivot =
+    1e-5f;  // of the sum of the weights; below it float has no digits left
 
 // The window of one piece: weights, and where its pieces lie in the table.
 struct Window {
@@ -22,35 +24,74 @@ struct Window {
   const int* place;
 };
 
+constexpr int kBlock = 32;       // pieces of a window that are added together
+constexpr int kInRegisters = 5;  // rows of equations, two vectors of eight each
+
+// Lanes of pieces of a window, less the centre's and once more times their weight.
+struct Block {
+  float lanes[kBlock][kLanes], weighted[kBlock][kLanes];
+};
+
+// equations += sum w u u of `rows` rows from `first` on.
+template <int kCount>
+[[gnu::always_inline]] inline void add_rows(const Block& block, int pieces, int first,
+                                            float* equations) {
+  Eight low[kCount], high[kCount], u, v;
+  for (int r = 0; r < kCount; ++r) {
+    std::memcpy(&low[r], equations + (first + r) * kLanes, sizeof(Eight));
+    std::memcpy(&high[r], equations + (first + r) * kLanes + kEight, sizeof(Eight));
+  }
+  for (int i = 0; i < pieces; ++i) {
+    std::memcpy(&u, block.lanes[i], sizeof(Eight));
+    std::memcpy(&v, block.lanes[i] + kEight, sizeof(Eight));
+#pragma GCC unroll 5
+    for (int r = 0; r < kCount; ++r) {
+      const float factor = block.weighted[i][first + r];
+      low[r] += factor * u;
+      high[r] += factor * v;
+    }
+  }
+  for (int r = 0; r < kCount; ++r) {
+    std::memcpy(equations + (first + r) * kLanes, &low[r], sizeof(Eight));
+    std::memcpy(equations + (first + r) * kLanes + kEight, &high[r], sizeof(Eight));
+  }
+}
+
 // The kRows x kLanes normal equations, sum w u (u, y); `centre` is what the piece's own
 // lanes are less (clean features, its colour), y is limited first.
 template <int kRows>
 SPOOL_VECTOR_CLONES void add_normal_equations(const Window& window, const FitTable& table,
                                               const float* centre, float top, float* equations) {
-  Lanes sums[kRows];
-  for (int r = 0; r < kRows; ++r)
-    sums[r] = Lanes{};
-  Lanes off;
-  std::memcpy(&off, centre, sizeof(Lanes));
+  Block block;
   const float *lanes = table.lanes(), *luminance = table.luminances();
-  for (int i = 0; i < window.count; ++i) {
-    const int place = window.place[i];
-    Lanes u;
-    std::memcpy(&u, lanes + static_cast<std::ptrdiff_t>(place) * kLanes, sizeof(Lanes));
-    if (luminance[place] > top) {
-      const float factor = top / luminance[place];
-      for (int c = kRows; c < kRows + kColours; ++c)
-        u[c] *= factor;
+  std::fill_n(equations, kRows * kLanes, 0.0f);
+  for (int begin = 0; begin < window.count; begin += kBlock) {
+    const int pieces = std::min(kBlock, window.count - begin);
+    for (int i = 0; i < pieces; ++i) {
+      const int place = window.place[begin + i];
+      const float weight = window.weight[begin + i];
+      float* to = block.lanes[i];
+      std::memcpy(to, lanes + static_cast<std::ptrdiff_t>(place) * kLanes, sizeof(Lanes));
+      if (luminance[place] > top) {
+        const float factor = top / luminance[place];
+        for (int c = kRows; c < kRows + kColours; ++c)
+          to[c] *= factor;
+      }
+      for (int c = 0; c < kLanes; c += kEight) {
+        Eight u, off;
+        std::memcpy(&u, to + c, sizeof(Eight));
+        std::memcpy(&off, centre + c, sizeof(Eight));
+        u -= off;
+        std::memcpy(to + c, &u, sizeof(Eight));
+        u *= weight;
+        std::memcpy(block.weighted[i] + c, &u, sizeof(Eight));
+      }
     }
-    u -= off;
-    const Lanes weighted = window.weight[i] * u;
-    float factors[kLanes];  // from memory a lane is spread over a vector without a shuffle
-    std::memcpy(factors, &weighted, sizeof(Lanes));
-#pragma GCC unroll 10
-    for (int r = 0; r < kRows; ++r)
-      sums[r] += factors[r] * u;
+    constexpr int kWhole = kRows / kInRegisters * kInRegisters;
+    for (int first = 0; first < kWhole; first += kInRegisters)
+      add_rows<kInRegisters>(block, pieces, first, equations);
+    if constexpr (kRows > kWhole) add_rows<kRows - kWhole>(block, pieces, kWhole, equations);
   }
-  std::memcpy(equations, sums, sizeof(sums));
 }
 
 // Coefficient 0 of each colour and difference into value[kColours]; false where its pivot is lost

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
+#include "lib/core/eight_floats.h"
 #include "lib/core/exponential.h"
 #include "lib/core/vector_clones.h"
 
@@ -15,67 +17,79 @@ constexpr std::size_t kTogether = 4;  // channels with one division; kGuideChann
 
 // A stack of planes: value and variance in turn, `plane` floats apart; q stands `shift` further.
 struct Rows {
-  const float* first;
-  std::ptrdiff_t plane, shift;
-  std::size_t channels;
+  const float* first = nullptr;
+  std::ptrdiff_t plane = 0, shift = 0;
+  std::size_t channels = 0;
 };
 
-// max(0, max_c ((p - q)^2 - V) / (V + kFeatureTau)) as a quotient, which is compared crosswise.
-SPOOL_VECTOR_CLONES
-void feature_distances(const Rows& rows, int width, float* __restrict numerator,
-                       float* __restrict denominator) {
-  for (int x = 0; x < width; ++x) {
-    numerator[x] = 0.0f;
-    denominator[x] = 1.0f;
+// max(0, max_c ((p - q)^2 - V) / (V + kFeatureTau)) of eight pieces: compared crosswise, so that
+// one quotient is left.
+[[gnu::always_inline]] inline void feature_distance(const Rows& rows, int x, Eight& distance) {
+  Eight numerator{}, denominator = Eight{} + 1.0f, p, q, v, u;
+  const float* at = rows.first + x;
+  for (std::size_t c = 0; c < rows.channels; ++c, at += 2 * rows.plane) {
+    std::memcpy(&p, at, sizeof(Eight));
+    std::memcpy(&q, at + rows.shift, sizeof(Eight));
+    std::memcpy(&v, at + rows.plane, sizeof(Eight));
+    std::memcpy(&u, at + rows.plane + rows.shift, sizeof(Eight));
+    const Eight d = p - q, sum = v + u;
+    const Eight a = d * d - sum, b = sum + kFeatureTau;
+    const auto larger = a * denominator > numerator * b;
+    numerator = larger ? a : numerator;
+    denominator = larger ? b : denominator;
   }
-  for (std::size_t c = 0; c < rows.channels; ++c) {
-    const float* p = rows.first + 2 * static_cast<std::ptrdiff_t>(c) * rows.plane;
-    const float *v = p + rows.plane, *q = p + rows.shift, *u = v + rows.shift;
-    for (int x = 0; x < width; ++x) {
-      const float d = p[x] - q[x], sum = v[x] + u[x];
-      const float a = d * d - sum, b = sum + kFeatureTau;
-      const bool larger = a * denominator[x] > numerator[x] * b;
-      numerator[x] = larger ? a : numerator[x];
-      denominator[x] = larger ? b : denominator[x];
-    }
-  }
+  distance = numerator / denominator;
 }
 
-// z[x] += max(0, (p - q)^2 - U) / (U + tau2) of four channels, with one division for them all.
-SPOOL_VECTOR_CLONES
-void add_guide_distances(const Rows& rows, float tau2, int width, float* __restrict z) {
-  const float *p0 = rows.first, *p1 = p0 + 2 * rows.plane, *p2 = p1 + 2 * rows.plane,
-              *p3 = p2 + 2 * rows.plane;
-  const std::ptrdiff_t plane = rows.plane, shift = rows.shift;
-  for (int x = 0; x < width; ++x) {
-    const float d0 = p0[x] - p0[x + shift], d1 = p1[x] - p1[x + shift];
-    const float d2 = p2[x] - p2[x + shift], d3 = p3[x] - p3[x + shift];
-    const float u0 = p0[x + plane] + p0[x + plane + shift];
-    const float u1 = p1[x + plane] + p1[x + plane + shift];
-    const float u2 = p2[x + plane] + p2[x + plane + shift];
-    const float u3 = p3[x + plane] + p3[x + plane + shift];
-    const float e0 = d0 * d0 - u0, e1 = d1 * d1 - u1, e2 = d2 * d2 - u2, e3 = d3 * d3 - u3;
-    const float a0 = e0 > 0.0f ? e0 : 0.0f, a1 = e1 > 0.0f ? e1 : 0.0f;
-    const float a2 = e2 > 0.0f ? e2 : 0.0f, a3 = e3 > 0.0f ? e3 : 0.0f;
-    const float b0 = u0 + tau2, b1 = u1 + tau2, b2 = u2 + tau2, b3 = u3 + tau2;
-    const float b01 = b0 * b1, b23 = b2 * b3;
-    z[x] += ((a0 * b1 + a1 * b0) * b23 + (a2 * b3 + a3 * b2) * b01) / (b01 * b23);
+// One channel of max(0, (p - q)^2 - U) / (U + tau2), not yet divided.
+[[gnu::always_inline]] inline void guide_distance(const Rows& rows, const float* at, float tau2,
+                                                  Eight& a, Eight& b) {
+  Eight p, q, v, u;
+  std::memcpy(&p, at, sizeof(Eight));
+  std::memcpy(&q, at + rows.shift, sizeof(Eight));
+  std::memcpy(&v, at + rows.plane, sizeof(Eight));
+  std::memcpy(&u, at + rows.plane + rows.shift, sizeof(Eight));
+  const Eight d = p - q, sum = v + u, e = d * d - sum;
+  a = e > 0.0f ? e : Eight{};
+  b = sum + tau2;
+}
+
+// The sum over all channels, four of them with one division.
+[[gnu::always_inline]] inline void guide_distances(const Rows& rows, float tau2, int x, Eight& z) {
+  z = Eight{};
+  for (std::size_t c = 0; c < kGuideChannels; c += kTogether) {
+    const float* at = rows.first + x + 2 * static_cast<std::ptrdiff_t>(c) * rows.plane;
+    Eight a0, a1, a2, a3, b0, b1, b2, b3;
+    guide_distance(rows, at, tau2, a0, b0);
+    guide_distance(rows, at + 2 * rows.plane, tau2, a1, b1);
+    guide_distance(rows, at + 4 * rows.plane, tau2, a2, b2);
+    guide_distance(rows, at + 6 * rows.plane, tau2, a3, b3);
+    const Eight b01 = b0 * b1, b23 = b2 * b3;
+    z += ((a0 * b1 + a1 * b0) * b23 + (a2 * b3 + a3 * b2) * b01) / (b01 * b23);
   }
 }
 
 struct Terms {
-  float spatial, feature_gain, guide_share, end;
+  float spatial, feature_gain, guide_share, end, tau2;
 };
 
+// The weights of a row, `width` of them, a multiple of eight.
 SPOOL_VECTOR_CLONES
-void weights_of(const float* z, const float* numerator, const float* denominator,
-                const Terms& terms, int width, float* __restrict to) {
-  const float spatial = terms.spatial, gain = terms.feature_gain, share = terms.guide_share,
-              end = terms.end;
-  for (int x = 0; x < width; ++x) {
-    const float w =
-        exp_negative(spatial + gain * (numerator[x] / denominator[x]) + share * z[x]) - end;
-    to[x] = w > 0.0f ? w : 0.0f;
+void weights_of(const Rows& features, const Rows& guides, const Terms& terms, int width,
+                float* __restrict to) {
+  for (int x = 0; x < width; x += kEight) {
+    Eight distance, z;
+    feature_distance(features, x, distance);
+    guide_distances(guides, terms.tau2, x, z);
+    z = terms.spatial + terms.feature_gain * distance + terms.guide_share * z;
+    float w[kEight];
+    std::memcpy(w, &z, sizeof(w));
+    for (float& each : w)
+      each = exp_negative(each);
+    std::memcpy(&z, w, sizeof(w));
+    z -= terms.end;
+    z = z > 0.0f ? z : Eight{};
+    std::memcpy(to + x, &z, sizeof(Eight));
   }
 }
 
@@ -119,11 +133,10 @@ void WindowWeights::compute(const Rectangle& tile, const TilePlanes& guides,
                             const TwinGuidesOptions& options) {
   const Rectangle& all = planes_.covered();
   const int width = whole_vectors(all.width());
-  std::vector<float> z(static_cast<std::size_t>(width)), numerator(z), denominator(z);
   const double cut = options.cut;
   Terms terms{0.0f, static_cast<float>(options.feature_gain),
-              1.0f / static_cast<float>(kGuideChannels), static_cast<float>(std::exp(-cut))};
-  const auto tau2 = static_cast<float>(options.tau * options.tau);
+              1.0f / static_cast<float>(kGuideChannels), static_cast<float>(std::exp(-cut)),
+              static_cast<float>(options.tau * options.tau)};
   const std::size_t half = half_of_window(radius_);
   for (std::size_t o = half; o < offsets_.size(); ++o) {
     const auto [dx, dy] = offsets_[o];
@@ -137,16 +150,12 @@ void WindowWeights::compute(const Rectangle& tile, const TilePlanes& guides,
         std::fill_n(to, all.width(), 0.0f);
         continue;
       }
-      const auto rows_of = [&](const TilePlanes& planes, std::size_t plane, std::size_t count) {
-        return Rows{planes.at(plane, all.x0, y), planes.at(1, all.x0, y) - planes.at(0, all.x0, y),
+      const auto rows_of = [&](const TilePlanes& planes, std::size_t count) {
+        if (count == 0) return Rows{};
+        return Rows{planes.at(0, all.x0, y), planes.at(1, all.x0, y) - planes.at(0, all.x0, y),
                     dy * planes.stride() + dx, count};
       };
-      feature_distances(channels == 0 ? Rows{nullptr, 0, 0, 0} : rows_of(features, 0, channels),
-                        width, numerator.data(), denominator.data());
-      std::fill(z.begin(), z.end(), 0.0f);
-      for (std::size_t c = 0; c < kGuideChannels; c += kTogether)
-        add_guide_distances(rows_of(guides, 2 * c, kTogether), tau2, width, z.data());
-      weights_of(z.data(), numerator.data(), denominator.data(), terms, width, to);
+      weights_of(rows_of(features, channels), rows_of(guides, kGuideChannels), terms, width, to);
       std::fill(to, to + (x0 - all.x0), 0.0f);
       std::fill(to + (x1 - all.x0), to + all.width(), 0.0f);
     }

@@ -104,7 +104,7 @@ Result<Reconstruction> reconstruct_stater(const Selection& selection, const Samp
 Filter stater_filter() {
   return make_value<FilterFunction, StaterOptions>(
       {.name = "stater",
-       .summary = "neighbours that t-tests in two transforms cannot tell apart are averaged, by "
+       .summary = "neighbours that t-tests in two transforms cannot separate are averaged, by "
                   "denoised variances",
        .source = Source::kDescriptions,
        .options = stater_option_table(),
@@ -115,6 +115,7 @@ Filter stater_filter() {
                           .film_positions = options.slope ? Use::kWhenRecorded : Use::kNone};
            },
        .memory = {478, 5e6},
+       .cost = 7.6,
        .footprints = true,
        .run = reconstruct_stater});
 }

@@ -146,11 +146,12 @@ Result<Reconstruction> reconstruct_welch(const Selection& selection, const Sampl
 Filter welch_filter() {
   return make_value<FilterFunction, WelchOptions>(
       {.name = "welch",
-       .summary = "neighbours that a t-test of their samples cannot tell apart are averaged",
+       .summary = "neighbours that a t-test of their samples cannot separate are averaged",
        .options = welch_option_table(),
        .presets = welch_presets(),
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
        .memory = {273, 5e6},
+       .cost = 2.2,
        .footprints = true,
        .run = reconstruct_welch});
 }

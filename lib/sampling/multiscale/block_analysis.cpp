@@ -91,7 +91,7 @@ std::vector<Patch<T>> region_sums(const Patch<T>& pieces, int levels) {
   return sums;
 }
 
-// Copies what a patch has of a box into an image; an image that nobody keeps is empty.
+// Copies what a patch has of a box into an image; an image that is not kept is empty.
 void keep(const Patch<float>& patch, const Rectangle& box, Image<float>& image) {
   if (image.empty()) return;
   for (int y = box.y0; y < box.y1; ++y)

@@ -2,7 +2,7 @@
 // of its pieces, their pyramids, and the priority of every region. It holds; analysis.h computes.
 // Images of an analysis are of T: double for update=exact, float for update=epoch.
 //
-// A board is the whole image, or a tile of it with what it sees of its neighbours. Images of a
+// A board is the whole image, or a tile of it with its view of its neighbours. Images of a
 // board have window coordinates: (0, 0) is (window.x0, window.y0) of the grid of pieces.
 #pragma once
 
@@ -42,7 +42,7 @@ struct AnalysedBoard : Board {
   std::vector<Image<T>> priority;  // P_1 .. P_K at [k - 1]; -infinity outside `area`
 };
 using ExactBoard = AnalysedBoard<double>;
-using EpochBoard = AnalysedBoard<float>;  // without d and V unless somebody wants to see them
+using EpochBoard = AnalysedBoard<float>;  // without d and V unless they are asked for
 
 // The pyramid that the options ask for: K levels, K + 1 for d_index = same_k.
 PyramidOptions board_pyramid(const MultiscaleOptions& options);

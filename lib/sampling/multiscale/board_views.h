@@ -15,7 +15,7 @@
 
 namespace spool {
 
-// The views of one moment, for boards that cover the grid. Empty of images when nobody wants any.
+// The views of one moment, for boards that cover the grid. Empty of images when none is asked for.
 class BoardViews {
  public:
   // `suffix`: "" or "_initial". `wanted` may be null; `options` must outlive this.

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::uint64_t kTileLane = 3;  // of random numbers
 
-// A tile as the board of the whole grid was when it was loaded, with what it sees of its
+// A tile as the board of the whole grid was when it was loaded, with its view of its
 // neighbours.
 template <class T>
 AnalysedBoard<T> tile_board(const AnalysedBoard<T>& whole, const Rectangle& tile,
@@ -162,6 +162,7 @@ Sampler multiscale_sampler() {
                {"samples.k", "samples that regions of level k took; 0: uniformly spent"},
            },
        .memory = {208, 2.9e6},
+       .cost = 1.55,
        .run = sample_multiscale});
 }
 

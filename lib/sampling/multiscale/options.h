@@ -40,7 +40,7 @@ enum class AttenuationUpdate {
 };
 enum class TileHalo {
   kNone,    // a tile is analysed as if it were the whole image
-  kFrozen,  // it sees its neighbours as they were after the initial samples
+  kFrozen,  // its neighbours are as they were after the initial samples
 };
 enum class BudgetBase {
   kAdaptive,  // eq 13 divides what is left after the initial samples
@@ -74,7 +74,7 @@ struct MultiscaleOptions {
   int levels() const { return pyramid.levels; }
 };
 
-inline constexpr int kDefaultEpochs = 32;  // docs/decisions/0081-predicted-counts.md
+inline constexpr int kDefaultEpochs = 32;  // docs/decisions.md, 0081
 int epoch_count(const MultiscaleOptions& options);
 
 const OptionTable<MultiscaleOptions>& multiscale_option_table();

@@ -151,8 +151,8 @@ int main(int argc, char** argv) {
   measure_sizes(rows);
   measure_filter(rows);
   measure_metrics(rows);
-  fmt::print("| part | quantity | domain | largest error |\n|---|---|---|---|\n");
+  fmt::print("part,quantity,domain,largest error\n");
   for (const Row& row : rows)
-    fmt::print("| {} | {} | {} | {:.2g} {} |\n", row.part, row.quantity, row.domain, row.error,
+    fmt::print("{},\"{}\",\"{}\",{:.2g} {}\n", row.part, row.quantity, row.domain, row.error,
                row.unit);
 }

@@ -1,17 +1,15 @@
-"""Measures rounding errors and writes them into docs/accuracy.md: tools/dev.sh bench accuracy [LOG2-OF-THE-LONGEST-SUM]."""
+"""Measures rounding errors and writes docs/results/accuracy/rounding.csv: tools/dev.sh bench accuracy [LOG2-OF-THE-LONGEST-SUM]."""
 import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from speed_page import replace_section  # noqa: E402
+TABLE = Path(__file__).resolve().parents[3] / "docs" / "results" / "accuracy" / "rounding.csv"
 
-PAGE = Path(__file__).resolve().parents[3] / "docs" / "accuracy.md"
 
 def main():
     program = Path(sys.argv[1]) / "tools" / "bench" / "accuracy" / "bench_accuracy"
     table = subprocess.run([program, *sys.argv[2:]], check=True, capture_output=True, text=True).stdout
-    replace_section("rounding", table, PAGE)
+    TABLE.write_text(table, encoding="utf-8")
     print(table, end="")
 
 

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+import spool
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "formats" / "python"))
-import spool  # noqa: E402
 
 PAGE = ROOT / "docs" / "coverage.md"
 TINY = ("balls", "caustic", "caustic_mitsuba", "chess", "fireflies", "mist", "table")
@@ -31,8 +31,8 @@ as `spool evaluate` does it by default, 8 replicates, {budgets} samples: {sample
 `directional`. A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
 Its interval should hold the mean of the other {others} recordings in 95 %. Of {count} trials a row that is right lies below 90 % by chance in
 {chance:.0f} of 100. Rows are *withheld* where most of their recordings have no verdict
-because few pixels carry the error ([decision 156](decisions/0156-withheld-verdicts.md)); "without halves" are the same results with the
-spread between recordings assumed and not measured ([decision 155](decisions/0155-spread-from-halves.md)), nothing withheld.
+because few pixels carry the error ([decision 156](decisions.md#0156-what-a-verdict-may-stand-on)); "without halves" are the same results with the
+spread between recordings assumed and not measured ([decision 155](decisions.md#0155-the-spread-between-recordings-is-measured-on-halves-of-the-recording)), nothing withheld.
 
 {table}
 

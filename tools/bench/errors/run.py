@@ -1,9 +1,9 @@
-"""Errors of methods before and after a change: tools/dev.sh bench errors --before PROGRAM [--recordings ...] [--print].
+"""Errors of methods before and after a change: tools/dev.sh bench errors --before PROGRAM [--recordings ...].
 
 One plan, run by another build of the program and by this one: same recordings, seeds and replicates, so that rows pair. Of relMSE and
 relMSE without its worst 0.1 % of pixels the geometric mean over recordings of the mean over replicates, after over before, with
 the standard error over replicates of its logarithm; energy is a mean. A method that is changed by an option stands in --then as NOW=THEN:
-the program of before runs THEN. Recordings: dumps/tiny, and those of full size that are there. Writes a section of docs/accuracy.md.
+the program of before runs THEN. Recordings: dumps/tiny, and those of full size that are there. Prints a table.
 """
 import argparse
 import csv
@@ -16,10 +16,6 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "tools" / "bench"))
-from speed_page import replace_section  # noqa: E402
-
-PAGE = ROOT / "docs" / "accuracy.md"
 SAMPLERS = ["uniform", "multiscale", "nl_means", "cross_bilateral"]
 FILTERS = ["box", "directional", "nl_means", "cross_bilateral"]
 
@@ -95,7 +91,6 @@ def main():
     parser.add_argument("--replicates", type=int, default=4)
     parser.add_argument("--large", type=Path, default=Path(os.environ.get("SPOOL_RECORDINGS", "~/.cache/spool/recordings")).expanduser())
     parser.add_argument("--what", default="", help="in words: which build `before` is")
-    parser.add_argument("--print", action="store_true", help="leave docs/accuracy.md alone")
     options = parser.parse_args()
     if options.before is None:
         print("errors: not measured: give --before PROGRAM, another build of spool", file=sys.stderr)
@@ -117,8 +112,6 @@ def main():
         "recordings; what follows +- is the standard error over replicates. Equal to the last digit shown means that nothing was decided otherwise.",
         table(groups)])
     print(text)
-    if not options.print:
-        replace_section("errors", text, PAGE)
 
 
 if __name__ == "__main__":

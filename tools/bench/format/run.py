@@ -2,19 +2,19 @@
 
 .spool against memcpy of the same bytes and against OpenEXR (deep; one flat image per sample), all in one thread and in
 memory, with the samples of recordings stacked on top of each other; then the 6.4 GB of 4096 x 4096 pixels with 64 half
-samples. CPU time, the least of some turns that take turns. Writes docs/format_speed.md, unless it shall only print.
+samples. CPU time, the least of some turns that take turns. Writes docs/format_speed.md and its table, unless it shall only print.
 """
 import argparse
+import csv
 import json
 import os
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
+from tools.bench.speed_page import replace_section
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "tools" / "bench"))
-from speed_page import replace_section  # noqa: E402
 
 RECORDINGS = ["balls", "caustic", "chess", "table"]  # Cycles; the same layers in each
 READS, WRITES, OPENS_MS, BLOCK_MS, RSS_MB = 3.0, 5.0, 50.0, 2.0, 1024  # targets
@@ -30,22 +30,12 @@ def rate(bytes_, seconds):
 
 
 def times(run):
-    """One table of one set of samples, and what the targets say of it."""
+    """Rows of one set of samples."""
     kinds, deep = run["kinds"], run["kinds"]["deep EXR zips"]
-    rows = [["", "write GB/s", "x deep EXR", "read GB/s", "x deep EXR", "bytes a sample", "of deep EXR"]]
-    for name, kind in kinds.items():
-        if name == "memcpy":
-            rows.append([name, rate(run["bytes"], kind["write"]), f"{deep['write'] / kind['write']:.0f}",
-                         rate(run["bytes"], kind["read"]), f"{deep['read'] / kind['read']:.0f}",
-                         f"{run['bytes'] / run['count']:.1f}", ""])
-            continue
-        rows.append([name, rate(run["bytes"], kind["write"]), f"{deep['write'] / kind['write']:.1f}",
-                     rate(run["bytes"], kind["read"]), f"{deep['read'] / kind['read']:.1f}",
-                     f"{kind['bytes'] / run['count']:.2f}", f"{kind['bytes'] / deep['bytes']:.2f}"])
-    mapped, first = run["plain_sum"] / run["mapped"], run["plain_sum"] / run["mapped_first"]
-    return (f"### {run['samples']}\n\n{table(rows)}\n\nSumming the mapped radiance runs at {100 * mapped:.0f} % of the "
-            f"rate of summing the same bytes in an array; at {100 * first:.0f} % the first time, when each block is "
-            "verified.")
+    return [[run["samples"], name, rate(run["bytes"], kind["write"]), f"{deep['write'] / kind['write']:.1f}", rate(run["bytes"], kind["read"]),
+             f"{deep['read'] / kind['read']:.1f}", *([f"{run['bytes'] / run['count']:.1f}", ""] if name == "memcpy" else
+                                                     [f"{kind['bytes'] / run['count']:.2f}", f"{kind['bytes'] / deep['bytes']:.2f}"])]
+            for name, kind in kinds.items()]
 
 
 def verdicts(runs, large):
@@ -61,7 +51,7 @@ def verdicts(runs, large):
     mapped = [run["plain_sum"] / run["mapped"] for run in runs]
     threads = min(8, os.cpu_count())
     opened = large["open_cpu_ms"] / threads
-    rows = [["", "target", "measured, in the order of the tables below", "met"],
+    rows = [["", "target", "measured, by set of samples", "met"],
             row("mapped radiance against memory", "0.8", [f"{x:.2f}" for x in mapped], min(mapped) >= 0.8),
             row("compressed reading against deep EXR", "3", [f"{x:.1f}" for x in reads], min(reads) >= READS),
             row("writing (raw, the default) against deep EXR", "5", [f"{x:.1f}" for x in writes], min(writes) >= WRITES),
@@ -97,14 +87,12 @@ def main():
     large = json.loads(done.stdout)
     names = ", ".join(path.stem for path in recordings)
     text = (f"Recordings {names}, stacked {chosen.copies} times: {runs[0]['count'] / 1e6:.1f} million samples. "
-            f"{chosen.turns} turns.\n\n{verdicts(runs, large)}\n\n" + "\n\n".join(map(times, runs)) +
-            "\n\n### 4096 x 4096 pixels, 64 half samples (sparse)\n\n" +
-            table([["bytes", "blocks", "write s", "open ms, CPU", "open ms, wall", "block read ms", "block mapped ms", "check s", "peak MiB"],
-                   [str(large["file_bytes"]), str(large["blocks"]), f"{large['write_ms'] / 1e3:.1f}",
-                    f"{large['open_cpu_ms']:.1f}", f"{large['open_ms']:.1f}", f"{large['block_read_ms']:.3f}", f"{large['block_mapped_ms']:.4f}",
-                    f"{large['check_ms'] / 1e3:.1f}", str(large["peak_rss_mb"])]]))
+            f"{chosen.turns} turns.\n\n{verdicts(runs, large)}\n\nEvery rate: [format_speed.csv](results/format_speed.csv).")
     print(text)
+    header = ["samples", "kind", "write GB/s", "write x deep EXR", "read GB/s", "read x deep EXR", "bytes a sample", "bytes of deep EXR"]
     if not chosen.print:
+        with open(ROOT / "docs/results/format_speed.csv", "w", newline="", encoding="utf-8") as stream:
+            csv.writer(stream, lineterminator="\n").writerows([header, *(row for run in runs for row in times(run))])
         replace_section("format", text, ROOT / "docs" / "format_speed.md")
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+import spool
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "formats" / "python"))
-import spool  # noqa: E402
 
 PAGE = ROOT / "docs" / "limits.md"
 GROUPS = Path("/sys/fs/cgroup/memory")     # version 1; version 2 has memory.max in /sys/fs/cgroup
@@ -35,7 +35,7 @@ Written by `tools/dev.sh bench limits`; the source is `tools/bench/limits`.
 | disk | 12 bytes a sample in f32, 6 in f16 | recorders and `synth` stop with exit code 3; what was written can be recovered |
 
 A recording in f32 without compression is mapped, others are decoded into memory, while that and the work fit. A larger one is
-read block by block ([decision 0091](decisions/0091-blocks-are-read-again.md)): statistics go tile by tile and through the blocks of
+read block by block ([decision 0091](decisions.md#0091-a-recording-larger-than-memory-is-read-block-by-block)): statistics go tile by tile and through the blocks of
 a tile in their order. What that costs beside the same in memory: [speed.md](speed.md#a-recording-larger-than-memory).
 
 A sampler that comes back to a tile in steps is cheap while the samples of one tile fit (64 x 64 pixels of 1024 samples: 50 MB), and
@@ -132,7 +132,7 @@ class Limits:
         return path
 
     def measure_channels(self, side):
-        """What is recorded beside radiance costs those who ask for it, and nobody else."""
+        """What is recorded beside radiance costs the methods that ask for it, and no other."""
         few = [("albedo", "RGB"), ("normal", "XYZ"), ("depth", "Z")]
         many = few + [(f"light{number}", "RGB") for number in range(12)]
         for layers in ((), few, many):

@@ -17,10 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
+import spool
+from tools.bench.speed_page import replace_section
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / "tools" / "bench"), str(ROOT / "formats" / "python")]
-import spool  # noqa: E402
-from speed_page import replace_section  # noqa: E402
 
 METHODS = {"uniform": "replay", "multiscale{tile=64}": "replay", "box": "reconstruct", "gaussian": "reconstruct", "directional": "reconstruct"}
 GROUPS = {Path("/sys/fs/cgroup/memory"): "memory.limit_in_bytes", Path("/sys/fs/cgroup"): "memory.max"}

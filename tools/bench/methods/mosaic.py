@@ -2,13 +2,10 @@
 
 Neighbouring copies share their border pixels' values, as mirror images do, but not their noise.
 """
-import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "formats" / "python"))
-import spool  # noqa: E402
+import spool
 
 LAYERS = {"radiance": ("f4", "RGB"), "albedo": ("f2", "RGB"), "normal": ("f2", "XYZ"), "depth": ("f2", "Z")}
 

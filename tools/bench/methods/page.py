@@ -1,7 +1,7 @@
 """The section of docs/speed.md that says what every method costs: tables of what run.py measured."""
 import os
 
-JUDGED, BUDGET, BYTES, TWO_THREADS, GROWTH, LONG = 1024, 8, 300, 1.8, 1.1, 0.5
+JUDGED, BUDGET, BYTES, TWO_THREADS, LONG = 1024, 8, 300, 1.8, 0.5
 # Targets in CPU seconds at JUDGED; of methods that are not named, OTHERS.
 SECONDS = {"sampler/nl_means": 10, "filter/nl_means": 2.5, "filter/directional": 0.5}
 OTHERS = 10.0
@@ -28,7 +28,7 @@ def name_of(method, found):
 
 
 def judged(kind, kept, names):
-    """Seconds, memory and threads at the size that the targets speak of."""
+    """Seconds, memory and threads at the size that the targets name."""
     rows = [[kind, "library, CPU-s", "target", "whole command, CPU-s", "bytes/pixel", "2 threads, times faster"]]
     for method in names:
         one, two, whole = (of(kept, JUDGED, threads, where, method) for threads, where in ((1, "library"), (2, "library"), (1, "command")))
@@ -42,30 +42,17 @@ def judged(kind, kept, names):
     return lines(rows)
 
 
-def grown(kind, kept, names, sizes):
-    """Microseconds of a pixel at each size, library and whole command."""
-    rows = [[kind, *(f"{size}" for size in sizes), f"largest / {sizes[0]}", *(f"command, {size}" for size in sizes)]]
-    for method in names:
-        found = {where: {size: of(kept, size, 1, where, method) for size in sizes} for where in ("library", "command")}
-        pixel = {where: {size: 1e6 * at["cpu"] / size ** 2 for size, at in found[where].items() if at} for where in found}
-        if not pixel["library"]:
-            continue
-        growth = pixel["library"][max(pixel["library"])] / pixel["library"][min(pixel["library"])]
-        any_found = next(at for at in found["library"].values() if at)
-        rows.append([name_of(method, any_found), *(told(pixel["library"][size], 3) if size in pixel["library"] else "" for size in sizes),
-                     told(growth, 2, growth <= GROWTH),
-                     *(told(pixel["command"][size], 2) if size in pixel["command"] else "" for size in sizes)])
-    return lines(rows)
-
-
-def left_out(kept, longest):
-    """In words: what was not measured, and what it would have taken."""
-    parts = []
-    for (size, _, where), methods in sorted(kept.items()):
-        told_here = [f"`{method}` ({found['expected']:.0f} s)" for method, found in methods.items() if "expected" in found]
-        if told_here and where == "library":
-            parts.append(f"{size}: {', '.join(told_here)}")
-    return f"Left out where a run would have taken more than {longest:g} s, by its cost at the size before: " + "; ".join(parts) + "." if parts else ""
+def growth_rows(kept):
+    """CPU microseconds of a pixel at each size, library and whole command; first the heading."""
+    sizes = sorted({size for size, _, _ in kept})
+    rows = [["kind", "method", *map(str, sizes), f"largest / {sizes[0]}", *(f"command, {size}" for size in sizes)]]
+    for name in dict.fromkeys(method for methods in kept.values() for method in methods):
+        pixel = {where: {size: 1e6 * at["cpu"] / size ** 2 for size in sizes if (at := of(kept, size, 1, where, name))} for where in ("library", "command")}
+        if pixel["library"]:
+            growth = pixel["library"][max(pixel["library"])] / pixel["library"][min(pixel["library"])]
+            rows.append([*name.split("/"), *(f"{pixel['library'][size]:.3f}" if size in pixel["library"] else "" for size in sizes), f"{growth:.2f}",
+                         *(f"{pixel['command'][size]:.2f}" if size in pixel["command"] else "" for size in sizes)])
+    return rows
 
 
 def machine():
@@ -74,8 +61,7 @@ def machine():
     return f"{model}, {os.cpu_count()} cores"
 
 
-def page(kept, longest):
-    sizes = sorted({size for size, _, _ in kept})
+def page(kept):
     names = list(dict.fromkeys(method for methods in kept.values() for method in methods))
     text = [f"## Every method\n\n`tools/dev.sh bench methods`: CPU seconds of one thread at {JUDGED}x{JUDGED} pixels, {BUDGET} samples a pixel of 64, scene S; filters",
             "get the selection of `multiscale`. The library's time is the call alone, the recording loaded; the whole command is `spool replay` or",
@@ -85,10 +71,7 @@ def page(kept, longest):
     kinds = {kind: [name for name in names if name.startswith(kind + "/")] for kind in ("sampler", "filter")}
     for kind, methods in kinds.items():
         text += [judged(kind, kept, methods), ""]
-    text += [f"Microseconds of a pixel by the picture's side (CPU seconds of a megapixel), the library first; recordings of 4096x4096 have 16 samples a pixel; bold: grows by more than {GROWTH}.", ""]
-    for kind, methods in kinds.items():
-        text += [grown(kind, kept, methods, sizes), ""]
-    text += [left_out(kept, longest), ""]
+    text += ["CPU microseconds of a pixel at 512 to 4096 pixels a side: [sizes.csv](results/speed/sizes.csv).", ""]
     for (sampler, filter), limit in PAIRS.items():
         both = [[of(kept, JUDGED, 1, where, method) for method in (sampler, filter)] for where in ("library", "command")]
         if all(part for parts in both for part in parts):

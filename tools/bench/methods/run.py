@@ -4,10 +4,11 @@ Scene S with 64 samples a pixel at each size (16 at 4096), budget 8 spp; the rec
 for all sizes). Methods that need features run on copies of a small recording that has some. In the library, and as whole
 commands: `spool replay` or `reconstruct`, start, loading and writing included. Sizes and numbers of threads take turns,
 and of the turns the least counts: what else a machine does only ever adds. A method is left out at a size where a run
-would take longer than --longest, told by the size before. What was measured is kept in methods.json of the build
+would take longer than --longest, by the size before. What was measured is kept in methods.json of the build
 folder; tables are written into docs/speed.md, unless they shall only be printed.
 """
 import argparse
+import csv
 import json
 import os
 import re
@@ -15,14 +16,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from mosaic import write_mosaic  # noqa: E402
-from page import page  # noqa: E402
-from speed_page import replace_section  # noqa: E402
+from tools.bench.methods.mosaic import write_mosaic
+from tools.bench.methods.page import growth_rows, page
+from tools.bench.speed_page import PAGE, replace_section
 
-BUDGET, JUDGED = 8, 1024                       # JUDGED: pixels along a side of the picture that the targets speak of
+BUDGET, JUDGED = 8, 1024                       # JUDGED: pixels along a side of the picture that the targets name
 SAMPLES, LARGE, LARGE_SAMPLES = 64, 4096, 16
-FEATURES = Path("dumps/tiny/chess.spool")      # for methods that want features, which scene S has not
+FEATURES = Path("dumps/tiny/chess.spool")      # for methods that require features, which scene S has not
 
 
 def samples_at(size):
@@ -71,7 +71,7 @@ class Methods:
         return expected <= self.longest
 
     def library(self, size, threads, methods, features):
-        """One process; the methods that were refused for want of features."""
+        """One process; the methods that were refused without features."""
         if not methods:
             return []
         which = "^(" + "|".join(map(re.escape, methods)) + ")/t"
@@ -151,10 +151,12 @@ def main():
         for _ in range(options.turns):
             for size in sizes:
                 bench.measure(size, sorted({kind[0] for kind in kept} | set(sizes)))
-    text = page(kept, options.longest)
+    text = page(kept)
     print(text)
     if not options.print:
         replace_section("methods", text)
+        with open(PAGE.parent / "results/speed/sizes.csv", "w", newline="", encoding="utf-8") as stream:
+            csv.writer(stream, lineterminator="\n").writerows(growth_rows(kept))
 
 
 if __name__ == "__main__":

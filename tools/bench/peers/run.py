@@ -4,48 +4,34 @@ import csv
 import json
 import os
 import subprocess
-import sys
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from speed_page import replace_section  # noqa: E402
+from tools.bench.speed_page import replace_section
 
 ROOT = Path(__file__).resolve().parents[3]
+plt.switch_backend("svg")
 RESULTS = ROOT / "docs" / "results" / "peers"
-TITLES = {"filter": "filter of 8 uniform samples", "pair": "sampler and filter, 8 of 64 samples", "sampler": "sampler, 8 of 64", "file": "reading all samples",
-          "region": "reading a region of 64x64 pixels", "pack": "packing", "judge": "judging an image"}
-IMAGES = ("filter", "pair")                    # kinds that give an image, which has an error
+IMAGES = {"filter": "filter of 8 uniform samples", "pair": "sampler and filter, 8 of 64 samples"}  # kinds that give an image, which has an error
 OIDN = "Open Image Denoise, albedo and normal"
 
 
 def measure(build, arguments):
     cache = Path(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache"))) / "spool"
     python = os.environ.get("SPOOL_PEERS_PYTHON", cache / "peers-venv" / "bin" / "python")
-    done = subprocess.run([python, Path(__file__).with_name("subjects.py"), build / "spool", str(arguments.size),
-                           str(arguments.turns), str(arguments.longest), arguments.without], env={**os.environ, "PYTHONPATH": str(build / "python")}, check=True,
+    done = subprocess.run([python, "-m", "tools.bench.peers.subjects", build / "spool", str(arguments.size),
+                           str(arguments.turns), str(arguments.longest), arguments.without], env={**os.environ, "PYTHONPATH": str(build.resolve() / "python")}, check=True, cwd=ROOT,
                           stdout=subprocess.PIPE, text=True)
     return json.loads(done.stdout)
 
 
-def unit_of(rows, kind):
-    """What the costs of a kind are told in: multiples of this subject's."""
-    names = {"filter": OIDN, "pair": OIDN, "sampler": OIDN, "file": "numpy: mean of each pixel's samples",
-             "region": "h5py: region, fletcher32", "pack": "numpy: load the npz, h5py: write, fletcher32", "judge": "flip-evaluator: LDR FLIP"}
-    return next(r for r in rows if r["name"] == names[kind])
-
-
 def table(rows, kind):
-    one = unit_of(rows, kind)
-    lines = [f"| {TITLES[kind]} | {one['unit']} | times {one['name']} |" + (" relMSE | energy |" if kind in IMAGES else ""),
-             "|---|---|---|" + ("---|---|" if kind in IMAGES else "")]
+    """Costs as multiples of Open Image Denoise's."""
+    one = next(r for r in rows if r["name"] == OIDN)
+    lines = [f"| {IMAGES[kind]} | {one['unit']} | times {one['name']} | relMSE | energy |", "|---|---|---|---|---|"]
     for row in sorted((r for r in rows if r["kind"] == kind), key=lambda r: r["cost"]):
-        error = f" {row['relmse']:.3g} | {row['energy']:.3f} |" if kind in IMAGES else ""
-        lines.append(f"| {row['name']} | {row['cost']:.3g} | {row['cost'] / one['cost']:.2g} |{error}")
+        lines.append(f"| {row['name']} | {row['cost']:.3g} | {row['cost'] / one['cost']:.2g} | {row['relmse']:.3g} | {row['energy']:.3f} |")
     return "\n".join(lines)
 
 
@@ -90,8 +76,8 @@ def main():
         "others used, too. Peers get the mean image, and the noise where they ask for it; ours read the samples. In the figure discs are our filters of uniform samples, "
         "squares those of others, empty diamonds a sampler and a filter of ours together.",
         "![error against CPU time](results/peers/peers.svg)",
-        *(table(found["rows"], kind) for kind in TITLES),
-        "Figures: [peers.csv](results/peers/peers.csv)."]))
+        *(table(found["rows"], kind) for kind in IMAGES),
+        "Samplers, reading, packing and judging beside other programs: [peers.csv](results/peers/peers.csv)."]))
 
 
 if __name__ == "__main__":

@@ -27,9 +27,8 @@ import scipy.ndimage
 import skimage.restoration
 import zarr
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "methods"))
 import spool  # the package, built beside the program
-from mosaic import enlarged
+from tools.bench.methods.mosaic import enlarged
 
 ROOT = Path(__file__).resolve().parents[3]
 SPP = 8

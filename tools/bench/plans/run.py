@@ -11,9 +11,9 @@ import sys
 import time
 from pathlib import Path
 
+from tools.bench.speed_page import replace_section
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "tools" / "bench"))
-from speed_page import replace_section  # noqa: E402
 
 PLAN = ROOT / "tools" / "plans" / "quick.toml"
 CPU, WALL = 12.0, 7.0                           # targets, on two processors
@@ -54,7 +54,7 @@ def main():
         "## A plan on small pictures",
         f"`tools/dev.sh bench plans`: {results} results of 64x64 pixels, {os.cpu_count()} processors, the least of {options.turns} turn{'s' if options.turns > 1 else ''}. "
         f"Targets: {CPU:g} CPU-s and {WALL:g} s, set when the plan had 540 results. Results of small pictures are made beside each other "
-        "([decision](decisions/0083-results-beside-each-other.md)).", "\n".join(lines)])
+        "([decision](decisions.md#0083-results-of-small-pictures-are-made-beside-each-other)).", "\n".join(lines)])
     print(text)
     if not options.print:
         replace_section("plans", text)

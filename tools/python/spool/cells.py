@@ -66,7 +66,7 @@ def results_html(rows: list, statistics: dict) -> str:
     if len(lines) > _MOST_ROWS:
         parts.append(f"<p>{len(lines) - _MOST_ROWS} more rows: <code>.means</code>, or <code>spool report</code></p>")
     about = max((c["about"] for c in conditions if c.get("about")), key=lambda said: said.get("shared") or 0.0, default={"text": ""})["text"]
-    parts.append(f"<p><small>Mean [95 % interval], best first. Methods that share a letter are not told apart. "
+    parts.append(f"<p><small>Mean [95 % interval], best first. Methods that share a letter are not separated. "
                  f"Intervals are about {html.escape(about) or 'these replicates'}.</small></p>")
     return "".join(parts)
 
@@ -82,7 +82,7 @@ def _ranked(condition, entry, first):
     verdict = entry.get("against_baseline", "")
     letters = f"withheld: {entry['withheld']}" if entry.get("withheld") else f"{entry.get('letters', '')} {verdict}"
     letters += "" if entry.get("compared", True) or "not compared" in letters else " not compared"
-    letters += "".join(f" (about {count} {what} would tell)" for what, count in (entry.get("would_tell") or {}).items())
+    letters += "".join(f" (about {count} {what} would decide)" for what, count in (entry.get("would_tell") or {}).items())
     energy = _numbers(entry.get("energy")) + (" (loses)" if "loses_energy" in entry else "")
     return _line(condition["dump"] if first else None, condition["spp"] if first else None, entry,
                  _numbers(entry.get("value")), _numbers(entry.get("ratio")), letters, energy, verdict)

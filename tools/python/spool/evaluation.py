@@ -1,6 +1,7 @@
 """Methods compared: `spool evaluate` in this process."""
 from __future__ import annotations
 
+import concurrent.futures
 import functools
 import itertools
 import json
@@ -13,35 +14,43 @@ from . import _core
 from .arguments import flag, path, text, wrong
 from .cells import results_html
 from .error import SpoolError
-from .own_methods import failure_shown
+from .executors import Plan, spread
+from .own_methods import Method, failure_shown
 from .plan_text import plan_text
 from .recordings import Dump, Recording, recording_of
 from .save import write
 
 
 def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None = None, force: bool = False,
-             exact_timing: bool = False, progress: Callable[[float, int, int], object] | None = None) -> Results:
+             exact_timing: bool = False, executor: concurrent.futures.Executor | None = None,
+             progress: Callable[[float, int, int], object] | None = None) -> Results:
     """Answers a plan -> Results.
 
     `plan`: the path of a TOML file, or a dict of the same keys, in which "recordings" may be Dumps, Recordings and
     arrays, and "samplers" and "filters" functions made by @spool.sampler and @spool.filter. `output`: the folder of
     the results, which the same call continues; without it they go with the Results, and no pictures are made of a dict.
-    `progress(share, done, of)` is
-    called a few times a second.
+    `executor`: any concurrent.futures.Executor, whose workers find the recordings under the same paths: each task is a
+    sampling run on one thread, the most expensive first; the same bits. `progress(share, done, of)` is called a few
+    times a second, with an executor after each task.
     """
     if progress is not None and not callable(progress):
         raise wrong("progress", progress, "no function of (share, done, of)")
     kept = None if output is None else os.path.abspath(text("output", path("output", output)))
+    if executor is not None:
+        _check_executor(executor, plan)
     switches = flag("force", force), flag("exact_timing", exact_timing)
     with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
         folder = None if kept else tempfile.TemporaryDirectory(prefix="spool-")
         place = kept or os.path.join(folder.name, "results")
         if isinstance(plan, dict) and not kept:
-            plan = {"pictures": False, **plan}  # nobody would see them
+            plan = {"pictures": False, **plan}  # they would not be looked at
         written, name, beside = _text_of(plan, scratch)
         # Results that are there are kept, whatever the rest of the plan did.
         with failure_shown(*_functions_of(plan)):
-            _core.evaluate(written, name, beside, place, *switches, progress)
+            if executor is None:
+                _core.evaluate(written, name, beside, place, *switches, None, False, 0, progress)
+            else:
+                spread(executor, Plan(written, name, beside, switches[1]), place, switches[0], progress)
     return Results(place, folder)
 
 
@@ -129,6 +138,15 @@ def _path_of(item, scratch):
     place = os.path.join(scratch, f"{free}.spool")
     write(place, sample_order=held.sample_order, **held.arrays)
     return place
+
+
+def _check_executor(executor, plan):
+    if not isinstance(executor, concurrent.futures.Executor):
+        raise wrong("executor", executor, "no concurrent.futures.Executor")
+    for method in _functions_of(plan):
+        if callable(method) or isinstance(method, Method):
+            raise SpoolError("usage", f"executor: {method!r} is a function, which other "
+                             "processes do not have: leave executor out, or name built-in methods and commands (exec:)")
 
 
 def _functions_of(plan):

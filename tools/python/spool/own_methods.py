@@ -21,7 +21,7 @@ _LAST = {}  # what a function raised: the library hands on a line of text only
 
 @dataclass(frozen=True)
 class Statistics:
-    """What a method is told of the samples taken so far. Arrays are of pieces: pixels, unless `pieces=2`."""
+    """What a method gets of the samples taken so far. Arrays are of pieces: pixels, unless `pieces=2`."""
 
     mean: np.ndarray  # [y][x][3], radiance; where n is 0, the neighbours'
     variance: np.ndarray  # [y][x][3], of that mean; below 4 samples pooled with the neighbours'

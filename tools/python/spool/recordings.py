@@ -10,7 +10,9 @@ from typing import Union
 import numpy as np
 
 from . import _core, reader
-from .arguments import array, choice, flag, option_text, path as path_of, seed as seed_of, text, whole
+from .arguments import array, choice, flag, option_text, text, whole
+from .arguments import path as path_of
+from .arguments import seed as seed_of
 from .cells import recording_html
 from .error import SpoolError
 from .record_layout import MAX_SIDE
@@ -109,7 +111,7 @@ def recording_of(samples: Samples) -> Dump | Recording:
 
 def synth(scene: str, *, width: int = 128, height: int = 128, spp: int = 64, seed: int = 1,
           path: str | os.PathLike | None = None, compress: bool = False, force: bool = False, **options) -> Dump:
-    """An analytic scene, sampled, with its exact reference. Without a path the file goes with the Dump."""
+    """An analytic scene, sampled, with its exact reference. Without a path the file goes with the Recording."""
     sizes = whole("width", width), whole("height", height), whole("spp", spp), seed_of(seed)
     folder = None if path is not None else tempfile.TemporaryDirectory(prefix="spool-")
     place = os.path.join(folder.name, "synth.spool") if folder else text("path", path_of("path", path))
@@ -122,7 +124,7 @@ def synth(scene: str, *, width: int = 128, height: int = 128, spp: int = 64, see
 
 
 def _planes(values, key):
-    """A copy [c][y][x][s] that nobody else writes to."""
+    """A copy [c][y][x][s] that no other code writes to."""
     planes = _frozen(np.moveaxis(values, 3, 0), np.float32)
     if values.dtype.kind == "f" and values.dtype.itemsize > 4:
         given = np.moveaxis(values, 3, 0)

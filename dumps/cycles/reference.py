@@ -1,0 +1,73 @@
+"""A reference that ends by itself (`--reference auto`, reference_need.py), in 64 to 128 batches of one size.
+
+It begins with batches of 8 samples. When there are 128, neighbours become one batch, the mean of two, and the next ones are
+rendered of that size: the folder does not grow with the reference. A batch that begins with sample s has the seed of number s / 8.
+"""
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+from failure import usage_failure
+from progress import Progress
+from reference_need import DENOMINATOR, LEAST, denominator_noise, judged_at, outcome
+from seeds import reference_seed
+
+FIRST, LARGEST, BATCHES = LEAST // 64, 128, 128
+
+
+def record_until_it_suffices(folder, recorder, options, stopped):
+    """Renders batches until their mean is good enough or options.reference is reached. stopped(done): called before each.
+    Returns lines on what became of it."""
+    if not numpy:
+        raise usage_failure("--reference auto: Blender's Python has no numpy: give a number of samples")
+    entries = folder.entries["reference"]
+    foreign = [entry["samples"] for entry in entries.values() if entry["samples"] < FIRST or entry["samples"] & entry["samples"] - 1]
+    if foreign or sorted(entries) != list(range(len(entries))):
+        raise usage_failure("%s: the reference there has batches of another wish: give the number of samples it was begun with" % folder.path)
+    size = next(iter(entries.values()))["samples"] if entries else FIRST
+    progress = Progress("reference", options.reference // size)
+    while True:
+        done = len(entries) * size
+        judged = _judged(folder, recorder, done, size) if judged_at(done) else None
+        if done >= options.reference or judged and judged["denominator_noise"] <= DENOMINATOR:
+            progress.close()
+            return outcome(judged, options.reference)
+        if len(entries) == BATCHES and size < LARGEST:
+            _join(folder, size)
+            size *= 2
+            progress = Progress("reference", options.reference // size)
+            progress.done = len(entries)
+        stopped(len(entries))
+        data, entry = recorder.render_batch(size, reference_seed(options.seed, done // FIRST))
+        folder.add("reference", len(entries), data, entry)
+        progress.step()
+
+
+def _image(folder, index):
+    with open(folder.name_of("reference", index), "rb") as stream:
+        return numpy.frombuffer(stream.read(), "<f4").astype(numpy.float64)
+
+
+def _judged(folder, recorder, samples, size):
+    """Welford's recurrence over the batches, in their order."""
+    count, mean, m2 = samples // size, 0.0, 0.0
+    for index in range(count):
+        image = _image(folder, index)
+        delta = image - mean
+        mean = mean + delta / (index + 1)
+        m2 = m2 + delta * (image - mean)
+    return {"samples": samples, "samples_least": samples, "samples_most": samples,
+            "denominator_noise": denominator_noise(mean, m2 / (count - 1) / count)}
+
+
+def _join(folder, size):
+    """Pairs of neighbours become one batch each."""
+    entries = folder.entries["reference"]
+    joined = []
+    for index in range(len(entries) // 2):
+        pair = entries[2 * index], entries[2 * index + 1]
+        image = (_image(folder, 2 * index) + _image(folder, 2 * index + 1)) / 2
+        more = {key: pair[0][key] + pair[1][key] for key in ("seconds", "cpu_seconds")}
+        joined.append((image.astype("<f4").tobytes(), {"seed": pair[0]["seed"], "sample_index": 2 * size, "samples": 2 * size, **more}))
+    folder.replace("reference", joined, "reference_of_%d_%%05d.f32" % (2 * size))

@@ -1,0 +1,167 @@
+"""evaluate(executor=...): the same bits on workers of others, whatever is lost on the way."""
+import concurrent.futures
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+
+import distributed
+import pytest
+
+import spool
+from conftest import LONGEST_RUN
+from spool import executors
+
+TIMES = ("seconds", "cpu", "efficiency", "peak_memory", "timing")  # of the machine
+PLAN = {"samplers": ["uniform", "multiscale"], "filters": ["box", "directional"], "spp": [2, 4], "replicates": 2}
+CELLS = 2 * 2 * 2 * 2
+
+
+def facts(results):
+    """Rows without what depends on the machine."""
+    return [{key: value for key, value in row.items() if not key.startswith(TIMES)} for row in results.rows]
+
+
+def plan_of(path, **changes):
+    return {"recordings": [path], **PLAN, **changes}
+
+
+@pytest.fixture
+def whole(path):
+    return spool.evaluate(plan_of(path))
+
+
+@pytest.fixture
+def pool():
+    with concurrent.futures.ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as made:
+        yield made
+
+
+def test_the_same_bits_as_in_one_process(path, whole, pool, tmp_path):
+    shares = []
+    spread = spool.evaluate(plan_of(path), executor=pool, progress=lambda *at: shares.append(at))
+    assert facts(spread) == facts(whole)
+    assert spread.statistics["conditions"] == whole.statistics["conditions"]
+    assert shares[-1] == (1.0, CELLS, CELLS)
+    assert {row["timing"] for row in spread.rows} == {"shared"}
+
+
+def test_pictures_are_those_of_one_process(path, pool, tmp_path):
+    spool.evaluate(plan_of(path, replicates=1), output=tmp_path / "one")
+    spool.evaluate(plan_of(path, replicates=1), output=tmp_path / "many", executor=pool)
+    names = sorted(str(file.relative_to(tmp_path / "one")) for file in (tmp_path / "one").rglob("*")
+                   if file.suffix in (".png", ".exr"))
+    assert names
+    for name in names:
+        assert (tmp_path / "many" / name).read_bytes() == (tmp_path / "one" / name).read_bytes(), name
+
+
+def test_the_expensive_comes_first(path, monkeypatch):
+    seen, told = [], executors._core.tasks
+
+    class Core:
+        evaluate = executors._core.evaluate
+
+        @staticmethod
+        def tasks(*arguments):
+            seen.extend(told(*arguments)[0])
+            return told(*arguments)
+
+    monkeypatch.setattr(executors, "_core", Core)
+    plan = plan_of(path, samplers=["uniform", "nl_means"], spp=[2, 16], filters=["box"], replicates=1)
+    with concurrent.futures.ThreadPoolExecutor(1) as executor:
+        spool.evaluate(plan, executor=executor)
+    costs = [cost for _, _, cost in seen]
+    assert len(costs) == 4 and costs == sorted(costs, reverse=True) and costs[0] > 3 * costs[-1] > 0
+
+
+def test_short_runs_of_one_recording_go_together():
+    tasks = [("a", ["1"], 5.0), ("b", ["2"], 1.5), ("a", ["3"], 1.0), ("b", ["4"], 0.75), ("a", ["5"], 0.25)]
+    assert list(executors._together(tasks)) == [(5.0, ["1"]), (2.25, ["2", "4"]), (1.25, ["3", "5"])]
+
+
+def test_what_a_killed_worker_had_is_made_by_the_same_call(path, whole, tmp_path, monkeypatch):
+    monkeypatch.setattr(executors, "_SHORT", 0.0)
+    output = tmp_path / "results"
+    with concurrent.futures.ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
+        def kill(share, done, of):
+            if done < of:
+                os.kill(next(iter(executor._processes)), signal.SIGKILL)
+        with pytest.raises(spool.SpoolError, match="were lost with their workers .* the same call goes on") as raised:
+            spool.evaluate(plan_of(path), output=output, executor=executor, progress=kill)
+    assert raised.value.code == 1
+    kept = len(list((output / "cells").glob("*.json")))
+    assert 0 < kept < CELLS
+    counts = []
+    with concurrent.futures.ThreadPoolExecutor(2) as executor:
+        results = spool.evaluate(plan_of(path), output=output, executor=executor,
+                                 progress=lambda share, done, of: counts.append(done))
+    assert min(counts) > kept
+    assert facts(results) == facts(whole)
+
+
+def test_cells_that_fail_are_results(path, pool, layers, tmp_path):
+    del layers["albedo"], layers["normal"], layers["depth"]
+    spool.write(tmp_path / "bare.spool", sample_order="exchangeable", **layers)
+    plan = {"recordings": [tmp_path / "bare.spool"], "samplers": ["uniform"], "filters": ["box", "cross_bilateral"], "spp": [2]}
+    with pytest.raises(spool.SpoolError, match="results failed"):
+        spool.evaluate(plan, output=tmp_path / "results", executor=pool)
+    errors = [bool(row.get("error")) for row in spool.results(tmp_path / "results").rows]
+    assert any(errors) and not all(errors)
+
+
+def test_dask_with_workers_killed(path, whole, tmp_path, monkeypatch):
+    monkeypatch.setattr(executors, "_SHORT", 0.0)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None,
+                                  local_directory=str(tmp_path)) as cluster, distributed.Client(cluster) as client:
+        killed = []
+
+        def kill(share, done, of):
+            if len(killed) < 2 and done < of:
+                worker = list(cluster.workers.values())[len(killed)]
+                if worker.pid:
+                    killed.append(worker.pid)
+                    os.kill(worker.pid, signal.SIGKILL)
+        results = spool.evaluate(plan_of(path), executor=client.get_executor(), progress=kill)
+    assert len(killed) == 2
+    assert facts(results) == facts(whole)
+
+
+def test_functions_and_what_is_no_executor_are_named(path, pool):
+    @spool.filter
+    def mine(statistics):
+        return statistics.mean
+
+    with pytest.raises(spool.SpoolError, match="<spool.filter mine> is a function, which other processes do not have"):
+        spool.evaluate(plan_of(path, filters=[mine]), executor=pool)
+    with pytest.raises(spool.SpoolError, match="executor"):
+        spool.evaluate(plan_of(path), executor=3)
+
+
+@pytest.mark.parametrize("name", ["../outside", "/outside", "cells/../../outside", "dumps.json"])
+def test_a_worker_writes_nothing_but_results(name, tmp_path):
+    with pytest.raises(spool.SpoolError, match="a worker sent a file"):
+        executors._keep(str(tmp_path / "results"), {name: b""})
+    assert not (tmp_path / "outside").exists()
+
+
+def on_workers(path, folder, executor):
+    plan = folder.parent / "plan.toml"
+    plan.write_text(f'recordings = ["{path}"]\nsamplers = ["uniform"]\nfilters = ["box"]\nspp = [2]\npictures = false\n')
+    return plan, subprocess.run([sys.executable, "-m", "spool.on_workers", plan, folder, executor], capture_output=True, text=True,
+                                timeout=LONGEST_RUN)
+
+
+def test_the_shell_names_an_executor(path, program, tmp_path):
+    plan, done = on_workers(path, tmp_path / "results", "processes:2")
+    assert done.returncode == 0, done.stderr
+    assert program("evaluate", plan, "--merge", "-o", tmp_path / "results")[0] == 0
+    assert len(spool.results(tmp_path / "results").rows) == 8
+
+
+@pytest.mark.parametrize("executor, code, line", [("processes:0", 2, "write one of"), ("ray:", 2, "write one of"),
+                                                  ("dask:", 2, "write one of")])
+def test_an_executor_that_is_not_there_is_one_line(executor, code, line, path, tmp_path):
+    done = on_workers(path, tmp_path / "results", executor)[1]
+    assert done.returncode == code and line in done.stderr and done.stderr.count("\n") == 1, done.stderr

@@ -1,0 +1,101 @@
+#include "tools/batch/run_tasks.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+
+#include "formats/spool_reader.h"
+#include "tools/batch/cell_store.h"
+#include "tools/batch/run_folder.h"
+#include "tools/methods/external_methods.h"
+
+namespace spool::tools {
+namespace {
+
+constexpr double kJudging = 3.0;      // CPU seconds of a megapixel: all metrics of one image
+constexpr double kLoopCalls = 4.0;    // of the filter in a sampler's loop
+constexpr double kCostSamples = 8.0;  // a pixel, behind Method::cost
+
+// Cost of a megapixel without judging.
+double filter_cost(const Cell& cell) {
+  const auto* filter = find_method(known_filters(), cell.filter.name);
+  return filter ? filter->cost : kUnmeasuredCost;
+}
+
+double sampler_cost(const Cell& cell) {
+  const auto* sampler = find_method(known_samplers(), cell.sampler.name);
+  const double own = sampler ? sampler->cost : kUnmeasuredCost;
+  return own * cell.spp / kCostSamples;
+}
+
+// The filter that the sampler names itself, or that of the image.
+double loop_cost(const Cell& cell) {
+  const auto* sampler = find_method(known_samplers(), cell.sampler.name);
+  if (!sampler || !sampler->needs.filter_in_loop) return 0.0;
+  const auto* named = find_method(known_filters(), sampler->needs.loop_filter);
+  return kLoopCalls * (named ? named->cost : filter_cost(cell));
+}
+
+}  // namespace
+
+Result<std::vector<SamplingRun>> costed_runs(const Plan& plan, const std::vector<Cell>& cells) {
+  std::map<std::string, double> megapixels;
+  for (const std::string& dump : plan.recordings) {
+    SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
+    megapixels[dump] = 1e-6 * reader.header().width * reader.header().height;
+  }
+  std::vector<SamplingRun> runs = sampling_runs(cells);
+  for (SamplingRun& run : runs) {
+    double cost = sampler_cost(cells[run.cells.front()]);
+    for (const std::size_t i : run.cells)
+      cost += filter_cost(cells[i]) + loop_cost(cells[i]) + kJudging;
+    run.cost = cost * megapixels.at(run.dump);
+  }
+  return runs;
+}
+
+Result<std::vector<bool>> chosen_cells(const RunRequest& request, const std::vector<Cell>& cells,
+                                       const std::vector<std::string>& ids) {
+  std::vector<bool> chosen(cells.size(), !is_part(request));
+  for (const std::string& id : request.only.value_or(std::vector<std::string>())) {
+    const auto found = std::ranges::find(ids, id);
+    if (found == ids.end()) {
+      return fail(ErrorCode::kUsage, "cell {}: the plan has none of this name", id);
+    }
+    chosen[static_cast<std::size_t>(found - ids.begin())] = true;
+  }
+  if (!request.shard) return chosen;
+  SPOOL_ASSIGN(const std::vector<SamplingRun> runs, costed_runs(request.plan, cells));
+  const std::vector<int> shares = balanced_shares(runs, request.shard->count);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    for (const std::size_t cell : runs[i].cells)
+      chosen[cell] = shares[i] == request.shard->index;
+  }
+  return chosen;
+}
+
+Result<TasksLeft> tasks_left(const RunRequest& request) {
+  SPOOL_ASSIGN(const NamedCells named, name_cells(request.plan));
+  SPOOL_TRY(check_dumps(request.plan));
+  const CellStore store(request.folder);
+  NamedCells left;
+  for (std::size_t i = 0; i < named.cells.size(); ++i) {
+    const auto record = store.read(named.ids[i], named.cells[i]);
+    if (record && !record->text("reference").empty()) continue;
+    left.cells.push_back(named.cells[i]);
+    left.ids.push_back(named.ids[i]);
+  }
+  SPOOL_ASSIGN(const std::vector<SamplingRun> runs, costed_runs(request.plan, left.cells));
+  TasksLeft found{
+      {}, named.cells.size() - left.cells.size(), std::ranges::max(request.plan.threads)};
+  for (const SamplingRun& run : runs) {
+    RunTask task{run.dump, {}, run.cost};
+    for (const std::size_t cell : run.cells)
+      task.ids.push_back(left.ids[cell]);
+    found.tasks.push_back(std::move(task));
+  }
+  std::ranges::stable_sort(found.tasks, std::greater(), &RunTask::cost);
+  return found;
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,36 @@
+// The sampling runs of a plan with what they are expected to cost, and those that a run does.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "lib/core/error.h"
+#include "lib/experiment/plan_shares.h"
+#include "tools/batch/run_request.h"
+
+namespace spool::tools {
+
+// Costs are CPU seconds of a machine of docs/speed.md, from Method::cost and the pictures' sizes;
+// the same on every machine that has the recordings. kIo where a recording cannot be read.
+Result<std::vector<SamplingRun>> costed_runs(const Plan& plan, const std::vector<Cell>& cells);
+
+// Which of the plan's cells, named by `ids`, are done: those of the share, or of `request.only`.
+// kUsage where `only` names a cell that the plan does not have.
+Result<std::vector<bool>> chosen_cells(const RunRequest& request, const std::vector<Cell>& cells,
+                                       const std::vector<std::string>& ids);
+
+// A sampling run that is left to do.
+struct RunTask {
+  std::string dump;
+  std::vector<std::string> ids;  // of its cells
+  double cost = 0.0;             // as costed_runs says
+};
+struct TasksLeft {
+  std::vector<RunTask> tasks;  // the most expensive first
+  std::size_t done = 0;        // cells that have a result in the folder
+  int threads = 0;             // the most that a cell is to be timed with; 0: none says
+};
+Result<TasksLeft> tasks_left(const RunRequest& request);
+
+}  // namespace spool::tools
