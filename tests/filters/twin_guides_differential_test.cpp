@@ -154,6 +154,7 @@ TEST(TwinGuidesDifferential, TheWholeFilterWithFirefliesAndALamp) {
     return value;
   };
   whole_agrees(make_pool(30, 20, 8, bright), 2);
+  whole_agrees(make_pool(30, 20, 8, bright), 2, heavy_tailed_twin_guides_options());
   TwinGuidesOptions options;
   options.agreement = 1.5;
   options.slack = 20.0, options.limit = 1.0;  // windows that hold fireflies, and a limit below them
