@@ -15,13 +15,14 @@ function(spool_licences component name)
     ${PROJECT_BINARY_DIR} \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/share/doc/${name}\" --name ${name} ${arguments}
     COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component} ${excluded})
 endfunction()
+set(png_module lib/image_io/CMakeFiles/spool_png.dir)
 if(NOT SKBUILD)
-  set(without_module --without tools/python tools/bench)
+  set(without_module --without tools/python tools/bench ${png_module})
 endif()
 spool_licences(program spool --of lib formats tools --scripts ${without_module})
 if(NOT SKBUILD)
-  spool_licences(png spool-png --of lib/image_io formats)
-  spool_licences(dev libspool-dev --of lib formats)
+  spool_licences(png spool-png --of ${png_module})
+  spool_licences(dev libspool-dev --of lib formats --without ${png_module})
   set(excluded EXCLUDE_FROM_ALL)
   spool_licences(python python3-spool)
 endif()
@@ -38,11 +39,12 @@ if(SPOOL_BUILD_PROGRAM)
   endif()
   file(STRINGS tools/report/assets.sha256 pinned REGEX "[^ ]+$")
   list(TRANSFORM pinned REPLACE "^[^ ]+ +" "${spool_report_assets}/")
-  install(FILES ${pinned} DESTINATION share/spool/report/assets COMPONENT program OPTIONAL)
-  install(DIRECTORY tools/report DESTINATION share/spool COMPONENT program PATTERN "__pycache__" EXCLUDE
+  install(FILES ${pinned} DESTINATION share/spool/tools/report/assets COMPONENT program OPTIONAL)
+  install(FILES tools/__init__.py DESTINATION share/spool/tools COMPONENT program)
+  install(DIRECTORY tools/report DESTINATION share/spool/tools COMPONENT program PATTERN "__pycache__" EXCLUDE
     PATTERN "*.sh" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
     WORLD_READ WORLD_EXECUTE)
-  install(DIRECTORY formats/python/spool DESTINATION share/spool/python COMPONENT program PATTERN "__pycache__" EXCLUDE)
+  install(DIRECTORY formats/python/spool DESTINATION share/spool/formats/python COMPONENT program PATTERN "__pycache__" EXCLUDE)
 endif()
 
 # Completions and manual pages say what the program says of itself. A program under a sanitizer may not start here.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <mutex>
+#include <system_error>
 
 #include "formats/byte_io.h"
 #include "formats/checked_math.h"
@@ -12,14 +14,25 @@
 #include "formats/stored_value.h"
 
 namespace spool::format {
+namespace {
+
+// The earliest time where it is not known: the file was renamed or removed.
+std::filesystem::file_time_type last_change(const OpenDump& dump) {
+  std::error_code status;
+  return std::filesystem::last_write_time(dump.file.path(), status);
+}
+
+}  // namespace
 
 struct SpoolReader::State {
-  explicit State(OpenDump opened) : dump(std::move(opened)), verified(dump.entries.size()) {}
+  explicit State(OpenDump opened)
+      : dump(std::move(opened)), modified(last_change(dump)), verified(dump.entries.size()) {}
 
   OpenDump dump;
   std::once_flag mapped_once;
   Result<FileMapping> mapping;
-  std::atomic<bool> mapped{false};          // `mapping` is there
+  std::atomic<bool> mapped{false};                        // `mapping` is there
+  std::atomic<std::filesystem::file_time_type> modified;  // of the bytes that were verified
   std::vector<std::atomic<bool>> verified;  // by entry: the mapped payload was checked
 
   std::optional<uint32_t> record(uint16_t group, uint32_t tile, uint32_t block) const {
@@ -61,6 +74,22 @@ struct SpoolReader::State {
     });
     if (!mapping) return tl::unexpected(mapping.error());
     return mapping->bytes().subspan(entry.offset + kUnit, entry.header.stored_bytes);
+  }
+
+  // Whether blocks that were verified and handed out hold other bytes now. They are read again only
+  // when the file was touched.
+  bool overwritten() {
+    const auto now = last_change(dump);
+    if (now == modified.load(std::memory_order_acquire)) return false;
+    for (size_t record = 0; record < verified.size(); ++record) {
+      const IndexEntry& entry = dump.entries[record];
+      if (entry.header.codec != 0 || !verified[record].load(std::memory_order_acquire)) continue;
+      const auto payload =
+          mapping->bytes().subspan(entry.offset + kUnit, entry.header.stored_bytes);
+      if (crc32(payload) != entry.header.payload_crc32) return true;
+    }
+    modified.store(now, std::memory_order_release);
+    return false;
   }
 
   // Two threads may both verify; only the first is counted, where the bytes were not read.
@@ -227,7 +256,8 @@ Result<std::span<const std::byte>> SpoolReader::map_block(uint16_t group, uint32
 }
 
 Result<void> SpoolReader::intact() const {
-  if (!state_->mapped.load(std::memory_order_acquire) || !state_->mapping->lost()) return {};
+  if (!state_->mapped.load(std::memory_order_acquire)) return {};
+  if (!state_->overwritten() && !state_->mapping->lost()) return {};
   return fail(ErrorCode::kDamage,
               "{}: was cut, overwritten or could not be read while it was in use: run `spool "
               "check`, then start again",

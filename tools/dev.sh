@@ -260,9 +260,10 @@ demo() {
   setup report
   build release spool
   rm -rf demo-output
-  say "evaluating dumps/tiny/chess.spool"
-  ./build/release/spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \
-    --filters box,gaussian,directional --spp 4,8,16 -o demo-output "$@"
+  say "evaluating dumps/cornell_box.spool"
+  ./build/release/spool evaluate dumps/cornell_box.spool --samplers uniform,multiscale \
+    --filters box,twin_guides --spp 4,8 --replicates 4 -o demo-output "$@"
+  say "the picture is $PWD/demo-output/cornell_box_8spp.png"
   if ./build/release/spool report demo-output -o demo-output/report.html; then
     say "open $PWD/demo-output/report.html"
   else

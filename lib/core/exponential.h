@@ -23,8 +23,8 @@ Float choose(Bits mask, Float small, Float large) {
 inline float exp_negative(float x) {
   constexpr float kInverseLn2 = 1.44269504f;
   constexpr float kLn2High = 0.693145752f, kLn2Low = 1.42860677e-6f;
-  constexpr float kLargest = 87.3f;                   // exp(-87.3) is still a normal number
-  constexpr float kRound = 12582912.0f;               // 1.5 * 2^23: adding it rounds to an integer
+  constexpr float kLargest = 87.3f;      // exp(-87.3) is still a normal number
+  constexpr float kRound = 12582912.0f;  // 1.5 * 2^23: adding it rounds to an integer
   const std::int32_t magnitude = std::bit_cast<std::int32_t>(x) & 0x7FFFFFFF;
   const std::int32_t beyond = magnitude - std::bit_cast<std::int32_t>(kLargest);
   const auto below = static_cast<std::uint32_t>(beyond >> 31);

@@ -1,8 +1,11 @@
 #include "lib/core/parallel.h"
 
 #include <optional>
+#include <utility>
 
 #include <oneapi/tbb/global_control.h>
+
+#include "lib/core/current_work.h"
 
 namespace spool {
 
@@ -21,6 +24,16 @@ ThreadLimit::ThreadLimit(int threads) : control_(std::make_unique<Control>()) {
 
 ThreadLimit::~ThreadLimit() = default;
 
+namespace {
+
+thread_local StoppableWork* t_work = nullptr;
+
+}  // namespace
+
+StoppableWork* current_work() {
+  return t_work;
+}
+
 struct StoppableWork::Control {
   task_group_context context{task_group_context::isolated};
 };
@@ -30,7 +43,14 @@ StoppableWork::~StoppableWork() = default;
 
 // As the one task of a group, by this thread: loops inside belong to the group.
 void StoppableWork::run(const std::function<void()>& work) {
-  oneapi::tbb::parallel_for(0, 1, [&](int) { work(); }, control_->context);
+  StoppableWork* const outer = std::exchange(t_work, this);
+  try {
+    oneapi::tbb::parallel_for(0, 1, [&](int) { work(); }, control_->context);
+  } catch (...) {
+    t_work = outer;
+    throw;
+  }
+  t_work = outer;
   if (control_->context.is_group_execution_cancelled()) throw WorkStopped{};
 }
 

@@ -37,7 +37,7 @@ class StoppableWork {
   StoppableWork(const StoppableWork&) = delete;
   StoppableWork& operator=(const StoppableWork&) = delete;
 
-  // Once. Throws WorkStopped where stop() was called in time, and what `work` throws.
+  // From any thread. Throws WorkStopped where stop() was called in time, and what `work` throws.
   void run(const std::function<void()>& work);
   // From any thread, before run() or during it.
   void stop();

@@ -10,6 +10,9 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include "lib/core/current_work.h"
+#include "lib/core/parallel.h"
+
 namespace spool {
 
 int allowed_threads() {
@@ -21,12 +24,17 @@ void for_each_on_threads(std::size_t n, int threads, const std::function<void(st
   std::atomic<std::size_t> next = 0;
   std::exception_ptr thrown;
   std::mutex mutex;
+  StoppableWork* const part_of = current_work();  // stops the loops of the bodies
   const auto work = [&] {
     oneapi::tbb::task_arena alone(1);
     alone.execute([&] {
       for (std::size_t i = next++; i < n; i = next++) {
         try {
-          body(i);
+          if (part_of) {
+            part_of->run([&] { body(i); });
+          } else {
+            body(i);
+          }
         } catch (...) {
           const std::lock_guard lock(mutex);
           if (!thrown) thrown = std::current_exception();

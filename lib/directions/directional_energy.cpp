@@ -138,6 +138,9 @@ OptionTable<EnergyOptions> energy_option_table() {
                               "subtract the noise that a band carries")),
       expert(number_option<O>("dir_smoothing", &O::smoothing, 0.0, 4.0,
                               "smoothing of the band energies, in units of 2^k pieces")),
+      number_option<O>("stand_out", &O::stand_out, 0.0, 1e3,
+                       "multiples of the noise that a direction has to stand out of (of the "
+                       "structure tensor)"),
   };
 }
 

@@ -13,7 +13,7 @@ namespace spool {
 
 class GuideTile {
  public:
-  static constexpr int kLanes = 16;
+  static constexpr int kLanes = 8;  // a register of AVX2; wider vectors lie in memory there
 
   // For offsets up to `across` in x and `down` in y.
   GuideTile(const FeatureGuide& guide, const Rectangle& tile, int across, int down);

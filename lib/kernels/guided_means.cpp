@@ -12,7 +12,7 @@ namespace spool {
 namespace {
 
 constexpr int kTileWidth = 128, kTileHeight = 64;
-constexpr int kLanes = 8;  // pieces whose sums stay in registers while the offsets of a row pass
+constexpr int kLanes = 4;  // pieces whose sums stay in registers while the offsets of a row pass
 typedef double Doubles __attribute__((vector_size(kLanes * sizeof(double))));
 typedef float Floats __attribute__((vector_size(kLanes * sizeof(float))));
 

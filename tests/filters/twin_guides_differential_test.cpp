@@ -86,10 +86,12 @@ TEST(TwinGuidesDifferential, GuidesAndWeights) {
     const Compared in = compared(make_pool(width, height, 8, noisy_picture(width, height, 7)), 2);
     GuardCounts guards;
     const TwinGuidesOptions options;
-    SampleMoments moments = sample_moments(in.pool, in.n, in.limit, in.scale, guards);
+    SampleMoments moments =
+        sample_moments(in.pool, in.n, in.limit, options.noise_pool, in.scale, guards);
     const FeatureImages f = noisy_features(width, height, 7);
     const reference::Planes clean = to_double(f.value), clean_variance = to_double(f.variance);
-    const reference::Moments m = reference::moments(in.pool, in.n, in.limit, in.scale);
+    const reference::Moments m =
+        reference::moments(in.pool, in.n, in.limit, options.noise_pool, in.scale);
     const std::vector<reference::GuideLevel> levels = reference::guide_levels(
         reference::guide_sources(m, clean, clean_variance), 4, in.scale, options);
     const GuideSources sources = guide_sources(moments, f);
@@ -152,6 +154,7 @@ TEST(TwinGuidesDifferential, TheWholeFilterWithFirefliesAndALamp) {
     return value;
   };
   whole_agrees(make_pool(30, 20, 8, bright), 2);
+  whole_agrees(make_pool(30, 20, 8, bright), 2, heavy_tailed_twin_guides_options());
   TwinGuidesOptions options;
   options.agreement = 1.5;
   options.slack = 20.0, options.limit = 1.0;  // windows that hold fireflies, and a limit below them

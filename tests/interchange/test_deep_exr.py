@@ -63,7 +63,7 @@ def test_openimageio_reads_the_same_samples(tmp_path):
 
 
 def test_reordered_samples_are_refused(tmp_path):
-    arrays = sample_dumps.rich(tmp_path / "a.spool", 1, finite=True)
+    sample_dumps.rich(tmp_path / "a.spool", 1, finite=True)
     run_jobs(("export deep-exr", tmp_path / "a.spool", tmp_path / "a.exr"))
     image = oiio.ImageInput.open(str(tmp_path / "a.exr"))
     spec, deep = image.spec(), image.read_native_deep_image()
@@ -93,6 +93,15 @@ def test_files_of_other_tools(tmp_path):
         assert np.array_equal(radiance[y, x][order], values[:3, y, x].T)
         first.append(np.argmin(depth[y, x]))
     assert len(set(first)) > 3  # the nearest sample is not always the first
+
+
+def test_samples_of_one_colour_are_remarked_as_nothing_tells_which_image_they_are_of(tmp_path):
+    values = np.repeat(np.random.default_rng(1).random((4, 3, 5, 1), np.float32), 3, axis=-1)
+    write_deep(tmp_path / "a.exr", ["R", "G", "B", "Z"], values)
+    code, message = run_jobs(("import deep-exr", tmp_path / "a.exr", tmp_path / "a.spool", "deep_samples"))[0]
+    assert code == 0 and "all 3 images are alike" in message, message
+    with spool.open(tmp_path / "a.spool") as dump:
+        assert "not independent" in " ".join(dump.meta["import_remarks"])
 
 
 @pytest.mark.parametrize("channels, change, words", [

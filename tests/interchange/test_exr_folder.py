@@ -4,6 +4,7 @@ import OpenImageIO as oiio
 import pytest
 import spool
 
+import exr_files
 import sample_dumps
 from conftest import run_jobs
 
@@ -75,6 +76,16 @@ def test_names_with_layers_half_floats_and_a_moved_window(tmp_path):
     at = pixels.transpose(1, 2, 0, 3)
     sample_dumps.assert_same(path, {"radiance": at[..., :3].copy(), "albedo": at[..., 3:6].copy(), "normal_geo": at[..., 6:9].copy(),
                                     "normal": at[..., 9:12].copy(), "depth": at[..., 12].copy()})
+
+
+@pytest.mark.parametrize("display, told", [((0, 0, 4, 3), False), ((1, 0, 3, 3), True), ((0, 0, 40, 30), True)])
+def test_a_display_window_that_differs_is_told(tmp_path, display, told):
+    (tmp_path / "renders").mkdir()
+    for s in range(2):
+        picture = exr_files.rgb(RNG.random((3, 4, 3), np.float32))
+        exr_files.write(tmp_path / "renders" / ("a%d.exr" % s), exr_files.Part(picture, display=display))
+    code, message, path = imported(tmp_path, tmp_path / "renders")
+    assert code == 0 and ("all of the data window (x 0 to 3, y 0 to 2) was taken, the display window is another" in message) == told, message
 
 
 def test_a_layer_can_be_named(tmp_path):

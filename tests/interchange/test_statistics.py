@@ -6,7 +6,6 @@ import OpenImageIO as oiio
 import pytest
 import spool
 
-import sample_dumps
 from conftest import run_jobs
 
 

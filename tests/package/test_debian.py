@@ -69,7 +69,7 @@ def test_unpacked_and_removed_nothing_is_left(packages, tmp_path):
             "--log", tmp_path / "dpkg.log"]
     run(*dpkg, "--install", *packages.values())
     assert (root / "usr/bin/spool").is_file()
-    for compiled in ("share/spool/report", "lib/python3/dist-packages/spool"):  # as a run by root leaves it
+    for compiled in ("share/spool/tools/report", "lib/python3/dist-packages/spool"):  # as a run by root leaves it
         (root / "usr" / compiled / "__pycache__").mkdir()
         (root / "usr" / compiled / "__pycache__/x.pyc").touch()
     run(*dpkg, "--purge", *packages)

@@ -3,11 +3,14 @@ import concurrent.futures
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 
 import distributed
 import pytest
 
 import spool
+from conftest import LONGEST_RUN
 from spool import executors
 
 TIMES = ("seconds", "cpu", "efficiency", "peak_memory", "timing")  # of the machine
@@ -141,3 +144,24 @@ def test_a_worker_writes_nothing_but_results(name, tmp_path):
     with pytest.raises(spool.SpoolError, match="a worker sent a file"):
         executors._keep(str(tmp_path / "results"), {name: b""})
     assert not (tmp_path / "outside").exists()
+
+
+def on_workers(path, folder, executor):
+    plan = folder.parent / "plan.toml"
+    plan.write_text(f'recordings = ["{path}"]\nsamplers = ["uniform"]\nfilters = ["box"]\nspp = [2]\npictures = false\n')
+    return plan, subprocess.run([sys.executable, "-m", "spool.on_workers", plan, folder, executor], capture_output=True, text=True,
+                                timeout=LONGEST_RUN)
+
+
+def test_the_shell_names_an_executor(path, program, tmp_path):
+    plan, done = on_workers(path, tmp_path / "results", "processes:2")
+    assert done.returncode == 0, done.stderr
+    assert program("evaluate", plan, "--merge", "-o", tmp_path / "results")[0] == 0
+    assert len(spool.results(tmp_path / "results").rows) == 8
+
+
+@pytest.mark.parametrize("executor, code, line", [("processes:0", 2, "write one of"), ("ray:", 2, "write one of"),
+                                                  ("dask:", 2, "write one of")])
+def test_an_executor_that_is_not_there_is_one_line(executor, code, line, path, tmp_path):
+    done = on_workers(path, tmp_path / "results", executor)[1]
+    assert done.returncode == code and line in done.stderr and done.stderr.count("\n") == 1, done.stderr

@@ -36,7 +36,7 @@ def test_evaluate_goes_on_afterwards(large, tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         spool.evaluate(plan, output=tmp_path / "kept", progress=interrupt)
-    assert time.monotonic() - begin[0] < 30
+    assert time.monotonic() - begin[0] < 1.0 * int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))
     assert len(list((tmp_path / "kept" / "cells").iterdir())) > 0
     with pytest.raises(spool.SpoolError, match="does not have"):
         spool.evaluate({**plan, "replicates": 1, "spp": [2]}, output=tmp_path / "kept")

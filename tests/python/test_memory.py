@@ -83,6 +83,35 @@ def test_an_array_is_copied():
         spool.replay(np.moveaxis(planes, 0, 3), "uniform", 4)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, -3e38])
+def test_a_mapped_file_that_is_rewritten_in_place(tmp_path, value):
+    """Its samples lie in the file: what stands there later gives an error, and no picture."""
+    radiance = np.random.default_rng(3).random((20, 24, 16, 3), np.float32)
+    path = tmp_path / "scene.spool"
+    spool.write(path, radiance=radiance, albedo=radiance, normal=radiance, depth=radiance[..., :1], sample_order="exchangeable",
+                tile_size=16, block_spp=8)
+    with spool.open(path) as dump:
+        chosen = spool.replay(dump, "uniform", 4)
+        os.utime(path)  # touched, and nothing else
+        assert np.isfinite(spool.replay(dump, "multiscale", 4).image).all()
+        bytes_of_file = path.read_bytes()
+        words = np.frombuffer(bytes_of_file[:len(bytes_of_file) // 4 * 4], "<u4")
+        places = np.isin(words, radiance.ravel()[1000:1100].view("<u4")).nonzero()[0]
+        assert len(places) >= 100
+        with open(path, "r+b") as file:
+            for place in places.tolist():
+                file.seek(4 * place)
+                file.write(np.float32(value).tobytes())
+        for name, one in spool.samplers().items():
+            if not one["argument"]:
+                with pytest.raises(spool.SpoolError, match="overwritten|does not match its checksum"):
+                    spool.replay(dump, f"{name}{{filter=box}}" if name in ("filtered_halves", "cross_halves") else name, 6)
+        for name, one in spool.filters().items():
+            if not one["argument"] and name != "oidn":
+                with pytest.raises(spool.SpoolError, match="overwritten|does not match its checksum"):
+                    spool.reconstruct(dump, chosen, name)
+
+
 def test_a_view_outlives_what_it_came_from():
     def image():
         samples = np.ones((8, 8, 4, 3), np.float32)

@@ -1,5 +1,4 @@
 """The package and the program: the same bits for every sampler and every filter, from a file and from arrays."""
-import os
 import time
 
 import numpy as np

@@ -138,7 +138,7 @@ def test_wrong_use(image, truth, tmp_path, layers):
         show({"a": image, "b": image[:, 1:]})
     with raises("usage", "the reference: is 1 x 20"):
         show(image, reference=truth[:, :1])
-    for wrong in (image.astype(np.uint8), image > 1, image.astype(complex), image.astype(object), "x".encode(), None,
+    for wrong in (image.astype(np.uint8), image > 1, image.astype(complex), image.astype(object), b"x", None,
                   image[0, 0], image[None], np.zeros((0, 3, 3)), np.ma.masked_array(image), [[1.0], [1.0, 2.0]], np.zeros(3, "f4,f4")):
         with pytest.raises(spool.SpoolError, match="^a: "):
             show({"a": wrong})

@@ -41,6 +41,22 @@ def test_a_larger_reference_goes_on_with_the_batches_that_are_there(tmp_path):
     assert len(after) == 132 and before.items() <= after.items()
 
 
+def test_a_reference_ends_by_itself_in_at_most_128_batches_of_other_seeds(tmp_path):
+    """Noisy: it goes to the most, 1024; stopped at 512 it is the same."""
+    options = ("--scene", "chess", "--size", "8", "--samples", "2", "--mode", "iid", "--channels", "radiance")
+    done = record(*options, "--reference", "auto:512", "-o", tmp_path / "passes")
+    assert done.returncode == 0 and "reference: 512 samples a pixel" in done.stderr, done.stderr
+    done = record(*options, "--reference", "auto:1024", "-o", tmp_path / "passes")
+    assert done.returncode == 0 and "reference 128 x 8 spp (64 kept)" in done.stdout, done.stdout + done.stderr
+    batches = [entry for entry in Folder(tmp_path / "passes").entries if entry["kind"] == "reference"]
+    assert len(batches) == len({entry["seed"] for entry in batches}) == 128
+    done = record(*options, "--reference", "auto:2048", "-o", tmp_path / "passes")
+    assert done.returncode == 0 and "reference 128 x 16 spp (128 kept)" in done.stdout, done.stdout + done.stderr
+    joined = [entry for entry in Folder(tmp_path / "passes").entries if entry["kind"] == "reference"]
+    assert len(joined) == len({entry["seed"] for entry in joined}) == 128 and {entry["samples"] for entry in joined} == {16}
+    assert [entry["seed"] for entry in joined[:64]] == [entry["seed"] for entry in batches[::2]]
+
+
 @pytest.mark.parametrize("first, second, batch", [(130, 64, 1)])
 def test_a_smaller_reference_is_begun_anew_and_says_so(first, second, batch, tmp_path):
     """Batches of two samples and of one, 65 and 64 of them; killed on the way to the second, which then goes on as any other."""

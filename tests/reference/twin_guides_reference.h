@@ -13,6 +13,7 @@
 #include "lib/statistics/piece_statistics.h"
 #include "lib/statistics/variance_of_mean.h"
 #include "tests/reference/feature_fit_reference.h"
+#include "tests/reference/grown_variance_reference.h"
 
 namespace spool::reference {
 
@@ -93,8 +94,8 @@ struct Moments {
 
 // Mean and blurred variance of `value` over the samples taken of every piece.
 template <class Value>
-void mean_and_variance(const SamplePool& pool, const CountImage& n, double key, Value value,
-                       Plane& mean, Plane& variance) {
+void mean_and_variance(const SamplePool& pool, const CountImage& n, double key, int noise_pool,
+                       Value value, Plane& mean, Plane& variance) {
   Plane m2(n.width(), n.height());
   mean = m2;
   for (int y = 0; y < n.height(); ++y) {
@@ -108,7 +109,11 @@ void mean_and_variance(const SamplePool& pool, const CountImage& n, double key, 
   GuardCounts guards;
   const int q = pool.pieces_per_side();
   variance = variance_of_mean(n, mean, m2, {VarianceMode::kAuto, key}, guards);
-  variance = blur(fill_empty_pieces(variance, n, q, guards), 1.0);
+  variance = fill_empty_pieces(variance, n, q, guards);
+  const Plane grown = grown_variance(variance, noise_pool);
+  variance = blur(variance, 1.0);
+  for (std::size_t i = 0; i < variance.size(); ++i)
+    variance[i] = std::max(variance[i], grown[i]);
   mean = fill_empty_pieces(mean, n, q, guards);
 }
 
@@ -157,7 +162,7 @@ inline Planes clamped_light(const SamplePool& pool, const CountImage& n, const P
 }
 
 inline Moments moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
-                       const RadianceScale& scale) {
+                       int noise_pool, const RadianceScale& scale) {
   const int q = pool.pieces_per_side();
   Moments out{Planes(3), Planes(3), Planes(3), Planes(3), Planes(3), {}, {}};
   const auto log_of = [&](double v) {
@@ -168,18 +173,54 @@ inline Moments moments(const SamplePool& pool, const CountImage& n, const Plane&
       const double l = luminance(s[0], s[1], s[2]), most = limit(x / q, y / q);
       return s[c] * scale.unit * (l > most ? most / l : 1.0);
     };
-    mean_and_variance(pool, n, scale.mean, clamped, out.mean[c], out.variance[c]);
+    mean_and_variance(pool, n, scale.mean, noise_pool, clamped, out.mean[c], out.variance[c]);
     out.difference[c] = difference_of_halves(pool, n, clamped);
     mean_and_variance(
-        pool, n, 1.0, [&](int, int, const Rgb& s) { return log_of(s[c]); }, out.log_mean[c],
-        out.log_variance[c]);
+        pool, n, 1.0, noise_pool, [&](int, int, const Rgb& s) { return log_of(s[c]); },
+        out.log_mean[c], out.log_variance[c]);
   }
   Plane unused;
   mean_and_variance(
-      pool, n, 1.0, [&](int, int, const Rgb& s) { return log_of(luminance(s[0], s[1], s[2])); },
+      pool, n, 1.0, 0, [&](int, int, const Rgb& s) { return log_of(luminance(s[0], s[1], s[2])); },
       out.log_luminance, unused);
   out.clamped_light = clamped_light(pool, n, limit, scale.unit);
   return out;
+}
+
+// T (1 + opening agreed / kept), of what the clamp at T takes and keeps around each pixel.
+inline void open_limits(const SamplePool& pool, const CountImage& n, double unit,
+                        const TwinGuidesOptions& options, Plane& limit) {
+  const Planes taken = clamped_light(pool, n, limit, unit);
+  if (taken.size() < 2) return;
+  Plane kept(n.width(), n.height()), agreed(n.width(), n.height(), INFINITY);
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x) {
+      for (int i = 0; i < n(x, y); ++i) {
+        const Rgb s = pool.sample(x, y, i);
+        kept(x, y) += unit * std::min(luminance(s[0], s[1], s[2]), limit(x, y)) / n(x, y);
+      }
+    }
+  }
+  kept = blur(kept, options.clamp_sigma);
+  for (const Plane& group : taken) {
+    const Plane around = blur(group, options.clamp_sigma);
+    for (std::size_t i = 0; i < agreed.size(); ++i)
+      agreed[i] = std::min(agreed[i], around[i]);
+  }
+  for (std::size_t i = 0; i < limit.size(); ++i)
+    limit[i] *= 1.0 + (kept[i] > 0.0 ? options.opening * agreed[i] / kept[i] : 0.0);
+}
+
+// The robust limit's geometric mean is at least half of the mean around.
+inline void raise_logarithms(Moments& m, double sigma, double scene_luminance) {
+  Plane around = m.mean[0];
+  for (std::size_t i = 0; i < around.size(); ++i)
+    around[i] = luminance(m.mean[0][i], m.mean[1][i], m.mean[2][i]);
+  around = blur(around, sigma);
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const double least = std::log(std::max(around[i], 0.0) / 2.0 + 0.10 * scene_luminance);
+    m.log_luminance[i] = std::max(m.log_luminance[i], least);
+  }
 }
 
 // --- guides --------------------------------------------------------------------------------------
@@ -510,7 +551,7 @@ inline Plane guided_mean(Plane image, const std::vector<GuideLevel>& levels, con
 // mean(plane): the guided mean.
 template <class Mean>
 Planes blend_scales(const std::vector<ScaleResult>& scales, double scene_luminance, double slack,
-                    Mean mean) {
+                    int noise_pool, Mean mean) {
   Planes out = scales.back().image;
   const Planes& picture = scales[std::min<std::size_t>(2, scales.size() - 1)].image;
   for (std::size_t k = scales.size() - 1; k-- > 0;) {
@@ -526,6 +567,7 @@ Planes blend_scales(const std::vector<ScaleResult>& scales, double scene_luminan
         v[i] += e * coarse / (3.0 * level);
       }
     }
+    if (noise_pool > 0) n = grown_variance(n, noise_pool);
     d = mean(d), n = mean(n), v = mean(v);
     for (std::size_t i = 0; i < empty.size(); ++i) {
       const double signal = d[i] - slack * (n[i] + v[i]);
@@ -569,9 +611,11 @@ inline Planes return_agreed_light(Planes out, Planes taken, double sigma, double
 
 // The image of pieces. `limit`: of the samples' luminance (sample_clamp_reference.h); `scale` says
 // the units, which divide out.
-inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, const Plane& limit,
+inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane limit,
                             const RadianceScale& scale, const TwinGuidesOptions& options) {
-  const Moments m = moments(pool, n, limit, scale);
+  open_limits(pool, n, scale.unit, options, limit);
+  Moments m = moments(pool, n, limit, options.noise_pool, scale);
+  if (options.opening > 0.0) raise_logarithms(m, options.clamp_sigma, scale.mean);
   Planes raw, raw_variance;
   for (const FeatureLayer& layer : pool.recording().features()) {
     GuardCounts guards;
@@ -602,7 +646,7 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, const P
   }
   const double slack = options.detail_slack * (raw.empty() ? 0.5 : 1.0);
   const Planes blended = return_agreed_light(
-      blend_scales(scales, scale.mean, slack,
+      blend_scales(scales, scale.mean, slack, options.noise_pool,
                    [&](const Plane& plane) {
                      return guided_mean(plane, levels, clean, clean_variance, scale, options);
                    }),

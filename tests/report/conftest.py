@@ -5,16 +5,14 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).resolve().parent
-REPORT = HERE.parents[1] / "tools" / "report"
 sys.dont_write_bytecode = True
-sys.path[:0] = [str(REPORT), str(HERE)]
 
 
 @pytest.fixture(scope="session")
 def made_folder(tmp_path_factory):
     """A results folder with images; some methods tie, some differ."""
     from made_results import make_rows, write_images, write_results
-    from file_names import dump_names, file_name_of
+    from tools.report.file_names import dump_names, file_name_of
 
     folder = tmp_path_factory.mktemp("results")
     rows = make_rows()
@@ -26,7 +24,7 @@ def made_folder(tmp_path_factory):
 @pytest.fixture
 def assets_cache(tmp_path, monkeypatch):
     """Stand-ins for the scripts of others, so that no network is needed."""
-    import assets
+    from tools.report import assets
 
     folder = tmp_path / "assets"
     folder.mkdir()

@@ -14,4 +14,4 @@ skip() {
 command -v "${SPOOL_CHROMIUM:-chromium}" >/dev/null || skip "no chromium"
 "$python" -c 'import playwright, numpy, pytest' 2>/dev/null || skip "no playwright in $python"
 (cd "$assets" 2>/dev/null && sha256sum --status --check "$pinned") || skip "no report assets in $assets"
-PYTHONPATH='' exec "$python" -m pytest -q -p no:cacheprovider test_browser*.py
+PYTHONPATH="$(cd ../.. && pwd):$(cd ../../formats/python && pwd)" exec "$python" -m pytest -q -p no:cacheprovider test_browser*.py

@@ -6,7 +6,7 @@ import subprocess
 
 import numpy as np
 
-from exr_image import exr
+from tools.report.exr_image import exr
 
 PACKAGE = os.environ.get("SPOOL_PACKAGE")  # none in a build with sanitizers
 

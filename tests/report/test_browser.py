@@ -9,8 +9,8 @@ from opened_page import PHONE, WIDE, Opened, browser, opened, report  # noqa: F4
 
 from made_statistics import made_interval
 from made_results import make_rows, write_results
-from report import main
-from statistics_file import Interval
+from tools.report.report import main
+from tools.report.statistics_file import Interval
 
 @pytest.mark.parametrize("viewport", [WIDE, PHONE], ids=["wide", "phone"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -8,9 +8,9 @@ import pytest
 from made_results import make_rows, write_images, write_results
 from opened_page import WIDE, Opened, browser  # noqa: F401
 
-from exr_image import read_exr
-from report import main
-from file_names import dump_names, file_name_of
+from tools.report.exr_image import read_exr
+from tools.report.report import main
+from tools.report.file_names import dump_names, file_name_of
 
 ANSWER = {"x": 12, "y": 10, "capacity": 40, "recorded": list(range(40)), "samples": [[0.1 * i, 0.2, 0.05 * i] for i in range(40)],
           "mean": [0.5 + 0.01 * i for i in range(40)], "low": [None] + [0.3 + 0.01 * i for i in range(1, 40)],

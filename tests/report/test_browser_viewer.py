@@ -5,9 +5,9 @@ import pytest
 from made_results import make_rows, write_images, write_results
 from opened_page import PHONE, WIDE, Opened, browser, opened, report  # noqa: F401
 
-from exr_image import read_exr, rgb
-from report import main
-from file_names import dump_names, file_name_of
+from tools.report.exr_image import read_exr, rgb
+from tools.report.report import main
+from tools.report.file_names import dump_names, file_name_of
 
 STATE = "JSON.parse(document.getElementById('report-data').textContent)"
 

@@ -3,17 +3,15 @@
 Colour vision after [Vienot99], lightness and distances in CIELAB under D65.
 """
 import re
-import sys
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tools.report import draw_curves, figure_comparison
+
 REPORT = Path(__file__).resolve().parents[2] / "tools" / "report"
-sys.path.insert(0, str(REPORT))
-import draw_curves  # noqa: E402
-import figure_comparison  # noqa: E402
 
 XYZ = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]])
 LMS = np.array([[17.8824, 43.5161, 4.11935], [3.45565, 27.1554, 3.86714], [0.0299566, 0.184309, 1.46709]])

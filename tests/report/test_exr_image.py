@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from exr_writing import exr_bytes, write_exr
 
-from exr_image import read_exr, rgb, single
-from failure import Failure
+from tools.report.exr_image import read_exr, rgb, single
+from tools.report.failure import Failure
 
 
 @pytest.mark.parametrize("compression", [0, 2, 3])

@@ -18,12 +18,12 @@ from made_results import make_rows, write_images, write_results
 
 pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python")
 
-import figure  # noqa: E402
-from figure import main  # noqa: E402
-from figure_tables import markdown  # noqa: E402
-from figure_text import latex, significant  # noqa: E402
-from draw_curves import read  # noqa: E402
-from file_names import dump_names, file_name_of  # noqa: E402
+from tools.report import figure
+from tools.report.figure import main
+from tools.report.figure_tables import markdown
+from tools.report.figure_text import latex, significant
+from tools.report.draw_curves import read
+from tools.report.file_names import dump_names, file_name_of
 
 PICTURES = ("curves", "curves_time", "comparison", "comparison_chess", "comparison_kitchen")
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")

@@ -9,12 +9,12 @@ from made_results import make_rows, write_images, write_results
 
 pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python")
 
-from failure import Failure  # noqa: E402
-from figure import main  # noqa: E402
-from figure_layout import GAP, lay_out  # noqa: E402
-from figure_text import WIDTHS, metric_name, pyplot, significant  # noqa: E402
-from figure_windows import asked_windows, choose_windows, inside  # noqa: E402
-from result_images import Crop, dump_names, file_name_of  # noqa: E402
+from tools.report.failure import Failure
+from tools.report.figure import main
+from tools.report.figure_layout import GAP, lay_out
+from tools.report.figure_text import WIDTHS, metric_name, pyplot, significant
+from tools.report.figure_windows import asked_windows, choose_windows, inside
+from tools.report.result_images import Crop, dump_names, file_name_of
 
 METHODS = ["uniform", "multiscale{alpha=0.8,epochs=4}", "exec:python3 most_uncertain.py", "ours", "mitchell", "a" * 90,
            "adaptive_sampling_by_variance_of_neighbours", "multiscale:paper{alpha=0.3,explore_fraction=0.25}"]

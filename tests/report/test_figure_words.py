@@ -11,13 +11,13 @@ from made_results import make_rows, write_images, write_results
 
 pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python")
 
-import figure_set  # noqa: E402
-from failure import Failure  # noqa: E402
-from figure import main  # noqa: E402
-from figure_captions import notes, numbers_text  # noqa: E402
-from figure_methods import choose_methods, left_out_text, own_methods  # noqa: E402
-from figure_text import breakable  # noqa: E402
-from result_images import dump_names, file_name_of  # noqa: E402
+from tools.report import figure_set
+from tools.report.failure import Failure
+from tools.report.figure import main
+from tools.report.figure_captions import notes, numbers_text
+from tools.report.figure_methods import choose_methods, left_out_text, own_methods
+from tools.report.figure_text import breakable
+from tools.report.result_images import dump_names, file_name_of
 
 HOSTILE = r"a_b%&#${x}~^\d"
 DOCUMENT = r"""\documentclass[twocolumn]{article}

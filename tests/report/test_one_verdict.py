@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from report import main
+from tools.report.report import main
 
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
 PLANS = Path(__file__).resolve().parents[2] / "tools" / "plans"
@@ -101,7 +101,7 @@ def test_the_terminal_says_it(evaluated):
             place = match[1], float(match[2])
         elif place and line.startswith("  "):
             method, *_, said = re.split(r"  +", line.strip())
-            shown[*place, method.replace(" [R]", "")] = said
+            shown[(*place, method.replace(" [R]", ""))] = said
     checked = 0
     for condition in read(folder)["conditions"]:
         if condition["metric"] != "relmse":

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from pixel_data import footprints_of
-from vocabulary import Vocabulary
+from tools.report.pixel_data import footprints_of
+from tools.report.vocabulary import Vocabulary
 
 OWN = Vocabulary({"samplers": ["uniform", "multiscale"], "footprints": ["box", "directional"]})
 TOLD = {"taps": [[12, 10, 0.7, 1.0, 1.0, 1.0], [13, 9, 0.2999, 1.0, 1.0, 1.0], [14, 9, 0.0001, 1.0, 1.0, 1.0]],

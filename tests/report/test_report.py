@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 from made_results import make_rows, write_images, write_results
 
-from assets import ASSETS, load_asset, pinned_hashes
-from failure import Failure
-from image_packing import pack_counts, pack_half
-from page import build_page, json_for_html, script_for_html
-from report import main
-from file_names import dump_names, file_name_of
-from result_images import find_images, pack_images
+from tools.report.assets import ASSETS, load_asset, pinned_hashes
+from tools.report.failure import Failure
+from tools.report.image_packing import pack_counts, pack_half
+from tools.report.page import build_page, json_for_html, script_for_html
+from tools.report.report import main
+from tools.report.file_names import dump_names, file_name_of
+from tools.report.result_images import find_images, pack_images
 
 HOSTILE = '</script><script>alert(1)</script>"&\'<img src=x onerror=alert(2)>'
 
@@ -109,9 +109,9 @@ def test_counts_are_exact():
 
 
 def made_sets(tmp_path, size):
-    from aggregate import aggregate
-    from results_table import read_results
-    from statistics_file import read_statistics
+    from tools.report.aggregate import aggregate
+    from tools.report.results_table import read_results
+    from tools.report.statistics_file import read_statistics
     rows = make_rows(samplers=("uniform",), budgets=(4, 8), size=size)
     write_results(tmp_path, rows)
     write_images(tmp_path, rows, dump_names(dict.fromkeys(r["dump"] for r in rows)), file_name_of)

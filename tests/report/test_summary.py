@@ -4,11 +4,11 @@ import pytest
 from made_results import make_row, make_rows, write_results
 from made_statistics import made_interval
 
-from aggregate import aggregate, guard_counts
-from failure import Failure
-from results_table import read_results
-from statistics_file import read_statistics
-from summary import summarise, verdicts
+from tools.report.aggregate import aggregate, guard_counts
+from tools.report.failure import Failure
+from tools.report.results_table import read_results
+from tools.report.statistics_file import read_statistics
+from tools.report.summary import summarise, verdicts
 
 
 def read(tmp_path, rows, change=None):

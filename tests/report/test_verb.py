@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import spool
-from assets import ASSETS, cache_folder, pinned_hashes
-from exr_image import read_exr, rgb
-from report import main
-from results_table import read_results
+from tools.report.assets import ASSETS, cache_folder, pinned_hashes
+from tools.report.exr_image import read_exr, rgb
+from tools.report.report import main
+from tools.report.results_table import read_results
 
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
 

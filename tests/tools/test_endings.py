@@ -4,14 +4,13 @@ import os
 import resource
 import signal
 import subprocess
-import sys
 import time
 
 import numpy as np
 import pytest
 
 import spool
-from conftest import PROGRAM, Finished, samples, write_dump
+from conftest import PROGRAM, samples, write_dump
 
 NO_UTF8 = b"x\xff\xfe.spool"
 

@@ -1,5 +1,4 @@
 """Open Image Denoise itself as a filter, where it is installed; and one line where it is not."""
-import os
 
 import numpy as np
 import pytest

@@ -7,7 +7,6 @@ import shutil
 import numpy as np
 import pytest
 
-import spool
 from conftest import samples, write_dump
 
 

@@ -1,7 +1,6 @@
 """The plans of tools/plans: each is understood, and together they miss no method and no experiment."""
 import json
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 

@@ -7,10 +7,8 @@ import signal
 import subprocess
 import time
 
-import numpy as np
 import pytest
 
-import spool
 from conftest import PROGRAM, samples, write_dump
 from results_comparison import assert_same_results
 

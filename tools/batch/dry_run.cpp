@@ -15,8 +15,8 @@
 #include "tools/batch/run_tasks.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
+#include "tools/json/dry_run_json.h"
 #include "tools/methods/external_methods.h"
-#include "tools/terminal/json_text.h"
 
 namespace spool::tools {
 namespace {
@@ -149,16 +149,7 @@ Result<void> print_dry_run(const RunRequest& request, const CommonOptions& commo
   const double seconds = estimate.seconds_left() * plan.experiment.repeats;
   const std::vector<UnusedLayers> unused = unused_layers(plan);
   if (common.json) {
-    nlohmann::ordered_json layers = nlohmann::ordered_json::array();
-    for (const UnusedLayers& one : unused)
-      layers.push_back(
-          {{"recording", one.recording}, {"layers", one.layers}, {"share", one.share}});
-    print(json_text({{"cells", cells.all},
-                     {"done", cells.done.size()},
-                     {"left", cells_left},
-                     {"seconds", seconds},
-                     {"left_of_unknown_time", not_known},
-                     {"unused_layers", layers}}));
+    print(dry_run_text({cells.all, cells.done.size(), cells_left, seconds, not_known, unused}));
     return {};
   }
   print_listing(request, cells, cells_left);

@@ -14,6 +14,7 @@
 #include "lib/experiment/result_table.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/pool/load_recording.h"
+#include "lib/study/ranked_results.h"
 #include "tools/batch/best_so_far.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/dump_identity.h"
@@ -26,9 +27,10 @@
 #include "tools/batch/run_manifest.h"
 #include "tools/batch/run_tasks.h"
 #include "tools/batch/runs_at_once.h"
-#include "tools/batch/statistics.h"
+#include "tools/batch/study_sources.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
+#include "tools/json/study_json.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
 #include "tools/methods/replicate_images.h"
@@ -304,15 +306,14 @@ class PlanRun {
 Result<void> write_statistics(const fs::path& folder, const Plan& plan, const CommonOptions& common,
                               bool wide) {
   const CellStore store(folder);
-  nlohmann::ordered_json statistics =
-      statistics_of(plan, [&](const Cell& cell) { return store.read(cell_id(cell, plan), cell); });
-  if (statistics["results"].empty()) {
+  Study study = study_of(plan, study_sources(store, plan));
+  if (study.results.empty()) {
     return fail(ErrorCode::kData, "{}: no finished results in it", folder.string());
   }
-  mark_late_claims(folder, statistics);
-  SPOOL_TRY(write_text_file(folder / "statistics.json", statistics_text(statistics), true, true));
-  if (common.json) print(summary_json(statistics));
-  if (!common.json && !common.quiet) print(summary_text(statistics, wide));
+  mark_late_claims(folder, study.claims);
+  SPOOL_TRY(write_text_file(folder / "statistics.json", statistics_text(study), true, true));
+  if (common.json) print(results_text(ranked_results(study)));
+  if (!common.json && !common.quiet) print(summary_text(study, wide));
   return {};
 }
 

@@ -2,18 +2,17 @@
 #pragma once
 
 #include <filesystem>
-
-#include <nlohmann/json.hpp>
+#include <vector>
 
 #include "lib/core/error.h"
-#include "lib/experiment/plan.h"
+#include "lib/study/claim_findings.h"
 
 namespace spool::tools {
 
 // Keeps the plan's claims where the folder has no finished result yet.
 Result<void> register_claims(const std::filesystem::path& folder, const Plan& plan);
 
-// Marks what `statistics` holds and claims.json does not: "after_results": true.
-void mark_late_claims(const std::filesystem::path& folder, nlohmann::ordered_json& statistics);
+// Marks what claims.json does not hold.
+void mark_late_claims(const std::filesystem::path& folder, std::vector<ClaimFinding>& claims);
 
 }  // namespace spool::tools

@@ -6,6 +6,7 @@
 #include "lib/experiment/plan_cells.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/dump_identity.h"
+#include "tools/batch/study_sources.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_settings.h"
 
@@ -79,16 +80,14 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
   for (const DumpIdentity& dump : dumps)
     folder.sha256[dump.path.filename().string()] = dump.sha256;
   const CellStore store(path);
-  const ReadRecord read = [&](const Cell& cell) {
-    return store.read(cell_id(cell, folder.plan), cell);
-  };
+  const StudySources sources = study_sources(store, folder.plan);
   for (const PlanScene& scene : scenes_of(folder.plan)) {
     std::vector<std::string> files;
     for (const std::string& recording : scene.recordings)
       files.push_back(fs::path(recording).filename().string());
     for (const double spp : folder.plan.spp) {
       for (const int threads : folder.plan.threads) {
-        for (MethodResults& method : read_methods(folder.plan, scene, spp, threads, read)) {
+        for (MethodResults& method : read_methods(folder.plan, scene, spp, threads, sources)) {
           if (method.done + method.failed == 0) continue;
           const std::string key = key_of(scene, method, spp, threads, match);
           const std::string shown = key_of(scene, method, spp, threads, MatchBy::kLabel);

@@ -9,7 +9,7 @@
 #include "lib/core/error.h"
 #include "lib/experiment/plan.h"
 #include "lib/inference/comparison.h"
-#include "tools/batch/method_results.h"
+#include "lib/study/method_results.h"
 
 namespace spool::tools {
 
@@ -54,5 +54,17 @@ Change compare_one(const ResultFolder& a, const ResultFolder& b, const Combinati
 // Verdicts at `significance` for all changes together (Holm's rule); relative changes up to
 // `tolerance` are let pass.
 void judge(std::vector<Change>& changes, double significance, double tolerance);
+
+// A claim of the plans: "not asked" where a folder has it not.
+struct ClaimChange {
+  std::string text, before, after;
+};
+
+// Everything that two folders say of each other.
+struct Comparisons {
+  std::vector<ClaimChange> claims;
+  std::vector<Change> changes;
+  std::vector<std::string> newly_failed, only_before, only_after;  // combinations
+};
 
 }  // namespace spool::tools

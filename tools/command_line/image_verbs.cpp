@@ -7,11 +7,11 @@ void add_picture(Program& program) {
       "picture", "an EXR as a PNG to look at: tone-mapped, or false colour with its bar");
   PictureOptions& options = program.picture;
   verb.add_option("IMAGE", options.image, "an OpenEXR image")->required();
-  CLI::Option* exposure =
+  CLI::Option* exposure = within(
       verb.add_option("--exposure", options.exposure,
                       "EV: values times 2^EV, then sRGB (the log-average luminance becomes middle "
-                      "grey)")
-          ->check(CLI::Range(-100.0, 100.0));
+                      "grey)"),
+      kExposure);
   verb.add_option("--like", options.like, "take the automatic exposure from this image")
       ->excludes(exposure);
   CLI::Option* colour = verb.add_flag("--false-colour", options.false_colour,
@@ -50,13 +50,14 @@ void add_show(Program& program) {
           "images differ most)")
       ->take_all()
       ->allow_extra_args(false);
-  verb.add_option("--exposure", options.settings.exposure,
-                  "EV of all images at first (middle grey, of the reference or the first image)")
-      ->check(CLI::Range(-100.0, 100.0));
-  verb.add_option(
-          "--max-image-mb", options.settings.most_mb,
-          "megabytes of images in the page; larger ones are shrunk, and the page says so (40)")
-      ->check(CLI::Range(0.001, 1e6));
+  within(verb.add_option(
+             "--exposure", options.settings.exposure,
+             "EV of all images at first (middle grey, of the reference or the first image)"),
+         kExposure);
+  within(verb.add_option(
+             "--max-image-mb", options.settings.most_mb,
+             "megabytes of images in the page; larger ones are shrunk, and the page says so (40)"),
+         kShownMb);
   verb.add_option("--title", options.settings.title, "heading of the page");
   add_output(verb, options.output,
              "the HTML file, NAME.html; it needs no network and no other file");

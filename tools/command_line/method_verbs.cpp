@@ -124,9 +124,9 @@ void add_view(Program& program) {
   verb.add_option("FILE|DIR", program.view.target,
                   "a recording, or the folder that spool evaluate -o DIR wrote")
       ->required();
-  verb.add_option("--port", program.view.port,
-                  "of 127.0.0.1; another one where it is taken (any free one)")
-      ->check(CLI::Range(1, 65535));
+  within(verb.add_option("--port", program.view.port,
+                         "of 127.0.0.1; another one where it is taken (any free one)"),
+         kPort);
   add_common(verb, program.common, true, false);
   verb.footer(
       "Prints the address and serves the page until Ctrl-C (exit code 130): to this machine only,\n"

@@ -138,16 +138,17 @@ void add_compare(Program& program) {
   verb.add_option("--metric", options.metrics,
                   "one or several: " + fmt::format("{}", fmt::join(compared_metrics(), ", ")) +
                       ", cpu (relmse)");
-  verb.add_option("--significance", options.significance,
-                  "chance of a claim where nothing changed, of all comparisons together (0.05)")
-      ->check(CLI::Range(0.0, 1.0));
+  within(verb.add_option(
+             "--significance", options.significance,
+             "chance of a claim where nothing changed, of all comparisons together (0.05)"),
+         kSignificance);
   verb.add_option("--match", options.match_name,
                   "label: methods with the same options; name: whatever their options (label)")
       ->transform(
           CLI::CheckedTransformer(std::map<std::string, bool>{{"label", false}, {"name", true}}));
-  verb.add_option("--tolerance", options.tolerance,
-                  "relative changes up to this are let pass: 0.01 (0)")
-      ->check(CLI::Range(0.0, 1e6));
+  within(verb.add_option("--tolerance", options.tolerance,
+                         "relative changes up to this are let pass: 0.01 (0)"),
+         kTolerance);
   verb.add_flag("--all", options.all, "also list what did not change");
   add_common(verb, program.common, true, false);
   verb.footer(
@@ -167,9 +168,10 @@ void add_report(Program& program) {
   verb.add_option("DIR", options.folder, "the folder that spool evaluate -o DIR wrote")->required();
   add_output(verb, options.output, "the HTML file; it needs no network and no other file");
   verb.add_option("--metric", options.metric, "the error that the summary compares (relmse)");
-  verb.add_option("--max-image-mb", options.max_image_mb,
-                  "megabytes of images in the page; beyond, crops and links to the EXRs (40)")
-      ->check(CLI::Range(0.0, 1e6));
+  within(
+      verb.add_option("--max-image-mb", options.max_image_mb,
+                      "megabytes of images in the page; beyond, crops and links to the EXRs (40)"),
+      kImageMb);
   verb.add_option("--title", options.title, "heading of the page (names of the recordings)");
   add_common(verb, program.common, false, true);
   verb.footer(
@@ -191,8 +193,8 @@ void add_figure(Program& program) {
       ->required();
   add_output(verb, options.output, "the folder of the figures");
   verb.add_option("--metric", options.metric, "the error (relmse)");
-  verb.add_option("--spp", options.spp, "budget of the comparisons (the largest)")
-      ->check(CLI::Range(0.0, 65536.0));
+  within(verb.add_option("--spp", options.spp, "budget of the comparisons (the largest)"),
+         kFigureSpp);
   verb.add_option("--recording", options.recordings, "compare on this one; may be given again");
   verb.add_option("--method", options.methods,
                   "'SAMPLER + FILTER' to show, in this order; may be given again, eight times at "
@@ -204,10 +206,11 @@ void add_figure(Program& program) {
                   "times at most (two where methods differ to the eye)")
       ->take_all()
       ->allow_extra_args(false);
-  verb.add_option("--column", options.column,
-                  "columns of a paper that a figure is as wide as: 3.33 or 7 inches (comparisons "
-                  "2, curves of one recording 1)")
-      ->check(CLI::IsMember({1, 2}));
+  within(verb.add_option(
+             "--column", options.column,
+             "columns of a paper that a figure is as wide as: 3.33 or 7 inches (comparisons "
+             "2, curves of one recording 1)"),
+         kColumns);
   verb.add_option("--font", options.font,
                   "latex: text set by LaTeX, in its own font; latex:PACKAGE: in that of a package, "
                   "libertine for example");

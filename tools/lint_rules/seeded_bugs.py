@@ -3,8 +3,9 @@
 The code moves on; a bug whose text is gone would be a test of the tests that never runs.
 """
 
-import tomllib
 from pathlib import Path
+
+import tomllib
 
 LIST = Path("tests/mutation/mutations.toml")
 

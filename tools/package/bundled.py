@@ -37,7 +37,7 @@ def headers_of(build, folders, without):
     """Headers outside the tree that objects of these folders were made with."""
     ours, used, found = (str(TREE) + "/", str(build) + "/"), False, set()
     wanted, unwanted = [tuple(folder + "/" for folder in some) for some in (folders, without)]
-    for line in output_of("ninja", "-C", str(build), "-t", "deps").splitlines():
+    for line in output_of("ninja", "-n", "-C", str(build), "-t", "deps").splitlines():
         if not line.startswith(" "):
             used = line.startswith(wanted) and not line.startswith(unwanted) and "(VALID)" in line
         elif used and line.strip() and not (path := os.path.realpath(build / line.strip())).startswith(ours):

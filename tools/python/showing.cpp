@@ -11,15 +11,17 @@
 #include <tuple>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "lib/core/as_plane.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
+#include "tools/json/json_text.h"
 #include "tools/python/arrays.h"
 #include "tools/python/running.h"
 #include "tools/show/shown_images.h"
-#include "tools/terminal/json_text.h"
 #include "tools/verbs/info.h"
 
 namespace spool::python {

@@ -86,7 +86,9 @@ Result<std::shared_ptr<const RecordedSamples>> Source::load(const SanitiseRules&
   const std::lock_guard lock(mutex_);
   const OptionValues wanted = option_values(sanitise_option_table(), rules);
   for (const Loaded& loaded : kept_) {
-    if (loaded.rules == wanted && loaded.film == film) return loaded.samples;
+    if (loaded.rules != wanted || loaded.film != film) continue;
+    SPOOL_TRY(still_intact(loaded.samples));
+    return loaded.samples;
   }
   if (kept_.size() == kKept) kept_.erase(kept_.begin());
   SPOOL_ASSIGN(auto samples, arrays_ ? recording_of(*arrays_, name(), rules, film)

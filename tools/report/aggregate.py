@@ -6,7 +6,7 @@ A combination is a scene, a budget, a sampler and a filter.
 from collections import defaultdict
 from pathlib import PurePath
 
-from statistics_file import Interval, interval_of
+from tools.report.statistics_file import Interval, interval_of
 
 RATIO_METRICS = ("mse", "relmse")
 TIMES = ("seconds_total", "seconds_sampling", "seconds_filtering", "cpu_sampling", "cpu_filtering",

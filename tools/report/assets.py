@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
-from failure import Failure
+from tools.report.failure import Failure
 
 HERE = Path(__file__).resolve().parent
 FETCH = "run tools/report/fetch_assets.sh once (needs the network)"

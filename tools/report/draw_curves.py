@@ -11,9 +11,10 @@ import math
 from collections import defaultdict
 from pathlib import Path
 
-from figure_text import WIDTHS, extent, literal, metric_name, save, style, tick_text, whole
 from matplotlib import pyplot
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
+
+from tools.report.figure_text import WIDTHS, extent, literal, metric_name, save, style, tick_text, whole
 
 # Okabe and Ito's colours; marker and dash separate lines without colour.
 COLOURS = ["#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7f7f7f"]

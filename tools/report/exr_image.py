@@ -1,17 +1,9 @@
 """The OpenEXR files that Spool writes, read by the numpy package `spool` (formats/python)."""
 
-import sys
-from pathlib import Path
+import numpy as np
 
-from failure import Failure
-
-HERE = Path(__file__).resolve().parent
-for folder in (HERE.parents[1] / "formats" / "python", HERE.parent / "python"):  # the tree; installed
-    if (folder / "spool" / "exr.py").exists():
-        sys.path.append(str(folder))
-
-import numpy as np  # noqa: E402
-from spool import SpoolError, exr  # noqa: E402
+from spool import SpoolError, exr
+from tools.report.failure import Failure
 
 
 def read_exr(path):

@@ -11,10 +11,7 @@ import shutil
 import sys
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from failure import NO_NUMPY, USAGE, Failure, guarded  # noqa: E402
+from tools.report.failure import NO_NUMPY, USAGE, Failure, guarded
 
 
 def main(arguments=None):
@@ -56,7 +53,7 @@ def parse(arguments):
 
 
 def make_figures(options):
-    from figure_set import FigureSet
+    from tools.report.figure_set import FigureSet
     chosen = FigureSet(options)
     try:
         return chosen.write()

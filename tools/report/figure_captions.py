@@ -1,9 +1,9 @@
 """captions.tex: every figure as an environment with the caption that its numbers need."""
 
-from described import MARK
-from figure_text import breakable, latex, metric_name
-from number_text import list_text
-from summary import name_of
+from tools.report.described import MARK
+from tools.report.figure_text import breakable, latex, metric_name
+from tools.report.number_text import list_text
+from tools.report.summary import name_of
 
 LONGEST = 12  # of a list of names
 HIGHER = ("psnr", "ssim", "ms_ssim")

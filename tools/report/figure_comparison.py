@@ -9,11 +9,11 @@ from matplotlib.colors import LogNorm
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from exr_image import read_exr, rgb, single
-from figure_layout import GAP, lay_out
-from figure_text import LEADING, WIDTHS, extent, fitted, literal, save, style, whole
-from figure_windows import choose_windows, inside
-from result_images import exposure_and_mean, tone_mapped
+from tools.report.exr_image import read_exr, rgb, single
+from tools.report.figure_layout import GAP, lay_out
+from tools.report.figure_text import LEADING, WIDTHS, extent, fitted, save, style, whole
+from tools.report.figure_windows import choose_windows, inside
+from tools.report.result_images import exposure_and_mean, tone_mapped
 
 # Colour and dash: distinct in grey, too.
 FRAMES = (("#e69f00", "-"), ("#0072b2", "--"), ("#56b4e9", (0, (1, 1))), ("#009e73", "-."))

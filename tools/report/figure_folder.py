@@ -3,9 +3,8 @@
 import os
 import secrets
 import shutil
-from pathlib import Path
 
-from failure import IO, USAGE, Failure
+from tools.report.failure import IO, USAGE, Failure
 
 
 class FigureFolder:

@@ -1,8 +1,8 @@
 """Which methods a figure shows: those of the user first, the baseline, then the first of the ranking."""
 
-from failure import USAGE, Failure
-from number_text import list_text
-from summary import name_of
+from tools.report.failure import USAGE, Failure
+from tools.report.number_text import list_text
+from tools.report.summary import name_of
 
 MOST_METHODS = 8
 MOST_OWN = 6

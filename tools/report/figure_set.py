@@ -1,26 +1,25 @@
 """All figures and tables of one evaluation: what is chosen, drawn, written and said."""
 
-import shutil
 from pathlib import Path
 
-from aggregate import aggregate
-from described import Described
-from draw_curves import draw
-from failure import USAGE, Failure
-from figure_captions import comparison_caption, curves_caption, environment, table_caption
-from figure_comparison import Block, Shown, draw_comparison
-from figure_folder import FigureFolder
-from figure_methods import baseline_of, choose_methods, is_command, left_out_text, own_methods
-from figure_tables import curves_csv, latex_tables, markdown_table
-from figure_text import metric_name, significant
-from figure_windows import asked_windows
-from headline_data import best_is_alone
-from file_names import dump_names, file_name_of, numbered
-from result_images import find_images
-from results_table import choose_metric, read_results
-from statistics_file import interval_of, read_statistics
-from summary import name_of
-from vocabulary import read_manifest
+from tools.report.aggregate import aggregate
+from tools.report.described import Described
+from tools.report.draw_curves import draw
+from tools.report.failure import USAGE, Failure
+from tools.report.figure_captions import comparison_caption, curves_caption, environment, table_caption
+from tools.report.figure_comparison import Block, Shown, draw_comparison
+from tools.report.figure_folder import FigureFolder
+from tools.report.figure_methods import baseline_of, choose_methods, is_command, left_out_text, own_methods
+from tools.report.figure_tables import curves_csv, latex_tables, markdown_table
+from tools.report.figure_text import metric_name, significant
+from tools.report.figure_windows import asked_windows
+from tools.report.file_names import dump_names, file_name_of, numbered
+from tools.report.headline_data import best_is_alone
+from tools.report.result_images import find_images
+from tools.report.results_table import choose_metric, read_results
+from tools.report.statistics_file import interval_of, read_statistics
+from tools.report.summary import name_of
+from tools.report.vocabulary import read_manifest
 
 MOST_ROWS = {1: 3, 2: 6}  # recordings of a figure of that many columns
 
@@ -118,7 +117,8 @@ class FigureSet:
     def _curves(self, folder):
         source = folder.text("curves.csv", curves_csv(self.statistics, self.metric, self.labels, self.chosen))
         for script, name in (("draw_curves.py", "curves.py"), ("figure_text.py", "figure_text.py")):
-            shutil.copyfile(Path(__file__).with_name(script), folder.file(name))
+            text = Path(__file__).with_name(script).read_text(encoding="utf-8")
+            folder.text(name, text.replace("from tools.report.", "from "))  # beside each other, without the package
         pages = []
 
         def place(after):

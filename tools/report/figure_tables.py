@@ -5,10 +5,10 @@ import csv
 import io
 from typing import NamedTuple
 
-from figure_text import breakable, latex, metric_name, printable, significant
-from headline_data import best_is_alone
-from statistics_file import Interval, interval_of
-from summary import late_text, name_of, verdict_text
+from tools.report.figure_text import breakable, latex, metric_name, printable, significant
+from tools.report.headline_data import best_is_alone
+from tools.report.statistics_file import Interval, interval_of
+from tools.report.summary import late_text, name_of, verdict_text
 
 MOST_LINES = 34  # of a table that fits into a column
 LATEX_MARKS = {"†": r"$\dagger$", "‡": r"$\ddagger$"}

@@ -3,8 +3,8 @@ recognises."""
 
 import numpy as np
 
-from failure import USAGE, Failure
-from result_images import Crop, tone_mapped
+from tools.report.failure import USAGE, Failure
+from tools.report.result_images import Crop, tone_mapped
 
 MOST_WINDOWS = 4
 MOST_STRETCHED = 4  # times as wide as high, or as high as wide

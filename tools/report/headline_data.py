@@ -1,6 +1,6 @@
 """The first screen's figures: rankings with their pairs, as statistics.json has them."""
 
-from statistics_file import interval_of
+from tools.report.statistics_file import interval_of
 
 WORDS = ("better", "worse", "undecided", "identical")
 MOST_PAIRS = 60000  # in the page; beyond, only ratios to the baseline

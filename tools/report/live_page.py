@@ -9,10 +9,7 @@ import json
 import sys
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from failure import NO_NUMPY, Failure, guarded  # noqa: E402
+from tools.report.failure import NO_NUMPY, Failure, guarded
 
 
 def main(arguments=None):
@@ -34,7 +31,7 @@ def _main(arguments):
 
 
 def page(title):
-    from page import build_page, licences_html
+    from tools.report.page import build_page, licences_html
 
     # Filled by live.js with what the program says.
     data = {"dumps": [], "samplers": [], "filters": [], "metric": "relmse", "metrics": [], "quantities": [], "combinations": [],
@@ -45,11 +42,11 @@ def page(title):
 
 
 def facts(folder):
-    from pixel_data import recording_paths, replay_order
-    from file_names import dump_names
-    from results_table import read_results
-    from statistics_file import read_statistics
-    from vocabulary import read_manifest
+    from tools.report.file_names import dump_names
+    from tools.report.pixel_data import recording_paths, replay_order
+    from tools.report.results_table import read_results
+    from tools.report.statistics_file import read_statistics
+    from tools.report.vocabulary import read_manifest
 
     rows = read_results(folder / "results.csv").rows
     manifest = read_manifest(folder)

@@ -2,7 +2,7 @@
 
 import math
 
-from failure import Failure
+from tools.report.failure import Failure
 
 
 def number_text(value, digits=4):

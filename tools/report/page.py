@@ -9,7 +9,7 @@ import hashlib
 import json
 from html import escape
 
-from assets import ASSETS, HERE, load_asset
+from tools.report.assets import ASSETS, HERE, load_asset
 
 VIEWER_SCRIPTS = ("image_codec.js", "picture_store.js", "colour_scales.js", "viewer.js", "viewer_panes.js",
                   "viewer_insets.js", "viewer_controls.js", "viewer_pointers.js", "pixel_panel.js")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exr_image import read_exr, rgb
+from tools.report.exr_image import read_exr, rgb
 
 MOST_PIXELS = 12  # of a recording
 MOST_SAMPLES = 256

@@ -3,7 +3,7 @@
 import os
 import stat
 
-from failure import IO, Failure
+from tools.report.failure import IO, Failure
 
 
 def open_regular(path, **how):

@@ -12,10 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from failure import IO, NO_NUMPY, USAGE, Failure, guarded  # noqa: E402
+from tools.report.failure import IO, NO_NUMPY, USAGE, Failure, guarded
 
 
 def main(arguments=None):
@@ -48,20 +45,20 @@ def parse(arguments):
 
 
 def make_report(options):
-    from aggregate import aggregate
-    from described import Described
-    from headline_data import headline_budget
-    from page import build_page
-    from pixel_data import pixel_answers
-    from report_data import OWN_MEANINGS, quantity_names, report_data
-    from file_names import dump_names
-    from result_images import find_images, pack_images
-    from results_table import choose_metric, read_results
-    from sections import quantities_html, run_html, summary_html
-    from statistics_file import read_statistics
-    from statistics_section import statistics_html
-    from summary import is_biased, summarise
-    from vocabulary import read_manifest, read_vocabulary
+    from tools.report.aggregate import aggregate
+    from tools.report.described import Described
+    from tools.report.file_names import dump_names
+    from tools.report.headline_data import headline_budget
+    from tools.report.page import build_page
+    from tools.report.pixel_data import pixel_answers
+    from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
+    from tools.report.result_images import find_images, pack_images
+    from tools.report.results_table import choose_metric, read_results
+    from tools.report.sections import quantities_html, run_html, summary_html
+    from tools.report.statistics_file import read_statistics
+    from tools.report.statistics_section import statistics_html
+    from tools.report.summary import is_biased, summarise
+    from tools.report.vocabulary import read_manifest, read_vocabulary
 
     if not options.served and options.output.exists() and not options.force:
         raise Failure(f"{options.output}: exists: choose another name or give --force", USAGE)

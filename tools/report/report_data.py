@@ -5,11 +5,11 @@ Only sums over replicates go in: a page stays usable with ten thousand results.
 
 import math
 
-from aggregate import RATIO_METRICS, TIMES
-from figure_methods import own_methods
-from headline_data import headline_budget, headline_conditions
-from result_images import exposure_of
-from statistics_file import Interval, interval_of
+from tools.report.aggregate import RATIO_METRICS, TIMES
+from tools.report.figure_methods import own_methods
+from tools.report.headline_data import headline_budget, headline_conditions
+from tools.report.result_images import exposure_of
+from tools.report.statistics_file import Interval, interval_of
 
 QUANTITIES_LAST = TIMES + ("samples_per_pixel", "saturated_share", "efficiency")
 OWN_MEANINGS = {

@@ -12,10 +12,10 @@ from urllib.parse import quote
 
 import numpy as np
 
-from exr_image import read_exr, rgb, single
-from file_names import LONGEST_STEM, bounded, dump_names, file_name_of
-from image_packing import Packed, pack_counts, pack_half
-from results_table import without_threads
+from tools.report.exr_image import read_exr, rgb, single
+from tools.report.file_names import LONGEST_STEM, bounded, dump_names, file_name_of
+from tools.report.image_packing import pack_counts, pack_half
+from tools.report.results_table import without_threads
 
 PICTURES = ("estimate", "reference", "squared_error", "density", "filter_size", "direction", "flip")
 COLOUR = {"estimate", "reference"}

@@ -5,10 +5,10 @@ import os
 from collections import Counter, defaultdict
 from html import escape
 
-from number_text import interval_text, number_text
-from page import licences_html
-from statistics_file import interval_of
-from summary import late_text, leading, verdict_text, verdicts
+from tools.report.number_text import interval_text, number_text
+from tools.report.page import licences_html
+from tools.report.statistics_file import interval_of
+from tools.report.summary import late_text, leading, verdict_text, verdicts
 
 LONGEST_VERDICTS = 60
 

@@ -7,12 +7,8 @@ import json
 import struct
 import sys
 from html import escape
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from failure import NO_NUMPY, Failure, guarded  # noqa: E402
+from tools.report.failure import NO_NUMPY, Failure, guarded
 
 COLOUR = ("estimate", "reference")
 COLUMNS = (("relmse", "relMSE"), ("mse", "MSE"), ("flip_ldr", "FLIP"), ("luminance", "mean luminance"), ("smallest", "smallest value"),
@@ -32,7 +28,7 @@ def _main():
 
 
 def page(told):
-    from page import build_page
+    from tools.report.page import build_page
 
     said, planes = unpack(told)
     packed = [_packed(name, plane, said["shrunk"]) for name, plane in planes.items()]
@@ -58,7 +54,7 @@ def unpack(told):
 
 
 def _packed(name, plane, shrunk):
-    from image_packing import pack_counts, pack_half
+    from tools.report.image_packing import pack_counts, pack_half
 
     layer = name.split()[-1]
     if layer == "density" and shrunk == 1:
@@ -92,7 +88,7 @@ def page_data(said, names, packed):
 
 
 def _said(statistics):
-    from number_text import number_text
+    from tools.report.number_text import number_text
 
     relmse = statistics.get("relmse")
     return "" if relmse is None else f": relMSE {number_text(relmse)}"
@@ -111,7 +107,7 @@ def notes_of(said):
 
 
 def numbers_html(said):
-    from number_text import number_text
+    from tools.report.number_text import number_text
 
     images = [(" + ".join(filter(None, (image["name"], image["filter"]))), image["spp"], image["statistics"])
               for image in said["images"]]

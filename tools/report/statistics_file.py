@@ -6,8 +6,8 @@ Nothing here or elsewhere in the report computes one.
 from pathlib import PurePath
 from typing import NamedTuple
 
-from failure import Failure
-from vocabulary import read_json
+from tools.report.failure import Failure
+from tools.report.vocabulary import read_json
 
 NAN = float("nan")
 VERSION = 1

@@ -3,9 +3,8 @@
 import os
 from html import escape
 
-from failure import Failure
-from number_text import number_text
-from statistics_file import interval_of
+from tools.report.number_text import number_text
+from tools.report.statistics_file import interval_of
 
 LONGEST_RANKING = 24
 

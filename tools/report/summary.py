@@ -4,9 +4,9 @@ import math
 from collections import Counter
 from typing import NamedTuple
 
-from headline_data import best_is_alone
-from number_text import count_text, factor_text, interval_text, list_text, number_text
-from statistics_file import interval_of
+from tools.report.headline_data import best_is_alone
+from tools.report.number_text import count_text, factor_text, interval_text, list_text, number_text
+from tools.report.statistics_file import interval_of
 
 SATURATION_LIMIT = 0.01
 LONGEST_LIST = 6

@@ -6,8 +6,8 @@ it names stand for themselves.
 
 import json
 
-from failure import IO, Failure
-from regular_file import open_regular
+from tools.report.failure import IO, Failure
+from tools.report.regular_file import open_regular
 
 
 class Vocabulary:

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "tools/terminal/json_text.h"
+#include "tools/json/json_text.h"
 
 namespace spool::tools {
 

@@ -92,11 +92,16 @@ Result<ShownCrop> parse_crop(const std::string& text) {
   return crop;
 }
 
-Result<void> run_show(const ShowOptions& options, const CommonOptions& common) {
+Result<void> validate(const ShowOptions& options) {
   if (!is_page_name(options.output)) {
     return fail(ErrorCode::kUsage, "{}: a page is what is written: name it .html",
                 options.output.string());
   }
+  return validate(options.settings);
+}
+
+Result<void> run_show(const ShowOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   SPOOL_TRY(refuse_existing(options.output, common.force));
   ShowSettings settings = options.settings;
   for (const std::string& text : options.crops) {
@@ -116,7 +121,7 @@ Result<void> run_show(const ShowOptions& options, const CommonOptions& common) {
   }
   SPOOL_ASSIGN(const std::string planes, shown_planes(images, reference, settings));
   SPOOL_ASSIGN(const std::string html,
-               run_generator("show_page.py", {}, planes, {"spool show", "numpy", "python3-numpy"}));
+               run_generator("show_page", {}, planes, {"spool show", "numpy", "python3-numpy"}));
   SPOOL_TRY(write_text_file(options.output, html, common.force));
   if (!common.quiet) {
     print_line(fmt::format("{}: {}, {} image{}", options.output.string(),

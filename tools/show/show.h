@@ -21,6 +21,7 @@ struct ShowOptions {
 // "X,Y,WIDTH,HEIGHT" in whole numbers.
 Result<ShownCrop> parse_crop(const std::string& text);
 
+Result<void> validate(const ShowOptions& options);
 Result<void> run_show(const ShowOptions& options, const CommonOptions& common);
 
 }  // namespace spool::tools

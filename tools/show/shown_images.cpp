@@ -5,9 +5,12 @@
 #include <limits>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "lib/image_io/picture.h"
 #include "lib/metrics/error_metrics.h"
 #include "tools/show/plane_text.h"
+#include "tools/verbs/option_bounds.h"
 
 namespace spool::tools {
 namespace {
@@ -112,13 +115,7 @@ Result<void> check_images(const std::vector<ShownImage>& images, const RgbImage*
   if (images.size() > kMostShown) {
     return fail(ErrorCode::kUsage, "show: {} images: give at most {}", images.size(), kMostShown);
   }
-  if (!(settings.most_mb > 0.0)) {
-    return fail(ErrorCode::kUsage, "show: {} megabytes of images: give more than 0",
-                settings.most_mb);
-  }
-  if (settings.exposure && !(std::abs(*settings.exposure) <= 100.0)) {
-    return fail(ErrorCode::kUsage, "show: exposure {}: from -100 to 100 EV", *settings.exposure);
-  }
+  SPOOL_TRY(validate(settings));
   const Plane& first = images[0].result.image[0];
   if (first.empty()) return fail(ErrorCode::kUsage, "{}: has no pixels", images[0].name);
   const auto check = [&](const RgbImage& image, const std::string& name) -> Result<void> {
@@ -183,6 +180,11 @@ ordered_json add_image(PlaneText& text, const std::string& place, const ShownIma
 }
 
 }  // namespace
+
+Result<void> validate(const ShowSettings& settings) {
+  if (settings.exposure) SPOOL_TRY(check_bounds("exposure", *settings.exposure, kExposure));
+  return check_bounds("megabytes of images", settings.most_mb, kShownMb);
+}
 
 ordered_json image_statistics(const RgbImage& image, const RgbImage* reference) {
   ordered_json said = plain_statistics(image);

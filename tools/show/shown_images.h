@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "lib/core/error.h"
 #include "lib/core/image.h"
@@ -40,6 +40,8 @@ nlohmann::ordered_json image_statistics(const RgbImage& image, const RgbImage* r
 
 // The means of `factor` x `factor` values; at the right and lower edge of those that there are.
 Plane shrunk(const Plane& plane, int factor);
+
+Result<void> validate(const ShowSettings& settings);
 
 // What tools/report/show_page.py reads: plane_text.h with the pictures of each image, its error and
 // FLIP against the reference at the exposure of all, and the numbers. Maps and numbers are made

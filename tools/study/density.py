@@ -16,9 +16,9 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+
 import spool
 import spool.exr
-
 from tools.study.plans import PLANS, methods_of
 from tools.study.whole_file import write_whole
 

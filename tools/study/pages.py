@@ -8,11 +8,11 @@ so a sentence that was written about a verdict cannot outlive it.
 """
 import json
 import re
-import tomllib
 from pathlib import Path
 
-from tools.study import kept
-from tools.study import tables
+import tomllib
+
+from tools.study import kept, tables
 from tools.study.plans import FULL
 from tools.study.whole_file import write_whole
 
@@ -88,8 +88,7 @@ def chapter_rows(chapter, small, full):
     """A row for each plan of a chapter: what it asks, and what came out at both sizes."""
     rows = []
     for i, plan in enumerate((*chapter["plans"], *(p for p in chapter.get("more", ()) if small.texts(p)))):
-        question = " ".join(chapter[k] for k in ("title", "note") if k in chapter) if i == 0 else ""
-        rows.append([chapter["id"] if i == 0 else "", question, f"[{plan}](../tools/plans/{plan}.toml)",
+        rows.append([chapter["id"] if i == 0 else "", chapter["title"] if i == 0 else "", f"[{plan}](../tools/plans/{plan}.toml)",
                      "" if chapter["plans"][0] in FULL["left_out"] else links_of(chapter, plan, full), links_of(chapter, plan, small)])
     return rows
 
@@ -106,7 +105,7 @@ def chapter_claims(store, full):
         asked = {p: store.claims(p) for p in (*chapter["plans"], *chapter.get("more", ())) if store.claims(p)}
         if asked:
             described = set().union(*(store.described(p) for p in asked))
-            blocks += [f"### {chapter['id']}: {chapter['title']}", chapter["question"], tables.claims_table(asked, described)]
+            blocks += [f"### {chapter['id']}: {chapter['title']}", f"{chapter['question']} {chapter.get('note', '')}".strip(), tables.claims_table(asked, described)]
     return blocks
 
 

@@ -6,8 +6,9 @@ import itertools
 import json
 import os
 import subprocess
-import tomllib
 from pathlib import Path
+
+import tomllib
 
 ROOT = Path(__file__).resolve().parents[2]
 PLANS = ROOT / "tools/plans"

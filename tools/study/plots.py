@@ -6,11 +6,9 @@ recording, a line for each method that a claim names, with its 95 % interval, as
 import sys
 from pathlib import Path
 
-
 import matplotlib.pyplot as plt
 
-from tools.study import pages
-from tools.study import tables
+from tools.study import pages, tables
 from tools.study.plans import ROOT
 
 plt.switch_backend("Agg")

@@ -6,9 +6,9 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+
 import spool
 import spool.exr
-
 
 
 def rgb(path):

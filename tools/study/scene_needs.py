@@ -13,10 +13,10 @@ import json
 import os
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
+import tomllib
 
 from tools.study import tables
 from tools.study.plans import CACHE, ROOT, full_recording

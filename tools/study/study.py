@@ -13,9 +13,7 @@ import argparse
 import json
 from pathlib import Path
 
-from tools.study import full_size
-from tools.study import kept
-from tools.study import pages
+from tools.study import full_size, kept, pages
 from tools.study.plans import PLANS, ROOT, make_recordings, read
 
 

@@ -10,10 +10,7 @@ Candidates are the claims of tools/plans/tuning.toml: each against the defaults.
 import argparse
 from pathlib import Path
 
-from tools.study import full_size
-from tools.study import kept
-from tools.study import pages
-from tools.study import tables
+from tools.study import full_size, kept, pages, tables
 from tools.study.plans import NAMED, PLANS, ROOT, full_recordings, make_recordings, text_of
 from tools.study.whole_file import write_whole
 

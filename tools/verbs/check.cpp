@@ -1,30 +1,11 @@
 #include "tools/verbs/check.h"
 
-#include <nlohmann/json.hpp>
-
 #include "formats/dump_check.h"
-#include "tools/terminal/json_text.h"
+#include "tools/json/answers_json.h"
 #include "tools/verbs/damage_listing.h"
 
 namespace spool::tools {
 namespace {
-
-using nlohmann::ordered_json;
-
-void print_json(const std::string& name, const format::CheckReport& report) {
-  ordered_json out = {{"file", name},
-                      {"complete", report.complete},
-                      {"opens", report.opens},
-                      {"records", report.records},
-                      {"bytes", report.bytes},
-                      {"damaged", ordered_json::array()},
-                      {"missing", ordered_json::array()}};
-  for (const auto& record : report.damaged)
-    out["damaged"].push_back(json_of_record(record));
-  for (const auto& block : report.missing)
-    out["missing"].push_back(json_of_block(block));
-  print(json_text(out));
-}
 
 void print_text(const std::string& name, const format::CheckReport& report) {
   for (const auto& record : report.damaged)
@@ -43,7 +24,7 @@ Result<void> run_check(const CheckOptions& options, const CommonOptions& common)
   const std::string name = options.dump.string();
   SPOOL_ASSIGN(const format::CheckReport report, format::check_dump(options.dump));
   if (common.json) {
-    print_json(name, report);
+    print(check_text(name, report));
   } else if (!common.quiet) {
     print_text(name, report);
   }

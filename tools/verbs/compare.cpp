@@ -1,29 +1,21 @@
 #include "tools/verbs/compare.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
-#include "formats/bounded_json.h"
 #include "lib/core/visible_text.h"
 #include "tools/batch/result_changes.h"
+#include "tools/json/compare_json.h"
+#include "tools/json/study_json.h"
 #include "tools/methods/method_settings.h"
-#include "tools/terminal/json_text.h"
+#include "tools/verbs/option_bounds.h"
 
 namespace spool::tools {
 namespace {
 
-using nlohmann::ordered_json;
-
 std::string shown(double value) {
   return std::isfinite(value) ? fmt::format("{:.4g}", value) : "n/a";
-}
-
-ordered_json number(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
 
 // after / before with its interval; the means alone where errors have no logarithm.
@@ -33,17 +25,11 @@ std::string ratio_text(const Change& change) {
   return fmt::format("{} [{}, {}]", shown(ratio.mean), shown(ratio.low), shown(ratio.high));
 }
 
-struct Outcome {
-  std::vector<Change> changes;
-  std::vector<std::array<std::string, 3>> claims;  // text, verdict before and after
+long long count(const Comparisons& outcome, Verdict verdict) {
+  return std::ranges::count(outcome.changes, verdict, &Change::verdict);
+}
 
-  long long count(Verdict verdict) const {
-    return std::ranges::count(changes, verdict, &Change::verdict);
-  }
-  std::vector<std::string> only_before, only_after, newly_failed;
-};
-
-std::string text_of(const Outcome& outcome, bool all) {
+std::string text_of(const Comparisons& outcome, bool all) {
   std::vector<std::vector<std::string>> rows = {
       {"", "metric", "before", "after", "ratio (95 %)", "p (Holm)", "verdict"}};
   bool biased = false;
@@ -75,9 +61,9 @@ std::string text_of(const Outcome& outcome, bool all) {
       "{} comparisons ({}, on logarithms, all together): {} better, {} worse, {} undecided, "
       "{} identical, {} not compared.\n",
       outcome.changes.size(), paired ? "paired by replicate" : "independent",
-      outcome.count(Verdict::kBetter), outcome.count(Verdict::kWorse),
-      outcome.count(Verdict::kUndecided), outcome.count(Verdict::kIdentical),
-      outcome.count(Verdict::kUnknown));
+      count(outcome, Verdict::kBetter), count(outcome, Verdict::kWorse),
+      count(outcome, Verdict::kUndecided), count(outcome, Verdict::kIdentical),
+      count(outcome, Verdict::kUnknown));
   for (const Withheld why : {Withheld::kFewPixels, Withheld::kReferenceNoise}) {
     const auto count = std::ranges::count_if(
         outcome.changes, [&](const Change& c) { return c.difference.withheld == why; });
@@ -87,34 +73,6 @@ std::string text_of(const Outcome& outcome, bool all) {
   }
   if (biased) text += "BIASED: judged by the samples that images were made of.\n";
   return text;
-}
-
-std::string json_of(const Outcome& outcome) {
-  ordered_json list = ordered_json::array();
-  for (const Change& c : outcome.changes) {
-    list.push_back({{"combination", c.key},
-                    {"metric", c.metric},
-                    {"before", number(c.before)},
-                    {"after", number(c.after)},
-                    {"ratio", number(c.difference.ratio().mean)},
-                    {"low", number(c.difference.ratio().low)},
-                    {"high", number(c.difference.ratio().high)},
-                    {"p_holm", number(c.p)},
-                    {"paired", c.paired},
-                    {"biased", c.biased},
-                    {"verdict", verdict_name(c.verdict)}});
-    if (c.difference.withheld != Withheld::kNo)
-      list.back()["withheld"] = withheld_name(c.difference.withheld);
-  }
-  ordered_json claims = ordered_json::array();
-  for (const auto& [text, before, after] : outcome.claims)
-    claims.push_back({{"text", text}, {"before", before}, {"after", after}});
-  const ordered_json root = {{"claims", claims},
-                             {"comparisons", list},
-                             {"newly_failed", outcome.newly_failed},
-                             {"only_before", outcome.only_before},
-                             {"only_after", outcome.only_after}};
-  return json_text(root);
 }
 
 // By names, so that two presets of a method are compared; where a folder has several of one name,
@@ -131,27 +89,20 @@ Result<std::pair<ResultFolder, ResultFolder>> read_folders(const CompareOptions&
   return read(MatchBy::kPreset);
 }
 
-// [text, verdict before, verdict after] of the claims that either folder's statistics.json has.
-std::vector<std::array<std::string, 3>> claim_changes(const std::filesystem::path& before,
-                                                      const std::filesystem::path& after) {
-  std::vector<std::array<std::string, 3>> changes;
-  const auto add = [&](const std::filesystem::path& folder, std::size_t side) {
-    const auto json = format::parse_json_file<ordered_json>(folder / "statistics.json");
-    if (!json.is_object() || !json.contains("claims") || !json["claims"].is_array()) return;
-    for (const ordered_json& claim : json["claims"]) {
-      const auto text_of = [&](const char* key) {
-        const bool known = claim.is_object() && claim.contains(key) && claim[key].is_string();
-        return known ? claim[key].get<std::string>() : std::string();
-      };
-      const std::string text = text_of("text");
-      auto found = std::ranges::find_if(changes, [&](const auto& c) { return c[0] == text; });
+// Of the claims that either folder's statistics.json has.
+std::vector<ClaimChange> claim_changes(const std::filesystem::path& before,
+                                       const std::filesystem::path& after) {
+  std::vector<ClaimChange> changes;
+  const auto add = [&](const std::filesystem::path& folder, std::string ClaimChange::* side) {
+    for (const KeptClaim& claim : kept_claims(folder / "statistics.json")) {
+      auto found = std::ranges::find(changes, claim.text, &ClaimChange::text);
       if (found == changes.end())
-        found = changes.insert(changes.end(), {text, "not asked", "not asked"});
-      (*found)[side] = text_of("verdict");
+        found = changes.insert(changes.end(), {claim.text, "not asked", "not asked"});
+      (*found).*side = claim.verdict;
     }
   };
-  add(before, 1);
-  add(after, 2);
+  add(before, &ClaimChange::before);
+  add(after, &ClaimChange::after);
   return changes;
 }
 
@@ -170,11 +121,18 @@ Result<std::vector<std::string>> chosen_metrics(const CompareOptions& options) {
 
 }  // namespace
 
+Result<void> validate(const CompareOptions& options) {
+  SPOOL_TRY(chosen_metrics(options));
+  SPOOL_TRY(check_bounds("significance", options.significance, kSignificance));
+  return check_bounds("tolerance", options.tolerance, kTolerance);
+}
+
 Result<void> run_compare(const CompareOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   SPOOL_ASSIGN(const std::vector<std::string> metrics, chosen_metrics(options));
   SPOOL_ASSIGN(const auto folders, read_folders(options));
   const auto& [before, after] = folders;
-  Outcome outcome;
+  Comparisons outcome;
   outcome.claims = claim_changes(before.path, after.path);
   for (const auto& [key, combination] : before.combinations) {
     const auto found = after.combinations.find(key);
@@ -195,8 +153,8 @@ Result<void> run_compare(const CompareOptions& options, const CommonOptions& com
                 options.after.string());
   }
   judge(outcome.changes, options.significance, options.tolerance);
-  print(common.json ? json_of(outcome) : text_of(outcome, options.all));
-  const long long worse = outcome.count(Verdict::kWorse);
+  print(common.json ? comparisons_text(outcome) : text_of(outcome, options.all));
+  const long long worse = count(outcome, Verdict::kWorse);
   if (worse == 0 && outcome.newly_failed.empty() && outcome.only_before.empty()) return {};
   return fail(ErrorCode::kData, "{}: {} worse, {} failed, {} missing against {}",
               options.after.string(), worse, outcome.newly_failed.size(),

@@ -25,6 +25,7 @@ struct CompareOptions {
   bool match_name = false;  // methods by name and preset, whatever their options
 };
 
+Result<void> validate(const CompareOptions& options);
 // kData when something became worse, failed or is missing in `after`.
 Result<void> run_compare(const CompareOptions& options, const CommonOptions& common);
 

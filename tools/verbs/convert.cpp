@@ -1,9 +1,7 @@
 #include "tools/verbs/convert.h"
 
-#include <nlohmann/json.hpp>
-
 #include "lib/exchange/foreign_formats.h"
-#include "tools/terminal/json_text.h"
+#include "tools/json/answers_json.h"
 #include "tools/verbs/foreign_settings.h"
 
 namespace spool::tools {
@@ -16,8 +14,7 @@ Result<void> run_convert(const ConvertOptions& options, const CommonOptions& com
     SPOOL_ASSIGN(const interchange::ExportReport report,
                  format.write(options.input, options.output, {.force = common.force}, set));
     if (common.json) {
-      print(json_text(
-          {{"output", options.output.string()}, {"format", options.to}, {"notes", report.notes}}));
+      print(export_text(options.output, options.to, report));
     } else if (!common.quiet) {
       print_line(options.output.string());
       for (const std::string& note : report.notes)

@@ -41,6 +41,10 @@ std::string recording_group(const nlohmann::ordered_json& meta) {
   return text;
 }
 
+std::string recording_group(const format::SpoolReader& reader) {
+  return recording_group(merged_meta(reader));
+}
+
 std::optional<double> cost_per_sample(const nlohmann::ordered_json& meta) {
   const auto found = meta.find("cost_per_sample");
   if (found == meta.end() || !found->is_number()) return std::nullopt;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "formats/spool_reader.h"
 
@@ -19,5 +19,6 @@ std::optional<double> cost_per_sample(const nlohmann::ordered_json& meta);
 // "NAME-ID" where a recorder made the recording as one of several of a scene (remark `group`), else
 // empty.
 std::string recording_group(const nlohmann::ordered_json& meta);
+std::string recording_group(const format::SpoolReader& reader);
 
 }  // namespace spool::tools

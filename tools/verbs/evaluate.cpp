@@ -40,7 +40,7 @@ Result<void> choose_baseline(Plan& plan, const EvaluateOptions& options) {
 Result<void> group_recordings(Plan& plan) {
   for (const std::string& file : plan.recordings) {
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(file));
-    plan.groups.push_back(recording_group(merged_meta(reader)));
+    plan.groups.push_back(recording_group(reader));
   }
   const std::vector<std::string> found = plan.groups;
   for (std::string& group : plan.groups)

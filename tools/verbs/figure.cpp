@@ -4,6 +4,7 @@
 
 #include "tools/methods/external_methods.h"
 #include "tools/verbs/evaluate.h"
+#include "tools/verbs/option_bounds.h"
 #include "tools/verbs/page_generator.h"
 
 namespace spool::tools {
@@ -22,7 +23,13 @@ std::string built_in_names() {
 
 }  // namespace
 
+Result<void> validate(const FigureOptions& options) {
+  SPOOL_TRY(check_bounds("spp", options.spp, kFigureSpp));
+  return check_bounds("column", options.column, kColumns);
+}
+
 Result<void> run_figure(const FigureOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   std::filesystem::path folder = options.source;
   if (options.source.extension() == ".toml") {
     folder = options.output / "results";
@@ -48,7 +55,7 @@ Result<void> run_figure(const FigureOptions& options, const CommonOptions& commo
   if (common.force) words.emplace_back("--force");
   words.insert(words.end(), {"--", folder.string()});
   SPOOL_ASSIGN(const std::string said,
-               run_generator("figure.py", std::move(words), "",
+               run_generator("figure", std::move(words), "",
                              {"spool figure", "numpy and matplotlib", "python3-matplotlib"}));
   if (!common.quiet) print_line(said);
   return {};

@@ -22,6 +22,7 @@ struct FigureOptions {
   std::string font;                     // "latex[:PACKAGE]"; empty: matplotlib's
 };
 
+Result<void> validate(const FigureOptions& options);
 // A plan's results go to output/results, where an interrupted evaluation goes on. Errors are those
 // of run_evaluate, run_generator and the script.
 Result<void> run_figure(const FigureOptions& options, const CommonOptions& common);

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/interchange/sha256.h"
-#include "tools/terminal/json_text.h"
+#include "tools/json/json_text.h"
 #include "tools/verbs/dump_meta.h"
 
 namespace spool::tools {

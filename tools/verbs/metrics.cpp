@@ -2,21 +2,17 @@
 
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/core/nearest_name.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/energy_masks.h"
 #include "lib/metrics/error_metrics.h"
-#include "tools/terminal/json_text.h"
+#include "tools/json/answers_json.h"
 #include "tools/verbs/mask_files.h"
 #include "tools/verbs/picture_name.h"
 
 namespace spool::tools {
 namespace {
-
-using nlohmann::ordered_json;
 
 // kData when the pixels of the picture `name` do not lie on those of the reference.
 Result<void> check_lies_on(const ForeignPicture& reference, const ForeignPicture& picture,
@@ -57,12 +53,6 @@ Result<JudgedPictures> read_pictures(const MetricsOptions& options) {
 
 std::string value_text(double value) {
   return std::isnan(value) ? "n/a" : fmt::format("{:.6g}", value);
-}
-
-ordered_json number(double value) {
-  if (std::isnan(value)) return nullptr;
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return value;
 }
 
 }  // namespace
@@ -118,8 +108,14 @@ Result<void> check_finite(const MetricTable& table, const std::string& name,
   return fail(ErrorCode::kData, "{}: {}; {}: {} more", name, were(ours), reference, were(theirs));
 }
 
-Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
+Result<void> validate(const MetricsOptions& options) {
   if (!options.error_map.empty()) SPOOL_TRY(check_exr_name(options.error_map));
+  SPOOL_TRY(metric_settings(options.settings));
+  return {};
+}
+
+Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   SPOOL_ASSIGN(const MetricOptions metric, metric_settings(options.settings));
   SPOOL_ASSIGN(const JudgedPictures pictures, read_pictures(options));
   const RgbImage& image = pictures.image;
@@ -129,14 +125,11 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
     print_note(remark);
   const MetricTable table = error_metrics(image, reference, metric);
   std::vector<std::vector<std::string>> rows = {{"metric", "meaning", "value", "+-"}};
-  ordered_json json = {{"image", options.image.string()},
-                       {"reference", options.reference.string()},
-                       {"metrics", ordered_json::object()}};
+  std::vector<std::pair<std::string, MetricValue>> values;
   const auto add = [&](const std::string& name, const std::string& meaning,
                        const MetricValue& value) {
     rows.push_back({name, meaning, value_text(value.value), value_text(value.standard_error)});
-    json["metrics"][name] = {{"value", number(value.value)},
-                             {"standard_error", number(value.standard_error)}};
+    values.emplace_back(name, value);
   };
   for (std::size_t m = 0; m < metrics().size(); ++m)
     add(metrics()[m].name, metrics()[m].meaning, table.values[m]);
@@ -145,17 +138,13 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
                  energy_in_mask(image, reference.mean, mask, metric.bootstrap));
     add("energy_ratio_in_" + mask.name, "energy ratio where the mask is above 0.5", ratio);
   }
-  json["relative_scale"] = table.relative_scale;
-  json["pixels_judged"] = table.pixels;
-  json["excluded_image"] = table.excluded_estimate;
-  json["excluded_reference"] = table.excluded_reference;
   if (!options.error_map.empty()) {
     ExrFile map{image[0].width(), image[0].height(), {}};
     map.channels.push_back({"Y", PixelType::kFloat, squared_error_map(image, reference)});
     SPOOL_TRY(write_exr(options.error_map, map, {.overwrite = common.force}));
   }
   if (common.json) {
-    print(json_text(json));
+    print(metrics_text(options.image, options.reference, values, table));
   } else {
     print(format_columns(rows, 2));
     print(

@@ -35,6 +35,7 @@ Result<void> check_same_size(const RgbImage& image, const RgbImage& reference,
 Result<void> check_finite(const MetricTable& table, const std::string& name,
                           const std::string& reference);
 
+Result<void> validate(const MetricsOptions& options);
 Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common);
 
 }  // namespace spool::tools

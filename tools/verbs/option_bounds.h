@@ -21,6 +21,14 @@ inline constexpr Bounds kPiecesPerSide = {1, 2};
 inline constexpr Bounds kThreads = {0, 1024};
 inline constexpr Bounds kReplicates = {1, 10000};  // as in a plan
 inline constexpr Bounds kRepeats = {1, 1000};
+inline constexpr Bounds kExposure = {-100, 100};  // EV
+inline constexpr Bounds kImageMb = {0, 1e6};      // megabytes of images in a page
+inline constexpr Bounds kShownMb = {1e-3, 1e6};   // where it holds images of which none is left out
+inline constexpr Bounds kSignificance = {0, 1};
+inline constexpr Bounds kTolerance = {0, 1e6};    // a relative change
+inline constexpr Bounds kPort = {0, 65535};       // 0: any
+inline constexpr Bounds kFigureSpp = {0, 65536};  // 0: the largest
+inline constexpr Bounds kColumns = {0, 2};        // 0: as many as a figure needs
 
 // kUsage outside the bounds, and of NaN.
 Result<void> check_bounds(std::string_view name, double value, const Bounds& bounds);

@@ -1,16 +1,12 @@
 #include "tools/verbs/pack.h"
 
-#include <nlohmann/json.hpp>
-
 #include "lib/exchange/foreign_formats.h"
+#include "tools/json/answers_json.h"
 #include "tools/terminal/interrupt.h"
-#include "tools/terminal/json_text.h"
 #include "tools/verbs/foreign_settings.h"
 
 namespace spool::tools {
 namespace {
-
-using nlohmann::ordered_json;
 
 std::string first_line(const PackVerbOptions& options, unsigned width, unsigned height,
                        unsigned spp) {
@@ -46,10 +42,7 @@ Result<void> pack_foreign(const interchange::ImportFormat& format, const PackVer
   SPOOL_ASSIGN(const ImportReport report,
                format.import(options.sources[0], options.output, import, set));
   if (common.json) {
-    const ordered_json out = {{"file", options.output.string()}, {"width", report.width},
-                              {"height", report.height},         {"samples_per_pixel", report.spp},
-                              {"layers", report.layers},         {"notes", report.notes}};
-    print(json_text(out));
+    print(import_text(options.output, report));
   } else if (!common.quiet) {
     print_line(first_line(options, report.width, report.height, report.spp));
     for (const std::string& note : report.notes)
@@ -64,16 +57,7 @@ Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& c
   SPOOL_ASSIGN(const format::PackReport report,
                format::pack_passes(options.sources, options.output, pack));
   if (common.json) {
-    const ordered_json out = {{"file", options.output.string()},
-                              {"width", report.width},
-                              {"height", report.height},
-                              {"samples_per_pixel", report.spp},
-                              {"reference_samples_per_pixel", report.reference_spp},
-                              {"cost_per_sample", report.cost_per_sample},
-                              {"layers", report.layers},
-                              {"bytes", report.bytes},
-                              {"remark", report.remark}};
-    print(json_text(out));
+    print(pack_text(options.output, report));
   } else if (!common.quiet) {
     print_line(fmt::format(
         "{}, {}, {}", first_line(options, report.width, report.height, report.spp),

@@ -20,13 +20,15 @@ namespace {
 namespace fs = std::filesystem;
 using TemporaryFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
+constexpr const char* kRunner = "run.py";
+
 std::string from_environment(const char* name) {
   const char* value = std::getenv(name);
   return value ? value : "";
 }
 
 // Beside the installed program, or in the source tree that the program was built from.
-Result<fs::path> find_script(const std::string& name) {
+Result<fs::path> find_runner() {
   const std::string chosen = from_environment("SPOOL_REPORT");
   std::vector<fs::path> folders;
   std::error_code status;
@@ -36,13 +38,13 @@ Result<fs::path> find_script(const std::string& name) {
     const fs::path program = fs::read_symlink("/proc/self/exe", status).parent_path();
     for (fs::path up = program; folders.size() < 8 && up.has_relative_path(); up = up.parent_path())
       folders.push_back(up / "tools" / "report");
-    folders.insert(folders.begin(), program.parent_path() / "share" / "spool" / "report");
+    folders.insert(folders.begin(), program.parent_path() / "share" / "spool" / "tools" / "report");
   }
   for (const fs::path& folder : folders) {
-    if (fs::is_regular_file(folder / name, status)) return folder / name;
+    if (fs::is_regular_file(folder / kRunner, status)) return folder / kRunner;
   }
   return fail(ErrorCode::kIo, "{}: no {} there: set SPOOL_REPORT to the folder that holds it",
-              folders.front().string(), name);
+              folders.front().string(), kRunner);
 }
 
 std::string contents(std::FILE* file) {
@@ -115,8 +117,8 @@ Error error_of(const Finished& finished) {
 
 Result<std::string> run_generator(const std::string& script, std::vector<std::string> arguments,
                                   const std::string& input, const GeneratorNeeds& needs) {
-  SPOOL_ASSIGN(const fs::path generator, find_script(script));
-  arguments.insert(arguments.begin(), {"", generator.string()});
+  SPOOL_ASSIGN(const fs::path runner, find_runner());
+  arguments.insert(arguments.begin(), {"", runner.string(), script});
   std::optional<Finished> finished;
   for (const std::string& python : interpreters()) {
     arguments.front() = python;

@@ -15,9 +15,9 @@ struct GeneratorNeeds {
   std::string debian;    // "python3-numpy"
 };
 
-// What the script printed. `input` becomes its standard input. kUsage when Python or a package is
-// missing (SPOOL_PYTHON names another interpreter), kIo when the script is not beside the program
-// (SPOOL_REPORT names its folder).
+// What the script printed: report, figure, live_page or show_page. `input` becomes its standard
+// input. kUsage when Python or a package is missing (SPOOL_PYTHON names another interpreter), kIo
+// when tools/report/run.py is not beside the program (SPOOL_REPORT names its folder).
 Result<std::string> run_generator(const std::string& script, std::vector<std::string> arguments,
                                   const std::string& input, const GeneratorNeeds& needs);
 

@@ -8,6 +8,7 @@
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
+#include "tools/verbs/option_bounds.h"
 #include "tools/verbs/picture_name.h"
 
 namespace spool::tools {
@@ -73,11 +74,17 @@ Result<Picture> tone_mapped_picture(const PictureOptions& options) {
 
 }  // namespace
 
-Result<void> run_picture(const PictureOptions& options, const CommonOptions& common) {
+Result<void> validate(const PictureOptions& options) {
   if (!is_png_name(options.output)) {
     return fail(ErrorCode::kUsage, "{}: a PNG is what is written: name it .png",
                 options.output.string());
   }
+  if (!options.range.empty()) SPOOL_TRY(parse_range(options.range, options.log));
+  return options.exposure ? check_bounds("exposure", *options.exposure, kExposure) : Result<void>{};
+}
+
+Result<void> run_picture(const PictureOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   SPOOL_ASSIGN(const Picture picture,
                options.false_colour ? false_colour_picture(options) : tone_mapped_picture(options));
   SPOOL_TRY(write_png(options.output, picture, common.force));

@@ -22,6 +22,7 @@ struct PictureOptions {
   LayerChoice layer;
 };
 
+Result<void> validate(const PictureOptions& options);
 Result<void> run_picture(const PictureOptions& options, const CommonOptions& common);
 
 }  // namespace spool::tools

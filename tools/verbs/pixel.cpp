@@ -5,22 +5,19 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <utility>
-
-#include <nlohmann/json.hpp>
 
 #include "lib/core/random.h"
 #include "lib/pool/load_recording.h"
+#include "tools/json/pixel_json.h"
 #include "tools/methods/method_memory.h"
-#include "tools/terminal/json_text.h"
 #include "tools/verbs/one_replay.h"
 #include "tools/verbs/option_bounds.h"
 #include "tools/verbs/pixel_answer.h"
 
 namespace spool::tools {
 namespace {
-
-using nlohmann::ordered_json;
 
 struct Place {
   int x = 0, y = 0;
@@ -47,60 +44,57 @@ Result<Place> parse_place(const std::string& text, const SamplePool& pool) {
   return place;
 }
 
-void print_pixel(const ordered_json& pixel) {
-  const std::string taken = pixel.contains("taken")
-                                ? fmt::format(", {} took {}", pixel["sampler"].get<std::string>(),
-                                              pixel["taken"].get<int>())
-                                : "";
-  print_line(fmt::format("pixel {},{}: {} samples to take{}", pixel["x"].get<int>(),
-                         pixel["y"].get<int>(), pixel["capacity"].get<int>(), taken));
+void print_pixel(const PixelAnswer& pixel) {
+  const std::string taken =
+      pixel.taken ? fmt::format(", {} took {}", pixel.sampler, *pixel.taken) : "";
+  print_line(
+      fmt::format("pixel {},{}: {} samples to take{}", pixel.x, pixel.y, pixel.capacity, taken));
   std::vector<std::vector<std::string>> rows = {
       {"take", "recorded", "R", "G", "B", "mean luminance", "95 % from", "to"}};
-  const auto number = [](const ordered_json& value) {
-    return value.is_number() && std::isfinite(value.get<double>())
-               ? fmt::format("{:.5g}", value.get<double>())
-               : std::string("-");
+  const auto number = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:.5g}", value) : std::string("-");
   };
-  for (std::size_t i = 0; i < pixel["samples"].size(); ++i) {
-    const ordered_json& sample = pixel["samples"][i];
-    rows.push_back({std::to_string(i + 1), std::to_string(pixel["recorded"][i].get<int>()),
-                    number(sample[0]), number(sample[1]), number(sample[2]),
-                    number(pixel["mean"][i]), number(pixel["low"][i]), number(pixel["high"][i])});
+  for (std::size_t i = 0; i < pixel.samples.size(); ++i) {
+    const auto& [r, g, b] = pixel.samples[i];
+    rows.push_back({std::to_string(i + 1), std::to_string(pixel.recorded[i]), number(r), number(g),
+                    number(b), number(pixel.mean[i]), number(pixel.low[i]), number(pixel.high[i])});
   }
   print(format_columns(rows, 0));
 }
 
+void print_shape(const FootprintShape& shape) {
+  std::string widths;
+  for (const auto& [beta, width] : shape.widths)
+    widths += fmt::format(" {:.4g} at {:.4g} degrees;", width, beta);
+  print_line(fmt::format(
+      "footprint: size {}, direction {}{}{}", shape.size,
+      std::isnan(shape.direction) ? "none" : fmt::format("{:.4g} degrees", shape.direction),
+      widths.empty() ? "" : ", widths", widths));
+}
+
 // The largest weights, and how they lie around the pixel.
-void print_footprint(const ordered_json& pixel) {
-  const ordered_json& told = pixel["footprint"];
-  if (told.is_null()) {
+void print_footprint(const PixelAnswer& pixel) {
+  if (!pixel.footprint) {
     print_line("footprint: this filter does not say its weights");
     return;
   }
-  for (const ordered_json& shape : told["shapes"]) {
-    std::string widths;
-    for (const ordered_json& width : shape["widths"])
-      widths +=
-          fmt::format(" {:.4g} at {:.4g} degrees;", width[1].get<double>(), width[0].get<double>());
-    const double direction = shape["direction"].get<double>();
-    print_line(
-        fmt::format("footprint: size {}, direction {}{}{}", shape["size"].get<int>(),
-                    std::isnan(direction) ? "none" : fmt::format("{:.4g} degrees", direction),
-                    widths.empty() ? "" : ", widths", widths));
-  }
-  std::vector<ordered_json> taps = told["taps"].get<std::vector<ordered_json>>();
-  std::ranges::stable_sort(taps, [](const ordered_json& a, const ordered_json& b) {
-    return std::abs(a[2].get<double>()) > std::abs(b[2].get<double>());
+  for (const FootprintShape& shape : pixel.footprint->shapes)
+    print_shape(shape);
+  std::vector<std::pair<std::pair<int, int>, FootprintTap>> taps;
+  std::ranges::copy_if(pixel.footprint->taps, std::back_inserter(taps),
+                       [](const auto& tap) { return tap.second.weight != 0.0; });
+  std::ranges::stable_sort(taps, [](const auto& a, const auto& b) {
+    return std::abs(a.second.weight) > std::abs(b.second.weight);
   });
   constexpr std::size_t kMostShown = 25;
   std::vector<std::vector<std::string>> rows = {{"dx", "dy", "weight", "R", "G", "B"}};
   for (std::size_t i = 0; i < std::min(taps.size(), kMostShown); ++i) {
-    const ordered_json& tap = taps[i];
-    rows.push_back({fmt::format("{:+d}", tap[0].get<int>() - pixel["x"].get<int>()),
-                    fmt::format("{:+d}", tap[1].get<int>() - pixel["y"].get<int>()),
-                    fmt::format("{:.4g}", tap[2].get<double>())});
-    for (std::size_t c = 3; c < 6; ++c)
-      rows.back().push_back(fmt::format("{:.5g}", tap[c].get<double>()));
+    const auto& [place, tap] = taps[i];
+    rows.push_back({fmt::format("{:+d}", place.second - pixel.x),
+                    fmt::format("{:+d}", place.first - pixel.y),
+                    fmt::format("{:.4g}", tap.weight)});
+    for (const double weighted : tap.weighted)
+      rows.back().push_back(fmt::format("{:.5g}", weighted / tap.weight));
   }
   print(format_columns(rows, 0));
   if (taps.size() > kMostShown)
@@ -109,13 +103,13 @@ void print_footprint(const ordered_json& pixel) {
 
 // How many samples a sampler took of each pixel, and what a filter made of them.
 Result<void> add_replay(const PixelOptions& options, const ReplayMethods& methods,
-                        const SamplePool& pool, ordered_json& pixels) {
+                        const SamplePool& pool, std::vector<PixelAnswer>& pixels) {
   SPOOL_ASSIGN(const SamplingResult sampled, sample_once(methods, pool, options.spp));
   std::vector<std::pair<int, int>> places;
-  for (ordered_json& pixel : pixels) {
-    places.emplace_back(pixel["x"].get<int>(), pixel["y"].get<int>());
-    pixel["sampler"] = options.sampler;
-    pixel["taken"] = sampled.selection.statistics.n(places.back().first, places.back().second);
+  for (PixelAnswer& pixel : pixels) {
+    places.emplace_back(pixel.x, pixel.y);
+    pixel.sampler = options.sampler;
+    pixel.taken = sampled.selection.statistics.n(pixel.x, pixel.y);
   }
   if (options.filter.empty()) return {};
   Footprints footprints(places);
@@ -123,10 +117,9 @@ Result<void> add_replay(const PixelOptions& options, const ReplayMethods& method
                filter_once(methods, sampled.selection, pool, &footprints));
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto [x, y] = places[i];
-    pixels[i]["filter"] = options.filter;
-    pixels[i]["image"] = {result.image[0](x, y), result.image[1](x, y), result.image[2](x, y)};
-    pixels[i]["footprint"] =
-        footprints.told().empty() ? ordered_json() : footprint_answer(footprints.told()[i]);
+    pixels[i].filter = options.filter;
+    pixels[i].image = {result.image[0](x, y), result.image[1](x, y), result.image[2](x, y)};
+    if (!footprints.told().empty()) pixels[i].footprint = footprints.told()[i];
   }
   return {};
 }
@@ -176,7 +169,7 @@ Result<void> run_pixel(const PixelOptions& options, const CommonOptions& common)
   SPOOL_ASSIGN(const auto recording,
                load_recording(options.dump, methods.rules, memory, film_for(samplers, filters, 1)));
   SPOOL_ASSIGN(const SamplePool pool, SamplePool::create(recording, order));
-  ordered_json pixels = ordered_json::array();
+  std::vector<PixelAnswer> pixels;
   for (const std::string& text : options.places) {
     SPOOL_ASSIGN(const Place place, parse_place(text, pool));
     pixels.push_back(pixel_answer(pool, place.x, place.y, options.samples));
@@ -184,12 +177,12 @@ Result<void> run_pixel(const PixelOptions& options, const CommonOptions& common)
   if (!options.sampler.empty()) SPOOL_TRY(add_replay(options, replay, pool, pixels));
   SPOOL_TRY(still_intact(recording));
   if (common.json) {
-    print(json_text(pixels));
+    print(pixels_text(pixels));
     return {};
   }
-  for (const ordered_json& pixel : pixels) {
+  for (const PixelAnswer& pixel : pixels) {
     print_pixel(pixel);
-    if (pixel.contains("footprint")) print_footprint(pixel);
+    if (pixel.image) print_footprint(pixel);
   }
   return {};
 }

@@ -11,12 +11,11 @@
 #include "lib/image_io/png_writer.h"
 #include "lib/pool/load_recording.h"
 #include "lib/statistics/means_pass.h"
+#include "tools/json/answers_json.h"
 #include "tools/methods/method_memory.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/view_files.h"
-#include "tools/terminal/json_text.h"
 #include "tools/terminal/progress.h"
-#include "tools/verbs/guard_listing.h"
 #include "tools/verbs/picture_name.h"
 #include "tools/verbs/result_pictures.h"
 
@@ -155,13 +154,8 @@ Result<void> write_pictures(const ReconstructOptions& options, const Reconstruct
 void say_what_was_made(const ReconstructOptions& options, const Reconstructed& done, int width,
                        int height, const CommonOptions& common) {
   if (common.json) {
-    print(json_text({{"filter", options.filter},
-                     {"output", options.output.string()},
-                     {"width", width},
-                     {"height", height},
-                     {"notes", done.made.notes},
-                     {"guards", guard_listing(done.guards)},
-                     {"seconds", done.seconds}}));
+    print(reconstruction_text({options.filter, options.output, done.guards, done.seconds}, width,
+                              height, done.made.notes));
   } else if (!common.quiet) {
     print_line(fmt::format("{}: {} x {} pixels, {}", options.output.string(), width, height,
                            format_seconds(done.seconds)));

@@ -1,29 +1,11 @@
 #include "tools/verbs/recover.h"
 
-#include <nlohmann/json.hpp>
-
 #include "formats/spool_recovery.h"
-#include "tools/terminal/json_text.h"
+#include "tools/json/answers_json.h"
 #include "tools/verbs/damage_listing.h"
 
 namespace spool::tools {
 namespace {
-
-using nlohmann::ordered_json;
-
-ordered_json describe(const RecoverOptions& options, const format::RecoveryReport& report) {
-  ordered_json out = {{"input", options.input.string()},     {"output", options.output.string()},
-                      {"kept_blocks", report.kept_blocks},   {"kept_records", report.kept_records},
-                      {"lost_records", report.lost_records}, {"lost", ordered_json::array()},
-                      {"absent", ordered_json::array()},     {"damaged", ordered_json::array()}};
-  for (const auto& block : report.lost)
-    out["lost"].push_back(json_of_block(block));
-  for (const auto& block : report.absent)
-    out["absent"].push_back(json_of_block(block));
-  for (const auto& record : report.damaged)
-    out["damaged"].push_back(json_of_record(record));
-  return out;
-}
 
 // What a cut took away leaves no trace in the file: those blocks are known from the geometry alone.
 std::string balance(const format::RecoveryReport& report) {
@@ -56,7 +38,7 @@ Result<void> run_recover(const RecoverOptions& options, const CommonOptions& com
   SPOOL_ASSIGN(const format::RecoveryReport report,
                format::recover_dump(options.input, options.output, common.force));
   if (common.json) {
-    print(json_text(describe(options, report)));
+    print(recovery_text(options.input, options.output, report));
   } else if (!common.quiet) {
     print_text(options, report);
   }

@@ -4,38 +4,19 @@
 #include <optional>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/sampling/spending.h"
+#include "tools/json/answers_json.h"
 #include "tools/methods/method_memory.h"
 #include "tools/methods/selection_file.h"
 #include "tools/methods/view_files.h"
-#include "tools/terminal/json_text.h"
 #include "tools/terminal/progress.h"
-#include "tools/verbs/guard_listing.h"
 #include "tools/verbs/picture_name.h"
 
 namespace spool::tools {
 namespace {
-
-using nlohmann::ordered_json;
-
-ordered_json describe(const ReplayOptions& options, const SamplingLog& log,
-                      const GuardCounts& guards, double seconds) {
-  return {{"sampler", options.sampler},
-          {"output", options.output.string()},
-          {"budget", log.budget},
-          {"initial", log.initial},
-          {"spent", log.spent},
-          {"uniform_remainder", log.uniform_remainder},
-          {"saturated_pieces", log.saturated_pieces},
-          {"samples_of_level", log.samples_of_level},
-          {"guards", guard_listing(guards)},
-          {"seconds", seconds}};
-}
 
 std::vector<ViewDescription> views_of(const Sampler& sampler) {
   std::vector<ViewDescription> known = sampler.views;
@@ -141,7 +122,7 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   }
   const SamplingLog& log = done.sampled.log;
   if (common.json) {
-    print(json_text(describe(options, log, done.guards, done.seconds)));
+    print(replay_text({options.sampler, options.output, done.guards, done.seconds}, log));
   } else if (!common.quiet) {
     print_line(fmt::format("{}: {} samples taken of {} asked for, {} pieces ran out, {}",
                            options.output.string(), log.spent, log.budget, log.saturated_pieces,

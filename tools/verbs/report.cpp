@@ -11,6 +11,7 @@
 #include "lib/experiment/result_table.h"
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
+#include "tools/verbs/option_bounds.h"
 #include "tools/verbs/page_generator.h"
 
 namespace spool::tools {
@@ -59,13 +60,18 @@ Result<std::string> make_report(const ReportOptions& options, std::vector<std::s
   const fs::path self = fs::read_symlink("/proc/self/exe", status);
   if (!status) words.push_back("--program=" + self.string());
   words.insert(words.end(), {"--", options.folder.string()});
-  return run_generator("report.py", std::move(words), vocabulary_json(),
+  return run_generator("report", std::move(words), vocabulary_json(),
                        {"spool report", "numpy", "python3-numpy"});
 }
 
 }  // namespace
 
+Result<void> validate(const ReportOptions& options) {
+  return check_bounds("max-image-mb", options.max_image_mb, kImageMb);
+}
+
 Result<void> run_report(const ReportOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   std::vector<std::string> words;
   if (common.force) words.emplace_back("--force");
   SPOOL_ASSIGN(const std::string said, make_report(options, std::move(words)));

@@ -19,6 +19,7 @@ struct ReportOptions {
   double max_image_mb = 40.0;
 };
 
+Result<void> validate(const ReportOptions& options);
 // Errors are those of run_generator (tools/verbs/page_generator.h) and of the script.
 Result<void> run_report(const ReportOptions& options, const CommonOptions& common);
 

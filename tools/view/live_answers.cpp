@@ -6,10 +6,13 @@
 #include <limits>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "lib/image_io/picture.h"
 #include "lib/statistics/piece_statistics.h"
+#include "tools/json/json_text.h"
+#include "tools/json/pixel_json.h"
 #include "tools/show/plane_text.h"
-#include "tools/terminal/json_text.h"
 
 namespace spool::tools {
 namespace {
@@ -49,11 +52,6 @@ Answer answer_of(const Error& error) {
   return {error.code == ErrorCode::kUsage ? 400 : 422, "application/json",
           json_text({{"error", error.message}})};
 }
-template <class Value>
-Answer json_answer(const Result<Value>& value) {
-  return value ? Answer{200, "application/json", json_text(*value)} : answer_of(value.error());
-}
-
 Answer plane_answer(const PlaneText& planes) {
   return {200, "application/octet-stream", planes.text()};
 }
@@ -93,7 +91,7 @@ Answer reference_answer(LiveReplays& replays, const Query& query) {
   return plane_answer(planes);
 }
 
-Result<ordered_json> pixel_told(LiveReplays& replays, const Query& query) {
+Result<PixelAnswer> pixel_of(LiveReplays& replays, const Query& query) {
   SPOOL_ASSIGN(const int x, number_of<int>(query, "x"));
   SPOOL_ASSIGN(const int y, number_of<int>(query, "y"));
   if (query("sampler").empty()) {
@@ -163,8 +161,11 @@ Answers live_answers(const std::shared_ptr<LiveReplays>& replays) {
       {"choices", [replays](const Query&) { return choices_answer(*replays); }},
       {"replay", [replays](const Query& query) { return replay_answer(*replays, query); }},
       {"reference", [replays](const Query& query) { return reference_answer(*replays, query); }},
-      {"pixel",
-       [replays](const Query& query) { return json_answer(pixel_told(*replays, query)); }}};
+      {"pixel", [replays](const Query& query) {
+         const Result<PixelAnswer> pixel = pixel_of(*replays, query);
+         return pixel ? Answer{200, "application/json", pixel_text(*pixel)}
+                      : answer_of(pixel.error());
+       }}};
 }
 
 }  // namespace spool::tools

@@ -10,12 +10,9 @@
 #include "lib/pool/load_recording.h"
 #include "lib/sampling/samplers.h"
 #include "tools/methods/method_memory.h"
-#include "tools/verbs/pixel_answer.h"
 
 namespace spool::tools {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr std::size_t kMostRecordings = 2;  // open at a time
 constexpr std::size_t kMostPages = 64;      // whose turns are remembered
@@ -142,30 +139,29 @@ Result<std::shared_ptr<const LiveReplay>> LiveReplays::replay(const ReplayKey& k
   return made;
 }
 
-Result<ordered_json> LiveReplays::pixel(std::size_t recording, int x, int y) {
+Result<PixelAnswer> LiveReplays::pixel(std::size_t recording, int x, int y) {
   SPOOL_ASSIGN(const auto opened, open(recording));
   SPOOL_TRY(check_pixel(opened->pool, x, y));
-  ordered_json answer = pixel_answer(opened->pool, x, y, 0);
+  PixelAnswer answer = pixel_answer(opened->pool, x, y, 0);
   SPOOL_TRY(still_intact(opened->recording));
   return answer;
 }
 
-Result<ordered_json> LiveReplays::pixel(const ReplayKey& key, int x, int y) {
-  SPOOL_ASSIGN(ordered_json answer, pixel(key.recording, x, y));
+Result<PixelAnswer> LiveReplays::pixel(const ReplayKey& key, int x, int y) {
+  SPOOL_ASSIGN(PixelAnswer answer, pixel(key.recording, x, y));
   SPOOL_ASSIGN(const auto opened, open(key.recording));
   SPOOL_ASSIGN(const ReplayMethods methods, methods_of(key));
   SPOOL_ASSIGN(const auto replayed, replay(key, {}));
-  answer["taken"] = replayed->sampled.selection.statistics.n(x, y);
+  answer.taken = replayed->sampled.selection.statistics.n(x, y);
   const RgbImage& image = replayed->result.image;
-  answer["image"] = {image[0](x, y), image[1](x, y), image[2](x, y)};
-  answer["footprint"] = nullptr;
+  answer.image = {image[0](x, y), image[1](x, y), image[2](x, y)};
   if (!find_method(filters(), methods.filter_choice.name)->footprints) return answer;
   Footprints footprints({{x, y}});
   const std::lock_guard one_at_a_time(working_);
   const Result<Reconstruction> again =
       filter_once(methods, replayed->sampled.selection, opened->pool, &footprints);
   if (!again) return tl::unexpected<Error>(again.error());
-  if (!footprints.told().empty()) answer["footprint"] = footprint_answer(footprints.told()[0]);
+  if (!footprints.told().empty()) answer.footprint = footprints.told()[0];
   return answer;
 }
 

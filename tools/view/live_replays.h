@@ -13,8 +13,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/core/error.h"
 #include "lib/experiment/reference.h"
 #include "lib/filters/filter.h"
@@ -22,6 +20,7 @@
 #include "lib/pool/sample_pool.h"
 #include "lib/sampling/sampler.h"
 #include "tools/verbs/one_replay.h"
+#include "tools/verbs/pixel_answer.h"
 #include "tools/view/bounded_cache.h"
 
 namespace spool::tools {
@@ -69,10 +68,10 @@ class LiveReplays {
   Result<std::shared_ptr<const OpenRecording>> open(std::size_t recording);
   // Null when a later turn of the page has come. Errors: those of the methods.
   Result<std::shared_ptr<const LiveReplay>> replay(const ReplayKey& key, const Turn& turn);
-  // As `spool pixel --json` prints it; kUsage where there is no such pixel.
-  Result<nlohmann::ordered_json> pixel(std::size_t recording, int x, int y);
+  // kUsage where there is no such pixel.
+  Result<PixelAnswer> pixel(std::size_t recording, int x, int y);
   // The same with what the sampler took and the filter's footprint.
-  Result<nlohmann::ordered_json> pixel(const ReplayKey& key, int x, int y);
+  Result<PixelAnswer> pixel(const ReplayKey& key, int x, int y);
 
  private:
   Result<ReplayMethods> methods_of(const ReplayKey& key) const;

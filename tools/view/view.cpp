@@ -11,8 +11,9 @@
 #include "lib/core/random.h"
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
+#include "tools/json/json_text.h"
 #include "tools/terminal/interrupt.h"
-#include "tools/terminal/json_text.h"
+#include "tools/verbs/option_bounds.h"
 #include "tools/verbs/page_generator.h"
 #include "tools/verbs/report.h"
 #include "tools/view/live_answers.h"
@@ -56,7 +57,7 @@ LiveChoices choices_of_recording(const fs::path& file) {
 // What tools/report/live_page.py reads from a folder of results.
 Result<LiveChoices> choices_of_results(const fs::path& folder) {
   SPOOL_ASSIGN(const std::string said,
-               run_generator("live_page.py", {"--facts=" + folder.string()}, "", kNeeds));
+               run_generator("live_page", {"--facts=" + folder.string()}, "", kNeeds));
   const auto facts = format::parse_json<ordered_json>(said);
   if (facts.is_discarded()) return fail(ErrorCode::kData, "{}: unreadable", folder.string());
   LiveChoices choices;
@@ -81,7 +82,7 @@ Answer page_answer(const std::string& html) {
 Result<void> add_pages(const ViewOptions& options, bool of_results, Answers& answers) {
   const std::string title = options.target.filename().string();
   SPOOL_ASSIGN(const std::string live,
-               run_generator("live_page.py", {"--title=" + title}, "", kNeeds));
+               run_generator("live_page", {"--title=" + title}, "", kNeeds));
   answers["live"] = [live](const Query&) { return page_answer(live); };
   answers[""] = answers["live"];
   if (!of_results) return {};
@@ -92,7 +93,12 @@ Result<void> add_pages(const ViewOptions& options, bool of_results, Answers& ans
 
 }  // namespace
 
+Result<void> validate(const ViewOptions& options) {
+  return check_bounds("port", options.port, kPort);
+}
+
 Result<void> run_view(const ViewOptions& options, const CommonOptions& common) {
+  SPOOL_TRY(validate(options));
   std::error_code status;
   const bool of_results = fs::is_directory(options.target, status);
   LiveChoices choices = choices_of_recording(options.target);

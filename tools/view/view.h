@@ -13,6 +13,7 @@ struct ViewOptions {
   int port = 0;                  // 0: any
 };
 
+Result<void> validate(const ViewOptions& options);
 // Serves until the process is interrupted.
 Result<void> run_view(const ViewOptions& options, const CommonOptions& common);
 

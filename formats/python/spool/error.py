@@ -20,7 +20,7 @@ LONGEST = 380            # characters of a line; with the name of a program befo
 def one_line(text):
     """Bounded, without line ends: its beginning, which names the file, and its end, where the remedy stands."""
     text = " ".join(str(text).split("\n"))
-    return text if len(text) <= LONGEST else "%s [...] %s" % (text[:LONGEST // 2], text[7 - LONGEST // 2:])
+    return text if len(text) <= LONGEST else f"{text[:LONGEST // 2]} [...] {text[7 - LONGEST // 2:]}"
 
 
 class SpoolError(Exception):

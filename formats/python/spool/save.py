@@ -1,5 +1,6 @@
 """One call from arrays to a complete `.spool` file."""
-from .arguments import array, mapping, path as path_of
+from .arguments import array, mapping
+from .arguments import path as path_of
 from .channel import VOCABULARY
 from .error import SpoolError
 from .writer import Writer

@@ -7,9 +7,11 @@ import uuid as uuid_module
 
 import numpy as np
 
-from . import channel, chunk_codec, meta as meta_json
+from . import channel, chunk_codec
+from . import meta as meta_json
 from . import record_layout as layout
-from .arguments import choice, flag, path as path_of, text, whole, wrong
+from .arguments import choice, flag, text, whole, wrong
+from .arguments import path as path_of
 from .conversion import convert
 from .error import SpoolError
 from .geometry import Geometry, groups_of

@@ -1,6 +1,7 @@
 // The reconstruction of [LiuZheng (section 4)], step by step in the order of the text.
 #include "lib/filters/directional/directional.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "lib/filters/directional/sample_filter.h"
 #include "lib/filters/directional/tile.h"
 #include "lib/pyramid/laplacian_pyramid.h"
+#include "lib/statistics/grown_variance.h"
 
 namespace spool {
 namespace {
@@ -22,6 +24,13 @@ Plane scaled(const Plane& plane, double factor) {
   for (double& v : result.pixels())
     v *= factor;
   return result;
+}
+
+// At least what enough pieces around say: all dark samples of a pixel have no variance by chance.
+void pool_noise(int largest, Plane& variance) {
+  const Plane grown = grown_variance(variance, largest);
+  for (std::size_t i = 0; i < variance.size(); ++i)
+    variance[i] = std::max(variance[i], grown[i]);
 }
 
 // Filter size of each piece [LiuZheng (9)]
@@ -167,6 +176,11 @@ Result<Reconstruction> reconstruct_directional(const Selection& selection, const
   }
   if (channels == SizeChannels::kPerChannel) {
     whole.channels = size_channels(statistics, pool, whole.analysis.exposure, variance);
+  }
+  if (options.noise_pool > 0) {
+    pool_noise(options.noise_pool, whole.analysis.variance);
+    for (SizeChannel& channel : whole.channels)
+      pool_noise(options.noise_pool, channel.variance);
   }
   whole.attenuation = selection.attenuation;
 

@@ -160,6 +160,8 @@ OptionTable<DirectionalOptions> directional_option_table() {
           "exposure", &O::normalise_exposure, {{"normalise", true}, {"none", false}},
           "bring the mean luminance of a bare selection to 1 before deciding")),
       expert(var_mode_option(&O::var_mode)),
+      integer_option<O>("noise_pool", &O::noise_pool, 0, 64,
+                        "largest radius from which a variance is pooled, pieces; 0: not at all"),
       choice_option<O, BaseImage>(
           "base", &O::base,
           {{"chosen", BaseImage::kChosen},

@@ -96,6 +96,7 @@ DirectionalEnergy<T> structure_tensor_energy(const Pyramid& pyramid, const Plane
     for (int x = 0; x < width; ++x) {
       double largest = 0.0;
       const double in_noise = gain * noise(x, y);
+      const double shown_in_noise = options.energy.stand_out * in_noise;
       for (std::size_t i = 0; i < angles.size(); ++i) {
         const auto [nx, ny] = normals[i];
         double e = nx * nx * xx(x, y) + 2.0 * nx * ny * xy(x, y) + ny * ny * yy(x, y);
@@ -105,6 +106,7 @@ DirectionalEnergy<T> structure_tensor_energy(const Pyramid& pyramid, const Plane
           e = 0.0;
         }
         largest = std::max(largest, e);
+        e += shown_in_noise;
         result.energy[i](x, y) = static_cast<T>(e);
       }
       if (largest <= 1e-3 * in_noise || largest <= 1e-20) {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "lib/core/eight_floats.h"
 #include "lib/core/vector_clones.h"
 
 namespace spool {
@@ -36,19 +37,23 @@ std::vector<Tap> taps_of(const WindowWeights& weights, double sigma, const FitTa
 // sum of w (lanes - own) / sum of w: an even picture stays even to the bit.
 SPOOL_VECTOR_CLONES
 void mean_of_lanes(const Tap* taps, std::size_t count, int x, const float* own, float* mean) {
-  Lanes off, sum{};
-  std::memcpy(&off, own, sizeof(Lanes));
+  Eight off[2], sum[2] = {}, u;
+  std::memcpy(off, own, sizeof(off));
   float total = 0.0f;
   for (std::size_t i = 0; i < count; ++i) {
     const float w = taps[i].weights[x] * taps[i].factor;
     if (!(w > 0.0f)) continue;
-    Lanes u;
-    std::memcpy(&u, own + static_cast<std::ptrdiff_t>(taps[i].step) * kLanes, sizeof(Lanes));
-    sum += w * (u - off);
+    const float* at = own + static_cast<std::ptrdiff_t>(taps[i].step) * kLanes;
+    for (int half = 0; half < 2; ++half) {
+      std::memcpy(&u, at + half * kEight, sizeof(Eight));
+      sum[half] += w * (u - off[half]);
+    }
     total += w;
   }
-  sum /= total;
-  std::memcpy(mean, &sum, sizeof(Lanes));
+  for (int half = 0; half < 2; ++half) {
+    sum[half] /= total;
+    std::memcpy(mean + half * kEight, &sum[half], sizeof(Eight));
+  }
 }
 
 float mean_logarithm(const std::vector<Tap>& taps, int x, const Lattice& lattice, int px, int py,

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "lib/core/eight_floats.h"
 #include "lib/core/exponential.h"
 #include "lib/core/extend.h"
 #include "lib/core/parallel.h"
@@ -61,20 +62,23 @@ void weights_of(const Shape& shape, const Offsets& offsets, float end, float* __
 SPOOL_VECTOR_CLONES
 void mean_of_lanes(const float* weight, const std::ptrdiff_t* step, float centre, const float* own,
                    float* mean) {
-  Lanes off, sum{};
-  std::memcpy(&off, own, sizeof(Lanes));
+  Eight off[2], sum[2] = {}, u, v;
+  std::memcpy(off, own, sizeof(off));
   float total = centre;
   for (int k = 0; k < kPairs; ++k) {
     const float w = weight[k];
     if (!(w > 0.0f)) continue;
-    Lanes u, v;
-    std::memcpy(&u, own + step[k], sizeof(Lanes));
-    std::memcpy(&v, own - step[k], sizeof(Lanes));
-    sum += w * ((u - off) + (v - off));
+    for (int half = 0; half < 2; ++half) {
+      std::memcpy(&u, own + step[k] + half * kEight, sizeof(Eight));
+      std::memcpy(&v, own - step[k] + half * kEight, sizeof(Eight));
+      sum[half] += w * ((u - off[half]) + (v - off[half]));
+    }
     total += 2.0f * w;
   }
-  off += sum / total;
-  std::memcpy(mean, &off, sizeof(Lanes));
+  for (int half = 0; half < 2; ++half) {
+    off[half] += sum[half] / total;
+    std::memcpy(mean + half * kEight, &off[half], sizeof(Eight));
+  }
 }
 
 Image<float> smooth_logarithm(const FloatRgb& pilot, double floor) {

@@ -6,6 +6,13 @@
 
 namespace spool {
 
+TwinGuidesOptions heavy_tailed_twin_guides_options() {
+  TwinGuidesOptions options;
+  options.opening = 8.0;
+  options.noise_pool = 8;
+  return options;
+}
+
 OptionTable<TwinGuidesOptions> twin_guides_option_table() {
   using O = TwinGuidesOptions;
   return {
@@ -29,6 +36,10 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table() {
                     "of a neighbour's luminance, times the window's"),
       number_option("clamp_sigma", &O::clamp_sigma, 0.1, 64.0,
                     "neighbourhood by which single samples are clamped, pixels"),
+      number_option("opening", &O::opening, 0.0, 1000.0,
+                    "of the clamp where independent samples lose light alike; 0: none"),
+      integer_option("noise_pool", &O::noise_pool, 0, 64,
+                     "largest radius from which a variance is pooled, pixels; 0: neighbours alone"),
       number_option("agreement", &O::agreement, 0.0, 64.0,
                     "reach over which clamped light that samples agree on returns, pixels"),
   };

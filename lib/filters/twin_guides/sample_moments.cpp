@@ -9,6 +9,7 @@
 #include "lib/core/parallel.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
+#include "lib/statistics/grown_variance.h"
 #include "lib/statistics/piece_statistics.h"
 #include "lib/statistics/variance_of_mean.h"
 
@@ -81,12 +82,9 @@ Image<float> to_float(const Plane& plane) {
 
 class Filling {
  public:
-  Filling(const CountImage& n, int pieces_per_side) : n_(n), pieces_per_side_(pieces_per_side) {}
-  Image<float> filled(Plane plane) const {
-    GuardCounts counted_by_the_caller;
-    return to_float(
-        fill_empty_pieces(std::move(plane), n_, pieces_per_side_, counted_by_the_caller));
-  }
+  Filling(const CountImage& n, int pieces_per_side, int noise_pool)
+      : n_(n), pieces_per_side_(pieces_per_side), noise_pool_(noise_pool) {}
+  Image<float> filled(Plane plane) const { return to_float(all_filled(std::move(plane))); }
   // Mean and blurred variance; the moments are used up.
   void finish(Moments moments, double key, FloatRgb& mean, FloatRgb& variance,
               GuardCounts& guards) const {
@@ -97,20 +95,30 @@ class Filling {
       if (c == 1) guards += of_channel;
       moments.m2[c] = {};
       mean[c] = filled(std::move(moments.mean[c]));
-      variance[c] = convolve(filled(std::move(v)), four_sigma_taps(1.0));
+      const Plane whole = all_filled(std::move(v));
+      variance[c] = convolve(to_float(whole), four_sigma_taps(1.0));
+      if (noise_pool_ == 0) continue;
+      const Plane grown = grown_variance(whole, noise_pool_);
+      for (std::size_t i = 0; i < grown.size(); ++i)
+        variance[c][i] = std::max(variance[c][i], static_cast<float>(grown[i]));
     }
   }
 
  private:
+  Plane all_filled(Plane plane) const {
+    GuardCounts counted_by_the_caller;
+    return fill_empty_pieces(std::move(plane), n_, pieces_per_side_, counted_by_the_caller);
+  }
+
   const CountImage& n_;
-  int pieces_per_side_;
+  int pieces_per_side_, noise_pool_;
 };
 
 }  // namespace
 
 SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
-                             const RadianceScale& scale, GuardCounts& guards) {
-  const Filling filling(n, pool.pieces_per_side());
+                             int noise_pool, const RadianceScale& scale, GuardCounts& guards) {
+  const Filling filling(n, pool.pieces_per_side(), noise_pool);
   SampleMoments result;
   const int q = pool.pieces_per_side(), width = n.width();
   std::vector<std::uint64_t> above(static_cast<std::size_t>(n.height()), 0);

@@ -7,8 +7,10 @@
 // Groups: agreed_light.h.
 //
 // All in units (RadianceScale), so float holds it. Variances are those of the mean
-// (variance_of_mean.h, mode auto), blurred with a Gaussian of one piece. A piece without samples
-// takes its neighbours' values. Slow twin: tests/reference/twin_guides_reference.h.
+// (variance_of_mean.h, mode auto), blurred with a Gaussian of one piece, and at least what a pool
+// of up to `noise_pool` pieces around says (grown_variance.h): few samples may carry the light. A
+// piece without samples takes its neighbours' values. Slow twin:
+// tests/reference/twin_guides_reference.h.
 #pragma once
 
 #include <array>
@@ -34,6 +36,6 @@ struct SampleMoments {
 // `limit`: luminance [y][x] of pixels, in radiance, that a sample is scaled down to
 // (lib/kernels/sample_clamp.h).
 SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
-                             const RadianceScale& scale, GuardCounts& guards);
+                             int noise_pool, const RadianceScale& scale, GuardCounts& guards);
 
 }  // namespace spool

@@ -2,7 +2,8 @@
 // beyond its noise.
 //
 //   d_k = X_k - X_{k+1},   e_k = E_k - E_{k+1}             picture and noise of the detail
-//   D, N, V = << d_k^2 >>, << e_k^2 >>, << e_k E_{k+1} >>  relative to picture^2 + (0.1 L)^2
+//   D, N, V = << d_k^2 >>, << e_k^2 >>, << e_k E_{k+1} >>  relative to picture^2 + (0.1 L)^2;
+//             N from a pool that grows first (grown_variance.h)
 //   a_k = min(1, max(0, D - slack (N + V)) / D)
 //   out_k = out_{k+1} + a_k (X_k - out_{k+1}),             out of the coarsest scale: X itself
 //

@@ -7,6 +7,7 @@
 #include "lib/filters/twin_guides/clean_features.h"
 #include "lib/filters/twin_guides/coarser_inputs.h"
 #include "lib/filters/twin_guides/guides.h"
+#include "lib/filters/twin_guides/opened_limits.h"
 #include "lib/filters/twin_guides/sample_moments.h"
 #include "lib/filters/twin_guides/scale_blend.h"
 #include "lib/filters/twin_guides/tiles.h"
@@ -64,8 +65,11 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
     result.guards.add(Guard::kEmptyPiece, k == 0 ? 1 : 0);
   const RadianceScale scale = radiance_scale(statistics, result.guards);
   const Plane limits =
-      sample_limits(pool, n, scale.mean / scale.unit, {.sigma = options.clamp_sigma});
-  SampleMoments moments = sample_moments(pool, n, limits, scale, result.guards);
+      open_limits(sample_limits(pool, n, scale.mean / scale.unit, {.sigma = options.clamp_sigma}),
+                  pool, n, options.clamp_sigma, options.opening);
+  SampleMoments moments = sample_moments(pool, n, limits, options.noise_pool, scale, result.guards);
+  if (options.opening > 0.0)
+    raise_logarithms(moments, options.clamp_sigma * pool.pieces_per_side(), scale);
   SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
   const GuideSources sources = guide_sources(moments, features.clean);
@@ -92,6 +96,7 @@ Filter twin_guides_filter() {
        .summary =
            "local regression on position and features, weights from two guides of the samples",
        .options = twin_guides_option_table(),
+       .presets = {{"robust", {}}, {"heavy_tails", heavy_tailed_twin_guides_options()}},
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
        .memory = {574, 5e6},
        .cost = 4.7,

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+
 import spool
 
 ROOT = Path(__file__).resolve().parents[3]

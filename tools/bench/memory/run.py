@@ -16,8 +16,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-import spool
 
+import spool
 from tools.bench.speed_page import replace_section
 
 ROOT = Path(__file__).resolve().parents[3]

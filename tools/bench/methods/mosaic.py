@@ -4,6 +4,7 @@ Neighbouring copies share their border pixels' values, as mirror images do, but 
 """
 
 import numpy as np
+
 import spool
 
 LAYERS = {"radiance": ("f4", "RGB"), "albedo": ("f2", "RGB"), "normal": ("f2", "XYZ"), "depth": ("f2", "Z")}

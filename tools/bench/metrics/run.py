@@ -129,10 +129,12 @@ def independent(image, reference):
 
 
 def compare(program):
+    from importlib.metadata import version
+
     import flip_evaluator  # noqa: F401
     import numpy as np
     import skimage
-    from importlib.metadata import version
+
     import spool.exr
     rows, worst = [], {}
     with tempfile.TemporaryDirectory() as folder:

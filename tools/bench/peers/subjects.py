@@ -26,6 +26,7 @@ import pyoidn
 import scipy.ndimage
 import skimage.restoration
 import zarr
+
 import spool  # the package, built beside the program
 from tools.bench.methods.mosaic import enlarged
 

@@ -9,9 +9,9 @@
 The same functions as the program `spool`, the same bits. Every failure is a SpoolError with the line that the program
 prints and its exit code. Readers and writers of the file format are those of formats/python.
 """
-from ._core import version as __version__
-from .channel import Channel, Layer
+from ._core import version as __version__  # noqa: F401
 from .append import append_meta
+from .channel import Channel, Layer
 from .check import Report, check
 from .error import DAMAGE, DATA, IO, USAGE, SpoolError
 from .evaluation import Results, evaluate, results

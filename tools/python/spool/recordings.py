@@ -10,7 +10,9 @@ from typing import Union
 import numpy as np
 
 from . import _core, reader
-from .arguments import array, choice, flag, option_text, path as path_of, seed as seed_of, text, whole
+from .arguments import array, choice, flag, option_text, text, whole
+from .arguments import path as path_of
+from .arguments import seed as seed_of
 from .cells import recording_html
 from .error import SpoolError
 from .record_layout import MAX_SIDE

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from . import _core
+from .arguments import number, text, wrong
 from .cells import name_of
 from .error import SpoolError
 from .images import image_array
@@ -82,7 +83,7 @@ def view(samples: Samples, *, sampler="uniform", filter="box", spp=None, referen
 
 
 def _page(entries, reference, title, crops, exposure, max_mb, summary):
-    planes = _core.shown(entries, reference, title, crops, None if exposure is None else float(exposure), float(max_mb))
+    planes = _core.shown(entries, reference, title, crops, None if exposure is None else number("exposure", exposure), number("max_mb", max_mb))
     aspect = entries[0][3].shape[0] / entries[0][3].shape[1]
     faces = 3 if entries[0][1] else len(entries) + (reference is not None)
     columns = min(faces, 4)  # of a cell of about 900 pixels
@@ -92,13 +93,13 @@ def _page(entries, reference, title, crops, exposure, max_mb, summary):
 
 def _generated(planes):
     """The page, made by the report's own script in a Python of its own: its modules have ordinary names."""
-    places = [os.environ.get("SPOOL_REPORT"), os.path.join(_HERE, "share", "spool", "report"),
+    places = [os.environ.get("SPOOL_REPORT"), os.path.join(_HERE, "share", "spool", "tools", "report"),
               os.path.join(_HERE, "..", "..", "report")]
-    script = next((path for path in (os.path.join(place, "show_page.py") for place in places if place) if os.path.exists(path)), None)
+    script = next((path for path in (os.path.join(place, "run.py") for place in places if place) if os.path.exists(path)), None)
     if script is None:
-        raise SpoolError("io", "show_page.py: not beside the package: set SPOOL_REPORT to the folder that holds it")
+        raise SpoolError("io", "run.py: not beside the package: set SPOOL_REPORT to the folder that holds it")
     python = os.environ.get("SPOOL_PYTHON") or sys.executable or "python3"
-    done = subprocess.run([python, script], input=planes, capture_output=True, check=False)
+    done = subprocess.run([python, script, "show_page"], input=planes, capture_output=True, check=False)
     if done.returncode != 0:
         said = done.stderr.decode("utf-8", "replace").strip().splitlines() or [f"{python} ended with code {done.returncode}"]
         raise SpoolError.of_code(done.returncode if 1 <= done.returncode <= 4 else 2, f"show: {said[-1]}")
@@ -127,7 +128,7 @@ def _array_of(image, name):
     if isinstance(image, (Selection, Reconstruction)):
         image = image.image
     elif isinstance(image, (str, os.PathLike)):
-        image = _core.read_image(os.path.abspath(image))
+        image = _core.read_image(os.path.abspath(text(name, os.fspath(image))))
     elif isinstance(image, (Dump, Recording)):
         image = reconstruct(image, None, "box")
     return image_array(image, name)
@@ -154,7 +155,7 @@ def _methods(first, given):
     """{label: method}, `first` before what was given."""
     given = [given] if isinstance(given, (str, Method)) or not isinstance(given, (list, tuple)) else list(given)
     named = {}
-    for method in [first, *(method for method in given if method != first)]:
+    for method in [first, *(method for method in given if not isinstance(method, str) or method != first)]:
         label = method.label if isinstance(method, Method) else str(method)
         while label in named:
             label += "'"
@@ -165,7 +166,8 @@ def _methods(first, given):
 def _budgets(spp, capacity):
     if spp is None:
         return sorted({max(1, capacity // 4 >> i) for i in range(4)})
-    budgets = sorted(set(np.atleast_1d(spp).tolist()))
+    several = isinstance(spp, (list, tuple)) or (isinstance(spp, np.ndarray) and spp.ndim > 0)
+    budgets = sorted({number("spp", budget) for budget in (spp if several else [spp])})
     if not budgets:
         raise SpoolError("usage", "spp: no budget given")
     return budgets
@@ -173,13 +175,15 @@ def _budgets(spp, capacity):
 
 def _crops(crops):
     made = []
+    if not isinstance(crops, Iterable):
+        raise wrong("crops", crops, "no list of (x, y, width, height)")
     for crop in crops:
         try:
             x, y, width, height = (operator.index(value) for value in crop)
         except (TypeError, ValueError, OverflowError):
-            raise SpoolError("usage", f"crops: {crop!r} is not (x, y, width, height)") from None
+            raise wrong("crops", crop, "not (x, y, width, height)") from None
         if max(map(abs, (x, y, width, height))) >= 1 << 31:
-            raise SpoolError("usage", f"crops: {crop!r} lies outside of the image")
+            raise wrong("crops", crop, "outside of the image")
         made.append((x, y, width, height))
     return made
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import _core
-from .arguments import array, choice, flag, mapping, number, option_text, seed as seed_of, text, texts
+from .arguments import array, choice, flag, mapping, number, option_text, text, texts
+from .arguments import seed as seed_of
 from .arguments import whole as whole_number
 from .cells import density_html, reconstruction_html
 from .error import SpoolError

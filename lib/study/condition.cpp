@@ -1,4 +1,4 @@
-#include "tools/batch/condition_json.h"
+#include "lib/study/condition.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,8 @@
 #include "lib/experiment/baseline.h"
 #include "lib/experiment/plan_cells.h"
 
-namespace spool::tools {
+namespace spool {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr double kEnergyLoss = 0.02;
 
@@ -30,9 +28,7 @@ std::vector<bool> outside_band(const Plan& plan, const std::vector<MethodResults
   return outside;
 }
 
-// What the intervals and verdicts of a condition are about.
-ordered_json about(const Plan& plan, const PlanScene& scene,
-                   const std::vector<MethodResults>& methods) {
+About about(const Plan& plan, const PlanScene& scene, const std::vector<MethodResults>& methods) {
   double shared = 0.0;
   bool known = true, one_image = true, measured = true;
   for (const MethodResults& method : methods) {
@@ -47,7 +43,7 @@ ordered_json about(const Plan& plan, const PlanScene& scene,
                                  : "; how much recordings differ is assumed from common samples "
                                    "and not measured on halves";
   const auto said = [&](const char* kind, std::string text) {
-    return ordered_json{{"kind", kind}, {"shared", shared}, {"text", std::move(text)}};
+    return About{kind, shared, std::move(text)};
   };
   if (one_image) {
     return said(
@@ -88,100 +84,71 @@ struct Places {
   }
 };
 
-ordered_json pairs_json(const Condition& condition) {
+std::vector<PairFinding> pairs_of(const Condition& condition) {
   const Places places{condition.ranking.methods};
-  ordered_json list = ordered_json::array();
-  for (const PairVerdict& pair : condition.ranking.pairs) {
-    const Interval ratio = pair.comparison.ratio();
-    list.push_back({places.of(pair.a), places.of(pair.b), json_number(ratio.mean),
-                    json_number(ratio.low), json_number(ratio.high), json_number(pair.p),
-                    verdict_name(pair.verdict)});
-  }
+  std::vector<PairFinding> list;
+  for (const PairVerdict& pair : condition.ranking.pairs)
+    list.push_back(
+        {places.of(pair.a), places.of(pair.b), pair.comparison.ratio(), pair.p, pair.verdict});
   return list;
 }
 
-// How much more would decide; recordings where replicates would repeat their samples.
-ordered_json more_json(const PairVerdict& pair, const MethodResults& method, double spp) {
+std::optional<WouldTell> would_tell(const PairVerdict& pair, const MethodResults& method,
+                                    double spp) {
   constexpr double kMost = 10000.0;
   // The level that the family leaves to this pair.
   const double level = 0.05 * pair.comparison.p / pair.p;
-  if (!(level > 0.0)) return nullptr;
+  if (!(level > 0.0)) return std::nullopt;
   const MoreNeeded more = more_needed(pair.comparison, method.recordings, level);
   const double reach = method.recordings * method.taken.recorded / spp;
-  if (more.replicates <= std::min(kMost, reach)) return {{"replicates", more.replicates}};
-  if (more.recordings <= kMost) return {{"recordings", more.recordings}};
-  return nullptr;
+  if (more.replicates <= std::min(kMost, reach)) return WouldTell{more.replicates, false};
+  if (more.recordings <= kMost) return WouldTell{more.recordings, true};
+  return std::nullopt;
 }
 
-void add_against_baseline(ordered_json& entry, const Plan& plan, const MethodResults& method,
+void add_against_baseline(RankedFinding& finding, const Plan& plan, const MethodResults& method,
                           const MethodResults& baseline, const Condition& condition,
                           const RankedMethod& ranked) {
   const Verdict verdict = condition.ranking.between(ranked.method, *condition.baseline);
-  entry["against_baseline"] = verdict_name(verdict);
+  finding.against_baseline = verdict;
   const PairVerdict* pair = condition.ranking.pair(ranked.method, *condition.baseline);
   if (!pair) {
     const Interval ratio = withheld_ratio(method, baseline, condition.metric);
     if (ratio.n == 0) return;
-    entry["ratio"] = interval_json(ratio);
-    if (const Withheld why = baseline.withheld(condition.metric); why != Withheld::kNo)
-      entry["baseline_withheld"] = withheld_name(why);
+    finding.ratio = ratio;
+    finding.baseline_withheld = baseline.withheld(condition.metric);
     return;
   }
-  entry["ratio"] = interval_json(ratio_of(*pair, ranked.method));
-  if (verdict != Verdict::kUndecided || plan.replicates < 2) return;
-  ordered_json more = more_json(*pair, method, condition.spp);
-  if (!more.is_null()) entry["would_tell"] = std::move(more);
+  finding.ratio = ratio_of(*pair, ranked.method);
+  if (verdict == Verdict::kUndecided && plan.replicates > 1)
+    finding.would_tell = would_tell(*pair, method, condition.spp);
 }
 
-ordered_json ranked_json(const Plan& plan, const std::vector<MethodResults>& methods,
-                         const Condition& condition, const RankedMethod& ranked) {
+RankedFinding ranked_finding(const Plan& plan, const std::vector<MethodResults>& methods,
+                             const Condition& condition, const RankedMethod& ranked) {
   const MethodResults& method = methods[ranked.method];
-  ordered_json entry = names_of(method);
+  RankedFinding finding;
   const std::size_t quantity = quantity_index(condition.metric);
-  entry["value"] = interval_json(method.interval(quantity));
-  if (plan.experiment.order == ReplicateOrder::kShuffled && !method.one_image()) {
-    const Interval order = mean_interval({method.values[quantity], 0.0}, Range::kPositive);
-    entry["order_low"] = json_number(order.low);
-    entry["order_high"] = json_number(order.high);
-  }
-  entry["letters"] = ranked.letters;
-  entry["compared"] = ranked.compared;
-  if (const Withheld why = method.withheld(condition.metric); why != Withheld::kNo)
-    entry["withheld"] = withheld_name(why);
+  finding.value = method.interval(quantity);
+  if (plan.experiment.order == ReplicateOrder::kShuffled && !method.one_image())
+    finding.order = mean_interval({method.values[quantity], 0.0}, Range::kPositive);
+  finding.letters = ranked.letters;
+  finding.compared = ranked.compared;
+  finding.withheld = method.withheld(condition.metric);
   const std::size_t best = condition.ranking.methods.front().method;
   if (ranked.compared && ranked.method != best) {
-    const PairVerdict* pair = condition.ranking.pair(ranked.method, best);
-    entry["against_best"] = verdict_name(condition.ranking.between(ranked.method, best));
-    if (pair) entry["p_against_best"] = json_number(pair->p);
+    finding.against_best = condition.ranking.between(ranked.method, best);
+    if (const PairVerdict* pair = condition.ranking.pair(ranked.method, best))
+      finding.p_against_best = pair->p;
   }
   if (condition.baseline && ranked.method != *condition.baseline)
-    add_against_baseline(entry, plan, method, methods[*condition.baseline], condition, ranked);
-  const Interval energy = method.interval(quantity_index("energy_ratio"));
-  entry["energy"] = interval_json(energy);
-  if (energy.high < 1.0 - kEnergyLoss) entry["loses_energy"] = 1.0 - energy.mean;
-  return entry;
+    add_against_baseline(finding, plan, method, methods[*condition.baseline], condition, ranked);
+  finding.energy = method.interval(quantity_index("energy_ratio"));
+  if (finding.energy.high < 1.0 - kEnergyLoss) finding.loses_energy = 1.0 - finding.energy.mean;
+  return finding;
 }
 
 }  // namespace
-
-ordered_json json_number(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
-ordered_json interval_json(const Interval& interval) {
-  ordered_json list = ordered_json::array();
-  if (!std::isfinite(interval.mean)) return list;
-  list.push_back(interval.mean);
-  if (std::isfinite(interval.low) && std::isfinite(interval.high)) {
-    list.push_back(interval.low);
-    list.push_back(interval.high);
-  }
-  return list;
-}
-
-ordered_json names_of(const MethodResults& method) {
-  return {{"sampler", method.sampler.label()}, {"filter", method.filter.label()}};
-}
 
 Interval ratio_of(const PairVerdict& pair, std::size_t method) {
   Interval ratio = pair.comparison.ratio();
@@ -235,21 +202,21 @@ std::optional<Condition> rank_condition(const Plan& plan, const std::vector<Meth
   return Condition{metric, spp, rank_methods(series, better, options), options.baseline};
 }
 
-ordered_json condition_json(const Plan& plan, const PlanScene& scene,
-                            const std::vector<MethodResults>& methods, const Condition& condition) {
-  bool biased = false;
-  for (const MethodResults& method : methods)
-    biased = biased || method.biased;
-  ordered_json entry = {{"metric", condition.metric},
-                        {"biased", biased},
-                        {"about", about(plan, scene, methods)},
-                        {"ranking", ordered_json::array()}};
+ConditionFinding condition_finding(const Plan& plan, const PlanScene& scene,
+                                   const std::vector<MethodResults>& methods,
+                                   const std::vector<std::size_t>& results,
+                                   const Condition& condition) {
+  ConditionFinding found;
+  found.metric = condition.metric;
+  found.biased = std::ranges::any_of(methods, &MethodResults::biased);
+  found.about = about(plan, scene, methods);
   for (const RankedMethod& ranked : condition.ranking.methods) {
-    if (methods[ranked.method].done > 0)
-      entry["ranking"].push_back(ranked_json(plan, methods, condition, ranked));
+    if (methods[ranked.method].done == 0) continue;
+    found.ranking.push_back(ranked_finding(plan, methods, condition, ranked));
+    found.ranking.back().result = results[ranked.method];
   }
-  if (has_pairs(condition.metric)) entry["pairs"] = pairs_json(condition);
-  return entry;
+  if (has_pairs(condition.metric)) found.pairs = pairs_of(condition);
+  return found;
 }
 
-}  // namespace spool::tools
+}  // namespace spool

@@ -1,6 +1,9 @@
-#include "tools/terminal/json_text.h"
+#include "tools/json/json_text.h"
 
+#include <cmath>
 #include <utility>
+
+#include <nlohmann/json.hpp>
 
 #include "lib/core/visible_text.h"
 
@@ -31,6 +34,10 @@ ordered_json with_valid_strings(const ordered_json& value) {
 
 std::string json_text(const ordered_json& value) {
   return with_valid_strings(value).dump(2) + "\n";
+}
+
+ordered_json json_number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
 
 }  // namespace spool::tools

@@ -12,19 +12,19 @@
 #include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_record.h"
 #include "lib/inference/intervals.h"
+#include "lib/study/quantities.h"
 
-namespace spool::tools {
+namespace spool {
 
-using ReadRecord = std::function<Result<ResultRecord>(const Cell&)>;
-
-// A column of results, or one made of several.
-struct Quantity {
-  std::string name;
-  Range range = Range::kPositive;
-  bool is_metric = false;
+// Where the results of a plan come from.
+struct StudySources {
+  // May fail: that replicate has no result.
+  std::function<Result<ResultRecord>(const Cell&)> read;
+  // Samples per pixel of a recording, NaN where not known: for results of older programs.
+  std::function<double(const std::string& recording)> recorded_spp;
+  // The filter's image is made elsewhere, and is the same for any samples.
+  std::function<bool(const MethodChoice& filter)> made_elsewhere;
 };
-const std::vector<Quantity>& quantities();
-std::size_t quantity_index(const std::string& name);
 
 struct MethodResults {
   MethodChoice sampler, filter;
@@ -33,6 +33,7 @@ struct MethodResults {
   int recordings = 1;                       // of the scene: as many replicates of each
   int done = 0, failed = 0;
   bool biased = false;
+  bool made_elsewhere = false;  // the image
   std::string reference;
   TakenSamples taken;
   double shared = 0;       // share of a replicate's samples that another took too
@@ -59,9 +60,8 @@ struct MethodResults {
   Interval interval(std::size_t quantity) const;
 };
 
-// All methods of a plan on one scene, in the order samplers, then filters. `read` may fail: that
-// replicate has no result.
+// All methods of a plan on one scene, in the order samplers, then filters.
 std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene, double spp,
-                                        int threads, const ReadRecord& read);
+                                        int threads, const StudySources& sources);
 
-}  // namespace spool::tools
+}  // namespace spool

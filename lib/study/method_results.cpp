@@ -1,45 +1,19 @@
-#include "tools/batch/method_results.h"
+#include "lib/study/method_results.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "formats/spool_reader.h"
-#include "lib/core/check.h"
 #include "lib/experiment/plan_cells.h"
 #include "lib/inference/shared_samples.h"
-#include "lib/metrics/error_metrics.h"
-#include "tools/methods/external_methods.h"
-#include "tools/methods/replicate_images.h"
 
-namespace spool::tools {
+namespace spool {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-constexpr const char* kCpuTotal = "cpu_total";
-
 constexpr std::pair<const char*, const char*> kFreshColumns[] = {
     {"mse", "mse_fresh"}, {"relmse", "relmse_fresh"}, {"energy_ratio", "energy_fresh"}};
-
-std::vector<Quantity> make_quantities() {
-  std::vector<Quantity> list;
-  for (const MetricDescription& metric : metrics()) {
-    const Range range = metric.better == Better::kHigher ? Range::kReal : Range::kPositive;
-    list.push_back({metric.name, range, true});
-  }
-  for (const char* name :
-       {"seconds_total", kCpuTotal, "seconds_sampling", "seconds_filtering", "cpu_sampling",
-        "cpu_filtering", "seconds_exchange", "seconds_reading", "seconds_judging",
-        "seconds_writing", "peak_memory_mb", "samples_per_pixel", "efficiency"})
-    list.push_back({name});
-  for (const char* name : {"saturated_share", "mse_worst_share", "relmse_worst_share"})
-    list.push_back({name, Range::kShare});
-  for (const char* name :
-       {"mse_half_pixels", "relmse_half_pixels", "mse_reference_noise", "relmse_reference_noise"})
-    list.push_back({name});
-  return list;
-}
 
 // With the time that its samples took to render, where the recording has it.
 double cpu_total(const ResultRecord& record) {
@@ -54,19 +28,14 @@ double value_of(const ResultRecord& record, const std::string& quantity) {
   return record.number("samples_spent") / (record.number("width") * record.number("height"));
 }
 
-// Of a recording by its results, by its file where they are of an older program.
-double recorded_spp(const ResultRecord& record, const std::string& dump) {
-  const double said = record.number("recorded_spp");
-  if (std::isfinite(said)) return said;
-  const auto reader = format::SpoolReader::open(dump);
-  return reader ? static_cast<double>(reader->header().spp) : kNaN;
-}
-
 // Counts of all replicates together; where an older program kept none, the mean stands for all.
 class Shares {
  public:
-  void add(const ResultRecord& record, const std::string& dump) {
-    if (!(recorded_ > 0.0)) recorded_ = recorded_spp(record, dump);
+  explicit Shares(const StudySources& sources) : sources_(sources) {}
+
+  void add(const ResultRecord& record, const std::string& recording) {
+    if (!(recorded_ > 0.0)) recorded_ = record.number("recorded_spp");
+    if (!std::isfinite(recorded_)) recorded_ = sources_.recorded_spp(recording);
     if (const double kurtosis = record.number("recorded_kurtosis"); std::isfinite(kurtosis)) {
       kurtosis_ = std::isnan(kurtosis_) ? kurtosis : std::max(kurtosis_, kurtosis);
     }
@@ -87,6 +56,7 @@ class Shares {
   }
 
  private:
+  const StudySources& sources_;
   std::map<int, long long> pieces_;
   double recorded_ = kNaN, mean_ = kNaN, kurtosis_ = kNaN;
 };
@@ -111,18 +81,31 @@ void add_record(MethodResults& method, const Result<ResultRecord>& found) {
   method.biased = method.biased || method.reference.ends_with("(biased)");
 }
 
+// What the replicates have in common, and how alike that makes their metrics.
+void add_shared(MethodResults& method, const Plan& plan, const Shares& shares, double spp) {
+  method.shared_known = shares.known();
+  if (!shares.known()) return;
+  const bool ring = plan.experiment.order == ReplicateOrder::kDisjoint;
+  const auto shared_of = [&](const TakenSamples& taken) {
+    const Shared shared =
+        shared_by_replicates(taken, plan.replicates, ring ? Taking::kOneAround : Taking::kOwnOrder);
+    return Shared{over_recordings(shared.samples, plan.replicates, method.recordings),
+                  over_recordings(shared.correlation, plan.replicates, method.recordings)};
+  };
+  method.taken = shares.taken(spp);
+  const Shared shared = shared_of(method.taken);
+  method.shared = shared.samples;
+  method.correlation = shared.correlation;
+  for (auto& [metric, spread] : method.spread) {
+    // A half is a ring of half as many samples.
+    const double ring_length = metric.ends_with("_fresh") ? 0.5 : 1.0;
+    spread.correlation = shared_of({varying_counts(spread.halves),
+                                    ring_length * method.taken.recorded, method.taken.rare})
+                             .correlation;
+  }
+}
+
 }  // namespace
-
-const std::vector<Quantity>& quantities() {
-  static const std::vector<Quantity> list = make_quantities();
-  return list;
-}
-
-std::size_t quantity_index(const std::string& name) {
-  const auto found = std::ranges::find(quantities(), name, &Quantity::name);
-  SPOOL_CHECK(found != quantities().end());
-  return static_cast<std::size_t>(found - quantities().begin());
-}
 
 double MethodResults::mean(std::size_t quantity) const {
   return mean_interval({values[quantity], 0.0}, quantities()[quantity].range).mean;
@@ -171,9 +154,6 @@ Series MethodResults::fresh_series(const std::string& metric) const {
 }
 
 bool MethodResults::one_image() const {
-  const Filter* method = find_method(known_filters(), filter.name);
-  const bool made_elsewhere =
-      method != nullptr && !method->needs.samples && !is_of_replicates(filter);
   return done == 1 || made_elsewhere || Series{values[quantity_index("mse")], 0.0}.alike();
 }
 
@@ -188,49 +168,30 @@ Interval MethodResults::interval(std::size_t quantity) const {
 }
 
 std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene, double spp,
-                                        int threads, const ReadRecord& read) {
+                                        int threads, const StudySources& sources) {
   std::vector<MethodResults> methods;
   for (const MethodChoice& sampler : plan.samplers) {
     for (const MethodChoice& filter : plan.filters) {
       MethodResults method;
       method.sampler = sampler;
       method.filter = filter;
+      method.made_elsewhere = sources.made_elsewhere(filter);
       method.values.resize(quantities().size());
       method.pixel_errors.resize(quantities().size(), kNaN);
       method.recordings = static_cast<int>(scene.recordings.size());
-      Shares shares;
+      Shares shares(sources);
       for (const std::string& dump : scene.recordings) {
         for (int r = 0; r < plan.replicates; ++r) {
-          const Result<ResultRecord> found = read({dump, sampler, filter, spp, r, threads});
+          const Result<ResultRecord> found = sources.read({dump, sampler, filter, spp, r, threads});
           if (found && !found->failed()) shares.add(*found, dump);
           add_record(method, found);
         }
       }
-      method.shared_known = shares.known();
-      if (shares.known()) {
-        const bool ring = plan.experiment.order == ReplicateOrder::kDisjoint;
-        method.taken = shares.taken(spp);
-        const Shared shared = shared_by_replicates(method.taken, plan.replicates,
-                                                   ring ? Taking::kOneAround : Taking::kOwnOrder);
-        method.shared = over_recordings(shared.samples, plan.replicates, method.recordings);
-        method.correlation =
-            over_recordings(shared.correlation, plan.replicates, method.recordings);
-        for (auto& [metric, spread] : method.spread) {
-          // A half is a ring of half as many samples.
-          const double ring_length = metric.ends_with("_fresh") ? 0.5 : 1.0;
-          const TakenSamples varying{varying_counts(spread.halves),
-                                     ring_length * method.taken.recorded, method.taken.rare};
-          spread.correlation =
-              over_recordings(shared_by_replicates(varying, plan.replicates,
-                                                   ring ? Taking::kOneAround : Taking::kOwnOrder)
-                                  .correlation,
-                              plan.replicates, method.recordings);
-        }
-      }
+      add_shared(method, plan, shares, spp);
       methods.push_back(std::move(method));
     }
   }
   return methods;
 }
 
-}  // namespace spool::tools
+}  // namespace spool

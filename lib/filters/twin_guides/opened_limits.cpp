@@ -1,0 +1,100 @@
+#include "lib/filters/twin_guides/opened_limits.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lib/core/parallel.h"
+#include "lib/kernels/truncated_filter.h"
+#include "lib/pyramid/convolution.h"
+
+namespace spool {
+namespace {
+
+constexpr int kMostGroups = 4;
+constexpr float kShareOfMean = 0.5f;  // what the geometric mean of a window is at least
+
+// min(4, smallest count of a pixel that has samples).
+int groups_of_pixels(const CountImage& n, int q) {
+  int groups = kMostGroups;
+  for (int y = 0; y < n.height(); y += q) {
+    for (int x = 0; x < n.width(); x += q) {
+      int count = 0;
+      for (int i = 0; i < q * q; ++i)
+        count += n(x + i % q, y + i / q);
+      if (count > 0) groups = std::min(groups, count);
+    }
+  }
+  return groups;
+}
+
+struct Split {
+  std::vector<Plane> taken;  // [group], mean luminance above the limit
+  Plane kept;                // mean luminance below it
+};
+
+Split split_at(const Plane& limits, const SamplePool& pool, const CountImage& n, int groups) {
+  const int q = pool.pieces_per_side();
+  Split split{std::vector<Plane>(static_cast<std::size_t>(groups), limits), limits};
+  parallel_rows(0, limits.height(), [&](int y) {
+    for (int x = 0; x < limits.width(); ++x) {
+      const double limit = limits(x, y);
+      std::array<double, kMostGroups> above{};
+      double below = 0.0;
+      int position = 0;
+      for (int piece = 0; piece < q * q; ++piece) {
+        const int px = x * q + piece % q, py = y * q + piece / q;
+        for (int i = 0; i < n(px, py); ++i, ++position) {
+          const Rgb sample = pool.sample(px, py, i);
+          const double l = luminance(sample[0], sample[1], sample[2]);
+          if (l > limit) above[static_cast<std::size_t>(position % groups)] += l - limit;
+          below += std::min(l, limit);
+        }
+      }
+      for (int k = 0; k < groups; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        const int of_group = (position - k + groups - 1) / groups;
+        split.taken[at](x, y) = of_group > 0 ? above[at] / of_group : 0.0;
+      }
+      split.kept(x, y) = position > 0 ? below / position : 0.0;
+    }
+  });
+  return split;
+}
+
+}  // namespace
+
+Plane open_limits(Plane limits, const SamplePool& pool, const CountImage& n, double sigma,
+                  double opening) {
+  const int groups = groups_of_pixels(n, pool.pieces_per_side());
+  if (opening <= 0.0 || groups < 2) return limits;
+  Split split = split_at(limits, pool, n, groups);
+  const Taps taps = four_sigma_taps(sigma);
+  const Plane kept = convolve(split.kept, taps);
+  Plane agreed = convolve(split.taken[0], taps);
+  for (std::size_t k = 1; k < split.taken.size(); ++k) {
+    const Plane around = convolve(split.taken[k], taps);
+    for (std::size_t i = 0; i < agreed.size(); ++i)
+      agreed[i] = std::min(agreed[i], around[i]);
+  }
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    if (agreed[i] > 0.0 && kept[i] > 0.0) limits[i] *= 1.0 + opening * agreed[i] / kept[i];
+  }
+  return limits;
+}
+
+void raise_logarithms(SampleMoments& moments, double sigma, const RadianceScale& scale) {
+  Image<float> around = moments.log_luminance;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    around[i] =
+        static_cast<float>(luminance(moments.mean[0][i], moments.mean[1][i], moments.mean[2][i]));
+  }
+  around = convolve(around, four_sigma_taps(sigma));
+  const auto floor = static_cast<float>(kLogFloor * scale.mean);
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const float least = std::log(std::max(around[i], 0.0f) * kShareOfMean + floor);
+    moments.log_luminance[i] = std::max(moments.log_luminance[i], least);
+  }
+}
+
+}  // namespace spool

@@ -1,0 +1,62 @@
+#include "lib/study/claim_findings.h"
+
+#include <algorithm>
+
+namespace spool {
+namespace {
+
+const MethodResults* method_named(const std::vector<MethodResults>& methods,
+                                  const std::string& name) {
+  const auto found =
+      std::ranges::find_if(methods, [&](const MethodResults& m) { return m.name() == name; });
+  return found == methods.end() || found->one_image() ? nullptr : &*found;
+}
+
+Comparison compared(const Claim& claim, const std::vector<MethodResults>& methods) {
+  const MethodResults* better = method_named(methods, claim.better);
+  const MethodResults* than = method_named(methods, claim.than);
+  if (!better || !than) return {};
+  const auto series = [&](const MethodResults& method) {
+    return claim.fresh ? method.fresh_series(claim.metric)
+                       : method.series(quantity_index(claim.metric));
+  };
+  return compare_paired(series(*better), series(*than),
+                        metrics()[static_cast<std::size_t>(metric_index(claim.metric))].better);
+}
+
+}  // namespace
+
+PlaceClaims claims_at(const Plan& plan, const StudyPlace& place,
+                      const std::vector<MethodResults>& methods) {
+  std::vector<Comparison> comparisons;
+  std::vector<double> below;
+  for (const Claim& claim : plan.claims) {
+    if (!claim.asks(place.spp)) continue;
+    comparisons.push_back(compared(claim, methods));
+    below.push_back(claim.below);
+  }
+  const std::vector<JudgedClaim> judged = judge_claims(comparisons, below);
+  PlaceClaims found{place, {}};
+  auto next = judged.begin();
+  for (const Claim& claim : plan.claims)
+    found.judged.push_back(claim.asks(place.spp) ? std::optional(*next++) : std::nullopt);
+  return found;
+}
+
+std::vector<ClaimFinding> claim_findings(const Plan& plan, const std::vector<PlaceClaims>& places) {
+  std::vector<ClaimFinding> findings;
+  for (std::size_t c = 0; c < plan.claims.size(); ++c) {
+    ClaimFinding& finding = findings.emplace_back();
+    finding.claim = plan.claims[c];
+    std::vector<ClaimVerdict> verdicts;
+    for (const PlaceClaims& place : places) {
+      if (!place.judged[c]) continue;
+      finding.places.push_back({place.place, *place.judged[c]});
+      verdicts.push_back(place.judged[c]->verdict);
+    }
+    finding.verdict = verdict_over(verdicts);
+  }
+  return findings;
+}
+
+}  // namespace spool

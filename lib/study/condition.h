@@ -1,0 +1,94 @@
+// The methods of one place ranked by one metric.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/experiment/plan_cells.h"
+#include "lib/inference/ranking.h"
+#include "lib/study/method_results.h"
+#include "lib/study/place.h"
+
+namespace spool {
+
+struct Condition {
+  std::string metric;
+  double spp = 0;
+  Ranking ranking;  // indices are those of the methods
+  std::optional<std::size_t> baseline;
+};
+
+// The plan's, else uniform + box, where it is among the methods.
+std::optional<std::size_t> baseline_of(const Plan& plan, const std::vector<MethodResults>& methods);
+
+// None where no method has a value.
+std::optional<Condition> rank_condition(const Plan& plan, const std::vector<MethodResults>& methods,
+                                        const std::string& metric, double spp);
+
+// Of `method` to the other of the pair; nothing where errors were not compared by logarithms.
+Interval ratio_of(const PairVerdict& pair, std::size_t method);
+
+// Of two methods of which one has its verdict withheld: the ratio without an interval; else
+// nothing.
+Interval withheld_ratio(const MethodResults& method, const MethodResults& other,
+                        const std::string& metric);
+
+// How much more would separate a method and the baseline: replicates, or recordings where
+// replicates would repeat their samples.
+struct WouldTell {
+  double count = 0;
+  bool recordings = false;
+
+  const char* unit() const { return recordings ? "recordings" : "replicates"; }
+};
+
+// One method as the ranking has it.
+struct RankedFinding {
+  std::size_t result = 0;  // index into Study::results
+  Interval value;
+  std::optional<Interval> order;  // about another order of the same samples
+  std::string letters;
+  bool compared = true;
+  Withheld withheld = Withheld::kNo;
+  std::optional<Verdict> against_best;  // none: it is the best, or not compared
+  std::optional<double> p_against_best;
+  std::optional<Verdict> against_baseline;  // none: it is the baseline, or there is none
+  std::optional<Interval> ratio;            // to the baseline
+  Withheld baseline_withheld = Withheld::kNo;
+  std::optional<WouldTell> would_tell;
+  Interval energy;
+  std::optional<double> loses_energy;  // the share that is lost, where beyond the interval
+};
+
+// Two methods by their places in the ranking, the better mean first.
+struct PairFinding {
+  std::size_t first = 0, second = 0;
+  Interval ratio;
+  double p = 1;  // adjusted for all pairs
+  Verdict verdict = Verdict::kUnknown;
+};
+
+// What the intervals and verdicts are about.
+struct About {
+  std::string kind;
+  double shared = 0;  // most of a replicate's samples that another took too, over the methods
+  std::string text;
+};
+
+struct ConditionFinding {
+  StudyPlace place;
+  std::string metric;
+  bool biased = false;
+  About about;
+  std::vector<RankedFinding> ranking;             // best first
+  std::optional<std::vector<PairFinding>> pairs;  // of mse and relmse
+};
+
+// `results`: [method] index into Study::results; methods without a finished result are left out.
+ConditionFinding condition_finding(const Plan& plan, const PlanScene& scene,
+                                   const std::vector<MethodResults>& methods,
+                                   const std::vector<std::size_t>& results,
+                                   const Condition& condition);
+
+}  // namespace spool

@@ -1,0 +1,181 @@
+#include "lib/study/study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "lib/experiment/baseline.h"
+
+namespace spool {
+namespace {
+
+MethodPair pair_of(const MethodResults& method) {
+  return {method.sampler.label(), method.filter.label()};
+}
+
+// One scene with one number of threads, all budgets.
+class SceneStudy {
+ public:
+  SceneStudy(const Plan& plan, const PlanScene& scene, int threads, const StudySources& sources)
+      : plan_(plan), scene_(scene), threads_(threads) {
+    for (const double spp : plan.spp)
+      budgets_.push_back(read_methods(plan, scene, spp, threads, sources));
+    for (std::size_t b = 0; b < budgets_.size(); ++b) {
+      std::vector<Condition>& conditions = conditions_.emplace_back();
+      for (const std::string& metric : compared_metrics()) {
+        if (auto ranked = rank_condition(plan, budgets_[b], metric, plan.spp[b]))
+          conditions.push_back(*ranked);
+      }
+    }
+  }
+
+  void add_claims(std::vector<PlaceClaims>& places) const {
+    for (std::size_t b = 0; b < budgets_.size(); ++b)
+      places.push_back(claims_at(plan_, place(b), budgets_[b]));
+  }
+
+  void add_findings(Study& study) const {
+    for (std::size_t b = 0; b < budgets_.size(); ++b) {
+      const std::vector<std::size_t> results = add_results(study.results, b);
+      for (const Condition& condition : conditions_[b]) {
+        study.conditions.push_back(
+            condition_finding(plan_, scene_, budgets_[b], results, condition));
+        study.conditions.back().place = place(b);
+      }
+    }
+    if (plan_.spp.size() > 1) add_curves(study.curves);
+  }
+
+  int threads() const { return threads_; }
+  const std::vector<MethodResults>& methods(std::size_t budget) const { return budgets_[budget]; }
+  const Condition* condition(std::size_t budget, const std::string& metric) const {
+    const auto found = std::ranges::find(conditions_[budget], metric, &Condition::metric);
+    return found == conditions_[budget].end() ? nullptr : &*found;
+  }
+
+ private:
+  StudyPlace place(std::size_t budget) const {
+    return {scene_.recordings.front(), plan_.spp[budget], threads_};
+  }
+
+  // [method] index into `list`, of those that have a result.
+  std::vector<std::size_t> add_results(std::vector<MethodFinding>& list, std::size_t budget) const {
+    std::vector<std::size_t> indices;
+    for (const MethodResults& method : budgets_[budget]) {
+      indices.push_back(list.size());
+      if (method.done + method.failed == 0) continue;
+      list.push_back({place(budget),
+                      pair_of(method),
+                      method.sampler.name,
+                      method.filter.name,
+                      method.done,
+                      method.failed,
+                      method.one_image(),
+                      method.shared,
+                      method.correlation,
+                      method.reference,
+                      {}});
+      for (std::size_t q = 0; q < quantities().size(); ++q)
+        list.back().quantities.push_back(method.interval(q));
+    }
+    return indices;
+  }
+
+  void add_curves(std::vector<CurveFinding>& list) const {
+    const std::optional<std::size_t> baseline = baseline_of(plan_, budgets_.front());
+    for (std::size_t m = 0; m < budgets_.front().size(); ++m) {
+      for (const char* metric : {"relmse", "mse"}) {
+        auto curve = curve_finding(plan_.spp, budgets_, m, baseline, metric);
+        if (!curve) continue;
+        curve->recording = scene_.recordings.front();
+        curve->threads = threads_;
+        curve->methods = pair_of(budgets_.front()[m]);
+        list.push_back(std::move(*curve));
+      }
+    }
+  }
+
+  const Plan& plan_;
+  const PlanScene& scene_;
+  int threads_;
+  std::vector<std::vector<MethodResults>> budgets_;  // [budget][method]
+  std::vector<std::vector<Condition>> conditions_;   // [budget][metric that is known]
+};
+
+// None where a scene does not have both.
+std::optional<OverallFinding::AgainstBaseline> against_baseline(
+    const std::vector<SceneStudy>& scenes, std::size_t budget, std::size_t method,
+    const std::string& metric) {
+  std::vector<Interval> ratios;
+  OverallFinding::AgainstBaseline found;
+  for (const SceneStudy& scene : scenes) {
+    const Condition* condition = scene.condition(budget, metric);
+    if (!condition || !condition->baseline || *condition->baseline == method) return std::nullopt;
+    const PairVerdict* pair = condition->ranking.pair(method, *condition->baseline);
+    const std::vector<MethodResults>& methods = scene.methods(budget);
+    ratios.push_back(pair ? ratio_of(*pair, method)
+                          : withheld_ratio(methods[method], methods[*condition->baseline], metric));
+    if (ratios.back().n == 0) return std::nullopt;
+    const Verdict verdict = condition->ranking.between(method, *condition->baseline);
+    found.better += verdict == Verdict::kBetter;
+    found.worse += verdict == Verdict::kWorse;
+  }
+  found.undecided = static_cast<int>(scenes.size()) - found.better - found.worse;
+  found.ratio = mean_of_intervals(ratios);
+  return found;
+}
+
+// A quantity that one of the scenes does not average on its logarithm has no mean over them.
+Interval overall_interval(const std::vector<SceneStudy>& scenes, std::size_t budget,
+                          std::size_t method, std::size_t quantity) {
+  std::vector<Interval> intervals;
+  for (const SceneStudy& scene : scenes)
+    intervals.push_back(scene.methods(budget)[method].interval(quantity));
+  const bool all = std::ranges::all_of(intervals, &Interval::logarithmic);
+  return all ? mean_of_intervals(intervals) : Interval{};
+}
+
+void add_overall(std::vector<OverallFinding>& list, const Plan& plan,
+                 const std::vector<SceneStudy>& scenes) {
+  if (scenes.size() < 2) return;
+  for (std::size_t b = 0; b < plan.spp.size(); ++b) {
+    for (std::size_t m = 0; m < scenes.front().methods(b).size(); ++m) {
+      OverallFinding found{
+          plan.spp[b], scenes.front().threads(), pair_of(scenes.front().methods(b)[m]), {}, {}};
+      bool any = false;
+      for (std::size_t q = 0; q < quantities().size(); ++q) {
+        found.quantities.push_back(overall_interval(scenes, b, m, q));
+        any = any || std::isfinite(found.quantities.back().mean);
+      }
+      if (!any) continue;
+      for (const std::string& metric : compared_metrics()) {
+        if (const auto against = against_baseline(scenes, b, m, metric))
+          found.against.emplace_back(metric, *against);
+      }
+      list.push_back(std::move(found));
+    }
+  }
+}
+
+}  // namespace
+
+Study study_of(const Plan& plan, const StudySources& sources) {
+  Study study;
+  study.baseline = plan.baseline.empty() ? fmt::format("{} + {}", kBaselineSampler, kBaselineFilter)
+                                         : plan.baseline;
+  study.scenes = scenes_of(plan);
+  std::vector<PlaceClaims> places;
+  for (const int threads : plan.threads) {
+    std::vector<SceneStudy> scenes;
+    for (const PlanScene& scene : study.scenes) {
+      scenes.emplace_back(plan, scene, threads, sources);
+      scenes.back().add_claims(places);
+      scenes.back().add_findings(study);
+    }
+    add_overall(study.overall, plan, scenes);
+  }
+  study.claims = claim_findings(plan, places);
+  return study;
+}
+
+}  // namespace spool

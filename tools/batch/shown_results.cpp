@@ -1,0 +1,59 @@
+#include "tools/batch/shown_results.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "tools/methods/external_methods.h"
+
+namespace spool::tools {
+namespace {
+
+bool has_ends(const Interval& interval) {
+  return std::isfinite(interval.low) && std::isfinite(interval.high);
+}
+
+}  // namespace
+
+bool is_described_sampler(const RankedResult& result) {
+  return is_by_description(known_samplers(), result.result->sampler_name);
+}
+
+bool is_described_filter(const RankedResult& result) {
+  return is_by_description(known_filters(), result.result->filter_name);
+}
+
+std::string shown_scene(const std::string& recording) {
+  return std::filesystem::path(recording).stem().string();
+}
+
+std::string shown_sampler(const RankedResult& result) {
+  return result.result->methods.sampler + (is_described_sampler(result) ? kByDescriptionMark : "");
+}
+
+std::string shown_filter(const RankedResult& result) {
+  return result.result->methods.filter + (is_described_filter(result) ? kByDescriptionMark : "");
+}
+
+std::string shown_method(const RankedResult& result) {
+  return shown_sampler(result) + " + " + shown_filter(result);
+}
+
+double mean_or(const Interval& interval, double other) {
+  return std::isfinite(interval.mean) ? interval.mean : other;
+}
+
+std::string value_text(const Interval& interval, const char* format) {
+  if (!std::isfinite(interval.mean)) return "n/a";
+  std::string text = fmt::format(fmt::runtime(format), interval.mean);
+  if (!has_ends(interval)) return text;
+  return text + fmt::format(" [{:.3g}, {:.3g}]", interval.low, interval.high);
+}
+
+std::string ratio_text(const Interval& ratio) {
+  if (!std::isfinite(ratio.mean)) return "-";
+  const std::string mean = fmt::format("{:.3g}", ratio.mean);
+  if (!has_ends(ratio)) return mean;
+  return mean + fmt::format(" [{:.2g}, {:.2g}]", ratio.low, ratio.high);
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,138 @@
+#include "tools/batch/summary_notes.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "lib/core/visible_text.h"
+#include "tools/terminal/console.h"
+
+namespace spool::tools {
+namespace {
+
+struct ShownMetric {
+  const char* name;
+  const char* shown;
+  const RankedFinding* RankedResult::* rank;
+};
+constexpr std::array<ShownMetric, 2> kShownMetrics = {
+    {{"relmse", "relMSE", &RankedResult::relmse}, {"mse", "MSE", &RankedResult::mse}}};
+
+// The result whose error stands on the fewest pixels.
+struct Fewest {
+  const RankedResult* result = nullptr;
+  const ShownMetric* metric = nullptr;
+  double pixels = std::numeric_limits<double>::infinity();  // that bear half of it
+  double share = 0;  // of it in the worst 0.1 % of the pixels
+
+  void take(const RankedResult& of, const ShownMetric& by) {
+    constexpr double kRemarked = 0.2;
+    const std::string name = by.name;
+    const double worst = mean_or(of.quantity(name + "_worst_share"), 0.0);
+    const double half = mean_or(of.quantity(name + "_half_pixels"), pixels);
+    if (worst < kRemarked || half >= pixels) return;
+    *this = {&of, &by, half, worst};
+  }
+};
+
+std::string fewest_text(const Fewest& fewest) {
+  if (!fewest.result) return "";
+  const StudyPlace& place = fewest.result->place();
+  return fmt::format(
+      "Few pixels: {:.0f} bear half of the {} of {} ({}, {:g} spp), the worst "
+      "0.1 % {:.0f} %.\n",
+      std::max(1.0, fewest.pixels), fewest.metric->shown,
+      visible_text(shown_method(*fewest.result)), visible_text(shown_scene(place.recording)),
+      place.spp, 100.0 * fewest.share);
+}
+
+}  // namespace
+
+std::string would_tell_text(const ShownResults& shown) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::pair<double, std::string>> found;
+  for (const RankedResult& result : shown) {
+    if (!result.relmse || !result.relmse->would_tell) continue;
+    const WouldTell& more = *result.relmse->would_tell;
+    found.emplace_back(more.recordings ? 1e6 + more.count : more.count,
+                       fmt::format("{:.2g} {} for {} ({}, {:g} spp)", more.count, more.unit(),
+                                   shown_method(result), shown_scene(result.place().recording),
+                                   result.place().spp));
+  }
+  if (found.empty()) return "";
+  std::ranges::stable_sort(found, {}, &std::pair<double, std::string>::first);
+  std::string text = "Would decide what is undecided, about: ";
+  for (std::size_t i = 0; i < std::min(found.size(), kMost); ++i)
+    text += (i > 0 ? "; " : "") + visible_text(found[i].second);
+  if (found.size() > kMost)
+    text += fmt::format("; {} more in statistics.json", found.size() - kMost);
+  return text + ".\n";
+}
+
+std::string support_text(const ShownResults& shown) {
+  std::map<std::pair<std::string, std::string>, std::pair<int, Withheld>> withheld;
+  Fewest fewest;
+  for (const RankedResult& result : shown) {
+    for (const ShownMetric& metric : kShownMetrics) {
+      const RankedFinding* ranked = result.*metric.rank;
+      if (ranked && ranked->withheld != Withheld::kNo) {
+        auto& [count, why] = withheld[{metric.shown, std::string(withheld_name(ranked->withheld))}];
+        ++count;
+        why = ranked->withheld;
+      }
+      fewest.take(result, metric);
+    }
+  }
+  std::string text = fewest_text(fewest);
+  for (const auto& [name, found] : withheld) {
+    const auto& [count, why] = found;
+    text += fmt::format("No verdict on {} ({}): {} result{}: {}.\n", name.first, name.second, count,
+                        count == 1 ? "" : "s", withheld_remedy(why));
+  }
+  return text;
+}
+
+std::string losses_text(const ShownResults& shown) {
+  constexpr std::size_t kMost = 3;
+  std::map<std::string, double> worst;
+  for (const RankedResult& result : shown) {
+    if (!result.relmse || !result.relmse->loses_energy) continue;
+    double& loss = worst[shown_method(result)];
+    loss = std::max(loss, *result.relmse->loses_energy);
+  }
+  if (worst.empty()) return "";
+  std::vector<std::pair<double, std::string>> order;
+  for (const auto& [method, loss] : worst)
+    order.emplace_back(-loss, method);
+  std::ranges::sort(order);
+  std::vector<std::string> parts;
+  for (const auto& [loss, method] : order) {
+    if (parts.size() < kMost)
+      parts.push_back(fmt::format("{} (up to {:.1f} %)", visible_text(method), -100.0 * loss));
+  }
+  if (order.size() > kMost) parts.push_back(fmt::format("{} more", order.size() - kMost));
+  return fmt::format("Light is lost by more than 2 % beyond the interval: {}.\n",
+                     fmt::join(parts, ", "));
+}
+
+std::string exchange_text(const ShownResults& shown) {
+  double most = 0.0;
+  const RankedResult* slowest = nullptr;
+  for (const RankedResult& result : shown) {
+    const double exchange = mean_or(result.quantity("seconds_exchange"), 0.0);
+    if (!(exchange > most)) continue;
+    most = exchange;
+    slowest = &result;
+  }
+  if (!slowest) return "";
+  const double all = mean_or(slowest->quantity("seconds_sampling"), 0.0) +
+                     mean_or(slowest->quantity("seconds_filtering"), 0.0);
+  return fmt::format("Commands: {} takes {}, {} of it to start and for files (seconds_exchange).\n",
+                     visible_text(shown_method(*slowest)), format_seconds(all),
+                     format_seconds(most));
+}
+
+}  // namespace spool::tools

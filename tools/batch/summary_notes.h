@@ -1,0 +1,20 @@
+// The lines below the table of `spool evaluate`: what would decide more, what stands on little,
+// what loses light, what time commands take. Each is empty where there is nothing to say.
+#pragma once
+
+#include <string>
+
+#include "tools/batch/shown_results.h"
+
+namespace spool::tools {
+
+// The methods that more replicates or recordings would separate from the baseline, the cheapest
+// first.
+std::string would_tell_text(const ShownResults& shown);
+// How many have no verdict and why, and the result that stands on the fewest pixels.
+std::string support_text(const ShownResults& shown);
+std::string losses_text(const ShownResults& shown);
+// Commands spend time on their start and on files, which is not the method's.
+std::string exchange_text(const ShownResults& shown);
+
+}  // namespace spool::tools

@@ -1,0 +1,319 @@
+#include "tools/json/study_json.h"
+
+#include <cmath>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/bounded_json.h"
+#include "tools/json/json_text.h"
+#include "tools/methods/external_methods.h"
+
+namespace spool::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+const char* const kRules[][2] = {
+    {"mean",
+     "Over the replicates; geometric where every value is positive, so that quotients of means are "
+     "means of quotients."},
+    {"interval",
+     "95 %, each for itself, about another recording of the scene: Student's, of the logarithms "
+     "where the mean is geometric, widened where replicates share samples. The reference is taken "
+     "as given. `order_low` and `order_high`, where given, are about this recording in another "
+     "order of its samples, and about nothing else."},
+    {"verdict",
+     "Methods are compared replicate by replicate on the logarithms of their errors; of all pairs "
+     "of a scene, budget and metric together at 5 % (Holm). Methods that share a letter are not "
+     "separated."},
+    {"claim",
+     "A question of the plan: the ratio of two errors lies below its limit. The claims of a scene "
+     "and budget together at 5 % (Holm), apart from the pairs. Over several places: holds where "
+     "some hold and none is reversed."},
+    {"ratio", "To the baseline at the same budget, with its interval for itself."},
+    {"withheld",
+     "Neither interval nor verdict: fewer than 20 pixels bear half of the error, those of "
+     "independent replicates together (with fewer than three recordings), or, for relMSE, the "
+     "relative variance of the reference is above 0.01."},
+    {"would_tell",
+     "Where a method and the baseline are not separated: about how many replicates, or recordings "
+     "where replicates would repeat their samples, separate a difference as measured in 80 % of "
+     "attempts, by itself."},
+    {"equal_time",
+     "The error in the processor time of the baseline (sampling, filtering and, where recorded, "
+     "rendering), read from the method's own budgets and never beyond them."},
+    {"energy", "Methods whose energy ratio is below 0.98, beyond its interval, lose energy."}};
+
+// [mean, low, high], [mean], or nothing.
+ordered_json interval_json(const Interval& interval) {
+  ordered_json list = ordered_json::array();
+  if (!std::isfinite(interval.mean)) return list;
+  list.push_back(interval.mean);
+  if (std::isfinite(interval.low) && std::isfinite(interval.high)) {
+    list.push_back(interval.low);
+    list.push_back(interval.high);
+  }
+  return list;
+}
+
+ordered_json place_json(const StudyPlace& place) {
+  return {{"dump", place.recording}, {"spp", place.spp}, {"threads", place.threads}};
+}
+
+void add_methods(ordered_json& entry, const MethodPair& methods) {
+  entry["sampler"] = methods.sampler;
+  entry["filter"] = methods.filter;
+}
+
+void add_quantities(ordered_json& entry, const std::vector<Interval>& found) {
+  for (std::size_t q = 0; q < found.size(); ++q) {
+    if (std::isfinite(found[q].mean))
+      entry["quantities"][quantities()[q].name] = interval_json(found[q]);
+  }
+}
+
+ordered_json result_json(const MethodFinding& result) {
+  ordered_json entry = place_json(result.place);
+  add_methods(entry, result.methods);
+  entry["sampler_name"] = result.sampler_name;
+  entry["filter_name"] = result.filter_name;
+  entry["replicates"] = result.replicates;
+  entry["failed"] = result.failed;
+  entry["one_image"] = result.one_image;
+  entry["shared"] = result.shared;
+  entry["correlation"] = result.correlation;
+  entry["reference"] = result.reference;
+  add_quantities(entry, result.quantities);
+  return entry;
+}
+
+ordered_json would_tell_json(const WouldTell& more) {
+  return {{more.unit(), more.count}};
+}
+
+ordered_json ranked_json(const Study& study, const RankedFinding& ranked) {
+  ordered_json entry;
+  add_methods(entry, study.results[ranked.result].methods);
+  entry["value"] = interval_json(ranked.value);
+  if (ranked.order) {
+    entry["order_low"] = json_number(ranked.order->low);
+    entry["order_high"] = json_number(ranked.order->high);
+  }
+  entry["letters"] = ranked.letters;
+  entry["compared"] = ranked.compared;
+  if (ranked.withheld != Withheld::kNo) entry["withheld"] = withheld_name(ranked.withheld);
+  if (ranked.against_best) entry["against_best"] = verdict_name(*ranked.against_best);
+  if (ranked.p_against_best) entry["p_against_best"] = json_number(*ranked.p_against_best);
+  if (ranked.against_baseline) entry["against_baseline"] = verdict_name(*ranked.against_baseline);
+  if (ranked.ratio) entry["ratio"] = interval_json(*ranked.ratio);
+  if (ranked.baseline_withheld != Withheld::kNo)
+    entry["baseline_withheld"] = withheld_name(ranked.baseline_withheld);
+  if (ranked.would_tell) entry["would_tell"] = would_tell_json(*ranked.would_tell);
+  entry["energy"] = interval_json(ranked.energy);
+  if (ranked.loses_energy) entry["loses_energy"] = *ranked.loses_energy;
+  return entry;
+}
+
+ordered_json condition_json(const Study& study, const ConditionFinding& condition) {
+  ordered_json entry = place_json(condition.place);
+  entry["metric"] = condition.metric;
+  entry["biased"] = condition.biased;
+  entry["about"] = {{"kind", condition.about.kind},
+                    {"shared", condition.about.shared},
+                    {"text", condition.about.text}};
+  entry["ranking"] = ordered_json::array();
+  for (const RankedFinding& ranked : condition.ranking)
+    entry["ranking"].push_back(ranked_json(study, ranked));
+  if (!condition.pairs) return entry;
+  entry["pairs"] = ordered_json::array();
+  for (const PairFinding& pair : *condition.pairs)
+    entry["pairs"].push_back({pair.first, pair.second, json_number(pair.ratio.mean),
+                              json_number(pair.ratio.low), json_number(pair.ratio.high),
+                              json_number(pair.p), verdict_name(pair.verdict)});
+  return entry;
+}
+
+ordered_json needed_json(const NeededAt& found) {
+  const SamplesNeeded& needed = found.needed;
+  return {{"at", found.at},
+          {"spp", needed.spp},
+          {"low", json_number(needed.low)},
+          {"high", json_number(needed.high)},
+          {"bound", needed.at_most ? "at most" : (needed.more_than ? "more than" : "")}};
+}
+
+ordered_json equal_time_json(const EqualTimeAt& at) {
+  ordered_json entry = {{"at", at.at}, {"seconds", json_number(at.seconds)}};
+  if (at.found.too_slow || at.found.too_fast) {
+    entry["outside"] = at.found.too_slow ? "too slow" : "too fast";
+  } else {
+    entry["ratio"] = interval_json(at.found.ratio);
+  }
+  return entry;
+}
+
+ordered_json curve_json(const CurveFinding& curve) {
+  ordered_json entry = {{"dump", curve.recording}, {"threads", curve.threads}};
+  add_methods(entry, curve.methods);
+  entry["biased"] = curve.biased;
+  entry["metric"] = curve.metric;
+  entry["budgets"] = curve.budgets;
+  entry["slope"] = interval_json(curve.slope);
+  if (!curve.against_baseline) return entry;
+  entry["needed"] = ordered_json::array();
+  for (const NeededAt& needed : curve.needed)
+    entry["needed"].push_back(needed_json(needed));
+  entry["equal_time"] = ordered_json::array();
+  for (const EqualTimeAt& at : curve.equal_time)
+    entry["equal_time"].push_back(equal_time_json(at));
+  return entry;
+}
+
+ordered_json overall_json(const OverallFinding& overall) {
+  ordered_json entry = {{"spp", overall.spp}, {"threads", overall.threads}};
+  add_methods(entry, overall.methods);
+  add_quantities(entry, overall.quantities);
+  for (const auto& [metric, against] : overall.against) {
+    entry["against_baseline"][metric] = {{"ratio", interval_json(against.ratio)},
+                                         {"better", against.better},
+                                         {"worse", against.worse},
+                                         {"undecided", against.undecided}};
+  }
+  return entry;
+}
+
+ordered_json claim_place_json(const ClaimFinding::At& at, bool fresh) {
+  const Comparison& comparison = at.judged.comparison;
+  ordered_json entry = place_json(at.place);
+  entry["verdict"] = claim_verdict_name(at.judged.verdict);
+  entry["ratio"] = interval_json(comparison.ratio());
+  entry["p"] = json_number(at.judged.p);
+  entry["replicates"] = comparison.n;
+  if (!comparison.logarithmic && comparison.known())
+    entry["difference"] = {comparison.difference, comparison.low, comparison.high};
+  if (comparison.withheld != Withheld::kNo) entry["withheld"] = withheld_name(comparison.withheld);
+  if (fresh) entry["samples"] = "fresh";
+  return entry;
+}
+
+ordered_json question_json(const Claim& claim) {
+  return {{"text", claim.text},
+          {"better", claim.better},
+          {"than", claim.than},
+          {"metric", claim.metric},
+          {"samples", claim.fresh ? "fresh" : "own"},
+          {"below", claim.below}};
+}
+
+ordered_json claim_json(const ClaimFinding& finding) {
+  ordered_json entry = question_json(finding.claim);
+  std::map<std::string, int> counts;
+  ordered_json places = ordered_json::array();
+  for (const ClaimFinding::At& at : finding.places) {
+    ++counts[std::string(claim_verdict_name(at.judged.verdict))];
+    places.push_back(claim_place_json(at, finding.claim.fresh));
+  }
+  entry["verdict"] = claim_verdict_name(finding.verdict);
+  entry["counts"] = counts;
+  entry["places"] = std::move(places);
+  if (!finding.claim.spp.empty()) entry["spp"] = finding.claim.spp;
+  if (!finding.claim.source.empty()) entry["source"] = finding.claim.source;
+  if (finding.after_results) entry["after_results"] = true;
+  return entry;
+}
+
+// The ranks of a result by one metric.
+ordered_json ranks_json(const RankedFinding& ranked) {
+  ordered_json entry = {{"letters", ranked.letters}};
+  if (ranked.ratio) entry["ratio"] = interval_json(*ranked.ratio);
+  if (ranked.against_baseline) entry["against_baseline"] = verdict_name(*ranked.against_baseline);
+  if (ranked.against_best) entry["against_best"] = verdict_name(*ranked.against_best);
+  if (ranked.would_tell) entry["would_tell"] = would_tell_json(*ranked.would_tell);
+  if (ranked.withheld != Withheld::kNo) entry["withheld"] = withheld_name(ranked.withheld);
+  return entry;
+}
+
+std::string dense_text(const ordered_json& value, int indent) {
+  return value.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string statistics_text(const Study& study) {
+  ordered_json root = {{"version", 1}};
+  for (const auto& [name, text] : kRules)
+    root["rules"][name] = text;
+  const auto fill = [&](const char* name, const auto& findings, const auto& as_json) {
+    root[name] = ordered_json::array();
+    for (const auto& finding : findings)
+      root[name].push_back(as_json(finding));
+  };
+  fill("scenes", study.scenes, [](const PlanScene& scene) {
+    return ordered_json{{"dump", scene.recordings.front()},
+                        {"group", scene.group},
+                        {"recordings", scene.recordings}};
+  });
+  fill("claims", study.claims, claim_json);
+  fill("results", study.results, result_json);
+  fill("conditions", study.conditions,
+       [&](const ConditionFinding& condition) { return condition_json(study, condition); });
+  fill("curves", study.curves, curve_json);
+  fill("overall", study.overall, overall_json);
+  root["baseline"] = study.baseline;
+  return dense_text(root, 1) + "\n";
+}
+
+std::string results_text(const std::vector<RankedResult>& results) {
+  ordered_json list = ordered_json::array();
+  for (const RankedResult& ranked : results) {
+    const MethodFinding& result = *ranked.result;
+    ordered_json entry = result_json(result);
+    entry["sampler_by_description"] = is_by_description(known_samplers(), result.sampler_name);
+    entry["filter_by_description"] = is_by_description(known_filters(), result.filter_name);
+    entry["biased"] = result.reference.ends_with("(biased)");
+    if (ranked.relmse) entry["ranks"]["relmse"] = ranks_json(*ranked.relmse);
+    if (ranked.mse) entry["ranks"]["mse"] = ranks_json(*ranked.mse);
+    list.push_back(std::move(entry));
+  }
+  return json_text(list);
+}
+
+std::vector<KeptClaim> kept_claims(const std::filesystem::path& statistics_file) {
+  const auto json = format::parse_json_file<ordered_json>(statistics_file);
+  if (!json.is_object() || !json.contains("claims") || !json["claims"].is_array()) return {};
+  std::vector<KeptClaim> claims;
+  for (const ordered_json& claim : json["claims"]) {
+    const auto text_of = [&](const char* key) {
+      const bool known = claim.is_object() && claim.contains(key) && claim[key].is_string();
+      return known ? claim[key].get<std::string>() : std::string();
+    };
+    claims.push_back({text_of("text"), text_of("verdict")});
+  }
+  return claims;
+}
+
+std::string question_of(const Claim& claim) {
+  ordered_json question = question_json(claim);
+  if (!claim.spp.empty()) question["spp"] = claim.spp;
+  return dense_text(question, -1);
+}
+
+std::string questions_text(const std::vector<Claim>& claims) {
+  ordered_json list = ordered_json::array();
+  for (const Claim& claim : claims)
+    list.push_back(question_of(claim));
+  return list.dump(1) + "\n";
+}
+
+std::set<std::string> kept_questions(const std::filesystem::path& claims_file) {
+  std::set<std::string> known;
+  const auto kept = format::parse_json_file<ordered_json>(claims_file);
+  if (!kept.is_array()) return known;
+  for (const ordered_json& question : kept) {
+    if (question.is_string()) known.insert(question.get<std::string>());
+  }
+  return known;
+}
+
+}  // namespace spool::tools

@@ -1,0 +1,43 @@
+// A study as JSON: DIR/statistics.json, DIR/claims.json, and what `spool evaluate --json` prints.
+//
+//   rules       what an interval and a verdict are about, in words
+//   scenes      recordings, those of one scene together
+//   claims      those of the plan: its words, the verdict over all places, and each place
+//   results     per scene, budget, number of threads and method: every quantity, [mean, low, high]
+//   conditions  per scene, budget, threads and metric: methods by mean, with letters, ratio to
+//               the baseline, verdicts; for mse and relmse all pairs
+//   curves      per scene and method: slope of error over budget; samples that it needs for the
+//               error of the baseline, and its error in the baseline's time
+//   overall     per budget, threads and method: geometric means over the scenes
+//
+// Numbers that are not finite are null.
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lib/study/ranked_results.h"
+#include "lib/study/study.h"
+
+namespace spool::tools {
+
+std::string statistics_text(const Study& study);
+
+// As --json prints them: as in statistics.json, each with its ranks.
+std::string results_text(const std::vector<RankedResult>& results);
+
+// The claims of a statistics.json that another program may have changed: what is not text is left
+// empty.
+struct KeptClaim {
+  std::string text, verdict;
+};
+std::vector<KeptClaim> kept_claims(const std::filesystem::path& statistics_file);
+
+// What a claim asks, as claims.json holds it; and the whole of that file.
+std::string question_of(const Claim& claim);
+std::string questions_text(const std::vector<Claim>& claims);
+std::set<std::string> kept_questions(const std::filesystem::path& claims_file);
+
+}  // namespace spool::tools
