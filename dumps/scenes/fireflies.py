@@ -1,4 +1,4 @@
-"""A room lit only by what a small lamp throws on a glossy hood: no wall faces the lamp itself.
+"""A room lit only by what a small lamp throws on a glossy hood: no wall sees the lamp itself.
 
 Hard for everything: all light is indirect, glossy metal focuses it, and single samples are a thousand
 times brighter than the pixel. Means of few samples say little, and outlier rules are put to the test.

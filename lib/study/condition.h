@@ -34,7 +34,7 @@ Interval ratio_of(const PairVerdict& pair, std::size_t method);
 Interval withheld_ratio(const MethodResults& method, const MethodResults& other,
                         const std::string& metric);
 
-// How much more would tell a method and the baseline apart: replicates, or recordings where
+// How much more would separate a method and the baseline: replicates, or recordings where
 // replicates would repeat their samples.
 struct WouldTell {
   double count = 0;

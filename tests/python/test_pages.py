@@ -30,7 +30,7 @@ def test_the_lines_of_the_readme(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
     code, = blocks((ROOT / "README.md").read_text(encoding="utf-8"))
     exec(compile(code, "README.md", "exec"), {})
-    assert 0.05 < float(capsys.readouterr().out) < 0.5
+    assert 0.005 < float(capsys.readouterr().out) < 0.05
 
 
 def test_it_holds_the_numpy_package():

@@ -99,10 +99,12 @@ def test_a_slider_that_runs_ends_where_it_stops(live):
 
 def test_methods_and_layers_change_live_too(live):
     page = live.page
-    names = page.locator("#viewer-b option").all_text_contents()
-    page.select_option("#viewer-b", label="uniform + gaussian")
+    samplers = page.locator("#viewer-b-sampler option").all_text_contents()
+    filters = page.locator("#viewer-b-filter option").all_text_contents()
+    page.select_option("#viewer-b-sampler", label="uniform")
+    page.select_option("#viewer-b-filter", label="gaussian")
     live.wait("document.querySelector('#stage').textContent.includes('B: uniform + gaussian')")
-    assert "multiscale + directional" in names
+    assert "multiscale" in samplers and "directional" in filters
     image = live.picture(1)
     page.get_by_role("button", name="density").click()
     page.wait_for_timeout(300)

@@ -163,14 +163,16 @@ def test_every_choice_of_recording_and_method_changes_the_pictures(opened):
     opened.open_images()
     page = opened.page
     seen = {opened.picture()}
-    page.locator("#viewer-a").select_option(label="mitchell + gaussian")
+    page.locator("#viewer-a-sampler").select_option(label="mitchell")
+    page.locator("#viewer-a-filter").select_option(label="gaussian")
     page.wait_for_timeout(200)
     seen.add(opened.picture())
     assert captions(page)[0] == "A: mitchell + gaussian"
     page.locator("#viewer-scene").select_option(label="kitchen")
     page.wait_for_timeout(200)
     assert captions(page)[0] == "A: mitchell + gaussian"
-    page.locator("#viewer-b").select_option(label="uniform + box")
+    page.locator("#viewer-b-sampler").select_option(label="uniform")
+    page.locator("#viewer-b-filter").select_option(label="box")
     page.wait_for_timeout(200)
     assert captions(page)[1] == "B: uniform + box"
     assert opened.errors == []

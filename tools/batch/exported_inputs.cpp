@@ -146,10 +146,9 @@ Result<void> export_inputs(const RunRequest& request, const CommonOptions& commo
                 folder.string());
   }
   if (common.quiet) return {};
-  print_line(
-      fmt::format("inputs: {} images in {}; make one of the same name of each, then\n"
-                  "  --filters 'box,LABEL=image:YOURS/{}'",
-                  written.load(), folder.string(), input_names(plan)));
+  print_line(fmt::format("inputs: {} images in {}; make one of the same name of each, then",
+                         written.load(), folder.string()));
+  print_line(fmt::format("  --filters 'box,LABEL=image:YOURS/{}'", input_names(plan)));
   return {};
 }
 

@@ -64,7 +64,7 @@ std::string would_tell_text(const ShownResults& shown) {
   }
   if (found.empty()) return "";
   std::ranges::stable_sort(found, {}, &std::pair<double, std::string>::first);
-  std::string text = "Would tell what is undecided, about: ";
+  std::string text = "Would decide what is undecided, about: ";
   for (std::size_t i = 0; i < std::min(found.size(), kMost); ++i)
     text += (i > 0 ? "; " : "") + visible_text(found[i].second);
   if (found.size() > kMost)

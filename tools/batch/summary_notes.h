@@ -1,5 +1,5 @@
-// The lines below the table of `spool evaluate`: what would tell more, what stands on little, what
-// loses light, what time commands take. Each is empty where there is nothing to say.
+// The lines below the table of `spool evaluate`: what would decide more, what stands on little,
+// what loses light, what time commands take. Each is empty where there is nothing to say.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace spool::tools {
 
-// The methods that more replicates or recordings would tell from the baseline, the cheapest first.
+// The methods that more replicates or recordings would separate from the baseline, the cheapest
+// first.
 std::string would_tell_text(const ShownResults& shown);
 // How many have no verdict and why, and the result that stands on the fewest pixels.
 std::string support_text(const ShownResults& shown);

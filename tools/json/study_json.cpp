@@ -26,7 +26,7 @@ const char* const kRules[][2] = {
     {"verdict",
      "Methods are compared replicate by replicate on the logarithms of their errors; of all pairs "
      "of a scene, budget and metric together at 5 % (Holm). Methods that share a letter are not "
-     "told apart."},
+     "separated."},
     {"claim",
      "A question of the plan: the ratio of two errors lies below its limit. The claims of a scene "
      "and budget together at 5 % (Holm), apart from the pairs. Over several places: holds where "
@@ -37,8 +37,8 @@ const char* const kRules[][2] = {
      "independent replicates together (with fewer than three recordings), or, for relMSE, the "
      "relative variance of the reference is above 0.01."},
     {"would_tell",
-     "Where a method and the baseline are not told apart: about how many replicates, or recordings "
-     "where replicates would repeat their samples, tell a difference as measured in 80 % of "
+     "Where a method and the baseline are not separated: about how many replicates, or recordings "
+     "where replicates would repeat their samples, separate a difference as measured in 80 % of "
      "attempts, by itself."},
     {"equal_time",
      "The error in the processor time of the baseline (sampling, filtering and, where recorded, "

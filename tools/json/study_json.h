@@ -28,7 +28,8 @@ std::string statistics_text(const Study& study);
 // As --json prints them: as in statistics.json, each with its ranks.
 std::string results_text(const std::vector<RankedResult>& results);
 
-// The claims of a statistics.json that somebody may have changed: what is not text is left empty.
+// The claims of a statistics.json that another program may have changed: what is not text is left
+// empty.
 struct KeptClaim {
   std::string text, verdict;
 };

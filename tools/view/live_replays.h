@@ -1,4 +1,4 @@
-// Replays and pixels of recordings, computed when somebody asks, kept while there is room.
+// Replays and pixels of recordings, computed on request, kept while there is room.
 //
 // Any number of threads may ask. One replay is computed at a time, on all threads of the program; a
 // replay that its own page has asked past - a slider that went on - is given up.

@@ -1,0 +1,73 @@
+"""evaluate --export-inputs, and image:DIR/{recording}_{spp}_{replicate}.exr, which takes the results back."""
+import csv
+import json
+import shutil
+
+import numpy as np
+
+from conftest import samples
+from spool import exr
+
+NAMES = "{recording}_{spp}_{replicate}.exr"
+
+
+def evaluate(run, dump, *options):
+    return run("evaluate", dump, "--spp", 4, "--replicates", 3, "--no-pictures", *options)
+
+
+def errors(folder):
+    found = {}
+    for row in csv.DictReader((folder / "results.csv").open()):
+        found.setdefault(row["filter"], []).append(row["relmse"])
+    return found
+
+
+def test_inputs_that_come_back_as_they_are_judged_as_the_mean(good, dump, tmp_path):
+    evaluate(good, dump, "--export-inputs", "inputs", "--seed", 3)
+    names = sorted(path.name for path in (tmp_path / "inputs").glob("*.exr"))
+    assert names == [f"scene_4_{r}.exr" for r in ("0", "0a", "0b", "1", "1a", "1b", "2")]
+    assert {"R", "variance.G", "n"} <= set(exr.read(tmp_path / "inputs" / names[0]))
+    evaluate(good, dump, "--seed", 3, "--filters", f"box,mine=image:inputs/{NAMES}", "-o", "results")
+    found = errors(tmp_path / "results")
+    assert np.allclose(np.double(found["mine"]), np.double(found["box"]), rtol=1e-6, atol=0)  # by way of floats
+    entry = next(r for r in json.loads((tmp_path / "results" / "statistics.json").read_text())["results"]
+                 if r["filter"] == "mine")
+    assert not entry["one_image"] and len(entry["quantities"]["relmse"]) == 3
+
+
+def test_inputs_go_on_and_are_not_mixed(good, run, dump, tmp_path):
+    evaluate(good, dump, "--export-inputs", "inputs")
+    kept = next((tmp_path / "inputs").glob("*_4_1.exr"))
+    before, missing = kept.stat().st_mtime_ns, next((tmp_path / "inputs").glob("*_4_2.exr"))
+    missing.unlink()
+    evaluate(good, dump, "--export-inputs", "inputs")
+    assert missing.exists() and kept.stat().st_mtime_ns == before
+    evaluate(run, dump, "--export-inputs", "inputs", "--seed", 9).failed_with(2, "another plan")
+    evaluate(run, dump, "--export-inputs", "inputs", "-o", "results").failed_with(2, "--export-inputs", "-o")
+
+
+def test_images_that_are_missing_or_wrong_are_named(good, run, dump, tmp_path):
+    evaluate(good, dump, "--export-inputs", "inputs")
+    name = next((tmp_path / "inputs").glob("*_4_1.exr")).name
+
+    def refused(change, code, *words):
+        shutil.rmtree(tmp_path / "images", ignore_errors=True)
+        shutil.copytree(tmp_path / "inputs", tmp_path / "images")
+        change(tmp_path / "images" / name)
+        evaluate(run, dump, "--filters", f"image:images/{NAMES}", "--force", "-o", "results").failed_with(code, name, *words)
+
+    refused(lambda path: path.unlink(), 3, "1 of 3 images are missing")
+    refused(lambda path: (path.unlink(), path.symlink_to("nowhere")), 3, "missing")
+    small = {c: np.ones((3, 4), "f4") for c in "RGB"}
+    refused(lambda path: exr.write(path, small), 1, "4 x 3")
+    holes = {c: np.full((20, 24), np.nan, "f4") for c in "RGB"}
+    refused(lambda path: exr.write(path, holes), 1, "finite")
+    evaluate(run, dump, "--filters", "image:inputs/{recording}_{spp}.exr", "-o", "other").failed_with(2, "{replicate}")
+
+
+def test_an_image_that_is_the_reference_is_pointed_out(good, dump, tmp_path):
+    mean = samples()[1].astype("f4")
+    reference = tmp_path / "reference.exr"
+    exr.write(reference, dict.fromkeys("RGB", mean))
+    done = evaluate(good, dump, "--filters", f"box,image:{reference}", "-o", "results")
+    assert "is the reference" in done.err
