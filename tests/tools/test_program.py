@@ -352,11 +352,16 @@ def test_lists_leave_expert_options_to_all_and_the_page_of_the_method_names_ever
     for what in ("samplers", "filters"):
         few, all_of_them = good("list", what).out, good("list", what, "--all").out
         assert "more with --all" in few and "more with --all" not in all_of_them
+        every = re.match(r"every filter\n(.*?)\n\n", few, re.S)
+        assert (every is not None) == (what == "filters")
         for method in good("list", what, "--json").json:
             shown = re.search(rf"^{method['name']}\b.*?(\n\n|\Z)", few, re.M | re.S).group()
             for option in method["options"]:
                 assert option["name"] in named, (method["name"], option["name"])
                 line = rf"^ +{re.escape(option['name'])} "
+                if every and re.search(line, every[1], re.M):  # of every filter: stands once
+                    assert len(re.findall(line, few, re.M)) == 1
+                    continue
                 assert bool(re.search(line, shown, re.M)) != option["expert"], (method["name"], option["name"])
                 assert re.search(line, all_of_them, re.M)
 
