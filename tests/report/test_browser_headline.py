@@ -50,6 +50,7 @@ def test_the_table_says_ratio_letters_verdict_and_energy_of_the_file(opened, sta
 
 def test_another_baseline_takes_the_pairs_of_the_file(opened, statistics):
     page = opened.page
+    page.locator("#headline-area select").first.select_option(label="8")
     page.locator("#headline-area select").nth(1).select_option(label="mitchell + gaussian")
     found = cells(page)
     told = 0
@@ -111,11 +112,11 @@ def test_buttons_save_csv_latex_and_svg_without_a_request(opened, statistics):
     rows = list(csv.reader(io.StringIO(text)))
     assert name == "headline.csv" and rows[0][0] == "method" and len(rows) == 10
     values = {row[0]: row[1] for row in rows[1:]}
-    for entry in conditions_at(statistics, 8)[0]["ranking"]:
+    for entry in conditions_at(statistics, 16)[0]["ranking"]:
         assert float(values[name_of(entry)].split()[0]) == pytest.approx(entry["value"][0], rel=6e-3)
     name, text = saved(page, page.get_by_role("button", name="LaTeX", exact=True).click)
     assert name == "headline.tex" and text.count(r"\\") == 10 and text.count("{") == text.count("}")
-    alone = sum(all(e.get("against_best") == "worse" for e in c["ranking"][1:]) for c in conditions_at(statistics, 8))
+    alone = sum(all(e.get("against_best") == "worse" for e in c["ranking"][1:]) for c in conditions_at(statistics, 16))
     assert text.count(r"\textbf") == alone
     name, text = saved(page, page.locator("#charts").get_by_role("button", name="SVG").first.click)
     assert name == "error_time.svg" and text.startswith("<svg") and "relmse" in text

@@ -60,8 +60,8 @@ def test_panes_show_the_values_of_the_exr_files_and_exposure_is_shared(opened, m
     opened.open_images()
     page = opened.page
     exposure = page.evaluate(STATE)["pictures"]["scenes"][0]["exposure"]
-    images = [rgb(read_exr(made_folder / "chess_uniform_box_8spp" / "estimate.exr")),
-              rgb(read_exr(made_folder / "chess_multiscale_directional_8spp" / "estimate.exr")),
+    images = [rgb(read_exr(made_folder / "chess_uniform_box_16spp" / "estimate.exr")),
+              rgb(read_exr(made_folder / "chess_multiscale_directional_16spp" / "estimate.exr")),
               rgb(read_exr(made_folder / "chess_reference.exr"))]
     for change in (0.0, 0.5):
         for pane, image in enumerate(images):
@@ -149,12 +149,12 @@ def test_the_budget_slider_keeps_the_methods(opened, made_folder):
     opened.open_images()
     page = opened.page
     slider = page.locator("#budget-slider")
-    assert slider.evaluate("s => s.nextElementSibling.textContent") == "8 spp"
-    first = opened.picture(1)
-    press(page, "]")
     assert slider.evaluate("s => s.nextElementSibling.textContent") == "16 spp"
+    first = opened.picture(1)
+    press(page, "[")
+    assert slider.evaluate("s => s.nextElementSibling.textContent") == "8 spp"
     assert captions(page)[1] == "B: multiscale + directional" and opened.picture(1) != first
-    slider.evaluate("s => { s.value = 1; s.dispatchEvent(new Event('input')); }")
+    slider.evaluate("s => { s.value = 2; s.dispatchEvent(new Event('input')); }")
     page.wait_for_timeout(200)
     assert opened.picture(1) == first
 
