@@ -19,6 +19,42 @@ target_compile_options(spool_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   $<$<CXX_COMPILER_ID:Clang>:-Wno-deprecated-declarations;-Wno-unknown-pragmas>)
 
+# Headers of others that most sources include, parsed once. Each source still includes what it uses; a build with
+# SPOOL_PRECOMPILE=OFF (and so clang-tidy) holds it to that.
+option(SPOOL_PRECOMPILE "Parse the headers that most sources share once" ON)
+set(SPOOL_SHARED_HEADERS <algorithm> <array> <cstddef> <cstdint> <filesystem> <functional> <map> <memory> <optional>
+  <span> <string> <string_view> <utility> <vector> <fmt/core.h> <tl/expected.hpp>)
+
+# ccache takes what uses precompiled headers only with these words.
+if(SPOOL_PRECOMPILE AND CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
+  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_SLOPPINESS=pch_defines,time_macros ${CMAKE_CXX_COMPILER_LAUNCHER})
+  target_compile_options(spool_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+endif()
+
+# spool_precompile(TARGET KIND HEADERS...): TARGET uses the precompiled headers of its KIND; the first one makes them.
+function(spool_precompile target kind)
+  if(NOT SPOOL_PRECOMPILE)
+    return()
+  endif()
+  if(NOT TARGET spool_precompiled_${kind})
+    file(WRITE ${PROJECT_BINARY_DIR}/precompiled_${kind}.cpp "")
+    add_library(spool_precompiled_${kind} OBJECT ${PROJECT_BINARY_DIR}/precompiled_${kind}.cpp)
+    target_link_libraries(spool_precompiled_${kind} PRIVATE spool_flags fmt::fmt tl::expected)
+    if(kind STREQUAL library)
+      set_target_properties(spool_precompiled_library PROPERTIES POSITION_INDEPENDENT_CODE ON
+        CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+    else()
+      target_link_libraries(spool_precompiled_${kind} PRIVATE GTest::gtest GTest::gmock)
+      target_compile_options(spool_precompiled_${kind} PRIVATE ${SPOOL_TEST_OPTIONS})
+    endif()
+    target_precompile_headers(spool_precompiled_${kind} PRIVATE ${SPOOL_SHARED_HEADERS} ${ARGN})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM spool_precompiled_${kind})
+  # g++ 12 takes what is inlined from a precompiled standard header for the project's own, and warns of it, falsely.
+  target_compile_options(${target} PRIVATE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread>)
+endfunction()
+
 # spool_library(NAME SOURCES... LIBS... [INTERNAL]): a static library of one folder. Others call spool_core spool::core,
 # built beside or installed; one that is INTERNAL is not for others. It can become part of a shared one (the Python
 # module), and what it holds is then seen in there only.
@@ -28,6 +64,7 @@ function(spool_library name)
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:spool_flags> PUBLIC spool_headers ${ARG_LIBS})
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  spool_precompile(${name} library)
   if(NOT ARG_INTERNAL)
     string(REGEX REPLACE "^spool_" "" component ${name})
     set_target_properties(${name} PROPERTIES EXPORT_NAME ${component})
@@ -43,6 +80,9 @@ if(CMAKE_CXX_FLAGS MATCHES "fsanitize=thread")
 elseif(CMAKE_CXX_FLAGS MATCHES "fsanitize=address")
   set(SPOOL_TIMEOUT_FACTOR 4)
 endif()
+
+# The code of a test runs once: less time in the compiler is worth more than fast loops, but in slow twins of kernels.
+set(SPOOL_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 
 # spool_test(MODULE LABEL SOURCES... LIBS...): one test program per module and label; ctest -L LABEL selects it.
 function(spool_test module label)
@@ -61,6 +101,8 @@ function(spool_test module label)
   add_executable(${program} ${ARG_SOURCES} $<TARGET_OBJECTS:spool_every_test>)
   target_link_libraries(${program} PRIVATE spool_flags GTest::gtest GTest::gtest_main GTest::gmock
     ${ARG_LIBS})
+  target_compile_options(${program} PRIVATE ${SPOOL_TEST_OPTIONS})
+  spool_precompile(${program} tests <gmock/gmock.h> <gtest/gtest.h>)
   gtest_discover_tests(${program} TEST_PREFIX "${module}." DISCOVERY_TIMEOUT 120
     PROPERTIES LABELS ${label} TIMEOUT ${ARG_TIMEOUT})
 endfunction()

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "formats/interchange/layer_names.h"
 #include "formats/stored_value.h"

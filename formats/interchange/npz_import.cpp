@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/npz_members.h"
 #include "formats/interchange/scratch_file.h"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "formats/bounded_json.h"
 #include "formats/checked_math.h"
 #include "formats/interchange/npz_members.h"

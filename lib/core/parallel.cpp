@@ -3,7 +3,9 @@
 #include <optional>
 #include <utility>
 
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "lib/core/current_work.h"
 
@@ -56,6 +58,23 @@ void StoppableWork::run(const std::function<void()>& work) {
 
 void StoppableWork::stop() {
   control_->context.cancel_group_execution();
+}
+
+bool LoopPart::stopped() const {
+  return static_cast<task_group_context*>(group)->is_group_execution_cancelled();
+}
+
+void run_in_parts(std::int64_t begin, std::int64_t end, const void* body,
+                  void (*run_part)(const void* body, const LoopPart& part)) {
+  // A context of the loop's own: the only one that says whether it left something out.
+  task_group_context context;
+  oneapi::tbb::parallel_for(
+      oneapi::tbb::blocked_range<std::int64_t>(begin, end),
+      [&](const oneapi::tbb::blocked_range<std::int64_t>& part) {
+        run_part(body, LoopPart{part.begin(), part.end(), &context});
+      },
+      context);
+  if (context.is_group_execution_cancelled()) throw WorkStopped{};
 }
 
 }  // namespace spool

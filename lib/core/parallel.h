@@ -5,10 +5,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
-
-#include <oneapi/tbb/parallel_for.h>
 
 namespace spool {
 
@@ -47,22 +46,33 @@ class StoppableWork {
   std::unique_ptr<Control> control_;
 };
 
+// A part of a parallel loop's indices. The loops' library stays in parallel.cpp: its headers would be the larger half
+// of many objects.
+struct LoopPart {
+  std::int64_t begin;
+  std::int64_t end;
+  void* group;  // what a stop reaches
+
+  bool stopped() const;
+};
+
+void run_in_parts(std::int64_t begin, std::int64_t end, const void* body,
+                  void (*run_part)(const void* body, const LoopPart& part));
+
 // body(i) for i = begin .. end-1, unless the work is stopped.
 template <class Index, class Body>
-void parallel_range(Index begin, Index end, Body&& body) {
-  // A context of the loop's own: the only one that says whether it left something out.
-  oneapi::tbb::task_group_context context;
-  oneapi::tbb::parallel_for(
-      begin, end,
-      [&](Index i) {
-        if (!context.is_group_execution_cancelled()) body(i);
-      },
-      context);
-  if (context.is_group_execution_cancelled()) throw WorkStopped{};
+void parallel_range(Index begin, Index end, const Body& body) {
+  run_in_parts(static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end), &body,
+               [](const void* erased, const LoopPart& part) {
+                 const Body& each = *static_cast<const Body*>(erased);
+                 for (std::int64_t i = part.begin; i < part.end; ++i) {
+                   if (!part.stopped()) each(static_cast<Index>(i));
+                 }
+               });
 }
 
 template <class Body>
-void parallel_for(std::size_t n, Body&& body) {
+void parallel_for(std::size_t n, const Body& body) {
   if (n == 1) {
     body(std::size_t{0});
     return;
@@ -72,7 +82,7 @@ void parallel_for(std::size_t n, Body&& body) {
 
 // body(y) for y = begin .. end-1.
 template <class Body>
-void parallel_rows(int begin, int end, Body&& body) {
+void parallel_rows(int begin, int end, const Body& body) {
   if (end > begin) parallel_range(begin, end, body);
 }
 

@@ -54,7 +54,8 @@ class Views {
 
  private:
   static bool asks_for(std::string_view wanted, std::string_view name) {
-    return wanted == name || wanted == name.substr(0, name.find('.')) || wanted == "all";
+    return wanted == "all" || (name.starts_with(wanted) &&
+                               (name.size() == wanted.size() || name[wanted.size()] == '.'));
   }
 
   std::vector<std::string> wanted_;

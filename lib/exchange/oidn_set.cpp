@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "formats/spool_reader.h"
 #include "lib/core/image.h"
 #include "lib/image_io/exr_image.h"

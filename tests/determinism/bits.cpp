@@ -3,7 +3,7 @@
 // and vector widths.
 #include <cstring>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "lib/directions/directional_filter_bank.h"
 #include "lib/metrics/error_metrics.h"

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "lib/core/visible_text.h"
 #include "tools/terminal/console.h"
 

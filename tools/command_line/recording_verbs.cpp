@@ -1,5 +1,7 @@
 #include "tools/command_line/recording_verbs.h"
 
+#include <fmt/format.h>
+
 #include "lib/core/option_table.h"
 #include "lib/exchange/foreign_formats.h"
 #include "lib/synthetic/synthetic_scenes.h"

@@ -1,5 +1,7 @@
 #include "tools/command_line/result_verbs.h"
 
+#include <fmt/format.h>
+
 #include "lib/core/option_table.h"
 #include "lib/experiment/reference.h"
 #include "lib/experiment/result_record.h"

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <set>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "lib/core/visible_text.h"
 #include "tools/terminal/quiet.h"

@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "formats/unfinished_files.h"
 #include "lib/core/visible_text.h"

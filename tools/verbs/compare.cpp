@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "lib/core/visible_text.h"
 #include "tools/batch/result_changes.h"
 #include "tools/json/compare_json.h"

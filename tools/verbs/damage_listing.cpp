@@ -1,6 +1,6 @@
 #include "tools/verbs/damage_listing.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace spool::tools {
 

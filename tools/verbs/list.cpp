@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "lib/core/error.h"
 #include "tools/json/list_json.h"
 #include "tools/methods/external_methods.h"

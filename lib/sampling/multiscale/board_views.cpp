@@ -1,6 +1,6 @@
 #include "lib/sampling/multiscale/board_views.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace spool {
 namespace {

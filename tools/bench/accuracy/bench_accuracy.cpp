@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <tuple>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "lib/core/pairwise_sum.h"
 #include "lib/metrics/error_metrics.h"

@@ -1,7 +1,7 @@
 // The parts of the method: pyramid, filter bank, size selection, anisotropic filter.
 #include <numbers>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "lib/directions/directional_filter_bank.h"
 #include "lib/filters/directional/anisotropic_filter.h"

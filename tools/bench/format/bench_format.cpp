@@ -9,7 +9,7 @@
 #include <cstring>
 #include <functional>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <Imath/half.h>
 

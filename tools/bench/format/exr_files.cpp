@@ -1,6 +1,6 @@
 #include "tools/bench/format/exr_files.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDeepFrameBuffer.h>
