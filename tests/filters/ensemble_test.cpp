@@ -114,7 +114,7 @@ TEST(EnsembleWeights, AHalfIsJudgedByTheOtherHalf) {
 
 TEST(Ensemble, NeedsWhatItsPartsNeedAndHoldsTheirImages) {
   const auto part = [](Needs needs, double memory) {
-    const FilterFunction run = [](const Selection&, const SamplePool&, const FilterContext&) {
+    const auto run = [](const Selection&, const SamplePool&, const FilterContext&) {
       return Result<Reconstruction>(Reconstruction{});
     };
     return ReadyFilter{run, std::move(needs), {memory, 1e6}};
