@@ -5,6 +5,17 @@
 #include "lib/experiment/sample_kurtosis.h"
 
 namespace spool {
+namespace {
+
+// 73 bytes a pixel.
+constexpr long long kMostKept = 1 << 20;
+
+std::shared_ptr<KeptSide> kept_side(const RecordedSamples& samples) {
+  const long long pixels = static_cast<long long>(samples.width()) * samples.height();
+  return pixels <= kMostKept ? std::make_shared<KeptSide>() : nullptr;
+}
+
+}  // namespace
 
 Result<std::shared_ptr<const RecordedSamples>> RecordingInUse::get(const std::string& name) {
   if (known_ && name_ == name) return samples_;
@@ -14,6 +25,7 @@ Result<std::shared_ptr<const RecordedSamples>> RecordingInUse::get(const std::st
   samples_ = load_(name);
   reading_ = clock.elapsed();
   kurtosis_ = samples_ ? sample_kurtosis(**samples_) : 0.0;
+  side_ = samples_ ? kept_side(**samples_) : nullptr;
   name_ = name;
   known_ = true;
   return samples_;

@@ -7,6 +7,7 @@
 
 #include "lib/core/error.h"
 #include "lib/experiment/stage_clock.h"
+#include "lib/metrics/reference_side.h"
 #include "lib/pool/recorded_samples.h"
 
 namespace spool {
@@ -21,6 +22,8 @@ class RecordingInUse {
   // them ask for the recording that is in use.
   Result<std::shared_ptr<const RecordedSamples>> get(const std::string& name);
   double kurtosis() const { return kurtosis_; }  // of its samples
+  // Of its own reference; null where the picture is so large that it is not worth its memory.
+  const std::shared_ptr<KeptSide>& reference_side() const { return side_; }
   // The time of its reading, once; then 0.
   StageTime take_reading();
 
@@ -30,6 +33,7 @@ class RecordingInUse {
   std::string name_;
   Result<std::shared_ptr<const RecordedSamples>> samples_;
   double kurtosis_ = 0;
+  std::shared_ptr<KeptSide> side_;
   StageTime reading_;
 };
 

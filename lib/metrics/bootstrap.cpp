@@ -1,6 +1,7 @@
 #include "lib/metrics/bootstrap.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lib/core/check.h"
@@ -50,6 +51,25 @@ double weighted_sum(std::span<const double> values, std::span<const double> weig
   for (std::size_t b = 0; b < values.size(); ++b)
     sum += weights[b] * values[b];
   return sum;
+}
+
+std::vector<double> resampled_sums(std::span<const double> values,
+                                   const BlockBootstrap& bootstrap) {
+  constexpr int kTogether = 8;  // sums that do not wait for each other
+  std::vector<double> sums(static_cast<std::size_t>(bootstrap.resamples()));
+  for (int first = 0; first < bootstrap.resamples(); first += kTogether) {
+    const int count = std::min(kTogether, bootstrap.resamples() - first);
+    std::array<const double*, kTogether> weights;
+    for (int k = 0; k < kTogether; ++k)
+      weights[static_cast<std::size_t>(k)] =
+          bootstrap.weights(first + std::min(k, count - 1)).data();
+    std::array<double, kTogether> together{};
+    for (std::size_t b = 0; b < values.size(); ++b)
+      for (std::size_t k = 0; k < kTogether; ++k)
+        together[k] += weights[k][b] * values[b];
+    std::copy_n(together.begin(), count, sums.begin() + first);
+  }
+  return sums;
 }
 
 double standard_error_of(std::span<const double> resampled) {

@@ -42,6 +42,9 @@ class BlockBootstrap {
 // Sum of weights[b] * values[b] in index order; `weights` empty: the plain pairwise sum.
 double weighted_sum(std::span<const double> values, std::span<const double> weights);
 
+// That of every resample; the same bits.
+std::vector<double> resampled_sums(std::span<const double> values, const BlockBootstrap& bootstrap);
+
 // Standard deviation of the values a statistic took over the resamples; resamples where it is not
 // finite are left out. NaN when fewer than two remain.
 double standard_error_of(std::span<const double> resampled);

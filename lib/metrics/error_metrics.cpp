@@ -19,6 +19,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSmallestScale = 0x1p-126;  // mean luminance; as in the analysis
 constexpr double kAbsoluteFloor = 1e-2;      // of relmae and smape, after the relative scale
 constexpr double kWorstPixels = 1e-3;        // share of the pixels
+constexpr int kWhole = -1;                   // the image instead of a resample of its blocks
 
 bool is_finite(const RgbImage& image, std::size_t p) {
   return std::isfinite(image[0][p]) && std::isfinite(image[1][p]) && std::isfinite(image[2][p]);
@@ -40,18 +41,19 @@ double decibel_of(double ratio) {
 // Everything that is computed once per pair of images and looked at once per resample.
 class Evaluation {
  public:
+  // `flip`: its map is asked for, whatever metrics are wanted.
   Evaluation(const RgbImage& estimate, const JudgingReference& reference,
-             const MetricOptions& options)
+             const MetricOptions& options, bool flip)
       : estimate_(estimate),
         reference_(reference),
         options_(options),
+        flip_(flip),
         bootstrap_(estimate[0].width(), estimate[0].height(), options.bootstrap),
-        judged_(estimate[0].width(), estimate[0].height()),
-        decile_(estimate[0].width(), estimate[0].height()) {
+        judged_(estimate[0].width(), estimate[0].height()) {
     select_pixels();
     if (table_.pixels == 0) return;
-    choose_scales();
-    if (deciles_) assign_deciles();
+    choose_scale();
+    make_sides();
     add_up_blocks();
   }
 
@@ -70,11 +72,11 @@ class Evaluation {
     for (std::size_t m = 0; m < metric_list().size(); ++m) {
       const Metric& metric = metric_list()[m];
       if (metric.rule == Rule::kPerceptual || !wants(m)) continue;
-      table_.values[m].value = value(metric, {});
+      table_.values[m].value = value(metric, kWhole);
       if (!resamples || metric.rule == Rule::kMaximum) continue;
       std::vector<double>& resampled = table_.resampled[m];
       for (int r = 0; r < bootstrap_.resamples(); ++r)
-        resampled.push_back(value(metric, bootstrap_.weights(r)));
+        resampled.push_back(value(metric, r));
       table_.values[m].standard_error = standard_error_of(resampled);
     }
     return std::move(table_);
@@ -88,17 +90,18 @@ class Evaluation {
                                   {"smape", empty},
                                   {"energy_ratio", empty}};
     if (table_.pixels == 0) return {};
-    const double count = static_cast<double>(table_.pixels), reference = sum(kReferenceEnergy, {});
+    const double count = static_cast<double>(table_.pixels),
+                 reference = sum(kReferenceEnergy, kWhole);
     for (std::size_t p = 0; p < judged_.size(); ++p) {
       if (!judged_[p]) continue;
-      const Terms terms = terms_at(p);
+      const PixelTerms terms = terms_at(p);
       maps[0].parts[p] = terms[kSquared];
       maps[3].parts[p] = terms[kSymmetric];
       maps[4].parts[p] = quotient(terms[kEnergy] * count, reference);
     }
     trim(maps[2].parts);
     if (options_.perceptual != Perceptual::kNone)
-      maps.push_back({"flip_ldr", flip_map(estimate_, reference_.mean, judged_)});
+      maps.push_back({"flip_ldr", flip_map(estimate_, *side_)});
     return maps;
   }
 
@@ -138,8 +141,8 @@ class Evaluation {
     if (!reference_.variance) return found;
     double noise = 0.0;
     for (int d = 0; d < kDeciles; ++d)
-      noise += sum(squares + kSquareTerms * d + kVariance, {});
-    found.reference_noise = quotient(noise, sum(kCount, {}));
+      noise += sum(squares + kSquareTerms * d + kVariance, kWhole);
+    found.reference_noise = quotient(noise, sum(kCount, kWhole));
     return found;
   }
 
@@ -154,12 +157,12 @@ class Evaluation {
   }
 
   void add_perceptual() {
-    const auto wanted = [&](std::string_view name) {
-      return wants(static_cast<std::size_t>(metric_index(name)));
-    };
-    for (PerceptualValue& value :
-         perceptual_metrics(estimate_, reference_.mean, judged_, bootstrap_, options_.perceptual,
-                            table_.guards, wanted)) {
+    const auto wanted = [&](std::string_view name) { return wants_named(name); };
+    PerceptualTable found =
+        perceptual_metrics({estimate_, reference_.mean, *side_, luma_}, bootstrap_,
+                           options_.perceptual, table_.guards, wanted);
+    table_.flip = std::move(found.flip);
+    for (PerceptualValue& value : found.values) {
       const auto m = static_cast<std::size_t>(metric_index(value.name));
       table_.values[m] = {value.estimate.value, value.estimate.standard_error};
       table_.resampled[m] = std::move(value.resampled);
@@ -183,8 +186,7 @@ class Evaluation {
     table_.guards.add(Guard::kMetricExcluded, table_.excluded_estimate + table_.excluded_reference);
   }
 
-  void choose_scales() {
-    if (tone_) exposure_ = tone_map_exposure(reference_.mean, judged_);
+  void choose_scale() {
     if (options_.rel_scale == RelativeScale::kNone) return;
     const double sum = pairwise_sum(judged_.size(), [&](std::size_t p) {
       return judged_[p] ? luminance_at(reference_.mean, p) : 0.0;
@@ -201,17 +203,37 @@ class Evaluation {
     return reference_.denominator ? *reference_.denominator : reference_.mean;
   }
 
-  // By the denominator image: its noise is independent of R's where R is noisy, else a decile of
-  // bright pixels would hold those that R has too bright.
-  void assign_deciles() {
-    std::vector<std::pair<double, std::size_t>> order;
-    order.reserve(table_.pixels);
-    for (std::size_t p = 0; p < judged_.size(); ++p) {
-      if (judged_[p]) order.emplace_back(luminance_at(denominator(), p), p);
+  bool wants_named(std::string_view name) const {
+    return wants(static_cast<std::size_t>(metric_index(name)));
+  }
+
+  // What is made of the reference alone, and the tone-mapped estimate.
+  void make_sides() {
+    const bool luma =
+        options_.perceptual != Perceptual::kNone && (wants_named("ssim") || wants_named("ms_ssim"));
+    const bool flip =
+        options_.perceptual != Perceptual::kNone && (flip_ || wants_named("flip_ldr"));
+    const SideParts parts{tone_ || luma, flip, deciles_};
+    side_ = reference_.kept ? reference_.kept->of(reference_.mean, denominator(), judged_, parts)
+                            : std::make_shared<const ReferenceSide>(
+                                  reference_side(reference_.mean, denominator(), judged_, parts));
+    if (!parts.tone) return;
+    luma_ = Plane(judged_.width(), judged_.height(), kNaN);
+    tone_squared_ = Plane(judged_.width(), judged_.height());
+    parallel_rows(0, judged_.height(), [&](int y) {
+      for (int x = 0; x < judged_.width(); ++x)
+        if (const std::size_t p = judged_.index(x, y); judged_[p]) tone_map_pixel(p);
+    });
+  }
+
+  void tone_map_pixel(std::size_t p) {
+    std::array<double, 3> tone;
+    for (std::size_t c = 0; c < 3; ++c) {
+      tone[c] = tone_mapped(estimate_[c][p], side_->exposure);
+      const double difference = tone[c] - side_->tone[c][p];
+      tone_squared_[p] += difference * difference / 3.0;
     }
-    std::sort(order.begin(), order.end());
-    for (std::size_t i = 0; i < order.size(); ++i)
-      decile_[order[i].second] = static_cast<std::uint8_t>(kDeciles * i / order.size());
+    luma_[p] = luminance(tone[0], tone[1], tone[2]);
   }
 
   // What the error of a channel is divided by in relmse, radiance units.
@@ -226,9 +248,8 @@ class Evaluation {
     return d * d + options_.rel_eps;
   }
 
-  // Those of one pixel without the squares of its decile.
-  Terms terms_at(std::size_t p) const {
-    Terms terms{};
+  PixelTerms terms_at(std::size_t p) const {
+    PixelTerms terms{};
     terms[kCount] = 1.0;
     const double scale = table_.relative_scale;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -248,19 +269,16 @@ class Evaluation {
       terms[kRelativeAbsolute] += scale * difference / (scale * std::abs(r) + kAbsoluteFloor) / 3.0;
       terms[kSymmetric] +=
           scale * difference / (scale * (std::abs(i) + std::abs(r)) + kAbsoluteFloor) / 3.0;
-      const double tone = tone_ ? tone_mapped(i, exposure_) - tone_mapped(r, exposure_) : 0.0;
-      terms[kToneSquared] += tone * tone / 3.0;
       terms[kEnergy] += i;
       terms[kReferenceEnergy] += r;
     }
-    terms[kDecileEnergy + decile_[p]] = terms[kEnergy];
-    terms[kDecileReferenceEnergy + decile_[p]] = terms[kReferenceEnergy];
+    if (tone_) terms[kToneSquared] = tone_squared_[p];
     return terms;
   }
 
   void add_squares(std::size_t p, Terms& sums) const {
     const double scale = table_.relative_scale;
-    const std::ptrdiff_t first = kSquareTerms * std::ptrdiff_t{decile_[p]};
+    const std::ptrdiff_t first = kSquareTerms * std::ptrdiff_t{side_->decile[p]};
     for (std::size_t c = 0; c < 3; ++c) {
       const double r = reference_.mean[c][p], difference = estimate_[c][p] - r;
       const double b = reference_.variance ? (*reference_.variance)[c][p] : 0.0;
@@ -288,9 +306,13 @@ class Evaluation {
         for (int x = bounds.x0; x < bounds.x1; ++x) {
           const std::size_t p = judged_.index(x, y);
           if (!judged_[p]) continue;
-          const Terms terms = terms_at(p);
-          for (std::size_t t = 0; t < kDecileSquares; ++t)
+          const PixelTerms terms = terms_at(p);
+          for (std::size_t t = 0; t < terms.size(); ++t)
             sums[t] += terms[t];
+          if (deciles_) {
+            sums[kDecileEnergy + side_->decile[p]] += terms[kEnergy];
+            sums[kDecileReferenceEnergy + side_->decile[p]] += terms[kReferenceEnergy];
+          }
           if (squares_) add_squares(p, sums);
           relative_[p] = terms[kRelative];
           squared_[p] = terms[kRawSquared];
@@ -301,37 +323,41 @@ class Evaluation {
     });
   }
 
-  double sum(int term, std::span<const double> weights) const {
-    return weighted_sum(sums_[static_cast<std::size_t>(term)], weights);
+  // Of a resample, or of the whole.
+  double sum(int term, int resample) const {
+    const auto t = static_cast<std::size_t>(term);
+    if (resample == kWhole) return weighted_sum(sums_[t], {});
+    if (resampled_[t].empty()) resampled_[t] = resampled_sums(sums_[t], bootstrap_);
+    return resampled_[t][static_cast<std::size_t>(resample)];
   }
 
-  double ratio(const Metric& metric, std::span<const double> weights) const {
-    return quotient(sum(metric.numerator, weights), sum(metric.denominator, weights));
+  double ratio(const Metric& metric, int resample) const {
+    return quotient(sum(metric.numerator, resample), sum(metric.denominator, resample));
   }
 
   // The squares of deciles first .. last-1 (numbered from `squares`) with the image times the
   // factor that gives these deciles together the energy of the reference; 1 where they have none to
   // scale.
-  double scaled_error(int squares, int first, int last, std::span<const double> weights) const {
+  double scaled_error(int squares, int first, int last, int resample) const {
     double image = 0.0, reference = 0.0;
     std::array<double, kSquareTerms> terms{};
     for (int d = first; d < last; ++d) {
-      image += sum(kDecileEnergy + d, weights);
-      reference += sum(kDecileReferenceEnergy + d, weights);
+      image += sum(kDecileEnergy + d, resample);
+      reference += sum(kDecileReferenceEnergy + d, resample);
       for (int t = 0; t < kSquareTerms; ++t)
-        terms[static_cast<std::size_t>(t)] += sum(squares + kSquareTerms * d + t, weights);
+        terms[static_cast<std::size_t>(t)] += sum(squares + kSquareTerms * d + t, resample);
     }
     const double g = image > 0.0 ? reference / image : 1.0;
     return g * g * terms[kErrorSquared] + 2.0 * g * (g - 1.0) * terms[kErrorReference] +
            (g - 1.0) * (g - 1.0) * terms[kReferenceSquared] - terms[kVariance];
   }
 
-  double equal_energy(const Metric& metric, std::span<const double> weights) const {
+  double equal_energy(const Metric& metric, int resample) const {
     const int together = metric.rule == Rule::kEqualEnergy ? kDeciles : 1;
     double error = 0.0;
     for (int d = 0; d < kDeciles; d += together)
-      error += scaled_error(metric.numerator, d, d + together, weights);
-    return quotient(error, sum(kCount, weights));
+      error += scaled_error(metric.numerator, d, d + together, resample);
+    return quotient(error, sum(kCount, resample));
   }
 
   // Sorted when the first metric asks for it.
@@ -340,37 +366,37 @@ class Evaluation {
     return *sorted;
   }
 
-  double value(const Metric& metric, std::span<const double> weights) {
+  double value(const Metric& metric, int resample) {
     switch (metric.rule) {
       case Rule::kRatio:
-        return ratio(metric, weights);
+        return ratio(metric, resample);
       case Rule::kRootRatio:
-        return root_of(ratio(metric, weights));
+        return root_of(ratio(metric, resample));
       case Rule::kDecibel:
         return decibel_of(
-            quotient(sum(metric.denominator, weights), sum(metric.numerator, weights)));
+            quotient(sum(metric.denominator, resample), sum(metric.numerator, resample)));
       case Rule::kTrimmed:
       case Rule::kDropped: {
-        const double count = sum(kCount, weights);
+        const double count = sum(kCount, resample);
         // The factor keeps ceil from counting the rounding of trim * count as one pixel more.
         const double to_drop = std::ceil(options_.trim * count * (1.0 - 1e-12));
         double left = to_drop, dropped = 0.0;
         largest(largest_relative_, relative_).walk([&](const LargestFirst::Entry& entry) {
           if (left <= 0.0) return false;
-          const double copies = std::min(left, copies_of(entry.pixel, weights));
+          const double copies = std::min(left, copies_of(entry.pixel, resample));
           dropped += copies * entry.value;
           left -= copies;
           return true;
         });
         if (metric.rule == Rule::kDropped) return quotient(dropped, count);
-        return quotient(sum(kRelative, weights) - dropped, count - to_drop);
+        return quotient(sum(kRelative, resample) - dropped, count - to_drop);
       }
       case Rule::kQuantile:
       case Rule::kMaximum: {
-        double skip = metric.rule == Rule::kMaximum ? 0.0 : std::floor(sum(kCount, weights) / 1e3);
+        double skip = metric.rule == Rule::kMaximum ? 0.0 : std::floor(sum(kCount, resample) / 1e3);
         double found = kNaN;
         largest(largest_squared_, squared_).walk([&](const LargestFirst::Entry& entry) {
-          skip -= copies_of(entry.pixel, weights);
+          skip -= copies_of(entry.pixel, resample);
           found = entry.value;
           return skip >= 0.0;
         });
@@ -378,23 +404,24 @@ class Evaluation {
       }
       case Rule::kEqualEnergy:
       case Rule::kEqualDeciles:
-        return equal_energy(metric, weights);
+        return equal_energy(metric, resample);
       case Rule::kPerceptual:
         break;
     }
     return kNaN;
   }
 
-  double copies_of(std::size_t pixel, std::span<const double> weights) const {
-    if (weights.empty()) return 1.0;
+  double copies_of(std::size_t pixel, int resample) const {
+    if (resample == kWhole) return 1.0;
     const auto width = static_cast<std::size_t>(judged_.width());
-    return weights[static_cast<std::size_t>(
+    return bootstrap_.weights(resample)[static_cast<std::size_t>(
         bootstrap_.block_of(static_cast<int>(pixel % width), static_cast<int>(pixel / width)))];
   }
 
   const RgbImage& estimate_;
   const JudgingReference& reference_;
   const MetricOptions& options_;
+  const bool flip_;
   // Whether a wanted metric is made of tone-mapped pixels, of deciles, of their squares.
   const bool tone_ = wants_one([](const Metric& m) { return m.rule == Rule::kDecibel; });
   const bool squares_ = wants_one([](const Metric& m) {
@@ -404,9 +431,11 @@ class Evaluation {
                           return m.rule == Rule::kRatio && m.numerator >= kDecileEnergy;
                         });
   BlockBootstrap bootstrap_;
-  Image<std::uint8_t> judged_, decile_;
-  double exposure_ = 1.0;
-  std::array<std::vector<double>, kTermCount> sums_;  // [term][block]
+  Image<std::uint8_t> judged_;
+  std::shared_ptr<const ReferenceSide> side_;
+  Plane luma_, tone_squared_;                                      // of the tone-mapped estimate
+  std::array<std::vector<double>, kTermCount> sums_;               // [term][block]
+  mutable std::array<std::vector<double>, kTermCount> resampled_;  // [term][resample], when asked
   Plane relative_, squared_;  // per pixel: relMSE debiased, squared error raw
   std::optional<LargestFirst> largest_relative_, largest_squared_;
   MetricTable table_;
@@ -433,7 +462,7 @@ const MetricValue& MetricTable::operator[](std::string_view name) const {
 MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& reference,
                           const MetricOptions& options) {
   check_sizes(estimate, reference);
-  return Evaluation(estimate, reference, options).table();
+  return Evaluation(estimate, reference, options, false).table();
 }
 
 std::vector<ErrorMap> error_maps(const RgbImage& estimate, const JudgingReference& reference,
@@ -442,7 +471,7 @@ std::vector<ErrorMap> error_maps(const RgbImage& estimate, const JudgingReferenc
   SPOOL_CHECK(options.wanted.empty());
   MetricOptions of_maps = options;  // none of them is made of tone-mapped pixels or of deciles
   of_maps.wanted.assign(metrics().size(), false);
-  return Evaluation(estimate, reference, of_maps).maps();
+  return Evaluation(estimate, reference, of_maps, true).maps();
 }
 
 Plane squared_error_map(const RgbImage& estimate, const JudgingReference& reference) {

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,7 @@
 #include "lib/core/image.h"
 #include "lib/metrics/metric_description.h"
 #include "lib/metrics/metric_options.h"
+#include "lib/metrics/reference_side.h"
 
 namespace spool {
 
@@ -30,6 +32,7 @@ struct JudgingReference {
   RgbImage mean;                        // R
   std::optional<RgbImage> variance;     // b, variance of `mean`; absent: taken as exact
   std::optional<RgbImage> denominator;  // D of relMSE and of the deciles; absent: R
+  std::shared_ptr<KeptSide> kept = {};  // of this R and D; absent: its side is made for each image
 };
 
 struct MetricValue {
@@ -57,6 +60,7 @@ struct MetricTable {
   ErrorSupport squared, relative;              // of mse (before its debiasing) and of relmse; known
                                                // where all metrics are wanted
   GuardCounts guards;
+  Plane flip;  // flip_ldr of each pixel, 0 where not judged; empty where it was not wanted
 
   const MetricValue& operator[](std::string_view name) const;  // the metric must exist
 };

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "lib/core/parallel.h"
+#include "lib/metrics/weighted_rows.h"
 
 namespace spool {
 namespace {
@@ -116,44 +118,29 @@ Taps balanced(Taps taps) {
   return taps;
 }
 
-// to[x] = the sum of taps[i] * from[i][x], in the order of the taps. Eight sums at a time stay in
-// registers.
-void add_rows(const Taps& taps, const std::vector<const double*>& from, double* to, int width) {
-  constexpr int kTogether = 8;
-  int x = 0;
-  for (; x + kTogether <= width; x += kTogether) {
-    std::array<double, kTogether> sums{};
+Plane convolved_across(const Plane& image, const Taps& taps) {
+  const int width = image.width(), r = static_cast<int>(taps.size()) / 2;
+  Plane result(width, image.height());
+  parallel_rows(0, image.height(), [&](int y) {
+    std::vector<double> wide(static_cast<std::size_t>(width + 2 * r));
+    for (int x = -r; x < width + r; ++x)
+      wide[static_cast<std::size_t>(x + r)] = image(std::clamp(x, 0, width - 1), y);
+    std::vector<const double*> from;
     for (std::size_t i = 0; i < taps.size(); ++i)
-      for (std::size_t k = 0; k < kTogether; ++k)
-        sums[k] += taps[i] * from[i][x + static_cast<int>(k)];
-    std::ranges::copy(sums, to + x);
-  }
-  for (; x < width; ++x) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < taps.size(); ++i)
-      sum += taps[i] * from[i][x];
-    to[x] = sum;
-  }
+      from.push_back(&wide[i]);
+    add_rows(taps, from, &result(0, y), width);
+  });
+  return result;
 }
 
-Plane convolved(const Plane& image, const Taps& across, const Taps& down) {
-  const int width = image.width(), height = image.height();
-  const int rx = static_cast<int>(across.size()) / 2, ry = static_cast<int>(down.size()) / 2;
-  Plane rows(width, height), result(width, height);
-  parallel_rows(0, height, [&](int y) {
-    std::vector<double> wide(static_cast<std::size_t>(width + 2 * rx));
-    for (int x = -rx; x < width + rx; ++x)
-      wide[static_cast<std::size_t>(x + rx)] = image(std::clamp(x, 0, width - 1), y);
-    std::vector<const double*> from;
-    for (std::size_t i = 0; i < across.size(); ++i)
-      from.push_back(&wide[i]);
-    add_rows(across, from, &rows(0, y), width);
-  });
+Plane convolved_down(const Plane& image, const Taps& taps) {
+  const int height = image.height(), r = static_cast<int>(taps.size()) / 2;
+  Plane result(image.width(), height);
   parallel_rows(0, height, [&](int y) {
     std::vector<const double*> from;
-    for (int i = -ry; i <= ry; ++i)
-      from.push_back(&rows(0, std::clamp(y + i, 0, height - 1)));
-    add_rows(down, from, &result(0, y), width);
+    for (int i = -r; i <= r; ++i)
+      from.push_back(&image(0, std::clamp(y + i, 0, height - 1)));
+    add_rows(taps, from, &result(0, y), image.width());
   });
   return result;
 }
@@ -182,43 +169,38 @@ Plane sensed(const Plane& channel, const std::vector<Sensitivity>& gaussians) {
   }
   Plane result(channel.width(), channel.height());
   for (std::size_t g = 0; g < taps.size(); ++g) {
-    const Plane part = convolved(channel, taps[g], taps[g]);
+    const Plane part = convolved_down(convolved_across(channel, taps[g]), taps[g]);
     for (std::size_t p = 0; p < result.size(); ++p)
       result[p] += amplitude[g] / total * part[p];
   }
   return result;
 }
 
-struct Seen {
-  RgbImage lab;       // Hunt-adjusted, after the eye's filter
-  Plane edge, point;  // feature magnitudes
-};
+Triple shown(const RgbImage& image, std::size_t p) {
+  return {std::clamp(image[0][p], 0.0, 1.0), std::clamp(image[1][p], 0.0, 1.0),
+          std::clamp(image[2][p], 0.0, 1.0)};
+}
 
-Seen see(const RgbImage& image) {
-  const int width = image[0].width(), height = image[0].height();
-  RgbImage opponent = make_rgb(width, height);
-  Plane achromatic(width, height);
-  for (std::size_t p = 0; p < achromatic.size(); ++p) {
-    Triple rgb{};
-    for (std::size_t c = 0; c < 3; ++c)
-      rgb[c] = std::clamp(image[c][p], 0.0, 1.0);
-    const Triple ycxcz = to_ycxcz(rgb);
-    for (std::size_t c = 0; c < 3; ++c)
-      opponent[c][p] = ycxcz[c];
-    achromatic[p] = (ycxcz[0] + 16.0) / 116.0;
-  }
+// Through the eye's filter, with the Hunt effect.
+RgbImage seen_colours(RgbImage opponent) {
   opponent = {sensed(opponent[0], {{1.0, 0.0047}}), sensed(opponent[1], {{1.0, 0.0053}}),
               sensed(opponent[2], {{34.1, 0.04}, {13.5, 0.025}})};
-  Seen seen{make_rgb(width, height), Plane(width, height), Plane(width, height)};
-  for (std::size_t p = 0; p < achromatic.size(); ++p) {
-    Triple rgb = from_ycxcz({opponent[0][p], opponent[1][p], opponent[2][p]});
-    for (double& v : rgb)
-      v = std::clamp(v, 0.0, 1.0);
-    const Triple lab = to_hunt_lab(rgb);
-    for (std::size_t c = 0; c < 3; ++c)
-      seen.lab[c][p] = lab[c];
-  }
+  RgbImage lab = std::move(opponent);
+  parallel_rows(0, lab[0].height(), [&](int y) {
+    for (int x = 0; x < lab[0].width(); ++x) {
+      const std::size_t p = lab[0].index(x, y);
+      Triple rgb = from_ycxcz({lab[0][p], lab[1][p], lab[2][p]});
+      for (double& v : rgb)
+        v = std::clamp(v, 0.0, 1.0);
+      const Triple hunt = to_hunt_lab(rgb);
+      for (std::size_t c = 0; c < 3; ++c)
+        lab[c][p] = hunt[c];
+    }
+  });
+  return lab;
+}
 
+void add_features(const Plane& achromatic, FlipView& view) {
   const double sigma = 0.5 * kFeatureWidth * kFlipPixelsPerDegree;
   const int radius = static_cast<int>(std::ceil(3.0 * sigma));
   const auto bell = [&](double x) { return std::exp(-x * x / (2.0 * sigma * sigma)); };
@@ -229,15 +211,16 @@ Seen see(const RgbImage& image) {
   const Taps first = balanced(make_taps(radius, [&](double x) { return -x * bell(x); }));
   const Taps second = balanced(
       make_taps(radius, [&](double x) { return (x * x / (sigma * sigma) - 1.0) * bell(x); }));
-  const Plane edge_x = convolved(achromatic, first, smooth);
-  const Plane edge_y = convolved(achromatic, smooth, first);
-  const Plane point_x = convolved(achromatic, second, smooth);
-  const Plane point_y = convolved(achromatic, smooth, second);
-  for (std::size_t p = 0; p < achromatic.size(); ++p) {
-    seen.edge[p] = length(edge_x[p], edge_y[p]);
-    seen.point[p] = length(point_x[p], point_y[p]);
-  }
-  return seen;
+  const Plane smooth_rows = convolved_across(achromatic, smooth);
+  const auto magnitude = [&](const Taps& taps) {
+    Plane across = convolved_down(convolved_across(achromatic, taps), smooth);
+    const Plane down = convolved_down(smooth_rows, taps);
+    for (std::size_t p = 0; p < across.size(); ++p)
+      across[p] = length(across[p], down[p]);
+    return across;
+  };
+  view.edge = magnitude(first);
+  view.point = magnitude(second);
 }
 
 // Tone curve of HDR-FLIP: the ACES fit with its exposure of 0.6 folded in.
@@ -269,21 +252,42 @@ bool alike(const RgbImage& a, const RgbImage& b) {
 
 }  // namespace
 
+FlipView flip_view(const RgbImage& image) {
+  const int width = image[0].width(), height = image[0].height();
+  RgbImage opponent = make_rgb(width, height);
+  Plane achromatic(width, height);
+  for (std::size_t p = 0; p < achromatic.size(); ++p) {
+    const Triple ycxcz = to_ycxcz(shown(image, p));
+    for (std::size_t c = 0; c < 3; ++c)
+      opponent[c][p] = ycxcz[c];
+    achromatic[p] = (ycxcz[0] + 16.0) / 116.0;
+  }
+  FlipView view{seen_colours(std::move(opponent)), {}, {}};
+  add_features(achromatic, view);
+  return view;
+}
+
+Plane flip_difference(const FlipView& r, const FlipView& t) {
+  Plane map(r.edge.width(), r.edge.height());
+  parallel_rows(0, map.height(), [&](int y) {
+    for (int x = 0; x < map.width(); ++x) {
+      const std::size_t p = map.index(x, y);
+      const double colour = redistributed(
+          hyab({r.lab[0][p], r.lab[1][p], r.lab[2][p]}, {t.lab[0][p], t.lab[1][p], t.lab[2][p]}));
+      // Its exponent q_f is 1/2.
+      const double feature =
+          std::sqrt(std::max(std::abs(r.edge[p] - t.edge[p]), std::abs(r.point[p] - t.point[p])) /
+                    std::numbers::sqrt2);
+      // 0^0 is 0 here: no colour difference is no difference.
+      map[p] = colour > 0.0 ? std::pow(colour, 1.0 - feature) : 0.0;
+    }
+  });
+  return map;
+}
+
 Plane flip_ldr_map(const RgbImage& reference, const RgbImage& test) {
   SPOOL_CHECK(reference[0].same_size(test[0]));
-  const Seen r = see(reference), t = see(test);
-  Plane map(reference[0].width(), reference[0].height());
-  for (std::size_t p = 0; p < map.size(); ++p) {
-    const double colour = redistributed(
-        hyab({r.lab[0][p], r.lab[1][p], r.lab[2][p]}, {t.lab[0][p], t.lab[1][p], t.lab[2][p]}));
-    // Its exponent q_f is 1/2.
-    const double feature =
-        std::sqrt(std::max(std::abs(r.edge[p] - t.edge[p]), std::abs(r.point[p] - t.point[p])) /
-                  std::numbers::sqrt2);
-    // 0^0 is 0 here: no colour difference is no difference.
-    map[p] = colour > 0.0 ? std::pow(colour, 1.0 - feature) : 0.0;
-  }
-  return map;
+  return flip_difference(flip_view(reference), flip_view(test));
 }
 
 std::optional<FlipExposures> flip_exposures(const RgbImage& reference) {

@@ -14,7 +14,16 @@ namespace spool {
 
 inline constexpr double kFlipPixelsPerDegree = 67.02064327658225;  // 3840 pi / 180
 
-// Both images linear RGB; values outside [0, 1] are clamped.
+// What one image looks like: its colours after the eye's filter, and the size of its features.
+struct FlipView {
+  RgbImage lab;
+  Plane edge, point;
+};
+// Of linear RGB; values outside [0, 1] are clamped.
+FlipView flip_view(const RgbImage& image);
+Plane flip_difference(const FlipView& reference, const FlipView& test);
+
+// The same of two images.
 Plane flip_ldr_map(const RgbImage& reference, const RgbImage& test);
 
 // An ordinary picture needs 5 to 15, one for each stop between its median and its brightest pixel.

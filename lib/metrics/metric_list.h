@@ -41,6 +41,7 @@ enum SquareTerm : int {
   kSquareTerms
 };
 using Terms = std::array<double, kTermCount>;
+using PixelTerms = std::array<double, kDecileEnergy>;  // those before the deciles
 
 enum class Rule {
   kRatio,

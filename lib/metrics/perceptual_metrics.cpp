@@ -50,23 +50,10 @@ PerceptualValue bootstrapped(std::string name, const BlockBootstrap& bootstrap,
 }
 
 // Tone-mapped luma, NaN where not judged.
-Plane luma(const RgbImage& image, double exposure, const Image<std::uint8_t>& judged) {
-  Plane result(judged.width(), judged.height(), kNaN);
+Plane luma(const ReferenceSide& side) {
+  Plane result(side.judged.width(), side.judged.height(), kNaN);
   for (std::size_t p = 0; p < result.size(); ++p) {
-    if (!judged[p]) continue;
-    result[p] = luminance(tone_mapped(image[0][p], exposure), tone_mapped(image[1][p], exposure),
-                          tone_mapped(image[2][p], exposure));
-  }
-  return result;
-}
-
-// Radiance times `factor`, 0 where not judged so that both images agree there.
-RgbImage scaled(const RgbImage& image, double factor, const Image<std::uint8_t>& judged) {
-  RgbImage result = make_rgb(judged.width(), judged.height());
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t p = 0; p < judged.size(); ++p) {
-      if (judged[p]) result[c][p] = factor * image[c][p];
-    }
+    if (side.judged[p]) result[p] = luminance(side.tone[0][p], side.tone[1][p], side.tone[2][p]);
   }
   return result;
 }
@@ -78,8 +65,7 @@ Plane only_judged(Plane map, const Image<std::uint8_t>& judged) {
   return map;
 }
 
-PerceptualValue ms_ssim(const Plane& a, const Plane& b, const BlockBootstrap& bootstrap) {
-  const std::vector<SimilarityMaps> maps = ms_ssim_maps(a, b);
+PerceptualValue ms_ssim(const std::vector<SimilarityMaps>& maps, const BlockBootstrap& bootstrap) {
   std::vector<BlockMeans> scales;
   for (std::size_t j = 0; j < maps.size(); ++j) {
     const bool last = j + 1 == maps.size();
@@ -102,41 +88,40 @@ PerceptualValue map_mean(const char* name, const Plane& map, const BlockBootstra
 
 }  // namespace
 
-Plane flip_map(const RgbImage& estimate, const RgbImage& reference,
-               const Image<std::uint8_t>& judged) {
-  const double exposure = tone_map_exposure(reference, judged);
-  Plane map = flip_ldr_map(scaled(reference, exposure, judged), scaled(estimate, exposure, judged));
+Plane flip_map(const RgbImage& estimate, const ReferenceSide& side) {
+  Plane map =
+      flip_difference(side.flip, flip_view(scaled_judged(estimate, side.exposure, side.judged)));
   for (std::size_t p = 0; p < map.size(); ++p) {
-    if (!judged[p]) map[p] = 0.0;
+    if (!side.judged[p]) map[p] = 0.0;
   }
   return map;
 }
 
-std::vector<PerceptualValue> perceptual_metrics(
-    const RgbImage& estimate, const RgbImage& reference, const Image<std::uint8_t>& judged,
-    const BlockBootstrap& bootstrap, Perceptual which, GuardCounts& guards,
-    const std::function<bool(std::string_view)>& wanted) {
-  std::vector<PerceptualValue> values = {
-      {"ssim", {}, {}}, {"ms_ssim", {}, {}}, {"flip_ldr", {}, {}}, {"flip_hdr", {}, {}}};
-  if (which == Perceptual::kNone) return values;
+PerceptualTable perceptual_metrics(const PerceptualInputs& inputs, const BlockBootstrap& bootstrap,
+                                   Perceptual which, GuardCounts& guards,
+                                   const std::function<bool(std::string_view)>& wanted) {
+  PerceptualTable table{
+      {{"ssim", {}, {}}, {"ms_ssim", {}, {}}, {"flip_ldr", {}, {}}, {"flip_hdr", {}, {}}}, {}};
+  if (which == Perceptual::kNone) return table;
+  const Image<std::uint8_t>& judged = inputs.side.judged;
+  const int width = judged.width(), height = judged.height();
   if (wanted("ssim") || wanted("ms_ssim")) {
-    const double exposure = tone_map_exposure(reference, judged);
-    const Plane a = luma(estimate, exposure, judged), b = luma(reference, exposure, judged);
-    if (ssim_window(a.width(), a.height()) < kSsimWindow ||
-        ms_ssim_scales(a.width(), a.height()) < 5) {
+    if (ssim_window(width, height) < kSsimWindow || ms_ssim_scales(width, height) < 5)
       guards.add(Guard::kSmallImage);
-    }
-    if (wanted("ssim")) values[0] = map_mean("ssim", ssim_maps(a, b).ssim, bootstrap);
-    if (wanted("ms_ssim")) values[1] = ms_ssim(a, b, bootstrap);
+    const std::vector<SimilarityMaps> maps =
+        ms_ssim_maps(inputs.luma, luma(inputs.side), wanted("ms_ssim") ? 5 : 1);
+    if (wanted("ssim")) table.values[0] = map_mean("ssim", maps.front().ssim, bootstrap);
+    if (wanted("ms_ssim")) table.values[1] = ms_ssim(maps, bootstrap);
   }
   if (wanted("flip_ldr")) {
-    values[2] =
-        map_mean("flip_ldr", only_judged(flip_map(estimate, reference, judged), judged), bootstrap);
+    table.flip = flip_map(inputs.estimate, inputs.side);
+    table.values[2] = map_mean("flip_ldr", only_judged(table.flip, judged), bootstrap);
   }
-  if (which != Perceptual::kAll || !wanted("flip_hdr")) return values;
-  const auto hdr = flip_hdr_map(scaled(reference, 1.0, judged), scaled(estimate, 1.0, judged));
-  if (hdr) values[3] = map_mean("flip_hdr", only_judged(*hdr, judged), bootstrap);
-  return values;
+  if (which != Perceptual::kAll || !wanted("flip_hdr")) return table;
+  const auto hdr = flip_hdr_map(scaled_judged(inputs.reference, 1.0, judged),
+                                scaled_judged(inputs.estimate, 1.0, judged));
+  if (hdr) table.values[3] = map_mean("flip_hdr", only_judged(*hdr, judged), bootstrap);
+  return table;
 }
 
 }  // namespace spool

@@ -15,6 +15,7 @@
 #include "lib/core/guards.h"
 #include "lib/core/image.h"
 #include "lib/metrics/bootstrap.h"
+#include "lib/metrics/reference_side.h"
 
 namespace spool {
 
@@ -27,16 +28,26 @@ struct PerceptualValue {
   std::vector<double> resampled;  // [resample], empty where there is no standard error
 };
 
-// flip_ldr of each pixel, 0 where judged == 0.
-Plane flip_map(const RgbImage& estimate, const RgbImage& reference,
-               const Image<std::uint8_t>& judged);
+// What they are made of. Planes may be empty where nothing wanted is made of them.
+struct PerceptualInputs {
+  const RgbImage& estimate;
+  const RgbImage& reference;
+  const ReferenceSide& side;  // of the judged pixels
+  const Plane& luma;          // of the tone-mapped estimate, NaN where not judged
+};
 
-// Those of ssim, ms_ssim, flip_ldr and flip_hdr that `wanted` says yes to and `which` holds, in
-// this order; the others are NaN. Pixels with judged == 0 are left out; windows of SSIM that hold
-// one are too.
-std::vector<PerceptualValue> perceptual_metrics(
-    const RgbImage& estimate, const RgbImage& reference, const Image<std::uint8_t>& judged,
-    const BlockBootstrap& bootstrap, Perceptual which, GuardCounts& guards,
-    const std::function<bool(std::string_view)>& wanted);
+struct PerceptualTable {
+  std::vector<PerceptualValue> values;  // ssim, ms_ssim, flip_ldr, flip_hdr
+  Plane flip;                           // flip_ldr of each pixel, 0 where not judged; or empty
+};
+
+// Those that `wanted` says yes to and `which` holds; the others are NaN. Pixels with judged == 0
+// are left out; windows of SSIM that hold one are too.
+PerceptualTable perceptual_metrics(const PerceptualInputs& inputs, const BlockBootstrap& bootstrap,
+                                   Perceptual which, GuardCounts& guards,
+                                   const std::function<bool(std::string_view)>& wanted);
+
+// flip_ldr of each pixel as above, the side with its FLIP view.
+Plane flip_map(const RgbImage& estimate, const ReferenceSide& side);
 
 }  // namespace spool

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lib/core/parallel.h"
+#include "lib/metrics/weighted_rows.h"
 
 namespace spool {
 namespace {
@@ -26,29 +27,30 @@ std::vector<double> gaussian_window(int size) {
   return taps;
 }
 
-// Window means of term(pixel) wherever the window fits, NaN elsewhere.
-template <class Term>
-Plane window_mean(const Plane& like, const std::vector<double>& taps, Term&& term) {
-  const int width = like.width(), height = like.height();
-  const int size = static_cast<int>(taps.size()), reach = size / 2;
+// Window means wherever the window fits, NaN elsewhere.
+Plane window_mean(const Plane& image, const std::vector<double>& taps) {
+  const int width = image.width(), height = image.height();
+  const int reach = static_cast<int>(taps.size()) / 2, fitting = width - 2 * reach;
   Plane rows(width, height), mean(width, height, std::numeric_limits<double>::quiet_NaN());
-  parallel_rows(0, height, [&](int y) {
-    for (int x = reach; x + reach < width; ++x) {
-      double sum = 0.0;
-      for (int i = 0; i < size; ++i)
-        sum += taps[static_cast<std::size_t>(i)] * term(like.index(x - reach + i, y));
-      rows(x, y) = sum;
-    }
-  });
+  const auto add = [&](const auto& start_of, double* to) {
+    std::vector<const double*> from;
+    for (int i = 0; i <= 2 * reach; ++i)
+      from.push_back(start_of(i));
+    add_rows(taps, from, to, fitting);
+  };
+  parallel_rows(0, height,
+                [&](int y) { add([&](int i) { return &image(0, y) + i; }, &rows(0, y) + reach); });
   parallel_rows(reach, height - reach, [&](int y) {
-    for (int x = reach; x + reach < width; ++x) {
-      double sum = 0.0;
-      for (int i = 0; i < size; ++i)
-        sum += taps[static_cast<std::size_t>(i)] * rows(x, y - reach + i);
-      mean(x, y) = sum;
-    }
+    add([&](int i) { return &rows(0, y - reach + i) + reach; }, &mean(0, y) + reach);
   });
   return mean;
+}
+
+Plane product(const Plane& a, const Plane& b) {
+  Plane result(a.width(), a.height());
+  for (std::size_t p = 0; p < result.size(); ++p)
+    result[p] = a[p] * b[p];
+  return result;
 }
 
 Plane halved(const Plane& image) {
@@ -72,11 +74,9 @@ int ssim_window(int width, int height) {
 SimilarityMaps ssim_maps(const Plane& a, const Plane& b) {
   SPOOL_CHECK(a.same_size(b));
   const std::vector<double> taps = gaussian_window(ssim_window(a.width(), a.height()));
-  const Plane mean_a = window_mean(a, taps, [&](std::size_t p) { return a[p]; });
-  const Plane mean_b = window_mean(b, taps, [&](std::size_t p) { return b[p]; });
-  const Plane mean_aa = window_mean(a, taps, [&](std::size_t p) { return a[p] * a[p]; });
-  const Plane mean_bb = window_mean(b, taps, [&](std::size_t p) { return b[p] * b[p]; });
-  const Plane mean_ab = window_mean(a, taps, [&](std::size_t p) { return a[p] * b[p]; });
+  const Plane mean_a = window_mean(a, taps), mean_aa = window_mean(product(a, a), taps);
+  const Plane mean_b = window_mean(b, taps), mean_bb = window_mean(product(b, b), taps);
+  const Plane mean_ab = window_mean(product(a, b), taps);
   SimilarityMaps maps{Plane(a.width(), a.height()), Plane(a.width(), a.height())};
   for (std::size_t p = 0; p < a.size(); ++p) {
     const double ma = mean_a[p], mb = mean_b[p];
@@ -108,9 +108,9 @@ std::vector<double> ms_ssim_weights(int scales) {
   return weights;
 }
 
-std::vector<SimilarityMaps> ms_ssim_maps(Plane a, Plane b) {
+std::vector<SimilarityMaps> ms_ssim_maps(Plane a, Plane b, int most) {
   std::vector<SimilarityMaps> maps;
-  const int scales = ms_ssim_scales(a.width(), a.height());
+  const int scales = std::min(most, ms_ssim_scales(a.width(), a.height()));
   for (int j = 0; j < scales; ++j) {
     if (j > 0) {
       a = halved(a);

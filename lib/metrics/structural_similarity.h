@@ -27,8 +27,8 @@ int ms_ssim_scales(int width, int height);
 // Weights of the first `scales` scales, summing to 1.
 std::vector<double> ms_ssim_weights(int scales);
 // Maps of each scale; scale j is the image averaged over 2^j x 2^j pixels (an odd last row or
-// column is dropped).
-std::vector<SimilarityMaps> ms_ssim_maps(Plane a, Plane b);
+// column is dropped). At most `most` scales.
+std::vector<SimilarityMaps> ms_ssim_maps(Plane a, Plane b, int most = 5);
 // product of max(contrast_structure_j, 0)^weight_j, with max(ssim, 0) at the last scale.
 double ms_ssim_value(const std::vector<double>& scale_means, const std::vector<double>& weights);
 

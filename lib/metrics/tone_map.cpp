@@ -20,6 +20,16 @@ double tone_map_exposure(const RgbImage& reference, const Image<std::uint8_t>& j
   return 0.18 / std::exp(sum / n);
 }
 
+RgbImage scaled_judged(const RgbImage& image, double factor, const Image<std::uint8_t>& judged) {
+  RgbImage result = make_rgb(judged.width(), judged.height());
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t p = 0; p < judged.size(); ++p) {
+      if (judged[p]) result[c][p] = factor * image[c][p];
+    }
+  }
+  return result;
+}
+
 double srgb_encoded(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }

@@ -12,6 +12,9 @@ namespace spool {
 // is empty): brings the log-average luminance to middle grey.
 double tone_map_exposure(const RgbImage& reference, const Image<std::uint8_t>& judged);
 
+// Radiance times `factor`, 0 where not judged so that both images agree there.
+RgbImage scaled_judged(const RgbImage& image, double factor, const Image<std::uint8_t>& judged);
+
 // sRGB transfer function of a linear value in [0, 1] [IEC61966].
 double srgb_encoded(double linear);
 
