@@ -28,7 +28,7 @@ struct EnergyOptions {
   DirectionMeasure measure = DirectionMeasure::kEnergy;
   bool noise_correct = true;
   double smoothing = 0.35;  // s / 2^k
-  double stand_out = 0.0;   // multiples of the noise that count as energy of every direction
+  double stand_out = 2.0;   // multiples of the noise that count as energy of every direction
   Extension extension = Extension::kSymmetric;
 };
 

@@ -26,9 +26,10 @@ Plane scaled(const Plane& plane, double factor) {
   return result;
 }
 
-// At least what enough pieces around say: all dark samples of a pixel have no variance by chance.
-void pool_noise(int largest, Plane& variance) {
-  const Plane grown = grown_variance(variance, largest);
+// At least what enough like pieces around say: all dark samples of a pixel have no variance by
+// chance.
+void pool_noise(int largest, const Plane& mean, Plane& variance) {
+  const Plane grown = grown_variance(variance, largest, &mean);
   for (std::size_t i = 0; i < variance.size(); ++i)
     variance[i] = std::max(variance[i], grown[i]);
 }
@@ -178,9 +179,9 @@ Result<Reconstruction> reconstruct_directional(const Selection& selection, const
     whole.channels = size_channels(statistics, pool, whole.analysis.exposure, variance);
   }
   if (options.noise_pool > 0) {
-    pool_noise(options.noise_pool, whole.analysis.variance);
+    pool_noise(options.noise_pool, whole.analysis.mean, whole.analysis.variance);
     for (SizeChannel& channel : whole.channels)
-      pool_noise(options.noise_pool, channel.variance);
+      pool_noise(options.noise_pool, channel.mean, channel.variance);
   }
   whole.attenuation = selection.attenuation;
 

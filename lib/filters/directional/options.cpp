@@ -129,6 +129,7 @@ DirectionalOptions paper_directional_options() {
   DirectionalOptions options;
   options.normalise_exposure = false;
   options.var_mode = VarianceMode::kRaw;
+  options.noise_pool = 0;
   options.base = BaseImage::kNone;
   options.pyramid.detail = LaplacianDetail::kPhase00;
   options.size.variance = SizeVariance::kContrast;
@@ -143,6 +144,7 @@ DirectionalOptions paper_directional_options() {
   options.width.anisotropy = AnisotropySource::kFilterBank;
   options.energy.measure = DirectionMeasure::kAbs;
   options.energy.noise_correct = false;
+  options.energy.stand_out = 0.0;
   options.energy.smoothing = 0.75;
   options.width.sigma_max = 0.50;
   options.width.rho = 0.15;

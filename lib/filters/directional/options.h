@@ -108,7 +108,7 @@ enum class Precision { kFloat32, kFloat64 };  // of bands, energies and weights;
 struct DirectionalOptions {
   bool normalise_exposure = true;
   VarianceMode var_mode = VarianceMode::kAuto;
-  int noise_pool = 0;  // largest radius of the pool of a variance, pieces; 0: own samples alone
+  int noise_pool = 8;  // largest radius of the pool of a variance, pieces; 0: own samples alone
   BaseImage base = BaseImage::kChosen;
   PyramidOptions pyramid;
   FilterSizeOptions size;
