@@ -41,8 +41,9 @@ Result<NamedMap> map_of(const PictureOptions& options) {
   const LayerChoice choice = options.channel.empty()
                                  ? options.layer
                                  : LayerChoice{options.channel, options.layer.part, "--channel "};
-  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(options.image, choice));
-  if (options.channel.empty()) print_note(remark_line(options.image.string(), picture.remarks));
+  SPOOL_ASSIGN(ForeignPicture picture, read_single_or_picture(options.image, choice));
+  if (!options.channel.empty()) picture.remarks.clear();  // who names a channel knows of others
+  print_note(remark_line(options.image.string(), picture));
   const RgbImage& rgb = picture.rgb;
   Plane result(rgb[0].width(), rgb[0].height());
   for (std::size_t i = 0; i < result.size(); ++i)
@@ -67,7 +68,7 @@ Result<Picture> tone_mapped_picture(const PictureOptions& options) {
   if (!options.like.empty()) {
     SPOOL_ASSIGN(guide, read_picture(options.like, kNoLayerOption));
   }
-  print_note(remark_line(options.image.string(), picture.remarks));
+  print_note(remark_line(options.image.string(), picture));
   return tone_map(picture.rgb, options.exposure ? std::exp2(*options.exposure)
                                                 : tone_exposure(guide ? guide->rgb : picture.rgb));
 }
