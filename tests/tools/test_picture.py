@@ -43,7 +43,7 @@ def test_exposure_and_srgb(good, image, tmp_path):
 def test_pixels_that_are_not_finite_are_counted_in_one_line(run, image, tmp_path):
     for options in ((), ("--false-colour",), ("--false-colour", "--channel", "G")):
         done = run("picture", tmp_path / "a.exr", "-o", tmp_path / "a.png", "--force", *options)
-        assert done.returncode == 0 and done.stderr.strip().endswith("a.exr: 1 pixel is not finite"), (options, done.stderr)
+        assert done.code == 0 and done.err.strip().endswith("a.exr: 1 pixel is not finite"), (options, done.err)
 
 
 def test_the_exposure_of_another_image_is_taken(good, image, tmp_path):
