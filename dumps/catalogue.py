@@ -15,6 +15,10 @@ import sys
 import tomllib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "recording"))
+
+from failure import one_line  # noqa: E402
+
 PATH = os.path.join(HERE, "CATALOG.toml")
 MEASURED = ("bytes", "sha256", "size", "samples", "seconds")
 RECORDERS = {"Cycles": "dumps/record.sh", "Mitsuba": "dumps/mitsuba/record.py"}
@@ -126,7 +130,7 @@ def main():
         print("\n".join(listed(entry) for entry in found["recording"]))
         return 0
     if wanted not in entries:
-        print("catalogue: '%s' is not in it: use %s" % (wanted, ", ".join(entries)), file=sys.stderr)
+        print(one_line("catalogue: '%s' is not in it: use %s" % (wanted, ", ".join(entries))), file=sys.stderr)
         return 2
     entry = entries[wanted]
     if options.command:

@@ -65,6 +65,8 @@ std::string_view kind_of(std::span<const std::byte> start) {
 
 Result<void> refuse_other_kind(const std::string& name, std::span<const std::byte> start,
                                std::string_view wanted, std::string_view remedy) {
+  if (start.empty())
+    return fail(ErrorCode::kDamage, "{}: is empty: write it again, or fetch it", name);
   const std::string_view kind = kind_of(start);
   if (kind.empty() || kind == wanted) return {};
   return fail(ErrorCode::kData, "{}: is {}, {} is needed: {}", name, kind, wanted, remedy);

@@ -14,8 +14,9 @@ namespace spool::format {
 // "an HDF5 file"; empty for what the table does not have.
 std::string_view kind_of(std::span<const std::byte> start);
 
-// kData where the file is of another known kind than `wanted`, which is spelt as in the table or is
-// not in it: "FILE: is an HDF5 file, a zip archive is needed: REMEDY".
+// kDamage where there is nothing; kData where the file is of another known kind than `wanted`,
+// which is spelt as in the table or is not in it: "FILE: is an HDF5 file, a zip archive is needed:
+// REMEDY".
 Result<void> refuse_other_kind(const std::string& name, std::span<const std::byte> start,
                                std::string_view wanted, std::string_view remedy);
 

@@ -32,7 +32,7 @@ Result<uint16_t> to_half(float value, const PassManifest& manifest, const PassEn
 Result<void> scatter(const PassManifest& manifest, const PassEntry& entry, uint32_t plane,
                      std::span<const float> rows, uint32_t image_width, DataType type,
                      size_t channel, size_t sample, size_t count, std::span<const Tile> tiles,
-                     std::vector<std::vector<std::byte>>& blocks) {
+                     std::vector<std::vector<std::byte>>& blocks, uint64_t& not_finite) {
   for (size_t t = 0; t < tiles.size(); ++t) {
     const Tile& tile = tiles[t];
     std::byte* block = blocks[t].data();
@@ -40,6 +40,7 @@ Result<void> scatter(const PassManifest& manifest, const PassEntry& entry, uint3
       for (uint32_t x = 0; x < tile.width; ++x) {
         const size_t at = ((channel * tile.height + y) * tile.width + x) * count + sample;
         const float value = rows[size_t{y} * image_width + tile.x0 + x];
+        not_finite += !std::isfinite(value);
         if (type == DataType::kFloat16) {
           SPOOL_ASSIGN(const uint16_t half,
                        to_half(value, manifest, entry, plane, tile.x0 + x, tile.y0 + y));
@@ -56,7 +57,7 @@ Result<void> scatter(const PassManifest& manifest, const PassEntry& entry, uint3
 // Samples [begin, begin + count) of one row of tiles, all sample groups.
 Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
                         std::span<const Tile> tiles, uint32_t begin, uint32_t count,
-                        SampleWatch& watch, SpoolWriter& writer) {
+                        SampleWatch& watch, uint64_t& not_finite, SpoolWriter& writer) {
   const uint32_t y0 = tiles.front().y0;
   const uint32_t y1 = y0 + tiles.front().height;
   std::vector<float> rows(size_t{manifest.width} * (y1 - y0));
@@ -70,7 +71,7 @@ Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
       for (size_t c = 0; c < group.planes.size(); ++c) {
         SPOOL_TRY(read_pass_rows(manifest, entry, group.planes[c], y0, y1, rows));
         SPOOL_TRY(scatter(manifest, entry, group.planes[c], rows, manifest.width, group.type, c, s,
-                          count, tiles, blocks));
+                          count, tiles, blocks, not_finite));
       }
     }
     for (size_t t = 0; t < tiles.size(); ++t) {
@@ -102,7 +103,8 @@ Result<void> write_pass_group(const PassManifest& manifest, const DumpHeader& he
 // Mean of the batches and variance of that mean, pixel by pixel [Welford62], in the order of the
 // batches, double; rounded to float32 at the end.
 Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& plan,
-                                  std::span<const Tile> tiles, SpoolWriter& writer) {
+                                  std::span<const Tile> tiles, uint64_t& not_finite,
+                                  SpoolWriter& writer) {
   const uint32_t y0 = tiles.front().y0;
   const uint32_t y1 = y0 + tiles.front().height;
   const size_t plane = size_t{manifest.width} * (y1 - y0);
@@ -131,6 +133,7 @@ Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& 
           const size_t at = (c % 3) * plane + size_t{y} * manifest.width + tile.x0 + x;
           const double value = c < 3 ? mean[at] : squares[at] / (count - 1.0) / count;
           values.push_back(static_cast<float>(value));
+          not_finite += c < 3 && !std::isfinite(value);
         }
       }
     }
@@ -151,7 +154,7 @@ Result<std::string> judge(const SampleWatch& watch, const PassManifest& manifest
               manifest.folder.string(), objection);
 }
 
-// Returns a remark on the samples, or nothing.
+// Returns remarks on the samples, or nothing.
 Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& plan,
                                SpoolWriter& writer) {
   const PassManifest& manifest = recording.manifest;
@@ -166,18 +169,23 @@ Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& p
   SPOOL_TRY(write_pass_group<uint32_t>(
       manifest, header, plan.seed, 1, [](const PassEntry& pass, size_t) { return pass.seed; },
       writer));
+  uint64_t not_finite = 0;
   SampleWatch watch(header.width, header.height, header.spp, plan.film != 0);
   const uint32_t bands = (header.height + header.tile_size - 1) / header.tile_size;
   for (uint32_t band = 0; band < bands; ++band) {
     const std::vector<Tile> tiles = tiles_of_band(header, band);
     for (uint32_t begin = 0; begin < header.spp; begin += header.block_spp) {
       const uint32_t count = std::min(header.block_spp, header.spp - begin);
-      SPOOL_TRY(write_band(manifest, plan, tiles, begin, count, watch, writer));
+      SPOOL_TRY(write_band(manifest, plan, tiles, begin, count, watch, not_finite, writer));
     }
-    if (plan.reference != 0) SPOOL_TRY(write_reference_band(manifest, plan, tiles, writer));
+    if (plan.reference != 0)
+      SPOOL_TRY(write_reference_band(manifest, plan, tiles, not_finite, writer));
   }
   SPOOL_ASSIGN(std::string remark, judge(watch, manifest, header.sample_order));
   SPOOL_TRY(writer.finish());
+  if (not_finite > 0)
+    remark += fmt::format("{}{} values are not finite and were stored as they are",
+                          remark.empty() ? "" : "; ", not_finite);
   return remark;
 }
 

@@ -9,8 +9,8 @@ LONGEST = 380            # characters of a line; with the name of a program befo
 
 
 def one_line(text):
-    """Bounded: its beginning, which names the file, and its end, where the remedy stands."""
-    text = " ".join(str(text).split("\n"))
+    """Bounded: its beginning, which names the file, and its end, where the remedy stands. What a terminal obeys is an escape."""
+    text = "".join(c if c.isprintable() else " " if c in "\n\t" else repr(c)[1:-1] for c in str(text))
     return text if len(text) <= LONGEST else "%s [...] %s" % (text[:LONGEST // 2], text[7 - LONGEST // 2:])
 
 

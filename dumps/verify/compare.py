@@ -14,10 +14,11 @@ import sys
 import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in (HERE, os.path.join(HERE, "..", "..", "formats", "python")):
+for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "..", "..", "formats", "python")):
     sys.path.insert(0, folder)
 
 import spool  # noqa: E402
+from failure import one_line  # noqa: E402
 from reference_agreement import LUMINANCE  # noqa: E402
 
 BLOCK = 8                # pixels along a side; pixels that are clearly different are few and lie together
@@ -105,7 +106,7 @@ def main():
         print(error, file=sys.stderr)
         return error.code
     except ValueError as error:
-        print(error, file=sys.stderr)
+        print(one_line(error), file=sys.stderr)
         return 1
     print(json.dumps(found, indent=1) if options.json else "\n".join(told((options.first, options.second), found)))
     return 0

@@ -78,6 +78,20 @@ Result<std::vector<std::string>> components_of(const json& meta, const std::stri
               layer);
 }
 
+// Of what is measured they are encoded: a display's light, reflectance or normals in bytes.
+Result<void> refuse_whole_numbers(const NpzMember& member, const std::string& name) {
+  using format::Semantic;
+  const auto known = find_layer_name(member.layer);
+  const Semantic kind = known ? known->semantic : Semantic::kNotStated;
+  if (kind == Semantic::kNotStated || kind == Semantic::kBits || kind == Semantic::kFraction)
+    return {};
+  const bool light = kind == Semantic::kLight || kind == Semantic::kLightVariance;
+  return fail(ErrorCode::kData, "{}: dtype {} is {}, and save with astype('<f4')", name,
+              member.header.type,
+              light ? "no light: divide by the largest value, linearise where it is sRGB"
+                    : "encoded: decode it (reflectance v / 255, directions 2 v / 255 - 1)");
+}
+
 // Axes of a layer, in words for the message and as sizes.
 Result<ForeignLayer> plan_layer(const NpzMember& member, const json& meta, bool sample_major,
                                 bool narrow, const std::string& file) {
@@ -85,13 +99,8 @@ Result<ForeignLayer> plan_layer(const NpzMember& member, const json& meta, bool 
   layer.name = member.layer;
   const std::string name = fmt::format("{}: {}", file, member.layer);
   const auto type = element_type(member.header.type);
-  // Whole numbers are nearly always a display's: divided and linearised they are light.
-  if (member.layer == "radiance" &&
-      std::string_view("uib").find(member.header.type[1]) != std::string_view::npos)
-    return fail(ErrorCode::kData,
-                "{}: dtype {} is no light: divide by the largest value, linearise where it is "
-                "sRGB, and save with astype('<f4')",
-                name, member.header.type);
+  if (std::string_view("uib").find(member.header.type[1]) != std::string_view::npos)
+    SPOOL_TRY(refuse_whole_numbers(member, name));
   if (!type)
     return fail(ErrorCode::kData, "{}: dtype {}: save with astype('<f4')", name,
                 member.header.type);

@@ -64,6 +64,19 @@ std::string visible_text(std::string_view text, bool keep_lines) {
   return shown;
 }
 
+std::string shell_quoted(std::string_view text) {
+  std::string result = "'";
+  for (const char c : text)
+    result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+std::string shell_word(std::string_view text) {
+  constexpr std::string_view kObeyed = " '\"\\$`!#&;()<>|*?[]{}~";
+  const bool plain = !text.empty() && text.find_first_of(kObeyed) == std::string_view::npos;
+  return plain ? std::string(text) : shell_quoted(text);
+}
+
 bool is_utf8(std::string_view text) {
   while (!text.empty()) {
     const Decoded next = decode(text);

@@ -128,7 +128,8 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   SPOOL_ASSIGN(const std::vector<ExrPart> first, parts_of(files[0]));
   SPOOL_ASSIGN(const ExrMapping mapping, map_exr_layers(first, options.map, files[0].string()));
   SPOOL_ASSIGN(auto told, told_dump(first[0].attributes, files[0].string()));
-  const ExrWindow& window = first[mapping.layers[0].planes[0].first].data;
+  const ExrPart& part = first[mapping.layers[0].planes[0].first];
+  const ExrWindow& window = part.data;
   SPOOL_TRY(check_size(window, files[0].string()));
   DumpPlan plan;
   plan.width = static_cast<uint32_t>(window.width);
@@ -158,12 +159,13 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   if (window.x0 != 0 || window.y0 != 0)
     plan.record.converted.push_back(
         fmt::format("the data window began at {},{} and was moved to 0,0", window.x0, window.y0));
-  const ExrWindow& display = first[mapping.layers[0].planes[0].first].display;
-  if (display.x0 != window.x0 || display.y0 != window.y0 || display.width != window.width ||
-      display.height != window.height)
+  if (part.display != window)
     plan.record.converted.push_back(
         fmt::format("all of the data window ({}) was taken, the display window is another ({})",
-                    text_of(window), text_of(display)));
+                    text_of(window), text_of(part.display)));
+  if (!part.lossy.empty())
+    plan.record.converted.push_back(fmt::format(
+        "{} is a compression with loss: the values are near those that were rendered", part.lossy));
   std::vector<std::string> notes = plan.record.converted;
   notes.insert(notes.end(), numbered.notes.begin(), numbered.notes.end());
   notes.insert(notes.end(), mapping.notes.begin(), mapping.notes.end());

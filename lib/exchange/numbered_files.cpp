@@ -67,7 +67,7 @@ Result<void> check_sequence(const std::vector<NumberedFile>& files, const std::s
     if (two.number == one.number)
       return fail(ErrorCode::kData,
                   "{}: sample {} is there twice, {} and {} (the last number in a name counts): "
-                  "move the files that are no samples away",
+                  "number the samples last, and move what is no sample away",
                   in, one.number, one.name, two.name);
     if (two.number != one.number + 1)
       return fail(ErrorCode::kData,
@@ -82,7 +82,7 @@ void add_notes(const std::vector<NumberedFile>& files, const std::vector<std::st
                std::vector<std::string>& notes) {
   if (!left_out.empty())
     notes.push_back(fmt::format(
-        "not read, hidden or no *.exr: {}{}", left_out.front(),
+        "not read (hidden, a folder, or no *.exr): {}{}", left_out.front(),
         left_out.size() == 1 ? std::string() : fmt::format(" and {} more", left_out.size() - 1)));
   const auto other = std::find_if(files.begin(), files.end(), [&](const NumberedFile& file) {
     return file.before != files[0].before || file.after != files[0].after;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -47,7 +48,17 @@ const std::map<std::string_view, std::uint64_t>& fixed_sizes() {
 
 // Those that OpenEXR has added since.
 std::string_view newer_compression(int number) {
-  return number == 10 || number == 11 ? " (HTJ2K)" : "";
+  switch (number) {
+    case 10:
+    case 11:
+      return " (HTJ2K)";
+    case 12:
+      return " (LJ2K)";
+    case 13:
+      return " (ZSTD)";
+    default:
+      return "";
+  }
 }
 
 template <class T>
@@ -63,7 +74,7 @@ struct Attribute {
 
 struct Part {
   PartShape shape;
-  std::string type;
+  std::string name, type;
   std::uint64_t chunk_count = 0;  // as an attribute says
 };
 
@@ -87,9 +98,15 @@ class HeaderScan {
                   name_, version_ & 0xFF, version_ & ~0xFFU);
     const bool several = (version_ & kMultiPart) != 0;
     std::uint64_t table_bytes = 0;
+    std::set<std::string> names;
     for (bool ended = false; !ended;) {
       SPOOL_ASSIGN(const std::optional<Part> part, read_header());
       if (part) {
+        if (several && (part->name.empty() || !names.insert(part->name).second))
+          return fail(ErrorCode::kData,
+                      "{}: part {} has {}: give each part a name of its own where it was written",
+                      name_, names.size(),
+                      part->name.empty() ? "no name" : "the name of an earlier one");
         SPOOL_ASSIGN(const std::uint64_t bytes, check_part(*part));
         table_bytes += bytes;
         if (table_bytes > bytes_) return too_many_chunks();
@@ -141,7 +158,8 @@ class HeaderScan {
       return refuse(attribute, "ends within a number");
     const bool list = attribute.type == "chlist" || attribute.type == "preview" ||
                       attribute.type == "stringvector";
-    if (fixed != fixed_sizes().end() || list || attribute.name == "type") {
+    const bool text = attribute.name == "type" || attribute.name == "name";
+    if (fixed != fixed_sizes().end() || list || text) {
       attribute.value = take(static_cast<std::uint64_t>(size));
     } else {
       file_.seekg(size, std::ios::cur);
@@ -195,13 +213,14 @@ class HeaderScan {
       part.shape.compression = number_at<std::uint8_t>(value, 0);
       if (part.shape.compression >= Imf::NUM_COMPRESSION_METHODS)
         return fail(ErrorCode::kData,
-                    "{}: compression {}{} is unknown here: save it with zip, e.g. oiiotool "
-                    "--compression zip",
+                    "{}: compression {}{} is unknown here: save it with zip where it was made",
                     name_, part.shape.compression, newer_compression(part.shape.compression));
     } else if (attribute.name == "chunkCount" && attribute.type == "int") {
       part.chunk_count = static_cast<std::uint64_t>(std::max(0, number_at<std::int32_t>(value, 0)));
     } else if (attribute.name == "type" && attribute.type == "string") {
       part.type = attribute.value;
+    } else if (attribute.name == "name" && attribute.type == "string") {
+      part.name = attribute.value;
     }
     return {};
   }

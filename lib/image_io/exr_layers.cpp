@@ -22,9 +22,12 @@ std::vector<std::string> cryptomattes(const ExrPart& part) {
   return names;
 }
 
-// The planes that are called R, G, B in any letter case, or red, green, blue.
+// The planes that are called R, G, B, else so in any letter case, or red, green, blue.
 std::optional<std::array<std::size_t, 3>> colours(
     const std::map<std::string, std::size_t>& channels) {
+  const auto r = channels.find("R"), g = channels.find("G"), b = channels.find("B");
+  if (r != channels.end() && g != channels.end() && b != channels.end())
+    return std::array{r->second, g->second, b->second};
   for (const auto& names : {std::array{"r", "g", "b"}, std::array{"red", "green", "blue"}}) {
     std::array<std::size_t, 3> found{};
     std::array<int, 3> times{};
@@ -136,8 +139,13 @@ std::vector<ExrLayer> layers_of(const std::vector<ExrPart>& parts) {
 std::string spelt(const ExrLayer& layer) {
   const std::string& only = layer.channels.begin()->first;
   if (layer.channels.size() == 1) return layer.name.empty() ? only : layer.name + "." + only;
-  return layer.name.empty() ? fmt::format("{}", fmt::join(std::views::keys(layer.channels), ","))
-                            : layer.name;
+  if (!layer.name.empty()) return layer.name;
+  if (!layer.colour) return fmt::format("{}", fmt::join(std::views::keys(layer.channels), ","));
+  std::array<std::string_view, 3> names;
+  for (const auto& [channel, index] : layer.channels)
+    for (std::size_t c = 0; c < 3; ++c)
+      if ((*layer.colour)[c] == index) names[c] = channel;
+  return fmt::format("{}", fmt::join(names, ","));
 }
 
 std::string told(const ExrLayer& layer, const std::vector<ExrPart>& parts,

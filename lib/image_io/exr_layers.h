@@ -36,7 +36,7 @@ std::pair<std::string, std::string> split_channel(const std::string& name);
 
 std::vector<ExrLayer> layers_of(const std::vector<ExrPart>& parts);
 
-// "beauty", or the only channel "depth.Z", as --layer takes it.
+// "beauty", the only channel "depth.Z", or "R,G,B" without a name: as --layer takes it.
 std::string spelt(const ExrLayer& layer);
 // With the part where several have a layer of that name: "diffuse of part 2 'left'".
 std::string told(const ExrLayer& layer, const std::vector<ExrPart>& parts,

@@ -4,6 +4,7 @@
 
 #include <exception>
 
+#include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
@@ -26,12 +27,34 @@ ExrWindow window_of(const Imath::Box2i& box) {
           std::int64_t{box.max.y} - box.min.y + 1};
 }
 
+// B44 changes halves only, PXR24 floats only.
+const char* lossy_compression(const Imf::Header& header) {
+  bool half = false, single = false;
+  for (auto i = header.channels().begin(); i != header.channels().end(); ++i) {
+    half = half || i.channel().type == Imf::HALF;
+    single = single || i.channel().type == Imf::FLOAT;
+  }
+  switch (header.compression()) {
+    case Imf::B44_COMPRESSION:
+    case Imf::B44A_COMPRESSION:
+      return half ? "B44" : "";
+    case Imf::PXR24_COMPRESSION:
+      return single ? "PXR24" : "";
+    case Imf::DWAA_COMPRESSION:
+    case Imf::DWAB_COMPRESSION:
+      return "DWA";
+    default:
+      return "";
+  }
+}
+
 Result<ExrPart> part_of(const std::string& name, const Imf::Header& header) {
   ExrPart part;
   if (header.hasName()) part.name = header.name();
   if (header.hasType()) part.type = header.type();
   if (header.hasView()) part.view = header.view();
   if (Imf::hasMultiView(header)) part.views = Imf::multiView(header);
+  part.lossy = lossy_compression(header);
   part.flat = is_flat(header);
   part.data = window_of(header.dataWindow());
   part.display = window_of(header.displayWindow());

@@ -48,6 +48,7 @@ struct ExrPart {
   std::string name, type;          // empty where the file has none
   std::string view;                // of a part that is one view of several
   std::vector<std::string> views;  // of a part that has several; the first is the default
+  std::string lossy;               // the compression, where it changes values
   bool flat = true;
   ExrWindow data, display;
   std::vector<ExrChannel> channels;  // in alphabetical order

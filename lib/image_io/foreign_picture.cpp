@@ -1,6 +1,7 @@
 #include "lib/image_io/foreign_picture.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/ranges.h>
 
@@ -139,6 +140,17 @@ Result<void> check_aligned(const ForeignPicture& a, const ForeignPicture& b, std
 std::string text_of(const ExrWindow& window) {
   return fmt::format("x {} to {}, y {} to {}", window.x0, window.x0 + window.width - 1, window.y0,
                      window.y0 + window.height - 1);
+}
+
+std::string remark_line(const std::string& file, const ForeignPicture& picture) {
+  std::vector<std::string> remarks = picture.remarks;
+  std::size_t odd = 0;
+  for (std::size_t i = 0; i < picture.rgb[0].size(); ++i)
+    odd += !std::isfinite(picture.rgb[0][i] + picture.rgb[1][i] + picture.rgb[2][i]);
+  if (odd > 0)
+    remarks.push_back(odd == 1 ? "1 pixel is not finite"
+                               : fmt::format("{} pixels are not finite", odd));
+  return remark_line(file, remarks);
 }
 
 std::string remark_line(const std::string& file, const std::vector<std::string>& remarks) {

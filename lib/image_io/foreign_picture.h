@@ -43,6 +43,8 @@ std::string text_of(const ExrWindow& window);
 
 // "FILE: a; b", one line for the user; "" when there is nothing to say.
 std::string remark_line(const std::string& file, const std::vector<std::string>& remarks);
+// Of a picture to look at: also how many of its pixels are not finite.
+std::string remark_line(const std::string& file, const ForeignPicture& picture);
 
 // What of a file is not `used` (part and channel), by layers: "A, albedo, depth.Z and 4 more".
 std::string unused_channels(const std::vector<ExrPart>& parts, const std::vector<ExrLayer>& layers,

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <optional>
 
+#include "lib/core/visible_text.h"
+
 namespace spool {
 namespace {
 
@@ -65,7 +67,10 @@ class Chooser {
 
   // As spelt, else in another letter case.
   Layers named(const Layers& open) const {
-    Layers found = those(open, [&](const ExrLayer& layer) { return layer.name == choice_.layer; });
+    Layers found = those(open, [&](const ExrLayer& layer) {
+      return layer.name == choice_.layer ||
+             (layer.name.empty() && layer.colour && spelt(layer) == choice_.layer);
+    });
     if (!found.empty()) return found;
     return those(open, [&](const ExrLayer& layer) {
       return lower_case(layer.name) == lower_case(choice_.layer);
@@ -137,8 +142,7 @@ class Chooser {
   // "choose with --layer beauty"
   std::string remedy(const std::string& option, const std::string& name) const {
     if (option.empty()) return "save the one that is meant in a file of its own";
-    const char* quote = name.find(' ') == std::string::npos ? "" : "'";
-    return fmt::format("choose with {}{}{}{}", option, quote, name, quote);
+    return fmt::format("choose with {}{}", option, shell_word(name));
   }
 
   tl::unexpected<Error> ambiguous(const Layers& found) const {
@@ -161,7 +165,7 @@ class Chooser {
     };
     if (!those(open, chroma).empty())
       return fail(ErrorCode::kData,
-                  "{}: luminance and chroma (Y, RY, BY) are subsampled: convert to R, G, B first",
+                  "{}: luminance and chroma (Y, RY, BY) are not R, G, B: convert them first",
                   file_);
     return fail(ErrorCode::kData, "{}: no picture in R, G, B or Y, there are {}: {}", file_,
                 listed(names(open)), remedy(choice_.layer_option, "NAME"));

@@ -42,7 +42,7 @@ constexpr std::array<Word, 48> kOtherWords = {
 constexpr std::array<Word, 4> kGreyless = {"a", "n", "x", "z"};
 
 bool is_letter_or_digit(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+  return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || static_cast<unsigned char>(c) >= 0x80;
 }
 
 std::string squashed(const std::string& name) {

@@ -139,7 +139,7 @@ def test_files_that_are_no_samples_are_left_out_and_named(tmp_path):
     (source / "Thumbs.db").write_bytes(b"x")
     (source / "frame_007.exr").mkdir()
     code, message, path = imported(tmp_path, source)
-    assert code == 0 and "not read, hidden or no *.exr: ._frame_003.exr and 2 more" in message, message
+    assert code == 0 and "not read (hidden, a folder, or no *.exr): ._frame_003.exr and 2 more" in message, message
     sample_dumps.assert_same(path, {"radiance": np.ascontiguousarray(SAMPLES.transpose(1, 2, 0, 3))})
     write_image(source / "thumbnail_003.exr", "RGB", SAMPLES[0][:2])
     (tmp_path / "a.spool").unlink()

@@ -35,6 +35,7 @@ TAKEN = {
     "red, green, blue": ([exr.Part(exr.rgb(A, "beauty", ("red", "green", "blue")))], ""),
     "the base before parts of it": ([exr.Part(exr.rgb(A) | exr.rgb(B, "diffuse") | exr.rgb(C, "specular"))], "not used: diffuse, specular"),
     "the default view": ([exr.Part(exr.rgb(A) | exr.rgb(B, "right"), exr.texts("multiView", ["left", "right"]))], "not used: right"),
+    "R, G, B before r, g, b": ([exr.Part(exr.rgb(A) | exr.rgb(B, names="rgb"))], "not used: b, g, r"),
     "half beside float": ([exr.Part(exr.rgb(A.astype("f2").astype("f4"), dtype=("f2", "f4", "f4")))], ""),
     "a cryptomatte has colours": ([exr.Part(exr.rgb(A) | exr.rgb(B, "tags00"), exr.text("cryptomatte/a1b2/name", "tags"))], "not used: tags00"),
     "Blender's result": ([exr.Part(exr.rgb(A, "ViewLayer.Combined") | exr.rgb(B, "ViewLayer.Noisy Image"))], "ViewLayer.Combined is denoised"),
@@ -53,6 +54,12 @@ def test_the_picture_is_taken(tmp_path, kind):
 
 REFUSED = {
     "two pictures": ([exr.Part(exr.rgb(A, "beauty") | exr.rgb(B))], 1, "more than one picture", "--layer"),
+    "names of other alphabets": ([exr.Part(exr.rgb(A, "schön") | exr.rgb(B, "größe"))], 1, "größe, schön", "--layer größe"),
+    "a name that a shell would obey": ([exr.Part(exr.rgb(A, "it's") | exr.rgb(B, "key"))], 1, "it's, key", "--layer 'it'\\''s'"),
+    "one part name twice": ([exr.Part(exr.rgb(A), name="rgba", view="left"), exr.Part(exr.rgb(B), name="rgba", view="right")],
+                            1, "part 1 has the name of an earlier one", "give each part"),
+    "parts without a name": ([exr.Part(exr.rgb(A)), exr.Part(exr.rgb(B))], 1, "part 0 has no name", "give each part"),
+    "zstd": ([exr.Part(exr.rgb(A), compression=13)], 1, "(ZSTD) is unknown here", "where it was made"),
     "two view layers": ([exr.Part(exr.rgb(A, "One.Combined") | exr.rgb(B, "Two.Combined"))], 1, "One.Combined, Two.Combined", "--layer One.Combined"),
     "two unknown layers": ([exr.Part(exr.rgb(A, "fill") | exr.rgb(B, "key"))], 1, "fill, key", "--layer"),
     "two views as parts": ([exr.Part(exr.rgb(A), name="rgba.left", view="left"), exr.Part(exr.rgb(B), name="rgba.right", view="right")],
@@ -100,6 +107,14 @@ def test_layer_and_part_choose(tmp_path):
                                 (("part=first",), 1, "--layer One.Combined")):
         found, _, message = picture(path, *options)
         assert found == code and word in message, (options, message)
+
+
+def test_the_remedy_for_two_pictures_is_taken(tmp_path):
+    path = exr.write(tmp_path / "a.exr", exr.Part(exr.rgb(A) | exr.rgb(B, "image") | {"A": A[..., 0]}))
+    code, _, message = picture(path)
+    assert code == 1 and "choose with --layer R,G,B" in message, message
+    code, image, message = picture(path, "layer=R,G,B")
+    assert code == 0 and np.array_equal(image, A), message
 
 
 def to_xyz(c):
@@ -184,6 +199,26 @@ def test_images_in_another_colour_space_than_the_first_are_refused(tmp_path):
     exr.write(source / "s_1.exr", exr.Part(exr.rgb(B), exr.chromaticities(*exr.REC2020)))
     code, message, _ = samples(tmp_path, source)
     assert code == 1 and "another colour space than the first image" in message
+
+
+def test_an_empty_file_is_called_so(tmp_path):
+    (tmp_path / "a.exr").write_bytes(b"")
+    assert run_jobs(("import deep-exr", tmp_path / "a.exr", tmp_path / "out.spool"))[0][0] == 4
+    code, _, message = picture(tmp_path / "a.exr")
+    assert code == 4 and "is empty" in message, message
+
+
+def test_compression_with_loss_and_values_that_are_not_finite_are_named(tmp_path):
+    odd = B.copy()
+    odd[1, 2], odd[0, 0, 1] = np.inf, np.nan
+    for s, pixels in enumerate((A, odd, C)):
+        (tmp_path / "f").mkdir(exist_ok=True)
+        spec = oiio.ImageSpec(6, 4, 3, "float")
+        spec.attribute("compression", "dwaa" if s < 2 else "zip")
+        image = oiio.ImageOutput.create(str(tmp_path / "f" / f"s_{s}.exr"))
+        assert image.open(str(tmp_path / "f" / f"s_{s}.exr"), spec) and image.write_image(pixels) and image.close()
+    code, message, _ = samples(tmp_path, tmp_path / "f")
+    assert code == 0 and "DWA is a compression with loss" in message and "values are not finite" in message, message
 
 
 OTHERS = {"npz": [(b"\x89HDF\r\n\x1a\n", "an HDF5 file"), (b"\x93NUMPY\1\0", "a single .npy array"), (b"\x80\4\x95", "a Python pickle"), (b"abcd", "wrong first bytes")],

@@ -265,6 +265,13 @@ def test_a_version_of_npy_that_is_newer_is_no_damage(tmp_path):
     assert code == 1 and "version 4 of .npy is unknown here" in message, message
 
 
+def test_whole_numbers_are_no_measure_of_any_layer(tmp_path):
+    for layer, array, word in (("reference", SAMPLES[:, :, 0], "no light"), ("albedo", SAMPLES, "encoded"), ("normal", SAMPLES, "encoded")):
+        np.savez(tmp_path / "a.npz", radiance=SAMPLES, **{layer: (array * 0).astype("u1")})
+        code, message = run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC"))[0]
+        assert code == 1 and word in message and layer in message, message
+
+
 def test_bytes_of_a_display_are_no_light(tmp_path):
     for dtype in ("u1", "i2", "u4", "?"):
         code, message = refused(tmp_path, savez(radiance=(255 * SAMPLES).astype(dtype)), "layout=HWSC")

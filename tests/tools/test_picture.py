@@ -40,6 +40,12 @@ def test_exposure_and_srgb(good, image, tmp_path):
         assert np.abs(seen - expected)[1:].max() <= 1
 
 
+def test_pixels_that_are_not_finite_are_counted_in_one_line(run, image, tmp_path):
+    for options in ((), ("--false-colour",), ("--false-colour", "--channel", "G")):
+        done = run("picture", tmp_path / "a.exr", "-o", tmp_path / "a.png", "--force", *options)
+        assert done.code == 0 and done.err.strip().endswith("a.exr: 1 pixel is not finite"), (options, done.err)
+
+
 def test_the_exposure_of_another_image_is_taken(good, image, tmp_path):
     write_exr(tmp_path / "b.exr", {name: np.full((6, 8), 0.18 * 4, "<f4") for name in "RGB"})
     good("picture", tmp_path / "a.exr", "--like", tmp_path / "b.exr", "-o", tmp_path / "a.png")

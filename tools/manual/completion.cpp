@@ -5,17 +5,10 @@
 #include <fmt/ranges.h>
 
 #include "lib/core/nearest_name.h"
+#include "lib/core/visible_text.h"
 
 namespace spool::tools {
 namespace {
-
-// In single quotes: 'it'\''s'.
-std::string in_quotes(std::string_view text) {
-  std::string result = "'";
-  for (const char c : text)
-    result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return result + "'";
-}
 
 std::vector<std::string> names_of_verbs(const ProgramText& program) {
   std::vector<std::string> names;
@@ -51,13 +44,14 @@ std::string bash_cases(const VerbText& verb) {
       with_value.insert(with_value.end(), patterns.begin(), patterns.end());
     } else {
       text += fmt::format("    {}) words={} ;;\n", fmt::join(patterns, " | "),
-                          in_quotes(fmt::format("{}", fmt::join(option.choices, " "))));
+                          shell_quoted(fmt::format("{}", fmt::join(option.choices, " "))));
     }
   }
   if (!with_value.empty()) text += fmt::format("    {}) ;;\n", fmt::join(with_value, " | "));
-  return text + fmt::format("    \"{} \"*) options={} places={} ;;\n", verb.name,
-                            in_quotes(fmt::format("{}", fmt::join(option_names(verb), " "))),
-                            in_quotes(fmt::format("{}", fmt::join(choices_by_place(verb), " "))));
+  return text +
+         fmt::format("    \"{} \"*) options={} places={} ;;\n", verb.name,
+                     shell_quoted(fmt::format("{}", fmt::join(option_names(verb), " "))),
+                     shell_quoted(fmt::format("{}", fmt::join(choices_by_place(verb), " "))));
 }
 
 std::string bash_script(const ProgramText& program) {
@@ -83,7 +77,7 @@ _{0}() {{
 complete -o default -o bashdefault -F _{0} {0}
 )",
       program.name,
-      in_quotes(fmt::format("{} --help --version", fmt::join(names_of_verbs(program), " "))),
+      shell_quoted(fmt::format("{} --help --version", fmt::join(names_of_verbs(program), " "))),
       cases);
 }
 
@@ -111,12 +105,12 @@ std::string zsh_verb(const VerbText& verb) {
           fmt::format("{}{}[{}]", option.several ? "*" : "", name, zsh_field(option.help));
       if (!option.value.empty())
         text += fmt::format(":{}:{}", zsh_field(option.value), zsh_values(option));
-      specifications.push_back(in_quotes(text));
+      specifications.push_back(shell_quoted(text));
     }
   }
   for (const OptionText& argument : verb.arguments) {
-    specifications.push_back(in_quotes(fmt::format("{}:{}:{}", argument.several ? "*" : "",
-                                                   argument.names.front(), zsh_values(argument))));
+    specifications.push_back(shell_quoted(fmt::format(
+        "{}:{}:{}", argument.several ? "*" : "", argument.names.front(), zsh_values(argument))));
   }
   return fmt::format("    {}) _arguments {} ;;\n", verb.name,
                      fmt::join(specifications, " \\\n      "));
@@ -125,7 +119,7 @@ std::string zsh_verb(const VerbText& verb) {
 std::string zsh_script(const ProgramText& program) {
   std::string verbs, cases;
   for (const VerbText& verb : program.verbs) {
-    verbs += "    " + in_quotes(verb.name + ":" + zsh_field(verb.summary)) + "\n";
+    verbs += "    " + shell_quoted(verb.name + ":" + zsh_field(verb.summary)) + "\n";
     cases += zsh_verb(verb);
   }
   return fmt::format(R"(#compdef {0}
@@ -151,13 +145,13 @@ _{0} "$@"
 std::string fish_option(const ProgramText& program, const VerbText& verb,
                         const OptionText& option) {
   std::string text = fmt::format("complete -c {} -n {}", program.name,
-                                 in_quotes("__fish_seen_subcommand_from " + verb.name));
+                                 shell_quoted("__fish_seen_subcommand_from " + verb.name));
   for (const std::string& name : option.names)
     text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
   if (!option.value.empty()) text += option.choices.empty() ? " -r" : " -x";
   if (!option.choices.empty())
-    text += " -a " + in_quotes(fmt::format("{}", fmt::join(option.choices, " ")));
-  return text + " -d " + in_quotes(option.help) + "\n";
+    text += " -a " + shell_quoted(fmt::format("{}", fmt::join(option.choices, " ")));
+  return text + " -d " + shell_quoted(option.help) + "\n";
 }
 
 std::string fish_script(const ProgramText& program) {
@@ -165,14 +159,14 @@ std::string fish_script(const ProgramText& program) {
       fmt::format("# fish completion of {0}, made by: {0} completion fish\n", program.name);
   for (const VerbText& verb : program.verbs) {
     text += fmt::format("complete -c {} -n __fish_use_subcommand -f -a {} -d {}\n", program.name,
-                        verb.name, in_quotes(verb.summary));
+                        verb.name, shell_quoted(verb.summary));
     for (const OptionText& option : verb.options)
       text += fish_option(program, verb, option);
     const std::vector<std::string> places = choices_by_place(verb);
     if (!places.empty()) {
       text += fmt::format("complete -c {} -n {} -a {}\n", program.name,
-                          in_quotes("__fish_seen_subcommand_from " + verb.name),
-                          in_quotes(fmt::format("{}", fmt::join(places, " "))));
+                          shell_quoted("__fish_seen_subcommand_from " + verb.name),
+                          shell_quoted(fmt::format("{}", fmt::join(places, " "))));
     }
   }
   return text;

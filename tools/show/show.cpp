@@ -61,7 +61,7 @@ std::vector<NamedFile> named_files(const std::vector<std::string>& texts) {
 Result<RgbImage> read_rgb(const fs::path& path, std::optional<ForeignPicture>& first,
                           const CommonOptions& common) {
   SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, kNoLayerOption));
-  if (!common.quiet) print_note(remark_line(path.string(), picture.remarks));
+  if (!common.quiet) print_note(remark_line(path.string(), picture));
   RgbImage image = std::move(picture.rgb);
   picture.rgb = {};
   if (!first) first = picture;

@@ -37,12 +37,13 @@ struct NamedMap {
 };
 
 // One channel of the file as it is, or the luminance of its picture.
-Result<NamedMap> map_of(const PictureOptions& options) {
+Result<NamedMap> map_of(const PictureOptions& options, std::string& remark) {
   const LayerChoice choice = options.channel.empty()
                                  ? options.layer
                                  : LayerChoice{options.channel, options.layer.part, "--channel "};
-  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(options.image, choice));
-  if (options.channel.empty()) print_note(remark_line(options.image.string(), picture.remarks));
+  SPOOL_ASSIGN(ForeignPicture picture, read_single_or_picture(options.image, choice));
+  if (!options.channel.empty()) picture.remarks.clear();  // who names a channel knows of others
+  remark = remark_line(options.image.string(), picture);
   const RgbImage& rgb = picture.rgb;
   Plane result(rgb[0].width(), rgb[0].height());
   for (std::size_t i = 0; i < result.size(); ++i)
@@ -50,8 +51,8 @@ Result<NamedMap> map_of(const PictureOptions& options) {
   return NamedMap{picture.channel.empty() ? "luminance" : picture.channel, std::move(result)};
 }
 
-Result<Picture> false_colour_picture(const PictureOptions& options) {
-  SPOOL_ASSIGN(const NamedMap map, map_of(options));
+Result<Picture> false_colour_picture(const PictureOptions& options, std::string& remark) {
+  SPOOL_ASSIGN(const NamedMap map, map_of(options, remark));
   const std::array<const Plane*, 1> planes = {&map.plane};
   ValueRange range = common_range(planes, options.log);
   if (!options.range.empty()) {
@@ -61,13 +62,13 @@ Result<Picture> false_colour_picture(const PictureOptions& options) {
                            ColourBar{range, map.name}});
 }
 
-Result<Picture> tone_mapped_picture(const PictureOptions& options) {
+Result<Picture> tone_mapped_picture(const PictureOptions& options, std::string& remark) {
   SPOOL_ASSIGN(const ForeignPicture picture, read_picture(options.image, options.layer));
   std::optional<ForeignPicture> guide;
   if (!options.like.empty()) {
     SPOOL_ASSIGN(guide, read_picture(options.like, kNoLayerOption));
   }
-  print_note(remark_line(options.image.string(), picture.remarks));
+  remark = remark_line(options.image.string(), picture);
   return tone_map(picture.rgb, options.exposure ? std::exp2(*options.exposure)
                                                 : tone_exposure(guide ? guide->rgb : picture.rgb));
 }
@@ -85,9 +86,11 @@ Result<void> validate(const PictureOptions& options) {
 
 Result<void> run_picture(const PictureOptions& options, const CommonOptions& common) {
   SPOOL_TRY(validate(options));
-  SPOOL_ASSIGN(const Picture picture,
-               options.false_colour ? false_colour_picture(options) : tone_mapped_picture(options));
+  std::string remark;
+  SPOOL_ASSIGN(const Picture picture, options.false_colour ? false_colour_picture(options, remark)
+                                                           : tone_mapped_picture(options, remark));
   SPOOL_TRY(write_png(options.output, picture, common.force));
+  print_note(remark);
   if (!common.quiet) {
     print_line(fmt::format("{}: {} x {}", options.output.string(), picture.width, picture.height));
   }

@@ -18,8 +18,8 @@ LONGEST = 380            # characters of a line; with the name of a program befo
 
 
 def one_line(text):
-    """Bounded, without line ends: its beginning, which names the file, and its end, where the remedy stands."""
-    text = " ".join(str(text).split("\n"))
+    """Bounded, without what a terminal obeys: its beginning, which names the file, and its end, where the remedy stands."""
+    text = "".join(c if c.isprintable() else " " if c in "\n\t" else repr(c)[1:-1] for c in str(text))
     return text if len(text) <= LONGEST else f"{text[:LONGEST // 2]} [...] {text[7 - LONGEST // 2:]}"
 
 

@@ -4,8 +4,8 @@
     python3 tools/bench/recorders/overhead.py cycles --scene table
     python3 tools/bench/recorders/overhead.py mitsuba --scene cornell-box
 
-Whole processes are compared, start and loading included, once with radiance alone and once with the default
-channels; recorder and plain render take turns, and the median of each counts. CPU time is that of all threads: on
+Whole processes are compared, start, loading, compression and verification included, once with radiance alone and
+once with the default channels; recorder and plain render take turns, and the median of each counts. CPU time is that of all threads: on
 a busy machine it is the figure to believe.
 """
 import argparse
@@ -28,12 +28,12 @@ def commands(options, channels, folder):
     if options.renderer == "cycles":
         blender = os.environ.get("BLENDER", "blender")
         return ([blender, *BLENDER, os.path.join(HERE, "plain_cycles.py"), "--", *common],
-                [blender, *BLENDER, os.path.join(DUMPS, "cycles", "record.py"), "--", "--scene", options.scene, "--size",
-                 str(options.size), "--samples", str(options.samples), "--channels", channels, "-o", folder])
+                ["sh", os.path.join(DUMPS, "record.sh"), options.scene, "--size", str(options.size), "--samples", str(options.samples),
+                 "--channels", channels, "--compress", "-o", folder + ".spool"])
     python = os.environ.get("SPOOL_MITSUBA_PYTHON", os.path.expanduser("~/.cache/spool/mitsuba-venv/bin/python"))
     return ([python, os.path.join(HERE, "plain_mitsuba.py"), *common],
             [python, os.path.join(DUMPS, "mitsuba", "record.py"), options.scene, "--size", str(options.size), "--samples",
-             str(options.samples), "--channels", channels, "--no-compress", "--no-verify", "-o", folder + ".spool"])
+             str(options.samples), "--channels", channels, "-o", folder + ".spool"])
 
 
 def timed(command):
