@@ -83,9 +83,9 @@ def test_chart_and_crops_stand_on_the_first_screen(opened):
     assert page.locator("#hero-chart .scatterlayer .trace").count() == 6
     page.wait_for_selector(".crop canvas")
     page.wait_for_timeout(500)
-    assert page.locator(".crop").count() == 2 and page.locator(".crop canvas").count() == 6
+    assert page.locator(".crop").count() == 2 and page.locator(".crop canvas").count() == 8
     words = page.locator(".crop").first.text_content()
-    assert "input: uniform + box" in words and "best: multiscale + directional" in words and "reference" in words
+    assert "uniform + box" in words and "multiscale + directional" in words and "reference" in words
     page.locator("#headline thead button", has_text="kitchen").click()
     assert "kitchen" in page.locator(".hero h3").text_content()
 
@@ -119,7 +119,7 @@ def test_buttons_save_csv_latex_and_svg_without_a_request(opened, statistics):
     alone = sum(all(e.get("against_best") == "worse" for e in c["ranking"][1:]) for c in conditions_at(statistics, 16))
     assert text.count(r"\textbf") == alone
     name, text = saved(page, page.locator("#charts").get_by_role("button", name="SVG").first.click)
-    assert name == "error_time.svg" and text.startswith("<svg") and "relmse" in text
+    assert name == "error_time.svg" and text.startswith("<svg") and "relMSE" in text
     name, text = saved(page, page.locator("#table").get_by_role("button", name="CSV").click)
     rows = list(csv.DictReader(io.StringIO(text)))
     assert len(rows) == 54 and math.isfinite(float(rows[0]["relmse_low"]))

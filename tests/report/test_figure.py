@@ -36,6 +36,29 @@ def drawn(made_folder, tmp_path_factory):
     return output
 
 
+@pytest.fixture(scope="module")
+def small_folder(tmp_path_factory):
+    """Two recordings, one method, one budget: for what is about files and not about what they show."""
+    folder = tmp_path_factory.mktemp("small")
+    rows = make_rows(samplers=("uniform",), filters=("box",), budgets=(4,), replicates=2, size=(20, 16))
+    write_results(folder, rows)
+    write_images(folder, rows, dump_names(dict.fromkeys(row["dump"] for row in rows)), file_name_of)
+    return folder
+
+
+@pytest.fixture
+def written_only(monkeypatch):
+    """Figures are files with a word: their drawing is looked at elsewhere."""
+    monkeypatch.setattr("tools.report.figure_set.draw_comparison",
+                        lambda blocks, names, head, output, *_: put(lambda after: output))
+    monkeypatch.setattr("tools.report.figure_set.draw", lambda source, place, *_: [put(place, after) for after in ("", "_time")])
+
+
+def put(place, after=""):
+    for kind in ("pdf", "svg", "png"):
+        Path(f"{place(after)}.{kind}").write_text("<svg/>")
+
+
 def conditions(folder):
     data = json.loads((folder / "statistics.json").read_text())
     return [c for c in data["conditions"] if c["metric"] == "relmse"]
@@ -48,7 +71,7 @@ def name_of(entry):
 def test_every_file_is_written_and_fonts_are_embedded(drawn):
     names = {path.name for path in drawn.iterdir()}
     pictures = {f"{stem}.{kind}" for stem in PICTURES for kind in ("pdf", "svg", "png")}
-    assert names == pictures | {"curves.csv", "curves.py", "figure_text.py", "captions.tex", "table.tex", "table.md"}
+    assert names == pictures | {"curves.csv", "curves.py", "figure_text.py", "metric_names.py", "captions.tex", "table.tex", "table.md"}
     for path in drawn.glob("*.pdf"):
         data = path.read_bytes()
         assert data.startswith(b"%PDF") and b"/FontFile2" in data and b"/Type3" not in data
@@ -126,10 +149,10 @@ def test_hostile_names_stay_text(tmp_path):
     assert latex("a_b%") == r"a\_b\%" and markdown("a|b\nc") == r"a\|b c"
 
 
-def with_group(made_folder, tmp_path, group):
+def with_group(made, tmp_path, group):
     """The made results with `group` as the label of both recordings."""
     folder = tmp_path / "results"
-    shutil.copytree(made_folder, folder)
+    shutil.copytree(made, folder)
     data = json.loads((folder / "statistics.json").read_text())
     for scene in data["scenes"]:
         scene["group"] = group
@@ -138,13 +161,13 @@ def with_group(made_folder, tmp_path, group):
 
 
 @pytest.mark.parametrize("group", ["day/noon", "x/../../ESC", "..", "/etc/x", "a\0b\x1b[1m", "line\n\nend", "\udcff", "n" * 400])
-def test_a_group_of_any_name_has_its_files_in_the_folder(made_folder, tmp_path, group):
-    folder, output = with_group(made_folder, tmp_path, group), tmp_path / "out" / "f"
+def test_a_group_of_any_name_has_its_files_in_the_folder(small_folder, tmp_path, group):
+    folder, output = with_group(small_folder, tmp_path, group), tmp_path / "out" / "f"
     (output / "comparison_x").mkdir(parents=True)
     assert main([str(folder), "-o", str(output)]) == 0
     stem = f"comparison_{file_name_of(group)}"
     names = {path.name for path in output.iterdir() if path.is_file()}
-    assert {f"{stem}{i}.{kind}" for i in ("", "-2") for kind in ("pdf", "svg", "png")} < names and len(names) == 21
+    assert {f"{stem}{i}.{kind}" for i in ("", "-2") for kind in ("pdf", "svg", "png")} < names and len(names) == 22
     assert {p.name for p in tmp_path.iterdir()} == {"results", "out"} and [*(tmp_path / "out").iterdir()] == [output]
     for path in output.glob("*.svg"):
         ElementTree.parse(path)
@@ -152,26 +175,26 @@ def test_a_group_of_any_name_has_its_files_in_the_folder(made_folder, tmp_path, 
         assert all(c.isprintable() or c == "\n" for c in (output / name).read_text())
 
 
-def test_links_are_replaced_and_never_followed(made_folder, tmp_path, capsys):
+def test_links_are_replaced_and_never_followed(small_folder, tmp_path, capsys):
     output, victim = tmp_path / "f", tmp_path / "victim"
-    assert main([str(made_folder), "-o", str(output)]) == 0
+    assert main([str(small_folder), "-o", str(output)]) == 0
     names = sorted(path.name for path in output.iterdir())
     for name in names:
         for target in (victim, tmp_path / "nothing"):
             victim.write_text("kept")
             (output / name).unlink()
             (output / name).symlink_to(target)
-            assert main([str(made_folder), "-o", str(output)]) == 2
+            assert main([str(small_folder), "-o", str(output)]) == 2
             assert "--force" in capsys.readouterr().err
-    assert main([str(made_folder), "-o", str(output), "--force"]) == 0
+    assert main([str(small_folder), "-o", str(output), "--force"]) == 0
     assert victim.read_text() == "kept" and not (tmp_path / "nothing").exists()
     assert sorted(path.name for path in output.iterdir()) == names and not any(p.is_symlink() for p in output.iterdir())
 
 
 @pytest.mark.parametrize("bytes_left", [0, 100, 5000, 30000])
-def test_a_full_disk_leaves_nothing_half(made_folder, tmp_path, bytes_left):
+def test_a_full_disk_leaves_nothing_half(small_folder, tmp_path, bytes_left):
     """A limit of file size gives the failed write of a full disk."""
-    command = [sys.executable, Path(figure.__file__), made_folder, "-o", tmp_path / "f"]
+    command = [sys.executable, Path(figure.__file__), small_folder, "-o", tmp_path / "f"]
     def limited():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_left, bytes_left))
@@ -202,8 +225,8 @@ def wait_until(holds, seconds=120):
 
 
 @pytest.mark.parametrize("group", ["=cmd|' /C calc'!A0", "+1", "-1", "@SUM(1)", "'=1", "plain"])
-def test_no_cell_of_the_curves_begins_like_a_formula(made_folder, tmp_path, group):
-    assert main([str(with_group(made_folder, tmp_path, group)), "-o", str(tmp_path / "f")]) == 0
+def test_no_cell_of_the_curves_begins_like_a_formula(small_folder, tmp_path, group, written_only):
+    assert main([str(with_group(small_folder, tmp_path, group)), "-o", str(tmp_path / "f")]) == 0
     for row in csv.reader((tmp_path / "f" / "curves.csv").open()):
         assert not any(cell.startswith(tuple("=+-@")) for cell in row)
     assert list(read(tmp_path / "f" / "curves.csv")[0]) == [group]

@@ -12,8 +12,9 @@ pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python"
 from tools.report.failure import Failure
 from tools.report.figure import main
 from tools.report.figure_layout import GAP, lay_out
-from tools.report.figure_text import WIDTHS, metric_name, pyplot, significant
+from tools.report.figure_text import WIDTHS, pyplot, significant
 from tools.report.figure_windows import asked_windows, choose_windows, inside
+from tools.report.metric_names import metric_name
 from tools.report.result_images import Crop, dump_names, file_name_of
 
 METHODS = ["uniform", "multiscale{alpha=0.8,epochs=4}", "exec:python3 most_uncertain.py", "ours", "mitchell", "a" * 90,

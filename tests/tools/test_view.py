@@ -164,6 +164,26 @@ def test_results_serve_their_report_and_only_methods_of_the_program(good, scene,
         assert server.end()[0] == 130
 
 
+def test_commands_are_offered_and_run_only_where_the_user_allows_it(good, scene, tmp_path):
+    (tmp_path / "den").write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\ncp {tmp_path}/image.exr \"$2\"\n")
+    (tmp_path / "den").chmod(0o755)
+    exr.write(tmp_path / "image.exr", {c: np.full((16, 24), 0.5, "f4") for c in "RGB"})
+    good("evaluate", scene, "--filters", f"box,den=exec:{tmp_path}/den,mine=directional", "--spp", "4", "--replicates", "1", "-o", tmp_path / "r", "-q")
+    (tmp_path / "ran").unlink()
+    for words, filters in (((), ["box", "mine"]), (("--allow-commands",), ["box", "den", "mine"])):
+        server = Served(tmp_path / "r", *words)
+        try:
+            choices = server.json("choices")
+            assert choices["filters"] == filters and not (tmp_path / "ran").exists()
+            assert choices["left_out"] == ("" if words else "not replayed: den (a command: --allow-commands)")
+            if words:
+                _, planes = server.planes("replay?" + server.key("uniform", "den", 4))
+                assert (planes["estimate"] == 0.5).all() and (tmp_path / "ran").exists()
+        finally:
+            code, said = server.end()
+            assert code == 130 and ("not replayed: den" in said) == (not words)
+
+
 def test_what_cannot_be_served_is_said_before(run, tmp_path):
     run("view", tmp_path / "none.spool").failed_with(3, "none.spool")
     (tmp_path / "empty").mkdir()

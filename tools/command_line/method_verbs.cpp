@@ -127,6 +127,8 @@ void add_view(Program& program) {
   within(verb.add_option("--port", program.view.port,
                          "of 127.0.0.1; another one where it is taken (any free one)"),
          kPort);
+  verb.add_flag("--allow-commands", program.view.allow_commands,
+                "replay the commands (exec:) of the plan in the folder: they are run by this user");
   add_common(verb, program.common, true, false);
   verb.footer(
       "Prints the address and serves the page until Ctrl-C (exit code 130): to this machine only,\n"

@@ -117,7 +117,7 @@ function drawChart(target, combinations, axes) {
     height: (axes.height ?? 420) + Math.min(legendRows, 20) * 22, margin: {l: 10, r: 12, t: 12, b: 10},
     paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)', font: {color: ink, size: 13},
     xaxis: {...axis, title: {text: axes.title}, range: logRange(xs), ...logTicks(logRange(xs), axes.unit), ...axes.ticks},
-    yaxis: {...axis, title: {text: plotText(axes.metric)}, range: logRange(ys), ...logTicks(logRange(ys))},
+    yaxis: {...axis, title: {text: plotText(metricText(axes.metric))}, range: logRange(ys), ...logTicks(logRange(ys))},
     legend: {orientation: 'h', yref: 'container', y: 0, yanchor: 'bottom', x: 0, font: {size: 12}},
     hovermode: 'closest', showlegend: true,
     hoverlabel: {bgcolor: style.getPropertyValue('--panel').trim(), font: {color: ink}},
@@ -196,7 +196,7 @@ function filterControls(withDump) {
   return element('div', {class: 'controls'},
     withDump ? select('Recording', report.overall.length > 0 ?
       [...report.dumps, 'all: geometric mean'] : report.dumps, shown.dump, (i) => { shown.dump = i; changed(); }) : null,
-    select('Error', report.metrics, report.metrics.indexOf(shown.metric),
+    select('Error', report.metrics.map(metricText), report.metrics.indexOf(shown.metric),
       (i) => { shown.metric = report.metrics[i]; changed(); }),
     chips('Samplers', report.samplers, shown.samplers, swatch),
     chips('Filters', report.filters, shown.filters,

@@ -1,4 +1,5 @@
-// One strip for each recording: the same small window of the baseline, the best method and the reference.
+// One strip for each recording: the windows where methods differ, of the baseline, the method that is shown first and the
+// reference, beside the whole picture with their frames.
 const MOST_STRIPS = 6;
 
 function drawCrops(holder) {
@@ -15,22 +16,32 @@ async function drawStrip(strip, scene) {
     const c = report.combinations[set.combination];
     return c.spp === spp && methodOf(c) === name;
   });
-  const best = rankedMethods(scene.dump, spp).map(of).find((set) => set);
+  const ranked = ownFirst(rankedMethods(scene.dump, spp)).filter((name) => name !== hero.baseline && of(name));
   const input = of(hero.baseline) ?? sets.find((set) => report.combinations[set.combination].spp === spp);
-  if (!best || !input) return;
-  const reference = await loadPicture(input.images.reference !== undefined ? input : best, 'reference');
-  const shown = [['input', input, await loadPicture(input, 'estimate')], ['best', best, await loadPicture(best, 'estimate')],
-    ['reference', null, reference]].filter(([, , picture]) => picture);
-  const {width, height} = shown[0][2], side = Math.min(width, height, Math.max(24, Math.round(Math.min(width, height) / 3)));
-  const score = reference ? relativeError(shown[0][2], reference) : new Float32Array(width * height);
-  const window_ = bestWindow(score, width, height, side);
-  const nodes = shown.map(([role, set, picture]) => {
-    const size = 180, canvas = canvasOf(size, size), context = canvas.getContext('2d');
-    context.imageSmoothingEnabled = false;
-    context.drawImage(paintImage(picture, scene.exposure), window_.x, window_.y, side, side, 0, 0, size, size);
-    const c = set && report.combinations[set.combination];
-    return element('div', {}, canvas, element('small', {}, c ? `${role}: ${methodOf(c)}` : role));
-  });
-  strip.replaceChildren(element('div', {class: 'three'}, ...nodes),
+  const first = ranked.length > 0 ? of(ranked[0]) : input;
+  if (!input) return;
+  const reference = await loadPicture(input.images.reference !== undefined ? input : first, 'reference');
+  const shown = [[methodText(input), await loadPicture(input, 'estimate')], [methodText(first), await loadPicture(first, 'estimate')],
+    ['reference', reference]].filter(([, picture]) => picture);
+  const windows = scene.windows.slice(0, report.pictures.scenes.length > 1 ? 1 : 2), whole = reference ?? shown[0][1];
+  const nodes = [tile(whole, scene, {x: 0, y: 0, width: whole.width, height: whole.height}, 'white', report.dumps[scene.dump], windows),
+    ...windows.flatMap((window_, i) => shown.map(([name, picture]) => tile(picture, scene, window_, insetColour(i), name)))];
+  strip.replaceChildren(element('div', {class: 'strip'}, ...nodes),
     element('figcaption', {}, `${report.dumps[scene.dump]}, ${spp} spp`));
+}
+
+const methodText = (set) => methodOf(report.combinations[set.combination]);
+
+// A part of a picture, enlarged; `frames` are drawn on it.
+function tile(picture, scene, part, colour, name, frames = []) {
+  const scale = 180 / part.height, canvas = canvasOf(Math.round(part.width * scale), 180), context = canvas.getContext('2d');
+  context.imageSmoothingEnabled = false;
+  context.drawImage(paintImage(picture, scene.exposure), part.x, part.y, part.width, part.height, 0, 0, canvas.width, 180);
+  context.lineWidth = 3;
+  frames.forEach((frame, i) => {
+    context.strokeStyle = insetColour(i);
+    context.strokeRect(frame.x * scale, frame.y * scale, frame.width * scale, frame.height * scale);
+  });
+  return element('div', {}, element('div', {style: frames.length ? '' : `border-top: 3px solid ${colour}`}, canvas),
+    element('small', {title: name}, name));
 }

@@ -2,7 +2,7 @@
 """Draws curves.csv, error over budget and over time with 95 % intervals, as PDF, SVG and PNG.
 
 usage: curves.py [curves.csv] [-o NAME] [--column 1|2] [--font latex]
-Needs matplotlib and, beside it, figure_text.py; edit it for your paper.
+Needs matplotlib and, beside it, figure_text.py and metric_names.py; edit it for your paper.
 """
 
 import argparse
@@ -14,7 +14,8 @@ from pathlib import Path
 from matplotlib import pyplot
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
-from tools.report.figure_text import WIDTHS, extent, literal, metric_name, save, style, tick_text, whole
+from tools.report.figure_text import WIDTHS, extent, literal, save, style, tick_text, whole
+from tools.report.metric_names import metric_name
 
 # Okabe and Ito's colours; marker and dash separate lines without colour.
 COLOURS = ["#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7f7f7f"]

@@ -1,7 +1,8 @@
 """captions.tex: every figure as an environment with the caption that its numbers need."""
 
 from tools.report.described import MARK
-from tools.report.figure_text import breakable, latex, metric_name
+from tools.report.figure_text import breakable, latex
+from tools.report.metric_names import metric_name
 from tools.report.number_text import list_text
 from tools.report.summary import name_of
 

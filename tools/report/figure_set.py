@@ -11,10 +11,11 @@ from tools.report.figure_comparison import Block, Shown, draw_comparison
 from tools.report.figure_folder import FigureFolder
 from tools.report.figure_methods import baseline_of, choose_methods, is_command, left_out_text, own_methods
 from tools.report.figure_tables import curves_csv, latex_tables, markdown_table
-from tools.report.figure_text import metric_name, significant
+from tools.report.figure_text import significant
 from tools.report.figure_windows import asked_windows
 from tools.report.file_names import dump_names, file_name_of, numbered
 from tools.report.headline_data import best_is_alone
+from tools.report.metric_names import metric_name
 from tools.report.result_images import find_images
 from tools.report.results_table import choose_metric, read_results
 from tools.report.statistics_file import interval_of, read_statistics
@@ -116,7 +117,7 @@ class FigureSet:
 
     def _curves(self, folder):
         source = folder.text("curves.csv", curves_csv(self.statistics, self.metric, self.labels, self.chosen))
-        for script, name in (("draw_curves.py", "curves.py"), ("figure_text.py", "figure_text.py")):
+        for script, name in (("draw_curves.py", "curves.py"), *((name, name) for name in ("figure_text.py", "metric_names.py"))):
             text = Path(__file__).with_name(script).read_text(encoding="utf-8")
             folder.text(name, text.replace("from tools.report.", "from "))  # beside each other, without the package
         pages = []

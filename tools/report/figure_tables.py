@@ -5,8 +5,9 @@ import csv
 import io
 from typing import NamedTuple
 
-from tools.report.figure_text import breakable, latex, metric_name, printable, significant
+from tools.report.figure_text import breakable, latex, printable, significant
 from tools.report.headline_data import best_is_alone
+from tools.report.metric_names import metric_name
 from tools.report.statistics_file import Interval, interval_of
 from tools.report.summary import late_text, name_of, verdict_text
 

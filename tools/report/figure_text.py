@@ -19,8 +19,6 @@ ANY = 999  # lines
 LEADING = 1.1
 LONGEST_WORD = 20  # letters; a longer one may be broken after every WORD
 WORD = 7
-METRICS = {"mse": "MSE", "rmse": "RMSE", "relmse": "relMSE", "mae": "MAE", "relmae": "relMAE", "smape": "SMAPE", "ssim": "SSIM",
-           "ms_ssim": "MS-SSIM", "psnr_tm": "PSNR in dB", "flip_ldr": "FLIP", "flip_hdr": "HDR-FLIP"}
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
          ">": r"\textgreater{}", "|": r"\textbar{}", "`": r"\textasciigrave{}", "-": "-{}"}
 
@@ -32,14 +30,6 @@ def style(font=""):
     package = font.partition(":")[2]
     preamble = r"\usepackage[T1]{fontenc}" + (rf"\usepackage{{{package}}}" if package else "")
     return {**STYLE, "text.usetex": True, "font.family": "serif", "font.serif": [], "text.latex.preamble": preamble}
-
-
-def metric_name(metric):
-    """relmse as texts write it."""
-    first, _, rest = metric.partition("_")
-    if metric in METRICS or first not in METRICS:
-        return METRICS.get(metric, metric.replace("_", " "))
-    return METRICS[first] + ", " + rest.replace("_", " ")
 
 
 def latex(text):

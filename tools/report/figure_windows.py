@@ -7,6 +7,7 @@ from tools.report.failure import USAGE, Failure
 from tools.report.result_images import Crop, tone_mapped
 
 MOST_WINDOWS = 4
+ENOUGH_CONTRAST = 0.25  # standard deviation of three channels together
 MOST_STRETCHED = 4  # times as wide as high, or as high as wide
 
 
@@ -44,17 +45,18 @@ def inside(crops, shape, label):
 def choose_windows(images, reference, exposure, count=2):
     """Square windows of a fifth of the shorter side, apart from each other and off the border. The score of a window
     is how far the methods' mean errors in it lie apart as they are seen, times the contrast of the blurred reference in it,
-    times the share of it that is neither black nor white."""
+    colours too, times what is neither black nor white of it beyond a half. A lamp's edge is no more contrast than enough."""
     truth = tone_mapped(reference, exposure).astype(np.float64) / 255.0
     height, width = truth.shape[:2]
     side = min(height, width, max(16, min(height, width) // 5))
     border = min(1 + max(height, width) // 100, (height - side) // 2, (width - side) // 2)
     errors = [np.abs(tone_mapped(image, exposure) / 255.0 - truth).mean(axis=2) for image in images]
     apart = np.std([_mean(error, side) for error in errors], axis=0)
-    grey = _mean(np.pad(truth.mean(axis=2), ((1, 1), (1, 1)), mode="edge"), 3)
-    contrast = np.sqrt(np.maximum(_mean(grey ** 2, side) - _mean(grey, side) ** 2, 0.0))
-    told = _mean(((grey > 0.03) & (grey < 0.97)).astype(float), side)
-    score = (apart / (apart.max() or 1.0) + 0.05) * (contrast / (contrast.max() or 1.0) + 0.05) * (told + 0.05)
+    planes = [_mean(np.pad(truth[..., c], 1, mode="edge"), 3) for c in range(3)]
+    spread = sum(np.maximum(_mean(plane ** 2, side) - _mean(plane, side) ** 2, 0.0) for plane in planes)
+    contrast = np.minimum(np.sqrt(spread), ENOUGH_CONTRAST)
+    told = _mean(((np.max(planes, axis=0) > 0.06) & (np.min(planes, axis=0) < 0.97)).astype(float), side)
+    score = (apart / (apart.max() or 1.0) + 0.05) * (contrast / (contrast.max() or 1.0) + 0.05) * np.maximum(told - 0.5, 0.01)
     score = score[border:score.shape[0] - border, border:score.shape[1] - border]
     ys, xs = np.mgrid[0:score.shape[0], 0:score.shape[1]]
     windows = []

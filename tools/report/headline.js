@@ -51,9 +51,9 @@ function startHeadline(area) {
     element('div', {class: 'hero'}, element('div', {}, holder, note), element('figure', {}, title, chart)), strip);
   function draw() {
     holder.replaceChildren(headlineTable(draw));
-    note.textContent = `${report.metric} relative to ${hero.baseline}: below 1 is better. Bold: separated. Methods that ` +
+    note.textContent = `${metricText(report.metric)} relative to ${hero.baseline}: below 1 is better. Bold: separated. Methods that ` +
       'share a letter are not separated. ▼: loses energy. A click shows the pictures.';
-    title.textContent = `${report.dumps[hero.dump]}: ${report.metric} against samples per pixel`;
+    title.textContent = `${report.dumps[hero.dump]}: ${metricText(report.metric)} against samples per pixel`;
     drawHeroChart(chart);
     drawCrops(strip);
   }
@@ -107,7 +107,7 @@ function headlineCell(condition, name) {
   const mean = ratio?.verdict === 'baseline' ? '1' : numberText(ratio?.mean ?? NaN, 3) || '-';
   const told = ratio && (ratio.verdict === 'better' || ratio.verdict === 'worse');
   const bounds = (i) => (Number.isFinite(i.low) ? ` [${numberText(i.low, 3)}, ${numberText(i.high, 3)}]` : '');
-  const words = [`${report.metric} ${numberText(value.mean)}${bounds(value)}`];
+  const words = [`${metricText(report.metric)} ${numberText(value.mean)}${bounds(value)}`];
   if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${bounds(ratio)}: ${ratio.verdict} than ${hero.baseline}`.replace(
     'undecided than', 'not separated from'));
   if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);

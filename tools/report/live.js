@@ -104,6 +104,7 @@ async function startLive(area) {
   try {
     const choices = await liveChoices();
     addLiveSets(choices);
+    if (choices.left_out) area.append(element('p', {class: 'note'}, choices.left_out));
     for (const {label, error} of choices.recordings.filter((r) => r.error)) {
       area.append(element('p', {class: 'warning'}, `${label}: ${error}`));
     }

@@ -56,8 +56,6 @@ def facts(folder):
     found = [{"path": paths[Path(dump).name], "label": label} for dump, label in labels.items()
              if Path(dump).name in paths and Path(paths[Path(dump).name]).is_file()]
     return {"recordings": found if order is not None else [],
-            "samplers": list(dict.fromkeys(row["sampler"] for row in rows)),
-            "filters": list(dict.fromkeys(row["filter"] for row in rows)),
             "seed": order if isinstance(order, int) else None}
 
 

@@ -29,6 +29,7 @@ const methodOf = (c) => [report.samplers[c.sampler], report.filters[c.filter]].f
 const isBaseline = (c) => c.baseline || methodOf(c) === report.baseline;
 const conditionOf = (dump, spp) => report.conditions.find((c) => c.dump === dump && c.spp === spp);
 const rankedMethods = (dump, spp) => (conditionOf(dump, spp)?.field ?? []).map((i) => methodOf(report.combinations[i]));
+const metricText = (name) => report.names?.[name] ?? name;
 const isShown = (c) => shown.samplers.has(c.sampler) && shown.filters.has(c.filter);
 
 function numberText(value, digits = 4) {

@@ -7,7 +7,9 @@ import math
 
 from tools.report.aggregate import RATIO_METRICS, TIMES
 from tools.report.figure_methods import own_methods
+from tools.report.figure_windows import choose_windows
 from tools.report.headline_data import headline_budget, headline_conditions
+from tools.report.metric_names import metric_name
 from tools.report.result_images import exposure_of
 from tools.report.statistics_file import Interval, interval_of
 
@@ -39,6 +41,7 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "samplers": samplers,
         "filters": filters,
         "metric": metric,
+        "names": {name: metric_name(name) for name in metrics},
         "baseline": statistics.baseline,
         "metrics": [name for name in names if name in metrics],
         "quantities": [{"name": name,
@@ -107,6 +110,16 @@ def _short(value):
     return int(value) if value == int(value) and abs(value) < 1e15 else value
 
 
+def _windows(images, combinations, dump, guide, exposure):
+    """Where the methods differ to the eye at the largest budget, as in a figure: of the pictures that are in the page."""
+    shown = [(combinations[s.combination].spp, s.images["estimate"]) for s in images.sets
+             if combinations[s.combination].dump == dump and "estimate" in s.images]
+    most = max((spp for spp, _ in shown), default=0.0)
+    reference = images.packed[guide].values
+    same = [images.packed[i].values for spp, i in shown if spp == most and images.packed[i].values.shape == reference.shape]
+    return [crop._asdict() for crop in choose_windows(same or [reference], reference, exposure)]
+
+
 def _pictures(images, combinations, dumps):
     scenes = {}
     for entry in images.sets:
@@ -117,7 +130,8 @@ def _pictures(images, combinations, dumps):
         exposure, mean = exposure_of(images.packed[guide])
         crop, (width, height) = images.crops.get(dump), images.sizes[dump]
         scenes[dump] = {"dump": dumps.index(dump), "exposure": exposure, "mean": mean,
-                        "width": width, "height": height, "crop": list(crop) if crop else None}
+                        "width": width, "height": height, "crop": list(crop) if crop else None,
+                        "windows": _windows(images, combinations, dump, guide, exposure)}
     return {
         "scenes": list(scenes.values()),
         "images": [p.header() for p in images.packed],

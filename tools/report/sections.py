@@ -5,6 +5,7 @@ import os
 from collections import Counter, defaultdict
 from html import escape
 
+from tools.report.metric_names import metric_name
 from tools.report.number_text import interval_text, number_text
 from tools.report.page import licences_html
 from tools.report.statistics_file import interval_of
@@ -18,13 +19,13 @@ def summary_html(sentences, statistics, metric, budget):
     first = leading(sentences, statistics, metric, budget)
     scopes = "".join(f'<p class="note">{escape(s.text)}</p>' for s in sentences if s.kind == "scope")
     unranked = ("" if metric in statistics.metrics() else
-                f"<p>Methods are not ranked by {escape(metric)}, but by {escape(', '.join(statistics.metrics()))}.</p>")
+                f"<p>Methods are not ranked by {escape(metric_name(metric))}, but by {escape(', '.join(map(metric_name, statistics.metrics())))}.</p>")
     shown = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in first)
     rest = [s for s in sentences if s.kind != "scope" and s not in first]
     more = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in rest)
     table = _verdict_table(statistics, metric)
     return (f'{claims_html(statistics)}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>{scopes}'
-            f"<details><summary>Every verdict in words, and {escape(metric)} at every budget</summary>"
+            f"<details><summary>Every verdict in words, and {escape(metric_name(metric))} at every budget</summary>"
             f"<ul>{more}</ul>{table}</details>{HOW_TO_READ}")
 
 
@@ -81,7 +82,7 @@ def _verdict_table(statistics, metric):
     over = ("with its 95 % interval, and the verdict" if dumps == 1 else
             f"geometric mean over {dumps} scenes with its interval; below it, on how many the method is "
             "better, worse or undecided")
-    return (f"<p>{escape(metric)} relative to {escape(statistics.baseline)} at the same budget: {over}.</p>"
+    return (f"<p>{escape(metric_name(metric))} relative to {escape(statistics.baseline)} at the same budget: {over}.</p>"
             '<div class="scroll" tabindex="0"><table class="verdicts"><thead><tr>'
             f'<th scope="col">method</th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
             f"</div>{more}")

@@ -3,6 +3,7 @@
 import os
 from html import escape
 
+from tools.report.metric_names import metric_name
 from tools.report.number_text import number_text
 from tools.report.statistics_file import interval_of
 
@@ -67,7 +68,7 @@ def _rankings(conditions, labels, metric, baseline):
             f'{number_text(c["spp"])} spp{biased}</summary><p>About {escape(c["about"]["text"])}.</p>'
             '<div class="scroll" tabindex="0"><table class="ranks">'
             f'<thead><tr><th scope="col">group</th><th scope="col">method</th><th scope="col">'
-            f'{escape(metric)}{biased}</th><th scope="col">relative to {escape(baseline)}</th>'
+            f'{escape(metric_name(metric))}{biased}</th><th scope="col">relative to {escape(baseline)}</th>'
             f'<th scope="col">than {escape(baseline)}</th><th scope="col">energy</th></tr></thead><tbody>'
             f'{"".join(rows)}</tbody></table></div>{more}</details>')
     return f"<h3>Ranks</h3>{''.join(blocks)}" if blocks else ""

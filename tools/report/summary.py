@@ -5,6 +5,7 @@ from collections import Counter
 from typing import NamedTuple
 
 from tools.report.headline_data import best_is_alone
+from tools.report.metric_names import metric_name
 from tools.report.number_text import count_text, factor_text, interval_text, list_text, number_text
 from tools.report.statistics_file import interval_of
 
@@ -105,7 +106,7 @@ def best_of(condition, metric, labels, baseline):
     where = f"{labels[condition['dump']]} at {condition['spp']:g} spp"
     field = condition["ranking"]
     best, rest = field[0], field[1:]
-    value = f"{metric} {interval_text(interval_of(best['value']))}{_lost(best)}"
+    value = f"{metric_name(metric)} {interval_text(interval_of(best['value']))}{_lost(best)}"
     if not rest:
         return Sentence(f"{where}: {name_of(best)}, alone, has {value}.")
     if not best["compared"] or condition["about"]["kind"] == "one image":
@@ -195,10 +196,10 @@ def support(statistics, metric, labels):
         half, share, worst = min(few, key=lambda entry: entry[0])
         sentences.append(Sentence(
             f"{count_text(len(few), 'result')} stand on few pixels: of {name_of(worst)} on {labels[worst['dump']]} at "
-            f"{worst['spp']:g} spp, {max(1.0, half):.0f} pixels bear half of the {metric}, the worst 0.1 % {100 * share:.0f} %.", "warning"))
+            f"{worst['spp']:g} spp, {max(1.0, half):.0f} pixels bear half of the {metric_name(metric)}, the worst 0.1 % {100 * share:.0f} %.", "warning"))
     reasons = Counter(e["withheld"] for c in statistics.of_metric(metric) for e in c["ranking"] if "withheld" in e)
     for reason, count in reasons.items():
-        sentences.append(Sentence(f"{count_text(count, 'result')} without verdict on {metric}: {reason}.", "warning"))
+        sentences.append(Sentence(f"{count_text(count, 'result')} without verdict on {metric_name(metric)}: {reason}.", "warning"))
     return sentences
 
 
@@ -231,7 +232,7 @@ def cautions(combinations, metric, labels):
     unresolved = [c for c in combinations if c.quantity(metric).low <= 0.0]
     if unresolved:
         sentences.append(Sentence(
-            f"{count_text(len(unresolved), 'combination')} have a {metric} whose interval reaches "
+            f"{count_text(len(unresolved), 'combination')} have a {metric_name(metric)} whose interval reaches "
             "zero: the error is not resolved.", "warning"))
     alike = sum(c.one_image and c.replicates > 1 for c in combinations)
     if alike:

@@ -96,7 +96,7 @@ async function loadShown(view) {
   if (reference) view.faces.push({letter: 'R', name: 'reference', picture: reference, map: false});
   for (const key of ['face', ...(report.all ? ['a', 'b'] : [])]) state[key] = Math.min(state[key], view.faces.length - 1);
   view.size = {width: images[0].width, height: images[0].height};
-  if (state.insets.length === 0) state.insets = report.crops ?? chooseInsets(view);
+  if (state.insets.length === 0) state.insets = report.crops ?? view.scene().windows?.map((w) => ({...w})) ?? chooseInsets(view);
 }
 
 function facePainting(view, face) {

@@ -21,7 +21,6 @@ from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.patches import Rectangle
 from PIL import Image
 
-from tools.study.full_picture import shown
 from tools.study.plans import FULL, ROOT, full_recording
 from tools.study.replays import Runs, errors, reference_of, rgb, spool
 
@@ -35,6 +34,11 @@ METHODS = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", 
            ("greedy_error", "greedy_selection"), ("nl_means", "nl_means"), ("multiscale:paper", "directional:paper"), ("multiscale", "directional"))
 FRAMES = ("#e69f00", "#56b4e9")
 LEVELS = ListedColormap(["#404040", "#440154", "#31688e", "#35b779", "#fde725"])  # 0 (none), 1 .. 4
+
+
+def shown(image, exposure):
+    linear = np.clip(image * exposure, 0, 1)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def save(figure, path, photos):

@@ -144,7 +144,8 @@ ordered_json described(LiveReplays& replays, std::size_t index) {
 Answer choices_answer(LiveReplays& replays) {
   ordered_json told = {{"recordings", ordered_json::array()},
                        {"samplers", ordered_json::array()},
-                       {"filters", ordered_json::array()}};
+                       {"filters", ordered_json::array()},
+                       {"left_out", replays.choices().left_out}};
   for (std::size_t i = 0; i < replays.choices().recordings.size(); ++i)
     told["recordings"].push_back(described(replays, i));
   for (const MethodChoice& sampler : replays.choices().samplers)

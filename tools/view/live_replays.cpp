@@ -4,11 +4,10 @@
 #include <functional>
 #include <utility>
 
-#include "lib/filters/filters.h"
 #include "lib/methods/method_list.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/pool/load_recording.h"
-#include "lib/sampling/samplers.h"
+#include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
 
 namespace spool::tools {
@@ -78,8 +77,8 @@ Result<ReplayMethods> LiveReplays::methods_of(const ReplayKey& key) const {
                 key.filter, choices_.samplers.size(), choices_.filters.size());
   }
   ReplayMethods methods{choices_.samplers[key.sampler], choices_.filters[key.filter], {}, {}};
-  SPOOL_ASSIGN(methods.sampler, make_method(samplers(), methods.sampler_choice));
-  SPOOL_ASSIGN(methods.filter, make_method(filters(), methods.filter_choice));
+  SPOOL_ASSIGN(methods.sampler, make_method(known_samplers(), methods.sampler_choice));
+  SPOOL_ASSIGN(methods.filter, make_method(known_filters(), methods.filter_choice));
   return methods;
 }
 
@@ -155,7 +154,7 @@ Result<PixelAnswer> LiveReplays::pixel(const ReplayKey& key, int x, int y) {
   answer.taken = replayed->sampled.selection.statistics.n(x, y);
   const RgbImage& image = replayed->result.image;
   answer.image = {image[0](x, y), image[1](x, y), image[2](x, y)};
-  if (!find_method(filters(), methods.filter_choice.name)->footprints) return answer;
+  if (!find_method(known_filters(), methods.filter_choice.name)->footprints) return answer;
   Footprints footprints({{x, y}});
   const std::lock_guard one_at_a_time(working_);
   const Result<Reconstruction> again =

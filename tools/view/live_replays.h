@@ -25,7 +25,7 @@
 
 namespace spool::tools {
 
-// What can be asked for, by index; methods of the library only, never a command.
+// What can be asked for, by index; no command unless the user allowed it.
 struct LiveChoices {
   struct Recording {
     std::filesystem::path path;
@@ -34,6 +34,7 @@ struct LiveChoices {
   std::vector<Recording> recordings;
   PoolOptions order;  // of every recording's samples
   std::vector<MethodChoice> samplers, filters;
+  std::string left_out;  // what cannot be replayed and why, one line; may be empty
 };
 
 struct OpenRecording {

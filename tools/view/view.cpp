@@ -1,17 +1,21 @@
 #include "tools/view/view.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
 
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "formats/bounded_json.h"
 #include "lib/core/random.h"
+#include "lib/experiment/plan.h"
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
 #include "tools/json/json_text.h"
+#include "tools/methods/external_methods.h"
 #include "tools/terminal/interrupt.h"
 #include "tools/verbs/option_bounds.h"
 #include "tools/verbs/page_generator.h"
@@ -37,17 +41,35 @@ std::vector<MethodChoice> every_method(const MethodList<Function>& list) {
   return choices;
 }
 
-// Those of the names that are methods of the library: others may be commands of other users.
+// Of a plan, those that can be replayed here. Others may be commands of another user.
 template <class Function>
-std::vector<MethodChoice> known_methods(const MethodList<Function>& list,
-                                        const std::vector<std::string>& names) {
+std::vector<MethodChoice> replayed(const MethodList<Function>& list,
+                                   const std::vector<MethodChoice>& planned, bool allow_commands,
+                                   std::vector<std::string>& left_out) {
   std::vector<MethodChoice> choices;
-  for (const std::string& name : names) {
-    const Result<MethodChoice> choice = choose_method(list, name);
-    if (choice && find_method(list, choice->name)->argument.empty() && make_method(list, *choice))
-      choices.push_back(*choice);
+  for (const MethodChoice& choice : planned) {
+    const bool plain = find_method(list, choice.name)->argument.empty();
+    if (plain || (is_foreign_code(choice) && allow_commands)) {
+      choices.push_back(choice);
+    } else {
+      const char* why =
+          is_foreign_code(choice) ? "a command: --allow-commands" : choice.name.c_str();
+      left_out.push_back(fmt::format("{} ({})", choice.label(), why));
+    }
   }
   return choices;
+}
+
+// At most this many names: the line stays one.
+std::string left_out_text(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 4;
+  if (names.empty()) return "";
+  const std::size_t shown = std::min(names.size(), kMost);
+  const std::string more =
+      names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "";
+  return fmt::format("not replayed: {}{}",
+                     fmt::join(names.begin(), names.begin() + static_cast<long>(shown), ", "),
+                     more);
 }
 
 LiveChoices choices_of_recording(const fs::path& file) {
@@ -55,7 +77,7 @@ LiveChoices choices_of_recording(const fs::path& file) {
 }
 
 // What tools/report/live_page.py reads from a folder of results.
-Result<LiveChoices> choices_of_results(const fs::path& folder) {
+Result<LiveChoices> choices_of_results(const fs::path& folder, bool allow_commands) {
   SPOOL_ASSIGN(const std::string said,
                run_generator("live_page", {"--facts=" + folder.string()}, "", kNeeds));
   const auto facts = format::parse_json<ordered_json>(said);
@@ -69,8 +91,12 @@ Result<LiveChoices> choices_of_results(const fs::path& folder) {
     choices.order.order = PoolOrder::kShuffled;
     choices.order.seed = mix(facts["seed"].get<std::uint64_t>(), std::uint64_t{0});
   }
-  choices.samplers = known_methods(samplers(), facts["samplers"].get<std::vector<std::string>>());
-  choices.filters = known_methods(filters(), facts["filters"].get<std::vector<std::string>>());
+  SPOOL_ASSIGN(const Plan plan,
+               read_plan(folder / "plan.toml", {known_samplers(), known_filters()}));
+  std::vector<std::string> left_out;
+  choices.samplers = replayed(known_samplers(), plan.samplers, allow_commands, left_out);
+  choices.filters = replayed(known_filters(), plan.filters, allow_commands, left_out);
+  choices.left_out = left_out_text(left_out);
   return choices;
 }
 
@@ -103,8 +129,9 @@ Result<void> run_view(const ViewOptions& options, const CommonOptions& common) {
   const bool of_results = fs::is_directory(options.target, status);
   LiveChoices choices = choices_of_recording(options.target);
   if (of_results) {
-    SPOOL_ASSIGN(choices, choices_of_results(options.target));
+    SPOOL_ASSIGN(choices, choices_of_results(options.target, options.allow_commands));
   }
+  print_note(choices.left_out);
   const auto replays = std::make_shared<LiveReplays>(std::move(choices), kMostReplayBytes);
   if (!of_results) SPOOL_TRY(replays->open(0));
   Answers answers = live_answers(replays);

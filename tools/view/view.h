@@ -11,6 +11,7 @@ namespace spool::tools {
 struct ViewOptions {
   std::filesystem::path target;  // a recording, or a folder of results
   int port = 0;                  // 0: any
+  bool allow_commands = false;   // of the plan in the folder
 };
 
 Result<void> validate(const ViewOptions& options);

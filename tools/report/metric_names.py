@@ -1,0 +1,12 @@
+"""Names of metrics as texts write them."""
+
+METRICS = {"mse": "MSE", "rmse": "RMSE", "relmse": "relMSE", "mae": "MAE", "relmae": "relMAE", "smape": "SMAPE", "ssim": "SSIM",
+           "ms_ssim": "MS-SSIM", "psnr_tm": "PSNR in dB", "flip_ldr": "FLIP", "flip_hdr": "HDR-FLIP"}
+
+
+def metric_name(metric):
+    """relmse as texts write it."""
+    first, _, rest = metric.partition("_")
+    if metric in METRICS or first not in METRICS:
+        return METRICS.get(metric, metric.replace("_", " "))
+    return METRICS[first] + ", " + rest.replace("_", " ")
