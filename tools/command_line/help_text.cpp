@@ -153,7 +153,7 @@ std::string greeting(const CLI::App& app) {
   for (const auto& [group, verbs] : kGroups) {
     text += "\n" + std::string(group) + ":\n";
     for (const char* verb : verbs)
-      text += entry(verb, app.get_subcommand(verb)->get_description(), 14);
+      text += entry(verb, app.get_subcommand(verb)->get_description(), 15);
   }
   return text + "\nOf each verb, with examples: spool VERB --help\n";
 }
