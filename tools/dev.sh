@@ -304,16 +304,32 @@ package() {
   [[ "${1:-}" != --clean-root ]] || { require_packages mmdebstrap; tools/package/clean_root.sh build/release/packages; }
 }
 
+# Installs a wheel as from PyPI, by name, from an index of this machine that has it alone.
+serve_index() {  # WHEEL VENV
+  local index="$2/index/simple/spool-lab" server port=""
+  mkdir -p "$index" && cp "$1" "$index"
+  (cd "$2/index" && exec python3 -u -m http.server --bind 127.0.0.1 0 >"$2/index.log" 2>&1) &
+  server=$!
+  for _ in $(seq 100); do
+    port="$(sed -n 's/.* port \([0-9]*\).*/\1/p' "$2/index.log" 2>/dev/null)"
+    [[ -z "$port" ]] || break
+    sleep 0.1
+  done
+  "$2/bin/python" -m pip install -q --no-deps --index-url "http://127.0.0.1:$port/simple" spool-lab >&2 ||
+    { kill "$server"; die "$1 cannot be installed from an index"; }
+  kill "$server"
+}
+
 # In a Python that has nothing: the newest wheel, an evaluation and its report.
 try_wheel() {  # PYTHON FOLDER
   local wheel
   wheel="$(find build/wheels -name '*.whl' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2)"
   "$1" -m venv "$2"
   install_locked "$2/bin/python" package
-  "$2/bin/python" -m pip install -q --no-index "$wheel" >&2
+  serve_index "$wheel" "$2"
   "$2/bin/spool" evaluate dumps/tiny/chess.spool --samplers uniform --spp 4 --replicates 2 -q -o "$2/results"
   "$2/bin/spool" report "$2/results" -o "$2/report.html" >&2
-  "$2/bin/python" -I -c 'import sys, spool; assert len(spool.results(sys.argv[1]).rows) == 2 and spool.samplers()' "$2/results" >&2
+  "$2/bin/python" -I -c 'import sys, spool; assert len(spool.results(sys.argv[1]).rows) == 2 and spool.samplers() and spool.example().spp == 16' "$2/results" >&2
   python3 -m zipfile -l "$wheel" | grep -q 'dist-info/sboms/spool.spdx.json' || die "$wheel has no list of what it contains"
   (($(stat -c %s "$wheel") <= 25 << 20)) || die "$wheel is larger than 25 MB"
 }
@@ -332,7 +348,8 @@ wheel() {
     "$python" -m venv "$raw/venv"
     install_locked "$raw/venv/bin/python" build
     CXX="${CXX:-c++}" CMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" CMAKE_BUILD_PARALLEL_LEVEL="$(jobs)" \
-      "$raw/venv/bin/python" -m pip wheel -q --no-deps --no-build-isolation -w "$raw" . >&2
+      "$raw/venv/bin/python" -m pip wheel -v --no-deps --no-build-isolation -w "$raw" . 2>&1 | tee "$raw/log" |
+      sed -nu 's/^ *\(\[[0-9]*\/[0-9]*\]\).*[ /]\([^ ]*\)$/\1 \2/p' >&2 || { tail -n 40 "$raw/log" >&2; die "wheel: the build failed"; }
     PATH="$cache/auditwheel-venv/bin:$PATH" auditwheel repair -w "$raw/repaired" "$raw"/*.whl >&2
     "$cache/auditwheel-venv/bin/python" tools/package/bundled.py wheel "$raw"/repaired/*.whl
     mkdir -p build/wheels && mv "$raw"/repaired/*.whl build/wheels

@@ -528,7 +528,8 @@ Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& 
   std::ifstream file(path, std::ios::binary);
   std::string text(status ? 0 : bytes, '\0');
   if (status || !file.read(text.data(), static_cast<std::streamsize>(bytes)))
-    return fail(ErrorCode::kIo, "{}: cannot be read", path.string());
+    return fail(ErrorCode::kIo, "{}: cannot be read{}: check the path and its permissions",
+                path.string(), status ? ": " + status.message() : "");
   return parse_plan(text, path.string(), path.parent_path(), vocabulary);
 }
 

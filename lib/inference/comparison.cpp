@@ -162,8 +162,9 @@ MoreNeeded more_needed(const Comparison& comparison, int recordings, double leve
   const double variance = std::pow(comparison.standard_error, 2.0);
   const double of_one = variance * n / (1.0 + (n - 1.0) * c);
   needed.recordings = std::max(recordings + 1.0, std::ceil(recordings * variance / wanted));
-  needed.replicates = wanted > of_one * c ? std::ceil(of_one * (1.0 - c) / (wanted - of_one * c))
-                                          : std::numeric_limits<double>::infinity();
+  needed.replicates = wanted > of_one * c
+                          ? std::max(n + 1.0, std::ceil(of_one * (1.0 - c) / (wanted - of_one * c)))
+                          : std::numeric_limits<double>::infinity();
   return needed;
 }
 

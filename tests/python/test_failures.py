@@ -1,5 +1,6 @@
 """Every failure is a SpoolError with the line and the exit code of the program."""
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -73,7 +74,7 @@ def test_arrays():
 
 @pytest.mark.parametrize("answer, words", [
     (lambda s: np.full(s.n.shape, -1), "-1 is no number of samples"),
-    (lambda s: np.ones((3, 3)), "wants answered for"),
+    (lambda s: np.ones((3, 3)), r"not \(3, 3\)"),
     (lambda s: "all", "answers with numbers"),
     (lambda s: 1 / 0, "ZeroDivisionError: division by zero"),
 ])
@@ -154,3 +155,31 @@ def test_an_image_with_nan(dump, tmp_path, program):
     assert program("reconstruct", dump.path, "--filter", name, "-o", "o.exr") == (1, caught.value.message)
     with pytest.raises(spool.SpoolError, match=words):
         spool.evaluate({"recordings": [dump], "spp": [4], "replicates": 1, "samplers": ["uniform"], "filters": [name]})
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda dump: spool.evaluate({"recording": [dump], "spp": [2]}), ["recordings stand under 'recordings'"]),
+    (lambda dump: spool.evaluate({"recording": "a.spool", "spp": [2]}), ["unknown key 'recording'", "did you mean 'recordings'"]),
+    (lambda dump: spool.evaluate({"recordings": [dump], "sampler": "uniform", "spp": [2]}), ["did you mean 'samplers'"]),
+    (lambda dump: spool.evaluate({"recordings": [dump], "spp": [2], "mask": {"name": dump}}), ["mask", "name", "no number, text"]),
+    (lambda dump: spool.evaluate([dump]), ["neither a dict of a plan's keys nor the path"]),
+    (lambda dump: spool.evaluate("recordings = ["), ["give a dict, or the path of a TOML file"]),
+    (lambda dump: spool.reconstruct(dump, 4, "box"), ["reconstruct(samples, None, filter, spp=4)"]),
+    (lambda dump: spool.reconstruct(dump, "box", None), ["the order is (samples, selection, filter)"]),
+    (lambda dump: spool.replay(dump, 8, "uniform"), ["neither the name of a sampler nor a function made by @spool.sampler"]),
+    (lambda dump: spool.recording("a.spool"), ["spool.open reads a file"]),
+])
+def test_what_stands_in_the_wrong_place_is_answered_with_the_right_one(call, words):
+    with pytest.raises(spool.SpoolError) as failure:
+        call(spool.example())
+    assert [word for word in words if word not in str(failure.value)] == []
+
+
+def test_an_array_that_looks_like_sample_y_x_is_pointed_out():
+    images = np.random.default_rng(1).random((8, 12, 16, 3), np.float32)  # 8 images of 16 x 12 pixels
+    with pytest.warns(UserWarning, match="12 x 8 pixels of 16 samples.*moveaxis"):
+        spool.recording(images)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        spool.recording(np.moveaxis(images, 0, 2))
+        spool.recording(images, reference=np.zeros((8, 12, 3)))  # whose shape says which axes are the image's

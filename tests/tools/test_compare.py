@@ -89,7 +89,7 @@ def test_wrong_use(run, evaluate, tmp_path):
     run("compare", a, a, "--metric", "relmze").failed_with(2, "did you mean 'relmse'")
     write_dump(tmp_path / "third.spool", samples(seed=9)[0])
     evaluate("d", plan=PLAN.replace("scene.spool", "third.spool"))
-    run("compare", a, "d").failed_with(1, "no result in common")
+    run("compare", a, "d").failed_with(1, "no result in common", "third  ", "scene  ", "must be alike", "--match name")
 
 
 def test_statistics_have_ranks_pairs_slopes_and_samples(evaluate, tmp_path):

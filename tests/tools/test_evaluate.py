@@ -112,7 +112,7 @@ def test_results_do_not_depend_on_threads(good, dump, tmp_path):
 
 
 def test_errors_are_found_before_the_work(run, good, dump, tmp_path):
-    run("evaluate", dump, "--spp", 99, "-o", "out").failed_with(1, "the pool has 16")
+    run("evaluate", dump, "--spp", 99, "-o", "out").failed_with(1, "the recording has 16")
     run("evaluate", dump, "--spp", "4,x", "-o", "out").failed_with(2, "--spp")
     run("evaluate", "none.spool", "--spp", 4, "-o", "out").failed_with(3, "none.spool")
     run("evaluate", dump, "--spp", 4, "--samplers", "unifrom", "-o", "out").failed_with(2, "uniform")

@@ -30,7 +30,6 @@
 #include "tools/batch/runs_at_once.h"
 #include "tools/batch/study_sources.h"
 #include "tools/batch/time_estimate.h"
-#include "tools/batch/unused_layers.h"
 #include "tools/json/study_json.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
@@ -152,14 +151,13 @@ class PlanRun {
     }
     if (!common_.json && !common_.quiet) {
       print("\n");
-      if (any_shared_) {
+      if (any_shared_ && request_.wide) {
         print_line(
             "times: of a machine that other results shared (column timing); --timing exact makes "
             "one result after another");
       }
       print_line(fmt::format("numbers: {}", (request_.folder / "results.csv").string()));
       if (request_.plan.pictures) print_line(fmt::format("pictures: {}", sheets));
-      print(unused_layers_text(unused_layers(request_.plan)));
     }
     return verdict(missing);
   }
@@ -257,7 +255,7 @@ class PlanRun {
   Result<void> verdict(std::size_t missing) const {
     if (short_of_samples_ > 0) {
       print_warning(
-          fmt::format("{} of {} results spent less than their budget because the pool ran "
+          fmt::format("{} of {} results spent less than their budget because the recording ran "
                       "out: column samples_spent",
                       short_of_samples_, results_));
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lib/core/visible_text.h"
+#include "lib/experiment/reference.h"
 #include "tools/batch/shown_results.h"
 #include "tools/batch/summary_notes.h"
 #include "tools/methods/external_methods.h"
@@ -70,35 +71,42 @@ bool any_has_threads(const Study& study) {
                              [](const MethodFinding& r) { return r.place.threads != 0; });
 }
 
-// Method, relMSE, ratio, verdict, below a heading for each scene and budget: 80 columns hold it.
-std::string short_table(const Study& study, const ShownResults& shown) {
+// Method, relMSE, ratio, verdict, below a heading for each scene and budget. A ratio has its
+// interval where there is room.
+Rows short_rows(const Study& study, const ShownResults& shown, bool ratio_intervals) {
   const bool threads = any_has_threads(study);
-  Rows rows = {{"", "relMSE", "ratio", "than baseline"}};
-  std::vector<std::string> headings = {""};
+  Rows rows = {{"", "relMSE", "ratio", "verdict"}};
+  std::string last;
   for (const RankedResult& result : shown) {
     const StudyPlace& place = result.place();
+    const std::string heading =
+        fmt::format("{}, {:g} samples per pixel{}", shown_scene(place.recording), place.spp,
+                    threads ? fmt::format(", {} threads", place.threads) : "");
+    if (heading != last) rows.push_back({heading});
+    last = heading;
     const std::string name = shown_method(result);
-    rows.push_back({"  " + name, value_text(result.quantity("relmse"), "{:.3g}"),
-                    baseline_ratio(result.relmse),
+    std::string ratio = baseline_ratio(result.relmse);
+    if (!ratio_intervals) ratio.resize(std::min(ratio.find(' '), ratio.size()));
+    rows.push_back({"  " + name, value_text(result.quantity("relmse"), "{:.3g}"), ratio,
                     name == study.baseline ? "(baseline)" : verdict_text(result.relmse)});
-    headings.push_back(fmt::format("{}, {:g} samples per pixel{}", shown_scene(place.recording),
-                                   place.spp,
-                                   threads ? fmt::format(", {} threads", place.threads) : ""));
   }
-  std::istringstream lines(format_columns(rows, 1));
-  std::string text, line, last;
-  for (std::size_t i = 0; std::getline(lines, line); ++i) {
-    if (headings[i] != last) text += visible_text(headings[i]) + "\n";
-    last = headings[i];
-    text += line + "\n";
-  }
-  return text;
+  return rows;
+}
+
+std::string short_table(const Study& study, const ShownResults& shown) {
+  const std::size_t width = line_width();
+  const std::string text = format_columns(short_rows(study, shown, true), 1, 0);
+  std::istringstream lines(text);
+  bool fits = true;
+  for (std::string line; std::getline(lines, line);)
+    fits = fits && (width == 0 || character_count(line) <= width);
+  return fits ? text : format_columns(short_rows(study, shown, false), 1, width);
 }
 
 std::string wide_table(const Study& study, const ShownResults& shown) {
   const bool threads = any_has_threads(study);
-  Rows rows = {{"dump", "sampler", "filter", "spp", "spent", "relMSE", "ratio", "than baseline",
-                "MSE", "ratio", "energy", "sampling", "filtering"}};
+  Rows rows = {{"recording", "sampler", "filter", "spp", "spent", "relMSE", "ratio",
+                "than baseline", "MSE", "ratio", "energy", "sampling", "filtering"}};
   if (threads) rows.front().emplace_back("threads");
   for (const RankedResult& result : shown) {
     rows.push_back({shown_scene(result.place().recording), shown_sampler(result),
@@ -117,7 +125,7 @@ std::string wide_table(const Study& study, const ShownResults& shown) {
 // relMSE in the baseline's processor time.
 std::string equal_time_table(const std::vector<CurveFinding>& curves) {
   Rows rows = {
-      {"dump", "sampler", "filter", "spp of baseline", "its CPU time", "relMSE ratio then"}};
+      {"recording", "sampler", "filter", "spp of baseline", "its CPU time", "relMSE ratio then"}};
   for (const CurveFinding& curve : curves) {
     if (curve.metric != "relmse") continue;
     for (const auto& [at, seconds, found] : curve.equal_time) {
@@ -133,8 +141,8 @@ std::string equal_time_table(const std::vector<CurveFinding>& curves) {
          format_columns(rows, 3);
 }
 
-// What intervals and verdicts on relMSE are about. One of each kind: where replicates share
-// samples, that with the most.
+// What intervals and verdicts on relMSE are about. Where replicates share samples at some budgets
+// and not at others, what is said of the budget at which they share the most.
 std::string about_text(const Study& study) {
   std::map<std::string, About> kinds;
   for (const ConditionFinding& condition : study.conditions) {
@@ -142,31 +150,36 @@ std::string about_text(const Study& study) {
     About& kept = kinds[condition.about.kind];
     if (kept.text.empty() || condition.about.shared > kept.shared) kept = condition.about;
   }
+  if (kinds.contains("shared")) kinds.erase("disjoint");
   std::string text;
   for (const auto& [kind, about] : kinds)
     text += fmt::format("About {}.\n", visible_text(about.text));
   return text;
 }
 
-}  // namespace
+std::string judged_text(const std::string& reference, bool biased) {
+  const auto& kinds = reference_kinds();
+  const auto kind = std::ranges::find(kinds, reference, &ReferenceDescription::name);
+  const bool recorded = kind != kinds.end() && kind->kind == ReferenceKind::kIndependent;
+  return fmt::format("Judged by {}: {}.{}{}\n", visible_text(reference),
+                     kind == kinds.end() ? "" : kind->meaning,
+                     recorded ? "" : " A reference in the recording would be less noisy.",
+                     biased ? " BIASED: see spool evaluate --help." : "");
+}
 
-std::string summary_text(const Study& study, bool wide) {
-  const ShownResults all = ranked_results(study);
-  if (all.empty()) return "no results\n";
-  const bool shortened = all.size() > kLongestTable;
-  const ShownResults shown = shortened ? best_of_each(all) : all;
-  std::string text = claims_text(study.claims);
-  text +=
-      wide ? wide_table(study, shown) + equal_time_table(study.curves) : short_table(study, shown);
-  text += fmt::format(
-      "\nMean [95 % interval], best first; ratio to {} at the same budget. Verdicts: all pairs of\n"
-      "a recording and budget together at 5 %.{}\n",
+// What stands below the table.
+std::string remarks_text(const Study& study, const ShownResults& shown, std::size_t all,
+                         bool wide) {
+  std::string text = fmt::format(
+      "Mean [95 % interval], best first; ratio to {} at the same budget. Verdicts: all pairs of a "
+      "recording and budget together at 5 %.{}\n",
       visible_text(study.baseline), wide ? "" : " MSE, energy, times: --wide.");
-  if (shortened) {
+  if (shown.size() < all) {
     text += fmt::format("The {} best by relMSE of each recording and budget, of {} in all.\n",
-                        kBestShown, all.size());
+                        kBestShown, all);
   }
-  text += would_tell_text(shown) + support_text(shown) + losses_text(shown) + exchange_text(shown);
+  text += would_tell_text(shown) + support_text(shown, wide) + losses_text(shown) +
+          exchange_text(shown);
   if (std::ranges::any_of(shown, is_described_sampler) ||
       std::ranges::any_of(shown, is_described_filter))
     text += fmt::format("{}.\n", kByDescription);
@@ -174,13 +187,22 @@ std::string summary_text(const Study& study, bool wide) {
     text +=
         "Where all replicates are one image, the interval is that of its blocks of pixels and "
         "nothing is compared. An image made elsewhere is judged beside methods that got the same "
-        "samples with --recorded-order --replicates 1.\n";
+        "samples with --recorded-order --replicates 1, or by replicates with --export-inputs.\n";
   }
   const bool biased = std::ranges::any_of(study.conditions, &ConditionFinding::biased);
-  text += about_text(study);
-  text += fmt::format("Judged by: {}{}.\n", visible_text(all.front().result->reference),
-                      biased ? " (BIASED: see spool evaluate --help)" : "");
-  return text;
+  return text + about_text(study) + judged_text(shown.front().result->reference, biased);
+}
+
+}  // namespace
+
+std::string summary_text(const Study& study, bool wide) {
+  const ShownResults all = ranked_results(study);
+  if (all.empty()) return "no results\n";
+  const ShownResults shown = all.size() > kLongestTable ? best_of_each(all) : all;
+  const std::string table =
+      wide ? wide_table(study, shown) + equal_time_table(study.curves) : short_table(study, shown);
+  return wrapped(claims_text(study.claims), line_width()) + table + "\n" +
+         wrapped(remarks_text(study, shown, all.size(), wide), line_width());
 }
 
 }  // namespace spool::tools

@@ -73,10 +73,11 @@ Result<void> check_dumps(const Plan& plan) {
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
     for (const double spp : plan.spp) {
       if (spp > reader.header().spp) {
-        return fail(ErrorCode::kData,
-                    "{}: {} samples per pixel asked for, the pool has {}: use a smaller --spp or "
-                    "record more",
-                    dump, spp, reader.header().spp);
+        return fail(
+            ErrorCode::kData,
+            "{}: {} samples per pixel asked for, the recording has {}: use a smaller --spp or "
+            "record more",
+            dump, spp, reader.header().spp);
       }
     }
   }

@@ -74,11 +74,12 @@ std::string would_tell_text(const ShownResults& shown) {
   return text + ".\n";
 }
 
-std::string support_text(const ShownResults& shown) {
+std::string support_text(const ShownResults& shown, bool wide) {
   std::map<std::pair<std::string, std::string>, std::pair<int, Withheld>> withheld;
   Fewest fewest;
   for (const RankedResult& result : shown) {
     for (const ShownMetric& metric : kShownMetrics) {
+      if (!wide && metric.rank != &RankedResult::relmse) continue;
       const RankedFinding* ranked = result.*metric.rank;
       if (ranked && ranked->withheld != Withheld::kNo) {
         auto& [count, why] = withheld[{metric.shown, std::string(withheld_name(ranked->withheld))}];

@@ -12,7 +12,7 @@ namespace spool::tools {
 // first.
 std::string would_tell_text(const ShownResults& shown);
 // How many have no verdict and why, and the result that stands on the fewest pixels.
-std::string support_text(const ShownResults& shown);
+std::string support_text(const ShownResults& shown, bool wide);  // by MSE, too, where wide
 std::string losses_text(const ShownResults& shown);
 // Commands spend time on their start and on files, which is not the method's.
 std::string exchange_text(const ShownResults& shown);

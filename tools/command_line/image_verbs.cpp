@@ -21,6 +21,7 @@ void add_picture(Program& program) {
   verb.add_option("--range", options.range, "of --false-colour: LOW,HIGH (all values)")
       ->needs(colour);
   verb.add_flag("--log", options.log, "of --false-colour: a logarithmic scale")->needs(colour);
+  group_options(verb, "False colour", {"--false-colour", "--channel", "--range", "--log"});
   add_layer(verb, options.layer, "", "of IMAGE");
   add_output(verb, options.output, "the picture to write, NAME.png");
   add_common(verb, program.common, false, true);

@@ -4,12 +4,11 @@
 #include <new>
 #include <sstream>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "formats/lost_pages.h"
 #include "lib/core/heap_policy.h"
 #include "lib/core/parallel.h"
+#include "tools/command_line/help_text.h"
 #include "tools/command_line/image_verbs.h"
 #include "tools/command_line/manual.h"
 #include "tools/command_line/method_verbs.h"
@@ -24,39 +23,8 @@ namespace {
 
 constexpr const char* kExitCodes =
     "Exit codes: 0 done, 1 data unusable, 2 wrong use, 3 input or output failed, 4 damage found "
-    "or\n"
-    "samples gone; after a signal, 128 and its number.\n"
-    "Errors are one line on stderr: what is wrong, where, and what to do.";
-
-constexpr const char* kGreeting =
-    "Spool records every sample of a rendered image once, replays adaptive samplers on the "
-    "record,\n"
-    "filters, and reports error and time.\n\n"
-    "Start:\n"
-    "  spool synth scene_s --size 64 --samples 64 -o s.spool      a recording, without a renderer\n"
-    "  spool evaluate s.spool --samplers uniform,multiscale --filters box,directional \\\n"
-    "    --spp 4,8 -o results                                     which method is better, and by "
-    "how much\n"
-    "  spool report results -o report.html                        the pictures beside the "
-    "numbers\n\n";
-
-// Verbs by their use, for the greeting and the help.
-const std::pair<const char*, std::vector<const char*>> kGroups[] = {
-    {"Look", {"info", "check", "picture", "pixel", "show", "view"}},
-    {"Record", {"synth", "pack", "convert", "recover"}},
-    {"One image", {"replay", "reconstruct", "metrics"}},
-    {"Compare methods", {"evaluate", "compare", "report", "figure"}},
-    {"More", {"list", "completion", "man"}}};
-
-std::string greeting(const CLI::App& app) {
-  std::string text = kGreeting;
-  for (const auto& [group, verbs] : kGroups) {
-    text += std::string(group) + "\n";
-    for (const char* verb : verbs)
-      text += fmt::format("  {:<12} {}\n", verb, app.get_subcommand(verb)->get_description());
-  }
-  return text + "\nEach verb explains itself: spool VERB --help\n";
-}
+    "or samples gone; after a signal, 128 and its number. Errors are one line on stderr: what is "
+    "wrong, where, and what to do.";
 
 // Prints what was asked for; the exit code.
 int answer(const std::string& text) {
@@ -70,9 +38,11 @@ int answer(const std::string& text) {
 int run(int count, char** arguments) {
   Program program;
   program.app.name("spool");
-  program.app.footer(std::string(kExitCodes) + "\n\nEach verb explains itself: spool VERB --help");
+  program.app.footer(kExitCodes);
+  program.app.formatter(help_formatter());
+  program.app.set_help_flag("-h,--help", "this text");
   program.app.require_subcommand(1);
-  program.app.set_version_flag("--version", "spool " SPOOL_VERSION);
+  program.app.set_version_flag("--version", "spool " SPOOL_VERSION, "the version of the program");
   add_info(program);
   add_check(program);
   add_recover(program);
@@ -93,10 +63,7 @@ int run(int count, char** arguments) {
   add_list(program);
   add_completion(program);
   add_man(program);
-  for (const auto& [group, verbs] : kGroups) {
-    for (const char* verb : verbs)
-      program.app.get_subcommand(verb)->group(group);
-  }
+  group_verbs(program.app);
   if (count == 1) return answer(greeting(program.app));
   try {
     program.app.parse(count, arguments);

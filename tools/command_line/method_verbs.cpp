@@ -23,13 +23,13 @@ void add_replay(Program& program) {
   add_output(verb, options.output, "the selection to write: channel n, and A.0 .. A.K");
   add_common(verb, program.common, true, true);
   verb.footer(
-      "A selection says how many samples of each piece were taken, always the first ones; a\n"
+      "A selection says how many samples of each piece were taken, always the first ones; a "
       "sampler may know only those. Any image of counts made elsewhere is a selection too.\n"
       "Examples:\n"
-      "  spool replay dumps/tiny/chess.spool --sampler multiscale --spp 8 -o chess_8.exr\n"
+      "  spool replay dumps/tiny/chess.spool --sampler multiscale --spp 8 -o n.exr\n"
       "  spool replay dumps/tiny/chess.spool --sampler multiscale --preset paper \\\n"
       "    --set sampler.alpha=0.3 --spp 8 -o chess_8.exr\n"
-      "  spool reconstruct dumps/tiny/chess.spool --selection chess_8.exr --filter box -o box.exr");
+      "  spool reconstruct chess.spool --selection chess_8.exr --filter box -o box.exr");
   runs(verb, program, run_replay, program.replay);
 }
 
@@ -60,12 +60,12 @@ void add_reconstruct(Program& program) {
                   "a folder for PNG pictures of the result and of the views");
   add_common(verb, program.common, true, true);
   verb.footer(
-      "A selection written by spool replay says in which order it took the samples; for others,\n"
+      "A selection written by spool replay says in which order it took the samples; for others, "
       "--order and --seed do.\n"
       "Examples:\n"
       "  spool reconstruct dumps/tiny/chess.spool --filter box --spp 4 -o noisy.exr\n"
-      "  spool reconstruct dumps/tiny/chess.spool --selection mine.exr --filter directional \\\n"
-      "    --layers --pictures pictures -o filtered.exr");
+      "  spool reconstruct dumps/tiny/chess.spool --selection mine.exr \\\n"
+      "    --filter directional --layers --pictures pictures -o filtered.exr");
   verb.callback([&] {
     program.chosen = [&] { return run_reconstruct(program.reconstruct, program.common); };
   });
@@ -99,6 +99,8 @@ void add_pixel(Program& program) {
   within(verb.add_option("--holdout", options.pool.holdout,
                          "samples per pixel that are never offered (0)"),
          kHoldout);
+  group_options(verb, "Samples",
+                {"--samples", "--evaluation-seed", "--order", "--seed", "--holdout"});
   verb.add_option("--sampler", options.sampler, "also: how many samples it takes of the pixel");
   within(
       verb.add_option("--spp", options.spp, "budget of the sampler, samples per pixel on average"),
@@ -108,7 +110,7 @@ void add_pixel(Program& program) {
   add_method(verb, options.method);
   add_common(verb, program.common, true, false);
   verb.footer(
-      "A sampler that took n samples of the pixel took the first n of the list.\n"
+      "A sampler that took n samples of the pixel took the first n of the list. "
       "The weights of a filter are those of pixels' means; they sum to 1 and make the pixel.\n"
       "Examples:\n"
       "  spool pixel dumps/tiny/chess.spool --at 20,30 --sampler multiscale --spp 8 \\\n"
@@ -131,8 +133,8 @@ void add_view(Program& program) {
                 "replay the commands (exec:) of the plan in the folder: they are run by this user");
   add_common(verb, program.common, true, false);
   verb.footer(
-      "Prints the address and serves the page until Ctrl-C (exit code 130): to this machine only,\n"
-      "at an address with a random token, read-only. --json prints {\"url\": ...} on one line.\n"
+      "Prints the address and serves the page until Ctrl-C (exit code 130): to this machine only, "
+      "at an address with a random token, read-only. --json prints {\"url\": ...} on one line. "
       "Needs what spool report needs.\n"
       "Examples:\n"
       "  spool view dumps/tiny/chess.spool\n"

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include <fmt/ranges.h>
+
 #include "lib/core/option_table.h"
 #include "lib/exchange/foreign_formats.h"
 #include "tools/verbs/foreign_settings.h"
@@ -24,6 +26,21 @@ std::vector<std::string> known_words(const CLI::App& app, bool options) {
   return words;
 }
 
+// What CLI11 found, in the program's words.
+std::string in_our_words(const CLI::App& at, const CLI::ParseError& error) {
+  const std::string text = error.what();
+  for (const CLI::Option* option : at.get_options()) {
+    const std::string name = option->get_name();
+    if (dynamic_cast<const CLI::RequiredError*>(&error) && text == name + " is required")
+      return fmt::format("{} ({})", text, option->get_description());
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && text.starts_with(name + ": At Most"))
+      return name + ": given more than once: give it once, several values with commas between them";
+  }
+  if (dynamic_cast<const CLI::ExtrasError*>(&error))
+    return fmt::format("{}: more than the verb takes", fmt::join(at.remaining(true), " "));
+  return text;
+}
+
 }  // namespace
 
 std::string explain(const CLI::App& app, const CLI::ParseError& error, int count,
@@ -33,6 +50,9 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error, int count
     verb = parsed;
   if (!verb && count > 1 && arguments[1][0] != '-') {
     const std::string word = arguments[1];
+    for (const std::string& known : known_words(app, false))
+      if (known.starts_with(word))
+        return fmt::format("unknown verb '{}', did you mean '{}'?: see spool --help", word, known);
     return unknown_name("verb", word, known_words(app, false)) + ": see spool --help";
   }
   const CLI::App& at = verb ? *verb : app;
@@ -50,7 +70,7 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error, int count
                          now.substr(0, now.find('.')));
     return fmt::format("{}: see {}", unknown_name("option", name, known_words(at, true)), help);
   }
-  return fmt::format("{}: see {}", error.what(), help);
+  return fmt::format("{}: see {}", in_our_words(at, error), help);
 }
 
 }  // namespace spool::tools

@@ -11,12 +11,20 @@ namespace spool::tools {
 
 // The switches of a verb; every verb takes --threads and --quiet.
 void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force) {
-  if (json) verb.add_flag("--json", common.json, "print JSON instead of text");
-  if (force) verb.add_flag("--force", common.force, "replace what exists");
-  verb.add_flag("--quiet,-q", common.quiet, "no progress, no remarks");
+  constexpr const char* kGroup = "Common";
+  verb.get_help_ptr()->group(kGroup);
+  if (json) verb.add_flag("--json", common.json, "print JSON instead of text")->group(kGroup);
+  if (force) verb.add_flag("--force", common.force, "replace what exists")->group(kGroup);
+  verb.add_flag("--quiet,-q", common.quiet, "no progress, no remarks")->group(kGroup);
   within(verb.add_option("--threads", common.threads,
                          "threads to use, 0 for all; the results do not depend on it"),
-         kThreads);
+         kThreads)
+      ->group(kGroup);
+}
+
+void group_options(CLI::App& verb, const char* group, std::initializer_list<const char*> options) {
+  for (const char* option : options)
+    verb.get_option(option)->group(group);
 }
 
 CLI::Option* within(CLI::Option* option, const Bounds& bounds) {
@@ -61,6 +69,7 @@ void add_method(CLI::App& verb, MethodOptions& method) {
                   "name of one method; may be given several times")
       ->take_all()
       ->allow_extra_args(false);
+  group_options(verb, "Options of the method", {"--preset", "--set"});
 }
 
 void add_pool(CLI::App& verb, PoolOptions& pool) {
@@ -76,6 +85,7 @@ void add_pool(CLI::App& verb, PoolOptions& pool) {
   within(verb.add_option("--holdout", pool.holdout, "samples per pixel that are never offered (0)"),
          kHoldout);
   within(verb.add_option("--pieces", pool.pieces_per_side, kPieces), kPiecesPerSide);
+  group_options(verb, "Samples", {"--order", "--seed", "--holdout", "--pieces"});
 }
 
 }  // namespace spool::tools

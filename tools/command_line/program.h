@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -75,6 +76,8 @@ void runs(CLI::App& verb, Program& program,
 
 // The switches of a verb; every verb takes --threads and --quiet.
 void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force);
+// Puts options below a heading of the help.
+void group_options(CLI::App& verb, const char* group, std::initializer_list<const char*> options);
 // Says in the help what the option may be; looked at by validate() of the verb.
 CLI::Option* within(CLI::Option* option, const Bounds& bounds);
 // A seed as plans have it, too: TOML has no larger numbers.

@@ -44,7 +44,7 @@ void add_recover(Program& program) {
       "Exit code 4 and a list of what is lost when anything is; the new file is whole in itself.\n"
       "Examples:\n"
       "  spool recover damaged.spool saved.spool\n"
-      "  spool recover night.spool.partial saved.spool    (a recording that was interrupted)");
+      "  spool recover night.spool.partial saved.spool  (an interrupted recording)");
   runs(verb, program, run_recover, program.recover);
 }
 
@@ -74,6 +74,7 @@ void add_pack(Program& program) {
           "--max-expansion", program.pack.max_expansion,
           "of foreign files: how many times larger than its source the recording may be (100)")
       ->check(CLI::Range(uint64_t{1}, interchange::kMaxExpansionTimes));
+  group_options(verb, "Foreign files", {"--from", "--set", "--layer", "--part", "--max-expansion"});
   add_common(verb, program.common, true, true);
   verb.footer(
       "docs/formats.md says what each foreign format holds and what is converted or dropped.\n"
@@ -108,8 +109,8 @@ void add_convert(Program& program) {
       "What a format has no place for is refused or named; see docs/formats.md.\n"
       "Examples:\n"
       "  spool convert dumps/tiny/chess.spool --to npz -o chess.npz\n"
-      "  spool convert dumps/tiny/chess.spool --to oidn --set export.spp=1,2,4,8 -o oidn_set\n"
-      "  spool convert dumps/tiny/chess.spool --to bcd-stats --set export.spp=16 -o chess_bcd");
+      "  spool convert chess.spool --to oidn --set export.spp=1,2,4,8 -o oidn_set\n"
+      "  spool convert chess.spool --to bcd-stats --set export.spp=16 -o chess_bcd");
   runs(verb, program, run_convert, program.convert);
 }
 

@@ -84,23 +84,31 @@ void add_evaluate(Program& program) {
                   "denoiser elsewhere, and no results; its images come back as the filter "
                   "image:DIR/{recording}_{spp}_{replicate}.exr");
   verb.add_option("-o,--output", options.output, "folder for the results and the pictures");
+  group_options(verb, "What is compared",
+                {"--samplers", "--filters", "--spp", "--preset", "--set", "--baseline"});
+  group_options(verb, "How it is judged",
+                {"--replicates", "--reference", "--holdout", "--seed", "--recorded-order",
+                 "--pieces", "--decision-split", "--fresh"});
+  group_options(verb, "What is written",
+                {"--output", "--wide", "--no-pictures", "--export-inputs"});
+  group_options(verb, "Time and machines",
+                {"--repeats", "--sweep-threads", "--timing", "--dry-run", "--shard", "--merge",
+                 "--from", "--statistics-only"});
   add_common(verb, program.common, true, true);
   verb.footer(
-      "results.csv and results.jsonl have one row per recording, sampler, filter, budget and\n"
-      "replicate: spool list columns. A run that was interrupted goes on when started again;\n"
+      "results.csv and results.jsonl have one row per recording, sampler, filter, budget and "
+      "replicate: spool list columns. A run that was interrupted goes on when started again; "
       "--force starts it anew. MSE is debiased by the variance of the reference and may be "
-      "slightly\n"
-      "negative. `pool` judges an image by the samples it was made of: biased, and differently "
-      "for\n"
-      "each method.\n"
+      "slightly negative. `pool` judges an image by the samples it was made of: biased, and "
+      "differently for each method.\n"
       "Examples:\n"
       "  spool evaluate dumps/tiny/chess.spool --samplers uniform,multiscale \\\n"
       "    --filters box,directional --spp 4,8,16 -o results\n"
       "  spool evaluate tools/plans/quick.toml -o results\n"
       "  spool evaluate plan.toml --dry-run\n"
       "  spool evaluate --statistics-only results\n"
-      "  spool evaluate plan.toml --shard 3/16 -o shared/results       (on machine 3 of 16)\n"
-      "  spool evaluate plan.toml --merge -o shared/results            (when all are done)");
+      "  spool evaluate plan.toml --shard 3/16 -o shared/results   (machine 3 of 16)\n"
+      "  spool evaluate plan.toml --merge -o shared/results        (when all are done)");
   runs(verb, program, run_evaluate, program.evaluate);
 }
 
@@ -127,7 +135,7 @@ void add_metrics(Program& program) {
   verb.footer(
       "Examples:\n"
       "  spool metrics mine.exr reference.exr\n"
-      "  spool metrics mine.exr reference.exr --json --set rel_scale=none --set rel_eps=0.001");
+      "  spool metrics mine.exr reference.exr --json --set rel_scale=none");
   runs(verb, program, run_metrics, program.metrics);
 }
 
@@ -154,7 +162,7 @@ void add_compare(Program& program) {
   verb.add_flag("--all", options.all, "also list what did not change");
   add_common(verb, program.common, true, false);
   verb.footer(
-      "Exit code 1 when something became worse, failed, or is missing in AFTER: for a build\n"
+      "Exit code 1 when something became worse, failed, or is missing in AFTER: for a build "
       "machine. Differences are paired where both drew the same samples.\n"
       "Examples:\n"
       "  spool evaluate plan.toml -o new && spool compare accepted new\n"
@@ -177,11 +185,11 @@ void add_report(Program& program) {
   verb.add_option("--title", options.title, "heading of the page (names of the recordings)");
   add_common(verb, program.common, false, true);
   verb.footer(
-      "Needs Python 3 with numpy (SPOOL_PYTHON names the interpreter) and, once, the scripts that\n"
+      "Needs Python 3 with numpy (SPOOL_PYTHON names the interpreter) and, once, the scripts that "
       "tools/report/fetch_assets.sh fetches.\n"
       "Examples:\n"
-      "  spool evaluate dumps/tiny/chess.spool --spp 4,8,16 -o results\n"
-      "  spool report results -o report.html");
+      "  spool report results -o report.html\n"
+      "  spool report results -o report.html --metric mse --title 'Two filters'");
   runs(verb, program, run_report, program.report);
 }
 
@@ -216,14 +224,14 @@ void add_figure(Program& program) {
   verb.add_option("--font", options.font,
                   "latex: text set by LaTeX, in its own font; latex:PACKAGE: in that of a package, "
                   "libertine for example");
+  group_options(verb, "Layout", {"--crops", "--column", "--font"});
   add_common(verb, program.common, false, true);
   verb.footer(
       "Writes comparison_RECORDING (reference, windows, error maps, numbers), comparison "
       "(recordings "
-      "as\nrows), curves and curves_time, each as .pdf, .svg and .png; captions.tex, table.tex and "
-      "table.md;\ncurves.csv and curves.py, which draws it. Bold: separated from every other "
-      "method. "
-      "Needs Python 3\nwith numpy and matplotlib.\n"
+      "as rows), curves and curves_time, each as .pdf, .svg and .png; captions.tex, table.tex and "
+      "table.md; curves.csv and curves.py, which draws it. Bold: separated from every other "
+      "method. Needs Python 3 with numpy and matplotlib.\n"
       "Examples:\n"
       "  spool figure results -o figures\n"
       "  spool figure results -o figures --column 1 --font latex --crops 12,20,16,16\n"

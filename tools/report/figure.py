@@ -24,8 +24,10 @@ def _main(arguments):
         import matplotlib  # noqa: F401
         import numpy  # noqa: F401
     except ImportError as error:
-        raise Failure("spool figure needs numpy and matplotlib: apt-get install python3-matplotlib, or pip install "
-                      "matplotlib into the Python that SPOOL_PYTHON names", NO_NUMPY) from error
+        wheel = {"site-packages", "dist-packages"} & set(Path(__file__).parts)
+        remedy = ("pip install 'spool-lab[figures]'" if wheel else
+                  "apt-get install python3-matplotlib, or pip install matplotlib into the Python that SPOOL_PYTHON names")
+        raise Failure(f"spool figure needs numpy and matplotlib: {remedy}", NO_NUMPY) from error
     return make_figures(options)
 
 

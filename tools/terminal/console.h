@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
+#include "tools/terminal/text_columns.h"
 
 namespace spool::tools {
 
@@ -33,11 +34,6 @@ void print_raw_error(std::string_view text);  // with the control characters of 
 
 // Descriptors 0 to 2 lead somewhere from now on: a file that is opened must not become stderr.
 void open_standard_streams();
-
-// Text in columns: the first row is the header; numbers (columns >= `first_number`) to the right.
-// Cells are one line each, whatever they hold.
-std::string format_columns(const std::vector<std::vector<std::string>>& rows,
-                           std::size_t first_number);
 
 std::string format_bytes(double bytes);      // "12.3 MB"
 std::string format_seconds(double seconds);  // "0.42 s", "3 min 20 s"

@@ -1,6 +1,5 @@
 #include "tools/terminal/progress.h"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
 #include <utility>
@@ -17,11 +16,6 @@ constexpr std::chrono::milliseconds kBetweenLines{100};
 constexpr std::chrono::milliseconds kBetweenLogLines{60000};
 // Before this the speed is not known well enough to promise a time.
 constexpr std::chrono::milliseconds kBeforeEstimate{500};
-
-int terminal_width() {
-  winsize size{};
-  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 100;
-}
 
 }  // namespace
 
@@ -52,7 +46,8 @@ void Progress::update(double share, const std::string& detail, std::optional<dou
     print_raw_error(visible_text(line) + "\n");
     return;
   }
-  print_raw_error(fmt::format("\r\033[K{:.{}}", visible_text(line), terminal_width() - 1));
+  const std::size_t width = line_width(STDERR_FILENO);
+  print_raw_error(fmt::format("\r\033[K{:.{}}", visible_text(line), width > 0 ? width - 1 : 99));
 }
 
 }  // namespace spool::tools

@@ -151,8 +151,12 @@ Result<void> run_compare(const CompareOptions& options, const CommonOptions& com
     if (!before.combinations.contains(key)) outcome.only_after.push_back(combination.key);
   }
   if (outcome.changes.empty()) {
-    return fail(ErrorCode::kData, "{} and {}: have no result in common", options.before.string(),
-                options.after.string());
+    return fail(
+        ErrorCode::kData,
+        "{} and {}: have no result in common: one is of '{}', the other of '{}': recording, "
+        "sampler, filter and budget must be alike (--match name: whatever the options)",
+        options.before.string(), options.after.string(), before.combinations.begin()->second.key,
+        after.combinations.begin()->second.key);
   }
   judge(outcome.changes, options.significance, options.tolerance);
   print(common.json ? comparisons_text(outcome) : text_of(outcome, options.all));

@@ -88,7 +88,8 @@ ordered_json describe(const format::SpoolReader& reader, std::uintmax_t bytes,
 }
 
 // A value of the remarks in one line, or empty: an object as "name value, name value".
-std::string remark(const ordered_json& info, const char* key) {
+// `brief`: without the names of names and without sums.
+std::string remark(const ordered_json& info, const char* key, bool brief = false) {
   const auto found = info["meta"].find(key);
   if (found == info["meta"].end()) return {};
   const auto plain = [](const ordered_json& value) {
@@ -97,8 +98,9 @@ std::string remark(const ordered_json& info, const char* key) {
   std::string text;
   if (found->is_object()) {
     for (const auto& [name, value] : found->items()) {
-      if (value.is_structured()) continue;
-      text += (text.empty() ? "" : ", ") + name + " " + plain(value);
+      if (value.is_structured() || (brief && name == "sha256")) continue;
+      text +=
+          (text.empty() ? "" : ", ") + (brief && name == "name" ? "" : name + " ") + plain(value);
     }
   } else {
     text = plain(*found);
@@ -142,8 +144,9 @@ void add_verification(const ordered_json& meta, std::vector<std::vector<std::str
                                   : std::string())});
   }
   rows.push_back(
-      {"verified", fmt::format("{}: {} claims hold, {} fail, {} not known",
-                               failing > 0 ? "FAILS" : "yes", holding, failing, unknown)});
+      {"verified", fmt::format("{}: {} claims hold{}{}", failing > 0 ? "FAILS" : "yes", holding,
+                               failing > 0 ? fmt::format(", {} fail", failing) : "",
+                               unknown > 0 ? fmt::format(", {} not known", unknown) : "")});
   rows.insert(rows.end(), claims.begin(), claims.end());
 }
 
@@ -192,7 +195,7 @@ std::vector<std::vector<std::string>> short_rows_of(const ordered_json& info) {
   rows.push_back({"reference", reference_text(info)});
   std::string renderer;
   for (const char* key : {"renderer", "version", "scene", "mode"}) {
-    const std::string text = remark(info, key);
+    const std::string text = remark(info, key, true);
     const bool named = key == std::string_view("scene") || key == std::string_view("mode");
     if (!text.empty())
       renderer += (renderer.empty() ? ""

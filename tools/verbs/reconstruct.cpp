@@ -32,7 +32,7 @@ Result<CountImage> uniform_counts(const SamplePool& pool, int spp) {
       if (q == 1 && spp > capacity) {
         return fail(
             ErrorCode::kData,
-            "{}: {} samples of a pixel asked for, the pool has {} (pixel {}, {}): use fewer",
+            "{}: {} samples of a pixel asked for, the recording has {} (pixel {}, {}): use fewer",
             pool.recording().name(), spp, capacity, x, y);
       }
       n(x, y) = spp == 0 ? capacity : std::min(capacity, (spp + q * q - 1) / (q * q));

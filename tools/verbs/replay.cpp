@@ -43,12 +43,13 @@ Result<long long> checked_budget(const SamplePool& pool, double spp) {
   const RecordedSamples& recording = pool.recording();
   const long long budget = sample_budget(spp, recording);
   if (budget > pool.total_capacity()) {
-    return fail(ErrorCode::kData,
-                "{}: {} samples per pixel are {} samples, the pool has {}: use --spp {} or record "
-                "more",
-                recording.name(), spp, budget, pool.total_capacity(),
-                pool.total_capacity() / (static_cast<long long>(recording.width()) *
-                                         static_cast<long long>(recording.height())));
+    return fail(
+        ErrorCode::kData,
+        "{}: {} samples per pixel are {} samples, the recording has {}: use --spp {} or record "
+        "more",
+        recording.name(), spp, budget, pool.total_capacity(),
+        pool.total_capacity() / (static_cast<long long>(recording.width()) *
+                                 static_cast<long long>(recording.height())));
   }
   return budget;
 }

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -92,6 +93,14 @@ def array(name: str, value, kinds: str = "fiu") -> np.ndarray:
     if made.dtype.kind not in kinds:
         raise SpoolError("usage", f"{name}: holds {_short(made.dtype)}, not numbers")
     return made
+
+
+def note_axes(name: str, arrays: Mapping) -> None:
+    """More samples than rows and columns is rare; an array [sample][y][x] is read like that without an error."""
+    height, width, spp = arrays["radiance"].shape[:3]
+    if spp > height and spp >= width and "reference" not in arrays:  # which has the image's own shape
+        warnings.warn(f"{name}: read as {width} x {height} pixels of {spp} samples, [y][x][sample][channel]; of [sample][y][x][channel] "
+                      "give numpy.moveaxis(array, 0, 2)", stacklevel=3)
 
 
 def option_text(value) -> str:

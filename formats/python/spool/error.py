@@ -9,7 +9,7 @@ DATA, USAGE, IO, DAMAGE = 1, 2, 3, 4
 CODE_OF_KIND = {"not_spool": DATA, "unsupported": DATA, "invalid": DATA, "absent": DATA, "data": DATA, "usage": USAGE,
                 "missing_package": USAGE, "io": IO, "incomplete": DAMAGE, "damaged": DAMAGE}
 
-ADVICE = {"not_spool": "check the name", "unsupported": "use a newer reader",
+ADVICE = {"not_spool": "give a .spool file, or import it with spool pack --from", "unsupported": "use a newer reader",
           "invalid": "the writer is at fault, record again", "absent": "ask for fewer samples or record them",
           "incomplete": "run spool recover", "damaged": "run spool recover"}
 

@@ -1,5 +1,5 @@
 """One call from arrays to a complete `.spool` file."""
-from .arguments import array, mapping
+from .arguments import array, mapping, note_axes
 from .arguments import path as path_of
 from .channel import VOCABULARY
 from .error import SpoolError
@@ -25,6 +25,7 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     arrays = {name: array(f"{path}: {name}", values, "fiub") for name, values in {"radiance": radiance, **layers}.items()}
     if arrays["radiance"].ndim != 4 or arrays["radiance"].shape[3] != 3:
         raise SpoolError("usage", f"{path}: radiance has shape {arrays['radiance'].shape}, not (height, width, spp, 3)")
+    note_axes(path, arrays)
     for name in {**components, **scope, **dtypes}:
         if name not in arrays:
             raise SpoolError("usage", f"{path}: no layer {name}: it has {', '.join(arrays)}")

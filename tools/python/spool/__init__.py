@@ -19,12 +19,12 @@ from .images import Image
 from .judging import metrics
 from .method_lists import filters, samplers
 from .own_methods import Method, Statistics, filter, sampler  # noqa: A004 - read as spool.filter
-from .recordings import Dump, Recording, open, recording, synth  # noqa: A004 - spool.open is the name a user expects
+from .recordings import Dump, Recording, example, open, recording, synth  # noqa: A004 - spool.open is the name a user expects
 from .save import write
 from .showing import Page, show, view
 from .steps import Reconstruction, Selection, reconstruct, replay
 from .writer import Writer
 
 __all__ = ["Channel", "DAMAGE", "DATA", "Dump", "IO", "Image", "Layer", "Method", "Page", "Reconstruction", "Recording", "Report",
-           "Results", "Selection", "SpoolError", "Statistics", "USAGE", "Writer", "append_meta", "check", "evaluate", "filter", "filters", "metrics",
+           "Results", "Selection", "SpoolError", "Statistics", "USAGE", "Writer", "append_meta", "check", "evaluate", "example", "filter", "filters", "metrics",
            "open", "reconstruct", "recording", "replay", "results", "sampler", "samplers", "show", "synth", "view", "write"]

@@ -112,12 +112,15 @@ _LARGEST_PLAN = 16 << 20  # as the program's
 def _text_of(plan, scratch):
     """TOML, its name in errors, and the folder that its paths are relative to."""
     if not isinstance(plan, dict):
+        if not isinstance(plan, (str, os.PathLike)):
+            raise wrong("plan", plan, "neither a dict of a plan's keys nor the path of a TOML file")
         place = path("plan", plan)
         try:
             with open(place, encoding="utf-8") as file:
                 written = file.read(_LARGEST_PLAN + 1)
         except (OSError, ValueError) as reason:
-            raise SpoolError("io", f"{place}: {getattr(reason, 'strerror', None) or reason}") from reason
+            raise SpoolError("io", f"{place}: {getattr(reason, 'strerror', None) or reason}: give a dict, or the path of a "
+                             "TOML file") from reason
         if len(written) > _LARGEST_PLAN:
             raise SpoolError("usage", f"{place}: is longer than {_LARGEST_PLAN} characters: it is no plan")
         return written, place, os.path.dirname(os.path.abspath(place))

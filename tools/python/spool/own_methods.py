@@ -145,6 +145,8 @@ def method_text(kind: str, method: str | Method) -> str:
         name = getattr(method, "__name__", None) or type(method).__name__
         raise SpoolError("usage", f"{kind}: {name} is a function without its decorator: write @spool.{kind} above it, or "
                                   f"spool.{kind}({name})")
+    if not isinstance(method, str):
+        raise wrong(kind, method, f"neither the name of a {kind} nor a function made by @spool.{kind}")
     return text(kind, method)
 
 
@@ -174,7 +176,7 @@ def _wants(answer, statistics):
     if answer.ndim != 2 or answer.dtype.kind not in "iufb":
         raise TypeError(f"a sampler answers with numbers [y][x], not {answer.dtype} of shape {answer.shape}")
     if answer.shape != statistics.n.shape:
-        raise ValueError(f"{answer.shape} wants answered for {statistics.n.shape} pieces")
+        raise ValueError(f"a sampler answers with shape {statistics.n.shape}, not {answer.shape}")
     if answer.dtype.kind != "f":
         return np.ascontiguousarray(answer, np.int64)
     weights = np.ascontiguousarray(answer, np.float64)

@@ -4,7 +4,10 @@ import os
 import re
 
 from .arguments import mapping, text, whole, wrong
+from .error import SpoolError
 from .own_methods import Method, method_text
+
+_SINGULAR = ("recording", "sampler", "filter")  # in TOML each is a table of its own
 
 
 def plan_text(plan, path_of):
@@ -18,6 +21,8 @@ def plan_text(plan, path_of):
             top += [f"{key} = {_value(key, named)}"] if named else []
             tables += [_table(f"[[{key[:-1]}]]", _method(key[:-1], method)) for method in _as_list(value)
                        if not isinstance(method, str)]
+        elif key in _SINGULAR and not isinstance(value, (dict, list)):
+            raise SpoolError("usage", f"plan: unknown key '{key}', did you mean '{key}s'?")
         elif key in ("spp", "threads"):
             top.append(f"{key} = {_value(key, _as_list(value))}")
         elif isinstance(value, dict):
@@ -41,7 +46,7 @@ def _method(kind, method):
 
 
 def _table(heading, entries):
-    return "\n".join(["", heading, *(f"{_key(key)} = {_value(key, value)}"
+    return "\n".join(["", heading, *(f"{_key(key)} = {_value(f'{heading} {key}', value)}"
                                      for key, value in mapping(f"plan: {heading}", entries).items())])
 
 
@@ -62,7 +67,8 @@ def _value(key, value):
         return repr(value)
     if hasattr(value, "item") and getattr(value, "ndim", None) == 0:  # a number of numpy's
         return _value(key, value.item())
-    raise wrong(f"plan: {key}", value, "no number, text, list or table")
+    raise wrong(f"plan: {key}", value, "no number, text, list or table (recordings stand under 'recordings', functions under "
+                                       "'samplers' and 'filters')")
 
 
 def _quoted(line):

@@ -10,7 +10,7 @@ from typing import Union
 import numpy as np
 
 from . import _core, reader
-from .arguments import array, choice, flag, option_text, text, whole
+from .arguments import array, choice, flag, note_axes, option_text, text, whole, wrong
 from .arguments import path as path_of
 from .arguments import seed as seed_of
 from .cells import recording_html
@@ -43,6 +43,11 @@ def open(path: str | os.PathLike) -> Dump:
         dump.close()
         return reader.open(path)  # which says what is wrong with it
     return dump
+
+
+def example() -> Dump:
+    """The recording of the package: 64 x 64 pixels of a Cornell box, 16 samples each, with features and reference."""
+    return open(os.path.join(os.path.dirname(__file__), "example.spool"))
 
 
 class Recording:
@@ -79,12 +84,15 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
              "reference": reference, "reference_variance": reference_variance}
     if os.path.basename(text("name", name)) != name or name in ("", ".", ".."):
         raise SpoolError("usage", f"name {name!r}: is no name of a file")
+    if isinstance(radiance, (str, os.PathLike)):
+        raise wrong(f"{name}: radiance", radiance, "no array: spool.open reads a file")
     choice("sample_order", sample_order, ("exchangeable", "renderer"))
     arrays = {key: array(f"{name}: {key}", values) for key, values in given.items()
               if values is not None or key == "radiance"}
     shape = arrays["radiance"].shape
     if len(shape) != 4 or shape[3] != 3 or 0 in shape or max(shape) > MAX_SIDE:
         raise SpoolError("usage", f"{name}: radiance has shape {shape}, not (height, width, spp, 3) of 1 to {MAX_SIDE} each")
+    note_axes(name, arrays)
     for key, channels in (("film", 2), ("albedo", 3), ("normal", 3), ("depth", 1)):
         if key in arrays:
             arrays[key] = arrays[key].reshape(*shape[:3], 1) if arrays[key].shape == shape[:3] else arrays[key]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import _core
-from .arguments import array, choice, flag, mapping, number, option_text, text, texts
+from .arguments import array, choice, flag, mapping, number, option_text, text, texts, wrong
 from .arguments import seed as seed_of
 from .arguments import whole as whole_number
 from .cells import density_html, reconstruction_html
@@ -132,7 +132,12 @@ def _counts(selection):
     """Whole numbers [y][x], whatever kind of number they are."""
     if selection is None:
         return None
+    if isinstance(selection, str):
+        raise wrong("selection", selection, "no array of counts: the order is (samples, selection, filter)")
     counts = array("selection", selection)
+    if counts.ndim == 0:
+        raise wrong("selection", selection, "no array of counts: for the first samples of every pixel write "
+                                            f"reconstruct(samples, None, filter, spp={selection})")
     if counts.ndim != 2:
         raise SpoolError("usage", f"selection: has shape {counts.shape}, not (height, width)")
     odd = np.argwhere(~((counts >= -2.0**62) & (counts <= 2.0**62) & (counts == np.floor(counts))))  # NaN, too
