@@ -62,8 +62,8 @@ def picture(value):
     return spool.reconstruct(RECORDING, None, spool.filter(lambda statistics: value))
 
 
-def saved(**of):
-    spool.write(os.path.join(FOLDER, "w.spool"), **{"force": True, **of})
+def saved(path=os.path.join(FOLDER, "w.spool"), **of):
+    spool.write(path, **{"force": True, **of})
 
 
 def written(**of):
@@ -135,10 +135,10 @@ FUNCTIONS = {
     "open": (spool.open, {"path": "nowhere.spool"}, {}),
     "check": (lambda path: [_raised(error) for error in spool.check(path).errors], {"path": "nowhere.spool"}, {}),
     "results": (spool.results, {"folder": "nowhere"}, {}),
-    "write": (saved, {"radiance": RADIANCE, "tile_size": 64, "block_spp": 8, "sample_order": "renderer", "meta": None, "uuid": None,
+    "write": (saved, {"path": "w.spool", "radiance": RADIANCE, "tile_size": 64, "block_spp": 8, "sample_order": "renderer", "meta": None, "uuid": None,
                       "compress": False, "force": True, "components": None, "scope": None, "dtypes": None, "albedo": RADIANCE,
                       "reference": IMAGE},
-              {"meta": ["None", "dict"], "uuid": ["None"], "components": ["None"], "scope": ["None"], "dtypes": ["None"],
+              {"path": ["x", "surrogate"], "meta": ["None", "dict"], "uuid": ["None"], "components": ["None"], "scope": ["None"], "dtypes": ["None"],
                "reference": ["nan image"], "radiance": ["inf samples"], "albedo": ["inf samples"]}),
     "append_meta": (remarked, {"path": "w.spool", "meta": {"x": 1}}, {"meta": ["dict"]}),
     "Writer": (written, {"path": "w.spool", "width": 5, "height": 4, "spp": 8, "layers": {"radiance": ("f4", "RGB")}, "channels": None,
