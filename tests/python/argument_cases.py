@@ -44,7 +44,7 @@ def judge(**of):
 
 
 def plan(**keys):
-    arguments = {key: keys.pop(key) for key in ("output", "force", "exact_timing", "progress") if key in keys}
+    arguments = {key: keys.pop(key) for key in ("output", "force", "exact_timing", "executor", "progress") if key in keys}
     return spool.evaluate({"recordings": [RECORDING], "samplers": ["uniform"], "filters": ["box"], "spp": [2], "replicates": 1,
                            **keys}, **arguments)
 
@@ -62,9 +62,22 @@ def picture(value):
     return spool.reconstruct(RECORDING, None, spool.filter(lambda statistics: value))
 
 
-def saved(**of):
-    spool.write(os.path.join(FOLDER, "w.spool"), **{"force": True, **of})
+def saved(path=os.path.join(FOLDER, "w.spool"), **of):
+    spool.write(path, **{"force": True, **of})
 
+
+def written(**of):
+    with spool.Writer(**of):
+        pass
+
+
+def remarked(path, meta):
+    saved(radiance=RADIANCE)
+    spool.append_meta(path, meta)
+
+
+saved(radiance=RADIANCE, reference=IMAGE)
+DUMP, PAGE = spool.open(os.path.join(FOLDER, "w.spool")), spool.show(IMAGE)
 
 # name: (function, parameters with values that work, {parameter: wrong values that are right there})
 FUNCTIONS = {
@@ -84,12 +97,12 @@ FUNCTIONS = {
                         "threads": 0, "trim": 0.01, "rel_eps": 0.01, "rel_scale": "mean", "perceptual": "none"},
                 {"metrics": ["None"], "variance": ["None"], "threads": ["0"], "trim": ["0"],
                  "rel_eps": ["0", "2.5", "1e308", "2^31", "2^63", "2^64", "scalar"]}),
-    "show": (spool.show, {"images": IMAGE, "reference": IMAGE, "crops": (), "exposure": None, "max_mb": 16.0},
-             {"images": ["nan image"], "reference": ["None", "nan image"], "crops": ["no number"],
+    "show": (spool.show, {"images": IMAGE, "reference": IMAGE, "crops": (), "title": "", "exposure": None, "max_mb": 16.0},
+             {"images": ["nan image"], "reference": ["None", "nan image"], "crops": ["no number"], "title": ["x"],
               "exposure": ["None", "-1", "0", "2.5", "scalar"], "max_mb": ["2.5", "scalar"]}),
     "view": (spool.view, {"samples": RECORDING, "sampler": "uniform", "filter": "box", "spp": [2], "reference": None, "seed": 0,
-                          "order": "recorded", "exposure": None, "max_mb": 16.0},
-             {"spp": ["2.5", "None", "list", "one", "scalar"], "reference": ["None", "nan image"], "seed": ["0", "2^31"],
+                          "order": "recorded", "crops": (), "title": "", "exposure": None, "max_mb": 16.0},
+             {"crops": ["no number"], "title": ["x"], "spp": ["2.5", "None", "list", "one", "scalar"], "reference": ["None", "nan image"], "seed": ["0", "2^31"],
               "exposure": ["None", "-1", "0", "2.5", "scalar"], "max_mb": ["2.5", "scalar"]}),
     "recording": (lambda **of: spool.replay(spool.recording(**of), "uniform", 1),
                   {"radiance": RADIANCE, "film": RADIANCE[..., :2], "albedo": RADIANCE, "normal": RADIANCE, "depth": RADIANCE[..., 0],
@@ -103,8 +116,8 @@ FUNCTIONS = {
                         "holdout": 2, "pieces_per_side": 1, "repeats": 1, "threads": [1], "order": "disjoint", "pictures": False,
                         "reference": "independent", "decision_split": False, "fresh": False, "halves": False,
                         "energy_band": [0.9, 1.1], "title": "t", "pool": {}, "metrics": {}, "output": None,
-                        "force": False, "exact_timing": False, "progress": None},
-                 {"spp": ["2.5", "scalar", "list"], "seed": ["0", "2^31"], "holdout": ["0"], "threads": ["0", "list"], "energy_band": ["list"],
+                        "force": False, "exact_timing": False, "executor": None, "progress": None},
+                 {"executor": ["None"], "spp": ["2.5", "scalar", "list"], "seed": ["0", "2^31"], "holdout": ["0"], "threads": ["0", "list"], "energy_band": ["list"],
                   "title": [*SMALL, "x", "scalar"], "output": ["None", "x"], "progress": ["None", "function"]}),
     "evaluate_key": (plan, {"unknown": 1}, {}),
     "evaluate_method": (lambda **of: method("samplers", **of), {"name": "multiscale", "preset": "robust", "alpha": 0.3, "label": "l"},
@@ -122,12 +135,30 @@ FUNCTIONS = {
     "open": (spool.open, {"path": "nowhere.spool"}, {}),
     "check": (lambda path: [_raised(error) for error in spool.check(path).errors], {"path": "nowhere.spool"}, {}),
     "results": (spool.results, {"folder": "nowhere"}, {}),
-    "write": (saved, {"radiance": RADIANCE, "tile_size": 64, "block_spp": 8, "sample_order": "renderer", "meta": None, "uuid": None,
+    "write": (saved, {"path": "w.spool", "radiance": RADIANCE, "tile_size": 64, "block_spp": 8, "sample_order": "renderer", "meta": None, "uuid": None,
                       "compress": False, "force": True, "components": None, "scope": None, "dtypes": None, "albedo": RADIANCE,
                       "reference": IMAGE},
-              {"meta": ["None", "dict"], "uuid": ["None"], "components": ["None"], "scope": ["None"], "dtypes": ["None"],
+              {"path": ["x", "surrogate"], "meta": ["None", "dict"], "uuid": ["None"], "components": ["None"], "scope": ["None"], "dtypes": ["None"],
                "reference": ["nan image"], "radiance": ["inf samples"], "albedo": ["inf samples"]}),
+    "append_meta": (remarked, {"path": "w.spool", "meta": {"x": 1}}, {"meta": ["dict"]}),
+    "Writer": (written, {"path": "w.spool", "width": 5, "height": 4, "spp": 8, "layers": {"radiance": ("f4", "RGB")}, "channels": None,
+                         "tile_size": 64, "block_spp": 8, "sample_order": "renderer", "meta": None, "uuid": None, "compress": False,
+                         "force": True},
+               {"path": ["x", "surrogate"], "channels": ["None"], "meta": ["None", "dict"], "uuid": ["None"]}),
+    "page_save": (PAGE.save, {"path": "p.html", "force": True}, {"path": ["x"]}),
+    "dump_read": (DUMP.read, {"layer": "radiance", "x0": 0, "y0": 0, "x1": 5, "y1": 4, "first": 0, "count": 8},
+                  {"x0": ["0"], "y0": ["0"], "first": ["0"], "x1": ["None"], "y1": ["None"], "count": ["None"]}),
+    "dump_pixel": (DUMP.pixel, {"layer": "reference"}, {}),
+    "dump_block": (DUMP.block, {"group": 0, "tile": 0, "begin": 0, "copy": False},
+                   {"group": ["0"], "tile": ["0"], "begin": ["0"]}),
 }
+
+# Public names without a case: numbers, and classes whose objects other functions make.
+NOT_CALLED = {"DATA", "DAMAGE", "IO", "USAGE", "Channel", "Dump", "Image", "Layer", "Method", "Page", "Reconstruction", "Recording",
+              "Report", "Results", "Selection", "SpoolError", "Statistics", "filters", "samplers"}
+# Parameters of a function, by name, that have their case under another one.
+ELSEWHERE = {"options": "alpha, clamp, trim and angle", "layers": "albedo and reference of write", "function": "..._function",
+             "plan": "evaluate_path"}
 
 
 def _raised(error):

@@ -1,4 +1,5 @@
 """No value that a function is handed ends the process or is taken for something else: each is a SpoolError of one line."""
+import inspect
 import json
 import pathlib
 import subprocess
@@ -7,6 +8,7 @@ import sys
 import pytest
 
 import argument_cases
+import spool
 from conftest import LONGEST_RUN
 
 # Of formats/python, which says with Python's own errors what is no number at all.
@@ -29,3 +31,12 @@ def test_every_parameter(name):
                 wrong.append((case, kind, line[:200]))
     assert not wrong, "\n".join(map(str, wrong))
     assert len(lines) == 2 * len(argument_cases.WRONG) * len(argument_cases.FUNCTIONS[name][1])
+
+
+def test_every_public_function_and_parameter_has_its_cases():
+    cases = {name: set(parameters) for name, (_, parameters, _) in argument_cases.FUNCTIONS.items()}
+    assert set(spool.__all__) == argument_cases.NOT_CALLED | (set(cases) & set(spool.__all__))
+    missing = [f"{name}({parameter})" for name in set(cases) & set(spool.__all__)
+               for parameter in inspect.signature(getattr(spool, name)).parameters
+               if parameter not in cases[name] and parameter not in argument_cases.ELSEWHERE]
+    assert not missing

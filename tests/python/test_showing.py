@@ -130,6 +130,19 @@ def test_show_takes_what_there_is(dump, image, truth, tmp_path, layers):
     assert facts(spool.show({HOSTILE: image, "\ud800": image, 3: image}))["samplers"] == [HOSTILE, "\\ud800", "3"]
 
 
+def test_what_a_file_has_besides_is_a_warning(image, tmp_path, recwarn):
+    from spool import exr
+    planes = dict(zip("RGB", np.moveaxis(np.asarray(image, "f4"), 2, 0)))
+    exr.write(tmp_path / "plain.exr", planes)
+    exr.write(tmp_path / "more.exr", {**planes, "albedo.R": planes["R"], "albedo.G": planes["R"], "albedo.B": planes["R"]})
+    spool.show(tmp_path / "plain.exr")
+    assert not recwarn
+    for of in ({"images": tmp_path / "more.exr"}, {"images": image, "reference": tmp_path / "more.exr"}):
+        with pytest.warns(UserWarning, match=r"more\.exr: .*albedo") as caught:
+            spool.show(**of)
+        assert [warning.filename for warning in caught] == [__file__]
+
+
 def test_wrong_use(image, truth, tmp_path, layers):
     show = spool.show
     with raises("usage", "at least one"):

@@ -115,13 +115,11 @@ std::string facts_json(const std::string& path) {
       run<Rows>([&](Watch&) { return tools::recording_facts(path); }, nb::none(), 0));
 }
 
-nb::object read_image(const std::string& path) {
-  return rgb_to_numpy(run<RgbImage>(
-      [&](Watch&) -> Result<RgbImage> {
-        SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, kNoLayerOption));
-        return std::move(picture.rgb);
-      },
-      nb::none(), 0));
+// The image, and what was chosen, converted or left out: one line, or "".
+std::tuple<nb::object, std::string> read_image(const std::string& path) {
+  const auto picture = run<ForeignPicture>(
+      [&](Watch&) { return read_picture(path, kNoLayerOption); }, nb::none(), 0);
+  return {rgb_to_numpy(picture.rgb), remark_line(path, picture.remarks)};
 }
 
 void write_text(const std::string& path, const std::string& text, bool force) {

@@ -5,6 +5,7 @@ from collections import namedtuple
 import numpy as np
 
 from . import record_layout as layout
+from .arguments import mapping, wrong
 from .error import SpoolError
 
 # dtype is a numpy dtype; scope is "sample", "pixel" or "pass".
@@ -104,7 +105,9 @@ def layers_of(channels):
 def channels_of(layers):
     """{layer: (dtype, components[, scope])} -> list of Channel, each layer a group of its own."""
     channels = []
-    for group, (name, description) in enumerate(layers.items()):
+    for group, (name, description) in enumerate(mapping("layers", layers).items()):
+        if not isinstance(description, (tuple, list)) or len(description) not in (2, 3):
+            raise wrong(f"layer {name}", description, "not (dtype, components) or (dtype, components, scope)")
         dtype, components, *scope = description
         semantic = VOCABULARY.get(name, ("", 0))[1]
         channels += [Channel(f"{name}.{component}", group, np.dtype(dtype), semantic, scope[0] if scope else "sample")

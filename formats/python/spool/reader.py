@@ -7,6 +7,7 @@ import numpy as np
 
 from . import channel, meta
 from . import record_layout as layout
+from .arguments import flag, text, whole
 from .block_table import BlockTable
 from .error import SpoolError
 from .geometry import Geometry, groups_of
@@ -58,8 +59,9 @@ class Dump:
         """Samples [first, first + count) of the pixels [x0, x1) x [y0, y1) -> [y][x][s][c] in the layer's dtype."""
         layer = self._layer(layer, "sample")
         channels = slice(layer.first, layer.first + len(layer.components))
-        x1, y1 = self.width if x1 is None else x1, self.height if y1 is None else y1
-        count = self.spp - first if count is None else count
+        x0, y0, first = whole("x0", x0), whole("y0", y0), whole("first", first)
+        x1, y1 = self.width if x1 is None else whole("x1", x1), self.height if y1 is None else whole("y1", y1)
+        count = self.spp - first if count is None else whole("count", count)
         if not (0 <= x0 < x1 <= self.width and 0 <= y0 < y1 <= self.height
                 and 0 <= first and 1 <= count <= self.spp - first):
             raise self._records.error("usage", f"pixels {x0},{y0} to {x1},{y1}, samples {first} to {first + count}: "
@@ -111,9 +113,9 @@ class Dump:
         """
         if isinstance(group, str):
             group = self._layer(group).group
-        row = self._row(group, tile, begin)
+        row = self._row(whole("group", group), whole("tile", tile), whole("begin", begin))
         entry = self._records.entries[row]
-        if copy or int(entry["codec"]) != layout.CODEC_NONE:
+        if flag("copy", copy) or int(entry["codec"]) != layout.CODEC_NONE:
             return self._load(row)
         if row not in self._verified:
             self._records.payload(row)  # mapped bytes are verified once, before the view is handed out
@@ -121,7 +123,7 @@ class Dump:
         return self._shaped(row, self._records.mapped(row))
 
     def has_block(self, group, tile, begin):
-        return self._table.find(group, tile, begin) is not None
+        return self._table.find(whole("group", group), whole("tile", tile), whole("begin", begin)) is not None
 
     def blocks(self):
         """(group, tile, first sample) of every DATA record, in file order."""
@@ -198,7 +200,7 @@ class Dump:
         return merged, texts
 
     def _layer(self, name, scope=None):
-        if name not in self.layers:
+        if text("layer", name) not in self.layers:
             raise self._records.error("usage", f"no layer {name}: it has {', '.join(self.layers)}")
         layer = self.layers[name]
         if scope is not None and layer.scope != scope:

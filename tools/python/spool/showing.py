@@ -6,12 +6,14 @@ import operator
 import os
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from . import _core
-from .arguments import number, text, wrong
+from .arguments import flag, number, text, wrong
+from .arguments import path as path_of
 from .cells import name_of
 from .error import SpoolError
 from .images import image_array
@@ -39,7 +41,7 @@ class Page:
 
     def save(self, path: str | os.PathLike, *, force: bool = False) -> None:
         """Writes the page; a file that exists stays unless `force`."""
-        _core.write_text(os.fspath(path), self.html, force)
+        _core.write_text(text("path", path_of("path", path)), self.html, flag("force", force))
 
 
 def show(images, *, reference=None, crops: Iterable = (), title: str = "", exposure: float | None = None,
@@ -54,7 +56,7 @@ def show(images, *, reference=None, crops: Iterable = (), title: str = "", expos
     named = {_text(name): _array_of(image, _text(name)) for name, image in _named(images).items()}
     judge = None if reference is None else _reference_of(reference)
     entries = [(name, "", 0.0, image, None, None, None) for name, image in named.items()]
-    return _page(entries, judge, _text(title), _crops(crops), exposure, max_mb, f"{len(named)} images" if len(named) > 1 else "an image")
+    return _page(entries, judge, text("title", title), _crops(crops), exposure, max_mb, f"{len(named)} images" if len(named) > 1 else "an image")
 
 
 def view(samples: Samples, *, sampler="uniform", filter="box", spp=None, reference=None, seed: int = 0, order: str = "recorded",
@@ -78,7 +80,7 @@ def view(samples: Samples, *, sampler="uniform", filter="box", spp=None, referen
                 level = None if made.level is None else np.ascontiguousarray(made.level, np.float64)
                 entries.append((sampler_name, filter_name, float(budget), np.ascontiguousarray(made.image, np.float64),
                                 selection.counts.astype(np.int64), level, made.dominant_direction))
-    return _page(entries, judge, _text(title) or _text(name_of(recording)), _crops(crops), exposure, max_mb,
+    return _page(entries, judge, text("title", title) or _text(name_of(recording)), _crops(crops), exposure, max_mb,
                  f"{len(samplers) * len(filters)} methods at {len(budgets)} budgets")
 
 
@@ -128,7 +130,9 @@ def _array_of(image, name):
     if isinstance(image, (Selection, Reconstruction)):
         image = image.image
     elif isinstance(image, (str, os.PathLike)):
-        image = _core.read_image(os.path.abspath(text(name, os.fspath(image))))
+        image, remark = _core.read_image(os.path.abspath(text(name, os.fspath(image))))
+        if remark:
+            warnings.warn(remark, stacklevel=4)
     elif isinstance(image, (Dump, Recording)):
         image = reconstruct(image, None, "box")
     return image_array(image, name)
