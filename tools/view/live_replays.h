@@ -34,7 +34,7 @@ struct LiveChoices {
   std::vector<Recording> recordings;
   PoolOptions order;  // of every recording's samples
   std::vector<MethodChoice> samplers, filters;
-  std::string left_out;  // what cannot be replayed and why, one line; may be empty
+  std::string left_out = {};  // what cannot be replayed and why, one line; may be empty
 };
 
 struct OpenRecording {
