@@ -266,5 +266,25 @@ TEST(ErrorMetrics, ThoseThatAreWantedHaveTheSameBitsAndTheOthersNone) {
   }
 }
 
+// The first image has a pixel that is no number: its side is of fewer pixels than that of others.
+TEST(KeptSide, ChangesNoBit) {
+  JudgingReference plain{uniform_image(40, 30, 3, 0.0, 2.0), {}, {}};
+  JudgingReference kept = plain;
+  kept.kept = std::make_shared<KeptSide>();
+  for (const std::uint64_t seed : {1, 2, 4, 1}) {
+    RgbImage image = uniform_image(40, 30, seed, 0.0, 2.0);
+    if (seed == 1) image[1](7, 5) = kNaN;
+    const MetricTable a = error_metrics(image, plain), b = error_metrics(image, kept);
+    const auto bits = [](double v) { return std::bit_cast<std::uint64_t>(v); };
+    for (std::size_t m = 0; m < a.values.size(); ++m) {
+      const std::string& name = metrics()[m].name;
+      EXPECT_EQ(bits(a.values[m].value), bits(b.values[m].value)) << name;
+      EXPECT_TRUE(std::ranges::equal(a.resampled[m], b.resampled[m], {}, bits, bits)) << name;
+    }
+    EXPECT_EQ(a.flip, b.flip);
+    EXPECT_EQ(a.flip(7, 5) == 0.0, seed == 1);
+  }
+}
+
 }  // namespace
 }  // namespace spool
