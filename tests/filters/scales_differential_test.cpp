@@ -80,6 +80,7 @@ TEST(StructureTensorDifferential, EnergiesAreThoseOfTheDerivativeAcrossEachDirec
     DirectionalOptions options;
     options.pyramid = of_pyramid;
     options.energy.noise_correct = false;
+    options.energy.stand_out = 0.0;
     for (const int level : {1, 2}) {
       GuardCounts guards;
       const auto energy = structure_tensor_energy<double>(pyramid, Plane(width, height, 0.1), level,
@@ -101,6 +102,7 @@ TEST(StructureTensor, NoiseIsSubtracted) {
   DirectionalOptions options;
   options.base = BaseImage::kNone;
   options.energy.smoothing = 3.0;
+  options.energy.stand_out = 0.0;
   Plane noise = reference::noise_image(200, 150, 4);  // variance 1/3
   options.pyramid.levels = 1;
   const Pyramid pyramid = build_pyramid(noise, options.pyramid);
@@ -119,6 +121,27 @@ TEST(StructureTensor, NoiseIsSubtracted) {
         EXPECT_NEAR(mean, 0.5 / 3.0, 0.01);
       }
     }
+  }
+}
+
+// Every direction gets `stand_out` times the noise.
+TEST(StructureTensor, NoiseIsAddedToEveryDirection) {
+  const std::array<double, 2> angles = {0.0, 45.0};
+  DirectionalOptions options;
+  options.base = BaseImage::kNone;
+  options.pyramid.levels = 1;
+  const Pyramid pyramid = build_pyramid(reference::noise_image(40, 30, 4), options.pyramid);
+  const auto energies = [&](double stand_out) {
+    options.energy.stand_out = stand_out;
+    GuardCounts guards;
+    return structure_tensor_energy<double>(pyramid, Plane(40, 30, 1.0 / 3.0), 1, angles, options,
+                                           guards)
+        .energy;
+  };
+  const auto plain = energies(0.0), raised = energies(2.0);
+  for (std::size_t a = 0; a < angles.size(); ++a) {
+    for (std::size_t i = 0; i < plain[a].size(); ++i)
+      ASSERT_NEAR(raised[a][i] - plain[a][i], 2.0 * 0.5 / 3.0, 1e-12);
   }
 }
 
