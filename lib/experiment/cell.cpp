@@ -1,6 +1,13 @@
 #include "lib/experiment/cell.h"
 
+#include <fmt/core.h>
+
 namespace spool {
+
+std::string sampling_key(const Cell& cell) {
+  return fmt::format("{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.text(), cell.spp, cell.replicate,
+                     cell.threads);
+}
 
 std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
                             const std::vector<MethodChoice>& samplers,

@@ -17,6 +17,9 @@ struct Cell {
   friend bool operator==(const Cell&, const Cell&) = default;
 };
 
+// Equal for cells of one sampling run, which share their samples.
+std::string sampling_key(const Cell& cell);
+
 // Every combination, recordings outermost, then samplers, spp, replicates, threads, filters.
 std::vector<Cell> all_cells(const std::vector<std::string>& dumps,
                             const std::vector<MethodChoice>& samplers,

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "lib/core/check.h"
@@ -54,12 +53,10 @@ std::map<std::string, Interval> intervals(const Load& load, int shares, int slac
 
 std::vector<SamplingRun> sampling_runs(const std::vector<Cell>& cells) {
   std::vector<SamplingRun> runs;
-  std::map<std::tuple<std::string, std::string, double, int, int>, std::size_t> known;
+  std::map<std::string, std::size_t> known;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Cell& cell = cells[i];
-    const auto [place, fresh] = known.try_emplace(
-        {cell.dump, cell.sampler.text(), cell.spp, cell.replicate, cell.threads}, runs.size());
-    if (fresh) runs.push_back({cell.dump, {}, 0.0});
+    const auto [place, fresh] = known.try_emplace(sampling_key(cells[i]), runs.size());
+    if (fresh) runs.push_back({cells[i].dump, {}, 0.0});
     runs[place->second].cells.push_back(i);
   }
   return runs;

@@ -3,18 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include <fmt/core.h>
-
 namespace spool {
-namespace {
-
-// Equal for cells of one sampling run.
-std::string sampling_key(const Cell& cell) {
-  return fmt::format("{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.text(), cell.spp, cell.replicate,
-                     cell.threads);
-}
-
-}  // namespace
 
 std::vector<WorkGroup> work_groups(const std::vector<Cell>& cells) {
   std::vector<WorkGroup> groups;

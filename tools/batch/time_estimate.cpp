@@ -5,12 +5,6 @@
 namespace spool::tools {
 namespace {
 
-// Cells of one sampling run pay for it once.
-std::string run_of(const Cell& cell) {
-  return fmt::format("{}\n{}\n{}\n{}\n{}", cell.dump, cell.sampler.label(), cell.spp,
-                     cell.replicate, cell.threads);
-}
-
 double finite_or_zero(double value) {
   return std::isfinite(value) ? value : 0.0;
 }
@@ -23,7 +17,8 @@ TimeEstimate::TimeEstimate(const std::vector<Cell>& cells,
     const auto [place, fresh] = pixels_of_.try_emplace(cell.dump, 0.0);
     if (fresh) place->second = pixels(cell.dump);
     const double n = place->second;
-    if (runs_left_.insert(run_of(cell)).second) sampling_all_[cell.sampler.label()] += n * cell.spp;
+    if (runs_left_.insert(sampling_key(cell)).second)
+      sampling_all_[cell.sampler.label()] += n * cell.spp;
     filtering_all_[cell.filter.label()] += n;
     pixels_all_ += n;
   }
@@ -36,7 +31,7 @@ void TimeEstimate::learn(const Cell& cell, const ResultRecord& record) {
   const double pixels = record.number("width") * record.number("height");
   if (!(pixels > 0.0)) return;
   ++learnt_;
-  if (std::string run = run_of(cell); run != learnt_run_) {
+  if (std::string run = sampling_key(cell); run != learnt_run_) {
     Rate& rate = sampling_rates_[cell.sampler.label()];
     rate.work += pixels * cell.spp;
     rate.seconds += finite_or_zero(record.number("seconds_sampling"));
@@ -52,7 +47,7 @@ void TimeEstimate::learn(const Cell& cell, const ResultRecord& record) {
 
 void TimeEstimate::finished(const Cell& cell) {
   const double pixels = pixels_of_[cell.dump];
-  if (runs_left_.erase(run_of(cell)) > 0) {
+  if (runs_left_.erase(sampling_key(cell)) > 0) {
     sampling_left_[cell.sampler.label()] -= pixels * cell.spp;
   }
   filtering_left_[cell.filter.label()] -= pixels;
