@@ -154,7 +154,7 @@ FUNCTIONS = {
 }
 
 # Public names without a case: numbers, and classes whose objects other functions make.
-NOT_CALLED = {"DATA", "DAMAGE", "IO", "USAGE", "Channel", "Dump", "Image", "Layer", "Method", "Page", "Reconstruction", "Recording",
+NOT_CALLED = {"DATA", "DAMAGE", "IO", "USAGE", "Channel", "Dump", "Image", "example", "Layer", "Method", "Page", "Reconstruction", "Recording",
               "Report", "Results", "Selection", "SpoolError", "Statistics", "filters", "samplers"}
 # Parameters of a function, by name, that have their case under another one.
 ELSEWHERE = {"options": "alpha, clamp, trim and angle", "layers": "albedo and reference of write", "function": "..._function",

@@ -46,19 +46,6 @@ def small_folder(tmp_path_factory):
     return folder
 
 
-@pytest.fixture
-def written_only(monkeypatch):
-    """Figures are files with a word: their drawing is looked at elsewhere."""
-    monkeypatch.setattr("tools.report.figure_set.draw_comparison",
-                        lambda blocks, names, head, output, *_: put(lambda after: output))
-    monkeypatch.setattr("tools.report.figure_set.draw", lambda source, place, *_: [put(place, after) for after in ("", "_time")])
-
-
-def put(place, after=""):
-    for kind in ("pdf", "svg", "png"):
-        Path(f"{place(after)}.{kind}").write_text("<svg/>")
-
-
 def conditions(folder):
     data = json.loads((folder / "statistics.json").read_text())
     return [c for c in data["conditions"] if c["metric"] == "relmse"]
@@ -225,7 +212,7 @@ def wait_until(holds, seconds=120):
 
 
 @pytest.mark.parametrize("group", ["=cmd|' /C calc'!A0", "+1", "-1", "@SUM(1)", "'=1", "plain"])
-def test_no_cell_of_the_curves_begins_like_a_formula(small_folder, tmp_path, group, written_only):
+def test_no_cell_of_the_curves_begins_like_a_formula(small_folder, tmp_path, group):
     assert main([str(with_group(small_folder, tmp_path, group)), "-o", str(tmp_path / "f")]) == 0
     for row in csv.reader((tmp_path / "f" / "curves.csv").open()):
         assert not any(cell.startswith(tuple("=+-@")) for cell in row)
