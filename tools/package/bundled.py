@@ -191,6 +191,7 @@ def add_libraries(root):
     kept = root / "spool/share/doc/spool"
     listed = json.loads((kept / "spool.spdx.json").read_text(encoding="utf-8"))
     known = {words[0]: words[-1] for words in map(str.split, output_of("/sbin/ldconfig", "-p").splitlines()) if "=>" in words}
+    known = {os.path.basename(os.path.realpath(path)): path for path in known.values()} | known  # libz.so.1.2.13, libz.so.1
     files = []
     for library in sorted(root.glob("*.libs/*")):
         name = re.sub(r"-[0-9a-f]{8}(?=[.-])", "", library.name)  # auditwheel's mark
