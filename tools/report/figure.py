@@ -24,10 +24,7 @@ def _main(arguments):
         import matplotlib  # noqa: F401
         import numpy  # noqa: F401
     except ImportError as error:
-        wheel = {"site-packages", "dist-packages"} & set(Path(__file__).parts)
-        remedy = ("pip install 'spool-lab[figures]'" if wheel else
-                  "apt-get install python3-matplotlib, or pip install matplotlib into the Python that SPOOL_PYTHON names")
-        raise Failure(f"spool figure needs numpy and matplotlib: {remedy}", NO_NUMPY) from error
+        raise Failure("spool figure needs numpy and matplotlib (SPOOL_PYTHON names another Python)", NO_NUMPY) from error
     return make_figures(options)
 
 

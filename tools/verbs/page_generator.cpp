@@ -113,13 +113,15 @@ Result<std::string> run_generator(const std::string& script, std::vector<std::st
     if (finished && finished->exit_code != kNotFound && finished->exit_code != kNoNumpy) break;
   }
   if (!finished || finished->exit_code == kNotFound || finished->exit_code == kNoNumpy) {
+    const bool wheel = runner.string().find("-packages/") != std::string::npos;
     return fail(ErrorCode::kUsage,
-                "{}: {}: {} needs Python 3.9 or newer with {} (apt-get install {}); SPOOL_PYTHON "
-                "names another interpreter",
+                "{}: {}: {} needs Python 3.9 or newer with {} ({}); SPOOL_PYTHON names another "
+                "interpreter",
                 arguments.front(),
                 finished && finished->exit_code == kNoNumpy ? "has no " + needs.packages
                                                             : "cannot be started",
-                needs.verb, needs.packages, needs.debian);
+                needs.verb, needs.packages,
+                wheel ? "pip install 'spool-lab[figures]'" : "apt-get install " + needs.debian);
   }
   if (finished->exit_code != 0) return tl::unexpected<Error>(error_of(*finished));
   return finished->out;
