@@ -20,7 +20,7 @@ target_compile_options(spool_flags INTERFACE
   $<$<CXX_COMPILER_ID:Clang>:-Wno-deprecated-declarations;-Wno-unknown-pragmas>)
 
 # Headers of others that most sources include, parsed once. Each source still includes what it uses; a build with
-# SPOOL_PRECOMPILE=OFF (and so clang-tidy) holds it to that.
+# SPOOL_PRECOMPILE=OFF holds it to that.
 option(SPOOL_PRECOMPILE "Parse the headers that most sources share once" ON)
 set(SPOOL_SHARED_HEADERS <algorithm> <array> <cstddef> <cstdint> <filesystem> <functional> <map> <memory> <optional>
   <span> <string> <string_view> <utility> <vector> <fmt/core.h> <tl/expected.hpp>)

@@ -46,8 +46,8 @@ class StoppableWork {
   std::unique_ptr<Control> control_;
 };
 
-// A part of a parallel loop's indices. The loops' library stays in parallel.cpp: its headers would be the larger half
-// of many objects.
+// A part of a parallel loop's indices. The loops' library stays in parallel.cpp: its headers would
+// be the larger half of many objects.
 struct LoopPart {
   std::int64_t begin;
   std::int64_t end;

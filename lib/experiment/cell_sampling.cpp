@@ -115,9 +115,9 @@ Result<SamplingRun> sample_cell(const CellWork& work, const Cell& cell,
                  judging_reference(kind, pools[i], pools[pools.size() - 1 - i],
                                    looked_at(sampled.selection)));
     // The filters of the run share one side; the recorded reference is that of all its runs.
-    reference.kept = kind == ReferenceKind::kIndependent || !in_use.reference_side()
-                         ? in_use.reference_side()
-                         : std::make_shared<KeptSide>();
+    reference.kept = in_use.reference_side();  // null: not worth its memory, of the run's either
+    if (reference.kept && kind != ReferenceKind::kIndependent)
+      reference.kept = std::make_shared<KeptSide>();
     run.parts.push_back({pools[i], std::move(sampled), std::move(reference), std::nullopt});
     if (splits(options, cell, kind))
       SPOOL_TRY(add_halves(run.parts.back(), sampler, context, options.fresh));

@@ -1,4 +1,5 @@
-// Put before the system's library by LD_PRELOAD: calls that fail as on a file system without locks or a failing disk.
+// Put before the system's library by LD_PRELOAD: calls that fail as on a file system without locks
+// or a failing disk.
 //   FAULT_FLOCK=ERRNO                  every flock
 //   FAULT_READ=TEXT, FAULT_FSTAT=TEXT  of files whose path holds TEXT: EIO
 #include <dlfcn.h>

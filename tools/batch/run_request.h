@@ -19,7 +19,7 @@ struct RunRequest {
   Plan plan;
   std::filesystem::path folder;
   std::filesystem::path inputs;  // only the inputs of each replicate are written, here
-  std::optional<Shard> shard;  // only the cells of this one; results are then made by merging
+  std::optional<Shard> shard;    // only the cells of this one; results are then made by merging
   // Only the cells of these names, none: the folder is made ready; results as with a shard.
   std::optional<std::vector<std::string>> only;
   bool exact_timing = false;                      // one result after another

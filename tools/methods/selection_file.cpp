@@ -231,10 +231,11 @@ Result<Selection> apply_selection(const SelectionFile& file, const std::filesyst
   for (int y = 0; y < file.n.height(); ++y) {
     for (int x = 0; x < file.n.width(); ++x) {
       if (file.n(x, y) > pool.capacity(x, y)) {
-        return fail(ErrorCode::kData,
-                    "{}: asks for {} samples where the recording has {} (pixel {}, {}): record more or "
-                    "ask for fewer",
-                    path.string(), file.n(x, y), pool.capacity(x, y), x, y);
+        return fail(
+            ErrorCode::kData,
+            "{}: asks for {} samples where the recording has {} (pixel {}, {}): record more or "
+            "ask for fewer",
+            path.string(), file.n(x, y), pool.capacity(x, y), x, y);
       }
     }
   }
