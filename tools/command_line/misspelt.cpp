@@ -51,7 +51,7 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error, int count
   if (!verb && count > 1 && arguments[1][0] != '-') {
     const std::string word = arguments[1];
     for (const std::string& known : known_words(app, false))
-      if (known.starts_with(word))
+      if (!word.empty() && known.starts_with(word))
         return fmt::format("unknown verb '{}', did you mean '{}'?: see spool --help", word, known);
     return unknown_name("verb", word, known_words(app, false)) + ": see spool --help";
   }
