@@ -15,6 +15,7 @@
 #include "lib/core/option_table.h"
 #include "lib/core/view.h"
 #include "lib/core/working_memory.h"
+#include "lib/methods/reading.h"
 
 namespace spool {
 
@@ -63,6 +64,7 @@ struct Method {
   std::string summary;
   Source source = Source::kPrimaryText;
   std::vector<std::string> presets;  // the first is the default; empty: no presets
+  std::vector<Reading> readings;     // what may stand behind a preset, each after a '+'
   std::string argument;              // "FILE.exr": what NAME:... takes where others have a preset
   std::vector<ViewDescription> views;
   Needs needs;              // with the default options
@@ -109,6 +111,7 @@ struct MethodParts {
   Source source = Source::kPrimaryText;
   OptionTable<Options> options = {};
   Presets<Options> presets = {{"", {}}};
+  std::vector<Reading> readings = {};
   std::vector<ViewDescription> views = {};
   std::function<Needs(const Options&)> needs = nullptr;  // none: nothing but samples
   WorkingMemory memory = kUnmeasuredMemory;
@@ -116,6 +119,12 @@ struct MethodParts {
   bool footprints = false;
   typename WithOptions<Function, Options>::Type run = nullptr;
 
+  // "PRESET", "PRESET+READING", "+READING".
+  Result<Options> chosen(std::string_view wanted) const {
+    SPOOL_ASSIGN(Options start, preset(wanted.substr(0, wanted.find('+'))));
+    SPOOL_ASSIGN(const OptionValues values, reading_values(readings, wanted));
+    return with_options(options, std::move(start), values);
+  }
   Result<Options> preset(std::string_view wanted) const {
     if (wanted.empty()) return presets.front().second;
     std::vector<std::string> names;
@@ -135,6 +144,7 @@ Method<Function> make_value(MethodParts<Function, Options> parts) {
   method.name = parts.name;
   method.summary = parts.summary;
   method.source = parts.source;
+  method.readings = parts.readings;
   method.views = parts.views;
   method.needs = parts.needs_of(parts.presets.front().second);
   method.footprints = parts.footprints;
@@ -144,11 +154,11 @@ Method<Function> make_value(MethodParts<Function, Options> parts) {
   }
   method.describe = [parts](std::string_view preset) {
     return describe_options(parts.options,
-                            parts.preset(preset).value_or(parts.presets.front().second));
+                            parts.chosen(preset).value_or(parts.presets.front().second));
   };
   method.make = [parts](std::string_view preset,
                         const OptionValues& set) -> Result<Ready<Function>> {
-    SPOOL_ASSIGN(const Options start, parts.preset(preset));
+    SPOOL_ASSIGN(const Options start, parts.chosen(preset));
     SPOOL_ASSIGN(const Options options, with_options(parts.options, start, set));
     return Ready<Function>{WithOptions<Function, Options>::bind(parts.run, options),
                            parts.needs_of(options), parts.memory};

@@ -1,9 +1,33 @@
 #include "lib/methods/method_text.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
+
+#include "lib/filters/filters.h"
+#include "lib/sampling/samplers.h"
 
 namespace spool {
 namespace {
+
+OptionValues values_of(const std::vector<OptionDescription>& described) {
+  OptionValues values;
+  for (const OptionDescription& option : described)
+    values.emplace_back(option.name, option.value);
+  return values;
+}
+
+template <class Function>
+void expect_readings_to_set_options(const MethodList<Function>& methods) {
+  for (const Method<Function>& method : methods) {
+    for (const Reading& reading : method.readings) {
+      ASSERT_TRUE(method.make("paper+" + reading.name, {}).has_value()) << reading.name;
+      const OptionValues now = values_of(method.describe("paper+" + reading.name));
+      for (const auto& value : reading.set)
+        EXPECT_EQ(std::ranges::count(now, value), 1) << reading.name << ": " << value.first;
+    }
+  }
+}
 
 TEST(MethodText, EveryWayOfWritingAMethodIsRead) {
   using Choice = MethodChoice;
@@ -29,6 +53,36 @@ TEST(MethodText, EveryWayOfWritingAMethodIsRead) {
     ASSERT_FALSE(choice.has_value()) << text;
     EXPECT_EQ(choice.error().code, ErrorCode::kUsage) << text;
   }
+}
+
+TEST(Readings, SetOptionsOfTheirMethod) {
+  expect_readings_to_set_options(samplers());
+  expect_readings_to_set_options(filters());
+}
+
+TEST(Readings, ThoseOfThePresetPaperChangeNothing) {
+  const Sampler& sampler = *find_method(samplers(), "multiscale");
+  EXPECT_EQ(values_of(sampler.describe("paper+one_phase+radiance+by_visit+tiled+adaptive_budget")),
+            values_of(sampler.describe("paper")));
+  const Filter& filter = *find_method(filters(), "directional");
+  EXPECT_EQ(values_of(filter.describe(
+                "paper+one_phase+contrast+pyramid_means+printed_factor+continuous_width+tiled")),
+            values_of(filter.describe("paper")));
+  EXPECT_NE(values_of(filter.describe("+variance+printed_factor")),
+            values_of(filter.describe("robust")));
+}
+
+TEST(Readings, UnknownOnesAndTwoOfOneEquationAreErrors) {
+  const Sampler& sampler = *find_method(samplers(), "multiscale");
+  const auto message = [&](const char* preset) {
+    const auto made = sampler.make(preset, {});
+    return made ? std::string("made") : made.error().message;
+  };
+  EXPECT_EQ(message("paper+acumulate"), "unknown reading 'acumulate': did you mean accumulate?");
+  EXPECT_EQ(message("paper+accumulate+by_pass"),
+            "'accumulate' and 'by_pass' are both readings of eqs 7, 8: choose one");
+  EXPECT_NE(message("paper+"), "made");
+  EXPECT_NE(message("papre+accumulate"), "made");
 }
 
 TEST(MethodText, CommasInBracesAndQuotesDoNotPartMethods) {

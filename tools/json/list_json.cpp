@@ -18,6 +18,13 @@ void add_defaults(ordered_json& entry, const ListedOption& option) {
     entry["defaults"][preset] = value;
 }
 
+ordered_json readings_json(const std::vector<Reading>& readings) {
+  ordered_json list = ordered_json::array();
+  for (const Reading& reading : readings)
+    list.push_back({{"name", reading.name}, {"of", reading.of}, {"summary", reading.summary}});
+  return list;
+}
+
 }  // namespace
 
 std::string methods_text(const ListedMethods& methods) {
@@ -36,6 +43,7 @@ std::string methods_text(const ListedMethods& methods) {
                     {"needs", method.needs},
                     {"footprints", method.footprints},
                     {"presets", method.presets},
+                    {"readings", readings_json(method.readings)},
                     {"options", options}});
   }
   return json_text(list);

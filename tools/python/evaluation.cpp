@@ -68,10 +68,12 @@ template <class List>
 nb::list described(const List& list) {
   nb::list methods;
   for (const auto& method : list) {
-    nb::dict options, views, entry;
+    nb::dict options, readings, views, entry;
     for (const OptionDescription& option : method.describe(""))
       options[nb::str(option.name.c_str())] =
           nb::make_tuple(option.value, option.allowed, option.help);
+    for (const Reading& reading : method.readings)
+      readings[nb::str(reading.name.c_str())] = nb::make_tuple(reading.of, reading.summary);
     for (const ViewDescription& view : method.views)
       views[nb::str(view.name.c_str())] = view.meaning;
     entry["name"] = method.name;
@@ -79,6 +81,7 @@ nb::list described(const List& list) {
     entry["argument"] = method.argument;
     entry["presets"] = nb::cast(method.presets);
     entry["options"] = options;
+    entry["readings"] = readings;
     entry["views"] = views;
     methods.append(entry);
   }

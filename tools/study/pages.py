@@ -2,6 +2,7 @@
 
 A template (templates/PAGE.in) contains sentences. In them
     {{chapters}}                                      is a row for each chapter of chapters.toml
+    {{readings}}                                      is the preset paper as a family: its best, worst and shipped member
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
     {{PLAN; BETTER; THAN; METRIC; SAMPLES; VERDICT}}  is where a claim holds, and requires that its verdict is this one
 so a sentence that was written about a verdict cannot outlive it.
@@ -25,6 +26,9 @@ DENSITY = {"levels_3_4": "samples of levels 3 and 4", "near_edges": "adaptive sa
 METHODS = {"uniform + directional": "uniform + directional", "multiscale:paper + directional:paper": "paper", "multiscale{update=epoch} + directional": "robust",
            "uniform + nl_means": "uniform + nl_means", "nl_means + nl_means": "nl_means", "greedy_error + greedy_selection": "greedy",
            "mitchell + multistage": "mitchell [R]", "adaptive_wavelet + wavelet_shrinkage": "wavelet [R]"}
+
+
+READINGS = {"a14_sampler_readings": ("multiscale:paper", "box"), "a15_filter_readings": ("multiscale:paper", "directional:paper")}
 
 
 class Changed(Exception):
@@ -123,6 +127,20 @@ def matrix(store, methods, plans, spp=8):
     return tables.markdown(["recording", *methods.values()], [[name, *(of.get(m, "–") for m in methods)] for name, of in sorted(rows.items())])
 
 
+def readings(store, plans):
+    """The family of the preset paper by recording and budget: MSE over that of uniform + box of its shipped, best and worst member."""
+    rows = []
+    for plan, shipped in plans.items():
+        for c in (c for c in store.results(plan).get("conditions", ()) if c["metric"] == "mse"):
+            ratios = {tables.place({**c, **m})[3:]: m["ratio"][0] for m in c["ranking"]}
+            family = sorted((ratio, "+".join(p for part in m for p in part.split("+")[1:]) or "shipped") for m, ratio in ratios.items()
+                            if m[0].startswith("multiscale:paper") and (m[1] == "box") == (shipped[1] == "box"))
+            if family and shipped in ratios:
+                ends = [f"{tables.number(ratio, 2)} {name}" for ratio, name in (family[0], family[-1])]
+                rows.append([plan.split("_")[0].upper(), tables.recording(c["dump"]), f"{c['spp']:g}", len(family), tables.number(ratios[shipped], 2), *ends])
+    return tables.markdown(["", "recording", "spp", "members", "shipped", "best", "worst"], rows)
+
+
 def chapters_of(full):
     return [c for c in CHAPTERS if not full or c["plans"][0] not in FULL["left_out"]]
 
@@ -152,7 +170,8 @@ def page(template, small, full):
     """The text of a page, from what is kept of both sizes; claims are those of full size."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
     text = CLAIM.sub(lambda match: said(match, full), text)
-    for name, made in (("chapters", lambda: chapters_table(small, full)), ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
+    for name, made in (("chapters", lambda: chapters_table(small, full)), ("readings", lambda: readings(small, READINGS)),
+                       ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:
             text = text.replace("{{" + name + "}}", made())
     return text.rstrip("\n") + "\n"

@@ -33,6 +33,16 @@ Rows option_rows(const std::vector<ListedOption>& options, const std::string& pa
   return rows;
 }
 
+// What may stand behind a preset.
+Rows reading_rows(const ListedMethod& method) {
+  Rows rows;
+  if (method.readings.empty()) return rows;
+  rows.push_back({"  " + method.name + ":PRESET+", "of", "meaning"});
+  for (const Reading& reading : method.readings)
+    rows.push_back({"  " + reading.name, reading.of, reading.summary});
+  return rows;
+}
+
 void print_methods(const ListedMethods& list, const std::string& part, bool all) {
   for (const ListedMethod& method : list) {
     print(fmt::format("{}{}{}: {}\n", method.name,
@@ -46,6 +56,8 @@ void print_methods(const ListedMethods& list, const std::string& part, bool all)
     const auto left_out = std::ranges::count_if(
         method.options, [&](const ListedOption& o) { return !all && o.expert && !o.of_every; });
     if (left_out > 0) print(fmt::format("  {} more with --all\n", left_out));
+    if (const Rows readings = reading_rows(method); !readings.empty())
+      print(format_columns(readings, 100));
     print("\n");
   }
 }

@@ -54,7 +54,7 @@ ListedMethods listed(const MethodList<Function>& entries) {
   for (const Method<Function>& entry : entries)
     list.push_back({entry.name, entry.summary, options_of(entry), entry.argument,
                     entry.source == Source::kDescriptions, needs_of(entry.needs), entry.footprints,
-                    entry.presets});
+                    entry.presets, entry.readings});
   return list;
 }
 

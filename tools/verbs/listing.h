@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "lib/methods/reading.h"
+
 namespace spool::tools {
 
 struct ListedOption {
@@ -23,6 +25,7 @@ struct ListedMethod {
   std::vector<std::string> needs = {};  // in words
   bool footprints = false;
   std::vector<std::string> presets = {};
+  std::vector<Reading> readings = {};
 };
 using ListedMethods = std::vector<ListedMethod>;
 

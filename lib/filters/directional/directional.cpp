@@ -216,6 +216,7 @@ Filter directional_filter() {
        .options = directional_option_table(),
        .presets = {{"robust", robust_directional_options()},
                    {"paper", paper_directional_options()}},
+       .readings = directional_readings(),
        .views =
            {
                {"f.k", "coarse images (eqs 1-3)"},

@@ -192,4 +192,28 @@ OptionTable<DirectionalOptions> directional_option_table() {
   return table;
 }
 
+std::vector<Reading> directional_readings() {
+  return {
+      {"one_phase", "eq 4", "detail of one of the four phases", {{"detail", "phase00"}}},
+      {"all_phases", "eq 4", "detail averaged over the phases", {{"detail", "cycle_spun"}}},
+      {"contrast",
+       "eq 9, S",
+       "the printed word: contrast of eq 6",
+       {{"size_variance", "contrast"}}},
+      {"variance", "eq 9, S", "variance of the mean over R_k", {{"size_variance", "coarse_var"}}},
+      {"pyramid_means", "eq 9, q", "f_k of the pyramid", {{"size_coarse", "pyramid"}}},
+      {"region_means", "eq 9, q", "mean over R_k", {{"size_coarse", "box"}}},
+      {"printed_factor",
+       "eq 9, w",
+       "|A_k - A_(k+1)| / (A_k + A_(k+1))",
+       {{"size_factor", "literal"}}},
+      {"reciprocal_factor", "eq 9, w", "its reciprocal", {{"size_factor", "inverse"}}},
+      {"fixed_factor", "eq 9, w", "0.5, without A", {{"size_factor", "const(0.5)"}}},
+      {"continuous_width", "eq 12", "weights that join at each direction", {{"eq12", "corrected"}}},
+      {"printed_width", "eq 12", "the printed weights", {{"eq12", "literal"}}},
+      {"tiled", "tiles", "each tile is filtered alone", {{"recon_scope", "tile"}}},
+      {"untiled", "tiles", "the image is filtered whole", {{"recon_scope", "global"}}},
+  };
+}
+
 }  // namespace spool

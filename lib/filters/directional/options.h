@@ -9,6 +9,7 @@
 #include "lib/core/option_table.h"
 #include "lib/directions/directional_energy.h"
 #include "lib/directions/directional_filter_bank.h"
+#include "lib/methods/reading.h"
 #include "lib/pyramid/laplacian_pyramid.h"
 #include "lib/statistics/contrast.h"
 #include "lib/statistics/variance_of_mean.h"
@@ -125,5 +126,6 @@ DirectionalOptions robust_directional_options();
 DirectionalOptions paper_directional_options();
 
 OptionTable<DirectionalOptions> directional_option_table();
+std::vector<Reading> directional_readings();
 
 }  // namespace spool

@@ -147,6 +147,7 @@ Sampler multiscale_sampler() {
        .summary = "regions of many sizes, by contrast, lost detail and change",
        .options = multiscale_option_table(),
        .presets = multiscale_presets(),
+       .readings = multiscale_readings(),
        .views =
            {
                {"f.k", "coarse images at the end (eqs 1-3)"},

@@ -114,4 +114,35 @@ const Presets<MultiscaleOptions>& multiscale_presets() {
   return presets;
 }
 
+const std::vector<Reading>& multiscale_readings() {
+  static const std::vector<Reading> readings = {
+      {"one_phase", "eq 4", "detail of one of the four phases", {{"detail", "phase00"}}},
+      {"all_phases", "eq 4", "detail averaged over the phases", {{"detail", "cycle_spun"}}},
+      {"radiance", "eq 5", "V and d^2 as they are", {{"exposure", "none"}}},
+      {"exposed", "eq 5", "radiance in units of its mean", {{"exposure", "normalise"}}},
+      {"accumulate",
+       "eqs 7, 8",
+       "the printed word: A sums the changes",
+       {{"A_update", "accumulate"}}},
+      {"by_visit",
+       "eqs 7, 8",
+       "A moves by alpha at each visit of its region",
+       {{"A_update", "region"}}},
+      {"by_touch", "eqs 7, 8", "the same wherever f_k changed", {{"A_update", "any_touch"}}},
+      {"by_pass",
+       "eqs 7, 8",
+       "A moves by alpha for each pass over its region",
+       {{"A_update", "fractional"}}},
+      {"no_attenuation", "eqs 7, 8", "A is 1", {{"A_update", "none"}}},
+      {"tiled", "tiles", "tiles of 64 pieces, each alone", {{"tile", "64"}, {"tile_halo", "none"}}},
+      {"untiled", "tiles", "one tile", {{"tile", "0"}}},
+      {"adaptive_budget",
+       "eq 13",
+       "divides what the first samples left",
+       {{"budget_base", "adaptive"}}},
+      {"whole_budget", "eq 13", "divides the whole budget", {{"budget_base", "total"}}},
+  };
+  return readings;
+}
+
 }  // namespace spool

@@ -79,5 +79,6 @@ int epoch_count(const MultiscaleOptions& options);
 
 const OptionTable<MultiscaleOptions>& multiscale_option_table();
 const Presets<MultiscaleOptions>& multiscale_presets();
+const std::vector<Reading>& multiscale_readings();
 
 }  // namespace spool
