@@ -78,7 +78,7 @@ TEST(Readings, UnknownOnesAndTwoOfOneEquationAreErrors) {
     const auto made = sampler.make(preset, {});
     return made ? std::string("made") : made.error().message;
   };
-  EXPECT_EQ(message("paper+acumulate"), "unknown reading 'acumulate': did you mean accumulate?");
+  EXPECT_EQ(message("paper+acumulate"), "unknown reading 'acumulate', did you mean 'accumulate'?");
   EXPECT_EQ(message("paper+accumulate+by_pass"),
             "'accumulate' and 'by_pass' are both readings of eqs 7, 8: choose one");
   EXPECT_NE(message("paper+"), "made");
