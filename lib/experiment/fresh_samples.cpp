@@ -26,6 +26,10 @@ FreshErrors fresh_errors(const std::array<RgbImage, 2>& fresh, const std::array<
   MetricOptions plain = options;
   plain.perceptual = Perceptual::kNone;
   plain.bootstrap.resamples = 0;
+  plain.support = false;
+  plain.wanted.assign(metrics().size(), false);
+  for (const char* name : {"mse", "relmse", "energy_ratio"})
+    plain.wanted[static_cast<std::size_t>(metric_index(name))] = true;
   FreshErrors errors;
   double relative_scale = 1.0;
   for (const RgbImage& image : fresh) {

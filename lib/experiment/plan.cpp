@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdint>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -92,12 +93,13 @@ class PlanReader {
                          [](const std::string& text) { return parse_flag("halves", text); }));
     plan.experiment.halves = halves ? plan.measured_halves() : 0;
     SPOOL_TRY(read_options("pool", sanitise_option_table(), plan.rules));
-    SPOOL_TRY(read_options("metrics", metric_option_table(), plan.experiment.metrics));
+    SPOOL_TRY(read_metrics(plan.experiment.metrics));
     SPOOL_ASSIGN(plan.samplers, read_methods(vocabulary.samplers));
     SPOOL_ASSIGN(plan.filters, read_methods(vocabulary.filters));
     SPOOL_TRY(read_masks(plan));
     SPOOL_TRY(read_baseline(plan));
     SPOOL_TRY(read_claims(plan));
+    add_needed_metrics(plan);
     SPOOL_TRY(check_recording_names(plan));
     return plan;
   }
@@ -396,14 +398,46 @@ class PlanReader {
     return {};
   }
 
+  // metrics = ["relmse", ...], or the table of options with `only` in it.
+  Result<void> read_metrics(MetricOptions& options) const {
+    const toml::node* node = root_.get("metrics");
+    if (!node) return {};
+    const toml::table* table = node->as_table();
+    const toml::node* only = table ? table->get("only") : node;
+    if (table) SPOOL_TRY(read_options("metrics", metric_option_table(), options, "only"));
+    if (!only) return {};
+    std::vector<std::string> names;
+    for (const toml::node* value : values_of(*only)) {
+      SPOOL_ASSIGN(names.emplace_back(), text_of(*value));
+      SPOOL_TRY(at(*value, metrics_named(names)));
+    }
+    if (names.empty()) return refuse(*only, "no metric: leave it out for all of them");
+    SPOOL_ASSIGN(options.wanted, metrics_named(names));
+    return {};
+  }
+
+  // What tables and claims are made of.
+  static void add_needed_metrics(Plan& plan) {
+    std::vector<bool>& wanted = plan.experiment.metrics.wanted;
+    if (wanted.empty()) return;
+    std::vector<std::string> needed = {"relmse", "mse", "energy_ratio"};
+    for (const Claim& claim : plan.claims)
+      needed.push_back(claim.metric);
+    for (const std::string& name : needed)
+      wanted[static_cast<std::size_t>(metric_index(name))] = true;
+    if (std::ranges::all_of(wanted, std::identity())) wanted.clear();
+  }
+
+  // `apart`: a key of the table that is none of the options.
   template <class Options>
-  Result<void> read_options(const char* key, const OptionTable<Options>& table,
-                            Options& options) const {
+  Result<void> read_options(const char* key, const OptionTable<Options>& table, Options& options,
+                            std::string_view apart = {}) const {
     const toml::node* node = root_.get(key);
     if (!node) return {};
     const toml::table* values = node->as_table();
     if (!values) return refuse(*node, "[{}] is a table of options", key);
     for (const auto& [name, value] : *values) {
+      if (name.str() == apart) continue;
       SPOOL_ASSIGN(const std::string text, text_of(value));
       const auto set = set_option(table, options, name.str(), text);
       if (!set) return refuse(value, "{}", set.error().message);

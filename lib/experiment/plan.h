@@ -44,6 +44,9 @@
 //   source = "LiuZheng, Figure 12"
 //   [pool]                        # rules for samples that are no ordinary numbers
 //   [metrics]                     # options of the metrics
+//   only = ["smape"]              # beside those of tables and claims; absent: all. Without
+//   options:
+//                                 # metrics = ["smape"]
 //
 // Everything is checked before any work: an unknown key, method, preset or option is an error with
 // its line and the nearest known name.

@@ -53,6 +53,8 @@ std::vector<PlanScene> scenes_of(const Plan& plan) {
 std::string cell_id(const Cell& cell, const Plan& plan) {
   std::uint64_t state = hash_text(hash_sampling(cell, plan), cell.filter.text());
   state = hash_options(state, option_values(metric_option_table(), plan.experiment.metrics));
+  for (const bool wanted : plan.experiment.metrics.wanted)
+    state = mix(state, wanted ? 1 : 0);
   for (const EnergyMask& mask : plan.experiment.masks) {
     for (const std::string& text :
          {mask.name, mask.recording, std::filesystem::path(mask.path).filename().string()})

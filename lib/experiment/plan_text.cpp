@@ -17,6 +17,15 @@ toml::table options_table(const OptionTable<Options>& known, const Options& opti
   return table;
 }
 
+toml::table metrics_table(const MetricOptions& options) {
+  toml::table table = options_table(metric_option_table(), options);
+  toml::array only;
+  for (std::size_t m = 0; m < options.wanted.size(); ++m)
+    if (options.wanted[m]) only.push_back(metrics()[m].name);
+  if (!only.empty()) table.insert("only", only);
+  return table;
+}
+
 // What TOML cannot hold or parse_plan() would read otherwise, with percent signs.
 std::string text_of_file(const std::string& name) {
   if (is_utf8(name) && !name.starts_with("file:")) return name;
@@ -95,7 +104,7 @@ std::string plan_text(const Plan& plan) {
                    {"sampler", method_tables(plan.samplers)},
                    {"filter", method_tables(plan.filters)},
                    {"pool", options_table(sanitise_option_table(), plan.rules)},
-                   {"metrics", options_table(metric_option_table(), e.metrics)}};
+                   {"metrics", metrics_table(e.metrics)}};
   if (plan.groups.empty()) {
     std::vector<std::string> recordings;
     for (const std::string& recording : plan.recordings)

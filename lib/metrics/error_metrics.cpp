@@ -64,7 +64,7 @@ class Evaluation {
     if (table_.pixels == 0) return std::move(table_);
     const bool resamples = bootstrap_.blocks() > 1;
     add_perceptual();
-    if (options_.wanted.empty()) {
+    if (options_.support) {
       table_.squared = support(squared_, largest(largest_squared_, squared_), kDecileSquares);
       table_.relative =
           support(relative_, largest(largest_relative_, relative_), kDecileRelativeSquares);
@@ -100,7 +100,7 @@ class Evaluation {
       maps[4].parts[p] = quotient(terms[kEnergy] * count, reference);
     }
     trim(maps[2].parts);
-    if (options_.perceptual != Perceptual::kNone)
+    if (flip_ && options_.perceptual != Perceptual::kNone)
       maps.push_back({"flip_ldr", flip_map(estimate_, *side_)});
     return maps;
   }
@@ -424,9 +424,9 @@ class Evaluation {
   const bool flip_;
   // Whether a wanted metric is made of tone-mapped pixels, of deciles, of their squares.
   const bool tone_ = wants_one([](const Metric& m) { return m.rule == Rule::kDecibel; });
-  const bool squares_ = wants_one([](const Metric& m) {
-    return m.rule == Rule::kEqualEnergy || m.rule == Rule::kEqualDeciles;
-  });
+  const bool squares_ = options_.support || wants_one([](const Metric& m) {
+                          return m.rule == Rule::kEqualEnergy || m.rule == Rule::kEqualDeciles;
+                        });
   const bool deciles_ = squares_ || wants_one([](const Metric& m) {
                           return m.rule == Rule::kRatio && m.numerator >= kDecileEnergy;
                         });
@@ -468,10 +468,15 @@ MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& refe
 std::vector<ErrorMap> error_maps(const RgbImage& estimate, const JudgingReference& reference,
                                  const MetricOptions& options) {
   check_sizes(estimate, reference);
-  SPOOL_CHECK(options.wanted.empty());
+  const auto wanted = [&](std::string_view name) {
+    return options.wanted.empty() || options.wanted[static_cast<std::size_t>(metric_index(name))];
+  };
   MetricOptions of_maps = options;  // none of them is made of tone-mapped pixels or of deciles
   of_maps.wanted.assign(metrics().size(), false);
-  return Evaluation(estimate, reference, of_maps, true).maps();
+  of_maps.support = false;
+  std::vector<ErrorMap> maps = Evaluation(estimate, reference, of_maps, wanted("flip_ldr")).maps();
+  std::erase_if(maps, [&](const ErrorMap& map) { return !wanted(map.metric); });
+  return maps;
 }
 
 Plane squared_error_map(const RgbImage& estimate, const JudgingReference& reference) {

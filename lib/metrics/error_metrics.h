@@ -57,8 +57,7 @@ struct MetricTable {
   std::uint64_t excluded_estimate = 0;         // pixels of I that are not finite
   std::uint64_t excluded_reference = 0;        // pixels without a finite R
   bool failed = false;                         // I held a non-finite pixel
-  ErrorSupport squared, relative;              // of mse (before its debiasing) and of relmse; known
-                                               // where all metrics are wanted
+  ErrorSupport squared, relative;              // of mse (before its debiasing) and of relmse
   GuardCounts guards;
   Plane flip;  // flip_ldr of each pixel, 0 where not judged; empty where it was not wanted
 
@@ -74,8 +73,8 @@ struct ErrorMap {
   std::string metric;
   Plane parts;
 };
-// Of mse, relmse, relmse_trimmed, smape, energy_ratio, and flip_ldr unless options.perceptual is
-// kNone.
+// Of those that options.wanted holds of mse, relmse, relmse_trimmed, smape, energy_ratio, and of
+// flip_ldr unless options.perceptual is kNone.
 std::vector<ErrorMap> error_maps(const RgbImage& estimate, const JudgingReference& reference,
                                  const MetricOptions& options = {});
 

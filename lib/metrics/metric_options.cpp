@@ -2,7 +2,24 @@
 
 #include <limits>
 
+#include "lib/core/nearest_name.h"
+#include "lib/metrics/metric_description.h"
+
 namespace spool {
+
+Result<std::vector<bool>> metrics_named(const std::vector<std::string>& names) {
+  std::vector<bool> wanted;
+  for (const std::string& name : names) {
+    const int index = metric_index(name);
+    if (index < 0) {
+      return fail(ErrorCode::kUsage, "{}",
+                  unknown_name("metric", name, names_of(metrics()), ": see spool list metrics"));
+    }
+    wanted.resize(metrics().size(), false);
+    wanted[static_cast<std::size_t>(index)] = true;
+  }
+  return wanted;
+}
 
 const OptionTable<MetricOptions>& metric_option_table() {
   constexpr double kLargest = std::numeric_limits<double>::max();

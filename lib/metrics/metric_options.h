@@ -1,8 +1,10 @@
 // Options of the metrics.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "lib/core/error.h"
 #include "lib/core/option_table.h"
 #include "lib/metrics/bootstrap.h"
 #include "lib/metrics/perceptual_metrics.h"
@@ -22,7 +24,11 @@ struct MetricOptions {
   Perceptual perceptual = Perceptual::kFast;
   BootstrapOptions bootstrap;
   std::vector<bool> wanted;  // [metric], as metrics(); the others are NaN. Empty: all
+  bool support = true;       // also what mse and relmse stand on (ErrorSupport)
 };
+
+// MetricOptions::wanted of these names, of none: all. kUsage for one that is no metric's.
+Result<std::vector<bool>> metrics_named(const std::vector<std::string>& names);
 
 const OptionTable<MetricOptions>& metric_option_table();
 

@@ -270,6 +270,10 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
       {"repeats = 0", "plan.toml:5: option repeats: 0 is outside"},
       {"pictures = 3", "plan.toml:5: pictures is true or false"},
       {"[pool]\nnegativ = 1", "plan.toml:6: unknown option 'negativ'"},
+      {"metrics = ['ssim', 'flip']", "plan.toml:5: unknown metric 'flip'"},
+      {"metrics = []", "plan.toml:5: no metric: leave it out for all of them"},
+      {"[metrics]\nonly = 'relmsee'",
+       "plan.toml:6: unknown metric 'relmsee', did you mean 'relmse'?"},
       {"[metrics]\ntrim = 'x'", "plan.toml:6: option trim: 'x' is not a number"},
       {"seed = {}", "a number, a text or true/false"},
       {"seed = = 3", "plan.toml:5:"},
@@ -285,6 +289,29 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
   EXPECT_FALSE(
       parse("recordings = 'a'\nspp = []\nsamplers = 'uniform'\nfilters = 'box'").has_value());
   EXPECT_FALSE(parse("recordings = 'a'\nspp = 4\nfilters = 'box'").has_value());
+}
+
+TEST(Plan, MetricsThatItNamesComeBesideThoseOfTablesAndClaims) {
+  const std::string base =
+      "recordings = 'a.spool'\nspp = 4\nsamplers = ['uniform', 'multiscale']\nfilters = 'box'\n";
+  const auto wanted = [](const Plan& plan) {
+    std::set<std::string> names;
+    for (std::size_t m = 0; m < plan.experiment.metrics.wanted.size(); ++m)
+      if (plan.experiment.metrics.wanted[m]) names.insert(metrics()[m].name);
+    return names;
+  };
+  const Plan all = *parse(base);
+  EXPECT_TRUE(wanted(all).empty());
+  const std::string claim =
+      "[[claim]]\nbetter = 'multiscale + box'\nthan = 'uniform + box'\nmetric = 'smape'\n";
+  const Plan some = *parse(base + "metrics = ['ssim']\n" + claim);
+  EXPECT_EQ(wanted(some),
+            (std::set<std::string>{"relmse", "mse", "energy_ratio", "ssim", "smape"}));
+  const Plan table = *parse(base + claim + "[metrics]\ntrim = 0.01\nonly = ['ssim']\n");
+  EXPECT_EQ(wanted(table), wanted(some));
+  EXPECT_EQ(table.experiment.metrics.trim, 0.01);
+  EXPECT_EQ(wanted(*parse(plan_text(table))), wanted(some));
+  EXPECT_NE(cell_id(some.cells()[0], some), cell_id(all.cells()[0], all));
 }
 
 TEST(Plan, RecordingsWithOneNameAreRefused) {

@@ -44,8 +44,8 @@ def test_the_manifest_says_what_was_run(evaluated):
     manifest = json.loads((evaluated / "results" / "manifest.json").read_text())
     assert "evaluate" in manifest["command"] and "--replicates 3" in manifest["command"]
     assert manifest["version"].startswith("spool ") and manifest["machine"]["threads"] >= 1
-    digest = subprocess.run(["sha256sum", evaluated / "edge.spool"], capture_output=True, text=True).stdout.split()[0]
-    assert [d["sha256"] for d in manifest["dumps"]] == [digest]
+    told = json.loads(run("info", evaluated / "edge.spool", "--json").stdout)
+    assert [d["index_sha256"] for d in manifest["dumps"]] == [told["index_sha256"]]
 
 
 def test_the_squared_error_is_that_of_estimate_and_reference_where_it_counts(evaluated):
@@ -68,7 +68,7 @@ def test_a_report_of_a_real_evaluation(evaluated):
     assert "12 results" in done.stdout and done.stdout.count("\n") == 1
     html = output.read_text()
     manifest = json.loads((evaluated / "results" / "manifest.json").read_text())
-    assert manifest["dumps"][0]["sha256"] in html and manifest["version"] in html
+    assert manifest["dumps"][0]["index_sha256"] in html and manifest["version"] in html
     text = html.split('id="report-data">')[1].split("</script>")[0]
     data = json.loads(text)
     assert len(data["combinations"]) == 4 and len(data["pictures"]["sets"]) == 4

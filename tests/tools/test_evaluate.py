@@ -90,15 +90,57 @@ def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
     assert f"{mean:.4g} [" in text and "results.csv" in text and "share up to 14 %" in text
 
 
-def test_pictures_stand_beside_the_numbers(good, dump, tmp_path):
-    good("evaluate", dump, "--filters", "box,gaussian", "--spp", 4, "--replicates", 2, "-o", "out")
+def bytes_of(folder, suffix):
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob(f"*{suffix}"))}
+
+
+def test_images_are_kept_and_pictures_drawn_when_asked_for(good, run, dump, tmp_path):
+    words = ("evaluate", dump, "--samplers", "uniform,multiscale", "--filters", "box,directional", "--spp", 4, "--replicates", 2)
+    assert "of each result: spool picture out" in good(*words, "-o", "out").out
     out = tmp_path / "out"
-    assert {"scene_4spp.png", "scene_uniform_box_4spp.png", "scene_uniform_gaussian_4spp.png",
-            "results.csv"} <= {p.name for p in out.iterdir()}
-    details = {p.name for p in (out / "scene_uniform_gaussian_4spp").iterdir()}
-    assert {"estimate.exr", "estimate.png", "density.exr", "density.png", "squared_error.exr",
-            "squared_error.png"} <= details
+    assert set(bytes_of(out, ".png")) == {"scene_4spp.png"}
+    kept = bytes_of(out, ".exr")
+    numbers = {"estimate.exr", "density.exr", "squared_error.exr", "flip.exr", "filter_size.exr", "direction.exr"}
+    assert {path.name for path in (out / "scene_multiscale_directional_4spp").iterdir()} == numbers
     assert (read_exr(out / "scene_uniform_box_4spp" / "density.exr", "n") == 4).all()
+    row, = (r for r in rows_of(out) if (r["sampler"], r["filter"], r["replicate"]) == ("uniform", "box", "0"))
+    assert np.isclose(read_exr(out / "scene_uniform_box_4spp" / "flip.exr", "flip").mean(), float(row["flip_ldr"]), rtol=1e-6)
+    assert "4 results" in good("picture", "out").out
+    drawn = bytes_of(out, ".png")
+    assert len(drawn) == 1 + 4 * (1 + 4) + 2 * 2 and bytes_of(out, ".exr") == kept
+    assert drawn["scene_4spp.png"] and drawn["scene_multiscale_directional_4spp.png"]
+    good("picture", "out", "--threads", 1)
+    assert bytes_of(out, ".png") == drawn
+    good(*words, "-o", "out", "--force")  # pictures of other images do not stay
+    assert set(bytes_of(out, ".png")) == {"scene_4spp.png"} and bytes_of(out, ".exr") == kept
+    good(*words, "-o", "none", "--no-pictures")
+    run("picture", "none").failed_with(1, "none: no images of results in it", "--no-pictures")
+    run("picture", "out", "-o", "x.png").failed_with(2, "-o x.png: pictures of results lie beside them")
+    (out / "scene_uniform_box_4spp" / "estimate.exr").write_bytes(kept["scene_uniform_box_4spp/estimate.exr"][:500])
+    run("picture", "out").failed_with(4, "scene_uniform_box_4spp/estimate.exr")
+
+
+def test_pictures_are_those_drawn_at_once(good, dump, tmp_path):
+    """`reconstruct --pictures` draws what it has in memory, an evaluation's images are drawn from their files of floats."""
+    good("evaluate", dump, "--samplers", "multiscale", "--filters", "directional", "--spp", 4, "--recorded-order", "--replicates", 1, "-o", "out")
+    good("picture", "out")
+    good("replay", dump, "--sampler", "multiscale", "--spp", 4, "-o", "n.exr")
+    good("reconstruct", dump, "--selection", "n.exr", "--filter", "directional", "--pictures", "once", "-o", "image.exr")
+    late, once = tmp_path / "out" / "scene_multiscale_directional_4spp", tmp_path / "once"
+    assert (read_exr(late / "estimate.exr", "G") == read_exr(tmp_path / "image.exr", "G")).all()
+    for name in ("filter_size", "direction", "squared_error", "estimate", "flip"):
+        assert (late / f"{name}.png").read_bytes() == (once / f"{name}.png").read_bytes(), name
+
+
+def test_a_report_makes_the_flip_maps_that_no_metric_needed(good, dump, tmp_path):
+    good("evaluate", dump, "--spp", 4, "--replicates", 2, "--set", "metrics.perceptual=none", "-o", "out")
+    flip = tmp_path / "out" / "scene_uniform_box_4spp" / "flip.exr"
+    assert not flip.exists()
+    good("report", "out", "-o", "page.html")
+    made = flip.read_bytes()
+    assert '"flip":' in (tmp_path / "page.html").read_text()
+    good("picture", "out")
+    assert flip.read_bytes() == made
 
 
 def test_results_do_not_depend_on_threads(good, dump, tmp_path):

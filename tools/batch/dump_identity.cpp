@@ -10,10 +10,24 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
+// The file is as it was when this was written.
+bool is_unchanged(const DumpIdentity& dump) {
+  std::error_code size, time;
+  const auto bytes = fs::file_size(dump.path, size);
+  const auto modified = fs::last_write_time(dump.path, time).time_since_epoch().count();
+  return !size && !time && bytes == dump.bytes && modified == dump.modified;
+}
+
+// Of the whole file, where it is not known.
+void find_sha256(DumpIdentity& dump) {
+  if (!dump.sha256.empty() || !is_unchanged(dump)) return;
+  if (auto found = interchange::sha256_of(dump.path)) dump.sha256 = std::move(*found);
+}
+
 Result<void> check_against(const DumpIdentity& dump, const std::vector<DumpIdentity>& known,
                            const fs::path& folder) {
   for (const DumpIdentity& other : known) {
-    if (other.path.filename() != dump.path.filename() || other.sha256 == dump.sha256) continue;
+    if (other.path.filename() != dump.path.filename() || same_recording(dump, other)) continue;
     return fail(ErrorCode::kUsage,
                 "{}: is not the recording that the results in {} were made from: choose another "
                 "folder or give --force",
@@ -24,6 +38,13 @@ Result<void> check_against(const DumpIdentity& dump, const std::vector<DumpIdent
 
 }  // namespace
 
+bool same_recording(DumpIdentity a, DumpIdentity b) {
+  if (!a.index_sha256.empty() && !b.index_sha256.empty()) return a.index_sha256 == b.index_sha256;
+  find_sha256(a);
+  find_sha256(b);
+  return !a.sha256.empty() && a.sha256 == b.sha256;
+}
+
 Result<std::vector<DumpIdentity>> known_dumps(const fs::path& folder) {
   const auto json = format::parse_json_file<ordered_json>(folder / "dumps.json");
   std::vector<DumpIdentity> dumps;
@@ -32,10 +53,12 @@ Result<std::vector<DumpIdentity>> known_dumps(const fs::path& folder) {
     if (!entry.is_object()) continue;
     try {
       dumps.push_back({entry.value("path", ""), entry.value("bytes", std::uint64_t{0}),
-                       entry.value("modified", std::int64_t{0}), entry.value("sha256", ""), ""});
+                       entry.value("modified", std::int64_t{0}), entry.value("index_sha256", ""),
+                       entry.value("sha256", ""), ""});
     } catch (const ordered_json::type_error&) {
       return fail(ErrorCode::kData,
-                  "{}: entry {}: path and sha256 are texts, bytes and modified numbers: choose "
+                  "{}: entry {}: path, index_sha256 and sha256 are texts, bytes and modified "
+                  "numbers: choose "
                   "another folder or give --force",
                   (folder / "dumps.json").string(), dumps.size() + 1);
     }
@@ -61,9 +84,7 @@ Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>&
         identity.sha256 = other.sha256;
       }
     }
-    if (identity.sha256.empty()) {
-      SPOOL_ASSIGN(identity.sha256, interchange::sha256_of(dump));
-    }
+    SPOOL_ASSIGN(identity.index_sha256, interchange::index_sha256_of(dump));
     SPOOL_TRY(check_against(identity, known, folder));
     identified.push_back(std::move(identity));
   }
@@ -76,7 +97,8 @@ Result<void> write_identities(const std::vector<DumpIdentity>& dumps, const fs::
     json.push_back({{"path", dump.path.string()},
                     {"bytes", dump.bytes},
                     {"modified", dump.modified},
-                    {"sha256", dump.sha256}});
+                    {"index_sha256", dump.index_sha256}});
+    if (!dump.sha256.empty()) json.back()["sha256"] = dump.sha256;
   }
   return write_text_file(folder / "dumps.json",
                          json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n",

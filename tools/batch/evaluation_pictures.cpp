@@ -8,15 +8,12 @@
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
+#include "tools/batch/kept_images.h"
 #include "tools/methods/replicate_images.h"
 #include "tools/verbs/result_pictures.h"
 
 namespace spool::tools {
 namespace {
-
-// Brighter than eight times the budget is rare, and a scale that depends on the budget only can be
-// compared between methods.
-constexpr double kDensityRange = 8.0;
 
 // Of a file name, which may have 255 bytes with its ending.
 constexpr std::size_t kLongestStem = 200;
@@ -75,18 +72,19 @@ std::string EvaluationPictures::stem_of(const Cell& cell) const {
 Result<void> EvaluationPictures::add(const CellResult& result, const CellImages& images) {
   const Cell& cell = result.cell;
   if (cell.replicate != 0) return {};
-  const PictureScale scale =
-      picture_scale(&images.reference, images.image, kDensityRange * cell.spp);
-  const ResultImages pictures{
+  ResultImages kept = images_of(
       fmt::format("{}  {} + {}  {:g} spp  MSE {:.3g}", dump_names_.at(cell.dump),
                   cell.sampler.label(), cell.filter.label(), cell.spp, result.metrics["mse"].value),
-      &images.reconstruction, &images.selection.statistics.n, &images.reference};
+      images.reconstruction, images.selection.statistics.n, &images.reference);
+  if (!result.metrics.flip.empty()) kept.flip = result.metrics.flip;
   const std::string stem = stem_of(cell);
+  remove_pictures(folder_, stem);
   std::error_code status;
   std::filesystem::create_directories(folder_ / stem, status);
   SPOOL_TRY(write_reference(result, images, stem));
-  SPOOL_TRY(write_contact_sheet(folder_ / (stem + ".png"), pictures, scale, true, true));
-  return write_result_pictures(folder_ / stem, pictures, scale, true, true);
+  return write_result_numbers(folder_ / stem, kept,
+                              image_attributes(kept.title, cell.spp, dump_names_.at(cell.dump)),
+                              {.overwrite = true, .shared = true});
 }
 
 // Every result has its own reference where that is made of the samples it did not take.
@@ -123,8 +121,7 @@ Result<std::string> EvaluationPictures::write_sheets(
     SPOOL_TRY(write_png(path, contact_sheet(heading, panels), true, true));
     written += (written.empty() ? "" : ", ") + path.string();
   }
-  if (written.empty()) return std::string("one contact sheet for each result");
-  return written + "; a contact sheet for each result beside them";
+  return written;
 }
 
 }  // namespace spool::tools

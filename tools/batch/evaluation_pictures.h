@@ -1,5 +1,5 @@
-// Pictures of an evaluation: a contact sheet and a folder for every result of replicate 0, and one
-// sheet of all estimates per recording and budget.
+// Images of an evaluation: a folder for every result of replicate 0, of which pictures are drawn
+// on demand (kept_images.h), and a sheet of all estimates per recording and budget.
 #pragma once
 
 #include <filesystem>
@@ -24,13 +24,13 @@ class EvaluationPictures {
   // `dumps`: all recordings, in the order that gives their short names.
   EvaluationPictures(std::filesystem::path folder, const std::vector<std::string>& dumps);
 
-  // Writes what belongs to one result; results of other replicates are passed over. kData names a
-  // picture that cannot hold its numbers; all others are then written.
+  // Writes what belongs to one result; results of other replicates are passed over. kData names an
+  // image that cannot hold its numbers; all others are then written.
   Result<void> add(const CellResult& result, const CellImages& images);
 
   // Writes DUMP_SPPspp.png for every recording and budget from the images in the folder: reference
   // and all estimates side by side. Sheets of more than 24 estimates are left out. Returns where
-  // they are, in one line.
+  // they are, in one line; empty where there is none.
   Result<std::string> write_sheets(const std::vector<PicturedResult>& results) const;
 
  private:

@@ -145,7 +145,7 @@ class PlanRun {
     }
     SPOOL_TRY(writer.finish());
     SPOOL_TRY(write_statistics(request_.folder, request_.plan, common_, request_.wide));
-    std::string sheets = "none";
+    std::string sheets;
     if (request_.plan.pictures) {
       SPOOL_ASSIGN(sheets, pictures_.write_sheets(pictured));
     }
@@ -157,7 +157,10 @@ class PlanRun {
             "one result after another");
       }
       print_line(fmt::format("numbers: {}", (request_.folder / "results.csv").string()));
-      if (request_.plan.pictures) print_line(fmt::format("pictures: {}", sheets));
+      if (!sheets.empty()) print_line(fmt::format("pictures: {}", sheets));
+      if (!pictured.empty()) {
+        print_line(fmt::format("of each result: spool picture {}", request_.folder.string()));
+      }
     }
     return verdict(missing);
   }
@@ -260,8 +263,8 @@ class PlanRun {
                       short_of_samples_, results_));
     }
     if (undrawn_ > 0) {
-      print_warning(fmt::format("{} of {} results lack a picture; the first: {}", undrawn_,
-                                results_, first_undrawn_));
+      print_warning(fmt::format("{} of {} results lack an image; the first: {}", undrawn_, results_,
+                                first_undrawn_));
     }
     for (const std::string& found : references_)
       print_warning(found + ": its error has no meaning");
@@ -294,7 +297,7 @@ class PlanRun {
   std::atomic<int> at_once_ = 1;  // sampling runs beside each other
   std::size_t wanted_ = 0;
   std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0;
-  std::size_t undrawn_ = 0;  // results with a picture that cannot hold its numbers
+  std::size_t undrawn_ = 0;  // results with an image that cannot hold its numbers
   std::string first_failure_, first_undrawn_;
   std::set<std::string> references_;  // images that are no estimate
   bool any_shared_ = false;           // times are of a machine that other results shared

@@ -5,7 +5,6 @@
 
 #include "lib/experiment/plan_cells.h"
 #include "tools/batch/cell_store.h"
-#include "tools/batch/dump_identity.h"
 #include "tools/batch/study_sources.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_settings.h"
@@ -40,8 +39,9 @@ bool is_paired(const ResultFolder& a, const ResultFolder& b, const Combination& 
     return false;
   }
   return std::ranges::all_of(before.files, [&](const std::string& file) {
-    const auto first = a.sha256.find(file), second = b.sha256.find(file);
-    return first != a.sha256.end() && second != b.sha256.end() && first->second == second->second;
+    const auto first = a.dumps.find(file), second = b.dumps.find(file);
+    return first != a.dumps.end() && second != b.dumps.end() &&
+           same_recording(first->second, second->second);
   });
 }
 
@@ -78,7 +78,7 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
   SPOOL_ASSIGN(folder.plan, read_plan(path / "plan.toml", {known_samplers(), known_filters()}));
   SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps, known_dumps(path));
   for (const DumpIdentity& dump : dumps)
-    folder.sha256[dump.path.filename().string()] = dump.sha256;
+    folder.dumps[dump.path.filename().string()] = dump;
   const CellStore store(path);
   const StudySources sources = study_sources(store, folder.plan);
   for (const PlanScene& scene : scenes_of(folder.plan)) {

@@ -10,6 +10,7 @@
 #include "lib/experiment/plan.h"
 #include "lib/inference/comparison.h"
 #include "lib/study/method_results.h"
+#include "tools/batch/dump_identity.h"
 
 namespace spool::tools {
 
@@ -30,7 +31,7 @@ struct Combination {
 struct ResultFolder {
   std::filesystem::path path;
   Plan plan;
-  std::map<std::string, std::string> sha256;        // by file name of the recording
+  std::map<std::string, DumpIdentity> dumps;        // by file name of the recording
   std::map<std::string, Combination> combinations;  // by what they are matched by
 };
 

@@ -159,7 +159,7 @@ Result<void> write_manifest(const std::filesystem::path& folder, const RunManife
       {"dumps", ordered_json::array()}};
   for (const DumpIdentity& dump : run.dumps) {
     manifest["dumps"].push_back(
-        {{"path", dump.name}, {"bytes", dump.bytes}, {"sha256", dump.sha256}});
+        {{"path", dump.name}, {"bytes", dump.bytes}, {"index_sha256", dump.index_sha256}});
   }
   manifest["runs"] = earlier_runs(folder);
   manifest["runs"].push_back({{"started", manifest["started"]},

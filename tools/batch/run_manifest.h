@@ -21,8 +21,8 @@ struct RunManifest {
 };
 
 // Writes FOLDER/manifest.json (of a shard: manifest-shard-i-of-N.json): command, version, machine,
-// started, seconds, the plan with every option of every method, and path, bytes and sha256 of each
-// recording. The manifest of a whole run also holds those of the shards in the folder.
+// started, seconds, the plan with every option of every method, and path, bytes and index hash of
+// each recording. The manifest of a whole run also holds those of the shards in the folder.
 Result<void> write_manifest(const std::filesystem::path& folder, const RunManifest& run);
 
 }  // namespace spool::tools

@@ -6,7 +6,9 @@ void add_picture(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
       "picture", "an EXR as a PNG to look at: tone-mapped, or false colour with its bar");
   PictureOptions& options = program.picture;
-  verb.add_option("IMAGE", options.image, "an OpenEXR image")->required();
+  verb.add_option("IMAGE", options.image,
+                  "an OpenEXR image, or the folder of spool evaluate, whose results are all drawn")
+      ->required();
   CLI::Option* exposure = within(
       verb.add_option("--exposure", options.exposure,
                       "EV: values times 2^EV, then sRGB (the log-average luminance becomes middle "
@@ -23,14 +25,15 @@ void add_picture(Program& program) {
   verb.add_flag("--log", options.log, "of --false-colour: a logarithmic scale")->needs(colour);
   group_options(verb, "False colour", {"--false-colour", "--channel", "--range", "--log"});
   add_layer(verb, options.layer, "", "of IMAGE");
-  add_output(verb, options.output, "the picture to write, NAME.png");
+  verb.add_option("-o,--output", options.output, "the picture of an image to write, NAME.png");
   add_common(verb, program.common, false, true);
   verb.footer(
       "For eyes, not for measuring. Pixels that are not finite are magenta.\n"
       "Examples:\n"
       "  spool picture image.exr -o image.png\n"
       "  spool picture image.exr --like reference.exr -o image.png\n"
-      "  spool picture density.exr --false-colour --log --range 1,64 -o density.png");
+      "  spool picture density.exr --false-colour --log --range 1,64 -o density.png\n"
+      "  spool picture results");
   runs(verb, program, run_picture, program.picture);
 }
 

@@ -144,7 +144,8 @@ nb::dict judged(const ImageArray& image, const ImageArray& reference,
   const MetricTable table = run<MetricTable>(
       [&](Watch&) -> Result<MetricTable> {
         SPOOL_ASSIGN(MetricOptions options, tools::metric_settings(settings));
-        SPOOL_ASSIGN(options.wanted, tools::metrics_named(wanted));
+        SPOOL_ASSIGN(options.wanted, metrics_named(wanted));
+        options.support = false;
         SPOOL_TRY(tools::check_same_size(estimate, judge.mean, "image"));
         if (judge.variance) {
           SPOOL_TRY(tools::check_same_size(*judge.variance, judge.mean, "variance"));

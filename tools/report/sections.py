@@ -152,12 +152,13 @@ def run_html(manifest, combinations, labels, vocabulary):
         row = next((r for c in combinations if c.dump == dump for r in c.rows), {})
         size = (f"{row['width']:g} x {row['height']:g}"
                 if math.isfinite(row.get("width", math.nan)) else "")
-        digest = _text(hashes.get(dump, {}).get("sha256")) or "not recorded"
+        known = hashes.get(dump, {})
+        digest = _text(known.get("index_sha256") or known.get("sha256")) or "not recorded"  # the second of an older program
         body.append(f'<tr><th scope="row">{escape(label)}</th><td>{escape(dump)}</td><td>{size}</td>'
                     f"<td>{_known(row.get('holdout'))}</td><td><code>{escape(digest)}</code></td></tr>")
     return (f'<dl class="run">{html}</dl><div class="scroll" tabindex="0"><table><caption>Recordings'
             '</caption><thead><tr><th scope="col">name</th><th scope="col">file</th><th scope="col">'
-            'pixels</th><th scope="col">held out</th><th scope="col">sha256</th></tr></thead><tbody>'
+            'pixels</th><th scope="col">held out</th><th scope="col">hash of its index</th></tr></thead><tbody>'
             f'{"".join(body)}</tbody></table></div>{guards_html(combinations, labels, vocabulary)}{licences_html()}')
 
 

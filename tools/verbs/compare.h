@@ -3,7 +3,7 @@
 //
 // Results are matched by scene, sampler, filter, budget and threads; samplers and filters by label,
 // or by name and preset, which compares a change of options. Where both
-// folders drew the same samples (same recordings by sha256, seed and order), differences are
+// folders drew the same samples (same recordings by dumps.json, seed and order), differences are
 // paired; otherwise the two are taken as independent. p-values are adjusted by Holm's rule over
 // everything compared, so that of all comparisons together 5 % claim a difference where there is
 // none.

@@ -48,7 +48,7 @@ std::string hex(const std::array<std::uint8_t, 16>& bytes) {
 }
 
 ordered_json describe(const format::SpoolReader& reader, std::uintmax_t bytes,
-                      const std::string& sha256) {
+                      const std::string& sha256, const std::string& index_sha256) {
   const format::DumpHeader& header = reader.header();
   ordered_json layers = ordered_json::array();
   for (const format::LayerInfo& layer : reader.layers()) {
@@ -63,6 +63,7 @@ ordered_json describe(const format::SpoolReader& reader, std::uintmax_t bytes,
       {"file", reader.path().string()},
       {"bytes", bytes},
       {"sha256", sha256},
+      {"index_sha256", index_sha256},
       {"uuid", hex(header.uuid)},
       {"width", header.width},
       {"height", header.height},
@@ -222,6 +223,7 @@ std::vector<std::vector<std::string>> rows_of(const ordered_json& info) {
   rows.push_back({"file", info["file"].get<std::string>()});
   rows.push_back({"size", format_bytes(info["bytes"].get<double>())});
   rows.push_back({"sha256", info["sha256"].get<std::string>()});
+  rows.push_back({"of its index", info["index_sha256"].get<std::string>()});
   rows.push_back({"image", fmt::format("{} x {} pixels", info["width"].get<unsigned>(),
                                        info["height"].get<unsigned>())});
   rows.push_back({"samples", samples_text(info)});
@@ -254,7 +256,7 @@ Result<std::vector<std::vector<std::string>>> recording_facts(const std::filesys
   SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(path));
   std::error_code status;
   const std::uintmax_t bytes = std::filesystem::file_size(path, status);
-  const ordered_json info = describe(reader, bytes, "");
+  const ordered_json info = describe(reader, bytes, "", "");
   std::vector<std::vector<std::string>> rows = short_rows_of(info), claims;
   std::erase_if(rows, [](const auto& row) { return row[0] == "claim"; });  // the failing ones
   add_verification(info["meta"], claims);
@@ -267,11 +269,12 @@ Result<void> run_info(const InfoOptions& options, const CommonOptions& common) {
   SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(options.dump));
   std::error_code status;
   const std::uintmax_t bytes = std::filesystem::file_size(options.dump, status);
-  std::string sha256;
+  std::string sha256, index_sha256;
   if (common.json || options.all) {
     SPOOL_ASSIGN(sha256, interchange::sha256_of(options.dump));
+    SPOOL_ASSIGN(index_sha256, interchange::index_sha256_of(options.dump));
   }
-  const ordered_json info = describe(reader, bytes, sha256);
+  const ordered_json info = describe(reader, bytes, sha256, index_sha256);
   if (common.json) {
     print(json_text(info));
   } else if (options.all) {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "lib/core/nearest_name.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/energy_masks.h"
@@ -69,20 +68,6 @@ Result<MetricOptions> metric_settings(const std::vector<std::string>& settings) 
         set_option(metric_option_table(), metric, text.substr(0, equals), text.substr(equals + 1)));
   }
   return metric;
-}
-
-Result<std::vector<bool>> metrics_named(const std::vector<std::string>& names) {
-  std::vector<bool> wanted;
-  for (const std::string& name : names) {
-    const int index = metric_index(name);
-    if (index < 0) {
-      return fail(ErrorCode::kUsage, "{}",
-                  unknown_name("metric", name, names_of(metrics()), ": see spool list metrics"));
-    }
-    wanted.resize(metrics().size(), false);
-    wanted[static_cast<std::size_t>(index)] = true;
-  }
-  return wanted;
 }
 
 Result<void> check_same_size(const RgbImage& image, const RgbImage& reference,

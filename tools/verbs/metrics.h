@@ -24,9 +24,6 @@ struct MetricsOptions {
 // "OPTION=VALUE" of all metrics, the perceptual ones included.
 Result<MetricOptions> metric_settings(const std::vector<std::string>& settings);
 
-// Which of metrics() are computed, for MetricOptions::wanted; kUsage where a name is unknown.
-Result<std::vector<bool>> metrics_named(const std::vector<std::string>& names);
-
 // kData when the image `name` and the reference differ in size.
 Result<void> check_same_size(const RgbImage& image, const RgbImage& reference,
                              const std::string& name);

@@ -8,6 +8,7 @@
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
+#include "tools/batch/kept_images.h"
 #include "tools/verbs/option_bounds.h"
 #include "tools/verbs/picture_name.h"
 
@@ -76,8 +77,14 @@ Result<Picture> tone_mapped_picture(const PictureOptions& options, std::string& 
 }  // namespace
 
 Result<void> validate(const PictureOptions& options) {
+  std::error_code status;
+  if (std::filesystem::is_directory(options.image, status)) {
+    if (options.output.empty()) return {};
+    return fail(ErrorCode::kUsage, "-o {}: pictures of results lie beside them: leave it out",
+                options.output.string());
+  }
   if (!is_png_name(options.output)) {
-    return fail(ErrorCode::kUsage, "{}: a PNG is what is written: name it .png",
+    return fail(ErrorCode::kUsage, "-o {}: a PNG is what is written: name it .png",
                 options.output.string());
   }
   if (!options.range.empty()) SPOOL_TRY(parse_range(options.range, options.log));
@@ -86,6 +93,11 @@ Result<void> validate(const PictureOptions& options) {
 
 Result<void> run_picture(const PictureOptions& options, const CommonOptions& common) {
   SPOOL_TRY(validate(options));
+  if (options.output.empty()) {
+    SPOOL_ASSIGN(const std::size_t drawn, draw_pictures(options.image, common));
+    if (!common.quiet) print_line(fmt::format("{}: {} results", options.image.string(), drawn));
+    return {};
+  }
   std::string remark;
   SPOOL_ASSIGN(const Picture picture, options.false_colour ? false_colour_picture(options, remark)
                                                            : tone_mapped_picture(options, remark));

@@ -1,4 +1,5 @@
-// `spool picture`: any EXR as a PNG to look at, tone-mapped or in false colour with its bar.
+// `spool picture`: any EXR as a PNG to look at, tone-mapped or in false colour with its bar; or all
+// pictures of a folder of results.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +12,8 @@
 namespace spool::tools {
 
 struct PictureOptions {
-  std::filesystem::path image;
-  std::filesystem::path output;    // NAME.png
+  std::filesystem::path image;     // or the folder of spool evaluate
+  std::filesystem::path output;    // NAME.png; empty: of a folder
   std::optional<double> exposure;  // EV; absent: the log-average luminance becomes middle grey
   std::filesystem::path like;  // takes the automatic exposure from this image; empty: from `image`
   bool false_colour = false;

@@ -143,10 +143,13 @@ Result<void> write_pictures(const ReconstructOptions& options, const Reconstruct
   std::filesystem::create_directories(options.pictures, status);
   const CountImage& counts = done.selection.statistics.n;
   const Result<JudgingReference> reference = independent_reference(done.pool.recording());
-  const ResultImages images{fmt::format("{}  {}", options.dump.filename().string(), options.filter),
-                            &done.made, &counts, reference ? &*reference : nullptr};
+  ResultImages images =
+      images_of(fmt::format("{}  {}", options.dump.filename().string(), options.filter), done.made,
+                counts, reference ? &*reference : nullptr);
   const PictureScale scale =
       picture_scale(images.reference, done.made.image, *std::ranges::max_element(counts.pixels()));
+  complete_maps(images, scale.exposure);
+  SPOOL_TRY(write_result_numbers(options.pictures, images, {}, {.overwrite = overwrite}));
   SPOOL_TRY(write_result_pictures(options.pictures, images, scale, overwrite));
   return write_contact_sheet(options.pictures / "contact_sheet.png", images, scale, overwrite);
 }

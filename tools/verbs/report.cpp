@@ -11,6 +11,7 @@
 #include "lib/experiment/result_table.h"
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
+#include "tools/batch/kept_images.h"
 #include "tools/verbs/option_bounds.h"
 #include "tools/verbs/page_generator.h"
 
@@ -51,6 +52,7 @@ std::string vocabulary_json() {
 
 // What the report script is asked, and its answer.
 Result<std::string> make_report(const ReportOptions& options, std::vector<std::string> words) {
+  static_cast<void>(make_flip_maps(options.folder));  // without them, the page has none
   words.insert(words.end(),
                {"--output=" + options.output.string(), "--metric=" + options.metric,
                 "--title=" + options.title, fmt::format("--max-image-mb={}", options.max_image_mb),

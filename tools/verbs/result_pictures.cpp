@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "lib/core/as_plane.h"
 #include "lib/image_io/contact_sheet.h"
@@ -13,11 +14,9 @@
 namespace spool::tools {
 namespace {
 
-// One picture and the numbers it shows.
 struct NamedPanel {
   std::string name;
   Panel panel;
-  ExrFile data;
 };
 
 ExrFile one_channel(const char* name, PixelType type, const Plane& plane) {
@@ -28,17 +27,17 @@ ExrFile one_channel(const char* name, PixelType type, const Plane& plane) {
   return file;
 }
 
-NamedPanel size_panel(const CountImage& level) {
-  std::set<int> used(level.pixels().begin(), level.pixels().end());
+NamedPanel size_panel(const Plane& level) {
+  std::set<int> used;
+  for (const double value : level.pixels()) {
+    if (std::abs(value) < 1e6) used.insert(static_cast<int>(value));
+  }
   CategoryKey key;
   for (const int l : used) {
     key.entries.emplace_back(l <= 0 ? "none" : std::to_string(1 << std::min(l, 30)),
                              l < 0 ? kNeutral : category_colour(l));
   }
-  const Plane plane = as_plane(level);
-  return {"filter_size",
-          {"filter size (pixels)", category_picture(plane), std::move(key)},
-          one_channel("level", PixelType::kFloat, plane)};
+  return {"filter_size", {"filter size (pixels)", category_picture(level), std::move(key)}};
 }
 
 // Pixels that are not finite are black: FLIP has no value for them, and one would spread.
@@ -51,52 +50,39 @@ RgbImage exposed(const RgbImage& image, double exposure) {
   return result;
 }
 
-std::vector<NamedPanel> panels_of(const ResultImages& images, const PictureScale& scale,
-                                  bool with_flip) {
-  const Reconstruction& result = *images.reconstruction;
+std::vector<NamedPanel> panels_of(const ResultImages& images, const PictureScale& scale) {
   std::vector<NamedPanel> panels;
-  panels.push_back({"estimate",
-                    {"estimate", tone_map(result.image, scale.exposure), {}},
-                    exr_from_rgb(result.image)});
+  panels.push_back({"estimate", {"estimate", tone_map(*images.estimate, scale.exposure), {}}});
   if (images.reference) {
-    panels.push_back(
-        {"reference", {"reference", tone_map(images.reference->mean, scale.exposure), {}}, {}});
+    panels.push_back({"reference", {"reference", tone_map(*images.reference, scale.exposure), {}}});
   }
-  const Plane density = as_plane(*images.counts);
   panels.push_back({"density",
-                    {"density", false_colour(density, scale.density),
-                     ColourBar{scale.density, "samples per piece"}},
-                    one_channel("n", PixelType::kUint, density)});
-  if (result.level) panels.push_back(size_panel(*result.level));
-  if (result.dominant_direction) {
+                    {"density", false_colour(images.density, scale.density),
+                     ColourBar{scale.density, "samples per piece"}}});
+  if (images.level) panels.push_back(size_panel(*images.level));
+  if (images.direction) {
     panels.push_back(
         {"direction",
-         {"direction (degrees)", direction_picture(*result.dominant_direction), DirectionKey{}},
-         one_channel("angle", PixelType::kFloat, *result.dominant_direction)});
+         {"direction (degrees)", direction_picture(*images.direction), DirectionKey{}}});
   }
-  if (images.reference && scale.error) {
-    const Plane error = squared_error_map(result.image, *images.reference);
+  if (images.squared_error && scale.error) {
     panels.push_back({"squared_error",
-                      {"squared error", false_colour(error, *scale.error),
-                       ColourBar{*scale.error, "mean over channels"}},
-                      one_channel("Y", PixelType::kFloat, error)});
-  }
-  if (images.reference && with_flip) {
-    const Plane flip = flip_ldr_map(exposed(images.reference->mean, scale.exposure),
-                                    exposed(result.image, scale.exposure));
-    const ValueRange range{0.0, 1.0, false};
-    panels.push_back({"flip",
-                      {"FLIP", false_colour(flip, range), ColourBar{range, "FLIP difference"}},
-                      one_channel("flip", PixelType::kFloat, flip)});
+                      {"squared error", false_colour(*images.squared_error, *scale.error),
+                       ColourBar{*scale.error, "mean over channels"}}});
   }
   return panels;
 }
 
+NamedPanel flip_panel(const Plane& flip) {
+  const ValueRange range{0.0, 1.0, false};
+  return {"flip", {"FLIP", false_colour(flip, range), ColourBar{range, "FLIP difference"}}};
+}
+
 }  // namespace
 
-PictureScale picture_scale(const JudgingReference* reference, const RgbImage& estimate,
+PictureScale picture_scale(const RgbImage* reference, const RgbImage& estimate,
                            double largest_count) {
-  const RgbImage& guide = reference ? reference->mean : estimate;
+  const RgbImage& guide = reference ? *reference : estimate;
   PictureScale scale;
   scale.exposure = tone_exposure(guide);
   scale.density = {1.0, std::max(2.0, largest_count), true};
@@ -115,27 +101,69 @@ PictureScale picture_scale(const JudgingReference* reference, const RgbImage& es
   return scale;
 }
 
+ResultImages images_of(std::string title, const Reconstruction& made, const CountImage& counts,
+                       const JudgingReference* reference) {
+  ResultImages images{std::move(title), &made.image, nullptr, as_plane(counts), {}, {}, {}, {}};
+  if (made.level) images.level = as_plane(*made.level);
+  images.direction = made.dominant_direction;
+  if (!reference) return images;
+  images.reference = &reference->mean;
+  images.squared_error = squared_error_map(made.image, *reference);
+  return images;
+}
+
+void complete_maps(ResultImages& images, double exposure) {
+  if (!images.reference) return;
+  if (!images.squared_error)
+    images.squared_error = squared_error_map(*images.estimate, {*images.reference, {}, {}});
+  if (!images.flip) {
+    images.flip =
+        flip_ldr_map(exposed(*images.reference, exposure), exposed(*images.estimate, exposure));
+  }
+}
+
 Result<void> write_contact_sheet(const std::filesystem::path& path, const ResultImages& images,
                                  const PictureScale& scale, bool overwrite, bool shared) {
   std::vector<Panel> panels;
-  for (NamedPanel& named : panels_of(images, scale, false))
+  for (NamedPanel& named : panels_of(images, scale))
     panels.push_back(std::move(named.panel));
   return write_png(path, contact_sheet(images.title, panels), overwrite, shared);
 }
 
-Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,
-                                   const PictureScale& scale, bool overwrite, bool shared) {
+Result<void> write_result_numbers(const std::filesystem::path& folder, const ResultImages& images,
+                                  const ExrAttributes& attributes, const ExrWriteOptions& options) {
   Result<void> all;
-  for (const NamedPanel& named : panels_of(images, scale, true)) {
-    const std::filesystem::path stem = folder / named.name;
-    if (named.name == "reference") continue;  // the same for every result
-    SPOOL_TRY(write_png(stem.string() + ".png", labelled_picture(named.panel), overwrite, shared));
-    const Result<void> written =
-        write_exr(stem.string() + ".exr", named.data, {.overwrite = overwrite, .shared = shared});
+  const auto write = [&](const char* name, const ExrFile& file) -> Result<void> {
+    const Result<void> written = write_exr(folder / (std::string(name) + ".exr"), file, options);
     if (!written && written.error().code != ErrorCode::kData) return written;
     if (!written && all) all = written;
-  }
+    return {};
+  };
+  constexpr PixelType kFloat = PixelType::kFloat;
+  ExrFile estimate = exr_from_rgb(*images.estimate);
+  estimate.text_attributes = attributes.texts;
+  estimate.number_attributes = attributes.numbers;
+  SPOOL_TRY(write("estimate", estimate));
+  SPOOL_TRY(write("density", one_channel("n", PixelType::kUint, images.density)));
+  if (images.level) SPOOL_TRY(write("filter_size", one_channel("level", kFloat, *images.level)));
+  if (images.direction)
+    SPOOL_TRY(write("direction", one_channel("angle", kFloat, *images.direction)));
+  if (images.squared_error)
+    SPOOL_TRY(write("squared_error", one_channel("Y", kFloat, *images.squared_error)));
+  if (images.flip) SPOOL_TRY(write("flip", one_channel("flip", kFloat, *images.flip)));
   return all;
+}
+
+Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,
+                                   const PictureScale& scale, bool overwrite, bool shared) {
+  std::vector<NamedPanel> panels = panels_of(images, scale);
+  if (images.flip) panels.push_back(flip_panel(*images.flip));
+  for (const NamedPanel& named : panels) {
+    if (named.name == "reference") continue;  // the same for every result
+    SPOOL_TRY(write_png(folder / (named.name + ".png"), labelled_picture(named.panel), overwrite,
+                        shared));
+  }
+  return {};
 }
 
 }  // namespace spool::tools

@@ -1,5 +1,5 @@
-// Pictures of one result beside its numbers: density, filter size, direction, squared error, and a
-// contact sheet of them all.
+// Images of one result - estimate, density, filter size, direction, error maps - as numbers and as
+// pictures, and a contact sheet of them all.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 
 #include "lib/core/image.h"
 #include "lib/filters/filter.h"
+#include "lib/image_io/exr_types.h"
 #include "lib/image_io/picture.h"
 #include "lib/metrics/error_metrics.h"
 
@@ -22,23 +23,36 @@ struct PictureScale {
 
 // Error from the reference's mean luminance squared down to 1e-5 of it; density from 1 (or less,
 // where pieces went without) to `largest_count`, logarithmic.
-PictureScale picture_scale(const JudgingReference* reference, const RgbImage& estimate,
+PictureScale picture_scale(const RgbImage* reference, const RgbImage& estimate,
                            double largest_count);
 
 struct ResultImages {
   std::string title;
-  const Reconstruction* reconstruction = nullptr;
-  const CountImage* counts = nullptr;
-  const JudgingReference* reference = nullptr;  // may be null
+  const RgbImage* estimate = nullptr;
+  const RgbImage* reference = nullptr;                         // may be null
+  Plane density;                                               // samples of each piece
+  std::optional<Plane> level, direction, squared_error, flip;  // absent: no picture of it
 };
+
+// What was made, with its squared error where there is a reference (else null).
+ResultImages images_of(std::string title, const Reconstruction& made, const CountImage& counts,
+                       const JudgingReference* reference);
+
+// Adds the error maps that are absent, where there is a reference: the squared error, of which no
+// variance of the reference is taken off, and FLIP of both images at the exposure.
+void complete_maps(ResultImages& images, double exposure);
 
 // All pictures of a result on one sheet.
 Result<void> write_contact_sheet(const std::filesystem::path& path, const ResultImages& images,
                                  const PictureScale& scale, bool overwrite, bool shared = false);
 
-// In `folder`: estimate, density, filter_size, direction, squared_error and flip (the last four
-// where there are such; FLIP of both images at the scale's exposure), each as .png to look at and
-// .exr to compute with. kData names the first that cannot hold its numbers; the others are written.
+// In `folder`: estimate, density, filter_size, direction, squared_error and flip, those that there
+// are, as .exr to compute with; the estimate gets the attributes. kData names the first that cannot
+// hold its numbers; the others are written.
+Result<void> write_result_numbers(const std::filesystem::path& folder, const ResultImages& images,
+                                  const ExrAttributes& attributes, const ExrWriteOptions& options);
+
+// The same as .png to look at.
 Result<void> write_result_pictures(const std::filesystem::path& folder, const ResultImages& images,
                                    const PictureScale& scale, bool overwrite, bool shared = false);
 

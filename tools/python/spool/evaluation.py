@@ -28,7 +28,7 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
 
     `plan`: the path of a TOML file, or a dict of the same keys, in which "recordings" may be Dumps, Recordings and
     arrays, and "samplers" and "filters" functions made by @spool.sampler and @spool.filter. `output`: the folder of
-    the results, which the same call continues; without it they go with the Results, and no pictures are made of a dict.
+    the results, which the same call continues; without it they go with the Results, and no images are kept of a dict.
     `executor`: any concurrent.futures.Executor, whose workers find the recordings under the same paths: each task is a
     sampling run on one thread, the most expensive first; the same bits. `progress(share, done, of)` is called a few
     times a second, with an executor after each task.
