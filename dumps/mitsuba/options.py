@@ -69,7 +69,7 @@ def check(options):
     for path in names(options.out, options.recordings) if options.out and not options.force and not begun else ():
         if os.path.exists(path):
             raise usage_failure("%s: exists: choose another name or give --force" % path)
-        if os.path.lexists(path + ".partial") and not options.no_verify:
+        if os.path.lexists(path + ".partial"):
             raise usage_failure("%s.partial: exists, another recording runs or was cut: recover or remove it" % path)
     if options.channels is None:
         options.channels = ",".join(name for name in DEFAULT.split(",") if name != "film" or not options.half)
