@@ -45,6 +45,8 @@ def parse_options(arguments):
     parser.add_argument("--channels", default=",".join(DEFAULT), help=", ".join(CHANNELS))
     parser.add_argument("--substitute", action="append", default=[], metavar="NAME=FILE",
                         help="use FILE where the scene names the file NAME")
+    parser.add_argument("--packed", action="store_true",
+                        help="of dumps/record.sh: the passes are in a dump already, only compare scene and settings")
     parser.add_argument("--camera", help="name of the camera object")
     parser.add_argument("--frame", type=int, help="frame of the animation")
     parser.add_argument("--threads", type=int, default=0, help="(0: all)")

@@ -2,6 +2,7 @@
 import hashlib
 import json
 import os
+import shlex
 
 from failure import usage_failure
 
@@ -32,4 +33,6 @@ def group_meta(out, recordings, number, made_of):
 
 
 def next_step(paths):
+    """What to type, as a shell takes it."""
+    paths = [shlex.quote("./" + path if path.startswith("-") else path) for path in paths]
     return "next: spool evaluate %s --spp 4,8 --samplers uniform,multiscale --filters box,directional -o results" % " ".join(paths)
