@@ -69,7 +69,7 @@ Result<void> read_piece(const PassManifest& manifest, const PassEntry& entry, ui
     plain = std::move(stored);
     return {};
   }
-  const auto decoded = decode_payload(Codec::kZstd, Filter::kShuffle, stored, 4, plain);
+  const auto decoded = decode_payload(Codec::kZstd, Filter::kByteShuffle, stored, 4, plain);
   if (!decoded) return damaged(entry, decoded.error().what);
   return {};
 }
