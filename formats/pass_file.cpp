@@ -63,8 +63,7 @@ Result<void> read_piece(const PassManifest& manifest, const PassEntry& entry, ui
                         std::vector<std::byte>& plain) {
   plain.resize(plain_bytes(manifest, piece));
   std::vector<std::byte> stored(stored_bytes);
-  if (!stream.read(reinterpret_cast<char*>(stored.data()), stored_bytes))
-    return unreadable(entry);
+  if (!stream.read(reinterpret_cast<char*>(stored.data()), stored_bytes)) return unreadable(entry);
   if (stored.size() == plain.size()) {
     plain = std::move(stored);
     return {};
@@ -122,15 +121,15 @@ Result<void> read_pass_rows(const PassManifest& manifest, const PassEntry& entry
   std::vector<std::byte> plain;
   for (uint32_t piece = y0 / kPieceRows; piece * kPieceRows < y1; ++piece) {
     const size_t at = first + piece;
-    const auto before = std::accumulate(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(at),
-                                        uint64_t{4} * sizes.size());
+    const auto before = std::accumulate(
+        sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(at), uint64_t{4} * sizes.size());
     stream.seekg(static_cast<std::streamoff>(before));
     SPOOL_TRY(read_piece(manifest, entry, piece, sizes[at], stream, plain));
     const uint32_t top = piece * kPieceRows;
     const uint32_t begin = std::max(y0, top);
     const uint32_t end = std::min(y1, top + kPieceRows);
-    std::memcpy(values.data() + size_t{begin - y0} * manifest.width, plain.data() + (begin - top) * row,
-                (end - begin) * row);
+    std::memcpy(values.data() + size_t{begin - y0} * manifest.width,
+                plain.data() + (begin - top) * row, (end - begin) * row);
   }
   return {};
 }

@@ -1,8 +1,8 @@
 // One file of a folder of recorded passes, plain or packed: is it whole, and its values.
 //
-// Plain: float32 [channel][y][x]. Packed: the same in pieces of kPieceRows rows of one channel, each
-// shuffled and compressed by itself or, where that saves nothing, as it is; before them their sizes
-// in bytes, u32 [channel][piece].
+// Plain: float32 [channel][y][x]. Packed: the same in pieces of kPieceRows rows of one channel,
+// each shuffled and compressed by itself or, where that saves nothing, as it is; before them their
+// sizes in bytes, u32 [channel][piece].
 #pragma once
 
 #include <cstdint>

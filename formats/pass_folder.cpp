@@ -185,7 +185,8 @@ Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& p
   SampleWatch watch(header.width, header.height, header.spp, plan.film != 0);
   const uint32_t bands = (header.height + header.tile_size - 1) / header.tile_size;
   for (uint32_t band = 0; band < bands && plan.reference != 0; ++band) {
-    SPOOL_TRY(write_reference_band(manifest, plan, tiles_of_band(header, band), not_finite, writer));
+    SPOOL_TRY(
+        write_reference_band(manifest, plan, tiles_of_band(header, band), not_finite, writer));
   }
   if (remove_passes) remove_files(manifest.batches, true);
   // Block by block of samples, so that passes can go when they are in the file.

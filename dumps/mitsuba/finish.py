@@ -16,7 +16,7 @@ def finish(options, parts, numbers, reference):
     chunks, outs, done = parts.chunks, names(options.out, options.recordings), []
     chunks.save_numbers(numbers, [options.reference, options.auto])
     made_of = [parts.recordable.digest, options.seed, options.samples, options.reference, parts.mi.variant(), parts.mi.__version__]
-    for number, out in enumerate(outs):
+    for number in range(len(outs)):
         path = chunks.whole_name(number)
         group = group_meta(options.out, options.recordings, number, made_of)
         if not chunks.is_whole(number):

@@ -19,7 +19,7 @@ using format::Semantic;
 constexpr uint64_t kMostPixels = 16384;  // looked at, of a larger picture
 constexpr uint64_t kLeastVectors = 16, kManyVectors = 1000;
 constexpr uint64_t kLeastLevels = 32;  // of 256, that no light by chance has only
-constexpr double kFar = 1e9;  // what a renderer writes where nothing is hit
+constexpr double kFar = 1e9;           // what a renderer writes where nothing is hit
 constexpr double kTolerance = 0.05, kZero = 0.02;
 
 // Length of factor * v + offset.

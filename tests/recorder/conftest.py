@@ -55,7 +55,7 @@ class Folder:
 
 
 def pytest_collection_modifyitems(config, items):
-    config.wants_blender = [i for i in items if i.fspath.basename not in ("test_seeds.py", "test_tiny.py")]
+    config.wants_blender = [i for i in items if i.fspath.basename not in ("test_seeds.py", "test_packed_pass.py", "test_tiny.py")]
     if blender_missing():
         for item in config.wants_blender:
             item.add_marker(pytest.mark.skip(reason=blender_missing()))
