@@ -16,7 +16,10 @@ fail() { code=$1; shift; echo "record.sh: $*" >&2; exit "$code"; }
 usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p;}' "$0"; }
 
 [ $# -ge 1 ] || { usage >&2; exit 2; }
-case $1 in -h|--help) usage; exit 0 ;; -*) fail 2 "the first argument is a scene or a .blend file, not $1" ;; esac
+case $1 in
+  -h|--help) usage; exit 0 ;;
+  -*) fail 2 "the first argument is a scene or a .blend file, not $1 (if that is its name, write ./$1)" ;;
+esac
 scene=$1; shift
 out=; keep=; pack=; force=; dry=; verify=yes; recordings=1
 count=$#
@@ -35,6 +38,7 @@ while [ "$count" -gt 0 ]; do
     *) set -- "$@" "$argument" ;;
   esac
 done
+case $out in -*) out=./$out ;; esac
 [ -n "$out$dry" ] || fail 2 "no file for the dump: give -o FILE.spool"
 case $scene in *.blend) set -- --blend "$scene" "$@" ;; *) set -- --scene "$scene" "$@" ;; esac
 passes=$out.passes
@@ -61,13 +65,17 @@ refuse_existing() {
   done
 }
 refuse_existing
-# packed, and stopped before it was tested: the same command goes on from there, another one renders what it lacks
+folder_of() { if [ "$recordings" = 1 ]; then echo "$passes"; else echo "$passes/recording_$1"; fi; }
+# Packed, and stopped before all were tested: the same command goes on from there, another one renders what it lacks.
 wish="$recordings $pack $*"
 packed=
 if [ -e "$passes/packed" ]; then
-  if [ "$(cat "$passes/packed")" = "$wish" ]; then packed=--packed; else rm -f "$passes/packed"; fi
+  [ "$(cat "$passes/packed")" != "$wish" ] || packed=--packed
+  for number in $(seq "$recordings"); do
+    [ -e "$(folder_of "$number")/whole.spool" ] || { [ -e "$passes/named" ] && [ -e "$(name_of "$number")" ]; } || packed=
+  done
+  if [ -n "$packed" ]; then set -- "$@" "$packed"; else rm -f "$passes/packed" "$passes"/whole.spool; fi
 fi
-[ -z "$packed" ] || set -- "$@" "$packed"
 
 blender=${BLENDER:-blender}
 program=$(command -v "$blender") || fail 3 "$blender is not installed: apt-get install blender python3-numpy python3-zstandard, or set BLENDER"
@@ -83,16 +91,15 @@ checker=; code=0
 for python in ${verify:+python3 /usr/bin/python3}; do
   if "$python" -c 'import numpy, zstandard' 2>/dev/null; then checker=$python; break; fi
 done
-folder_of() { if [ "$recordings" = 1 ]; then echo "$passes"; else echo "$passes/recording_$1"; fi; }
 if [ -z "$packed" ]; then
   [ "$recordings" = 1 ] || python3 "$here/cycles/split.py" "$passes" "$recordings" "$out"
   remove=--remove-passes; [ -z "$keep" ] || remove=
+  printf '%s\n' "$wish" > "$passes/packed"
   for number in $(seq "$recordings"); do
     from=$(folder_of "$number")
     # shellcheck disable=SC2086
     "$spool" pack "$from" -o "$from/whole.spool" --force $pack $remove
   done
-  printf '%s\n' "$wish" > "$passes/packed"
 fi
 # dump -> tested, under its name
 finish() {
@@ -110,7 +117,6 @@ finish() {
 }
 # as a shell takes it
 quoted() {
-  case $1 in -*) set -- "./$1" ;; esac
   case $1 in *[!A-Za-z0-9_./-]*) printf "'%s'" "$(printf '%s' "$1" | sed "s/'/'\\\\''/g")" ;; *) printf '%s' "$1" ;; esac
 }
 refuse_existing

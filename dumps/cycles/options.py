@@ -6,6 +6,7 @@ from command_line import Parser, pairs
 from failure import usage_failure
 from passes import CHANNELS, DEFAULT
 from recordings import check as check_recordings
+from recordings import check_name
 from reference_need import parse_reference
 
 MODES = {
@@ -78,6 +79,8 @@ def check_options(options):
     if options.first + options.samples > LARGEST:
         raise usage_failure("--first + --samples is more than %d" % LARGEST)
     check_recordings(options.recordings, options.samples)
+    for name in (options.scene, options.blend, options.out):
+        check_name(name)
     if options.mode == "sequence" and options.recordings > 1:
         raise usage_failure("--recordings: the samples of a sequence belong together: use another --mode")
     if options.mode == "sequence" and options.first:

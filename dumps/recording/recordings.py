@@ -9,6 +9,12 @@ from failure import usage_failure
 MOST = 64
 
 
+def check_name(path):
+    """Of a scene or a recording: it goes into lines of output and of JSON."""
+    if any(ord(c) < 32 or ord(c) == 127 or 0xD800 <= ord(c) < 0xE000 for c in path or ""):
+        raise usage_failure("%s: the name has a control character or is no UTF-8: rename it" % path)
+
+
 def check(recordings, samples):
     if not 1 <= recordings <= MOST:
         raise usage_failure("--recordings %d is outside 1 .. %d" % (recordings, MOST))

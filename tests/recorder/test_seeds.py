@@ -122,3 +122,20 @@ def test_help_names_the_exit_codes(capsys):
     with pytest.raises(SystemExit):
         options.parse_options(["--help"])
     assert "3 Blender or the system refused" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("name", ["new\nline", "bad\udcffutf", "bell\a"])
+def test_a_name_that_no_line_holds_is_refused_before_anything_renders(name):
+    for arguments in (["--scene", name, "-o", "folder"], ["--blend", name + ".blend", "-o", "folder"], ["-o", name]):
+        with pytest.raises(Failure) as caught:
+            options.parse_options(arguments)
+        assert caught.value.code == 2 and "rename it" in str(caught.value) and str(caught.value).isprintable()
+
+
+def test_what_to_type_next_is_as_a_shell_takes_it():
+    import shlex
+
+    import recordings
+    names = ["-lead.spool", "it's \"q\".spool", "a$(touch b).spool", "größe.spool"]
+    words = shlex.split(recordings.next_step(names))
+    assert words[3:7] == ["./-lead.spool", *names[1:]]
