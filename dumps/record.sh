@@ -4,8 +4,9 @@
 # NAME is a script of dumps/scenes. Further options go to dumps/cycles/record.py (--mode, --seed, --channels ...).
 # --recordings 4 makes four recordings of a quarter of the samples each, FILE_1.spool ..., which share the reference and are judged as a group by
 # `spool evaluate FILE_*.spool`. --compress goes to `spool pack`. dumps/verify tests the samples and keeps what it found in the dump (`spool info`
-# shows it); --no-verify leaves that out. The passes lie in FILE.spool.passes until the dump is whole and tested, so an
-# interrupted run continues; --keep leaves them there. --force replaces a file of that name.
+# shows it); --no-verify leaves that out. The passes lie in FILE.spool.passes, and each goes when the dump takes it, so that the disk holds no
+# sample twice: an interrupted run continues, and one that was killed while it packed renders those again. --keep leaves them there. --force
+# replaces a file of that name.
 # BLENDER names the Blender to use, or a Python with the module bpy; SPOOL the program.
 # Exit codes: 0 done, 1 the scene cannot be recorded or its samples fail verification, 2 wrong use, 3 Blender or the system refused, 4 damage.
 set -eu
@@ -15,7 +16,10 @@ fail() { code=$1; shift; echo "record.sh: $*" >&2; exit "$code"; }
 usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p;}' "$0"; }
 
 [ $# -ge 1 ] || { usage >&2; exit 2; }
-case $1 in -h|--help) usage; exit 0 ;; -*) fail 2 "the first argument is a scene or a .blend file, not $1" ;; esac
+case $1 in
+  -h|--help) usage; exit 0 ;;
+  -*) fail 2 "the first argument is a scene or a .blend file, not $1 (if that is its name, write ./$1)" ;;
+esac
 scene=$1; shift
 out=; keep=; pack=; force=; dry=; verify=yes; recordings=1
 count=$#
@@ -34,6 +38,7 @@ while [ "$count" -gt 0 ]; do
     *) set -- "$@" "$argument" ;;
   esac
 done
+case $out in -*) out=./$out ;; esac
 [ -n "$out$dry" ] || fail 2 "no file for the dump: give -o FILE.spool"
 case $scene in *.blend) set -- --blend "$scene" "$@" ;; *) set -- --scene "$scene" "$@" ;; esac
 passes=$out.passes
@@ -60,6 +65,17 @@ refuse_existing() {
   done
 }
 refuse_existing
+folder_of() { if [ "$recordings" = 1 ]; then echo "$passes"; else echo "$passes/recording_$1"; fi; }
+# Packed, and stopped before all were tested: the same command goes on from there, another one renders what it lacks.
+wish="$recordings $pack $*"
+packed=
+if [ -e "$passes/packed" ]; then
+  [ "$(cat "$passes/packed")" != "$wish" ] || packed=--packed
+  for number in $(seq "$recordings"); do
+    [ -e "$(folder_of "$number")/whole.spool" ] || { [ -e "$passes/named" ] && [ -e "$(name_of "$number")" ]; } || packed=
+  done
+  if [ -n "$packed" ]; then set -- "$@" "$packed"; else rm -f "$passes/packed" "$passes"/whole.spool; fi
+fi
 
 blender=${BLENDER:-blender}
 program=$(command -v "$blender") || fail 3 "$blender is not installed: apt-get install blender python3-numpy python3-zstandard, or set BLENDER"
@@ -70,36 +86,47 @@ case $(basename "$program") in
   *) "$program" -b --factory-startup -P "$record" --python-exit-code 3 -- "$@" ;;
 esac
 [ -z "$dry" ] || exit 0
-# A dump gets its name when its samples were tested: the passes lie there until then, and the same command goes on.
+# A dump gets its name when its samples were tested.
 checker=; code=0
 for python in ${verify:+python3 /usr/bin/python3}; do
   if "$python" -c 'import numpy, zstandard' 2>/dev/null; then checker=$python; break; fi
 done
-[ "$recordings" = 1 ] || python3 "$here/cycles/split.py" "$passes" "$recordings" "$out"
-# passes of one recording -> its dump, tested
-finish() {
-  from=$1; to=$2; result=0
-  if [ -z "$checker" ]; then
+if [ -z "$packed" ]; then
+  [ "$recordings" = 1 ] || python3 "$here/cycles/split.py" "$passes" "$recordings" "$out"
+  remove=--remove-passes; [ -z "$keep" ] || remove=
+  printf '%s\n' "$wish" > "$passes/packed"
+  for number in $(seq "$recordings"); do
+    from=$(folder_of "$number")
     # shellcheck disable=SC2086
-    "$spool" pack "$from" -o "$to" --force $pack
+    "$spool" pack "$from" -o "$from/whole.spool" --force $pack $remove
+  done
+fi
+# dump -> tested, under its name
+finish() {
+  whole=$1; to=$2; result=0
+  [ -e "$whole" ] || return 0    # a run that was stopped has named it
+  if [ -z "$checker" ]; then
+    mv -f "$whole" "$to"
     [ -z "$verify" ] ||
       echo "record.sh: $to is not verified: apt-get install python3-numpy python3-zstandard, then dumps/verify/verify.py $to --write" >&2
     return
   fi
-  # shellcheck disable=SC2086
-  "$spool" pack "$from" -o "$from/whole.spool" --force $pack
-  "$checker" "$here/verify/verify.py" "$from/whole.spool" --move-to "$to" --quiet --force || result=$?
+  "$checker" "$here/verify/verify.py" "$whole" --move-to "$to" --quiet --force || result=$?
   [ "$result" -le 1 ] || exit "$result"
   [ "$result" = 0 ] || { code=1; echo "record.sh: $to is whole, but its samples are not what they should be: see above" >&2; }
+}
+# as a shell takes it
+quoted() {
+  case $1 in *[!A-Za-z0-9_./-]*) printf "'%s'" "$(printf '%s' "$1" | sed "s/'/'\\\\''/g")" ;; *) printf '%s' "$1" ;; esac
 }
 refuse_existing
 : > "$passes/named"
 dumps=
 for number in $(seq "$recordings"); do
-  from=$passes; [ "$recordings" = 1 ] || from=$passes/recording_$number
-  finish "$from" "$(name_of "$number")"
-  dumps="$dumps $(name_of "$number")"
+  to=$(name_of "$number")
+  finish "$(folder_of "$number")/whole.spool" "$to"
+  dumps="$dumps $(quoted "$to")"
 done
 [ "$code" != 0 ] || echo "next: spool evaluate$dumps --spp 4,8 --samplers uniform,multiscale --filters box,directional -o results"
-if [ -n "$keep" ]; then rm -rf "$passes/named" "$passes"/recording_*; else rm -rf "$passes"; fi
+if [ -n "$keep" ]; then rm -rf "$passes/named" "$passes/packed" "$passes"/recording_*; else rm -rf "$passes"; fi
 exit "$code"

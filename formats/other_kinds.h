@@ -16,8 +16,9 @@ std::string_view kind_of(std::span<const std::byte> start);
 
 // kDamage where there is nothing; kData where the file is of another known kind than `wanted`,
 // which is spelt as in the table or is not in it: "FILE: is an HDF5 file, a zip archive is needed:
-// REMEDY".
+// REMEDY". `of_pictures`: the remedy for pictures, where it is another one.
 Result<void> refuse_other_kind(const std::string& name, std::span<const std::byte> start,
-                               std::string_view wanted, std::string_view remedy);
+                               std::string_view wanted, std::string_view remedy,
+                               std::string_view of_pictures = {});
 
 }  // namespace spool::format

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "formats/pass_file.h"
 #include "formats/pass_plan.h"
 #include "formats/pass_recording.h"
 #include "formats/sample_watch.h"
@@ -60,6 +61,7 @@ Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
                         SampleWatch& watch, uint64_t& not_finite, SpoolWriter& writer) {
   const uint32_t y0 = tiles.front().y0;
   const uint32_t y1 = y0 + tiles.front().height;
+  const auto planes = static_cast<uint32_t>(manifest.channels.size());
   std::vector<float> rows(size_t{manifest.width} * (y1 - y0));
   for (const SampleGroup& group : plan.groups) {
     std::vector<std::vector<std::byte>> blocks;
@@ -69,7 +71,7 @@ Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
     for (uint32_t s = 0; s < count; ++s) {
       const PassEntry& entry = manifest.passes[begin + s];
       for (size_t c = 0; c < group.planes.size(); ++c) {
-        SPOOL_TRY(read_pass_rows(manifest, entry, group.planes[c], y0, y1, rows));
+        SPOOL_TRY(read_pass_rows(manifest, entry, planes, group.planes[c], y0, y1, rows));
         SPOOL_TRY(scatter(manifest, entry, group.planes[c], rows, manifest.width, group.type, c, s,
                           count, tiles, blocks, not_finite));
       }
@@ -115,7 +117,7 @@ Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& 
   for (const PassEntry& batch : manifest.batches) {
     count += 1.0;
     for (uint32_t c = 0; c < 3; ++c) {
-      SPOOL_TRY(read_pass_rows(manifest, batch, c, y0, y1, rows));
+      SPOOL_TRY(read_pass_rows(manifest, batch, 3, c, y0, y1, rows));
       for (size_t i = 0; i < plane; ++i) {
         const double delta = rows[i] - mean[c * plane + i];
         mean[c * plane + i] += delta / count;
@@ -143,6 +145,16 @@ Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& 
   return {};
 }
 
+// A link goes with what it stands for, except where other recordings share it.
+void remove_files(std::span<const PassEntry> entries, bool shared) {
+  std::error_code code;
+  for (const PassEntry& entry : entries) {
+    const std::filesystem::path real = std::filesystem::canonical(entry.file, code);
+    if (!code && !shared) std::filesystem::remove(real, code);
+    std::filesystem::remove(entry.file, code);
+  }
+}
+
 // What contradicts the order that the recording claims, where it claims less; kData where it does
 // not.
 Result<std::string> judge(const SampleWatch& watch, const PassManifest& manifest,
@@ -156,7 +168,7 @@ Result<std::string> judge(const SampleWatch& watch, const PassManifest& manifest
 
 // Returns remarks on the samples, or nothing.
 Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& plan,
-                               SpoolWriter& writer) {
+                               bool remove_passes, SpoolWriter& writer) {
   const PassManifest& manifest = recording.manifest;
   const DumpHeader& header = plan.header;
   SPOOL_TRY(writer.write_meta(recording_meta(recording)));
@@ -172,14 +184,19 @@ Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& p
   uint64_t not_finite = 0;
   SampleWatch watch(header.width, header.height, header.spp, plan.film != 0);
   const uint32_t bands = (header.height + header.tile_size - 1) / header.tile_size;
-  for (uint32_t band = 0; band < bands; ++band) {
-    const std::vector<Tile> tiles = tiles_of_band(header, band);
-    for (uint32_t begin = 0; begin < header.spp; begin += header.block_spp) {
-      const uint32_t count = std::min(header.block_spp, header.spp - begin);
-      SPOOL_TRY(write_band(manifest, plan, tiles, begin, count, watch, not_finite, writer));
+  for (uint32_t band = 0; band < bands && plan.reference != 0; ++band) {
+    SPOOL_TRY(
+        write_reference_band(manifest, plan, tiles_of_band(header, band), not_finite, writer));
+  }
+  if (remove_passes) remove_files(manifest.batches, true);
+  // Block by block of samples, so that passes can go when they are in the file.
+  for (uint32_t begin = 0; begin < header.spp; begin += header.block_spp) {
+    const uint32_t count = std::min(header.block_spp, header.spp - begin);
+    for (uint32_t band = 0; band < bands; ++band) {
+      SPOOL_TRY(write_band(manifest, plan, tiles_of_band(header, band), begin, count, watch,
+                           not_finite, writer));
     }
-    if (plan.reference != 0)
-      SPOOL_TRY(write_reference_band(manifest, plan, tiles, not_finite, writer));
+    if (remove_passes) remove_files(std::span(manifest.passes).subspan(begin, count), false);
   }
   SPOOL_ASSIGN(std::string remark, judge(watch, manifest, header.sample_order));
   SPOOL_TRY(writer.finish());
@@ -218,7 +235,7 @@ Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders
   // A recording of half the samples is no use where the passes are still at hand.
   writer_options.discard_unfinished = true;
   SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, plan.header, writer_options));
-  SPOOL_ASSIGN(std::string remark, write_dump(recording, plan, writer));
+  SPOOL_ASSIGN(std::string remark, write_dump(recording, plan, options.remove_passes, writer));
   PackReport report = report_of(recording, plan.header, out);
   report.remark = std::move(remark);
   return report;

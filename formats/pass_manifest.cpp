@@ -10,8 +10,6 @@
 #include <map>
 #include <set>
 
-#include <zlib.h>
-
 #include "formats/bounded_json.h"
 
 namespace spool::format {
@@ -156,6 +154,8 @@ bool take_entry(const json& line, const fs::path& folder, std::string& kind, Pas
       !take_film(line, entry)) {
     return false;
   }
+  if (line.contains("codec") && line["codec"] != "zstd-shuffle") return false;
+  entry.packed = line.contains("codec");
   if (!take_seconds(line, "seconds", entry.seconds) ||
       !take_seconds(line, "cpu_seconds", entry.cpu_seconds)) {
     return false;
@@ -232,53 +232,6 @@ Result<PassManifest> read_pass_manifest(const std::filesystem::path& folder) {
 
 std::string recording_difference(const std::string& there, const std::string& here) {
   return difference(parse_json(there), parse_json(here), "");
-}
-
-Result<void> verify_pass_file(const PassManifest& manifest, const PassEntry& entry,
-                              uint32_t channels) {
-  const std::string name = entry.file.string();
-  const uintmax_t expected = uintmax_t{4} * channels * manifest.width * manifest.height;
-  std::error_code code;
-  const uintmax_t size = fs::file_size(entry.file, code);
-  if (code) {
-    return fail(ErrorCode::kDamage, "{}: {}: run the recorder again, it renders what is missing",
-                name, code.message());
-  }
-  if (size != expected) {
-    return fail(ErrorCode::kDamage,
-                "{}: {} bytes instead of {} ({} planes of {}x{}): run the recorder again", name,
-                size, expected, channels, manifest.width, manifest.height);
-  }
-  std::ifstream stream(entry.file, std::ios::binary);
-  std::vector<char> buffer(size_t{1} << 20);
-  uLong crc = ::crc32(0, nullptr, 0);
-  for (uintmax_t left = expected; left > 0;) {
-    const auto count = static_cast<std::streamsize>(std::min<uintmax_t>(left, buffer.size()));
-    if (!stream.read(buffer.data(), count)) {
-      return fail(ErrorCode::kIo, "{}: cannot be read", name);
-    }
-    crc = ::crc32(crc, reinterpret_cast<const Bytef*>(buffer.data()), static_cast<uInt>(count));
-    left -= static_cast<uintmax_t>(count);
-  }
-  if (crc != entry.crc32) {
-    return fail(ErrorCode::kDamage,
-                "{}: damaged (CRC-32 {:08x} instead of {:08x}): run the recorder "
-                "again, it renders the pass anew",
-                name, crc, entry.crc32);
-  }
-  return {};
-}
-
-Result<void> read_pass_rows(const PassManifest& manifest, const PassEntry& entry, uint32_t channel,
-                            uint32_t y0, uint32_t y1, std::span<float> values) {
-  std::ifstream stream(entry.file, std::ios::binary);
-  const uint64_t row = uint64_t{4} * manifest.width;
-  stream.seekg(static_cast<std::streamoff>((uint64_t{channel} * manifest.height + y0) * row));
-  if (!stream.read(reinterpret_cast<char*>(values.data()),
-                   static_cast<std::streamsize>(row * (y1 - y0)))) {
-    return fail(ErrorCode::kIo, "{}: cannot be read", entry.file.string());
-  }
-  return {};
 }
 
 }  // namespace spool::format

@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +26,7 @@ struct PassEntry {
   std::filesystem::path file;
   uint64_t index = 0;
   uint32_t crc32 = 0;
+  bool packed = false;  // pieces compressed one by one (formats/pass_file.h)
   uint32_t seed = 0;
   uint64_t sample_index = 0;  // place in the sequence of its seed
   uint64_t samples = 1;       // samples averaged in the file: 1 in the pool
@@ -57,13 +57,5 @@ Result<PassManifest> read_pass_manifest(const std::filesystem::path& folder);
 // The first key whose value differs, as "KEY: A there, B here"; empty if all agree. `seed` may
 // differ.
 std::string recording_difference(const std::string& there, const std::string& here);
-
-// Size and CRC-32 of a pass file of `channels` planes; kDamage where they do not match.
-Result<void> verify_pass_file(const PassManifest& manifest, const PassEntry& entry,
-                              uint32_t channels);
-
-// Rows [y0, y1) of plane `channel` into `values`, float32 [y][x].
-Result<void> read_pass_rows(const PassManifest& manifest, const PassEntry& entry, uint32_t channel,
-                            uint32_t y0, uint32_t y1, std::span<float> values);
 
 }  // namespace spool::format

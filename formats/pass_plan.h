@@ -14,7 +14,9 @@ namespace spool::format {
 
 struct PackOptions {
   bool compress = false;
-  bool force = false;         // replace the target
+  bool force = false;  // replace the target
+  bool remove_passes =
+      false;  // each when the recording has taken it: the disk holds no sample twice
   bool radiance_f16 = false;  // f32 by default: fireflies pass 65504, and rounding adds variance
   bool features_f32 = false;  // f16 by default, where the recorder says that f16 is enough
   uint32_t tile_size = 64;

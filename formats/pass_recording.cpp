@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "formats/bounded_json.h"
+#include "formats/pass_file.h"
 
 namespace spool::format {
 

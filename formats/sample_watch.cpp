@@ -194,6 +194,32 @@ std::string SampleWatch::running_mean() const {
   return "each image differs less from the one before it: they are running means or sums";
 }
 
+// Images in no order are no more like the next one than like any other. By ranks, so that fireflies
+// do not decide; sums that go together count as fewer.
+std::string SampleWatch::moving_mean() const {
+  if (spp_ < kLeastImages) return {};
+  std::vector<std::vector<double>> ranks;
+  for (size_t j = 0; j < kSums; ++j) {
+    std::vector<double> sums(spp_);
+    for (uint32_t s = 0; s < spp_; ++s)
+      sums[s] = sums_[s][j];
+    ranks.push_back(unit_ranks(sums));
+  }
+  double next = 0, together = 0;
+  for (const std::vector<double>& a : ranks) {
+    next += std::inner_product(a.begin(), a.end() - 1, a.begin() + 1, 0.0);
+    for (const std::vector<double>& b : ranks) {
+      const double dot = std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+      together += dot * dot;
+    }
+  }
+  const double correlation = next / kSums + 1.0 / spp_;
+  const double independent = kSums * kSums / std::max(together, 1.0);
+  return correlation * std::sqrt(spp_ * independent) > kSurely
+             ? "each image is like the one before it: they are moving means, or one path goes on"
+             : "";
+}
+
 std::string SampleWatch::trend() const {
   if (spp_ < kLeastImages) return {};
   const double brighter = order_score(light_);
@@ -234,7 +260,7 @@ std::string SampleWatch::stopped() const {
 
 std::string SampleWatch::objection() const {
   if (spp_ < 2 || courses_.empty()) return {};
-  for (std::string found : {stopped(), repeated(), running_mean(), trend()})
+  for (std::string found : {stopped(), repeated(), running_mean(), trend(), moving_mean()})
     if (!found.empty()) return found;
   return {};
 }

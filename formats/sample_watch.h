@@ -55,6 +55,7 @@ class SampleWatch {
   std::string repeated() const;
   std::string running_mean() const;
   std::string trend() const;
+  std::string moving_mean() const;
   std::string stopped() const;
 
   uint32_t width_ = 0, spp_ = 0, stride_ = 1;

@@ -6,6 +6,7 @@ from command_line import Parser, pairs
 from failure import usage_failure
 from passes import CHANNELS, DEFAULT
 from recordings import check as check_recordings
+from recordings import check_name
 from reference_need import parse_reference
 
 MODES = {
@@ -45,6 +46,8 @@ def parse_options(arguments):
     parser.add_argument("--channels", default=",".join(DEFAULT), help=", ".join(CHANNELS))
     parser.add_argument("--substitute", action="append", default=[], metavar="NAME=FILE",
                         help="use FILE where the scene names the file NAME")
+    parser.add_argument("--packed", action="store_true",
+                        help="of dumps/record.sh: the passes are in a dump already, only compare scene and settings")
     parser.add_argument("--camera", help="name of the camera object")
     parser.add_argument("--frame", type=int, help="frame of the animation")
     parser.add_argument("--threads", type=int, default=0, help="(0: all)")
@@ -76,6 +79,8 @@ def check_options(options):
     if options.first + options.samples > LARGEST:
         raise usage_failure("--first + --samples is more than %d" % LARGEST)
     check_recordings(options.recordings, options.samples)
+    for name in (options.scene, options.blend, options.out):
+        check_name(name)
     if options.mode == "sequence" and options.recordings > 1:
         raise usage_failure("--recordings: the samples of a sequence belong together: use another --mode")
     if options.mode == "sequence" and options.first:

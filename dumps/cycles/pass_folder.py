@@ -13,6 +13,7 @@ try:
 except ImportError:                        # not on this system: two recorders at once go unnoticed
     fcntl = None
 
+import packed_pass
 from failure import Failure, io_failure, usage_failure
 
 # a full disk, a full quota, a limit on the size of files
@@ -26,6 +27,7 @@ class PassFolder:
 
     def __init__(self, path, recording):
         self.path = path
+        self.size = recording["width"], recording["height"]
         self.entries = {kind: {} for kind in FILES}
         try:
             os.makedirs(path, exist_ok=True)
@@ -47,8 +49,11 @@ class PassFolder:
             raise io_failure("%s: %s%s" % (self._name("passes.jsonl"), error.strerror, hint_of(error)))
         self.entries[kind][index] = line
 
-    def name_of(self, kind, index):
-        return self._name(self.entries[kind][index]["file"])
+    def batch(self, index):
+        """float32 [channel][y][x] of a batch of the reference."""
+        line = self.entries["reference"][index]
+        with open(self._name(line["file"]), "rb") as stream:
+            return packed_pass.unpack(stream.read(), line, *self.size, planes=3)
 
     def replace(self, kind, files, names):
         """files: [(data, entry)], in the place of all of this kind; names: with a %d, of no file that is there."""
@@ -61,6 +66,7 @@ class PassFolder:
 
     def _write_file(self, kind, index, name, data, entry):
         """Returns its line for the log."""
+        data, codec = packed_pass.pack(data, *self.size)
         temporary = self._name(name + ".partial")
         try:
             _write_synced(temporary, "wb", data)
@@ -69,7 +75,7 @@ class PassFolder:
             if os.path.exists(temporary):
                 os.remove(temporary)
             raise io_failure("%s: %s%s" % (self._name(name), error.strerror, hint_of(error)))
-        return dict(kind=kind, index=index, file=name, crc32=zlib.crc32(data), **entry)
+        return dict(kind=kind, index=index, file=name, crc32=zlib.crc32(data), **codec, **entry)
 
     def remove(self, kind, indices):
         """Takes passes out: the log first, in one step, so that a kill in between leaves files without a line."""

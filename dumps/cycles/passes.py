@@ -3,6 +3,7 @@
 A plane is an array of float32, row-major, top row first. Render passes arrive as flat arrays,
 components interleaved, bottom row first, as the engine keeps them.
 """
+import struct
 from array import array
 
 try:
@@ -13,6 +14,7 @@ except ImportError:        # Blender runs without it: the same values, ten times
 from failure import io_failure, usage_failure
 
 NOTHING = 1e9          # Cycles writes 1e10 as the depth of rays that hit nothing; a recording holds 0
+LARGEST_HALF = 65504.0
 
 
 class Channel:
@@ -173,8 +175,21 @@ def planes_of(plan, rendered, width, height, mist_depth):
             if len(plane) != width * height:
                 raise io_failure("channel '%s' came with %d values instead of %d" %
                                  (name, len(plane), width * height))
-            out.append(flip_rows(plane, width, height))
+            out.append(flip_rows(to_half(plane) if channel.dtype == "f16" else plane, width, height))
     return b"".join(out)
+
+
+def to_half(plane):
+    """Rounded as the recording will be, so that a packed pass is hardly larger; as it is where a value is too large for that."""
+    if numpy:
+        values = numpy.frombuffer(plane, "f4")
+        if (numpy.abs(values[numpy.isfinite(values)]) > LARGEST_HALF).any():
+            return plane
+        return array("f", values.astype("f2").astype("f4").tobytes())
+    try:
+        return array("f", struct.unpack("%de" % len(plane), struct.pack("%de" % len(plane), *plane)))
+    except OverflowError:
+        return plane
 
 
 def _find(rendered, source):

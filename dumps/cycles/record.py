@@ -150,6 +150,8 @@ class Stop:
 
 def record(recorder, options, stop):
     folder = PassFolder(options.out, recorder.recording())
+    if options.packed:
+        return "%s: packed, nothing is rendered" % options.out
     start = time.monotonic()
     if not options.auto:
         go_on_with_batches(folder, recorder, options.reference)

@@ -45,8 +45,7 @@ def record_until_it_suffices(folder, recorder, options, stopped):
 
 
 def _image(folder, index):
-    with open(folder.name_of("reference", index), "rb") as stream:
-        return numpy.frombuffer(stream.read(), "<f4").astype(numpy.float64)
+    return numpy.frombuffer(folder.batch(index), "<f4").astype(numpy.float64)
 
 
 def _judged(folder, recorder, samples, size):

@@ -1,7 +1,8 @@
 """The folder of an unfinished recording: what was asked for, the chunks that are whole, the reference so far.
 
-A chunk is some samples of every pixel. It is written under another name, flushed and renamed, so that a
-run killed at any moment loses the chunk it was rendering and nothing else.
+A chunk is some samples of every pixel, each layer compressed as a block of a file is, [c][y][x][s]: the disk holds about as much as the
+file will. It is written under another name, flushed and renamed, so that a run killed at any moment loses the chunk it was rendering and
+nothing else.
 """
 import fcntl
 import json
@@ -9,10 +10,16 @@ import os
 import shutil
 import zipfile
 import zlib
+from math import prod
 
 import numpy as np
 
 from failure import io_failure, usage_failure
+from spool import SpoolError, chunk_codec
+from spool.record_layout import FILTER_SHUFFLE
+
+FORMAT = 2         # of a chunk; recordings begun with another one cannot go on
+SHAPE = ".shape"   # behind a layer's name: an empty array [0][c][y][x][s] of its type
 
 
 class Chunks:
@@ -60,7 +67,7 @@ class Chunks:
         return os.path.exists(self.whole_name(number))
 
     def forget(self, indices):
-        """They are in the file now: the disk holds no sample twice. A run that is stopped before it is whole traces them again."""
+        """They go into the file now: the disk holds no sample twice. A run that is stopped before it is whole traces them again."""
         for index in indices:
             os.remove(self._name(index))
 
@@ -82,24 +89,42 @@ class Chunks:
         os.remove(path)
         return None
 
-    def save(self, index, arrays, seconds):
+    def save(self, index, marks, layers, seconds):
+        """marks: of shared_numbers; layers: {name: [y][x][s][c]}."""
+        stored = {}
+        for name, array in layers.items():
+            planes = np.ascontiguousarray(array.transpose(3, 0, 1, 2))
+            packed = chunk_codec.compress(planes.tobytes(), planes.itemsize)[2]
+            stored[name] = np.frombuffer(packed, np.uint8)
+            stored[name + SHAPE] = np.empty((0, *planes.shape), planes.dtype)
         self._save(os.path.basename(self._name(index)),
-                   lambda stream: np.savez(stream, seconds=np.float64(seconds), **arrays))
+                   lambda stream: np.savez(stream, seconds=np.float64(seconds), marks=marks, **stored))
 
-    def load(self, index):
-        """(arrays, seconds)"""
-        arrays = self._read(self._name(index))
-        return arrays, float(arrays.pop("seconds"))
+    def layers(self, index, names):
+        """{name: [y][x][s][c]}"""
+        path, found = self._name(index), {}
+        stored = self._read(path, *names, *(name + SHAPE for name in names))
+        for name in names:
+            (_, *shape), dtype, raw = stored[name + SHAPE].shape, stored[name + SHAPE].dtype, stored[name].tobytes()
+            size = prod(shape) * dtype.itemsize
+            try:
+                raw = raw if len(raw) == size else chunk_codec.decompress(raw, size, FILTER_SHUFFLE, dtype.itemsize)
+            except SpoolError as error:
+                raise self._damaged(path, error)
+            found[name] = np.frombuffer(raw, dtype).reshape(shape).transpose(1, 2, 3, 0)
+        return found
 
-    def part(self, index, name):
-        """One array of a chunk."""
-        return self._read(self._name(index), name)[name]
+    def seconds(self, index):
+        return float(self._read(self._name(index), "seconds")["seconds"])
+
+    def marks(self, index):
+        return self._read(self._name(index), "marks")["marks"]
 
     def largest(self, indices):
         """The largest finite magnitude of their radiance."""
         found = 0.0
         for index in indices:
-            radiance = self.part(index, "radiance")
+            radiance = self.layers(index, ["radiance"])["radiance"]
             found = max(found, float(np.abs(radiance, where=np.isfinite(radiance), out=np.zeros_like(radiance)).max()))
         return found
 
@@ -111,22 +136,6 @@ class Chunks:
         if not os.path.exists(path):
             return None
         return self._read(path)
-
-    def own(self, path):
-        return os.path.dirname(path) == self.folder
-
-    def claim(self, path):
-        """Before this file is written: what lies under its partial name is of this recording from now on, and a run that was
-        stopped while it wrote the file has left it. What lay there before belongs to somebody else; the writer refuses it."""
-        mark, partial = os.path.join(self.folder, "file_begun"), path + ".partial"
-        try:
-            if not os.path.exists(mark) and not self.own(path):
-                if not os.path.lexists(partial):
-                    open(mark, "w").close()
-            elif os.path.lexists(partial):
-                os.remove(partial)
-        except OSError as error:
-            raise io_failure("%s: %s" % (error.filename, error.strerror))
 
     def mark_named(self):
         """The files of this recording get their names from now on: a run that is stopped then may replace those that have one."""
@@ -144,7 +153,10 @@ class Chunks:
             with np.load(path) as stored:
                 return {name: stored[name] for name in names or stored.files}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            raise io_failure("%s: damaged (%s): remove it and run the same command again" % (path, str(error).split("\n")[0]))
+            raise self._damaged(path, error)
+
+    def _damaged(self, path, error):
+        return io_failure("%s: damaged (%s): remove it and run the same command again" % (path, str(error).split("\n")[0]))
 
     def _name(self, index):
         return os.path.join(self.folder, "chunk_%05d.npz" % index)

@@ -6,7 +6,7 @@ from channels import DEFAULT, LAYERS
 from command_line import Parser, pairs
 from failure import usage_failure
 from recordings import check as check_recordings
-from recordings import names
+from recordings import check_name, names
 from reference_need import parse_reference
 from seeds import USER_LIMIT
 
@@ -65,11 +65,13 @@ def check(options):
         if value is not None and not low <= value <= high:
             raise usage_failure("--%s %d is outside %d .. %d" % (name.replace("_", "-"), value, low, high))
     check_recordings(options.recordings, options.samples)
+    check_name(options.scene)
+    check_name(options.out)
     begun = options.out and os.path.exists(os.path.join(options.out + ".recording", "named"))
     for path in names(options.out, options.recordings) if options.out and not options.force and not begun else ():
         if os.path.exists(path):
             raise usage_failure("%s: exists: choose another name or give --force" % path)
-        if os.path.lexists(path + ".partial") and not options.no_verify:
+        if os.path.lexists(path + ".partial"):
             raise usage_failure("%s.partial: exists, another recording runs or was cut: recover or remove it" % path)
     if options.channels is None:
         options.channels = ",".join(name for name in DEFAULT.split(",") if name != "film" or not options.half)

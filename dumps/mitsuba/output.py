@@ -19,7 +19,7 @@ def half_ranges(layers, chunks, indices):
     """(largest radiance, whether 16 bits hold the depth with their full precision)"""
     fits = "depth" not in layers or all(
         np.all((depth == 0) | ((depth >= SMALLEST_HALF) & (depth <= LARGEST_HALF)))
-        for depth in (chunks.part(index, "depth") for index in indices))
+        for depth in (chunks.layers(index, ["depth"])["depth"] for index in indices))
     return chunks.largest(indices), fits
 
 
@@ -52,7 +52,7 @@ def samples_of(options):
 
 
 def write_file(path, options, meta, tracer, layers, chunks, cut, reference, first_chunk=0):
-    """meta: of metadata(); reference: the state of reference.py, or None. A file in the folder of the chunks is replaced."""
+    """path: in the folder of the chunks. meta: of metadata(); reference: the state of reference.py, or None."""
     own = range(first_chunk, first_chunk + len(cut.parts))
     types = layer_types(layers, options.half, *half_ranges(layers, chunks, own) if options.half else ())
     file_layers = {name: (types[name], LAYERS[name][1]) for name in layers}
@@ -62,21 +62,20 @@ def write_file(path, options, meta, tracer, layers, chunks, cut, reference, firs
         meta["reference"] = told_of(reference)
     # the writer holds a block of every pixel
     block = max(1, min(options.block, samples_of(options), 16 * options.chunk_lanes // (tracer.width * tracer.height)))
-    chunks.claim(path)
     with spool.Writer(path, tracer.width, tracer.height, samples_of(options), file_layers, tile_size=64,
                       block_spp=block, sample_order="exchangeable", meta=meta,
-                      compress=not options.no_compress, force=options.force or chunks.own(path)) as writer:
+                      compress=not options.no_compress, force=True) as writer:
         bands = len(cut.bands)
         steps = range(0, len(cut.parts), bands)
         progress = Progress("chunks written", len(steps))
         for index in steps:
-            loaded = [chunks.load(first_chunk + index + band)[0] for band in range(bands)]
+            taken = range(first_chunk + index, first_chunk + index + bands)
+            loaded = [chunks.layers(chunk, layers) for chunk in taken]
             arrays = {name: np.concatenate([part[name] for part in loaded]) for name in layers}
+            chunks.forget(taken)
             if "shape" in arrays:
                 arrays["shape"] = arrays["shape"].astype("<u4")
             writer.write_passes(cut.parts[index][0], arrays)
-            if chunks.own(path):
-                chunks.forget(range(first_chunk + index, first_chunk + index + bands))
             progress.step()
         progress.close()
         if reference is not None:

@@ -19,7 +19,7 @@ import numpy as np  # noqa: E402
 
 import shared_numbers  # noqa: E402
 from channels import chosen_layers  # noqa: E402
-from chunks import Chunks  # noqa: E402
+from chunks import FORMAT, Chunks  # noqa: E402
 from failure import Failure, scene_failure, usage_failure  # noqa: E402
 from finding import line, summary  # noqa: E402
 from finish import Parts, finish  # noqa: E402
@@ -71,7 +71,7 @@ def plan_of(options, mi, recordable, tracer, layers, cut):
             "samples": options.samples, "seed": options.seed, "layers": layers, "chunk_samples": cut.step, "chunk_rows": cut.bands[0][1],
             "integrator": recordable.integrator.class_name(), "integrator_option": options.integrator,
             "max_depth": options.max_depth, "defines": options.defines, "substitute": options.substitute,
-            "variant": mi.variant(), "mitsuba": mi.__version__, "random_numbers": RANDOM_NUMBERS}
+            "variant": mi.variant(), "mitsuba": mi.__version__, "random_numbers": RANDOM_NUMBERS, "chunks": FORMAT}
 
 
 def record_pool(options, tracer, layers, chunks, cut):
@@ -89,7 +89,7 @@ def record_pool(options, tracer, layers, chunks, cut):
         arrays = tracer.trace(count, chunk_seed(options.seed, index), [*dict.fromkeys([*layers, "film"])], rows)
         seconds = time.process_time() - started
         marks = shared_numbers.marks(arrays["film"], rows, pixels)
-        chunks.save(index, {"marks": marks, **{name: stored(name, arrays[name]) for name in layers}}, seconds)
+        chunks.save(index, marks, {name: stored(name, arrays[name]) for name in layers}, seconds)
         progress.step()
     progress.close()
     return (time.monotonic() - begun) * total / len(missing) if missing else 0.0
@@ -143,7 +143,7 @@ def record(options, mi, recordable, tracer, layers):
                                        auto=options.auto)), flush=True)
     marks = np.empty(0, "<u8")
     if numbers is None:
-        marks = np.sort(np.concatenate([chunks.part(index, "marks") for index in range(total)]))
+        marks = np.sort(np.concatenate([chunks.marks(index) for index in range(total)]))
         numbers = {"pool": len(marks), "pool_repeated": shared_numbers.repeated(marks)}
     if options.reference:
         reference = record_reference(options, tracer, chunks, reference_cut, marks)

@@ -1,12 +1,16 @@
 """Command lines whose errors are one line, where argparse would print the usage before it."""
 import argparse
+import os
+import sys
 
 from failure import usage_failure
 
 
 class Parser(argparse.ArgumentParser):
     def error(self, message):
-        raise usage_failure("%s (--help lists the options)" % message)
+        dashed = [text for text in sys.argv[1:] if text.startswith("-") and os.path.exists(text)]
+        more = "is %s a name? write ./%s" % (dashed[0], dashed[0]) if dashed else "--help lists the options"
+        raise usage_failure("%s (%s)" % (message, more))
 
 
 def pairs(option, texts):

@@ -2,10 +2,17 @@
 import hashlib
 import json
 import os
+import shlex
 
 from failure import usage_failure
 
 MOST = 64
+
+
+def check_name(path):
+    """Of a scene or a recording: it goes into lines of output and of JSON."""
+    if any(ord(c) < 32 or ord(c) == 127 or 0xD800 <= ord(c) < 0xE000 for c in path or ""):
+        raise usage_failure("%s: the name has a control character or is no UTF-8: rename it" % path)
 
 
 def check(recordings, samples):
@@ -32,4 +39,6 @@ def group_meta(out, recordings, number, made_of):
 
 
 def next_step(paths):
+    """What to type, as a shell takes it."""
+    paths = [shlex.quote("./" + path if path.startswith("-") else path) for path in paths]
     return "next: spool evaluate %s --spp 4,8 --samplers uniform,multiscale --filters box,directional -o results" % " ".join(paths)

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -16,7 +18,8 @@ using format::Semantic;
 
 constexpr uint64_t kMostPixels = 16384;  // looked at, of a larger picture
 constexpr uint64_t kLeastVectors = 16, kManyVectors = 1000;
-constexpr double kFar = 1e9;  // what a renderer writes where nothing is hit
+constexpr uint64_t kLeastLevels = 32;  // of 256, that no light by chance has only
+constexpr double kFar = 1e9;           // what a renderer writes where nothing is hit
 constexpr double kTolerance = 0.05, kZero = 0.02;
 
 // Length of factor * v + offset.
@@ -45,7 +48,7 @@ void FeatureRanges::add(const std::string& layer, size_t components, size_t pixe
   if (!known || type == DataType::kUint32 || components > 3) return;
   const Semantic kind = known->semantic;
   if (kind != Semantic::kDirection && kind != Semantic::kReflectance &&
-      kind != Semantic::kDistance && kind != Semantic::kPosition)
+      kind != Semantic::kDistance && kind != Semantic::kPosition && kind != Semantic::kLight)
     return;
   Range& range = ranges_[layer];
   range.components = components;
@@ -54,7 +57,24 @@ void FeatureRanges::add(const std::string& layer, size_t components, size_t pixe
     for (size_t s = 0; s < samples; ++s) {
       for (size_t c = 0; c < components; ++c)
         v[c] = format::stored_value(planes, type, (c * pixels + p) * samples + s);
-      add_vector(range, std::span(v).first(components));
+      if (kind == Semantic::kLight)
+        add_light(range, std::span(v).first(components), type);
+      else
+        add_vector(range, std::span(v).first(components));
+    }
+  }
+}
+
+// As float16 has it, a multiple of 1 / 255 is rounded.
+void FeatureRanges::add_light(Range& range, std::span<const double> v, DataType type) {
+  const double tolerance = type == DataType::kFloat16 ? 0.07 : 1e-4;
+  for (const double value : v) {
+    ++range.values;
+    for (const auto& [scale, levels] :
+         {std::pair{1.0, &range.levels}, std::pair{255.0, &range.levels255}}) {
+      const double level = std::round(scale * value);
+      if (std::abs(scale * value - level) <= tolerance && level >= 0 && level <= 255)
+        (*levels)[static_cast<size_t>(level)] += 1;
     }
   }
 }
@@ -63,8 +83,8 @@ void FeatureRanges::add_vector(Range& range, std::span<const double> v) {
   for (size_t c = 0; c < v.size(); ++c) {
     if (std::isnan(v[c])) return;
     ++range.values;
-    range.above += v[c] > 1.001;
-    range.below += v[c] < 0;
+    range.above += v[c] > 1.001 && std::isfinite(v[c]);
+    range.below += v[c] < 0 && std::isfinite(v[c]);
     range.far += std::abs(v[c]) >= kFar;
   }
   const double size = length(v, 1, 0);
@@ -112,6 +132,21 @@ std::string FeatureRanges::of_direction(const std::string& layer, const Range& r
       "{}: {:.3g} % have another length than 1 ({:.3g} to {:.3g}): they are means, "
       "or in another convention",
       layer, percent(range.vectors - range.unit, range.vectors), range.shortest, range.longest);
+}
+
+std::string FeatureRanges::of_light(const std::string& layer, const Range& range) {
+  for (const auto& [levels, what, remedy] :
+       {std::tuple{&range.levels, "whole numbers up to 255", "divide by 255 and linearise"},
+        std::tuple{&range.levels255, "multiples of 1 / 255", "linearise, or save floats"}}) {
+    uint64_t values = 0, seen = 0;
+    for (const uint64_t count : *levels) {
+      values += count;
+      seen += count > 0;
+    }
+    if (values == range.values && seen >= kLeastLevels)
+      return fmt::format("{}: all values are {}, as of 8-bit pictures: {}", layer, what, remedy);
+  }
+  return {};
 }
 
 std::string FeatureRanges::of_reflectance(const std::string& layer, const Range& range) {
@@ -163,6 +198,7 @@ std::vector<std::string> FeatureRanges::remarks() const {
     std::string remark = kind == Semantic::kDirection     ? of_direction(layer, range)
                          : kind == Semantic::kReflectance ? of_reflectance(layer, range)
                          : kind == Semantic::kDistance    ? of_distance(layer, range)
+                         : kind == Semantic::kLight       ? of_light(layer, range)
                                                           : std::string();
     if (!remark.empty()) found.push_back(std::move(remark));
   }

@@ -1,5 +1,5 @@
 // Features in another convention, recognised by the range of their values: normals stored as
-// n / 2 + 1 / 2, reflectances above 1, distances below 0 or of a depth buffer.
+// n / 2 + 1 / 2, reflectances above 1, distances below 0 or of a depth buffer, light of 8 bits.
 #pragma once
 
 #include <array>
@@ -35,10 +35,13 @@ class FeatureRanges {
     uint64_t values = 0, above = 0, below = 0, far = 0;  // above 1, below 0; of no hit in the scene
     std::array<double, 3> least{}, most{};               // of what is neither 0 nor far
     double shortest = 0, longest = 0;
+    std::array<uint64_t, 256> levels{}, levels255{};  // of light: k, and k / 255
   };
 
+  static void add_light(Range& range, std::span<const double> v, format::DataType type);
   void add_vector(Range& range, std::span<const double> v);
   static std::string of_direction(const std::string& layer, const Range& range);
+  static std::string of_light(const std::string& layer, const Range& range);
   static std::string of_reflectance(const std::string& layer, const Range& range);
   std::string of_distance(const std::string& layer, const Range& range) const;
 

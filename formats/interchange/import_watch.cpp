@@ -27,8 +27,7 @@ void ImportWatch::add(const format::PixelRect& rect, uint32_t begin, uint32_t co
     block = block.subspan(planes.size());
     if (layer.name == "radiance" && layer.array.components == 3)
       samples_.add(rect, begin, count, type, planes);
-    else
-      ranges_.add(layer.name, layer.array.components, pixels, count, type, planes);
+    ranges_.add(layer.name, layer.array.components, pixels, count, type, planes);
   }
 }
 

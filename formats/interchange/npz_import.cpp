@@ -102,8 +102,9 @@ Result<ForeignLayer> plan_layer(const NpzMember& member, const json& meta, bool 
   if (std::string_view("uib").find(member.header.type[1]) != std::string_view::npos)
     SPOOL_TRY(refuse_whole_numbers(member, name));
   if (!type)
-    return fail(ErrorCode::kData, "{}: dtype {}: save with astype('<f4')", name,
-                member.header.type);
+    return fail(ErrorCode::kData, "{}: dtype {}: {}save with astype('<f4')", name,
+                member.header.type,
+                member.header.type[1] == 'f' ? "" : "no real numbers, take what is meant of it and ");
   if (*type == ElementType::kFloat64 && !narrow)
     return fail(ErrorCode::kData,
                 "{}: dtype <f8: save with astype('<f4') or --set import.narrow=on", name);
@@ -113,8 +114,11 @@ Result<ForeignLayer> plan_layer(const NpzMember& member, const json& meta, bool 
   const size_t axes = layer.scope == Scope::kSample ? 3 : layer.scope == Scope::kPixel ? 2 : 1;
   if (shape.size() == axes && layer.components.size() == 1) shape.push_back(1);
   if (shape.size() != axes + 1)
-    return fail(ErrorCode::kData, "{}: shape {}, expected {} axes", name,
-                shape_text(member.header.shape), axes + 1);
+    return fail(ErrorCode::kData, "{}: shape {}, expected {} axes, {}", name,
+                shape_text(member.header.shape), axes + 1,
+                axes == 3   ? "[y][x][s][component] or [s][y][x][component]"
+                : axes == 2 ? "[y][x][component]"
+                            : "[s][component]");
   if (shape.back() != layer.components.size())
     return fail(ErrorCode::kData, "{}: shape {}, expected {} components", name,
                 shape_text(member.header.shape), layer.components.size());
@@ -249,7 +253,9 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
                         [&](const NpzMember& member) { return member.layer == layer; });
   };
   if (named("radiance") == members.end())
-    return fail(ErrorCode::kData, "{}: no array radiance: save it as [y][x][s][3]", name);
+    return fail(ErrorCode::kData,
+                "{}: no array radiance, the first is {}: save light under that name, [y][x][s][3]",
+                name, members.empty() ? "none" : members.front().layer);
   std::rotate(members.begin(), named("radiance"), named("radiance") + 1);
 
   json meta = json::object();

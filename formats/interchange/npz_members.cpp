@@ -53,6 +53,10 @@ Result<std::vector<NpzMember>> read_npz_members(const FileHandle& file) {
     if (!zip.name.ends_with(".npy"))
       return fail(ErrorCode::kData, "{}: member {} is not an array: save with numpy.savez",
                   file.path().string(), zip.name);
+    if (zip.name.find('/') != std::string::npos)
+      return fail(ErrorCode::kData,
+                  "{}: member {} lies in a folder: zip the arrays alone, as numpy.savez does",
+                  file.path().string(), zip.name);
     NpzMember member{zip.name.substr(0, zip.name.size() - 4), std::move(zip), {}};
     const std::string name = fmt::format("{}: {}", file.path().string(), member.layer);
     if (!is_layer_name(member.layer))

@@ -84,7 +84,8 @@ Result<Directory> find_directory(const FileHandle& file, uint64_t file_bytes) {
   std::vector<std::byte> start(std::min<uint64_t>(file_bytes, 32));
   SPOOL_TRY(file.read_at(0, start));
   SPOOL_TRY(format::refuse_other_kind(file.path().string(), start, "a zip archive",
-                                      "save it with numpy.savez or zip it"));
+                                      "save its arrays with numpy.savez",
+                                      "give a folder of EXR images to --from exr-folder"));
   if (start.size() < 4 || format::kind_of(start) == "a zip archive")
     return damaged(file, "no zip directory at the end, the file is cut", file_bytes);
   return fail(ErrorCode::kData,
@@ -282,8 +283,8 @@ Result<std::vector<ZipMember>> read_zip_directory(const FileHandle& file) {
     SPOOL_ASSIGN(Entry entry, read_entry(file, directory, bytes, at));
     ZipMember& member = entry.member;
     if (!names.insert(member.name).second)
-      return damaged(file, fmt::format("member {} occurs twice", member.name),
-                     directory.offset + at);
+      return fail(ErrorCode::kData, "{}: member {} occurs twice (byte {}): save each array once",
+                  file.path().string(), member.name, directory.offset + at);
     SPOOL_TRY(locate_data(file, entry.local_offset, directory.offset, member));
     members.push_back(std::move(member));
     at += entry.bytes;

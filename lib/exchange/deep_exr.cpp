@@ -12,6 +12,7 @@
 #include "lib/exchange/dump_layers.h"
 #include "lib/image_io/colour_space.h"
 #include "lib/image_io/deep_exr_file.h"
+#include "lib/image_io/exr_layers.h"
 #include "lib/image_io/exr_source.h"
 
 namespace spool::exchange {
@@ -147,10 +148,21 @@ struct DeepInput {
 Result<void> want(DeepInput& input, const std::string& layer, const std::string& component,
                   const std::string& theirs, Scope scope) {
   const auto at = input.channel(theirs);
+  if (!at && !input.told) {
+    std::vector<std::string> names;
+    for (const auto& channel : input.reader.header().channels)
+      names.push_back(channel.name);
+    return fail(ErrorCode::kData, "{}: no channel {}, there are {}: name the colours R, G, B",
+                input.name, theirs, listed(names));
+  }
   if (!at)
     return fail(ErrorCode::kData, "{}: no channel {}: was it dropped by a tool?", input.name,
                 theirs);
   const PixelType type = input.reader.header().channels[*at].type;
+  if (!input.told && type == PixelType::kUint)
+    return fail(ErrorCode::kData,
+                "{}: channel {} holds whole numbers (uint), {} has half or float: decode it first",
+                input.name, theirs, layer);
   if (input.wanted.empty() || input.wanted.back().layer.name != layer)
     input.wanted.push_back({{layer, {}, scope, {}}, {}});
   Wanted& wanted = input.wanted.back();
@@ -222,7 +234,8 @@ Result<void> check_row(const DeepInput& input, const DeepRow& row, int y) {
         (front && back && value_at(row, header, *back, i) > value_at(row, header, *front, i));
     if (composite)
       return fail(ErrorCode::kData,
-                  "{}: {} is transparent or has thickness: looks like a compositing image",
+                  "{}: {} is transparent or has thickness, as of compositing: samples are opaque "
+                  "points, give those",
                   input.name, place(i));
   }
   return {};

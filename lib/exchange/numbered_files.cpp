@@ -69,6 +69,12 @@ Result<void> check_sequence(const std::vector<NumberedFile>& files, const std::s
                   "{}: sample {} is there twice, {} and {} (the last number in a name counts): "
                   "number the samples last, and move what is no sample away",
                   in, one.number, one.name, two.name);
+    if (two.number != one.number + 1 && (two.before != one.before || two.after != one.after))
+      return fail(
+          ErrorCode::kData,
+          "{}: {} is followed by {}, which is named otherwise: move what is no sample away, "
+          "or number the samples without gaps",
+          in, one.name, two.name);
     if (two.number != one.number + 1)
       return fail(ErrorCode::kData,
                   "{}: sample {} is missing, {} is followed by {}: render it, or number the "

@@ -84,11 +84,14 @@ class HeaderScan {
       : name_(path.string()), file_(path, std::ios::binary), bytes_(file_bytes) {}
 
   Result<void> run() {
-    const std::string start = take(8);
+    std::string start = take(8);
     if (number_at<std::uint32_t>(start, 0) != kMagic || start.size() < 4) {
-      SPOOL_TRY(format::refuse_other_kind(name_, std::as_bytes(std::span(start)),
-                                          "an OpenEXR image", "convert it, e.g. with oiiotool"));
-      return fail(ErrorCode::kData, "{}: is not an OpenEXR image (wrong first bytes)", name_);
+      start += take(24);
+      SPOOL_TRY(format::refuse_other_kind(
+          name_, std::as_bytes(std::span(start)), "an OpenEXR image",
+          "save its values as an OpenEXR image", "convert it, e.g. with oiiotool"));
+      return fail(ErrorCode::kData,
+                  "{}: is not an OpenEXR image (wrong first bytes): save its values as one", name_);
     }
     if (start.size() < 8) return cut();
     version_ = number_at<std::uint32_t>(start, 4);

@@ -24,6 +24,17 @@ def means(light):
     return (np.cumsum(light, 2) / np.arange(1, light.shape[2] + 1)[:, None]).astype("f4")
 
 
+LONG = RNG.gamma(0.5, 1, (HEIGHT, WIDTH, 32, 3)).astype("f4")
+
+
+def smoothed(keep):
+    """An image keeps a share of the one before it, as with temporal filters."""
+    light = LONG.copy()
+    for s in range(1, light.shape[2]):
+        light[:, :, s] = keep * light[:, :, s - 1] + (1 - keep) * LONG[:, :, s]
+    return light
+
+
 WRONG = {
     "a seed again": (np.concatenate([HALF, HALF], 2), "image 8 is image 0 again, 8 of 16"),
     "each image twice": (np.repeat(HALF, 2, 2), "image 1 is image 0 again, 8 of 16"),
@@ -34,6 +45,8 @@ WRONG = {
     "few running means": (means(HALF), "running means"),
     "running sums": (np.cumsum(LIGHT, 2), "running means or sums"),
     "held": (stopped(None), "adaptive"), "black": (stopped(0), "adaptive"), "not a number": (stopped(np.nan), "adaptive"),
+    "smoothed in time": (smoothed(0.8), "like the one before it"),
+    "means of two": (LONG + np.roll(LONG, 1, 2), "like the one before it"),
     "brighter": (RNG.random((HEIGHT, WIDTH, 32, 3)) * (1 + 0.1 * np.arange(32))[:, None], "brighter"),
 }
 
@@ -108,6 +121,8 @@ CONVENTIONS = {
     "negative depth": ({"depth": -RNG.random(SHAPE)}, "depth: 100 % of the values are below 0"),
     "far": ({"depth": np.where(RNG.random(SHAPE) < 0.5, 1e10, 3)}, "where nothing is hit, 0 is expected"),
     "depth buffer": ({"depth": 1 - RNG.random(SHAPE) / 10}, "of a depth buffer?"),
+    "bytes": ({"radiance": RNG.integers(0, 256, SHAPE + (3,))}, "radiance: all values are whole numbers up to 255"),
+    "bytes as floats": ({"radiance": RNG.integers(0, 256, SHAPE + (3,)) / 255}, "radiance: all values are multiples of 1 / 255"),
     "units": ({"depth": 1000 * PLACES[..., 0], "position": PLACES}, "depth: spans 1e+04 where position spans 17"),
 }
 
@@ -115,7 +130,8 @@ CONVENTIONS = {
 @pytest.mark.parametrize("kind", CONVENTIONS)
 def test_features_in_another_convention_are_named(tmp_path, kind):
     layers, remark = CONVENTIONS[kind]
-    np.savez(tmp_path / "a.npz", radiance=RNG.random(SHAPE + (3,)).astype("f4"), **{k: v.astype("f4") for k, v in layers.items()})
+    layers = {"radiance": RNG.random(SHAPE + (3,))} | layers
+    np.savez(tmp_path / "a.npz", **{k: v.astype("f4") for k, v in layers.items()})
     code, message = run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC"))[0]
     assert code == 0 and remark in message and message.count(";") == 1, message
     with spool.open(tmp_path / "a.spool") as dump:
@@ -128,3 +144,11 @@ def test_features_as_the_format_has_them_are_not_remarked(tmp_path):
     for dtype in ("f4", "f2"):
         np.savez(tmp_path / "a.npz", **{name: values.astype(dtype) for name, values in arrays.items()})
         assert run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC", "force"))[0] == (0, "")
+
+
+def test_an_albedo_that_is_not_finite_is_not_above_1(tmp_path):
+    albedo = RNG.random(SHAPE + (3,)).astype("f4")
+    albedo[0, 0, 0] = np.inf
+    np.savez(tmp_path / "a.npz", radiance=RNG.random(SHAPE + (3,)).astype("f4"), albedo=albedo)
+    code, message = run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC"))[0]
+    assert code == 0 and "not finite" in message and "above 1" not in message, message

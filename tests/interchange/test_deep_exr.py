@@ -105,8 +105,8 @@ def test_samples_of_one_colour_are_remarked_as_nothing_tells_which_image_they_ar
 
 
 @pytest.mark.parametrize("channels, change, words", [
-    (["R", "G", "B", "A", "Z"], "alpha", "looks like a compositing image"),
-    (["R", "G", "B", "Z", "ZBack"], "back", "looks like a compositing image"),
+    (["R", "G", "B", "A", "Z"], "alpha", "as of compositing"),
+    (["R", "G", "B", "Z", "ZBack"], "back", "as of compositing"),
     (["R", "G", "B"], "counts", "has 2 samples and pixel 0,0 has 3"),
     (["R", "G"], "", "no channel B")])
 def test_what_is_no_sample_record_is_refused(tmp_path, channels, change, words):

@@ -4,11 +4,13 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RECORD = ROOT / "dumps" / "cycles" / "record.py"
+sys.path[:0] = [str(ROOT / "dumps" / "cycles"), str(ROOT / "dumps" / "recording")]
 
 
 def command(*options):
@@ -44,13 +46,16 @@ class Folder:
     def plane(self, name, channel):
         """float[y][x] of one channel of one file."""
         import numpy
-        shape = (-1, self.recording["height"], self.recording["width"])
-        return numpy.frombuffer((self.path / name).read_bytes(), "<f4").reshape(shape)[
-            self.names.index(channel)]
+        import packed_pass
+        line = next(entry for entry in self.entries if entry["file"] == name)
+        width, height = self.recording["width"], self.recording["height"]
+        planes = len(self.names) if line["kind"] == "pass" else 3
+        raw = packed_pass.unpack((self.path / name).read_bytes(), line, width, height, planes)
+        return numpy.frombuffer(raw, "<f4").reshape(planes, height, width)[self.names.index(channel)]
 
 
 def pytest_collection_modifyitems(config, items):
-    config.wants_blender = [i for i in items if i.fspath.basename not in ("test_seeds.py", "test_tiny.py")]
+    config.wants_blender = [i for i in items if i.fspath.basename not in ("test_seeds.py", "test_packed_pass.py", "test_tiny.py")]
     if blender_missing():
         for item in config.wants_blender:
             item.add_marker(pytest.mark.skip(reason=blender_missing()))

@@ -60,13 +60,13 @@ def test_bad_options_are_one_line_and_wrong_use(arguments, message):
 
 
 def test_a_torn_last_line_is_cut_off_and_its_pass_counts_as_missing(tmp_path):
-    folder = pass_folder.PassFolder(str(tmp_path), {"width": 1})
+    folder = pass_folder.PassFolder(str(tmp_path), {"width": 1, "height": 1})
     folder.add("pass", 0, b"abcd", {})
     folder.add("pass", 1, b"efgh", {})
     folder.lock.close()
     log = tmp_path / "passes.jsonl"
     log.write_bytes(log.read_bytes()[:-7])
-    again = pass_folder.PassFolder(str(tmp_path), {"width": 1})
+    again = pass_folder.PassFolder(str(tmp_path), {"width": 1, "height": 1})
     assert again.has("pass", 0) and not again.has("pass", 1)
     again.add("pass", 1, b"efgh", {})
     assert len(log.read_text().splitlines()) == 2
@@ -75,22 +75,22 @@ def test_a_torn_last_line_is_cut_off_and_its_pass_counts_as_missing(tmp_path):
 @pytest.mark.parametrize("harm", [lambda p: p.write_bytes(b"abce"), lambda p: p.unlink(),
                                   lambda p: p.write_bytes(b"abc")])
 def test_a_pass_that_changed_on_disk_counts_as_missing(tmp_path, harm):
-    folder = pass_folder.PassFolder(str(tmp_path), {"width": 1})
+    folder = pass_folder.PassFolder(str(tmp_path), {"width": 1, "height": 1})
     folder.add("pass", 0, b"abcd", {})
     folder.lock.close()
     harm(tmp_path / "pass_00000.f32")
-    assert not pass_folder.PassFolder(str(tmp_path), {"width": 1}).has("pass", 0)
+    assert not pass_folder.PassFolder(str(tmp_path), {"width": 1, "height": 1}).has("pass", 0)
 
 
 def test_two_recorders_in_one_folder_are_refused(tmp_path):
-    first = pass_folder.PassFolder(str(tmp_path), {"width": 1})
+    first = pass_folder.PassFolder(str(tmp_path), {"width": 1, "height": 1})
     with pytest.raises(Failure, match="another recorder"):
-        pass_folder.PassFolder(str(tmp_path), {"width": 1})
+        pass_folder.PassFolder(str(tmp_path), {"width": 1, "height": 1})
     first.lock.close()
 
 
 def test_a_full_disk_is_one_line_and_leaves_no_half_pass(tmp_path, monkeypatch):
-    folder = pass_folder.PassFolder(str(tmp_path), {"width": 1})
+    folder = pass_folder.PassFolder(str(tmp_path), {"width": 1, "height": 1})
     folder.add("pass", 0, b"abcd", {})
     written = pass_folder._write_synced
 
@@ -122,3 +122,20 @@ def test_help_names_the_exit_codes(capsys):
     with pytest.raises(SystemExit):
         options.parse_options(["--help"])
     assert "3 Blender or the system refused" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("name", ["new\nline", "bad\udcffutf", "bell\a"])
+def test_a_name_that_no_line_holds_is_refused_before_anything_renders(name):
+    for arguments in (["--scene", name, "-o", "folder"], ["--blend", name + ".blend", "-o", "folder"], ["-o", name]):
+        with pytest.raises(Failure) as caught:
+            options.parse_options(arguments)
+        assert caught.value.code == 2 and "rename it" in str(caught.value) and str(caught.value).isprintable()
+
+
+def test_what_to_type_next_is_as_a_shell_takes_it():
+    import shlex
+
+    import recordings
+    names = ["-lead.spool", "it's \"q\".spool", "a$(touch b).spool", "größe.spool"]
+    words = shlex.split(recordings.next_step(names))
+    assert words[3:7] == ["./-lead.spool", *names[1:]]

@@ -65,6 +65,8 @@ void add_pack(Program& program) {
   verb.add_flag("--compress", pack.compress, "zstd, where it saves 5 % or more");
   verb.add_flag("--half-radiance", pack.radiance_f16, "radiance as 16-bit floats (32)");
   verb.add_flag("--full-features", pack.features_f32, "features as 32-bit floats (16)");
+  verb.add_flag("--remove-passes", pack.remove_passes,
+                "each pass when the recording has taken it: the disk holds no sample twice");
   verb.add_option("--set", program.pack.settings,
                   "import.OPTION=VALUE, an option of the foreign format: see spool list imports")
       ->take_all()

@@ -31,6 +31,9 @@ Result<void> pack_foreign(const interchange::ImportFormat& format, const PackVer
         "or save the source in that type",
         name, options.from);
   }
+  if (options.pack.remove_passes) {
+    return fail(ErrorCode::kUsage, "--remove-passes: is for folders of passes: leave it out");
+  }
   SPOOL_ASSIGN(OptionValues set, foreign_settings("import", options.settings, "layout=HWSC"));
   for (const auto& [name, value] :
        {std::pair{"layer", options.layer.layer}, std::pair{"part", options.layer.part}})
