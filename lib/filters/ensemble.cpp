@@ -10,6 +10,7 @@
 #include "lib/core/parallel.h"
 #include "lib/kernels/scene_luminance.h"
 #include "lib/kernels/truncated_filter.h"
+#include "lib/statistics/joined_halves.h"
 
 namespace spool {
 namespace {
@@ -150,15 +151,6 @@ Sums sums_of(std::span<const HalfImages> parts, const HalfImages& judges, const 
   return sums;
 }
 
-Selection half_of(const Selection& selection, const SamplePool& pool, int parity) {
-  CountImage n = selection.statistics.n;
-  for (int& count : n.pixels())
-    count = (count + 1 - parity) / 2;
-  return {prefix_statistics(pool.half(parity), n, selection.statistics.signal,
-                            selection.statistics.channel_minimum.has_value()),
-          selection.attenuation};
-}
-
 class Ensemble {
  public:
   Ensemble(std::vector<ReadyFilter> parts, const EnsembleOptions& options)
@@ -186,10 +178,12 @@ class Ensemble {
     HalfImages means;
     for (int h = 0; h < 2; ++h) {
       const auto side = static_cast<std::size_t>(h);
-      const Selection half = half_of(selection, pool, h);
+      const SamplePool half_pool = pool.half(h);
+      const Selection half{half_statistics(selection.statistics, half_pool, h),
+                           selection.attenuation};
       means[side] = pixel_means(half.statistics, result.guards);
       SPOOL_ASSIGN(std::vector<RgbImage> found,
-                   images(half, pool.half(h), context, 1.0 + h, runs, result));
+                   images(half, half_pool, context, 1.0 + h, runs, result));
       for (std::size_t k = 0; k < parts_.size(); ++k)
         of_halves[k][side] = std::move(found[k]);
     }

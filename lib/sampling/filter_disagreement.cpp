@@ -8,6 +8,7 @@
 #include "lib/core/parallel.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/sampling/rounds.h"
+#include "lib/statistics/joined_halves.h"
 
 namespace spool {
 namespace {
@@ -31,14 +32,6 @@ Plane filtered_difference(const RgbImage& a, const RgbImage& b, double exposure)
 }
 
 }  // namespace
-
-PieceStatistics half_statistics(const PieceStatistics& statistics, const SamplePool& half_pool,
-                                int parity) {
-  CountImage n = statistics.n;
-  for (std::size_t i = 0; i < n.size(); ++i)
-    n[i] = (n[i] + 1 - parity) / 2;
-  return prefix_statistics(half_pool, n, statistics.signal);
-}
 
 CountImage hand_out_deficits(const Plane& weight, const CountImage& n, const SamplePool& pool,
                              long long share) {

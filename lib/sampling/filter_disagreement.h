@@ -17,11 +17,6 @@ namespace spool {
 Result<Plane> filter_disagreement(const PieceStatistics& statistics, const SamplePool& pool,
                                   const LoopFilter& filter, double blur, Plane* error = nullptr);
 
-// The statistics of every second sample taken (parity 0: even), with the same analysis signal.
-// `half_pool` is pool.half(parity).
-PieceStatistics half_statistics(const PieceStatistics& statistics, const SamplePool& half_pool,
-                                int parity);
-
 // Samples to take in a round: `share` over the pieces that have fewer than they are worth, where
 // the worth of a piece is proportional to `weight` and sums to all samples so far and the share.
 CountImage hand_out_deficits(const Plane& weight, const CountImage& n, const SamplePool& pool,

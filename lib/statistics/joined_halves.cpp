@@ -33,6 +33,14 @@ Selection join_halves(const SamplePool& pool, std::vector<Selection> halves) {
   return {std::move(all), {}, std::move(halves), HalvesUse::kTogether};
 }
 
+PieceStatistics half_statistics(const PieceStatistics& statistics, const SamplePool& half_pool,
+                                int parity) {
+  CountImage n = statistics.n;
+  for (std::size_t i = 0; i < n.size(); ++i)
+    n[i] = (n[i] + 1 - parity) / 2;
+  return prefix_statistics(half_pool, n, statistics.signal, statistics.channel_minimum.has_value());
+}
+
 SamplePool pool_of_joined(const SamplePool& pool, const Selection& selection) {
   return pool.with_halves_first(selection.halves[0].statistics.n, selection.halves[1].statistics.n);
 }

@@ -18,6 +18,11 @@ namespace spool {
 // Statistics as above with `halves` beside them, for a filter that reads pool_of_joined().
 Selection join_halves(const SamplePool& pool, std::vector<Selection> halves);
 
+// The statistics of every second sample taken (parity 0: even), with the same analysis signal.
+// `half_pool` is pool.half(parity).
+PieceStatistics half_statistics(const PieceStatistics& statistics, const SamplePool& half_pool,
+                                int parity);
+
 // `pool` with the samples of both halves of `selection` first: what a filter may read of it.
 SamplePool pool_of_joined(const SamplePool& pool, const Selection& selection);
 

@@ -3,12 +3,14 @@
 
 #include "lib/filters/directional/base_image.h"
 #include "lib/filters/directional/base_step.h"
+#include "lib/filters/directional/directional.h"
 #include "lib/filters/directional/sample_filter.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/pyramid/laplacian_pyramid.h"
 #include "tests/filters/directional_cases.h"
 #include "tests/filters/small_pools.h"
 #include "tests/reference/anisotropic_filter_reference.h"
+#include "tests/reference/directional_halves_reference.h"
 #include "tests/reference/filter_size_reference.h"
 #include "tests/reference/test_images.h"
 
@@ -89,7 +91,7 @@ TEST(FilterSizeDifferential, TheStepToTheBaseImageAgrees) {
       const Plane expected = reference::refused_base(
           c.mean, c.variance, base_taps(options.base).values, options.size, &t);
       Tile tile;
-      tile.pieces.n = c.n;
+      tile.pieces.n = tile.n = c.n;
       tile.pieces.mean = {c.mean, c.mean, c.mean};
       tile.pieces.variance = {c.variance, c.variance, c.variance};
       tile.analysis.mean = c.mean;
@@ -264,6 +266,29 @@ TEST(FilterWidthDifferential, WidthsAgreeWithBandsOfTheDefiningSums) {
         }
         EXPECT_NEAR(named, widest, 1e-11);
       }
+    }
+  }
+}
+
+TEST(DirectionalHalves, EachHalfIsFilteredBySizesOfTheOtherAsTheTwinSays) {
+  DirectionalOptions options;
+  options.decide = Deciding::kHalves;
+  options.var_mode = VarianceMode::kRaw;
+  options.noise_pool = 0;
+  options.base = BaseImage::kNone;
+  options.width.anisotropy = AnisotropySource::kNone;
+  options.precision = Precision::kFloat64;
+  for (const auto& [width, height] : {std::pair{1, 1}, {7, 11}, {31, 18}, {40, 33}}) {
+    const SamplePool pool =
+        testing::make_pool(width, height, 9, testing::noisy_picture(width, height, 4));
+    const Selection selection =
+        testing::select_counts(pool, [](int x, int y) { return 4 + (x * 7 + y * 3) % 6; });
+    const auto found = reconstruct_directional(selection, pool, options, {});
+    const FilteredPieces expected =
+        reference::directional_halves(pool, selection.statistics.n, options);
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_LT(reference::max_difference(found->image[c], expected.image[c]), 1e-13);
+      EXPECT_LT(reference::max_difference((*found->variance)[c], expected.variance[c]), 1e-13);
     }
   }
 }

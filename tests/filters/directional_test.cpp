@@ -48,6 +48,9 @@ std::vector<DirectionalOptions> variants() {
   DirectionalOptions round = robust_directional_options();
   round.width.anisotropy = AnisotropySource::kNone;
   all.push_back(round);
+  DirectionalOptions halves = robust_directional_options();
+  halves.decide = Deciding::kHalves;
+  all.push_back(halves);
   return all;
 }
 
@@ -423,6 +426,80 @@ TEST(Directional, AttenuationOfAnotherSizeIsAnErrorThatSaysBothSizes) {
 // A wrong output variance is easy to write: hold it to the spread over independent noise images,
 // for a fixed filter. Neighbours share their noise over some 60 pieces, so 120 images x 400 pieces
 // are about 800 independent variances: the ratio's own deviation is near sqrt(2 / 800) = 0.05.
+TEST(DirectionalHalves, NoSampleDecidesAboutItself) {
+  DirectionalOptions options;
+  options.decide = Deciding::kHalves;
+  // Level and direction are those of the even samples' image: decided by the odd ones.
+  const auto level = [&](int changed) {
+    const auto picture = noisy_picture(32, 24, 5);
+    const SamplePool pool = make_pool(32, 24, 8, [=](int x, int y, int s) {
+      Rgb value = picture(x, y, s);
+      if (s % 2 == changed && x > 8) value[1] *= 3.0f * static_cast<float>(x % 3);
+      return value;
+    });
+    return *run(select_uniform(pool, 8), pool, options).level;
+  };
+  const CountImage unchanged = level(2);
+  EXPECT_EQ(level(0), unchanged);
+  EXPECT_NE(level(1), unchanged);
+}
+
+TEST(DirectionalHalves, EqualHalvesAreOneHalfThatDecidesAboutItself) {
+  const auto picture = noisy_picture(33, 21, 6);
+  const SamplePool pool =
+      make_pool(33, 21, 8, [=](int x, int y, int s) { return picture(x, y, s / 2); });
+  DirectionalOptions options;
+  const Reconstruction own = run(select_uniform(pool.half(0), 4), pool.half(0), options);
+  options.decide = Deciding::kHalves;
+  const Reconstruction halves = run(select_uniform(pool, 8), pool, options);
+  EXPECT_EQ(halves.image, own.image);
+  EXPECT_EQ(halves.level, own.level);
+}
+
+// Rare bright samples, everywhere alike, of mean 1: a filter that decides by what it averages
+// stops where there is light.
+TEST(DirectionalHalves, KeepTheLightThatAllSamplesAboutAllLose) {
+  constexpr int kSide = 64, kRuns = 8, kSamples = 8;
+  const auto energy = [&](Deciding decide, std::uint64_t key) {
+    const SamplePool pool = make_pool(kSide, kSide, kSamples, [=](int x, int y, int s) {
+      const float value = unit_double(mix(key, x, y, s)) < 0.02 ? 50.0f : 0.0f;
+      return Rgb{value, value, value};
+    });
+    DirectionalOptions options;
+    options.decide = decide;
+    options.noise_pool = 0;
+    const Selection selection = select_uniform(pool, kSamples);
+    const Reconstruction result = run(selection, pool, options);
+    double sum = 0.0, taken = 0.0;
+    for (const double v : result.image[1].pixels())
+      sum += v;
+    for (const double v : selection.statistics.mean[1].pixels())
+      taken += v;
+    return sum / taken;
+  };
+  double halves = 0.0, own = 0.0;
+  for (std::uint64_t run = 0; run < kRuns; ++run) {
+    halves += energy(Deciding::kHalves, run) / kRuns;
+    own += energy(Deciding::kOwn, run) / kRuns;
+  }
+  EXPECT_NEAR(halves, 1.0, 0.03);
+  EXPECT_LT(own, 0.9);
+}
+
+TEST(DirectionalHalves, FewerThanTwoSamplesAPieceAllDecideAndSaySo) {
+  const SamplePool pool = make_pool(20, 20, 4, noisy_picture(20, 20, 7));
+  DirectionalOptions options;
+  options.decide = Deciding::kHalves;
+  const Reconstruction one = run(select_uniform(pool, 1), pool, options);
+  EXPECT_EQ(one.image, run(select_uniform(pool, 1), pool).image);
+  EXPECT_EQ(one.notes.size(), 1u);
+  const Selection uneven = select_counts(pool, [](int x, int) { return x % 4 == 0 ? 1 : 3; });
+  const Reconstruction three = run(uneven, pool, options);
+  EXPECT_TRUE(three.notes.empty());
+  for (const double v : three.image[1].pixels())
+    ASSERT_TRUE(std::isfinite(v));
+}
+
 TEST(Directional, EstimatedVarianceIsTheSpreadOverIndependentImages) {
   const int size = 44, repeats = 120;
   for (const BaseImage base : {BaseImage::kNone, BaseImage::kPixelGaussian, BaseImage::kChosen}) {

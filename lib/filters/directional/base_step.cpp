@@ -31,7 +31,7 @@ Plane refusals(const DirectionalOptions& options, const Tile& tile, Views* views
                GuardCounts& guards) {
   const Taps taps = base_taps(options.base), squares = squared_base_taps(options.base);
   const std::vector<Signal> signals = deciding_signals(tile);
-  const FilterSizeInput first{signals[0].mean,  signals[0].variance,   tile.pieces.n,
+  const FilterSizeInput first{signals[0].mean,  signals[0].variance,   tile.n,
                               tile.minimum,     tile.maximum,          {},
                               tile.attenuation, options.pyramid.levels};
   const Plane w = size_factors(first, 0, options.size, guards);

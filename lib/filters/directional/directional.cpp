@@ -15,6 +15,7 @@
 #include "lib/filters/directional/tile.h"
 #include "lib/pyramid/laplacian_pyramid.h"
 #include "lib/statistics/grown_variance.h"
+#include "lib/statistics/joined_halves.h"
 
 namespace spool {
 namespace {
@@ -39,7 +40,7 @@ CountImage sizes_of(const Tile& tile, const Pyramid& pyramid, const DirectionalO
                     Views* views, GuardCounts& guards) {
   const int levels = options.pyramid.levels;
   if (tile.channels.empty()) {
-    return filter_size({tile.analysis.mean, tile.analysis.variance, tile.pieces.n, tile.minimum,
+    return filter_size({tile.analysis.mean, tile.analysis.variance, tile.n, tile.minimum,
                         tile.maximum, pyramid.coarse, tile.attenuation, levels},
                        options.size, views, guards);
   }
@@ -49,7 +50,7 @@ CountImage sizes_of(const Tile& tile, const Pyramid& pyramid, const DirectionalO
     const SizeChannel& channel = tile.channels[c];
     if (options.size.coarse == SizeCoarse::kPyramid)
       pyramids[c] = build_pyramid(channel.mean, options.pyramid);
-    inputs.push_back({channel.mean, channel.variance, tile.pieces.n, channel.minimum,
+    inputs.push_back({channel.mean, channel.variance, tile.n, channel.minimum,
                       channel.maximum, pyramids[c].coarse, tile.attenuation, levels});
   }
   return filter_size(inputs, options.size, views, guards);
@@ -146,52 +147,53 @@ Result<void> check_attenuation(const Selection& selection) {
   return {};
 }
 
-}  // namespace
+// Samples taken of a pool.
+struct Taken {
+  const PieceStatistics& statistics;
+  const SamplePool& pool;
+};
 
-Result<Reconstruction> reconstruct_directional(const Selection& selection, const SamplePool& pool,
-                                               const DirectionalOptions& options,
-                                               const FilterContext& context) {
-  SPOOL_TRY(check_attenuation(selection));
-  const PieceStatistics& taken = selection.statistics;
-  const SizeChannels channels = options.size.channels;
-  std::optional<PieceStatistics> seen_otherwise;
-  if (channels == SizeChannels::kLuminance || channels == SizeChannels::kMaxRgb) {
-    seen_otherwise = with_analysis_channel(taken, pool, channels);
-  }
-  const PieceStatistics& statistics = seen_otherwise ? *seen_otherwise : taken;
-  Reconstruction result;
-
-  // Statistics of the selection, in units of the exposed signal where something is decided
+// What decides about the filter of each piece, in units of the exposed signal.
+void set_deciding(const Taken& taken, const DirectionalOptions& options, Tile& tile,
+                  GuardCounts& guards) {
+  const PieceStatistics& statistics = taken.statistics;
   const VarianceOptions variance{options.var_mode};
-  Tile whole;
   GuardCounts counted_with_channels;
-  whole.analysis =
+  tile.analysis =
       estimate_analysis(statistics, variance, options.normalise_exposure, counted_with_channels);
-  result.guards.add(Guard::kExposureFallback, counted_with_channels[Guard::kExposureFallback]);
-  SPOOL_ASSIGN(whole.pieces,
-               estimate_pieces(statistics, variance, whole.analysis.exposure, result.guards));
+  guards.add(Guard::kExposureFallback, counted_with_channels[Guard::kExposureFallback]);
+  tile.n = statistics.n;
   if (options.size.variance == SizeVariance::kContrast) {
-    const double factor = whole.analysis.exposure / statistics.signal.exposure;
-    whole.minimum = scaled(statistics.analysis.minimum, factor);
-    whole.maximum = scaled(statistics.analysis.maximum, factor);
+    const double factor = tile.analysis.exposure / statistics.signal.exposure;
+    tile.minimum = scaled(statistics.analysis.minimum, factor);
+    tile.maximum = scaled(statistics.analysis.maximum, factor);
   }
-  if (channels == SizeChannels::kPerChannel) {
-    whole.channels = size_channels(statistics, pool, whole.analysis.exposure, variance);
-  }
-  if (options.noise_pool > 0) {
-    pool_noise(options.noise_pool, whole.analysis.mean, whole.analysis.variance);
-    for (SizeChannel& channel : whole.channels)
-      pool_noise(options.noise_pool, channel.mean, channel.variance);
-  }
-  whole.attenuation = selection.attenuation;
+  if (options.size.channels == SizeChannels::kPerChannel)
+    tile.channels = size_channels(statistics, taken.pool, tile.analysis.exposure, variance);
+  if (options.noise_pool == 0) return;
+  pool_noise(options.noise_pool, tile.analysis.mean, tile.analysis.variance);
+  for (SizeChannel& channel : tile.channels)
+    pool_noise(options.noise_pool, channel.mean, channel.variance);
+}
+
+// `averaged` under the filters that `deciding` chose.
+Result<Reconstruction> filter_by(const Taken& deciding, const Taken& averaged,
+                                 std::span<const Plane> attenuation,
+                                 const DirectionalOptions& options, const FilterContext& context) {
+  Reconstruction result;
+  Tile whole;
+  set_deciding(deciding, options, whole, result.guards);
+  SPOOL_ASSIGN(whole.pieces, estimate_pieces(averaged.statistics, {options.var_mode},
+                                             whole.analysis.exposure, result.guards));
+  whole.attenuation = attenuation;
 
   // Tiles that are filtered alone report none.
   Footprints* const footprints =
       options.scope == ReconstructionScope::kGlobal ? context.footprints : nullptr;
   const TileFilter filter = [&](Tile tile, Views* views) {
     return options.precision == Precision::kFloat32
-               ? filter_tile<float>(std::move(tile), pool, options, views, footprints)
-               : filter_tile<double>(std::move(tile), pool, options, views, footprints);
+               ? filter_tile<float>(std::move(tile), averaged.pool, options, views, footprints)
+               : filter_tile<double>(std::move(tile), averaged.pool, options, views, footprints);
   };
   FilteredTile filtered =
       options.scope == ReconstructionScope::kTile
@@ -200,11 +202,74 @@ Result<Reconstruction> reconstruct_directional(const Selection& selection, const
   result.guards += filtered.guards;
 
   // A pixel is the mean of its pieces
-  const int q = statistics.pieces_per_side;
+  const int q = averaged.statistics.pieces_per_side;
   result.image = average_pieces(std::move(filtered.pieces.image), q);
   result.variance = average_piece_variance(std::move(filtered.pieces.variance), q);
   result.level = std::move(filtered.level);
   result.dominant_direction = std::move(filtered.dominant);
+  return result;
+}
+
+// The mean of two images of independent samples; what else there is, is the first one's.
+void average_with(const Reconstruction& other, Reconstruction& result) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < result.image[c].size(); ++i) {
+      result.image[c][i] = 0.5 * (result.image[c][i] + other.image[c][i]);
+      (*result.variance)[c][i] = 0.25 * ((*result.variance)[c][i] + (*other.variance)[c][i]);
+    }
+  }
+  result.guards += other.guards;
+}
+
+// The even samples of each piece under the filters that the odd ones chose, and the other way
+// round.
+Result<Reconstruction> filter_halves(const Taken& taken, std::span<const Plane> attenuation,
+                                     const DirectionalOptions& options,
+                                     const FilterContext& context) {
+  const SamplePool even_pool = taken.pool.half(0), odd_pool = taken.pool.half(1);
+  const PieceStatistics even_statistics = half_statistics(taken.statistics, even_pool, 0),
+                        odd_statistics = half_statistics(taken.statistics, odd_pool, 1);
+  const Taken even{even_statistics, even_pool}, odd{odd_statistics, odd_pool};
+  FilterContext of_odd = context;
+  of_odd.views = nullptr;
+  Footprints odd_footprints(wanted_pixels(context));
+  if (context.footprints) of_odd.footprints = &odd_footprints;
+  SPOOL_ASSIGN(Reconstruction result, filter_by(odd, even, attenuation, options, context));
+  SPOOL_ASSIGN(const Reconstruction other, filter_by(even, odd, attenuation, options, of_odd));
+  average_with(other, result);
+  if (context.footprints) context.footprints->average_with(odd_footprints);
+  return result;
+}
+
+long long count_all(const CountImage& n) {
+  long long sum = 0;
+  for (const std::int32_t k : n.pixels())
+    sum += k;
+  return sum;
+}
+
+}  // namespace
+
+Result<Reconstruction> reconstruct_directional(const Selection& selection, const SamplePool& pool,
+                                               const DirectionalOptions& options,
+                                               const FilterContext& context) {
+  SPOOL_TRY(check_attenuation(selection));
+  const SizeChannels channels = options.size.channels;
+  std::optional<PieceStatistics> seen_otherwise;
+  if (channels == SizeChannels::kLuminance || channels == SizeChannels::kMaxRgb)
+    seen_otherwise = with_analysis_channel(selection.statistics, pool, channels);
+  const Taken taken{seen_otherwise ? *seen_otherwise : selection.statistics, pool};
+  const CountImage& n = taken.statistics.n;
+  const bool two_each = count_all(n) >= 2 * static_cast<long long>(n.size());
+  const bool halves = options.decide == Deciding::kHalves;
+  SPOOL_ASSIGN(Reconstruction result,
+               halves && two_each
+                   ? filter_halves(taken, selection.attenuation, options, context)
+                   : filter_by(taken, taken, selection.attenuation, options, context));
+  if (halves && !two_each) {
+    result.notes.emplace_back(
+        "directional: decide=halves needs 2 samples a piece on average: all decide");
+  }
   if (context.progress) context.progress(1.0);
   return result;
 }

@@ -160,6 +160,9 @@ DirectionalOptions paper_directional_options() {
 OptionTable<DirectionalOptions> directional_option_table() {
   using O = DirectionalOptions;
   OptionTable<O> table = {
+      choice_option<O, Deciding>("decide", &O::decide,
+                                 {{"own", Deciding::kOwn}, {"halves", Deciding::kHalves}},
+                                 "all samples about all, or each half of them about the other"),
       expert(choice_option<O, bool>(
           "exposure", &O::normalise_exposure, {{"normalise", true}, {"none", false}},
           "bring the mean luminance of a bare selection to 1 before deciding")),

@@ -97,6 +97,12 @@ struct FilterOptions {
   FilterGranularity granularity = FilterGranularity::kPiece;
 };
 
+// Whose samples decide about size and shape of the filter of which.
+enum class Deciding {
+  kOwn,     // all of the piece's about all
+  kHalves,  // each half of a piece's samples about the other: what is averaged decides nothing
+};
+
 // What size 1 means; the filter's taps are exp(-2 d^2) - exp(-8), d = -1, 0, 1.
 enum class BaseImage {
   kChosen,         // each piece's mean, or the filtered one: the first step of eq 9
@@ -107,6 +113,7 @@ enum class ReconstructionScope { kGlobal, kTile };
 enum class Precision { kFloat32, kFloat64 };  // of bands, energies and weights; sums are double
 
 struct DirectionalOptions {
+  Deciding decide = Deciding::kOwn;
   bool normalise_exposure = true;
   VarianceMode var_mode = VarianceMode::kAuto;
   int noise_pool = 8;  // largest radius of the pool of a variance, pieces; 0: own samples alone

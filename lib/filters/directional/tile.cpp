@@ -43,6 +43,7 @@ Tile crop(const Tile& whole, const Rectangle& box) {
   part.x0 = whole.x0 + box.x0;
   part.y0 = whole.y0 + box.y0;
   part.pieces.n = cropped(whole.pieces.n, box);
+  part.n = cropped(whole.n, box);
   for (std::size_t c = 0; c < 3; ++c) {
     part.pieces.mean[c] = cropped(whole.pieces.mean[c], box);
     part.pieces.variance[c] = cropped(whole.pieces.variance[c], box);

@@ -18,8 +18,9 @@ namespace spool {
 
 struct Tile {
   int x0 = 0, y0 = 0;  // of its first piece in the image
-  PieceEstimates pieces;
-  AnalysisEstimates analysis;
+  PieceEstimates pieces;                   // what is averaged
+  AnalysisEstimates analysis;              // what decides, here and below
+  CountImage n;                            // samples that decide
   Plane minimum, maximum;                  // exposed extremes of the samples
   std::vector<SizeChannel> channels;       // what eq 9 looks at instead, where not `analysis`
   std::span<const Plane> attenuation;      // A_0 .. A_K or empty
