@@ -28,8 +28,8 @@ bool fits_label(char c) {
 
 // Programs that run the script after them.
 bool runs_another(std::string_view program) {
-  constexpr std::array kNames = {"env", "nice", "time", "sh", "bash", "perl", "ruby", "Rscript",
-                                 "julia", "node", "lua", "octave"};
+  constexpr std::array kNames = {"env",  "nice",    "time",  "sh",   "bash", "perl",
+                                 "ruby", "Rscript", "julia", "node", "lua",  "octave"};
   return program.starts_with("python") || std::ranges::find(kNames, program) != kNames.end();
 }
 

@@ -72,10 +72,13 @@ TEST(MethodText, CommandsGetShortLabelsOfTheirOwn) {
     list.methods.emplace_back().name = name;
     list.methods.back().argument = name == std::string("exec") ? "COMMAND" : "";
   }
-  std::vector<MethodChoice> choices = {
-      {"exec", "a/den.py", {}},        {"exec", "b/den.py", {}, ""},     {"box", "", {}, "den"},
-      {"exec", "./box", {}},           {"exec", "c/den.py", {{"t", "9"}}}, {"exec", "d/den.py", {{"t", "9"}}},
-      {"exec", "./x", {}, "own_label"}};
+  std::vector<MethodChoice> choices = {{"exec", "a/den.py", {}},
+                                       {"exec", "b/den.py", {}, ""},
+                                       {"box", "", {}, "den"},
+                                       {"exec", "./box", {}},
+                                       {"exec", "c/den.py", {{"t", "9"}}},
+                                       {"exec", "d/den.py", {{"t", "9"}}},
+                                       {"exec", "./x", {}, "own_label"}};
   label_commands(list, choices);
   std::vector<std::string> labels;
   for (const MethodChoice& choice : choices) {
