@@ -467,6 +467,7 @@ class PlanReader {
       return fail(ErrorCode::kUsage, "{}: no {}s: write {}s = [\"NAME\"] or [[{}]]", name_,
                   known.kind, known.kind, known.kind);
     }
+    label_commands(known, choices);
     return choices;
   }
 

@@ -1,6 +1,7 @@
 // Lists of methods, and the one way to find a method in them.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,6 +48,23 @@ Result<void> check_own_label(const MethodList<Function>& list, const MethodChoic
   if (find_method(list, choice.own_label) == nullptr) return {};
   return fail(ErrorCode::kUsage, "label '{}': is the name of a {}: choose another",
               choice.own_label, list.kind);
+}
+
+// Gives commands without an own label a short one, "denoise{timeout=9}"; a name that is another
+// method's gets a number: "denoise_2". The same choices get the same labels again.
+template <class Function>
+void label_commands(const MethodList<Function>& list, std::vector<MethodChoice>& choices) {
+  std::vector<std::string> taken = names_of(list);
+  for (const MethodChoice& choice : choices)
+    taken.push_back(choice.label());
+  for (MethodChoice& choice : choices) {
+    const Method<Function>* method = find_method(list, choice.name);
+    if (!choice.own_label.empty() || method == nullptr || method->argument != "COMMAND") continue;
+    MethodChoice named = {command_name(choice.preset), "", choice.set};
+    for (int n = 2; std::ranges::find(taken, named.label()) != taken.end(); ++n)
+      named.name = fmt::format("{}_{}", command_name(choice.preset), n);
+    taken.push_back(choice.own_label = named.label());
+  }
 }
 
 // Reads a method as method_text.h says; error kUsage when there is none of that name. Whether it

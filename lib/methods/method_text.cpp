@@ -1,6 +1,7 @@
 #include "lib/methods/method_text.h"
 
 #include <algorithm>
+#include <array>
 
 namespace spool {
 namespace {
@@ -20,7 +21,44 @@ std::string in_full(const MethodChoice& choice) {
   return set.empty() ? text : text + "{" + set.substr(1) + "}";
 }
 
+bool fits_label(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' ||
+         c == '_' || c == '-';
+}
+
+// Programs that run the script after them.
+bool runs_another(std::string_view program) {
+  constexpr std::array kNames = {"env",  "nice",    "time",  "sh",   "bash", "perl",
+                                 "ruby", "Rscript", "julia", "node", "lua",  "octave"};
+  return program.starts_with("python") || std::ranges::find(kNames, program) != kNames.end();
+}
+
+std::string_view file_name(std::string_view word) {
+  return word.substr(word.find_last_of('/') + 1);
+}
+
 }  // namespace
+
+std::string command_name(std::string_view command) {
+  constexpr std::size_t kLongest = 32;
+  std::string_view found;
+  while (!command.empty()) {
+    const std::string_view word = command.substr(0, command.find_first_of(" \t\n"));
+    command.remove_prefix(std::min(command.size(), word.size() + 1));
+    const bool is_name = !word.empty() && !word.starts_with('-') &&
+                         word.find_first_of("={") == std::string_view::npos &&
+                         word.find_first_not_of("0123456789") != std::string_view::npos;
+    if (!is_name) continue;
+    found = file_name(word);
+    if (!runs_another(found)) break;
+  }
+  std::string name;
+  for (const char c : found.substr(0, found.find_last_of('.'))) {
+    if (fits_label(c) && name.size() < kLongest) name += c;
+  }
+  name.erase(0, std::min(name.size(), name.find_first_not_of(".-")));
+  return name.empty() ? "command" : name;
+}
 
 std::string MethodChoice::label() const {
   return own_label.empty() ? in_full(*this) : own_label;
@@ -34,11 +72,7 @@ Result<void> check_label(const MethodChoice& choice) {
   constexpr std::size_t kLongest = 64;
   const std::string_view label = choice.own_label;
   const std::string_view word = label.substr(0, label.find('{'));
-  const auto fit = [](unsigned char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' ||
-           c == '_' || c == '-';
-  };
-  if (word.empty() || word.size() > kLongest || !std::ranges::all_of(word, fit) ||
+  if (word.empty() || word.size() > kLongest || !std::ranges::all_of(word, fits_label) ||
       word.starts_with('.') || word.starts_with('-')) {
     return fail(ErrorCode::kUsage,
                 "label '{}': write 1 to {} letters, digits, '.', '_' or '-', a letter or digit "

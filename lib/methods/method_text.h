@@ -35,6 +35,10 @@ Result<void> check_label(const MethodChoice& choice);
 // Error kUsage when two methods have one label.
 Result<void> check_distinct(std::string_view kind, const std::vector<MethodChoice>& choices);
 
+// What a command is called in a label: the stem of its script or program, "denoise" of
+// "OMP_NUM_THREADS=1 python3 long/path/denoise.py --fast"; "command" where it has none.
+std::string command_name(std::string_view command);
+
 // `takes_argument`: the names of methods that take one.
 Result<MethodChoice> parse_method(std::string_view text,
                                   const std::vector<std::string>& takes_argument);

@@ -341,7 +341,7 @@ TEST(Plan, MethodsWithAnArgumentAreWrittenInFull) {
   const auto plan = parse_plan(text, "plan.toml", "lab", {samplers, kFilters});
   ASSERT_TRUE(plan.has_value()) << plan.error().message;
   EXPECT_EQ(asked, "python3 mine.py {a=1}");
-  EXPECT_EQ(plan->samplers[0].label(), "exec:python3 mine.py {a=1}");
+  EXPECT_EQ(plan->samplers[0].label(), "mine");
   const auto again = parse_plan(plan_text(*plan), "plan.toml", "lab", {samplers, kFilters});
   ASSERT_TRUE(again.has_value()) << again.error().message;
   EXPECT_EQ(again->samplers, plan->samplers);

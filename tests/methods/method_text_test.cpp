@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/filters/filters.h"
+#include "lib/methods/method_list.h"
 #include "lib/sampling/samplers.h"
 
 namespace spool {
@@ -97,6 +98,50 @@ TEST(MethodText, TwoMethodsOfOneLabelAreRefused) {
   ASSERT_FALSE(twice.has_value());
   EXPECT_EQ(twice.error().message,
             "filter mine is there twice: mine=box and mine=gem: give one another label");
+}
+
+TEST(MethodText, ACommandIsCalledByItsScript) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"./den", "den"},
+      {"python3 long/path/filter.py --x {radiance}", "filter"},
+      {"A=1 nice -n 10 python3.11 -u 'a b/den oise.v2.py'", "a"},
+      {"python3 -m my_module", "my_module"},
+      {"python3 -c 'print(1)'", "print1"},
+      {"/opt/Ünnamed/-.den+{x}.sh 1", "command"},
+      {"", "command"},
+      {"python3", "python3"},
+      {"x/.hidden", "command"},
+      {"tool.v2.bin model.pth", "tool.v2"},
+  };
+  for (const auto& [command, name] : cases)
+    EXPECT_EQ(command_name(command), name) << command;
+  EXPECT_EQ(command_name(std::string(500, 'a')).size(), 32u);
+}
+
+TEST(MethodText, CommandsGetShortLabelsOfTheirOwn) {
+  MethodList<FilterFunction> list{"filter", {}};
+  for (const char* name : {"box", "exec"}) {
+    list.methods.emplace_back().name = name;
+    list.methods.back().argument = name == std::string("exec") ? "COMMAND" : "";
+  }
+  std::vector<MethodChoice> choices = {{"exec", "a/den.py", {}},
+                                       {"exec", "b/den.py", {}, ""},
+                                       {"box", "", {}, "den"},
+                                       {"exec", "./box", {}},
+                                       {"exec", "c/den.py", {{"t", "9"}}},
+                                       {"exec", "d/den.py", {{"t", "9"}}},
+                                       {"exec", "./x", {}, "own_label"}};
+  label_commands(list, choices);
+  std::vector<std::string> labels;
+  for (const MethodChoice& choice : choices) {
+    labels.push_back(choice.label());
+    EXPECT_TRUE(check_own_label(list, choice).has_value()) << choice.label();
+  }
+  EXPECT_EQ(labels, (std::vector<std::string>{"den_2", "den_3", "den", "box_2", "den{t=9}",
+                                              "den_2{t=9}", "own_label"}));
+  const std::vector<MethodChoice> once = choices;
+  label_commands(list, choices);
+  EXPECT_EQ(choices, once);
 }
 
 }  // namespace

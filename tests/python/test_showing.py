@@ -5,6 +5,7 @@ import json
 import os
 import pickle
 import re
+import struct
 
 import numpy as np
 import pytest
@@ -34,7 +35,7 @@ def size_of_png(html):
 def raises(kind, *words):
     with pytest.raises(spool.SpoolError, match=".*".join(map(re.escape, words))) as caught:
         yield
-    assert caught.value.code == {"usage": spool.USAGE, "io": spool.IO}[kind]
+    assert caught.value.code == {"usage": spool.USAGE, "io": spool.IO, "data": spool.DATA}[kind]
 
 
 @pytest.fixture
@@ -141,6 +142,22 @@ def test_what_a_file_has_besides_is_a_warning(image, tmp_path, recwarn):
         with pytest.warns(UserWarning, match=r"more\.exr: .*albedo") as caught:
             spool.show(**of)
         assert [warning.filename for warning in caught] == [__file__]
+
+
+def test_files_whose_pixels_lie_elsewhere_are_refused(image, tmp_path):
+    from spool import exr
+    files = []
+    for left in (0, 7):
+        files.append(tmp_path / f"from_{left}.exr")
+        exr.write(files[-1], dict(zip("RGB", np.moveaxis(np.asarray(image, "f4"), 2, 0))))
+        data = bytearray(files[-1].read_bytes())
+        for name, window in ((b"dataWindow", (left, 0, left + 23, 19)), (b"displayWindow", (0, 0, 39, 29))):
+            struct.pack_into("<4i", data, data.index(name + b"\0box2i\0") + len(name) + 7 + 4, *window)
+        files[-1].write_bytes(data)
+    spool.show([files[0], files[0], image])
+    for of in ({"images": files}, {"images": files[0], "reference": files[1]}):
+        with raises("data", "from_7.exr: shows x 7 to 30"):
+            spool.show(**of)
 
 
 def test_wrong_use(image, truth, tmp_path, layers):

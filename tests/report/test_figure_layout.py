@@ -11,8 +11,8 @@ pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python"
 
 from tools.report.failure import Failure
 from tools.report.figure import main
-from tools.report.figure_layout import GAP, lay_out
-from tools.report.figure_text import WIDTHS, pyplot, significant
+from tools.report.figure_layout import GAP, SMALLEST, lay_out
+from tools.report.figure_text import WIDTHS, fitted, pyplot, significant
 from tools.report.figure_windows import asked_windows, choose_windows, inside
 from tools.report.metric_names import metric_name
 from tools.report.result_images import Crop, dump_names, file_name_of
@@ -32,7 +32,7 @@ def make(folder, samplers, recordings, budgets, size=(48, 40)):
 
 @pytest.mark.parametrize("methods, recordings, budgets, column, size", [
     (1, 1, (4,), 1, (48, 40)), (3, 4, (4, 8), 1, (20, 64)), (8, 1, (2, 3, 4, 64, 1024), 1, (48, 40)),
-    (3, 1, (8,), 2, (90, 30)), (8, 6, (2, 3, 4, 64, 1024), 2, (24, 24))])
+    (3, 1, (8,), 2, (90, 30)), (8, 6, (2, 3, 4, 64, 1024), 2, (24, 24)), (8, 6, (8,), 1, (24, 24))])
 def test_no_text_lies_outside_the_page_or_over_another(tmp_path, monkeypatch, methods, recordings, budgets, column, size):
     found = recorded(monkeypatch)
     folder = make(tmp_path / "r", METHODS[:methods], RECORDINGS[:recordings], budgets, size)
@@ -63,9 +63,19 @@ def test_every_tile_has_a_place_inside_the_width(width, tiles, aspect, shapes):
     for with_maps in (False, True):
         layout = lay_out(width, 3.0, tiles, aspect, shapes, with_maps, 0.3, 0.3)
         assert [place for row in layout.rows for place in row] == list(range(tiles))
-        ends = [len(row) * (layout.tile + GAP) - GAP + (layout.thumb[0] + 2 * GAP if i == 0 else 0)
-                for i, row in enumerate(layout.rows)]
-        assert -1e-9 <= layout.left and layout.left + max(ends) <= width + 1e-6
+        first = layout.thumb[0] + 2 * GAP
+        starts = [layout.start(i) for i in range(len(layout.rows))]
+        assert layout.width <= width + 1e-6 and starts[0] >= first - 1e-6 and min(starts) >= -1e-6
+        ends = [start + len(row) * (layout.tile + GAP) - GAP for start, row in zip(starts, layout.rows)]
+        assert max(ends) <= layout.width + 1e-6 and max(ends) - min(ends) < 1e-6  # tiles stand below each other
+        assert layout.is_even() or layout.size <= SMALLEST
+
+
+def test_numbers_are_broken_between_and_not_within():
+    figure = pyplot.figure(figsize=(2, 1))
+    text, size = fitted(figure, "[2.38e-4, 2.43e-4]", 0.42, (7, 6.5), 2)
+    assert text == "[2.38e-4,\n2.43e-4]"
+    pyplot.close(figure)
 
 
 def test_windows_are_where_methods_differ_on_something_and_apart():

@@ -79,8 +79,8 @@ def test_a_method_that_only_another_recording_has_may_be_asked_for():
         choose_methods([f"m{i} + f" for i in range(9)], [condition(*(f"m{i} + f" for i in range(9)))], {})
 
 
-def made(folder, claims=(), samplers=("uniform", HOSTILE, "exec:./den -x")):
-    rows = make_rows(dumps=("scenes/a.spool",), samplers=samplers, filters=("box", "directional"), budgets=(4, 8),
+def made(folder, claims=(), samplers=("uniform", HOSTILE, "exec:./den -x"), budgets=(4, 8)):
+    rows = make_rows(dumps=("scenes/a.spool",), samplers=samplers, filters=("box", "directional"), budgets=budgets,
                      replicates=3, size=(20, 16))
     write_results(folder, rows)
     write_images(folder, rows, dump_names(["scenes/a.spool"]), file_name_of)
@@ -119,8 +119,10 @@ def test_captions_say_budget_replicates_and_intervals_and_claims_are_the_program
 
 @pytest.mark.skipif(not shutil.which("pdflatex"), reason="SKIPPED: no LaTeX")
 def test_latex_takes_captions_and_tables_as_they_are_and_a_column_holds_them(tmp_path):
-    folder = made(tmp_path / "r", [CLAIM] * 30, ("uniform", HOSTILE, "x" * 90, "multiscale:paper{alpha=0.3,epochs=4}"))
+    folder = made(tmp_path / "r", [CLAIM] * 30, ("uniform", HOSTILE, "x" * 90, "multiscale:paper{alpha=0.3,epochs=4}"),
+                  (4, 65536))  # powers of ten
     assert main([str(folder), "-o", str(tmp_path / "f"), "--column", "1"]) == 0
+    assert "10^{-5}}_{" in (tmp_path / "f" / "table.tex").read_text()
     (tmp_path / "f" / "paper.tex").write_text(DOCUMENT)
     done = subprocess.run(["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "paper"], cwd=tmp_path / "f",
                           capture_output=True, text=True, errors="replace")

@@ -383,7 +383,7 @@ def test_an_external_filter_guides_filtered_halves(good, example, dump, tmp_path
     assert n.sum() == 8 * n.size and n.std() > 0.5
     result = good("evaluate", dump, "--samplers", "filtered_halves{rounds=1,filter=beside}", "--filters", f"box,{median}", "--spp",
                   6, "--replicates", 1, "--no-pictures", "-o", "results").out
-    assert "median.py" in result
+    assert "median" in result and "median.py" not in result
 
 
 def test_methods_carry_their_presets_and_options_in_their_names(good, run, dump):

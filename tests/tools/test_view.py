@@ -184,6 +184,33 @@ def test_commands_are_offered_and_run_only_where_the_user_allows_it(good, scene,
             assert code == 130 and ("not replayed: den" in said) == (not words)
 
 
+def test_a_recording_offers_what_the_user_names_beside_the_methods_of_the_program(run, scene, tmp_path):
+    (tmp_path / "den.sh").write_text(f"cp {tmp_path}/image.exr \"$2\"\n")
+    exr.write(tmp_path / "image.exr", {c: np.full((16, 24), 0.5, "f4") for c in "RGB"})
+    server = Served(scene, "--filters", f"box,exec:sh {tmp_path}/den.sh,wide=gaussian{{sigma=3}}")
+    try:
+        filters = server.json("choices")["filters"]
+        assert filters[-2:] == ["den", "wide"] and filters.count("box") == 1
+        _, planes = server.planes("replay?" + server.key("uniform", "den", 4))
+        assert (planes["estimate"] == 0.5).all()
+    finally:
+        assert server.end()[0] == 130
+    run("view", scene, "--filters", "gausian").failed_with(2, "did you mean 'gaussian'")
+    run("view", scene, "--samplers", "box").failed_with(2, "unknown sampler")
+
+
+def test_a_folder_without_its_plan_is_served_with_the_methods_of_the_program(good, scene, tmp_path):
+    good("evaluate", scene, "--filters", "box,mine=directional", "--spp", "4", "--replicates", "1", "-o", tmp_path / "r", "-q")
+    (tmp_path / "r" / "plan.toml").unlink()
+    server = Served(tmp_path / "r")
+    try:
+        choices = server.json("choices")
+        assert {"uniform", "multiscale"} <= set(choices["samplers"]) and "mine" not in choices["filters"]
+    finally:
+        code, said = server.end()
+        assert code == 130 and "no plan.toml" in said
+
+
 def test_what_cannot_be_served_is_said_before(run, tmp_path):
     run("view", tmp_path / "none.spool").failed_with(3, "none.spool")
     (tmp_path / "empty").mkdir()

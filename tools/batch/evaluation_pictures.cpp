@@ -73,8 +73,8 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
   const Cell& cell = result.cell;
   if (cell.replicate != 0) return {};
   ResultImages kept = images_of(
-      fmt::format("{}  {} + {}  {:g} spp  MSE {:.3g}", dump_names_.at(cell.dump),
-                  cell.sampler.label(), cell.filter.label(), cell.spp, result.metrics["mse"].value),
+      fmt::format("{}  {} + {}  {:g} spp  relMSE {:.3g}", dump_names_.at(cell.dump),
+                  cell.sampler.label(), cell.filter.label(), cell.spp, result.metrics["relmse"].value),
       images.reconstruction, images.selection.statistics.n, &images.reference);
   if (!result.metrics.flip.empty()) kept.flip = result.metrics.flip;
   const std::string stem = stem_of(cell);
@@ -114,7 +114,7 @@ Result<std::string> EvaluationPictures::write_sheets(
       if (!image) continue;
       panels.push_back(
           {fmt::format("{} + {}", result->cell.sampler.label(), result->cell.filter.label()),
-           tone_map(*image, exposure), Caption{fmt::format("MSE {:.3g}", result->mse)}});
+           tone_map(*image, exposure), Caption{fmt::format("relMSE {:.3g}", result->relmse)}});
     }
     const auto path = folder_ / fmt::format("{}_{:g}spp.png", dump, sheet.first->spp);
     const std::string heading = fmt::format("{}  {:g} samples per pixel", dump, sheet.first->spp);

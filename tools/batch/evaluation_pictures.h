@@ -16,7 +16,7 @@ namespace spool::tools {
 // A result of replicate 0, for the sheet of all estimates.
 struct PicturedResult {
   Cell cell;
-  double mse = 0.0;
+  double relmse = 0.0;
 };
 
 class EvaluationPictures {

@@ -140,7 +140,7 @@ class PlanRun {
       any_shared_ = any_shared_ || record->text("timing") == "shared";
       judge(cell, *record);
       if (is_pictured(cell)) {
-        pictured.push_back({cell, record->number("mse")});
+        pictured.push_back({cell, record->number("relmse")});
       }
     }
     SPOOL_TRY(writer.finish());

@@ -131,6 +131,10 @@ void add_view(Program& program) {
          kPort);
   verb.add_flag("--allow-commands", program.view.allow_commands,
                 "replay the commands (exec:) of the plan in the folder: they are run by this user");
+  verb.add_option(
+      "--samplers", program.view.samplers,
+      "beside those of the recording or the plan: LABEL=exec:COMMAND, NAME{OPTION=VALUE}");
+  verb.add_option("--filters", program.view.filters, "the same of filters");
   add_common(verb, program.common, true, false);
   verb.footer(
       "Prints the address and serves the page until Ctrl-C (exit code 130): to this machine only, "
@@ -138,6 +142,7 @@ void add_view(Program& program) {
       "Needs what spool report needs.\n"
       "Examples:\n"
       "  spool view dumps/tiny/chess.spool\n"
+      "  spool view dumps/tiny/chess.spool --filters 'den=exec:python3 denoise.py'\n"
       "  spool view results --port 8000");
   runs(verb, program, run_view, program.view);
 }

@@ -83,7 +83,11 @@ Result<std::vector<ChosenMethod<Function>>> choose(const MethodList<Function>& k
     SPOOL_ASSIGN(Ready<Function> ready, make_ready(known.kind, method, choice.preset, choice.set));
     chosen.push_back({std::move(choice), &method, std::move(ready)});
   }
-  SPOOL_TRY(check_distinct(known.kind, choices_of(chosen)));
+  std::vector<MethodChoice> choices = choices_of(chosen);
+  SPOOL_TRY(check_distinct(known.kind, choices));
+  label_commands(known, choices);
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    chosen[i].choice.own_label = choices[i].own_label;
   return chosen;
 }
 

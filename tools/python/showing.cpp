@@ -1,12 +1,15 @@
 #include "tools/python/showing.h"
 
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -115,11 +118,35 @@ std::string facts_json(const std::string& path) {
       run<Rows>([&](Watch&) { return tools::recording_facts(path); }, nb::none(), 0));
 }
 
-// The image, and what was chosen, converted or left out: one line, or "".
-std::tuple<nb::object, std::string> read_image(const std::string& path) {
+// Where the pixels of a file lie: x0, y0, width, height, of what is held and of its display.
+using Windows = std::array<std::int64_t, 8>;
+
+Windows windows_of(const ForeignPicture& picture) {
+  const ExrWindow &a = picture.shown, &b = picture.display;
+  return {a.x0, a.y0, a.width, a.height, b.x0, b.y0, b.width, b.height};
+}
+
+// The image; what was chosen, converted or left out: one line, or ""; where its pixels lie.
+std::tuple<nb::object, std::string, Windows> read_image(const std::string& path) {
   const auto picture = run<ForeignPicture>(
       [&](Watch&) { return read_picture(path, kNoLayerOption); }, nb::none(), 0);
-  return {rgb_to_numpy(picture.rgb), remark_line(path, picture.remarks)};
+  return {rgb_to_numpy(picture.rgb), remark_line(path, picture.remarks), windows_of(picture)};
+}
+
+// Raises where a file of the first one's size lies elsewhere.
+void check_windows(const std::vector<std::tuple<std::string, Windows>>& files) {
+  const auto placed = [](const Windows& w) {
+    ForeignPicture picture;
+    picture.shown = {w[0], w[1], w[2], w[3]};
+    picture.display = {w[4], w[5], w[6], w[7]};
+    return picture;
+  };
+  for (const auto& [path, windows] : files) {
+    const auto& [first, other] = files.front();
+    if (windows[2] != other[2] || windows[3] != other[3]) continue;
+    if (const auto checked = check_aligned(placed(windows), placed(other), path, first); !checked)
+      raise(checked.error());
+  }
 }
 
 void write_text(const std::string& path, const std::string& text, bool force) {
@@ -137,6 +164,7 @@ void bind_showing(nb::module_& module) {
   module.def("image_statistics", &statistics_json, nb::arg("image"));
   module.def("recording_facts", &facts_json, nb::arg("path"));
   module.def("read_image", &read_image, nb::arg("path"));
+  module.def("check_windows", &check_windows, nb::arg("files"));
   module.def("write_text", &write_text, nb::arg("path"), nb::arg("text"), nb::arg("force"));
 }
 

@@ -67,16 +67,18 @@ def budget_ticks(figure, budgets, width):
 
 def panel(axes, methods, colour_of, width, over_time):
     """`methods`: [(spp, mean, low, high, seconds)] of each."""
-    count, figure = max(len(methods), 2), axes.figure
+    figure = axes.figure
     budgets = sorted({point[0] for points in methods.values() for point in points})
     spread = 0.06 if len(budgets) > 1 else 0.3
-    lows, highs = [], []
+    lows, highs, places = [], [], []
     for place, (method, points) in enumerate(methods.items()):
-        aside = 1 if over_time else 1 + spread * (place / (count - 1) - 0.5)  # bars at one budget stand beside each other
+        share = place / (len(methods) - 1) - 0.5 if len(methods) > 1 else 0.0
+        aside = 1 if over_time else 1 + spread * share  # bars at one budget stand beside each other
         points = sorted(points)
         xs = [point[4] if over_time else point[0] * aside for point in points]
         means = [point[1] for point in points]
         bars = [[m - max(p[2], m * 1e-6) for m, p in zip(means, points)], [p[3] - m for m, p in zip(means, points)]]
+        places += xs
         lows += [m - bar for m, bar in zip(means, bars[0])]
         highs += [m + bar for m, bar in zip(means, bars[1])]
         i = colour_of[method] % len(COLOURS)
@@ -87,8 +89,8 @@ def panel(axes, methods, colour_of, width, over_time):
     low, high = min(lows), max(highs)
     margin = max(1.03, (high / low) ** 0.05)
     axes.set_ylim(low / margin, high * margin)
-    if len(budgets) == 1 and not over_time:
-        axes.set_xlim(budgets[0] / 2, budgets[0] * 2)
+    if len(budgets) == 1 and max(places) < 2 * min(places):
+        axes.set_xlim(min(places) / 2, max(places) * 2)
     x_ticks = ticks_between(*axes.get_xlim(), 4) if over_time else budget_ticks(figure, budgets, width)
     for axis, ticks in ((axes.xaxis, x_ticks), (axes.yaxis, ticks_between(*axes.get_ylim(), 6))):
         axis.set_major_locator(FixedLocator(ticks))
@@ -114,7 +116,7 @@ def legend(figure, handles, width):
 
 def page(curves, metric, colour_of, output, column, over_time):
     width = WIDTHS[column]
-    across = min(len(curves), 3 if column == 2 else 1 if len(curves) < 4 else 2)
+    across = min(len(curves), 3 if column == 2 and len(curves) != 4 else 1 if len(curves) < 4 else 2)
     down = -(-len(curves) // across)
     figure, grid = pyplot.subplots(down, across, figsize=(width, 2.0 * down), squeeze=False)
     room = width / across - 0.75

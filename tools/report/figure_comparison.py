@@ -59,11 +59,13 @@ class Comparison:
         self.errors = blocks[0].errors() if len(blocks) == 1 else {}
         self.norm = self._norm() if self.errors else None
         self.keyed = False
+        self.edge = 0.03
         self._lay_out(head_line)
+        self._set_texts()
+        self.figure.set_size_inches(self.width, self.height)
 
     def _lay_out(self, head_line):
         first = self.blocks[0]
-        self.edge = 0.03
         inner = self.width - 2 * self.edge
         self.head_line, self.head_size = fitted(self.figure, head_line, inner, (8, 7, 6, 5), 3) or (
             whole(self.figure, head_line, inner, 5), 5)
@@ -75,22 +77,26 @@ class Comparison:
         tiles = len(self.names) + any(block.judged for block in self.blocks)
         self.layout = lay_out(inner, (tallest - self.top) / len(self.blocks), tiles, aspect, shapes, bool(self.errors), head,
                               foot)
+        self.left = (inner - self.layout.width) / 2
+
+    def _set_texts(self):
+        inner = self.width - 2 * self.edge
         self.tile_heads = [self._fit(name, self.layout.tile) for name in self.names]
         if None in self.tile_heads:
             self.keyed = True
             self.tile_heads = [(str(i + 1), 7.5) for i in range(len(self.names))]
         self.tile_heads.append(self._fit("reference", self.layout.tile) or ("reference", 4.5))
-        self.labels = [self._fit(block.label, self.layout.thumb[0]) or
-                       (whole(self.figure, block.label, self.layout.thumb[0], 5), 5) for block in self.blocks]
+        fits = [fitted(self.figure, block.label, self.layout.thumb[0], HEAD_SIZES[:3], 2) for block in self.blocks]
+        self.above = None in fits  # labels stand in a line of their own, over all of their block
+        self.labels = fits if not self.above else [
+            self._fit(block.label, self.layout.width) or (whole(self.figure, block.label, inner, 5), 5) for block in self.blocks]
         self.feet = [{place: [self._foot(line) for line in shown.lines] for place, shown in block.methods.items()}
                      for block in self.blocks]
         self.foot = 0.06 + max(sum(map(_height, lines)) for feet in self.feet for lines in feet.values())
         keys = [whole(self.figure, f"{i + 1}: {name}", inner, 7) for i, name in enumerate(self.names)] if self.keyed else []
         self.keys = "\n".join(keys)
-        heights = [self._head_of(i) for i in range(len(self.blocks))]
-        self.height = self.top + sum(self.layout.height(head, self.foot) for head in heights) + self.edge + (
+        self.height = self.top + sum(map(self._height_of, range(len(self.blocks)))) + self.edge + (
             extent(self.figure, self.keys, 7)[1] + 0.08 if keys else 0.0)
-        self.figure.set_size_inches(self.width, self.height)
 
     def _fit(self, text, width):
         return fitted(self.figure, text, width - 0.02, HEAD_SIZES, 3)
@@ -99,13 +105,24 @@ class Comparison:
         width = self.layout.tile - 0.02
         return fitted(self.figure, line, width, FOOT_SIZES, 2) or (whole(self.figure, line, width, 4.5), 4.5)
 
-    def _head_of(self, block):
+    def _line_of(self, block):
+        """Height of a label that stands above its block."""
+        return _height(self.labels[block]) + 0.06 if self.above else 0.0
+
+    def _is_named(self, block):
         """Methods are named over the first block, and over every row of tiles where they take several."""
-        named = self.tile_heads if block == 0 or len(self.layout.rows) > 1 else []
-        return 0.05 + max(map(_height, [self.labels[block], *named]))
+        return block == 0 or len(self.layout.rows) > 1
+
+    def _head_of(self, block, row):
+        heads = self.tile_heads if self._is_named(block) else []
+        return 0.05 + max(map(_height, [*heads, *([self.labels[block]] if row == 0 and not self.above else [])]), default=0.0)
+
+    def _height_of(self, block):
+        return self._line_of(block) + sum(self._head_of(block, row) + self.layout.row(self.foot)
+                                          for row in range(len(self.layout.rows)))
 
     def axes(self, left, top, width, height):
-        axes = self.figure.add_axes(((self.edge + self.layout.left + left) / self.width, 1 - (top + height) / self.height, width / self.width,
+        axes = self.figure.add_axes(((self.edge + self.left + left) / self.width, 1 - (top + height) / self.height, width / self.width,
                                      height / self.height))
         axes.set_xticks([])
         axes.set_yticks([])
@@ -115,34 +132,39 @@ class Comparison:
         """`left`: the middle of the text."""
         text, size = text_and_size
         more = {"ha": "center", "va": "top", "linespacing": LEADING, **more}
-        self.figure.text((self.edge + self.layout.left + left) / self.width, 1 - top / self.height, text, fontsize=size, **more)
+        self.figure.text((self.edge + self.left + left) / self.width, 1 - top / self.height, text, fontsize=size, **more)
 
     def draw(self):
-        self.text(self.width / 2 - self.edge - self.layout.left, self.edge, (self.head_line, self.head_size))
+        self.text(self.width / 2 - self.edge - self.left, self.edge, (self.head_line, self.head_size))
         top = self.top
         for index, block in enumerate(self.blocks):
-            head = self._head_of(index)
-            self._thumbnail(block, self.labels[index], top + head)
+            if self.above:
+                self.text(self.layout.width / 2, top + 0.06, self.labels[index])
+                top += self._line_of(index)
             for row, places in enumerate(self.layout.rows):
-                left = self.layout.thumb[0] + 2 * GAP if row == 0 else 0.0
+                top += self._head_of(index, row)
+                left = self.layout.start(row)
+                if row == 0:
+                    self._thumbnail(block, None if self.above else self.labels[index], left - 2 * GAP - self.layout.thumb[0], top)
                 for place in places:
-                    self._tile(block, index, place, left, top + head)
+                    self._tile(block, index, place, left, top)
                     left += self.layout.tile + GAP
-                top += self.layout.height(head, self.foot) / len(self.layout.rows)
+                top += self.layout.row(self.foot)
         if self.keys:
-            self.text(-self.layout.left, top + 0.03, (self.keys, 7), ha="left")
+            self.text(-self.left, top + 0.03, (self.keys, 7), ha="left")
 
-    def _thumbnail(self, block, label, top):
+    def _thumbnail(self, block, label, left, top):
         wide, high = self.layout.thumb
-        self.text(wide / 2, top - 0.03, label, va="bottom")
-        axes = self.axes(0.0, top, wide, max(high, min(self.layout.windows, wide * block.height / block.width)))
+        if label:
+            self.text(left + wide / 2, top - 0.03, label, va="bottom")
+        axes = self.axes(left, top, wide, max(high, min(self.layout.windows, wide * block.height / block.width)))
         axes.set_anchor("N")
         axes.imshow(tone_mapped(block.reference, block.exposure), interpolation=_resampling(block.width, wide))
         for window, (colour, dash) in zip(block.windows, FRAMES):
             axes.add_patch(Rectangle((window.x - 0.5, window.y - 0.5), window.width, window.height, fill=False,
                                      edgecolor=colour, linestyle=dash, linewidth=1.2, clip_on=False, zorder=5))
         if self.errors:
-            self._colour_bar(wide, top + self.layout.windows + GAP)
+            self._colour_bar(left, wide, top + self.layout.windows + GAP)
 
     def _norm(self):
         """Four decades below what few pixels exceed, the same for all methods."""
@@ -150,23 +172,23 @@ class Comparison:
         high = max(float(np.quantile(values, 0.995)) if values.size else 1.0, 1e-30)
         return LogNorm(1e-4 * high, high)
 
-    def _colour_bar(self, wide, top):
+    def _colour_bar(self, left, wide, top):
         norm, length = self.norm, min(1.6, 0.8 * wide)
         powers = [k for k in range(-40, 40) if norm.vmin <= 10.0 ** k <= norm.vmax]
         powers = powers if length > 1.2 else powers[::len(powers) - 1 or 1]
-        bar = self.axes((wide - length) / 2, top + 0.22, length, 0.08)
+        bar = self.axes(left + (wide - length) / 2, top + 0.22, length, 0.08)
         self.figure.colorbar(ScalarMappable(norm, "inferno"), cax=bar, orientation="horizontal")
         bar.xaxis.set_major_locator(FixedLocator([10.0 ** k for k in powers]))
         bar.xaxis.set_minor_locator(NullLocator())
         bar.set_xticklabels([f"$10^{{{k}}}$" for k in powers], fontsize=6)
         bar.tick_params(pad=1.5, length=2)
-        self.text(wide / 2, top + 0.17, ("squared error", 6.5), va="bottom")
+        self.text(left + wide / 2, top + 0.17, ("squared error", 6.5), va="bottom")
 
     def _tile(self, block, index, place, left, top):
         is_reference = place == len(self.names)
         image = block.reference if is_reference else block.estimates.get(place)
         tile, middle = self.layout.tile, left + self.layout.tile / 2
-        if index == 0 or len(self.layout.rows) > 1:
+        if self._is_named(index):
             self.text(middle, top - 0.03, self.tile_heads[place], va="bottom")
         if image is None or (is_reference and not block.judged):
             return

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 GAP = 0.04
-SMALLEST = 0.5  # a window below it is made larger by another row, where the page has room
+SMALLEST = 0.45  # a window below it is made larger by another row, where the page has room
 LARGEST = 1.6
 THUMB_SHARE = 0.36  # of the page's width
 
@@ -16,32 +16,43 @@ class Layout(NamedTuple):
     tile: float  # width
     windows: float  # height of all windows of a tile
     maps: float  # height of an error map; 0 without
-    left: float  # of the first row, which the others are not longer than
+    width: float  # of the longest row; they all end at one edge, so that tiles stand below each other
 
-    def height(self, head, foot):
-        """Of a block: heads above, numbers below."""
-        return len(self.rows) * (head + self.windows + (GAP + self.maps if self.maps else 0.0) + foot)
+    def row(self, foot):
+        """Height of a row of tiles with the numbers below it, without what stands above."""
+        return self.windows + (GAP + self.maps if self.maps else 0.0) + foot
+
+    def start(self, row):
+        """Where its first tile begins, from the left of the longest row; in row 0 the thumbnail stands before it."""
+        count = len(self.rows[row])
+        return self.width - count * self.tile - (count - 1) * GAP
+
+    def is_even(self):
+        """No last row of one tile, with nothing beside it."""
+        return len(self.rows) == 1 or len(self.rows[-1]) > 1
 
 
 def lay_out(width, height, tiles, aspect, shapes, with_maps, head, foot):
     """The layout with the largest windows; one row where they do not become too small by it. `aspect`: width by height of
     the picture; `shapes`: those of the windows; `head`, `foot`: inches of text above and below a row."""
     candidates = []
-    for rows in range(1, tiles + 2):
-        for beside in (False,) if with_maps else (False, True):
-            found = _largest(rows, beside, width, height, tiles, aspect, shapes, with_maps, head, foot)
-            if found and found.size >= SMALLEST:
-                return found
-            if found:
-                candidates.append(found)
+    for even in (True, False):
+        for rows in range(1, tiles + 2):
+            for beside in (False,) if with_maps else (False, True):
+                found = _largest(rows, even, beside, width, height, tiles, aspect, shapes, with_maps, head, foot)
+                if found and found.size >= SMALLEST:
+                    return found
+                if found:
+                    candidates.append(found)
     return max(candidates, key=lambda layout: layout.size, default=None) or _at(
         0.2, False, width, tiles, aspect, shapes, with_maps)
 
 
-def _largest(rows, beside, width, height, tiles, aspect, shapes, with_maps, head, foot):
+def _largest(rows, even, beside, width, height, tiles, aspect, shapes, with_maps, head, foot):
     for step in range(int(100 * LARGEST), 19, -1):
         layout = _at(step / 100, beside, width, tiles, aspect, shapes, with_maps)
-        if layout and len(layout.rows) <= rows and layout.height(head, foot) <= height:
+        if (layout and len(layout.rows) <= rows and layout.is_even() >= even
+                and len(layout.rows) * (head + layout.row(foot)) <= height):
             return layout
     return None
 
@@ -62,5 +73,4 @@ def _at(size, beside, width, tiles, aspect, shapes, with_maps):
         longest = max(longest, left - GAP)
     if tile > width:
         return None
-    return Layout(beside, size, rows, (wide, wide / aspect), tile, windows, tile / aspect if with_maps else 0.0,
-                  (width - longest) / 2)
+    return Layout(beside, size, rows, (wide, wide / aspect), tile, windows, tile / aspect if with_maps else 0.0, longest)

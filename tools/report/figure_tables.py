@@ -47,7 +47,7 @@ def latex_interval(interval, bold=False):
     if interval.mean != interval.mean:
         return ""
     mean = latex_number(interval.mean)
-    text = rf"\mathbf{{{mean}}}" if bold else mean
+    text = rf"\mathbf{{{mean}}}" if bold else f"{{{mean}}}" if "^" in mean else mean
     if interval.low == interval.low and interval.high == interval.high:
         text += rf"_{{\,{latex_number(interval.low)}}}^{{\,{latex_number(interval.high)}}}"
     return f"${text}$"
@@ -78,7 +78,7 @@ def latex_tables(statistics, metric, labels, baseline, captions):
                  for c in conditions for row in rows_of(c)]
         parts = parts_of(lines, lambda line: line[1].method)
         for i, part in enumerate(parts):
-            text += [r"\begin{table}", rf"\caption{{{captions(dump, i, len(parts))}}}", r"\footnotesize",
+            text += [r"\begin{table}", rf"\caption{{{captions(dump, i, len(parts))}}}", r"\smallskip\footnotesize",
                      r"\setlength{\tabcolsep}{3pt}",
                      r"\begin{tabularx}{\linewidth}{@{}>{\raggedright\arraybackslash}Xrrl@{}}", r"\toprule",
                      rf"& {latex(metric_name(metric))} & {'ratio' if baseline else ''} & \\"]
@@ -108,7 +108,7 @@ def claims_table(claims, labels):
     for part in parts_of(claim_rows(claims, labels), lambda row: row[0] or row[1]):
         text += [r"\begin{table}", r"\caption{Claims of the plan and what the results say of them. Ratio: error of the "
                  r"method that is claimed to be better over that of the other; sub- and superscript: ends of its 95\,\% "
-                 r"interval.}", r"\footnotesize", r"\setlength{\tabcolsep}{3pt}",
+                 r"interval.}", r"\smallskip\footnotesize", r"\setlength{\tabcolsep}{3pt}",
                  r"\begin{tabularx}{\linewidth}{@{}>{\raggedright\arraybackslash}Xlr@{}}", r"\toprule",
                  r"claim & verdict & ratio \\", r"\midrule"]
         text += [rf"{breakable(claim) if claim else chr(92) + 'quad ' + breakable(where)} & {latex(verdict)} & "

@@ -72,7 +72,8 @@ def broken(figure, text, width, size, lines, within=False):
     before a + and after marks; with `within` also anywhere."""
     parts = [""]
     for c in printable(text):
-        if c == "+" or (parts[-1] and parts[-1][-1] in " ,{}:;/_=-" and c not in " ,{}:;/_=-") or within and len(parts[-1]) > 7:
+        if c == "+" or (parts[-1] and parts[-1][-1] in " ,{}:;/_=-" and c not in " ,{}:;/_=-"
+                        and not re.search(r"\de-$", parts[-1])) or within and len(parts[-1]) > 7:
             parts.append("")
         parts[-1] += c
     found, fits = [""], lambda line: extent(figure, line.strip(), size)[0] <= width
@@ -114,7 +115,7 @@ def significant(value):
 
 
 def tick_text(value, _=None):
-    if 1e-4 < abs(value) < 1e5:
+    if 0.99e-4 < abs(value) < 1e5:
         return f"{value:g}"
     exponent = math.floor(math.log10(value) + 1e-9)
     factor = f"{value / 10 ** exponent:g}"

@@ -97,7 +97,7 @@ function relativeError(picture, reference) {
   });
 }
 
-// The square window with the largest sum of `score`, its outliers capped, that does not meet those `taken`.
+// The square window with the largest sum of `score`, its outliers capped, half its side and more from those `taken`.
 function bestWindow(score, width, height, side, taken = []) {
   const sorted = Float32Array.from(score).sort(), cap = sorted[Math.floor(0.98 * (sorted.length - 1))] || Infinity;
   const sums = new Float64Array((width + 1) * (height + 1)), row = width + 1;
@@ -111,7 +111,7 @@ function bestWindow(score, width, height, side, taken = []) {
   for (let y = 0; y + side <= height; ++y) {
     for (let x = 0; x + side <= width; ++x) {
       const sum = sums[(y + side) * row + x + side] - sums[y * row + x + side] - sums[(y + side) * row + x] + sums[y * row + x];
-      const free = taken.every((t) => Math.abs(t.x - x) >= side || Math.abs(t.y - y) >= side);
+      const free = taken.every((t) => Math.max(Math.abs(t.x - x), Math.abs(t.y - y)) >= 1.5 * side);
       if (free && sum > most) [best, most] = [{x, y, side}, sum];
     }
   }

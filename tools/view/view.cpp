@@ -16,6 +16,7 @@
 #include "lib/sampling/samplers.h"
 #include "tools/json/json_text.h"
 #include "tools/methods/external_methods.h"
+#include "tools/methods/method_settings.h"
 #include "tools/terminal/interrupt.h"
 #include "tools/verbs/option_bounds.h"
 #include "tools/verbs/page_generator.h"
@@ -91,6 +92,12 @@ Result<LiveChoices> choices_of_results(const fs::path& folder, bool allow_comman
     choices.order.order = PoolOrder::kShuffled;
     choices.order.seed = mix(facts["seed"].get<std::uint64_t>(), std::uint64_t{0});
   }
+  if (std::error_code status; !fs::exists(folder / "plan.toml", status)) {
+    choices.samplers = every_method(samplers());
+    choices.filters = every_method(filters());
+    choices.left_out = "no plan.toml in the folder: replayed are the program's methods";
+    return choices;
+  }
   SPOOL_ASSIGN(const Plan plan,
                read_plan(folder / "plan.toml", {known_samplers(), known_filters()}));
   std::vector<std::string> left_out;
@@ -98,6 +105,20 @@ Result<LiveChoices> choices_of_results(const fs::path& folder, bool allow_comman
   choices.filters = replayed(known_filters(), plan.filters, allow_commands, left_out);
   choices.left_out = left_out_text(left_out);
   return choices;
+}
+
+// Those that the user names beside them, commands too.
+Result<void> add_named(const ViewOptions& options, LiveChoices& choices) {
+  SPOOL_ASSIGN(const Methods named,
+               choose_methods(split_methods(options.samplers), split_methods(options.filters), {}));
+  const auto add = [](const auto& list, const auto& chosen, std::vector<MethodChoice>& all) {
+    for (const MethodChoice& choice : choices_of(chosen)) {
+      if (std::ranges::find(all, choice) == all.end()) all.push_back(choice);
+    }
+    return check_distinct(list.kind, all);
+  };
+  SPOOL_TRY(add(known_samplers(), named.samplers, choices.samplers));
+  return add(known_filters(), named.filters, choices.filters);
 }
 
 Answer page_answer(const std::string& html) {
@@ -131,6 +152,7 @@ Result<void> run_view(const ViewOptions& options, const CommonOptions& common) {
   if (of_results) {
     SPOOL_ASSIGN(choices, choices_of_results(options.target, options.allow_commands));
   }
+  SPOOL_TRY(add_named(options, choices));
   print_note(choices.left_out);
   const auto replays = std::make_shared<LiveReplays>(std::move(choices), kMostReplayBytes);
   if (!of_results) SPOOL_TRY(replays->open(0));

@@ -3,15 +3,17 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "tools/terminal/console.h"
 
 namespace spool::tools {
 
 struct ViewOptions {
-  std::filesystem::path target;  // a recording, or a folder of results
-  int port = 0;                  // 0: any
-  bool allow_commands = false;   // of the plan in the folder
+  std::filesystem::path target;   // a recording, or a folder of results
+  int port = 0;                   // 0: any
+  bool allow_commands = false;    // of the plan in the folder
+  std::string samplers, filters;  // beside those of the target, as spool evaluate takes them
 };
 
 Result<void> validate(const ViewOptions& options);

@@ -53,8 +53,10 @@ def show(images, *, reference=None, crops: Iterable = (), title: str = "", expos
     `crops`: (x, y, width, height) to enlarge, else where images differ most. `exposure`: EV, else that of the reference or
     first image. `max_mb`: megabytes of images; larger ones are shrunk, and the page says so.
     """
-    named = {_text(name): _array_of(image, _text(name)) for name, image in _named(images).items()}
-    judge = None if reference is None else _reference_of(reference)
+    files: list = []  # (path, where its pixels lie)
+    named = {_text(name): _array_of(image, _text(name), files) for name, image in _named(images).items()}
+    judge = None if reference is None else _reference_of(reference, files)
+    _core.check_windows(files)
     entries = [(name, "", 0.0, image, None, None, None) for name, image in named.items()]
     return _page(entries, judge, text("title", title), _crops(crops), exposure, max_mb, f"{len(named)} images" if len(named) > 1 else "an image")
 
@@ -126,11 +128,14 @@ def _name_of(image, place):
     return f"image {place + 1}"
 
 
-def _array_of(image, name):
+def _array_of(image, name, files=None):
     if isinstance(image, (Selection, Reconstruction)):
         image = image.image
     elif isinstance(image, (str, os.PathLike)):
-        image, remark = _core.read_image(os.path.abspath(text(name, os.fspath(image))))
+        path = os.path.abspath(text(name, os.fspath(image)))
+        image, remark, windows = _core.read_image(path)
+        if files is not None:
+            files.append((path, windows))
         if remark:
             warnings.warn(remark, stacklevel=4)
     elif isinstance(image, (Dump, Recording)):
@@ -138,13 +143,13 @@ def _array_of(image, name):
     return image_array(image, name)
 
 
-def _reference_of(reference):
+def _reference_of(reference, files=None):
     if isinstance(reference, (Dump, Recording)):
         found = _recorded_reference(reference)
         if found is None:
             raise SpoolError("usage", f"reference: {reference.source.name} has none: give an image")
         return found
-    return _array_of(reference, "reference")
+    return _array_of(reference, "reference", files)
 
 
 def _recorded_reference(recording):
