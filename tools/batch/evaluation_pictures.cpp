@@ -72,10 +72,11 @@ std::string EvaluationPictures::stem_of(const Cell& cell) const {
 Result<void> EvaluationPictures::add(const CellResult& result, const CellImages& images) {
   const Cell& cell = result.cell;
   if (cell.replicate != 0) return {};
-  ResultImages kept = images_of(
-      fmt::format("{}  {} + {}  {:g} spp  relMSE {:.3g}", dump_names_.at(cell.dump),
-                  cell.sampler.label(), cell.filter.label(), cell.spp, result.metrics["relmse"].value),
-      images.reconstruction, images.selection.statistics.n, &images.reference);
+  ResultImages kept =
+      images_of(fmt::format("{}  {} + {}  {:g} spp  relMSE {:.3g}", dump_names_.at(cell.dump),
+                            cell.sampler.label(), cell.filter.label(), cell.spp,
+                            result.metrics["relmse"].value),
+                images.reconstruction, images.selection.statistics.n, &images.reference);
   if (!result.metrics.flip.empty()) kept.flip = result.metrics.flip;
   const std::string stem = stem_of(cell);
   remove_pictures(folder_, stem);
