@@ -116,16 +116,16 @@ Result<void> RecordedSamples::judge_scan() const {
                                  report_.first_sample);
   if (rules_.nonfinite == NonFiniteRule::kError) {
     return fail(ErrorCode::kData,
-                "{}: {} of {} samples are not finite ({}): leave them out with --set "
-                "pool.nonfinite=reject, or record them again",
+                "{}: {} of {} samples are not finite or above 1e15 ({}): leave them out "
+                "with --set pool.nonfinite=reject, or record them again",
                 name_, report_.nonfinite, report_.samples, where);
   }
   if (!any_rejected_ || rules_.allow_many_rejected) return {};
   if (static_cast<double>(report_.nonfinite) >
       kNonFiniteError * static_cast<double>(report_.samples)) {
     return fail(ErrorCode::kData,
-                "{}: {} of {} samples are not finite ({}), more than 1 %: record them again, or go "
-                "on with --set pool.allow_many_rejected=on",
+                "{}: {} of {} samples are not finite or above 1e15 ({}), more than 1 %: "
+                "record them again, or go on with --set pool.allow_many_rejected=on",
                 name_, report_.nonfinite, report_.samples, where);
   }
   if (report_.empty_pixels > 0) {

@@ -151,3 +151,14 @@ def test_what_is_no_json_or_nested_too_deep_is_said_in_a_sentence(evaluated, tmp
             error = capsys.readouterr().err
             assert name in error and error.count("\n") == 1 and "Error" not in error
         (tmp_path / name).unlink()
+
+
+def test_a_line_end_in_a_field_stays_in_the_one_line(evaluated, tmp_path):
+    shutil.copytree(evaluated / "results", tmp_path / "r")
+    header, first = (tmp_path / "r/results.csv").read_text().splitlines()[:2]
+    fields = first.split(",")
+    fields[header.split(",").index("relmse")] = '"a\nb\x1b[2Jc"'
+    (tmp_path / "r/results.csv").write_text(f"{header}\n{','.join(fields)}\n")
+    done = run("report", tmp_path / "r", "-o", tmp_path / "r.html")
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "relmse" in done.stderr, done.stderr
+    assert r"'a\nb\x1b[2Jc'" in done.stderr, done.stderr

@@ -20,7 +20,7 @@ def guarded(work):
     try:
         print(work())
     except Failure as failure:
-        print(failure, file=sys.stderr)
+        print(_one_line(str(failure)), file=sys.stderr)
         return failure.code
     except OSError as error:
         print(f"{error.filename or 'output'}: {error.strerror}: choose another place", file=sys.stderr)
@@ -31,6 +31,11 @@ def guarded(work):
               f"({_place_of(error)}): run spool evaluate again", file=sys.stderr)
         return DATA
     return 0
+
+
+def _one_line(text):
+    """What the program hands on: a field of a file may contain line ends."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)[:400]
 
 
 def _place_of(error):

@@ -83,6 +83,10 @@ Result<void> validate(const PictureOptions& options) {
     return fail(ErrorCode::kUsage, "-o {}: pictures of results lie beside them: leave it out",
                 options.output.string());
   }
+  if (options.output.empty()) {
+    return fail(ErrorCode::kUsage, "{}: is no folder of results: name the picture, -o PICTURE.png",
+                options.image.string());
+  }
   if (!is_png_name(options.output)) {
     return fail(ErrorCode::kUsage, "-o {}: a PNG is what is written: name it .png",
                 options.output.string());
