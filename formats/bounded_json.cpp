@@ -1,6 +1,9 @@
 #include "formats/bounded_json.h"
 
-#include <fstream>
+#include <sys/stat.h>
+#include <span>
+
+#include "formats/file_handle.h"
 
 namespace spool::format {
 
@@ -26,13 +29,13 @@ bool nests_within(std::string_view text, std::size_t depth) {
 
 std::optional<std::string> read_short_text(const std::filesystem::path& path,
                                            std::size_t max_bytes) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) return std::nullopt;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, status);
-  if (status || bytes > max_bytes) return std::nullopt;
-  std::ifstream file(path, std::ios::binary);
+  struct stat found{};  // before it is opened: a pipe would wait
+  if (::stat(path.c_str(), &found) != 0 || !S_ISREG(found.st_mode)) return std::nullopt;
+  const auto bytes = static_cast<std::uintmax_t>(found.st_size);
+  if (bytes > max_bytes) return std::nullopt;
+  const Result<FileHandle> file = FileHandle::open(path, OpenMode::kRead);
   std::string text(static_cast<std::size_t>(bytes), '\0');
-  if (!file.read(text.data(), static_cast<std::streamsize>(bytes))) return std::nullopt;
+  if (!file || !file->read_at(0, std::as_writable_bytes(std::span(text)))) return std::nullopt;
   return text;
 }
 

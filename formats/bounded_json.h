@@ -36,6 +36,14 @@ Json parse_json(std::string_view text, std::size_t max_bytes = kMaxJsonBytes) {
   return Json::parse(text, nullptr, false);
 }
 
+// The parts of one JSON value one after the other, to a handler of nlohmann::json::sax_parse; false
+// when the text is none, is too long, or the handler ends it. No value is made.
+template <class Handler>
+bool read_json(std::string_view text, Handler& handler) {
+  if (text.size() > kMaxJsonBytes || text.find('\0') != std::string_view::npos) return false;
+  return nlohmann::json::sax_parse(text.begin(), text.end(), &handler);
+}
+
 // The same of a file; discarded when it cannot be read too.
 template <class Json = nlohmann::json>
 Json parse_json_file(const std::filesystem::path& path, std::size_t max_bytes = kMaxJsonBytes) {

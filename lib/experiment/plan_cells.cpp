@@ -21,7 +21,7 @@ std::uint64_t hash_options(std::uint64_t seed, const OptionValues& values) {
 }
 
 // Of everything that decides a sampling run.
-std::uint64_t hash_sampling(const Cell& cell, const Plan& plan) {
+std::uint64_t hash_sampling(const Cell& cell, const Plan& plan, const OptionValues& rules) {
   const ExperimentOptions& e = plan.experiment;
   std::uint64_t state = hash_text(1, std::filesystem::path(cell.dump).filename().string());
   state = hash_text(state, cell.sampler.text());
@@ -31,7 +31,7 @@ std::uint64_t hash_sampling(const Cell& cell, const Plan& plan) {
               cell.threads, e.repeats);
   if (e.decision_split) state = hash_text(state, "decision_split");
   if (e.fresh) state = hash_text(state, "fresh");
-  return hash_options(state, option_values(sanitise_option_table(), plan.rules));
+  return hash_options(state, rules);
 }
 
 }  // namespace
@@ -50,17 +50,49 @@ std::vector<PlanScene> scenes_of(const Plan& plan) {
   return scenes;
 }
 
-std::string cell_id(const Cell& cell, const Plan& plan) {
-  std::uint64_t state = hash_text(hash_sampling(cell, plan), cell.filter.text());
-  state = hash_options(state, option_values(metric_option_table(), plan.experiment.metrics));
-  for (const bool wanted : plan.experiment.metrics.wanted)
+PlanCells::PlanCells(const Plan& plan)
+    : plan_(&plan),
+      size_(plan.recordings.size() * plan.samplers.size() * plan.spp.size() *
+            static_cast<std::size_t>(plan.replicates) * plan.threads.size() * plan.filters.size()),
+      rules_(option_values(sanitise_option_table(), plan.rules)),
+      metrics_(option_values(metric_option_table(), plan.experiment.metrics)) {}
+
+Cell PlanCells::cell(std::size_t i) const {
+  const Plan& plan = *plan_;
+  const auto next = [&](std::size_t count) {
+    const std::size_t place = i % count;
+    i /= count;
+    return place;
+  };
+  Cell cell;
+  cell.filter = plan.filters[next(plan.filters.size())];
+  cell.threads = plan.threads[next(plan.threads.size())];
+  cell.replicate = static_cast<int>(next(static_cast<std::size_t>(plan.replicates)));
+  cell.spp = plan.spp[next(plan.spp.size())];
+  cell.sampler = plan.samplers[next(plan.samplers.size())];
+  cell.dump = plan.recordings[i];
+  return cell;
+}
+
+std::uint64_t PlanCells::number(const Cell& cell) const {
+  std::uint64_t state = hash_text(hash_sampling(cell, *plan_, rules_), cell.filter.text());
+  state = hash_options(state, metrics_);
+  for (const bool wanted : plan_->experiment.metrics.wanted)
     state = mix(state, wanted ? 1 : 0);
-  for (const EnergyMask& mask : plan.experiment.masks) {
+  for (const EnergyMask& mask : plan_->experiment.masks) {
     for (const std::string& text :
          {mask.name, mask.recording, std::filesystem::path(mask.path).filename().string()})
       state = hash_text(state, text);
   }
-  return fmt::format("{:016x}", state);
+  return state;
+}
+
+std::string cell_id(std::uint64_t number) {
+  return fmt::format("{:016x}", number);
+}
+
+std::string cell_id(const Cell& cell, const Plan& plan) {
+  return cell_id(PlanCells(plan).number(cell));
 }
 
 std::vector<std::string> Plan::method_names() const {

@@ -1,9 +1,12 @@
 // The scenes and the cells of a plan: their names.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "lib/core/option_table.h"
 #include "lib/experiment/plan.h"
 
 namespace spool {
@@ -15,8 +18,26 @@ struct PlanScene {
 };
 std::vector<PlanScene> scenes_of(const Plan& plan);  // in the order of their first recordings
 
-// Names a cell among all cells of a plan and of what the plan says about all: 16 hexadecimal
-// digits, the same on every machine. Recordings count by their file name, not by their folder.
+// The cells of a plan in the order of Plan::cells(), each made when it is asked for: a plan may
+// have millions. The plan must outlive it.
+class PlanCells {
+ public:
+  explicit PlanCells(const Plan& plan);
+
+  std::size_t size() const { return size_; }
+  Cell cell(std::size_t i) const;
+  // Names a cell among all cells of a plan and of what the plan says about all: the same on every
+  // machine. Recordings count by their file name, not by their folder.
+  std::uint64_t number(const Cell& cell) const;
+
+ private:
+  const Plan* plan_;
+  std::size_t size_;
+  OptionValues rules_, metrics_;
+};
+
+// 16 hexadecimal digits of the number.
+std::string cell_id(std::uint64_t number);
 std::string cell_id(const Cell& cell, const Plan& plan);
 
 }  // namespace spool

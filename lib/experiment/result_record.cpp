@@ -1,5 +1,6 @@
 #include "lib/experiment/result_record.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 
@@ -18,8 +19,15 @@ const std::string& ResultRecord::text(std::string_view column) const {
 }
 
 double ResultRecord::number(std::string_view column) const {
-  const std::string& field = text(column);
-  return field.empty() ? std::nan("") : std::strtod(field.c_str(), nullptr);
+  return number(column_index(column));
+}
+
+double ResultRecord::number(std::size_t column) const {
+  const std::string& field = fields[column];
+  if (field.empty()) return std::nan("");
+  double value = 0.0;
+  const auto parsed = std::from_chars(field.data(), field.data() + field.size(), value);
+  return parsed.ec == std::errc() ? value : std::strtod(field.c_str(), nullptr);
 }
 
 ResultRecord record_of(const CellResult& result) {

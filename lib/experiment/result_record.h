@@ -22,6 +22,7 @@ struct ResultRecord {
 
   const std::string& text(std::string_view column) const;
   double number(std::string_view column) const;  // NaN where the field is empty
+  double number(std::size_t column) const;       // the same of column_index(name)
   // There is no result, or pixels are missing in it.
   bool failed() const { return !text("error").empty(); }
 };

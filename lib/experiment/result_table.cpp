@@ -347,7 +347,9 @@ std::string to_json_line(const std::vector<std::string>& fields) {
   std::string line = "{";
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::string& field = fields[i];
-    line += fmt::format("{}\"{}\":", i > 0 ? "," : "", columns[i].name);
+    line += i > 0 ? ",\"" : "\"";
+    line += columns[i].name;
+    line += "\":";
     const bool plain = columns[i].is_number && field.find_first_of("in") == std::string::npos;
     if (field.empty()) {
       line += columns[i].is_number ? "null" : "\"\"";

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "lib/experiment/plan_cells.h"
+#include "lib/experiment/result_table.h"
 #include "lib/inference/shared_samples.h"
 
 namespace spool {
@@ -22,9 +23,28 @@ double cpu_total(const ResultRecord& record) {
          (std::isfinite(rendering) ? rendering : 0.0);
 }
 
-double value_of(const ResultRecord& record, const std::string& quantity) {
-  if (quantity == kCpuTotal) return cpu_total(record);
-  if (quantity != "samples_per_pixel") return record.number(quantity);
+// Where a quantity is read, by its place; of a metric its standard error, too.
+struct Columns {
+  std::vector<std::size_t> value, error;
+};
+constexpr std::size_t kMade = static_cast<std::size_t>(-1);  // of several columns
+
+const Columns& columns() {
+  static const Columns all = [] {
+    Columns found;
+    for (const Quantity& quantity : quantities()) {
+      const bool made = quantity.name == kCpuTotal || quantity.name == kSamplesPerPixel;
+      found.value.push_back(made ? kMade : column_index(quantity.name));
+      found.error.push_back(quantity.is_metric ? column_index(quantity.name + "_se") : kMade);
+    }
+    return found;
+  }();
+  return all;
+}
+
+double value_of(const ResultRecord& record, std::size_t quantity) {
+  if (columns().value[quantity] != kMade) return record.number(columns().value[quantity]);
+  if (quantities()[quantity].name == kCpuTotal) return cpu_total(record);
   return record.number("samples_spent") / (record.number("width") * record.number("height"));
 }
 
@@ -66,13 +86,13 @@ void add_record(MethodResults& method, const Result<ResultRecord>& found) {
   const bool usable = found && !found->failed();
   method.failed += found && found->failed();
   for (std::size_t q = 0; q < list.size(); ++q)
-    method.values[q].push_back(usable ? value_of(*found, list[q].name) : kNaN);
+    method.values[q].push_back(usable ? value_of(*found, q) : kNaN);
   for (const auto& [metric, column] : kFreshColumns)
     method.fresh[metric].push_back(usable ? found->number(column) : kNaN);
   if (!usable) return;
   if (++method.done == 1) {
     for (std::size_t q = 0; q < list.size(); ++q) {
-      if (list[q].is_metric) method.pixel_errors[q] = found->number(list[q].name + "_se");
+      if (list[q].is_metric) method.pixel_errors[q] = found->number(columns().error[q]);
     }
   }
   for (const MetricHalves& halves : found->halves)

@@ -19,5 +19,6 @@ std::size_t quantity_index(const std::string& name);  // of one that is there
 
 // Processor seconds of sampling and filtering, and of rendering where the recording has them.
 inline constexpr const char* kCpuTotal = "cpu_total";
+inline constexpr const char* kSamplesPerPixel = "samples_per_pixel";
 
 }  // namespace spool

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "lib/experiment/baseline.h"
@@ -13,6 +14,21 @@ MethodPair pair_of(const MethodResults& method) {
   return {method.sampler.label(), method.filter.label()};
 }
 
+// One method on one scene at one budget.
+struct MethodSummary {
+  struct Against {
+    Interval ratio;
+    Verdict verdict = Verdict::kUnknown;
+  };
+  MethodPair methods;
+  std::vector<Interval> quantities;        // [quantity]
+  std::map<std::string, Against> against;  // the baseline, by metric
+};
+struct SceneSummary {
+  int threads = 0;
+  std::vector<std::vector<MethodSummary>> budgets;  // [budget][method]
+};
+
 // One scene with one number of threads, all budgets.
 class SceneStudy {
  public:
@@ -21,6 +37,12 @@ class SceneStudy {
     for (const double spp : plan.spp)
       budgets_.push_back(read_methods(plan, scene, spp, threads, sources));
     for (std::size_t b = 0; b < budgets_.size(); ++b) {
+      std::vector<std::vector<Interval>>& intervals = intervals_.emplace_back();
+      for (const MethodResults& method : budgets_[b]) {
+        std::vector<Interval>& of_method = intervals.emplace_back();
+        for (std::size_t q = 0; q < quantities().size(); ++q)
+          of_method.push_back(method.interval(q));
+      }
       std::vector<Condition>& conditions = conditions_.emplace_back();
       for (const std::string& metric : compared_metrics()) {
         if (auto ranked = rank_condition(plan, budgets_[b], metric, plan.spp[b]))
@@ -46,11 +68,22 @@ class SceneStudy {
     if (plan_.spp.size() > 1) add_curves(study.curves);
   }
 
-  int threads() const { return threads_; }
-  const std::vector<MethodResults>& methods(std::size_t budget) const { return budgets_[budget]; }
-  const Condition* condition(std::size_t budget, const std::string& metric) const {
-    const auto found = std::ranges::find(conditions_[budget], metric, &Condition::metric);
-    return found == conditions_[budget].end() ? nullptr : &*found;
+  // What the means over all scenes are made of.
+  SceneSummary summary() const {
+    SceneSummary found{threads_, {}};
+    for (std::size_t b = 0; b < budgets_.size(); ++b) {
+      std::vector<MethodSummary>& methods = found.budgets.emplace_back();
+      for (std::size_t m = 0; m < budgets_[b].size(); ++m) {
+        MethodSummary& method =
+            methods.emplace_back(MethodSummary{pair_of(budgets_[b][m]), {}, {}});
+        method.quantities = intervals_[b][m];
+        for (const Condition& condition : conditions_[b]) {
+          if (condition.baseline && *condition.baseline != m)
+            method.against.emplace(condition.metric, against_baseline(b, m, condition));
+        }
+      }
+    }
+    return found;
   }
 
  private:
@@ -58,25 +91,25 @@ class SceneStudy {
     return {scene_.recordings.front(), plan_.spp[budget], threads_};
   }
 
+  MethodSummary::Against against_baseline(std::size_t budget, std::size_t method,
+                                          const Condition& condition) const {
+    const std::vector<MethodResults>& methods = budgets_[budget];
+    const PairVerdict* pair = condition.ranking.pair(method, *condition.baseline);
+    return {pair ? ratio_of(*pair, method)
+                 : withheld_ratio(methods[method], methods[*condition.baseline], condition.metric),
+            condition.ranking.between(method, *condition.baseline)};
+  }
+
   // [method] index into `list`, of those that have a result.
   std::vector<std::size_t> add_results(std::vector<MethodFinding>& list, std::size_t budget) const {
     std::vector<std::size_t> indices;
-    for (const MethodResults& method : budgets_[budget]) {
+    for (std::size_t m = 0; m < budgets_[budget].size(); ++m) {
+      const MethodResults& method = budgets_[budget][m];
       indices.push_back(list.size());
       if (method.done + method.failed == 0) continue;
-      list.push_back({place(budget),
-                      pair_of(method),
-                      method.sampler.name,
-                      method.filter.name,
-                      method.done,
-                      method.failed,
-                      method.one_image(),
-                      method.shared,
-                      method.correlation,
-                      method.reference,
-                      {}});
-      for (std::size_t q = 0; q < quantities().size(); ++q)
-        list.back().quantities.push_back(method.interval(q));
+      list.push_back({place(budget), pair_of(method), method.sampler.name, method.filter.name,
+                      method.done, method.failed, method.one_image(), method.shared,
+                      method.correlation, method.reference, intervals_[budget][m]});
     }
     return indices;
   }
@@ -98,27 +131,24 @@ class SceneStudy {
   const Plan& plan_;
   const PlanScene& scene_;
   int threads_;
-  std::vector<std::vector<MethodResults>> budgets_;  // [budget][method]
-  std::vector<std::vector<Condition>> conditions_;   // [budget][metric that is known]
+  std::vector<std::vector<MethodResults>> budgets_;            // [budget][method]
+  std::vector<std::vector<std::vector<Interval>>> intervals_;  // [budget][method][quantity]
+  std::vector<std::vector<Condition>> conditions_;             // [budget][metric that is known]
 };
 
 // None where a scene does not have both.
 std::optional<OverallFinding::AgainstBaseline> against_baseline(
-    const std::vector<SceneStudy>& scenes, std::size_t budget, std::size_t method,
+    const std::vector<SceneSummary>& scenes, std::size_t budget, std::size_t method,
     const std::string& metric) {
   std::vector<Interval> ratios;
   OverallFinding::AgainstBaseline found;
-  for (const SceneStudy& scene : scenes) {
-    const Condition* condition = scene.condition(budget, metric);
-    if (!condition || !condition->baseline || *condition->baseline == method) return std::nullopt;
-    const PairVerdict* pair = condition->ranking.pair(method, *condition->baseline);
-    const std::vector<MethodResults>& methods = scene.methods(budget);
-    ratios.push_back(pair ? ratio_of(*pair, method)
-                          : withheld_ratio(methods[method], methods[*condition->baseline], metric));
-    if (ratios.back().n == 0) return std::nullopt;
-    const Verdict verdict = condition->ranking.between(method, *condition->baseline);
-    found.better += verdict == Verdict::kBetter;
-    found.worse += verdict == Verdict::kWorse;
+  for (const SceneSummary& scene : scenes) {
+    const auto& known = scene.budgets[budget][method].against;
+    const auto against = known.find(metric);
+    if (against == known.end() || against->second.ratio.n == 0) return std::nullopt;
+    ratios.push_back(against->second.ratio);
+    found.better += against->second.verdict == Verdict::kBetter;
+    found.worse += against->second.verdict == Verdict::kWorse;
   }
   found.undecided = static_cast<int>(scenes.size()) - found.better - found.worse;
   found.ratio = mean_of_intervals(ratios);
@@ -126,22 +156,22 @@ std::optional<OverallFinding::AgainstBaseline> against_baseline(
 }
 
 // A quantity that one of the scenes does not average on its logarithm has no mean over them.
-Interval overall_interval(const std::vector<SceneStudy>& scenes, std::size_t budget,
+Interval overall_interval(const std::vector<SceneSummary>& scenes, std::size_t budget,
                           std::size_t method, std::size_t quantity) {
   std::vector<Interval> intervals;
-  for (const SceneStudy& scene : scenes)
-    intervals.push_back(scene.methods(budget)[method].interval(quantity));
+  for (const SceneSummary& scene : scenes)
+    intervals.push_back(scene.budgets[budget][method].quantities[quantity]);
   const bool all = std::ranges::all_of(intervals, &Interval::logarithmic);
   return all ? mean_of_intervals(intervals) : Interval{};
 }
 
 void add_overall(std::vector<OverallFinding>& list, const Plan& plan,
-                 const std::vector<SceneStudy>& scenes) {
+                 const std::vector<SceneSummary>& scenes) {
   if (scenes.size() < 2) return;
   for (std::size_t b = 0; b < plan.spp.size(); ++b) {
-    for (std::size_t m = 0; m < scenes.front().methods(b).size(); ++m) {
-      OverallFinding found{
-          plan.spp[b], scenes.front().threads(), pair_of(scenes.front().methods(b)[m]), {}, {}};
+    for (std::size_t m = 0; m < scenes.front().budgets[b].size(); ++m) {
+      const MethodPair& methods = scenes.front().budgets[b][m].methods;
+      OverallFinding found{plan.spp[b], scenes.front().threads, methods, {}, {}};
       bool any = false;
       for (std::size_t q = 0; q < quantities().size(); ++q) {
         found.quantities.push_back(overall_interval(scenes, b, m, q));
@@ -166,11 +196,12 @@ Study study_of(const Plan& plan, const StudySources& sources) {
   study.scenes = scenes_of(plan);
   std::vector<PlaceClaims> places;
   for (const int threads : plan.threads) {
-    std::vector<SceneStudy> scenes;
+    std::vector<SceneSummary> scenes;  // a plan may have more results than fit into memory
     for (const PlanScene& scene : study.scenes) {
-      scenes.emplace_back(plan, scene, threads, sources);
-      scenes.back().add_claims(places);
-      scenes.back().add_findings(study);
+      const SceneStudy found(plan, scene, threads, sources);
+      found.add_claims(places);
+      found.add_findings(study);
+      if (study.scenes.size() > 1) scenes.push_back(found.summary());
     }
     add_overall(study.overall, plan, scenes);
   }

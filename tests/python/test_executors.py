@@ -1,16 +1,19 @@
 """evaluate(executor=...): the same bits on workers of others, whatever is lost on the way."""
 import concurrent.futures
+import importlib.util
 import multiprocessing
 import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 
 import distributed
 import pytest
 
 import spool
-from conftest import LONGEST_RUN
+from conftest import LONGEST_RUN, PROGRAM
 from spool import executors
 
 TIMES = ("seconds", "cpu", "efficiency", "peak_memory", "timing")  # of the machine
@@ -146,22 +149,64 @@ def test_a_worker_writes_nothing_but_results(name, tmp_path):
     assert not (tmp_path / "outside").exists()
 
 
-def on_workers(path, folder, executor):
-    plan = folder.parent / "plan.toml"
-    plan.write_text(f'recordings = ["{path}"]\nsamplers = ["uniform"]\nfilters = ["box"]\nspp = [2]\npictures = false\n')
-    return plan, subprocess.run([sys.executable, "-m", "spool.on_workers", plan, folder, executor], capture_output=True, text=True,
-                                timeout=LONGEST_RUN)
+@pytest.fixture
+def shell(path, program, monkeypatch):
+    """`spool evaluate --executor`, with this Python."""
+    monkeypatch.setenv("SPOOL_PYTHON", sys.executable)
+    words = ["evaluate", path, "--samplers", "uniform,multiscale", "--filters", "box,directional", "--spp", "2,4", "--replicates", "2"]
+    return lambda executor, *more: program(*words, "--executor", executor, *more)
 
 
-def test_the_shell_names_an_executor(path, program, tmp_path):
-    plan, done = on_workers(path, tmp_path / "results", "processes:2")
-    assert done.returncode == 0, done.stderr
-    assert program("evaluate", plan, "--merge", "-o", tmp_path / "results")[0] == 0
-    assert len(spool.results(tmp_path / "results").rows) == 8
+def test_the_shell_names_an_executor(path, whole, shell, program, tmp_path):
+    assert shell("processes:2", "-o", tmp_path / "results", "-q") == (0, "")
+    made = spool.results(tmp_path / "results")
+    assert facts(made) == facts(whole) and {row["timing"] for row in made.rows} == {"shared"}
+    assert made.statistics["conditions"] == whole.statistics["conditions"]
+    kept = {file: file.stat().st_mtime_ns for file in (tmp_path / "results" / "cells").iterdir()}
+    assert shell("processes:1", "-o", tmp_path / "results", "-q") == (0, "")
+    assert {file: file.stat().st_mtime_ns for file in kept} == kept
+    assert shell("processes:1", "-o", tmp_path / "results", "-q", "--force") == (0, "")
+    assert all(file.stat().st_mtime_ns != time for file, time in kept.items())
 
 
-@pytest.mark.parametrize("executor, code, line", [("processes:0", 2, "write one of"), ("ray:", 2, "write one of"),
-                                                  ("dask:", 2, "write one of")])
-def test_an_executor_that_is_not_there_is_one_line(executor, code, line, path, tmp_path):
-    done = on_workers(path, tmp_path / "results", executor)[1]
-    assert done.returncode == code and line in done.stderr and done.stderr.count("\n") == 1, done.stderr
+def test_dask_from_the_shell_with_a_worker_killed(path, whole, shell, tmp_path):
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=str(tmp_path / "dask")) as cluster:
+        victim = list(cluster.workers.values())[0].pid
+        folder = tmp_path / "results"
+        lost = []
+
+        def kill():
+            while not list(folder.glob("cells/*.json")):
+                time.sleep(0.01)
+            lost.append(len(list(folder.glob("cells/*.json"))))
+            os.kill(victim, signal.SIGKILL)
+        killer = threading.Thread(target=kill, daemon=True)
+        killer.start()
+        plan = tmp_path / "plan.toml"
+        plan.write_text(f'recordings = ["{path}"]\nsamplers = ["uniform", "multiscale"]\nfilters = ["box", "directional"]\nspp = [2, 4]\nreplicates = 40\n')
+        done = subprocess.run([PROGRAM, "evaluate", plan, "--executor", f"dask:{cluster.scheduler_address}", "-o", folder, "-q"],
+                              capture_output=True, text=True, timeout=LONGEST_RUN)
+        killer.join(timeout=LONGEST_RUN)
+    assert done.returncode == 0 and done.stdout == "", done.stderr
+    assert lost and 0 < lost[0] < 320
+    alone = subprocess.run([PROGRAM, "evaluate", plan, "-o", tmp_path / "alone", "-q"], capture_output=True, text=True, timeout=LONGEST_RUN)
+    assert alone.returncode == 0, alone.stderr
+    assert facts(spool.results(folder)) == facts(spool.results(tmp_path / "alone"))
+
+
+@pytest.mark.parametrize("executor, code, line", [
+    ("processes:0", 2, "write one of processes:N, dask:ADDRESS, mpi"), ("ray:", 2, "write one of"), ("dask:", 2, "write one of"),
+    ("dask:tcp://127.0.0.1:9", 3, "no Dask scheduler there"), ("mpi", 2, "mpi4py.futures is not there")])
+def test_an_executor_that_is_not_there_is_one_line(executor, code, line, shell, tmp_path):
+    if executor == "mpi" and importlib.util.find_spec("mpi4py"):
+        pytest.skip("mpi4py is there")
+    found, said = shell(executor, "-o", tmp_path / "results")
+    assert found == code and line in said and "\n" not in said, said
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_python_without_the_package_is_named(shell, tmp_path, monkeypatch):
+    monkeypatch.setenv("SPOOL_PYTHON", "/nonexistent/python3")
+    code, said = shell("processes:1", "-o", tmp_path / "results")
+    assert code == 2 and "/nonexistent/python3 has no package spool" in said and "\n" not in said
+    assert shell("processes:1", "-o", tmp_path / "results", "--merge")[0] == 2

@@ -222,3 +222,26 @@ def test_a_recording_has_a_name_and_its_path_stands_apart(good, dump, tmp_path):
         good("evaluate", path, "--spp", 2, "--replicates", 1, "--no-pictures", "-o", out, "-q")
         rows = rows_of(tmp_path / out)
         assert {(row["dump"], row["dump_path"]) for row in rows} == {("scene", str(path))}
+
+
+def test_metrics_that_a_plan_names_are_the_bits_of_all(good, run, dump, tmp_path):
+    text = f'recordings = ["{dump}"]\nspp = [2, 4]\nreplicates = 3\nsamplers = ["uniform"]\nfilters = ["box", "gaussian"]\nfresh = true\n'
+    (tmp_path / "all.toml").write_text(text)
+    (tmp_path / "some.toml").write_text(text + 'metrics = ["ssim"]\n')
+    for name in ("all", "some"):
+        good("evaluate", f"{name}.toml", "-o", name, "--no-pictures")
+    known = {"relmse", "mse", "energy_ratio", "ssim"}
+    metrics = {metric["name"] for metric in good("list", "metrics", "--json").json}
+    for row, other in zip(rows_of(tmp_path / "all"), rows_of(tmp_path / "some"), strict=True):
+        for name in metrics:
+            if name in known:
+                assert other[name] == row[name] and other[f"{name}_se"] == row[f"{name}_se"], name
+            else:
+                assert other[name] == "" and other[f"{name}_se"] == "", name
+    assert_same_results(tmp_path / "all", tmp_path / "some", apart=metrics | {f"{name}_se" for name in metrics})
+    kept = [json.loads((tmp_path / name / "statistics.json").read_text()) for name in ("all", "some")]
+    assert [c for c in kept[0]["conditions"] if c["metric"] in known] == kept[1]["conditions"]
+    (tmp_path / "wrong.toml").write_text(text + 'metrics = ["sim"]\n')
+    run("evaluate", "wrong.toml", "-o", "wrong").failed_with(2, "wrong.toml:7: unknown metric 'sim', did you mean 'ssim'?")
+    good("report", "some", "-o", "page.html")
+    good("evaluate", "some/plan.toml", "-o", "some", "--no-pictures")

@@ -298,6 +298,32 @@ def test_a_damaged_cell_counts_as_missing(good, plan, tmp_path):
     assert_same_results(tmp_path / "whole", tmp_path / "out")
 
 
+def test_a_cell_is_understood_or_missing(good, run, plan, tmp_path):
+    """Numbers as numbers, keys of other programs and in any order are no damage; halves that are none are not measured."""
+    good("evaluate", plan, "-o", "whole", "--no-pictures")
+    shutil.copytree(tmp_path / "whole", tmp_path / "out")
+    for path in (tmp_path / "out" / "cells").iterdir():
+        cell = json.loads(path.read_text())
+        fields = {"other": [1, {"mse": "7"}], "nested": {"mse": "9"}, **dict(reversed(cell["fields"].items())), "samples_spent": int(cell["fields"]["samples_spent"])}
+        path.write_text(json.dumps({"more": [[], {"fields": {"mse": "3"}}], **{k: cell[k] for k in reversed(cell) if k != "fields"}, "fields": fields}, indent=2))
+    good("evaluate", plan, "--merge", "-o", "out", "--no-pictures")
+    assert_same_results(tmp_path / "whole", tmp_path / "out")
+    assert (tmp_path / "out" / "statistics.json").read_bytes() == (tmp_path / "whole" / "statistics.json").read_bytes()
+    cells = sorted((tmp_path / "out" / "cells").iterdir())
+    cell = next(c for c in map(lambda p: json.loads(p.read_text()), cells) if "halves" in c)
+    for wrong in ({"columns": 0}, {"columns": "4"}, {"cells": "1 2 x"}, {"cells": "nan"}, {"cells": 3}, {"columns": 10**9}):
+        for path in cells:
+            kept = json.loads(path.read_text())
+            if "halves" in kept:
+                kept["halves"] = {metric: {**entry, **wrong} for metric, entry in cell["halves"].items()}
+                path.write_text(json.dumps(kept))
+        good("evaluate", plan, "--merge", "-o", "out", "--no-pictures")
+        assert_same_results(tmp_path / "whole", tmp_path / "out")
+    for text in ("{", "[]", "3", '{"fields": 3}', '{"fields": {"mse": "1"}} x', '{"fields": {}}\0', "[" * 100000):
+        cells[0].write_text(text)
+        run("evaluate", plan, "--merge", "-o", "out", "--no-pictures").failed_with(1, "1 of 72 results are missing")
+
+
 def test_a_folder_refuses_what_would_be_mixed_up(good, run, plan, tmp_path):
     good("evaluate", plan, "-o", "out", "--no-pictures")
     plan.write_text(PLAN.replace("[2, 4]", "[2]"))

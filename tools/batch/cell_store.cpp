@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
-#include <sstream>
+#include <optional>
 #include <utility>
 
 #include "formats/bounded_json.h"
 #include "lib/experiment/result_table.h"
 #include "lib/image_io/atomic_file.h"
+#include "tools/batch/cell_text.h"
 
 namespace spool::tools {
 namespace {
@@ -17,77 +17,27 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr std::int64_t kMostCells = 4096;
 constexpr const char* kKeptLines = "kept.jsonl";
-
-// "2:4000 5:96": samples taken, and the number of pieces that gave so many.
-std::string counts_text(const std::vector<std::pair<int, long long>>& counts) {
-  std::string text;
-  for (const auto& [samples, pieces] : counts)
-    text += fmt::format("{}{}:{}", text.empty() ? "" : " ", samples, pieces);
-  return text;
-}
-
-// What is no such text counts as not known.
-std::vector<std::pair<int, long long>> counts_of(const std::string& text) {
-  std::vector<std::pair<int, long long>> counts;
-  std::istringstream words(text);
-  int samples = 0;
-  long long pieces = 0;
-  char colon = 0;
-  while (words >> samples >> colon >> pieces)
-    counts.emplace_back(samples, pieces);
-  const auto counted = [](const auto& count) { return count.first >= 0 && count.second > 0; };
-  if (!words.eof() || !std::ranges::all_of(counts, counted)) counts.clear();
-  return counts;
-}
-
-// Four digits: a spread is known to one or two.
-ordered_json halves_json(const HalfDifference& difference) {
-  std::string cells;
-  for (const double cell : difference.cells)
-    cells += fmt::format("{}{:.4g}", cells.empty() ? "" : " ", cell);
-  return {{"columns", difference.columns},
-          {"cells", std::move(cells)},
-          {"varying", counts_text(difference.varying)}};
-}
 
 // What is no such object counts as not measured.
 std::vector<MetricHalves> halves_of(const ordered_json& json) {
   std::vector<MetricHalves> list;
   if (!json.is_object()) return list;
   for (const auto& [metric, entry] : json.items()) {
-    if (!entry.is_object() || !entry.contains("columns") || !entry["columns"].is_number_integer() ||
-        !entry.contains("cells") || !entry["cells"].is_string() || !entry.contains("varying") ||
-        !entry["varying"].is_string())
+    const auto text_of = [&](const char* key) {
+      return entry.is_object() && entry.contains(key) && entry[key].is_string()
+                 ? entry[key].template get<std::string>()
+                 : std::string();
+    };
+    MetricHalves halves{metric, {}};
+    const bool counted =
+        entry.is_object() && entry.contains("columns") && entry["columns"].is_number_integer();
+    if (!counted || !read_halves(entry["columns"].template get<std::int64_t>(), text_of("cells"),
+                                 text_of("varying"), halves.difference))
       return {};
-    HalfDifference difference;
-    std::istringstream words(entry["cells"].get<std::string>());
-    for (double cell = 0.0; words >> cell;)
-      difference.cells.push_back(cell);
-    const auto columns = entry["columns"].get<std::int64_t>();
-    const auto cells = static_cast<std::int64_t>(difference.cells.size());
-    if (!words.eof() || columns < 1 || cells == 0 || cells > kMostCells || cells % columns != 0)
-      return {};
-    difference.columns = static_cast<int>(columns);
-    difference.varying = counts_of(entry["varying"].get<std::string>());
-    list.push_back({metric, std::move(difference)});
+    list.push_back(std::move(halves));
   }
   return list;
-}
-
-ordered_json to_json(const ResultRecord& record) {
-  ordered_json json = {{"version", SPOOL_VERSION}, {"fields", ordered_json::object()}};
-  for (std::size_t i = 0; i < record.fields.size(); ++i) {
-    const ResultColumn& column = result_columns()[i];
-    if (column.kind != ColumnKind::kCell && !record.fields[i].empty()) {
-      json["fields"][column.name] = record.fields[i];
-    }
-  }
-  if (!record.counts.empty()) json["counts"] = counts_text(record.counts);
-  for (const MetricHalves& halves : record.halves)
-    json["halves"][halves.metric] = halves_json(halves.difference);
-  return json;
 }
 
 // Which cell a record is of, wherever its recording lies.
@@ -134,9 +84,13 @@ std::map<std::string, ordered_json> read_lines(const fs::path& path) {
   return lines;
 }
 
-bool is_failed(const fs::path& path) {
-  const auto json = format::parse_json_file<ordered_json>(path);
-  return json.is_discarded() || !json.contains("fields") || json["fields"].contains("error");
+// Without the columns that say which cell it is; nothing when the file is no cell's.
+std::optional<ResultRecord> read_file(const fs::path& path) {
+  const auto text = format::read_short_text(path);
+  ResultRecord record;
+  record.fields.resize(result_columns().size());
+  if (!text || !read_cell_text(*text, record)) return std::nullopt;
+  return record;
 }
 
 }  // namespace
@@ -168,29 +122,26 @@ Result<void> CellStore::remove_all() const {
 }
 
 Result<void> CellStore::write(const std::string& id, const ResultRecord& record) const {
-  return write_text_file(
-      path_of(id), to_json(record).dump(-1, ' ', false, ordered_json::error_handler_t::replace),
-      true, true);
+  return write_text_file(path_of(id), cell_text(record), true, true);
 }
 
 Result<ResultRecord> CellStore::read(const std::string& id, const Cell& cell) const {
+  const fs::path path = path_of(id);
+  std::optional<ResultRecord> found = read_file(path);
+  ResultRecord record = found ? std::move(*found) : ResultRecord{};
+  record.fields.resize(result_columns().size());
   CellResult empty;
   empty.cell = cell;
-  ResultRecord record;
-  for (const ResultColumn& column : result_columns())
-    record.fields.push_back(column.kind == ColumnKind::kCell ? column.text(empty) : "");
-  const fs::path path = path_of(id);
+  for (std::size_t i = 0; i < result_columns().size(); ++i) {
+    const ResultColumn& column = result_columns()[i];
+    if (column.kind == ColumnKind::kCell) record.fields[i] = column.text(empty);
+  }
+  if (found) return record;
   std::error_code status;
-  if (!fs::is_regular_file(path, status)) {
-    if (kept_) return kept_record(std::move(record));
-    return fail(ErrorCode::kIo, "{}: not finished yet", path.string());
-  }
-  const auto json = format::parse_json_file<ordered_json>(path);
-  if (!json.is_object() || !json.contains("fields") || !json["fields"].is_object()) {
+  if (fs::is_regular_file(path, status))
     return fail(ErrorCode::kData, "{}: is no result of a cell", path.string());
-  }
-  fill(json["fields"], json, record);
-  return record;
+  if (kept_) return kept_record(std::move(record));
+  return fail(ErrorCode::kIo, "{}: not finished yet", path.string());
 }
 
 Result<ResultRecord> CellStore::kept_record(ResultRecord record) const {
@@ -220,7 +171,10 @@ Result<std::size_t> CellStore::take_from(const CellStore& other) const {
     if (path.extension() != ".json") continue;
     const fs::path own = path_of(path.stem().string());
     std::error_code unreadable;
-    if (fs::exists(own, unreadable) && !is_failed(own)) continue;
+    if (fs::exists(own, unreadable)) {
+      const std::optional<ResultRecord> kept = read_file(own);
+      if (kept && !kept->failed()) continue;
+    }
     const auto text = format::read_short_text(path);
     if (!text) {
       return fail(ErrorCode::kIo, "{}: cannot be read, or is no regular file: delete it",

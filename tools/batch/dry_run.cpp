@@ -82,11 +82,11 @@ Result<Listing> list_cells(const RunRequest& request) {
   const CellStore store(request.folder);
   Listing found;
   SPOOL_ASSIGN(const NamedCells named, name_cells(plan));
-  SPOOL_ASSIGN(const std::vector<bool> chosen, chosen_cells(request, named.cells, named.ids));
-  for (std::size_t i = 0; i < named.cells.size(); ++i) {
+  SPOOL_ASSIGN(const std::vector<bool> chosen, chosen_cells(request, named));
+  for (std::size_t i = 0; i < named.size(); ++i) {
     if (!chosen[i]) continue;
-    const Cell& cell = named.cells[i];
-    const std::string& id = named.ids[i];
+    const Cell cell = named.cell(i);
+    const std::string id = named.id(i);
     ++found.all;
     auto record = request.folder.empty() ? fail(ErrorCode::kIo, "no folder") : store.read(id, cell);
     const bool is_done = record && !record->text("reference").empty();

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -41,6 +42,18 @@ namespace spool::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+Result<void> write_statistics_file(const fs::path& path, const Study& study) {
+  SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(path, true, true));
+  std::ofstream out(file.temporary_path(), std::ios::binary);
+  write_statistics(out, study);
+  out.close();
+  if (!out) {
+    return fail(ErrorCode::kIo, "{}: cannot be written: check the disk",
+                file.temporary_path().string());
+  }
+  return file.commit();
+}
 
 bool has_result(const ResultRecord& record) {
   return !record.text("reference").empty();
@@ -129,9 +142,9 @@ class PlanRun {
     SPOOL_ASSIGN(ResultsWriter writer, ResultsWriter::create(request_.folder));
     std::vector<PicturedResult> pictured;
     std::size_t missing = 0;
-    for (std::size_t i = 0; i < named_.cells.size(); ++i) {
-      const Cell& cell = named_.cells[i];
-      const Result<ResultRecord> record = store_.read(named_.ids[i], cell);
+    for (std::size_t i = 0; i < named_.size(); ++i) {
+      const Cell cell = named_.cell(i);
+      const Result<ResultRecord> record = store_.read(named_.id(i), cell);
       if (!record) {
         ++missing;
         continue;
@@ -167,10 +180,10 @@ class PlanRun {
 
   // The results of a shard are made later; its failures are printed now.
   Result<void> report_shard() {
-    for (std::size_t i = 0; i < named_.cells.size(); ++i) {
+    for (std::size_t i = 0; i < named_.size(); ++i) {
       if (!chosen_[i]) continue;
-      if (const auto record = store_.read(named_.ids[i], named_.cells[i])) {
-        judge(named_.cells[i], *record);
+      if (const auto record = store_.read(named_.id(i), named_.cell(i))) {
+        judge(named_.cell(i), *record);
       }
     }
     if (!common_.quiet && request_.shard) {
@@ -195,11 +208,11 @@ class PlanRun {
   }
 
   void find_missing() {
-    for (std::size_t i = 0; i < named_.cells.size(); ++i) {
-      const Cell& cell = named_.cells[i];
+    for (std::size_t i = 0; i < named_.size(); ++i) {
+      const Cell cell = named_.cell(i);
       if (!chosen_[i]) continue;
       ++wanted_;
-      Result<ResultRecord> record = store_.read(named_.ids[i], cell);
+      Result<ResultRecord> record = store_.read(named_.id(i), cell);
       if (record && has_result(*record)) {
         ++done_;
         best_.add(cell, record->number("relmse"));
@@ -207,7 +220,7 @@ class PlanRun {
         continue;
       }
       missing_.push_back(cell);
-      id_of_.emplace(key_of(cell), named_.ids[i]);
+      id_of_.emplace(key_of(cell), named_.id(i));
     }
   }
 
@@ -272,7 +285,7 @@ class PlanRun {
       return fail(
           ErrorCode::kData,
           "{}: {} of {} results are missing: run the plan or its shards again, then --merge",
-          request_.folder.string(), missing, named_.cells.size());
+          request_.folder.string(), missing, named_.size());
     }
     if (failed_ == 0) return {};
     return fail(ErrorCode::kData, "{} of {} results failed; the first, {}", failed_, results_,
@@ -313,7 +326,7 @@ Result<void> write_statistics(const fs::path& folder, const Plan& plan, const Co
     return fail(ErrorCode::kData, "{}: no finished results in it", folder.string());
   }
   mark_late_claims(folder, study.claims);
-  SPOOL_TRY(write_text_file(folder / "statistics.json", statistics_text(study), true, true));
+  SPOOL_TRY(write_statistics_file(folder / "statistics.json", study));
   if (common.json) print(results_text(ranked_results(study)));
   if (!common.json && !common.quiet) print(summary_text(study, wide));
   return {};
@@ -340,7 +353,7 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   if (!request.merge) SPOOL_TRY(register_claims(request.folder, request.plan));
   SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true, true));
   SPOOL_TRY(merge_folders(request, dumps));
-  SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named.cells, named.ids));
+  SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named));
   PlanRun run(request, common, std::move(named), std::move(chosen));
   if (!request.merge) SPOOL_TRY(run.run());
   const std::string shard =

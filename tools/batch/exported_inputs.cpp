@@ -102,11 +102,11 @@ Result<void> export_inputs(const RunRequest& request, const CommonOptions& commo
   RunRequest of_inputs = request;
   of_inputs.plan = plan;
   SPOOL_ASSIGN(const NamedCells named, name_cells(plan));
-  SPOOL_ASSIGN(const std::vector<bool> chosen, chosen_cells(of_inputs, named.cells, named.ids));
+  SPOOL_ASSIGN(const std::vector<bool> chosen, chosen_cells(of_inputs, named));
   std::vector<Cell> cells;
-  for (std::size_t i = 0; i < named.cells.size(); ++i) {
+  for (std::size_t i = 0; i < named.size(); ++i) {
     if (!chosen[i]) continue;
-    Cell cell = named.cells[i];
+    Cell cell = named.cell(i);
     cell.filter = {"image", pattern, {}};
     cells.push_back(with_filled_names(cell));
   }

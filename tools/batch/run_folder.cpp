@@ -1,12 +1,13 @@
 #include "tools/batch/run_folder.h"
 
+#include <algorithm>
+#include <charconv>
 #include <chrono>
-#include <unordered_map>
-#include <unordered_set>
+#include <iterator>
+#include <numeric>
 
 #include "formats/spool_reader.h"
 #include "formats/temporary_file.h"
-#include "lib/experiment/plan_cells.h"
 #include "tools/batch/cell_store.h"
 
 namespace spool::tools {
@@ -54,18 +55,38 @@ Result<void> check_alike(const PlanScene& scene, const std::string& other, const
 
 }  // namespace
 
+NamedCells::NamedCells(const Plan& plan) : cells_(plan), order_(cells_.size()) {
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    numbers_.push_back(cells_.number(cells_.cell(i)));
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  std::ranges::sort(order_, {}, [this](std::size_t i) { return numbers_[i]; });
+}
+
+std::optional<std::size_t> NamedCells::find(const std::string& id) const {
+  std::uint64_t number = 0;
+  const char* end = id.data() + id.size();
+  if (id.size() != 16 || std::from_chars(id.data(), end, number, 16).ptr != end)
+    return std::nullopt;
+  const auto found =
+      std::ranges::lower_bound(order_, number, {}, [this](std::size_t i) { return numbers_[i]; });
+  if (found == order_.end() || numbers_[*found] != number) return std::nullopt;
+  return *found;
+}
+
+std::optional<std::size_t> NamedCells::twice() const {
+  const auto found =
+      std::ranges::adjacent_find(order_, {}, [this](std::size_t i) { return numbers_[i]; });
+  if (found == order_.end()) return std::nullopt;
+  return std::max(*found, *std::next(found));
+}
+
 Result<NamedCells> name_cells(const Plan& plan) {
-  NamedCells named{plan.cells(), {}};
-  std::unordered_map<std::string, std::size_t> seen;
-  for (std::size_t i = 0; i < named.cells.size(); ++i) {
-    named.ids.push_back(cell_id(named.cells[i], plan));
-    const auto [place, fresh] = seen.try_emplace(named.ids.back(), i);
-    if (fresh) continue;
-    const Cell& cell = named.cells[i];
-    return fail(ErrorCode::kUsage, "{} with {} at {} spp is asked for twice: name it once",
-                cell.sampler.label(), cell.filter.label(), cell.spp);
-  }
-  return named;
+  NamedCells named(plan);
+  const std::optional<std::size_t> twice = named.twice();
+  if (!twice) return named;
+  const Cell cell = named.cell(*twice);
+  return fail(ErrorCode::kUsage, "{} with {} at {} spp is asked for twice: name it once",
+              cell.sampler.label(), cell.filter.label(), cell.spp);
 }
 
 Result<void> check_dumps(const Plan& plan) {
@@ -105,9 +126,8 @@ Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, 
                 "give --force",
                 folder.string());
   }
-  const std::unordered_set<std::string> known(named.ids.begin(), named.ids.end());
   const std::size_t others =
-      store.count_others([&](const std::string& id) { return known.contains(id); });
+      store.count_others([&](const std::string& id) { return named.find(id).has_value(); });
   if (others > 0 && !force) {
     return fail(ErrorCode::kUsage,
                 "{}: holds {} results that this plan does not have: choose another folder, or give "

@@ -1,20 +1,34 @@
 // The folder that a plan's results go to: its cells, and what is checked before hours of work.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "lib/core/error.h"
-#include "lib/experiment/plan.h"
+#include "lib/experiment/plan_cells.h"
 #include "tools/batch/dump_identity.h"
 #include "tools/batch/run_request.h"
 
 namespace spool::tools {
 
-// The cells of a plan with their names.
-struct NamedCells {
-  std::vector<Cell> cells;
-  std::vector<std::string> ids;
+// The cells of a plan, which must outlive it, with their names.
+class NamedCells {
+ public:
+  explicit NamedCells(const Plan& plan);
+
+  std::size_t size() const { return cells_.size(); }
+  Cell cell(std::size_t i) const { return cells_.cell(i); }
+  std::string id(std::size_t i) const { return cell_id(numbers_[i]); }
+  std::optional<std::size_t> find(const std::string& id) const;
+  // One that has the name of another.
+  std::optional<std::size_t> twice() const;
+
+ private:
+  PlanCells cells_;
+  std::vector<std::uint64_t> numbers_;
+  std::vector<std::size_t> order_;  // of the cells by their numbers
 };
 
 // kUsage when two cells would have one name.

@@ -6,7 +6,6 @@
 
 #include "formats/spool_reader.h"
 #include "tools/batch/cell_store.h"
-#include "tools/batch/run_folder.h"
 #include "tools/methods/external_methods.h"
 
 namespace spool::tools {
@@ -54,18 +53,16 @@ Result<std::vector<SamplingRun>> costed_runs(const Plan& plan, const std::vector
   return runs;
 }
 
-Result<std::vector<bool>> chosen_cells(const RunRequest& request, const std::vector<Cell>& cells,
-                                       const std::vector<std::string>& ids) {
-  std::vector<bool> chosen(cells.size(), !is_part(request));
+Result<std::vector<bool>> chosen_cells(const RunRequest& request, const NamedCells& named) {
+  std::vector<bool> chosen(named.size(), !is_part(request));
   for (const std::string& id : request.only.value_or(std::vector<std::string>())) {
-    const auto found = std::ranges::find(ids, id);
-    if (found == ids.end()) {
-      return fail(ErrorCode::kUsage, "cell {}: the plan has none of this name", id);
-    }
-    chosen[static_cast<std::size_t>(found - ids.begin())] = true;
+    const auto found = named.find(id);
+    if (!found) return fail(ErrorCode::kUsage, "cell {}: the plan has none of this name", id);
+    chosen[*found] = true;
   }
   if (!request.shard) return chosen;
-  SPOOL_ASSIGN(const std::vector<SamplingRun> runs, costed_runs(request.plan, cells));
+  SPOOL_ASSIGN(const std::vector<SamplingRun> runs,
+               costed_runs(request.plan, request.plan.cells()));
   const std::vector<int> shares = balanced_shares(runs, request.shard->count);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     for (const std::size_t cell : runs[i].cells)
@@ -78,20 +75,20 @@ Result<TasksLeft> tasks_left(const RunRequest& request) {
   SPOOL_ASSIGN(const NamedCells named, name_cells(request.plan));
   SPOOL_TRY(check_dumps(request.plan));
   const CellStore store(request.folder);
-  NamedCells left;
-  for (std::size_t i = 0; i < named.cells.size(); ++i) {
-    const auto record = store.read(named.ids[i], named.cells[i]);
+  std::vector<Cell> cells;
+  std::vector<std::string> ids;
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    const auto record = store.read(named.id(i), named.cell(i));
     if (record && !record->text("reference").empty()) continue;
-    left.cells.push_back(named.cells[i]);
-    left.ids.push_back(named.ids[i]);
+    cells.push_back(named.cell(i));
+    ids.push_back(named.id(i));
   }
-  SPOOL_ASSIGN(const std::vector<SamplingRun> runs, costed_runs(request.plan, left.cells));
-  TasksLeft found{
-      {}, named.cells.size() - left.cells.size(), std::ranges::max(request.plan.threads)};
+  SPOOL_ASSIGN(const std::vector<SamplingRun> runs, costed_runs(request.plan, cells));
+  TasksLeft found{{}, named.size() - cells.size(), std::ranges::max(request.plan.threads)};
   for (const SamplingRun& run : runs) {
     RunTask task{run.dump, {}, run.cost};
     for (const std::size_t cell : run.cells)
-      task.ids.push_back(left.ids[cell]);
+      task.ids.push_back(ids[cell]);
     found.tasks.push_back(std::move(task));
   }
   std::ranges::stable_sort(found.tasks, std::greater(), &RunTask::cost);

@@ -7,6 +7,7 @@
 
 #include "lib/core/error.h"
 #include "lib/experiment/plan_shares.h"
+#include "tools/batch/run_folder.h"
 #include "tools/batch/run_request.h"
 
 namespace spool::tools {
@@ -15,10 +16,9 @@ namespace spool::tools {
 // the same on every machine that has the recordings. kIo where a recording cannot be read.
 Result<std::vector<SamplingRun>> costed_runs(const Plan& plan, const std::vector<Cell>& cells);
 
-// Which of the plan's cells, named by `ids`, are done: those of the share, or of `request.only`.
-// kUsage where `only` names a cell that the plan does not have.
-Result<std::vector<bool>> chosen_cells(const RunRequest& request, const std::vector<Cell>& cells,
-                                       const std::vector<std::string>& ids);
+// Which of the plan's cells are done: those of the share, or of `request.only`. kUsage where `only`
+// names a cell that the plan does not have.
+Result<std::vector<bool>> chosen_cells(const RunRequest& request, const NamedCells& named);
 
 // A sampling run that is left to do.
 struct RunTask {

@@ -27,6 +27,9 @@ void add_parts_of_a_run(CLI::App& verb, EvaluateOptions& options) {
       ->check(CLI::IsMember({"shared", "exact"}));
   verb.add_option("--shard", options.shard,
                   "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
+  verb.add_option("--executor", options.executor,
+                  "dask:ADDRESS, processes:N or mpi: workers of Python's package spool do the "
+                  "sampling runs");
   verb.add_flag("--merge", options.merge,
                 "run nothing: make the results of the cells that are done");
   verb.add_flag("--statistics-only", options.statistics_only,
@@ -92,8 +95,8 @@ void add_evaluate(Program& program) {
   group_options(verb, "What is written",
                 {"--output", "--wide", "--no-pictures", "--export-inputs"});
   group_options(verb, "Time and machines",
-                {"--repeats", "--sweep-threads", "--timing", "--dry-run", "--shard", "--merge",
-                 "--from", "--statistics-only"});
+                {"--repeats", "--sweep-threads", "--timing", "--dry-run", "--shard", "--executor",
+                 "--merge", "--from", "--statistics-only"});
   add_common(verb, program.common, true, true);
   verb.footer(
       "results.csv and results.jsonl have one row per recording, sampler, filter, budget and "

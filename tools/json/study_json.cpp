@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <ostream>
 
 #include <nlohmann/json.hpp>
 
@@ -238,16 +239,32 @@ std::string dense_text(const ordered_json& value, int indent) {
   return value.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
 }
 
+// As it stands inside a larger value, `depth` spaces from the left.
+std::string indented(const ordered_json& value, int depth) {
+  std::string text;
+  for (const char c : dense_text(value, 1)) {
+    text += c;
+    if (c == '\n') text.append(static_cast<std::size_t>(depth), ' ');
+  }
+  return text;
+}
+
 }  // namespace
 
-std::string statistics_text(const Study& study) {
-  ordered_json root = {{"version", 1}};
+void write_statistics(std::ostream& out, const Study& study) {
+  ordered_json rules;
   for (const auto& [name, text] : kRules)
-    root["rules"][name] = text;
+    rules[name] = text;
+  out << "{\n \"version\": 1,\n \"rules\": " << indented(rules, 1);
+  // A finding at a time: all of them as one value take fifty times the memory of their text.
   const auto fill = [&](const char* name, const auto& findings, const auto& as_json) {
-    root[name] = ordered_json::array();
-    for (const auto& finding : findings)
-      root[name].push_back(as_json(finding));
+    out << ",\n \"" << name << "\": [";
+    bool first = true;
+    for (const auto& finding : findings) {
+      out << (first ? "\n  " : ",\n  ") << indented(as_json(finding), 2);
+      first = false;
+    }
+    out << (first ? "]" : "\n ]");
   };
   fill("scenes", study.scenes, [](const PlanScene& scene) {
     return ordered_json{{"dump", scene.recordings.front()},
@@ -260,8 +277,7 @@ std::string statistics_text(const Study& study) {
        [&](const ConditionFinding& condition) { return condition_json(study, condition); });
   fill("curves", study.curves, curve_json);
   fill("overall", study.overall, overall_json);
-  root["baseline"] = study.baseline;
-  return dense_text(root, 1) + "\n";
+  out << ",\n \"baseline\": " << indented(study.baseline, 1) << "\n}\n";
 }
 
 std::string results_text(const std::vector<RankedResult>& results) {

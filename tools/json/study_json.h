@@ -14,6 +14,7 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <set>
 #include <string>
 #include <vector>
@@ -23,7 +24,7 @@
 
 namespace spool::tools {
 
-std::string statistics_text(const Study& study);
+void write_statistics(std::ostream& out, const Study& study);
 
 // As --json prints them: as in statistics.json, each with its ranks.
 std::string results_text(const std::vector<RankedResult>& results);

@@ -7,6 +7,7 @@
 #include "lib/experiment/plan_cells.h"
 #include "tools/batch/dry_run.h"
 #include "tools/batch/evaluation_run.h"
+#include "tools/batch/executor_run.h"
 #include "tools/batch/exported_inputs.h"
 #include "tools/methods/external_methods.h"
 #include "tools/verbs/dump_meta.h"
@@ -198,12 +199,19 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
     return export_inputs(request, common);
   }
   if (options.dry_run) return print_dry_run(request, common);
+  if (!options.executor.empty() && (options.merge || request.shard)) {
+    return fail(ErrorCode::kUsage, "--executor does the whole plan: leave --shard and --merge out");
+  }
   if (options.output.empty()) return fail(ErrorCode::kUsage, "-o: give the folder for the results");
   if (options.merge && request.shard) {
     return fail(ErrorCode::kUsage, "--merge is of all shards: leave --shard out");
   }
   if (!options.merge && !options.merge_from.empty()) {
     return fail(ErrorCode::kUsage, "--from goes with --merge");
+  }
+  if (!options.executor.empty()) {
+    SPOOL_TRY(run_on_workers(request, options.executor, common));
+    request.merge = true;
   }
   return run_plan(request, common);
 }

@@ -37,8 +37,9 @@ struct EvaluateOptions {
   bool wide = false;
   bool no_pictures = false;
   bool dry_run = false;
-  std::string timing;  // "shared" or "exact"; empty: shared
-  std::string shard;   // "i/N"
+  std::string timing;    // "shared" or "exact"; empty: shared
+  std::string shard;     // "i/N"
+  std::string executor;  // "dask:ADDRESS", "processes:N", "mpi": sampling runs are made there
   bool merge = false;
   bool statistics_only = false;  // files: folders of results
   std::vector<std::filesystem::path> merge_from;

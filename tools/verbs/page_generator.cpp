@@ -80,14 +80,6 @@ std::optional<Finished> run_program(std::vector<std::string> words, const std::s
   return Finished{code, contents(out.get()), contents(err.get())};
 }
 
-// SPOOL_PYTHON alone where it is set. Another Python before the system's on the path often lacks
-// the system's numpy.
-std::vector<std::string> interpreters() {
-  const std::string chosen = from_environment("SPOOL_PYTHON");
-  if (!chosen.empty()) return {chosen};
-  return {"python3", "/usr/bin/python3"};
-}
-
 constexpr int kNotFound = 127;
 constexpr int kNoNumpy = 20;  // tools/report/failure.py
 
@@ -102,12 +94,20 @@ Error error_of(const Finished& finished) {
 
 }  // namespace
 
+// SPOOL_PYTHON alone where it is set. Another Python before the system's on the path often lacks
+// the system's numpy.
+std::vector<std::string> python_interpreters() {
+  const std::string chosen = from_environment("SPOOL_PYTHON");
+  if (!chosen.empty()) return {chosen};
+  return {"python3", "/usr/bin/python3"};
+}
+
 Result<std::string> run_generator(const std::string& script, std::vector<std::string> arguments,
                                   const std::string& input, const GeneratorNeeds& needs) {
   SPOOL_ASSIGN(const fs::path runner, find_runner());
   arguments.insert(arguments.begin(), {"", runner.string(), script});
   std::optional<Finished> finished;
-  for (const std::string& python : interpreters()) {
+  for (const std::string& python : python_interpreters()) {
     arguments.front() = python;
     finished = run_program(arguments, input);
     if (finished && finished->exit_code != kNotFound && finished->exit_code != kNoNumpy) break;

@@ -15,6 +15,9 @@ struct GeneratorNeeds {
   std::string debian;    // "python3-numpy"
 };
 
+// To be tried one after the other.
+std::vector<std::string> python_interpreters();
+
 // What the script printed: report, figure, live_page or show_page. `input` becomes its standard
 // input. kUsage when Python or a package is missing (SPOOL_PYTHON names another interpreter), kIo
 // when tools/report/run.py is not beside the program (SPOOL_REPORT names its folder).

@@ -133,24 +133,34 @@ Result<void> write_contact_sheet(const std::filesystem::path& path, const Result
 Result<void> write_result_numbers(const std::filesystem::path& folder, const ResultImages& images,
                                   const ExrAttributes& attributes, const ExrWriteOptions& options) {
   Result<void> all;
-  const auto write = [&](const char* name, const ExrFile& file) -> Result<void> {
-    const Result<void> written = write_exr(folder / (std::string(name) + ".exr"), file, options);
+  const auto write = [&](const char* name, const ExrFile& file,
+                         ExrCompression compression) -> Result<void> {
+    ExrWriteOptions of_file = options;
+    of_file.compression = compression;
+    const Result<void> written = write_exr(folder / (std::string(name) + ".exr"), file, of_file);
     if (!written && written.error().code != ErrorCode::kData) return written;
     if (!written && all) all = written;
     return {};
   };
-  constexpr PixelType kFloat = PixelType::kFloat;
+  // Zip takes three times as long, and saves 2 % of noisy floats.
+  const auto write_floats = [&](const char* name, const char* channel,
+                                const std::optional<Plane>& plane) -> Result<void> {
+    if (!plane) return {};
+    return write(name, one_channel(channel, PixelType::kFloat, *plane), ExrCompression::kNone);
+  };
   ExrFile estimate = exr_from_rgb(*images.estimate);
   estimate.text_attributes = attributes.texts;
   estimate.number_attributes = attributes.numbers;
-  SPOOL_TRY(write("estimate", estimate));
-  SPOOL_TRY(write("density", one_channel("n", PixelType::kUint, images.density)));
-  if (images.level) SPOOL_TRY(write("filter_size", one_channel("level", kFloat, *images.level)));
-  if (images.direction)
-    SPOOL_TRY(write("direction", one_channel("angle", kFloat, *images.direction)));
-  if (images.squared_error)
-    SPOOL_TRY(write("squared_error", one_channel("Y", kFloat, *images.squared_error)));
-  if (images.flip) SPOOL_TRY(write("flip", one_channel("flip", kFloat, *images.flip)));
+  SPOOL_TRY(write("estimate", estimate, ExrCompression::kNone));
+  SPOOL_TRY(
+      write("density", one_channel("n", PixelType::kUint, images.density), ExrCompression::kZip));
+  if (images.level) {
+    SPOOL_TRY(write("filter_size", one_channel("level", PixelType::kFloat, *images.level),
+                    ExrCompression::kZip));
+  }
+  SPOOL_TRY(write_floats("direction", "angle", images.direction));
+  SPOOL_TRY(write_floats("squared_error", "Y", images.squared_error));
+  SPOOL_TRY(write_floats("flip", "flip", images.flip));
   return all;
 }
 

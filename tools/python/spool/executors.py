@@ -93,7 +93,7 @@ def _together(tasks) -> Iterator[tuple[float, list[str]]]:
 def _do(plan: Plan, identity: bytes, ids: list[str], threads: int) -> dict[str, bytes]:
     """In a worker: the files of these cells, by their paths in the folder of results.
 
-    `identity`: dumps.json of that folder; recordings that it knows by path, size and time are not read for their hash.
+    `identity`: dumps.json of that folder; a worker that finds other recordings refuses them.
     """
     with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
         place = os.path.join(scratch, "results")

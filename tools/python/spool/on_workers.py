@@ -1,7 +1,4 @@
-"""`spool evaluate PLAN --executor KIND:WHERE` calls this: python3 -m spool.on_workers PLAN FOLDER KIND:WHERE [force] [exact].
-
-Makes what is missing in FOLDER; the program then makes the results of it. Exit codes are the program's.
-"""
+"""What `spool evaluate PLAN --executor KIND:WHERE` calls: an executor by its name, and a plan on its workers."""
 from __future__ import annotations
 
 import concurrent.futures
@@ -16,7 +13,7 @@ from .evaluation import _text_of
 from .executors import Plan, spread
 
 KINDS = "processes:N, dask:ADDRESS, mpi"
-_CONNECTING = 20  # seconds
+_CONNECTING = 10  # seconds
 
 
 @contextlib.contextmanager
@@ -54,20 +51,9 @@ def _progress(share, done, of):
         print(f"\revaluate: {100 * share:3.0f} %, {done} of {of} results", end="\n" if done == of else "", file=sys.stderr, flush=True)
 
 
-def main(plan: str, folder: str, executor: str, *switches: str) -> int:
-    try:
-        written, name, beside = _text_of(plan, None)
-        with executor_of(executor) as made:
-            spread(made, Plan(written, name, beside, "exact" in switches), os.path.abspath(folder), "force" in switches,
-                   _progress, merge=False)
-    except SpoolError as failure:
-        print(f"spool: {failure}", file=sys.stderr)
-        return failure.code
-    except KeyboardInterrupt:
-        print(f"spool: interrupted; results that arrived are kept in {folder}: the same command goes on from there", file=sys.stderr)
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+def run(plan: str, folder: str, executor: str, *switches: str) -> None:
+    """Makes what is missing of the file `plan` in `folder`. `switches`: force, exact (timing), quiet."""
+    written, name, beside = _text_of(plan, None)
+    with executor_of(executor) as made:
+        spread(made, Plan(written, name, beside, "exact" in switches), os.path.abspath(folder), "force" in switches,
+               None if "quiet" in switches else _progress, merge=False)
