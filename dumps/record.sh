@@ -43,6 +43,7 @@ case $out in -*) out=./$out ;; esac
 case $scene in *.blend) set -- --blend "$scene" "$@" ;; *) set -- --scene "$scene" "$@" ;; esac
 passes=$out.passes
 [ -z "$out" ] || set -- "$@" -o "$passes"
+[ -n "$keep$dry" ] || set -- "$@" --fold
 
 spool=${SPOOL:-}
 for candidate in "$here/../build/release/tools/spool" "$here/../build/release/spool"; do
