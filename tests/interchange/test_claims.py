@@ -20,6 +20,14 @@ def stopped(fill):
     return light
 
 
+def wrapped():
+    """Pixels that repeat their samples from a number of their own on."""
+    light, last = LIGHT.copy(), np.random.default_rng(37).integers(4, SPP - 1, (HEIGHT, WIDTH))
+    for y, x in np.ndindex(HEIGHT, WIDTH):
+        light[y, x] = LIGHT[y, x, np.arange(SPP) % last[y, x]]
+    return light
+
+
 def means(light):
     return (np.cumsum(light, 2) / np.arange(1, light.shape[2] + 1)[:, None]).astype("f4")
 
@@ -45,6 +53,7 @@ WRONG = {
     "few running means": (means(HALF), "running means"),
     "running sums": (np.cumsum(LIGHT, 2), "running means or sums"),
     "held": (stopped(None), "adaptive"), "black": (stopped(0), "adaptive"), "not a number": (stopped(np.nan), "adaptive"),
+    "padded by its own samples": (wrapped(), "begin again"),
     "smoothed in time": (smoothed(0.5), "like the one before it"),
     "means of two": (LONG + np.roll(LONG, 1, 2), "like the one before it"),
     "brighter": (RNG.random((HEIGHT, WIDTH, 32, 3)) * (1 + 0.1 * np.arange(32))[:, None], "brighter"),
