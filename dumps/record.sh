@@ -43,7 +43,6 @@ case $out in -*) out=./$out ;; esac
 case $scene in *.blend) set -- --blend "$scene" "$@" ;; *) set -- --scene "$scene" "$@" ;; esac
 passes=$out.passes
 [ -z "$out" ] || set -- "$@" -o "$passes"
-[ -n "$keep$dry" ] || set -- "$@" --fold
 
 spool=${SPOOL:-}
 for candidate in "$here/../build/release/tools/spool" "$here/../build/release/spool"; do
@@ -69,6 +68,7 @@ refuse_existing
 folder_of() { if [ "$recordings" = 1 ]; then echo "$passes"; else echo "$passes/recording_$1"; fi; }
 # Packed, and stopped before all were tested: the same command goes on from there, another one renders what it lacks.
 wish="$recordings $pack $*"
+[ -n "$keep$dry" ] || set -- "$@" --fold
 packed=
 if [ -e "$passes/packed" ]; then
   [ "$(cat "$passes/packed")" != "$wish" ] || packed=--packed
