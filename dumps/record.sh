@@ -99,7 +99,7 @@ if [ -z "$packed" ]; then
   for number in $(seq "$recordings"); do
     from=$(folder_of "$number")
     # shellcheck disable=SC2086
-    "$spool" pack "$from" -o "$from/whole.spool" --force $pack $remove
+    "$spool" pack "$from" -o "$from/whole.spool" --force $pack $remove --max-expansion 1000000
   done
 fi
 # dump -> tested, under its name

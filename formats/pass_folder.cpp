@@ -4,9 +4,11 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <span>
 #include <utility>
 
+#include "formats/checked_math.h"
 #include "formats/pass_file.h"
 #include "formats/pass_plan.h"
 #include "formats/pass_recording.h"
@@ -175,6 +177,24 @@ Result<std::string> judge(const SampleWatch& watch, const PassManifest& manifest
               manifest.folder.string(), objection);
 }
 
+// What the files hold against what they are: packed zeros are short.
+Result<void> check_expansion(const PassManifest& manifest, const PackOptions& options) {
+  std::set<std::filesystem::path> files;
+  uint64_t stored = 0;
+  uint64_t planes = 0;
+  std::error_code code;
+  for (const auto& [list, channels] :
+       {std::pair(&manifest.passes, static_cast<uint32_t>(manifest.channels.size())),
+        std::pair(&manifest.batches, manifest.batch_channels())}) {
+    for (const PassEntry& entry : *list) {
+      planes += channels;
+      if (files.insert(entry.file).second) stored += std::filesystem::file_size(entry.file, code);
+    }
+  }
+  const auto plane = uint64_t{4} * manifest.width * manifest.height;
+  return options.expansion.check(manifest.folder.string(), checked_multiply(plane, planes), stored);
+}
+
 // Returns remarks on the samples, or nothing.
 Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& plan,
                                bool remove_passes, SpoolWriter& writer) {
@@ -235,6 +255,7 @@ PackReport report_of(const PassRecording& recording, const DumpHeader& header,
 Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders,
                                const std::filesystem::path& out, const PackOptions& options) {
   SPOOL_ASSIGN(const PassRecording recording, read_pass_recording(folders));
+  SPOOL_TRY(check_expansion(recording.manifest, options));
   SPOOL_ASSIGN(const DumpPlan plan, plan_dump(recording.manifest, options));
   WriterOptions writer_options;
   writer_options.compress = options.compress;
