@@ -68,6 +68,7 @@ refuse_existing
 folder_of() { if [ "$recordings" = 1 ]; then echo "$passes"; else echo "$passes/recording_$1"; fi; }
 # Packed, and stopped before all were tested: the same command goes on from there, another one renders what it lacks.
 wish="$recordings $pack $*"
+[ -n "$keep$dry" ] || set -- "$@" --fold
 packed=
 if [ -e "$passes/packed" ]; then
   [ "$(cat "$passes/packed")" != "$wish" ] || packed=--packed
@@ -98,7 +99,7 @@ if [ -z "$packed" ]; then
   for number in $(seq "$recordings"); do
     from=$(folder_of "$number")
     # shellcheck disable=SC2086
-    "$spool" pack "$from" -o "$from/whole.spool" --force $pack $remove
+    "$spool" pack "$from" -o "$from/whole.spool" --force $pack $remove --max-expansion 1000000
   done
 fi
 # dump -> tested, under its name

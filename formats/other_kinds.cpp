@@ -92,8 +92,8 @@ Result<void> refuse_other_kind(const std::string& name, std::span<const std::byt
     return fail(ErrorCode::kDamage, "{}: is empty: write it again, or fetch it", name);
   const Kind* kind = find_kind(start);
   if (kind == nullptr || kind->name == wanted) return {};
-  const std::string_view first = kind->group == Group::kEncoded  ? "linearise it, "
-                                 : kind->group == Group::kPacked ? "unpack it, "
+  const std::string_view first = kind->group == Group::kEncoded  ? "linearise it and "
+                                 : kind->group == Group::kPacked ? "unpack it and "
                                                                  : "";
   const bool picture = kind->group == Group::kLinear || kind->group == Group::kEncoded;
   return fail(ErrorCode::kData, "{}: is {}, {} is needed: {}{}", name, kind->name, wanted, first,

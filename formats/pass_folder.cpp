@@ -4,9 +4,11 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <span>
 #include <utility>
 
+#include "formats/checked_math.h"
 #include "formats/pass_file.h"
 #include "formats/pass_plan.h"
 #include "formats/pass_recording.h"
@@ -115,6 +117,7 @@ Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& 
   std::vector<float> rows(plane);
   double count = 0.0;
   for (const PassEntry& batch : manifest.batches) {
+    if (manifest.is_folded()) break;
     count += 1.0;
     for (uint32_t c = 0; c < 3; ++c) {
       SPOOL_TRY(read_pass_rows(manifest, batch, 3, c, y0, y1, rows));
@@ -125,7 +128,15 @@ Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& 
       }
     }
   }
-  const bool variance = manifest.batches.size() > 1;
+  for (uint32_t c = 0; c < 6 && manifest.is_folded(); ++c) {
+    SPOOL_TRY(read_pass_rows(manifest, manifest.batches[0], 6, c, y0, y1, rows));
+    std::copy(rows.begin(), rows.end(),
+              (c < 3 ? mean : squares).begin() + static_cast<std::ptrdiff_t>((c % 3) * plane));
+  }
+  // That of the mean, from the sum of squares or as it is.
+  const double divisor = manifest.is_folded() ? 1.0 : (count - 1.0);
+  const double again = manifest.is_folded() ? 1.0 : count;
+  const bool variance = manifest.is_folded() || manifest.batches.size() > 1;
   for (const Tile& tile : tiles) {
     std::vector<float> values;
     values.reserve(size_t{6} * tile.width * tile.height);
@@ -133,7 +144,7 @@ Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& 
       for (uint32_t y = 0; y < tile.height; ++y) {
         for (uint32_t x = 0; x < tile.width; ++x) {
           const size_t at = (c % 3) * plane + size_t{y} * manifest.width + tile.x0 + x;
-          const double value = c < 3 ? mean[at] : squares[at] / (count - 1.0) / count;
+          const double value = c < 3 ? mean[at] : squares[at] / divisor / again;
           values.push_back(static_cast<float>(value));
           not_finite += c < 3 && !std::isfinite(value);
         }
@@ -164,6 +175,24 @@ Result<std::string> judge(const SampleWatch& watch, const PassManifest& manifest
   return fail(ErrorCode::kData,
               "{}: {}, so the samples of a pixel are not exchangeable: record them again",
               manifest.folder.string(), objection);
+}
+
+// What the files hold against what they are: packed zeros are short.
+Result<void> check_expansion(const PassManifest& manifest, const PackOptions& options) {
+  std::set<std::filesystem::path> files;
+  uint64_t stored = 0;
+  uint64_t planes = 0;
+  std::error_code code;
+  for (const auto& [list, channels] :
+       {std::pair(&manifest.passes, static_cast<uint32_t>(manifest.channels.size())),
+        std::pair(&manifest.batches, manifest.batch_channels())}) {
+    for (const PassEntry& entry : *list) {
+      planes += channels;
+      if (files.insert(entry.file).second) stored += std::filesystem::file_size(entry.file, code);
+    }
+  }
+  const auto plane = uint64_t{4} * manifest.width * manifest.height;
+  return options.expansion.check(manifest.folder.string(), checked_multiply(plane, planes), stored);
 }
 
 // Returns remarks on the samples, or nothing.
@@ -209,9 +238,8 @@ Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& p
 PackReport report_of(const PassRecording& recording, const DumpHeader& header,
                      const std::filesystem::path& out) {
   PackReport report{header.width, header.height, header.spp, 0, 0, 0.0, {}, 0, {}};
-  const auto& batches = recording.manifest.batches;
-  report.batches = static_cast<uint32_t>(batches.size());
-  if (!batches.empty()) report.reference_spp = batches.size() * batches.front().samples;
+  report.batches = static_cast<uint32_t>(recording.manifest.batch_seeds().size());
+  report.reference_spp = report.batches * recording.manifest.batch_samples();
   report.cost_per_sample = cost_per_sample(recording);
   for (const ChannelInfo& channel : header.channels) {
     const std::string layer = channel.name.substr(0, channel.name.find('.'));
@@ -227,6 +255,7 @@ PackReport report_of(const PassRecording& recording, const DumpHeader& header,
 Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders,
                                const std::filesystem::path& out, const PackOptions& options) {
   SPOOL_ASSIGN(const PassRecording recording, read_pass_recording(folders));
+  SPOOL_TRY(check_expansion(recording.manifest, options));
   SPOOL_ASSIGN(const DumpPlan plan, plan_dump(recording.manifest, options));
   WriterOptions writer_options;
   writer_options.compress = options.compress;

@@ -141,6 +141,18 @@ bool take_seconds(const json& line, const char* key, double& value) {
   return std::isfinite(value) && value >= 0.0;
 }
 
+bool take_folded_seeds(const json& line, PassEntry& entry) {
+  const auto seeds = line.find("folded_seeds");
+  if (seeds == line.end()) return true;
+  if (!seeds->is_array() || seeds->size() < 2 || entry.samples % seeds->size() != 0) return false;
+  for (const json& seed : *seeds) {
+    if (!seed.is_number_unsigned() || seed.get<uint64_t>() > std::numeric_limits<uint32_t>::max())
+      return false;
+    entry.folded_seeds.push_back(seed.get<uint32_t>());
+  }
+  return true;
+}
+
 bool take_entry(const json& line, const fs::path& folder, std::string& kind, PassEntry& entry) {
   std::string file;
   uint64_t crc = 0;
@@ -151,7 +163,7 @@ bool take_entry(const json& line, const fs::path& folder, std::string& kind, Pas
       !take_integer(line, "seed", u32, seed) ||
       !take_integer(line, "sample_index", u32, entry.sample_index) ||
       !take_integer(line, "samples", u32, entry.samples) || entry.samples == 0 ||
-      !take_film(line, entry)) {
+      !take_film(line, entry) || !take_folded_seeds(line, entry)) {
     return false;
   }
   if (line.contains("codec") && line["codec"] != "zstd-shuffle") return false;
@@ -167,7 +179,7 @@ bool take_entry(const json& line, const fs::path& folder, std::string& kind, Pas
   entry.file = folder / file;
   entry.crc32 = static_cast<uint32_t>(crc);
   entry.seed = static_cast<uint32_t>(seed);
-  return kind == "pass" ? entry.samples == 1 : kind == "reference";
+  return kind == "pass" ? entry.samples == 1 && entry.folded_seeds.empty() : kind == "reference";
 }
 
 Result<void> read_entries(const fs::path& path, PassManifest& manifest) {
@@ -228,6 +240,19 @@ Result<PassManifest> read_pass_manifest(const std::filesystem::path& folder) {
     return fail(ErrorCode::kData, "{}: no finished pass: run the recorder again", folder.string());
   }
   return manifest;
+}
+
+std::vector<uint32_t> PassManifest::batch_seeds() const {
+  if (is_folded()) return batches[0].folded_seeds;
+  std::vector<uint32_t> seeds;
+  for (const PassEntry& batch : batches)
+    seeds.push_back(batch.seed);
+  return seeds;
+}
+
+uint64_t PassManifest::batch_samples() const {
+  if (batches.empty()) return 0;
+  return is_folded() ? batches[0].samples / batches[0].folded_seeds.size() : batches[0].samples;
 }
 
 std::string recording_difference(const std::string& there, const std::string& here) {

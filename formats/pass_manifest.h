@@ -35,6 +35,9 @@ struct PassEntry {
   bool has_film = false;
   float film_x = 0.0F;  // [0,1), y down
   float film_y = 0.0F;
+  // Of a folded reference, one file for all its batches: their seeds, in order; empty otherwise.
+  // Planes: mean R, G, B of `samples`, then the variance of that mean.
+  std::vector<uint32_t> folded_seeds;
 };
 
 struct PassManifest {
@@ -46,6 +49,11 @@ struct PassManifest {
   std::vector<PassChannel> channels;  // radiance.R, .G, .B first
   std::vector<PassEntry> passes;      // by index
   std::vector<PassEntry> batches;     // by index; three channels each, radiance
+
+  bool is_folded() const { return batches.size() == 1 && !batches[0].folded_seeds.empty(); }
+  uint32_t batch_channels() const { return is_folded() ? 6 : 3; }
+  std::vector<uint32_t> batch_seeds() const;  // in order
+  uint64_t batch_samples() const;             // of each, all have as many
 };
 
 inline constexpr uint32_t kMaxPassSide = 65536;

@@ -69,7 +69,7 @@ void plan_other_groups(const PassManifest& manifest, DumpPlan& plan) {
     add_channel(plan.header, name, plan.reference, DataType::kFloat32, Semantic::kLight,
                 Scope::kPixel);
   }
-  if (manifest.batches.size() < 2) return;  // one batch knows no variance
+  if (manifest.batch_seeds().size() < 2) return;  // one batch knows no variance
   for (const char* name :
        {"reference_variance.R", "reference_variance.G", "reference_variance.B"}) {
     add_channel(plan.header, name, plan.reference, DataType::kFloat32, Semantic::kLightVariance,

@@ -43,12 +43,15 @@ Result<void> check_seeds(const PassManifest& manifest) {
   const bool sequence = manifest.mode == "sequence";
   for (const auto* list : {&manifest.passes, &manifest.batches}) {
     for (const PassEntry& entry : *list) {
-      const auto [place, fresh] = seen.emplace(entry.seed, &entry);
-      if (fresh || (sequence && list == &manifest.passes)) continue;
-      return fail(ErrorCode::kData,
-                  "{}: has the seed {} of {}: the samples are not independent, "
-                  "record one of them with another --seed or --first",
-                  entry.file.string(), entry.seed, place->second->file.string());
+      const bool folded = !entry.folded_seeds.empty();
+      for (const uint32_t seed : folded ? entry.folded_seeds : std::vector{entry.seed}) {
+        const auto [place, fresh] = seen.emplace(seed, &entry);
+        if (fresh || (sequence && list == &manifest.passes)) continue;
+        return fail(ErrorCode::kData,
+                    "{}: has the seed {} of {}: the samples are not independent, "
+                    "record one of them with another --seed or --first",
+                    entry.file.string(), seed, place->second->file.string());
+      }
     }
   }
   return {};
@@ -82,6 +85,14 @@ Result<void> check_film(const PassManifest& manifest) {
 }
 
 Result<void> check_batches(const PassManifest& manifest) {
+  if (manifest.is_folded()) return {};
+  for (const PassEntry& batch : manifest.batches) {
+    if (batch.folded_seeds.empty()) continue;
+    return fail(ErrorCode::kData,
+                "{}: its batches are folded to one file and cannot be joined with others: pack the "
+                "folders apart",
+                batch.file.string());
+  }
   for (const PassEntry& batch : manifest.batches) {
     if (batch.samples != manifest.batches.front().samples) {
       return fail(ErrorCode::kData,
@@ -111,12 +122,8 @@ bool has_cpu_seconds(const PassManifest& manifest) {
                      [](const PassEntry& entry) { return entry.cpu_seconds > 0.0; });
 }
 
-json seed_list(const std::vector<PassEntry>& entries) {
-  json seeds = json::array();
-  for (const PassEntry& entry : entries) {
-    if (seeds.size() == kMaxSeedsInMeta) break;
-    seeds.push_back(entry.seed);
-  }
+json first_of(std::vector<uint32_t> seeds) {
+  seeds.resize(std::min(seeds.size(), kMaxSeedsInMeta));
   return seeds;
 }
 
@@ -141,7 +148,7 @@ Result<PassRecording> read_pass_recording(const std::vector<std::filesystem::pat
     SPOOL_TRY(verify_pass_file(manifest, entry, static_cast<uint32_t>(manifest.channels.size())));
   }
   for (const PassEntry& entry : manifest.batches)
-    SPOOL_TRY(verify_pass_file(manifest, entry, 3));
+    SPOOL_TRY(verify_pass_file(manifest, entry, manifest.batch_channels()));
   return recording;
 }
 
@@ -164,7 +171,10 @@ std::string recording_meta(const PassRecording& recording) {
   for (const std::string& other : recording.others) {
     meta["recording_seeds"].push_back(parse_json(other).value("seed", json()));
   }
-  meta["seeds"] = seed_list(manifest.passes);
+  std::vector<uint32_t> seeds;
+  for (const PassEntry& pass : manifest.passes)
+    seeds.push_back(pass.seed);
+  meta["seeds"] = first_of(std::move(seeds));
   meta["sample_index"] = manifest.passes.front().sample_index;
   meta["cost_per_sample"] = cost_per_sample(recording);
   const bool cpu = has_cpu_seconds(manifest);
@@ -180,14 +190,15 @@ std::string recording_meta(const PassRecording& recording) {
     meta["channels"]["film"]["note"] = "y down; the same for all pixels of a pass";
   }
   if (!manifest.batches.empty()) {
-    const uint64_t each = manifest.batches.front().samples;
+    const uint64_t each = manifest.batch_samples();
+    const std::vector<uint32_t> batch_seeds = manifest.batch_seeds();
     meta["reference"] = {
-        {"samples", each * manifest.batches.size()},
-        {"batches", manifest.batches.size()},
+        {"samples", each * batch_seeds.size()},
+        {"batches", batch_seeds.size()},
         {"samples_per_batch", each},
         {"independent", true},
         {"stratified", each > 1},
-        {"seeds", seed_list(manifest.batches)},
+        {"seeds", first_of(batch_seeds)},
         {"cost_per_sample", median_seconds(manifest.batches, cpu) / pixels(manifest)},
         {"note",
          "mean of independent batches from other seeds than the samples; reference_variance is the "

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -106,8 +107,14 @@ void SampleWatch::follow(Course& course, uint32_t begin, std::span<const float> 
     least_[begin + s] = std::min(least_[begin + s], value);
     most_[begin + s] = std::max(most_[begin + s], value);
     const float step = std::abs(value - now.last);
-    now.last = value;
+    const float before = std::exchange(now.last, value);
+    if (begin + s == 1) now.second = value;
+    if (begin + s > 1 && now.first != now.second) {
+      now.forward += before == now.first && value == now.second;
+      now.backward += before == now.second && value == now.first;
+    }
     if (begin + s == 0) {
+      now.first = value;
       now.run = 1;
       continue;
     }
@@ -258,9 +265,24 @@ std::string SampleWatch::stopped() const {
       tails, varying);
 }
 
+// Pixels whose samples begin again, at a place of their own, against those where the first two come
+// back in the other order.
+std::string SampleWatch::begun_again() const {
+  uint32_t forward = 0, backward = 0, varying = 0;
+  for (const Course& course : courses_) {
+    varying += course.head != 0;
+    forward += course.forward > 0;
+    backward += course.backward > 0;
+  }
+  if (forward < std::max(kLeastStopped, varying / 20) || forward < 16 * backward) return {};
+  return fmt::format("the samples of {} of {} pixels begin again: their numbers were adaptive",
+                     forward, varying);
+}
+
 std::string SampleWatch::objection() const {
   if (spp_ < 2 || courses_.empty()) return {};
-  for (std::string found : {stopped(), repeated(), running_mean(), trend(), moving_mean()})
+  for (std::string found :
+       {stopped(), repeated(), begun_again(), running_mean(), trend(), moving_mean()})
     if (!found.empty()) return found;
   return {};
 }

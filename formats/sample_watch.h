@@ -43,6 +43,8 @@ class SampleWatch {
     uint32_t same = 0, close = 0;  // samples like the one before, by the two tolerances
     uint32_t head = 0, run = 0;    // equal ones at the beginning (0: all so far), and at the end
     bool equal_between = false;
+    float first = 0, second = 0;         // values
+    uint32_t forward = 0, backward = 0;  // how often the second follows the first, and the reverse
   };
 
   template <class Each>
@@ -57,6 +59,7 @@ class SampleWatch {
   std::string trend() const;
   std::string moving_mean() const;
   std::string stopped() const;
+  std::string begun_again() const;
 
   uint32_t width_ = 0, spp_ = 0, stride_ = 1;
   bool shared_places_ = false;

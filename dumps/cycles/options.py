@@ -48,6 +48,8 @@ def parse_options(arguments):
                         help="use FILE where the scene names the file NAME")
     parser.add_argument("--packed", action="store_true",
                         help="of dumps/record.sh: the passes are in a dump already, only compare scene and settings")
+    parser.add_argument("--fold", action="store_true", help="of dumps/record.sh: the reference comes first, and its batches become one file, "
+                        "their mean and its variance, when it is whole")
     parser.add_argument("--camera", help="name of the camera object")
     parser.add_argument("--frame", type=int, help="frame of the animation")
     parser.add_argument("--threads", type=int, default=0, help="(0: all)")

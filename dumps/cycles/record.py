@@ -23,6 +23,7 @@ from batches import batch_plan  # noqa: E402
 from camera import ShiftedCamera  # noqa: E402
 from engine import Renderer  # noqa: E402
 from estimate import dry_run  # noqa: E402
+from folded import fold, keep_or_drop  # noqa: E402
 from failure import Failure, io_failure, one_line, usage_failure  # noqa: E402
 from options import parse_options, script_arguments  # noqa: E402
 from overrides import overridden  # noqa: E402
@@ -153,19 +154,20 @@ def record(recorder, options, stop):
     if options.packed:
         return "%s: packed, nothing is rendered" % options.out
     start = time.monotonic()
-    if not options.auto:
+    there = keep_or_drop(folder, options)
+    if not options.auto and not there:
         go_on_with_batches(folder, recorder, options.reference)
         drop_other_batches(folder, recorder)
     batches = range(options.first_batch, options.first_batch + recorder.batches)
-    jobs = (("pass", recorder.render_pass, range(options.first, options.first + options.samples)),
-            ("reference", recorder.render_reference, () if options.auto else batches))
-    kept, there = {}, len(folder.entries["reference"])
+    passes = ("pass", recorder.render_pass, range(options.first, options.first + options.samples))
+    reference = ("reference", recorder.render_reference, () if options.auto or there else batches)
+    kept = {}
 
     def stopped(done, of, label):
         if stop.wanted:
             raise io_failure("%s: stopped with %d of %s %s: run the same command again to go on" % (options.out, done, of, label))
 
-    for kind, render, wanted in jobs:
+    for kind, render, wanted in (reference, passes) if options.fold else (passes, reference):
         missing = [i for i in wanted if not folder.has(kind, i)]
         kept[kind] = len(wanted) - len(missing)
         progress = Progress("passes" if kind == "pass" else "reference", len(missing))
@@ -175,15 +177,27 @@ def record(recorder, options, stop):
             folder.add(kind, i, data, entry)
             progress.step()
         progress.close()
-    if options.auto:
-        print("\n".join(record_until_it_suffices(folder, recorder, options, lambda done: stopped(done, "at most 128", "batches"))),
-              file=sys.stderr, flush=True)
-        batch = folder.entries["reference"][0]
-        recorder.batch_spp, recorder.batches, kept["reference"] = batch["samples"], len(folder.entries["reference"]), there
+        if kind == "reference" and not there:
+            kept[kind] = finish_reference(folder, recorder, options, stopped) if options.auto else kept[kind]
+            if options.fold:
+                fold(folder, options)
+    if there:
+        kept["reference"] = recorder.batches = len(there["folded_seeds"])
+        recorder.batch_spp = there["samples"] // recorder.batches
     return "%s: %s, %dx%d, %d passes (%d kept), reference %d x %d spp (%d kept), %s%s%s" % (
         options.out, recorder.identity["name"], recorder.width, recorder.height, options.samples,
         kept["pass"], recorder.batches, recorder.batch_spp, kept["reference"],
-        duration(time.monotonic() - start), file_note(recorder.renderer), "" if options.auto else more_note(folder, jobs))
+        duration(time.monotonic() - start), file_note(recorder.renderer),
+        more_note(folder, (passes,) if options.auto or options.fold else (passes, reference)))
+
+
+def finish_reference(folder, recorder, options, stopped):
+    """One that ends by itself; returns how many batches were there."""
+    there = len(folder.entries["reference"])
+    print("\n".join(record_until_it_suffices(folder, recorder, options, lambda done: stopped(done, "at most 128", "batches"))),
+          file=sys.stderr, flush=True)
+    recorder.batch_spp, recorder.batches = folder.entries["reference"][0]["samples"], len(folder.entries["reference"])
+    return there
 
 
 def go_on_with_batches(folder, recorder, reference):

@@ -156,7 +156,8 @@ Result<NpyHeader> parse_npy_header(std::span<const std::byte> start, std::string
     return fail(ErrorCode::kData, "{}: structured array: save one array per layer", name);
   const std::string& type = *found->descr;
   if (type.find('O') != std::string::npos)
-    return fail(ErrorCode::kData, "{}: object arrays are pickles and are never loaded: save plain numbers", name);
+    return fail(ErrorCode::kData,
+                "{}: object arrays are pickles and are never loaded: save plain numbers", name);
   if (type.starts_with('>'))
     return fail(ErrorCode::kData, "{}: big-endian array: save with astype('<{}')", name,
                 type.substr(1));

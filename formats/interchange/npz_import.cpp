@@ -102,9 +102,9 @@ Result<ForeignLayer> plan_layer(const NpzMember& member, const json& meta, bool 
   if (std::string_view("uib").find(member.header.type[1]) != std::string_view::npos)
     SPOOL_TRY(refuse_whole_numbers(member, name));
   if (!type)
-    return fail(ErrorCode::kData, "{}: dtype {}: {}save with astype('<f4')", name,
-                member.header.type,
-                member.header.type[1] == 'f' ? "" : "no real numbers, take what is meant of it and ");
+    return fail(
+        ErrorCode::kData, "{}: dtype {}: {}save with astype('<f4')", name, member.header.type,
+        member.header.type[1] == 'f' ? "" : "no real numbers, take what is meant of it and ");
   if (*type == ElementType::kFloat64 && !narrow)
     return fail(ErrorCode::kData,
                 "{}: dtype <f8: save with astype('<f4') or --set import.narrow=on", name);

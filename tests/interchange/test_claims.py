@@ -20,11 +20,19 @@ def stopped(fill):
     return light
 
 
+def wrapped():
+    """Pixels that repeat their samples from a number of their own on."""
+    light, last = LIGHT.copy(), np.random.default_rng(37).integers(4, SPP - 1, (HEIGHT, WIDTH))
+    for y, x in np.ndindex(HEIGHT, WIDTH):
+        light[y, x] = LIGHT[y, x, np.arange(SPP) % last[y, x]]
+    return light
+
+
 def means(light):
     return (np.cumsum(light, 2) / np.arange(1, light.shape[2] + 1)[:, None]).astype("f4")
 
 
-LONG = RNG.gamma(0.5, 1, (HEIGHT, WIDTH, 32, 3)).astype("f4")
+LONG = np.random.default_rng(35).gamma(0.5, 1, (HEIGHT, WIDTH, 32, 3)).astype("f4")
 
 
 def smoothed(keep):
@@ -45,7 +53,8 @@ WRONG = {
     "few running means": (means(HALF), "running means"),
     "running sums": (np.cumsum(LIGHT, 2), "running means or sums"),
     "held": (stopped(None), "adaptive"), "black": (stopped(0), "adaptive"), "not a number": (stopped(np.nan), "adaptive"),
-    "smoothed in time": (smoothed(0.8), "like the one before it"),
+    "padded by its own samples": (wrapped(), "begin again"),
+    "smoothed in time": (smoothed(0.5), "like the one before it"),
     "means of two": (LONG + np.roll(LONG, 1, 2), "like the one before it"),
     "brighter": (RNG.random((HEIGHT, WIDTH, 32, 3)) * (1 + 0.1 * np.arange(32))[:, None], "brighter"),
 }
@@ -121,8 +130,8 @@ CONVENTIONS = {
     "negative depth": ({"depth": -RNG.random(SHAPE)}, "depth: 100 % of the values are below 0"),
     "far": ({"depth": np.where(RNG.random(SHAPE) < 0.5, 1e10, 3)}, "where nothing is hit, 0 is expected"),
     "depth buffer": ({"depth": 1 - RNG.random(SHAPE) / 10}, "of a depth buffer?"),
-    "bytes": ({"radiance": RNG.integers(0, 256, SHAPE + (3,))}, "radiance: all values are whole numbers up to 255"),
-    "bytes as floats": ({"radiance": RNG.integers(0, 256, SHAPE + (3,)) / 255}, "radiance: all values are multiples of 1 / 255"),
+    "bytes": ({"radiance": np.random.default_rng(36).integers(0, 256, SHAPE + (3,))}, "radiance: all values are whole numbers up to 255"),
+    "bytes as floats": ({"radiance": np.random.default_rng(36).integers(0, 256, SHAPE + (3,)) / 255}, "radiance: all values are multiples of 1 / 255"),
     "units": ({"depth": 1000 * PLACES[..., 0], "position": PLACES}, "depth: spans 1e+04 where position spans 17"),
 }
 

@@ -251,3 +251,26 @@ def test_a_file_of_many_layers_is_one_short_line(tmp_path):
     assert code == 1 and "and 2992 more" in message and len(message) < 400, message
     code, _, message = picture(exr.write(path, exr.Part(layers | exr.rgb(A[:1, :1]))))
     assert code == 0 and "and 2992 more" in message and len(message) < 400, message
+
+
+OTHER_KINDS = {
+    b"\x89HDF\r\n\x1a\n": ("an HDF5 file", "save its values as an OpenEXR image", "numpy.savez"),
+    b"II*\0": ("a TIFF picture", "convert it", "--from exr-folder"), b"II+\0": ("a TIFF picture", "convert it", "--from exr-folder"),
+    b"#?RADIANCE\n": ("a Radiance HDR picture", "convert it", "--from exr-folder"), b"PF\n4 4\n": ("a PFM picture", "convert it", "--from exr-folder"),
+    b"\x89PNG\r\n\x1a\n": ("a PNG picture", "linearise it and convert it", "linearise it and"),
+    b"P6\n4 4\n255\n": ("a PNM picture", "linearise it and", "linearise it and"),
+    b"\0\0\0\x0cJXL \r\n": ("a JPEG XL picture", "linearise it and", "linearise it and"),
+    b"\x93NUMPY\1\0": ("a single .npy array", "save its values as an OpenEXR image", "numpy.savez"),
+    b"\x28\xb5\x2f\xfd": ("compressed by zstd", "unpack it and", "unpack it and"),
+}
+
+
+@pytest.mark.parametrize("start", OTHER_KINDS)
+def test_a_file_of_another_kind_is_named_with_what_makes_it_right(tmp_path, start):
+    kind, of_picture, of_arrays = OTHER_KINDS[start]
+    path = tmp_path / "a.exr"
+    path.write_bytes(start + bytes(64))
+    code, _, message = picture(path)
+    assert code == 1 and f"is {kind}, an OpenEXR image is needed" in message and of_picture in message, message
+    code, message = run_jobs(("import npz", path, tmp_path / "a.spool", "layout=HWSC"))[0]
+    assert code == 1 and f"is {kind}, a zip archive is needed" in message and of_arrays in message, message

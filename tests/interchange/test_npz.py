@@ -186,7 +186,8 @@ SAMPLES = radiance(np.random.default_rng(6), 3, 2, 2)
 
 
 @pytest.mark.parametrize("code, words, arrays", [
-    (1, "no array radiance", {"color": SAMPLES}),
+    (1, "no array radiance, the first is color", {"color": SAMPLES}),
+    (1, "no real numbers", {"radiance": SAMPLES.astype("c8")}),
     (1, "big-endian array: save with astype('<f4')", {"radiance": SAMPLES.astype(">f4")}),
     (1, "use np.ascontiguousarray", {"radiance": np.asfortranarray(SAMPLES)}),
     (1, "pickles", {"radiance": SAMPLES, "depth": np.array([{}], object)}),

@@ -57,6 +57,22 @@ def test_a_reference_ends_by_itself_in_at_most_128_batches_of_other_seeds(tmp_pa
     assert [entry["seed"] for entry in joined[:64]] == [entry["seed"] for entry in batches[::2]]
 
 
+def test_a_folded_reference_is_kept_for_the_same_wish_and_begun_anew_for_another(tmp_path):
+    options = ("--scene", "chess", "--size", "16", "--samples", "64", "--mode", "iid", "--channels", "radiance", "--fold")
+    folder = tmp_path / "passes"
+    process = subprocess.Popen(command(*options, "--reference", "64", "-o", folder), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 120
+    while not list(folder.glob("pass_00003.f32")) and time.monotonic() < deadline:
+        time.sleep(0.001)
+    process.kill()
+    process.wait()
+    assert [path.name for path in folder.glob("reference_*")] == ["reference_folded_0.f32"]
+    done = record(*options, "--reference", "64", "-o", folder)
+    assert done.returncode == 0 and "(0 kept), reference" not in done.stdout and "reference 64 x 1 spp (64 kept)" in done.stdout, done.stdout
+    done = record(*options, "--reference", "130", "-o", folder)
+    assert done.returncode == 0 and "begins anew" in done.stderr and "64 passes (64 kept), reference 65 x 2 spp (0 kept)" in done.stdout, done.stdout
+
+
 @pytest.mark.parametrize("first, second, batch", [(130, 64, 1)])
 def test_a_smaller_reference_is_begun_anew_and_says_so(first, second, batch, tmp_path):
     """Batches of two samples and of one, 65 and 64 of them; killed on the way to the second, which then goes on as any other."""

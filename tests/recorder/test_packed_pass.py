@@ -72,6 +72,19 @@ def test_a_damaged_packed_pass_is_one_line(tmp_path, monkeypatch, harm, words):
     assert len(list((tmp_path / "p").glob("*.f32"))) == SPP + BATCHES          # nothing was taken
 
 
+@pytest.mark.skipif(not os.path.exists(SPOOL), reason="NOT TESTED: the program spool is not built")
+def test_passes_that_unpack_to_far_more_are_taken_on_the_users_word_only(tmp_path):
+    folder = PassFolder(str(tmp_path / "p"), {"width": 1024, "height": 1024, "mode": "iid", "seed": 1,
+                                              "channels": [{"name": name, "dtype": "f32"} for name in NAMES[:3]]})
+    for index in range(3):
+        folder.add("pass", index, bytes(12 << 20), {"seed": index, "sample_index": 1, "samples": 1})
+    assert sum(path.stat().st_size for path in (tmp_path / "p").iterdir()) < 8192
+    done = pack(tmp_path / "p", tmp_path / "a.spool")
+    assert done.returncode == 1 and "--max-expansion" in done.stderr and not (tmp_path / "a.spool").exists(), done.stderr
+    done = pack(tmp_path / "p", tmp_path / "a.spool", "--compress", "--max-expansion", done.stderr.split()[-1])
+    assert done.returncode == 0, done.stderr
+
+
 def test_passes_that_are_not_of_a_folder_are_not_removed(tmp_path):
     done = pack(tmp_path / "a.npz", tmp_path / "a.spool", "--from", "npz", "--remove-passes")
     assert done.returncode == 2 and "--remove-passes" in done.stderr and done.stderr.count("\n") == 1

@@ -51,6 +51,23 @@ def test_a_recording_killed_while_its_samples_are_tested_goes_on_and_is_tested(t
     assert json.loads(told.stdout)["verified"] is True
 
 
+@pytest.mark.skipif(not os.path.exists(SPOOL), reason="NOT TESTED: the program spool is not built")
+def test_a_folded_reference_makes_the_same_recording_and_leaves_nothing_else(tmp_path):
+    for name, keep in (("folded", ()), ("whole", ("--keep",))):
+        done = run("chess", "--size", "20x12", "--samples", "4", "--reference", "128", *keep, "-o", tmp_path / (name + ".spool"))
+        assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folded.spool", "whole.spool", "whole.spool.passes"]
+    assert len(list((tmp_path / "whole.spool.passes").glob("reference_000??.f32"))) == 64
+    hashed = [subprocess.run(["/usr/bin/python3", ROOT / "dumps" / "verify" / "content_hash.py", tmp_path / (name + ".spool")],
+                             capture_output=True, text=True, check=True).stdout.split()[0] for name in ("folded", "whole")]
+    assert hashed[0] == hashed[1]
+    references = [json.loads(subprocess.run([SPOOL, "info", tmp_path / (name + ".spool"), "--json"], capture_output=True,
+                                            text=True).stdout)["meta"]["reference"] for name in ("folded", "whole")]
+    for reference in references:
+        assert reference.pop("cost_per_sample") > 0
+    assert references[0] == references[1] and references[0]["samples_per_batch"] == 2 and len(references[0]["seeds"]) == 64
+
+
 def test_a_missing_blender_is_one_line(tmp_path):
     done = subprocess.run([ROOT / "dumps" / "record.sh", "chess", "-o", tmp_path / "dump.spool"], capture_output=True,
                           text=True, env={**os.environ, "SPOOL": SPOOL, "BLENDER": "no-such-blender"})

@@ -72,11 +72,10 @@ void add_pack(Program& program) {
       ->take_all()
       ->allow_extra_args(false);
   add_layer(verb, program.pack.layer, "", "of each image (--from exr-folder)");
-  verb.add_option(
-          "--max-expansion", program.pack.max_expansion,
-          "of foreign files: how many times larger than its source the recording may be (100)")
+  verb.add_option("--max-expansion", program.pack.max_expansion,
+                  "how many times larger than its source the recording may be (100)")
       ->check(CLI::Range(uint64_t{1}, interchange::kMaxExpansionTimes));
-  group_options(verb, "Foreign files", {"--from", "--set", "--layer", "--part", "--max-expansion"});
+  group_options(verb, "Foreign files", {"--from", "--set", "--layer", "--part"});
   add_common(verb, program.common, true, true);
   verb.footer(
       "docs/formats.md says what each foreign format holds and what is converted or dropped.\n"

@@ -165,7 +165,7 @@ def pack_command(context, folder, file):
     """None where the program spool is not found."""
     addon = context.preferences.addons.get(__package__)
     program = find_program(bpy.path.abspath(addon.preferences.spool) if addon else os.environ.get("SPOOL", "spool"))
-    return [program, "pack", folder, "-o", file, "--compress"] if program else None
+    return [program, "pack", folder, "-o", file, "--compress", "--max-expansion", "1000000"] if program else None
 
 
 def find_program(chosen):

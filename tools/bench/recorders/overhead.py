@@ -6,7 +6,7 @@
 
 Whole processes are compared, start, loading, compression and verification included, once with radiance alone and
 once with the default channels; recorder and plain render take turns, and the median of each counts. CPU time is that of all threads: on
-a busy machine it is the figure to believe.
+a busy machine it is the figure to believe. disk: the most that the recording took of it, against the finished file.
 """
 import argparse
 import os
@@ -36,15 +36,32 @@ def commands(options, channels, folder):
              str(options.samples), "--channels", channels, "-o", folder + ".spool"])
 
 
-def timed(command):
-    """(wall, CPU) seconds of one process and its children."""
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    done = subprocess.run(command, capture_output=True, text=True)
-    wall = time.monotonic() - start
-    if done.returncode != 0:
-        sys.exit("%s: ended with %d: %s" % (command[0], done.returncode, done.stderr.strip().splitlines()[-1:]))
+def held(folder):
+    """Bytes of the disk."""
+    total = 0
+    for path, _, names in os.walk(folder):
+        for name in names:
+            try:
+                total += os.lstat(os.path.join(path, name)).st_blocks * 512
+            except OSError:
+                pass                                        # it went meanwhile
+    return total
+
+
+def timed(command, folder):
+    """(wall, CPU) seconds of one process and its children, and the most that the folder held against what it holds in the end."""
+    before, start, most = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic(), 0
+    with tempfile.TemporaryFile("w+") as told:
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=told)
+        while process.poll() is None:
+            most = max(most, held(folder))
+            time.sleep(0.01)
+        wall = time.monotonic() - start
+        told.seek(0)
+        if process.returncode != 0:
+            sys.exit("%s: ended with %d: %s" % (command[0], process.returncode, told.read().strip().splitlines()[-1:]))
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, most / max(held(folder), 1)
 
 
 def main():
@@ -58,17 +75,16 @@ def main():
     many = options.size ** 2 * options.samples / 1e6
     print("%s, %s, %dx%d, %d samples a pixel (%.3g million), %d repeats" % (
         options.renderer, options.scene, options.size, options.size, options.samples, many, options.repeats))
-    print("%-28s %10s %10s %12s %12s %10s" % ("channels", "plain CPU", "recorder", "ratio of CPU", "ratio of wall",
-                                              "M/s of CPU"))
+    print("%-28s %10s %10s %12s %12s %10s %6s" % ("channels", "plain CPU", "recorder", "ratio of CPU", "ratio of wall", "M/s of CPU", "disk"))
     for channels in ("radiance", "radiance,albedo,normal,depth"):
         runs = {0: [], 1: []}
         for repeat in range(options.repeats):
             with tempfile.TemporaryDirectory() as folder:
                 for which, command in enumerate(commands(options, channels, os.path.join(folder, "r%d" % repeat))):
-                    runs[which].append(timed(command))
+                    runs[which].append(timed(command, folder))
         wall, cpu = ([statistics.median(run[k] for run in runs[which]) for which in (0, 1)] for k in (0, 1))
-        print("%-28s %8.2f s %8.2f s %12.2f %12.2f %10.3g" % (channels, *cpu, cpu[1] / cpu[0], wall[1] / wall[0],
-                                                              many / cpu[1]))
+        print("%-28s %8.2f s %8.2f s %12.2f %12.2f %10.3g %6.2f" % (channels, *cpu, cpu[1] / cpu[0], wall[1] / wall[0], many / cpu[1],
+                                                                    max(run[2] for run in runs[1])))
 
 
 if __name__ == "__main__":
