@@ -1,6 +1,7 @@
 #include "lib/filters/filter_stage.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "lib/kernels/energy_step.h"
@@ -10,10 +11,13 @@
 namespace spool {
 namespace {
 
-enum class EnergyStage { kOff, kBox };
+enum class EnergyStage { kOff, kBox, kFirst };
 
 // Bytes a pixel: the clamped samples' statistics, the image that is restored.
 constexpr double kClampMemory = 70, kEnergyMemory = 16;
+
+// Of light that a sampler lost, which may have been anywhere but in a lamp (decision 159).
+constexpr EnergyStepOptions kOfFirstSamples = {.floor = 0.5, .top = 1.0};
 
 struct StageOptions {
   bool clamp = false;
@@ -25,8 +29,10 @@ OptionTable<StageOptions> stage_option_table() {
       switch_option("clamp", &StageOptions::clamp,
                     "samples far above what those around them allow are scaled down before"),
       choice_option<StageOptions, EnergyStage>(
-          "energy", &StageOptions::energy, {{"off", EnergyStage::kOff}, {"box", EnergyStage::kBox}},
-          "box: the image gets the energy of the samples' mean, where it costs the least")};
+          "energy", &StageOptions::energy,
+          {{"off", EnergyStage::kOff}, {"box", EnergyStage::kBox}, {"first", EnergyStage::kFirst}},
+          "the image gets the energy of the samples' mean, where it costs the least; first: of the "
+          "samples that every piece has, which no sampler chose")};
 }
 
 // The options of the stage that the filter does not have itself.
@@ -38,25 +44,44 @@ OptionTable<StageOptions> table_beside(const Filter& filter) {
   return table;
 }
 
+// The first samples of each piece, as many as every piece that is not exhausted has: a sampler took
+// them whatever it saw. All that were taken where some piece has none.
+PieceStatistics first_samples(const PieceStatistics& taken, const SamplePool& pool) {
+  CountImage n = taken.n;
+  std::int32_t least = std::numeric_limits<std::int32_t>::max();
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x) {
+      if (n(x, y) < pool.capacity(x, y)) least = std::min(least, n(x, y));
+    }
+  }
+  if (least == 0) return taken;
+  for (std::int32_t& count : n.pixels())
+    count = std::min(count, least);
+  return prefix_means(pool, n);
+}
+
 Result<Reconstruction> run_stage(const FilterFunction& filter, const StageOptions& options,
                                  const Selection& selection, const SamplePool& pool,
                                  const FilterContext& context) {
   GuardCounts guards;
   FilterContext inner = context;
-  if (options.energy == EnergyStage::kBox) inner.footprints = nullptr;  // its image is not the last
+  if (options.energy != EnergyStage::kOff) inner.footprints = nullptr;  // its image is not the last
   Result<Reconstruction> result = [&] {
     if (!options.clamp) return filter(selection, pool, inner);
     const ClampedSamples clamped = clamp_samples(selection, pool, {}, guards);
     return filter(clamped.selection, clamped.pool, inner);
   }();
   if (!result) return result;
-  if (options.energy == EnergyStage::kBox) {
+  if (options.energy != EnergyStage::kOff) {
     GuardCounts counted_by_the_filter;
-    const RgbImage mean = pixel_means(selection.statistics, counted_by_the_filter);
+    const bool first = options.energy == EnergyStage::kFirst;
+    const RgbImage mean =
+        pixel_means(first ? first_samples(selection.statistics, pool) : selection.statistics,
+                    counted_by_the_filter);
     if (!result->image[0].same_size(mean[0])) return result;  // the caller reports it
-    result->image =
-        restore_energy(std::move(result->image), mean,
-                       scene_luminance(selection.statistics, counted_by_the_filter), {}, guards);
+    result->image = restore_energy(std::move(result->image), mean,
+                                   scene_luminance(selection.statistics, counted_by_the_filter),
+                                   first ? kOfFirstSamples : EnergyStepOptions{}, guards);
   }
   result->guards += guards;
   return result;
@@ -94,7 +119,7 @@ Filter with_stage_options(Filter filter, OwnOptions own) {
     if (!options.clamp && options.energy == EnergyStage::kOff) return ready;
     ready.needs.signal = ready.needs.variance = true;
     if (options.clamp) ready.memory.per_pixel += kClampMemory;
-    if (options.energy == EnergyStage::kBox) ready.memory.per_pixel += kEnergyMemory;
+    if (options.energy != EnergyStage::kOff) ready.memory.per_pixel += kEnergyMemory;
     ready.run = [run = std::move(ready.run), options](const Selection& selection,
                                                       const SamplePool& pool,
                                                       const FilterContext& context) {

@@ -9,11 +9,11 @@
 namespace spool {
 namespace {
 
-Plane restored(Plane out, const Plane& mean, const Taps& taps, double floor) {
+Plane restored(Plane out, const Plane& mean, const Taps& taps, double floor, double top) {
   Plane weight(out.width(), out.height());
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (!std::isfinite(out[i] + mean[i])) continue;  // weight 0
-    const double bright = std::max(out[i], 0.0);
+    const double bright = std::min(std::max(out[i], 0.0), top);
     weight[i] = bright * bright + floor * floor;
   }
   Plane share = truncated_sum(weight, taps);
@@ -37,7 +37,7 @@ RgbImage restore_energy(RgbImage out, const RgbImage& mean, double unit,
   }
   const Taps taps = four_sigma_taps(options.sigma);
   for (std::size_t c = 0; c < 3; ++c)
-    out[c] = restored(std::move(out[c]), mean[c], taps, options.floor * unit);
+    out[c] = restored(std::move(out[c]), mean[c], taps, options.floor * unit, options.top * unit);
   return out;
 }
 

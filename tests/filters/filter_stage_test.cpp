@@ -56,6 +56,24 @@ TEST(FilterStage, EnergyIsThatOfTheBoxMean) {
   }
 }
 
+// Exhausted pieces have fewer than the others by no decision.
+TEST(FilterStage, EnergyOfTheFirstSamplesIsThatOfThoseEveryPieceHas) {
+  const SamplePool pool = bright_pool();
+  for (const int least : {0, 3}) {
+    const Selection selection =
+        testing::select_counts(pool, [=](int x, int y) { return least + (x + y) % 9; });
+    Selection first = selection;
+    if (least > 0) first = testing::select_uniform(pool, least);
+    const RgbImage box = run("box", {}, first, pool).image;
+    for (const char* clamp : {"off", "on"}) {
+      const RgbImage image =
+          run("gaussian", {{"energy", "first"}, {"clamp", clamp}}, selection, pool).image;
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(sum_of(image[c]) / sum_of(box[c]), 1.0, 1e-12) << least << " " << clamp;
+    }
+  }
+}
+
 TEST(FilterStage, ClampIsThatOfTheKernelAndIsCounted) {
   const SamplePool pool = bright_pool();
   const Selection selection = testing::select_uniform(pool, 8);

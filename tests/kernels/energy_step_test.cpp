@@ -23,11 +23,15 @@ TEST(EnergyStepDifferential, AgreesWithTheSlowTwin) {
     const RgbImage out = test::uniform_image(width, height, 1, -0.1, 2.0);
     const RgbImage mean = test::uniform_image(width, height, 2, 0.0, 3.0);
     for (const double sigma : {0.5, 1.7, 32.0}) {
-      GuardCounts guards;
-      const RgbImage fast = restore_energy(out, mean, 0.7, {.sigma = sigma, .floor = 0.8}, guards);
-      for (std::size_t c = 0; c < 3; ++c) {
-        const Plane slow = reference::restore_energy(out[c], mean[c], sigma, 0.8 * 0.7);
-        EXPECT_LT(reference::max_difference(fast[c], slow), 1e-12) << width << " x " << height;
+      for (const double top : {1.0, std::numeric_limits<double>::infinity()}) {
+        GuardCounts guards;
+        const RgbImage fast =
+            restore_energy(out, mean, 0.7, {.sigma = sigma, .floor = 0.8, .top = top}, guards);
+        for (std::size_t c = 0; c < 3; ++c) {
+          const Plane slow =
+              reference::restore_energy(out[c], mean[c], sigma, 0.8 * 0.7, top * 0.7);
+          EXPECT_LT(reference::max_difference(fast[c], slow), 1e-12) << width << " x " << height;
+        }
       }
     }
   }

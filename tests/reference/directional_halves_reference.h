@@ -20,8 +20,11 @@ struct HalfOfSamples {
 
 inline HalfOfSamples half_of_samples(const SamplePool& pool, const CountImage& n, int parity) {
   const Plane blank(n.width(), n.height());
-  HalfOfSamples half{CountImage(n.width(), n.height()), {blank, blank, blank}, {blank, blank, blank},
-                     blank, blank};
+  HalfOfSamples half{CountImage(n.width(), n.height()),
+                     {blank, blank, blank},
+                     {blank, blank, blank},
+                     blank,
+                     blank};
   double all = 0.0;
   for (int y = 0; y < n.height(); ++y) {
     for (int x = 0; x < n.width(); ++x) {
@@ -39,7 +42,8 @@ inline HalfOfSamples half_of_samples(const SamplePool& pool, const CountImage& n
         for (const auto& v : values)
           squares += (v[c] - mean) * (v[c] - mean);
         (c < 3 ? half.mean[c] : half.luminance)(x, y) = mean;
-        (c < 3 ? half.variance[c] : half.luminance_variance)(x, y) = squares / (count - 1.0) / count;
+        (c < 3 ? half.variance[c] : half.luminance_variance)(x, y) =
+            squares / (count - 1.0) / count;
       }
       all += half.luminance(x, y);
     }
@@ -61,9 +65,9 @@ inline FilteredPieces directional_halves(const SamplePool& pool, const CountImag
   FilteredPieces sum{{blank, blank, blank}, {blank, blank, blank}};
   for (std::size_t h = 0; h < 2; ++h) {
     const HalfOfSamples &averaged = halves[h], &deciding = halves[1 - h];
-    const FilterSizeInput input{deciding.luminance, deciding.luminance_variance, deciding.n, blank,
-                                blank,              {},                          {},
-                                options.pyramid.levels};
+    const FilterSizeInput input{
+        deciding.luminance,    deciding.luminance_variance, deciding.n, blank, blank, {}, {},
+        options.pyramid.levels};
     const CountImage level = reference::filter_size(input, options.size).level;
     FilterWidths<double> round;
     round.beta = {0.0};

@@ -30,10 +30,11 @@ inline Plane gaussian_inside(const Plane& image, double sigma) {
   return out;
 }
 
-inline Plane restore_energy(const Plane& out, const Plane& mean, double sigma, double floor) {
+inline Plane restore_energy(const Plane& out, const Plane& mean, double sigma, double floor,
+                            double top = INFINITY) {
   Plane w(out.width(), out.height()), ratio(out.width(), out.height()), result = out;
   for (std::size_t i = 0; i < out.size(); ++i)
-    w[i] = std::pow(std::max(out[i], 0.0), 2) + floor * floor;
+    w[i] = std::pow(std::clamp(out[i], 0.0, top), 2) + floor * floor;
   const Plane around = gaussian_inside(w, sigma);
   for (std::size_t i = 0; i < out.size(); ++i)
     ratio[i] = (mean[i] - out[i]) / around[i];

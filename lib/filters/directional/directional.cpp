@@ -50,8 +50,8 @@ CountImage sizes_of(const Tile& tile, const Pyramid& pyramid, const DirectionalO
     const SizeChannel& channel = tile.channels[c];
     if (options.size.coarse == SizeCoarse::kPyramid)
       pyramids[c] = build_pyramid(channel.mean, options.pyramid);
-    inputs.push_back({channel.mean, channel.variance, tile.n, channel.minimum,
-                      channel.maximum, pyramids[c].coarse, tile.attenuation, levels});
+    inputs.push_back({channel.mean, channel.variance, tile.n, channel.minimum, channel.maximum,
+                      pyramids[c].coarse, tile.attenuation, levels});
   }
   return filter_size(inputs, options.size, views, guards);
 }

@@ -17,7 +17,7 @@
 namespace spool {
 
 struct Tile {
-  int x0 = 0, y0 = 0;  // of its first piece in the image
+  int x0 = 0, y0 = 0;                      // of its first piece in the image
   PieceEstimates pieces;                   // what is averaged
   AnalysisEstimates analysis;              // what decides, here and below
   CountImage n;                            // samples that decide
