@@ -46,5 +46,5 @@ def test_an_evaluation_goes_on_with_the_other_recordings(cutter, run, tmp_path):
     done.failed_with(1, "results failed", "while it was in use")
     errors = {(Path(row["dump"]).stem, row["sampler"].split(":")[0]): row["error"] for row in rows_of(tmp_path / "results")}
     # The sampler has its own recording only; what it says about the other one is its affair.
-    assert "while it was in use" in errors["cut", "exec"] and "while it was in use" in errors["cut", "uniform"], errors
+    assert "while it was in use" in errors["cut", "cutter"] and "while it was in use" in errors["cut", "uniform"], errors
     assert errors["other", "uniform"] == "", errors

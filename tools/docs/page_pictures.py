@@ -64,9 +64,13 @@ def of_view(browser, folder):
     try:
         page = opened(browser, json.loads(serving.stdout.readline())["url"], TALL)
         at_images(page)
-        page.locator("#stage").focus()
-        page.keyboard.press("]")
-        page.wait_for_timeout(5000)  # replays
+        slider = page.locator("#budget-slider")
+        while (shown := slider.get_attribute("aria-valuetext")) != "8 spp":
+            page.locator("#stage").press("]")
+            while slider.get_attribute("aria-valuetext") == shown:
+                page.wait_for_timeout(200)  # replayed
+        page.evaluate("document.activeElement.blur()")
+        page.wait_for_timeout(2000)
         page.screenshot(path=folder / "view.png")
     finally:
         serving.terminate()
