@@ -20,6 +20,7 @@ namespace spool::format {
 namespace {
 
 constexpr float kLargestHalf = 65504.0F;
+constexpr uint64_t kFreeBytes = uint64_t{32} << 20;  // as of foreign files
 Result<uint16_t> to_half(float value, const PassManifest& manifest, const PassEntry& entry,
                          uint32_t plane, uint32_t x, uint32_t y) {
   if (std::isfinite(value) && std::abs(value) > kLargestHalf) {
@@ -191,8 +192,15 @@ Result<void> check_expansion(const PassManifest& manifest, const PackOptions& op
       if (files.insert(entry.file).second) stored += std::filesystem::file_size(entry.file, code);
     }
   }
-  const auto plane = uint64_t{4} * manifest.width * manifest.height;
-  return options.expansion.check(manifest.folder.string(), checked_multiply(plane, planes), stored);
+  const uint64_t plane = uint64_t{4} * manifest.width * manifest.height;
+  const uint64_t wanted = checked_multiply(plane, planes).value_or(UINT64_MAX);
+  const uint64_t allowed = checked_multiply(options.max_expansion, stored).value_or(UINT64_MAX);
+  if (wanted <= std::max(allowed, kFreeBytes)) return {};
+  return fail(ErrorCode::kData,
+              "{}: {} bytes would become {}, more than {} times as many: if that is right, give "
+              "--max-expansion {}",
+              manifest.folder.string(), stored, wanted, options.max_expansion,
+              wanted / std::max<uint64_t>(stored, 1) + 1);
 }
 
 // Returns remarks on the samples, or nothing.

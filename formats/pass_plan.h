@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "formats/dump_header.h"
-#include "formats/interchange/expansion.h"
 #include "formats/pass_manifest.h"
 #include "lib/core/error.h"
 
@@ -21,8 +20,8 @@ struct PackOptions {
   bool radiance_f16 = false;  // f32 by default: fireflies pass 65504, and rounding adds variance
   bool features_f32 = false;  // f16 by default, where the recorder says that f16 is enough
   uint32_t tile_size = 64;
-  uint32_t block_spp = 0;            // 0: 16, or fewer if memory_bytes or spp ask for it
-  interchange::Expansion expansion;  // of packed passes
+  uint32_t block_spp = 0;        // 0: 16, or fewer if memory_bytes or spp ask for it
+  uint64_t max_expansion = 100;  // of packed passes: their values against their files
   uint64_t memory_bytes = uint64_t{512} << 20;
   std::optional<std::array<uint8_t, 16>> uuid;
 };

@@ -57,7 +57,7 @@ Result<void> pack_foreign(const interchange::ImportFormat& format, const PackVer
 Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& common) {
   format::PackOptions pack = options.pack;
   pack.force = common.force;
-  pack.expansion.times = options.max_expansion;
+  pack.max_expansion = options.max_expansion;
   SPOOL_ASSIGN(const format::PackReport report,
                format::pack_passes(options.sources, options.output, pack));
   if (common.json) {
