@@ -73,7 +73,7 @@ def broken(figure, text, width, size, lines, within=False):
     parts = [""]
     for c in printable(text):
         if c == "+" or (parts[-1] and parts[-1][-1] in " ,{}:;/_=-" and c not in " ,{}:;/_=-"
-                        and parts[-1] != "+ " and not re.search(r"\de-$", parts[-1])) or within and len(parts[-1]) > 7:
+                        and not re.search(r"\de-$", parts[-1])) or within and len(parts[-1]) > 7:
             parts.append("")
         parts[-1] += c
     found, fits = [""], lambda line: extent(figure, line.strip(), size)[0] <= width
