@@ -170,10 +170,14 @@ std::string judged_text(const std::string& reference, bool biased) {
 // What stands below the table.
 std::string remarks_text(const Study& study, const ShownResults& shown, std::size_t all,
                          bool wide) {
+  const bool compared = std::ranges::any_of(
+      shown, [&](const RankedResult& result) { return shown_method(result) == study.baseline; });
   std::string text = fmt::format(
-      "Mean [95 % interval], best first; ratio to {} at the same budget. Verdicts: all pairs of a "
-      "recording and budget together at 5 %.{}\n",
-      visible_text(study.baseline), wide ? "" : " MSE, energy, times: --wide.");
+      "Mean [95 % interval], best first; {}. Verdicts: all pairs of a recording and budget "
+      "together at 5 %.{}\n",
+      compared ? fmt::format("ratio to {} at the same budget", visible_text(study.baseline))
+               : "no ratio without a baseline (--baseline 'SAMPLER + FILTER', or in the plan)",
+      wide ? "" : " MSE, energy, times: --wide.");
   if (shown.size() < all) {
     text += fmt::format("The {} best by relMSE of each recording and budget, of {} in all.\n",
                         kBestShown, all);

@@ -69,7 +69,7 @@ def extent(figure, text, size):
 
 def broken(figure, text, width, size, lines, within=False):
     """`text` as at most that many lines of at most that width, not yet literal; None where it does not fit. Words end
-    before a + and after marks; with `within` also anywhere."""
+    before a + and after marks, but not within 2.4e-4; with `within` also anywhere."""
     parts = [""]
     for c in printable(text):
         if c == "+" or (parts[-1] and parts[-1][-1] in " ,{}:;/_=-" and c not in " ,{}:;/_=-"
