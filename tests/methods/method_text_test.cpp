@@ -66,9 +66,10 @@ TEST(Readings, ThoseOfThePresetPaperChangeNothing) {
   EXPECT_EQ(values_of(sampler.describe("paper+one_phase+radiance+by_visit+tiled+adaptive_budget")),
             values_of(sampler.describe("paper")));
   const Filter& filter = *find_method(filters(), "directional");
-  EXPECT_EQ(values_of(filter.describe(
-                "paper+one_phase+contrast+pyramid_means+printed_factor+continuous_width+tiled")),
-            values_of(filter.describe("paper")));
+  EXPECT_EQ(
+      values_of(filter.describe(
+          "paper+one_phase+mean_contrast+pyramid_means+printed_factor+continuous_width+tiled")),
+      values_of(filter.describe("paper")));
   EXPECT_NE(values_of(filter.describe("+variance+printed_factor")),
             values_of(filter.describe("robust")));
 }
