@@ -199,7 +199,7 @@ std::vector<Reading> directional_readings() {
   return {
       {"one_phase", "eq 4", "detail of one of the four phases", {{"detail", "phase00"}}},
       {"all_phases", "eq 4", "detail averaged over the phases", {{"detail", "cycle_spun"}}},
-      {"contrast",
+      {"mean_contrast",
        "eq 9, S",
        "the printed word: contrast of eq 6",
        {{"size_variance", "contrast"}}},
