@@ -116,6 +116,8 @@ def test_images_are_kept_and_pictures_drawn_when_asked_for(good, run, dump, tmp_
     good(*words, "-o", "none", "--no-pictures")
     run("picture", "none").failed_with(1, "none: no images of results in it", "--no-pictures")
     run("picture", "out", "-o", "x.png").failed_with(2, "-o x.png: pictures of results lie beside them")
+    run("picture", "out", "--exposure", 1).failed_with(2, "out: is a folder", "left out")
+    run("picture", out / "scene_reference.exr").failed_with(2, "is no folder of results", "-o PICTURE.png")
     (out / "scene_uniform_box_4spp" / "estimate.exr").write_bytes(kept["scene_uniform_box_4spp/estimate.exr"][:500])
     run("picture", "out").failed_with(4, "scene_uniform_box_4spp/estimate.exr")
 

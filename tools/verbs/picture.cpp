@@ -79,6 +79,13 @@ Result<Picture> tone_mapped_picture(const PictureOptions& options, std::string& 
 Result<void> validate(const PictureOptions& options) {
   std::error_code status;
   if (std::filesystem::is_directory(options.image, status)) {
+    if (options.exposure || !options.like.empty() || options.false_colour ||
+        !options.layer.layer.empty() || !options.layer.part.empty()) {
+      return fail(ErrorCode::kUsage,
+                  "{}: is a folder, whose pictures have one exposure and one scale: options of a "
+                  "single image are left out",
+                  options.image.string());
+    }
     if (options.output.empty()) return {};
     return fail(ErrorCode::kUsage, "-o {}: pictures of results lie beside them: leave it out",
                 options.output.string());
