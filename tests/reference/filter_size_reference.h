@@ -95,7 +95,22 @@ inline Plane refused_base(const Plane& mean, const Plane& variance, const std::v
       const double dq = base - mean(x, y), v = variance(x, y);
       (*t)(x, y) = base_variance - v + options.factor.constant * dq * dq;
       stop(x, y) = (*t)(x, y) > 0.0 ? 1.0 : 0.0;
-      beyond(x, y) = dq * dq - options.evidence * options.evidence * noise;
+      const double z2 = options.evidence * options.evidence;
+      beyond(x, y) = dq * dq - z2 * noise;
+      // Regions of 4 x 4 pieces around the piece and its right, lower and lower-right neighbours.
+      for (int dy = 0; dy < 2 && y + dy < height; ++dy) {
+        for (int dx = 0; dx < 2 && x + dx < width; ++dx) {
+          double sum = 0.0, noises = 0.0, count = 0.0;
+          for (int py = std::max(0, y + dy - 2); py < std::min(height, y + dy + 2); ++py) {
+            for (int px = std::max(0, x + dx - 2); px < std::min(width, x + dx + 2); ++px) {
+              sum += mean(px, py), noises += cautious(px, py), count += 1.0;
+            }
+          }
+          const double far = sum / count - mean(x, y);
+          const double var = noises / (count * count) + (1.0 - 2.0 / 16.0) * cautious(x, y);
+          beyond(x, y) = std::fmax(beyond(x, y), far * far - 25.0 / 9.0 * z2 * var);
+        }
+      }
     }
   }
   const Plane vote = votes(stop, -1, options.smooth);

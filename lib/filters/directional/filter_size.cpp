@@ -35,23 +35,6 @@ Plane piece_contrast(const FilterSizeInput& input, ContrastForm form, GuardCount
   return contrast;
 }
 
-// Variance of the mean over R_k of independent pieces.
-Plane variance_over_region(const Plane& variance, int k) {
-  Plane sum = region_sum(variance, k);
-  std::vector<double> columns;  // of the region around x
-  for (int x = 0; x < sum.width(); ++x)
-    columns.push_back(region(x, 0, k, sum.bounds()).width());
-  parallel_rows(0, sum.height(), [&](int y) {
-    const int rows = region(0, y, k, sum.bounds()).height();
-    double* const of_row = sum.row(y).data();
-    for (int x = 0; x < sum.width(); ++x) {
-      const double count = columns[static_cast<std::size_t>(x)] * rows;
-      of_row[x] /= count * count;
-    }
-  });
-  return sum;
-}
-
 // S_k; `contrast` is that of the pieces, for the means of contrast.
 Plane size_variance(const FilterSizeInput& input, int k, const Plane& contrast,
                     SizeVariance variance) {
@@ -124,6 +107,22 @@ class SizeSignal {
 };
 
 }  // namespace
+
+Plane variance_over_region(const Plane& variance, int k) {
+  Plane sum = region_sum(variance, k);
+  std::vector<double> columns;  // of the region around x
+  for (int x = 0; x < sum.width(); ++x)
+    columns.push_back(region(x, 0, k, sum.bounds()).width());
+  parallel_rows(0, sum.height(), [&](int y) {
+    const int rows = region(0, y, k, sum.bounds()).height();
+    double* const of_row = sum.row(y).data();
+    for (int x = 0; x < sum.width(); ++x) {
+      const double count = columns[static_cast<std::size_t>(x)] * rows;
+      of_row[x] /= count * count;
+    }
+  });
+  return sum;
+}
 
 CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& options, Views* views,
                        GuardCounts& guards) {

@@ -29,4 +29,7 @@ CountImage filter_size(const FilterSizeInput& input, const FilterSizeOptions& op
 CountImage filter_size(std::span<const FilterSizeInput> inputs, const FilterSizeOptions& options,
                        Views* views, GuardCounts& guards);
 
+// Variance of the mean over R_k of independent pieces.
+Plane variance_over_region(const Plane& variance, int k);
+
 }  // namespace spool

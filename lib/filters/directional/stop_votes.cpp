@@ -48,27 +48,6 @@ void raise_to_evidence(const double* fine, const double* fine_noise, const doubl
   }
 }
 
-// Adds the largest (q_{k+1} - q_k)^2 - bound Var over the regions that touch the piece.
-void add_evidence(const SizeStep& step, double bound, Plane& beyond) {
-  const int width = step.fine.width(), height = step.fine.height();
-  if (beyond.empty()) beyond = Plane(width, height);
-  const int shifts = step.regions ? 2 : 1;
-  parallel_rows(0, height, [&](int y) {
-    std::vector<double> most(static_cast<std::size_t>(width),
-                             -std::numeric_limits<double>::infinity());
-    for (int dy = 0; dy < std::min(shifts, height - y); ++dy) {
-      for (int dx = 0; dx < std::min(shifts, width); ++dx) {
-        raise_to_evidence(step.fine.row(y).data(), step.fine_noise.row(y).data(),
-                          step.coarse.row(y + dy).data() + dx,
-                          step.coarse_noise.row(y + dy).data() + dx, step.own_share, bound,
-                          width - dx, most.data());
-      }
-    }
-    for (int x = 0; x < width; ++x)
-      beyond(x, y) += most[static_cast<std::size_t>(x)];
-  });
-}
-
 // The three values above each other in each column of a row's neighbourhood, sorted; column x lies
 // at x + 1, the borders are mirrored.
 struct SortedColumns {
@@ -128,6 +107,26 @@ Plane cautious_variance(const Plane& variance) {
                              columns.high.data(), width, cautious.row(y).data());
   });
   return cautious;
+}
+
+void add_evidence(const SizeStep& step, double bound, Plane& beyond) {
+  const int width = step.fine.width(), height = step.fine.height();
+  if (beyond.empty()) beyond = Plane(width, height);
+  const int shifts = step.regions ? 2 : 1;
+  parallel_rows(0, height, [&](int y) {
+    std::vector<double> most(static_cast<std::size_t>(width),
+                             -std::numeric_limits<double>::infinity());
+    for (int dy = 0; dy < std::min(shifts, height - y); ++dy) {
+      for (int dx = 0; dx < std::min(shifts, width); ++dx) {
+        raise_to_evidence(step.fine.row(y).data(), step.fine_noise.row(y).data(),
+                          step.coarse.row(y + dy).data() + dx,
+                          step.coarse_noise.row(y + dy).data() + dx, step.own_share, bound,
+                          width - dx, most.data());
+      }
+    }
+    for (int x = 0; x < width; ++x)
+      beyond(x, y) += most[static_cast<std::size_t>(x)];
+  });
 }
 
 void add_step(const SizeStep& step, const Plane& w, std::size_t signals, double evidence,

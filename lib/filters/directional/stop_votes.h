@@ -48,6 +48,9 @@ struct SizeCriterion {
 void add_step(const SizeStep& step, const Plane& w, std::size_t signals, double evidence,
               SizeCriterion& criterion);
 
+// Adds to `beyond` the largest (q_{k+1} - q_k)^2 - bound Var over the regions that touch the piece.
+void add_evidence(const SizeStep& step, double bound, Plane& beyond);
+
 // 1 where the size stops, else 0; k = -1 is the step to the base image.
 Plane decide_stops(const SizeCriterion& criterion, int k, SizeSmooth rule, GuardCounts& guards);
 
