@@ -156,8 +156,10 @@ def place_text(claim, plan, store):
     return f"([{name}](results/{store.folder.name}/{plan}_claims.csv): {counts.get('holds', 0)} of {compared} hold{''.join(', ' + m for m in more)}{spread})"
 
 
-def said(match, store):
+def said(match, small, full):
+    """Of full size, where the plan was run so."""
     plan, better, than, metric, samples, verdict = (part.strip() for part in match.group(1).split(";"))
+    store = full if full.texts(plan) else small
     for claim in store.claims(plan):
         if (claim["better"], claim["than"], claim["metric"], claim["samples"]) == (better, than, metric, samples):
             if claim["verdict"] != verdict:
@@ -167,9 +169,9 @@ def said(match, store):
 
 
 def page(template, small, full):
-    """The text of a page, from what is kept of both sizes; claims are those of full size."""
+    """The text of a page, from what is kept of both sizes."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
-    text = CLAIM.sub(lambda match: said(match, full), text)
+    text = CLAIM.sub(lambda match: said(match, small, full), text)
     for name, made in (("chapters", lambda: chapters_table(small, full)), ("readings", lambda: readings(small, READINGS)),
                        ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:
