@@ -43,15 +43,18 @@ class Folder:
     def files(self):
         return {p.name: p.read_bytes() for p in sorted(self.path.glob("*.f32"))}
 
-    def plane(self, name, channel):
-        """float[y][x] of one channel of one file."""
+    def planes(self, name):
+        """float[channel][y][x] of one file."""
         import numpy
         import packed_pass
         line = next(entry for entry in self.entries if entry["file"] == name)
         width, height = self.recording["width"], self.recording["height"]
         planes = len(self.names) if line["kind"] == "pass" else 3
         raw = packed_pass.unpack((self.path / name).read_bytes(), line, width, height, planes)
-        return numpy.frombuffer(raw, "<f4").reshape(planes, height, width)[self.names.index(channel)]
+        return numpy.frombuffer(raw, "<f4").reshape(planes, height, width)
+
+    def plane(self, name, channel):
+        return self.planes(name)[self.names.index(channel)]
 
 
 def pytest_collection_modifyitems(config, items):
