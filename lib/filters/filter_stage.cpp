@@ -76,8 +76,8 @@ Result<Reconstruction> run_stage(const FilterFunction& filter, const StageOption
     GuardCounts counted_by_the_filter;
     const bool first = options.energy == EnergyStage::kFirst;
     const RgbImage mean =
-        pixel_means(first ? first_samples(selection.statistics, pool) : selection.statistics,
-                    counted_by_the_filter);
+        first ? pixel_means(first_samples(selection.statistics, pool), counted_by_the_filter)
+              : pixel_means(selection.statistics, counted_by_the_filter);
     if (!result->image[0].same_size(mean[0])) return result;  // the caller reports it
     result->image = restore_energy(std::move(result->image), mean,
                                    scene_luminance(selection.statistics, counted_by_the_filter),

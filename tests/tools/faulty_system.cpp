@@ -52,6 +52,16 @@ ssize_t read(int fd, void* bytes, size_t size) {
   return next<ssize_t (*)(int, void*, size_t)>("read")(fd, bytes, size);
 }
 
+ssize_t pread(int fd, void* bytes, size_t size, off_t at) {
+  if (strikes("FAULT_READ", fd)) return fail(EIO);
+  return next<ssize_t (*)(int, void*, size_t, off_t)>("pread")(fd, bytes, size, at);
+}
+
+ssize_t pread64(int fd, void* bytes, size_t size, off64_t at) {
+  if (strikes("FAULT_READ", fd)) return fail(EIO);
+  return next<ssize_t (*)(int, void*, size_t, off64_t)>("pread64")(fd, bytes, size, at);
+}
+
 ssize_t readv(int fd, const iovec* parts, int count) {
   if (strikes("FAULT_READ", fd)) return fail(EIO);
   return next<ssize_t (*)(int, const iovec*, int)>("readv")(fd, parts, count);
