@@ -44,9 +44,8 @@
 //   source = "LiuZheng, Figure 12"
 //   [pool]                        # rules for samples that are no ordinary numbers
 //   [metrics]                     # options of the metrics
-//   only = ["smape"]              # beside those of tables and claims; absent: all. Without
-//   options:
-//                                 # metrics = ["smape"]
+//   only = ["smape"]              # these, and those of tables and claims; absent: all metrics.
+//                                 # Where no option is set: metrics = ["smape"], a key above
 //
 // Everything is checked before any work: an unknown key, method, preset or option is an error with
 // its line and the nearest known name.
