@@ -20,20 +20,20 @@ constexpr std::size_t kTerms = 3;
 constexpr double kSlackWithoutFeatures = 0.5;
 
 // A few draws of noise that is rare say nothing: N from as many pieces as carry it.
-void grow_noise(std::vector<Image<float>>& terms, int largest) {
-  if (largest == 0) return;
+void grow_noise(std::vector<Image<float>>& terms, const NoisePool& pool) {
+  if (pool.unused()) return;
   for (std::size_t t = 1; t < terms.size(); t += kTerms) {
     Plane noise(terms[t].width(), terms[t].height());
     std::copy(terms[t].pixels().begin(), terms[t].pixels().end(), noise.pixels().begin());
-    noise = grown_variance(noise, largest);
+    noise = grown_variance(noise, pool.radius);
     for (std::size_t i = 0; i < noise.size(); ++i)
-      terms[t][i] = static_cast<float>(noise[i]);
+      terms[t][i] += static_cast<float>(pool.share[i] * (noise[i] - terms[t][i]));
   }
 }
 
 // D, N and V of each detail, [3 k + term][y][x], before the means.
 std::vector<Image<float>> terms_of(const std::vector<ScaleImages>& scales, float floor,
-                                   int noise_pool) {
+                                   const NoisePool& noise_pool) {
   const FloatRgb& picture = scales[std::min<std::size_t>(2, scales.size() - 1)].image;
   const int width = picture[0].width(), height = picture[0].height();
   std::vector<Image<float>> terms(kTerms * (scales.size() - 1), Image<float>(width, height));
@@ -122,13 +122,13 @@ float share_of_detail(float d, float n, float v, float slack) {
 }  // namespace
 
 FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources& sources,
-                      const FeatureImages& clean, const RadianceScale& scale,
-                      const TwinGuidesOptions& options) {
+                      const FeatureImages& clean, const NoisePool& noise_pool,
+                      const RadianceScale& scale, const TwinGuidesOptions& options) {
   FloatRgb out = scales.back().image;
   if (scales.size() == 1) return out;
   const std::vector<Image<float>> means =
-      guided_means(terms_of(scales, static_cast<float>(kFloor * scale.mean), options.noise_pool),
-                   sources, clean, scale, options);
+      guided_means(terms_of(scales, static_cast<float>(kFloor * scale.mean), noise_pool), sources,
+                   clean, scale, options);
   const auto slack = static_cast<float>(options.detail_slack *
                                         (clean.value.empty() ? kSlackWithoutFeatures : 1.0));
   parallel_rows(0, out[0].height(), [&](int y) {

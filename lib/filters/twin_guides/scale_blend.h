@@ -22,7 +22,7 @@ namespace spool {
 
 // `scales`: the finest first, at least one.
 FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources& sources,
-                      const FeatureImages& clean, const RadianceScale& scale,
-                      const TwinGuidesOptions& options);
+                      const FeatureImages& clean, const NoisePool& noise_pool,
+                      const RadianceScale& scale, const TwinGuidesOptions& options);
 
 }  // namespace spool
