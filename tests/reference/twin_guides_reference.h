@@ -116,7 +116,7 @@ void mean_and_variance(const SamplePool& pool, const CountImage& n, double key,
   if (!noise_pool.unused()) {
     const Plane grown = grown_variance(whole, noise_pool.radius);
     for (std::size_t i = 0; i < variance.size(); ++i)
-      variance[i] = (1.0 + noise_pool.share[i]) *
+      variance[i] = (1.0 + noise_pool.share[i] * std::min(1.0, 8.0 / std::max(n[i], 1))) *
                     (variance[i] + noise_pool.share[i] * std::max(0.0, grown[i] - variance[i]));
   }
   mean = fill_empty_pieces(mean, n, q, guards);
@@ -220,7 +220,7 @@ inline Plane open_limits(const SamplePool& pool, const CountImage& n, double uni
   double most = 0.0;
   for (std::size_t i = 0; i < limit.size(); ++i) {
     const double ratio = kept[i] > 0.0 ? agreed[i] / kept[i] : 0.0;
-    heavy[i] = options.heavy > 0.0 ? (ratio / options.heavy - 0.25) / 0.75 : 1.0;
+    heavy[i] = options.heavy > 0.0 ? (ratio / options.heavy - 0.25) / 0.75 : ratio * 1e300;
     heavy[i] = std::min(1.0, std::max(0.0, heavy[i]));
     limit[i] *= 1.0 + options.opening * heavy[i] * ratio;
     most = std::max(most, heavy[i]);
@@ -600,6 +600,26 @@ Planes blend_scales(const std::vector<ScaleResult>& scales, double scene_luminan
   return out;
 }
 
+// The mean under the weights of the finest guides, features ten times as strong, as far as `share`.
+inline void join_lattices(Planes& out, const Plane& share, const Guides& g, const Planes& clean,
+                          const Planes& clean_variance, TwinGuidesOptions options) {
+  options.feature_gain *= 10.0;
+  const Planes from = out;
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    for (int y = 0; y < share.height(); ++y) {
+      for (int x = 0; x < share.width(); ++x) {
+        double sum = 0.0, total = 0.0;
+        visit_window(share, x, y, 3, 1, [&](int qx, int qy, int, int) {
+          const double w = window_weight(g, clean, clean_variance, 2.0, options, x, y, qx, qy);
+          sum += w * from[c](qx, qy);
+          total += w;
+        });
+        out[c](x, y) += share(x, y) * (sum / total - out[c](x, y));
+      }
+    }
+  }
+}
+
 inline Planes return_agreed_light(Planes out, Planes taken, double sigma, double scene_luminance) {
   if (sigma == 0.0 || taken.size() < 2) return out;
   Plane shape(out[0].width(), out[0].height());
@@ -667,12 +687,13 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane l
     });
   }
   const double slack = options.detail_slack * (raw.empty() ? 0.5 : 1.0);
-  const Planes blended = return_agreed_light(
-      blend_scales(scales, scale.mean, slack, noise_pool,
-                   [&](const Plane& plane) {
-                     return guided_mean(plane, levels, clean, clean_variance, scale, options);
-                   }),
-      m.clamped_light, options.agreement, scale.mean);
+  Planes blended = blend_scales(scales, scale.mean, slack, noise_pool, [&](const Plane& plane) {
+    return guided_mean(plane, levels, clean, clean_variance, scale, options);
+  });
+  if (!noise_pool.unused() && options.scales > 1)
+    join_lattices(blended, heavy, guides(levels, 0, scale, options), clean, clean_variance,
+                  options);
+  blended = return_agreed_light(blended, m.clamped_light, options.agreement, scale.mean);
   RgbImage out = make_rgb(n.width(), n.height());
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < out[c].size(); ++i)

@@ -37,7 +37,7 @@ struct Split {
 
 // 0 .. 1. `ratio`: agreed light over kept light.
 double heaviness(double ratio, double heavy) {
-  if (heavy == 0.0) return 1.0;
+  if (heavy == 0.0) return ratio > 0.0 ? 1.0 : 0.0;
   return std::clamp((ratio / heavy - kHeavyBegins) / (1.0 - kHeavyBegins), 0.0, 1.0);
 }
 

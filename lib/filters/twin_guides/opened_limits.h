@@ -3,7 +3,7 @@
 //
 //   r_k = mean over group k (agreed_light.h) of what is above T,   K = mean of what is not
 //   a   = min over k of G_s r_k / G_s K,    s = clamp_sigma
-//   h   = (a / heavy - 1/4) / (3/4) within 0 .. 1; 1 where heavy is 0
+//   h   = (a / heavy - 1/4) / (3/4) within 0 .. 1
 //   T'  = T (1 + opening h a)
 //   tl' = tl + h max(0, log(max(G_s luminance(C), 0) / 2 + 0.10 L) - tl)
 //
@@ -20,7 +20,7 @@ namespace spool {
 
 struct OpenedLimits {
   Plane limits;  // T' [y][x] of pixels, radiance
-  Plane heavy;   // h [y][x] of pieces, 0 .. 1; empty where it is 0 everywhere
+  Plane heavy;   // h [y][x] of pieces; empty where it is 0 everywhere
 };
 
 // `limits`: T.

@@ -37,7 +37,7 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table() {
                     "neighbourhood by which single samples are clamped, pixels"),
       number_option("heavy", &O::heavy, 0.0, 1000.0,
                     "share of the light that independent samples lose alike, of what is kept, from "
-                    "which tails are heavy; 0: everywhere"),
+                    "which tails are heavy; 0: any share"),
       number_option("opening", &O::opening, 0.0, 1000.0,
                     "of the clamp where tails are heavy; 0: none, and no noise is pooled"),
       integer_option("noise_pool", &O::noise_pool, 0, 64,

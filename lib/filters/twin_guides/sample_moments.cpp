@@ -19,6 +19,9 @@ namespace {
 // In units; squares and products of a few of them stay finite in float.
 constexpr double kLargestValue = 1e12;
 
+// Up to so many samples variances count twice where tails are heavy.
+constexpr std::int32_t kFewSamples = 8;
+
 using Triple = std::array<double, 3>;
 
 struct Moments {
@@ -102,7 +105,8 @@ class Filling {
       for (std::size_t i = 0; i < grown.size(); ++i) {
         const float more = static_cast<float>(grown[i]) - variance[c][i];
         const auto share = static_cast<float>(noise_pool_.share[i]);
-        variance[c][i] = (1.0f + share) * (variance[c][i] + share * std::max(more, 0.0f));
+        const float missed = share * kFewSamples / static_cast<float>(std::max(n_[i], kFewSamples));
+        variance[c][i] = (1.0f + missed) * (variance[c][i] + share * std::max(more, 0.0f));
       }
     }
   }

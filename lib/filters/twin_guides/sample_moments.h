@@ -9,8 +9,8 @@
 // All in units (RadianceScale), so float holds it. Variances are those of the mean
 // (variance_of_mean.h, mode auto), blurred with a Gaussian of one piece. Where few samples carry
 // the light (NoisePool::share) they are at least those of a pool of pieces (grown_variance.h), and
-// twice as large: of a few samples the largest are missing. A piece without samples takes its
-// neighbours' values. Slow twin:
+// 1 + 8 / max(n, 8) times as large: of a few samples the largest are missing. A piece without
+// samples takes its neighbours' values. Slow twin:
 // tests/reference/twin_guides_reference.h.
 #pragma once
 

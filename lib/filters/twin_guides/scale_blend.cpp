@@ -12,6 +12,8 @@ namespace spool {
 namespace {
 
 constexpr WindowShape kWindow = {2, 1.5};
+constexpr WindowShape kJoin = {3, 2.0};
+constexpr double kFeatureGainOfJoin = 10.0;  // in that of the fit, which has slopes besides
 constexpr int kFirstStep = 2, kLastStep = 8;
 constexpr double kFloor = 0.1;  // of the picture, in L: no error is relative to less
 constexpr std::size_t kTerms = 3;
@@ -114,6 +116,29 @@ std::vector<Image<float>> guided_means(std::vector<Image<float>> terms, const Gu
   return terms;
 }
 
+// Lattices of a coarse scale share few samples. Where no finer scale covers how they differ, a mean
+// over their neighbours does.
+void join_lattices(FloatRgb& out, const NoisePool& pool, const GuideSources& sources,
+                   const FeatureImages& clean, const RadianceScale& scale,
+                   const TwinGuidesOptions& options) {
+  if (pool.unused()) return;
+  const std::vector<Image<float>> from(out.begin(), out.end());
+  std::vector<Image<float>> means(from.size(), Image<float>(out[0].width(), out[0].height()));
+  TwinGuidesOptions strict = options;
+  strict.feature_gain *= kFeatureGainOfJoin;
+  GuidePyramid pyramid(sources, scale, options);
+  const GuideImages guides = pyramid.take_guides();
+  parallel_lattice_tiles(out[0].width(), out[0].height(), 1,
+                         [&](const Lattice& lattice, const Rectangle& tile) {
+                           const WindowWeights weights(lattice, tile, kJoin, guides, clean, strict);
+                           mean_on_tile(lattice, tile, weights, from, means);
+                         });
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    for (std::size_t i = 0; i < out[c].size(); ++i)
+      out[c][i] += static_cast<float>(pool.share[i]) * (means[c][i] - out[c][i]);
+  }
+}
+
 float share_of_detail(float d, float n, float v, float slack) {
   const float signal = d - slack * (n + v);
   return signal > 0.0f ? std::min(signal / d, 1.0f) : 0.0f;
@@ -141,6 +166,7 @@ FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources
       }
     }
   });
+  join_lattices(out, noise_pool, sources, clean, scale, options);
   return out;
 }
 
