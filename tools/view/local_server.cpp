@@ -81,8 +81,7 @@ class LocalServer {
   void accept() {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (!error) admit(std::move(socket));
-      if (!error) return accept();
-      make_room();  // of file handles
+      if (!error || make_room()) return accept();  // of file handles
       pause_.expires_after(kPause);
       pause_.async_wait([this](error_code) { accept(); });
     });
