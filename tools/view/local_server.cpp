@@ -98,8 +98,8 @@ class LocalServer {
     connection->start();
   }
 
-  // The oldest connection that has shown no token goes: a browser's request arrives at once, that
-  // of a slow client does not.
+  // The oldest connection that is owed no answer goes, by its lack of a token or by having it: a
+  // browser's request arrives at once, that of a slow client does not.
   bool make_room() {
     for (const auto& connection : connections_) {
       const auto held = connection.lock();
