@@ -165,6 +165,28 @@ def test_a_function_calls_the_library_and_not_itself(large):
     assert threading.active_count() < 10
 
 
+def test_calls_that_ask_for_themselves_by_other_threads_come_to_an_end():
+    recording, deepest = spool.recording(np.ones((4, 4, 2, 3))), []
+
+    @spool.filter
+    def itself(statistics):
+        def ask():
+            try:
+                spool.reconstruct(recording, None, itself)
+            except spool.SpoolError as error:
+                deepest.append((str(error), len(os.listdir("/proc/self/task"))))
+
+        thread = threading.Thread(target=ask)
+        thread.start()
+        thread.join()
+        return statistics.mean
+
+    assert (spool.reconstruct(recording, None, itself) == 1).all()
+    (line, tasks), = deepest
+    assert "256 calls have not returned" in line and tasks < 700
+    assert (spool.reconstruct(recording, None, "box") == 1).all()
+
+
 @pytest.mark.parametrize("work", ["spool.replay(dump, 'multiscale', 32)", "spool.reconstruct(dump, None, 'nl_means')",
                                   "spool.replay(dump, endless, 4)", "spool.replay(dump, asleep, 4)"])
 def test_the_interpreter_ends_while_a_thread_works(work):
