@@ -70,7 +70,7 @@ def replay_order(manifest):
 
 def recording_paths(manifest):
     """{file name: path} of the recordings that were evaluated."""
-    return {Path(str(d.get("path"))).name: str(d["path"]) for d in manifest.get("dumps", [])
+    return {Path(str(d.get("path"))).name: str(d.get("file") or d["path"]) for d in manifest.get("dumps", [])  # without: an older program
             if isinstance(d, dict) and d.get("path")}
 
 
