@@ -28,8 +28,8 @@ void add_parts_of_a_run(CLI::App& verb, EvaluateOptions& options) {
   verb.add_option("--shard", options.shard,
                   "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
   verb.add_option("--executor", options.executor,
-                  "dask:ADDRESS, processes:N or mpi: workers of Python's package spool do the "
-                  "sampling runs");
+                  "dask:ADDRESS, processes:N, or mpi below mpiexec: workers of Python's package "
+                  "spool do the sampling runs");
   verb.add_flag("--merge", options.merge,
                 "run nothing: make the results of the cells that are done");
   verb.add_flag("--statistics-only", options.statistics_only,

@@ -210,7 +210,8 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
     return fail(ErrorCode::kUsage, "--from goes with --merge");
   }
   if (!options.executor.empty()) {
-    SPOOL_TRY(run_on_workers(request, options.executor, common));
+    SPOOL_ASSIGN(const bool leads, run_on_workers(request, options.executor, common));
+    if (!leads) return {};
     request.merge = true;
   }
   return run_plan(request, common);
