@@ -48,6 +48,9 @@ TEST(MeanInterval, StaysInItsRange) {
   const Interval debiased = mean_interval({{-0.1, 0.4, 0.1}}, Range::kPositive);
   EXPECT_FALSE(debiased.logarithmic);
   EXPECT_EQ(debiased.low, 0.0);
+  const Interval below = mean_interval({{-0.1, -0.4, 0.1}}, Range::kPositive);
+  EXPECT_NEAR(below.mean - below.low, below.high - below.mean, 1e-12);  // it holds its mean
+  EXPECT_LT(single_interval(-0.3, 0.1, Range::kPositive).high, 0.0);
   const Interval share = mean_interval({{0.0, 0.9, 1.0}}, Range::kShare);
   EXPECT_EQ(share.low, 0.0);
   EXPECT_EQ(share.high, 1.0);

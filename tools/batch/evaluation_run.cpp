@@ -15,6 +15,7 @@
 #include "lib/experiment/result_table.h"
 #include "lib/experiment/run_cells.h"
 #include "lib/image_io/atomic_file.h"
+#include "lib/metrics/error_metrics.h"
 #include "lib/pool/load_recording.h"
 #include "lib/study/ranked_results.h"
 #include "tools/batch/best_so_far.h"
