@@ -37,6 +37,7 @@ FULL = {"side": 256, "samples": 256, "count": 10, "samplers": "uniform,multiscal
 PAPER = {"count": 10, "samplers": "uniform,multiscale:paper"}
 SCENES = {
     "scene_s": Scene(None), **{name: Scene(ROOT / f"dumps/tiny/{name}.spool") for name in TINY},
+    **{f"{name}, two samplers": Scene(ROOT / f"dumps/tiny/{name}.spool", samplers="uniform,multiscale") for name in ("caustic", "caustic_mitsuba")},
     "scene_s, paper": Scene(None, **PAPER), "caustic_mitsuba, paper": Scene(ROOT / "dumps/tiny/caustic_mitsuba.spool", **PAPER),
     "scene_s_256": Scene(None, **FULL),
     **{name: Scene(RECORDINGS / f"{name}.spool", **FULL) for name in ("caustic_mitsuba_256", "cornell_box_picture")}}
@@ -136,7 +137,7 @@ def measure(name, folder):
 
 def main():
     for name in sys.argv[2:] or SCENES:
-        folder = Path(sys.argv[1]) / "coverage_results" / name.replace(", ", "_")
+        folder = Path(sys.argv[1]) / "coverage_results" / name.replace(", ", "_").replace(" ", "_")
         folder.mkdir(parents=True, exist_ok=True)
         measure(name, folder)
         page.write(SCENES)
