@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 
 #include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_table.h"
@@ -126,19 +125,6 @@ void add_shared(MethodResults& method, const Plan& plan, const Shares& shares, d
   }
 }
 
-// How many pixels bear half of the error of a replicate. Each replicate counts with its share of
-// the error of all: where one that has a firefly bears most of it in one pixel, so does the mean.
-double half_pixels(std::span<const double> errors, std::span<const double> pixels) {
-  double sum = 0.0, squares = 0.0, known = 0.0;
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    if (!std::isfinite(errors[k]) || !(pixels[k] > 0.0)) continue;
-    sum += std::abs(errors[k]);
-    squares += errors[k] * errors[k] / pixels[k];
-    known += 1.0;
-  }
-  return sum * sum / (squares * known);
-}
-
 }  // namespace
 
 double MethodResults::mean(std::size_t quantity) const {
@@ -148,8 +134,7 @@ double MethodResults::mean(std::size_t quantity) const {
 Withheld MethodResults::withheld(const std::string& metric) const {
   if ((metric != "mse" && metric != "relmse") || one_image()) return Withheld::kNo;
   ErrorStanding standing;
-  standing.half_pixels =
-      half_pixels(values[quantity_index(metric)], values[quantity_index(metric + "_half_pixels")]);
+  standing.half_pixels = mean(quantity_index(metric + "_half_pixels"));
   const auto measured = spread.find(metric);
   const double common = measured == spread.end() ? correlation : measured->second.correlation;
   standing.independent_replicates = done / (1.0 + (done - 1.0) * std::min(common, 1.0));

@@ -59,19 +59,6 @@ def test_an_error_of_one_pixel_has_no_verdict_until_three_recordings_show_it(goo
         assert np.isclose((high - low) / 2, 4.30265273 * means.std(ddof=1) / np.sqrt(3), rtol=1e-6)
 
 
-@pytest.mark.parametrize("errors", [(1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 1.0, 50.0)], ids=["alike", "one has a firefly"])
-def test_a_replicate_that_bears_the_error_in_one_pixel_bears_it_for_all(good, tmp_path, dump, errors):
-    evaluate(good, tmp_path, f'halves = false\nrecordings = ["{dump.name}"]\n' + PLAN)
-    lines = [json.loads(line) for line in (tmp_path / "out/results.jsonl").read_text().splitlines()]
-    (tmp_path / "kept").mkdir()
-    shutil.copy(tmp_path / "out/plan.toml", tmp_path / "kept")
-    (tmp_path / "kept/kept.jsonl").write_text("".join(json.dumps(
-        line | {"mse": errors[line["replicate"]], "mse_half_pixels": 1 if errors[line["replicate"]] > 1.0 else 100}) + "\n" for line in lines))
-    good("evaluate", "--statistics-only", "kept")
-    ranking = conditions(json.loads((tmp_path / "kept/statistics.json").read_text()), "mse")[0]["ranking"]
-    assert [e.get("withheld") for e in ranking] == ["few pixels" if max(errors) > 1.0 else None] * 2
-
-
 def test_a_noisy_reference_withholds_relmse_and_not_mse(good, tmp_path):
     radiance, mean = samples(seed=2)
     reference = np.repeat(mean[:, :, None], 3, axis=2).astype("<f4")

@@ -38,8 +38,7 @@ differs, so 5 % of families may claim something.
   relMSE on balls and caustic its differences between recordings are claimed in half of the families.
 - Light that few samples carry: a recording without them lacks it, and its interval is too narrow. Three recordings
   or more (`--recordings`, `group`) show it.
-- The first eight scenes are of 2026-11-25. Replicates now count with their share of the error, which withholds relMSE of `directional` on both
-  caustics: "two samplers", `uniform` and `multiscale`.
+- The first eight scenes are of 2026-11-25, with the `directional` of then; "two samplers", `uniform` and `multiscale`, of 2026-11-26.
 - Where samples have a tail of infinite variance, the expectation of the squared error does not exist, and no interval can hold it
   [BahadurSavage56].
 - Where one cell of the image carries an error, its spread is known with one degree of freedom, and the interval is 3 to 15 times as wide
