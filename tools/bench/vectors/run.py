@@ -91,7 +91,7 @@ def page(found, size, turns):
     alike = sum(abs(without / whole - 1.0) <= TOLD for whole, without in found.values())
     return "\n\n".join([
         "## Without AVX-512",
-        f"`tools/dev.sh bench vectors`: whole commands of all {len(found)} methods at {size}x{size} pixels, 8 of 64 samples, one thread, with the clones for "
+        f"`tools/dev.sh bench vectors`: whole commands of {len(found)} methods at {size}x{size} pixels, 8 of 64 samples, one thread, with the clones for "
         f"AVX-512 and with those for AVX2, on one processor in turns, the least of {turns}; the images are the same bytes. {alike} methods differ by less than "
         f"{100 * TOLD:.0f} %; those that lose most (all: [vectors.csv](results/speed/vectors.csv)):", "\n".join("| " + " | ".join(row) + " |" for row in rows)])
 
