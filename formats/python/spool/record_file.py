@@ -7,7 +7,6 @@ import mmap
 import os
 import threading
 import uuid as uuid_module
-import zlib
 
 import numpy as np
 
@@ -16,6 +15,11 @@ from . import record_layout as layout
 from .arguments import path as path_of
 from .error import ADVICE, SpoolError
 from .regular_file import open_regular
+
+try:
+    from ._core import crc32  # of the package with the library: several times as fast
+except ImportError:
+    from zlib import crc32
 
 
 class RecordFile:
@@ -59,7 +63,7 @@ class RecordFile:
         entry = self.entries[row]
         offset, stored = int(entry["offset"]), int(entry["stored_bytes"])
         payload = self.read_at(offset + 64, stored, scratch)
-        if zlib.crc32(payload) != int(entry["payload_crc32"]):
+        if crc32(payload) != int(entry["payload_crc32"]):
             raise self.error("damaged", f"payload of record {row} is damaged (byte {offset + 64})")
         if int(entry["codec"]) == layout.CODEC_NONE:
             return payload
@@ -168,7 +172,7 @@ class RecordFile:
         if not sealed or head.tobytes() != expected.tobytes():
             raise self.error("damaged", f"header of the index is damaged (byte {at})")
         payload = self.read_at(at + 64, 64 * count)
-        if zlib.crc32(payload) != int(head["payload_crc32"]):
+        if crc32(payload) != int(head["payload_crc32"]):
             raise self.error("damaged", f"index is damaged (byte {at + 64})")
         self.entries = np.frombuffer(payload, layout.INDEX_ENTRY)
 
@@ -186,7 +190,7 @@ class RecordFile:
         # One read per header: the headers are the truth, and a stale index must not go unnoticed.
         headers = b"".join([self.read_at(offset, 64) for offset in starts.tolist()])
         table = np.frombuffer(headers, layout.RECORD_HEADER)
-        crc = [zlib.crc32(headers[at:at + 60]) for at in range(0, len(headers), 64)]
+        crc = [crc32(headers[at:at + 60]) for at in range(0, len(headers), 64)]
         self._refuse("damaged", (table["crc32"] != np.array(crc, np.uint32)) | (table["sync"] != np.void(layout.SYNC)),
                      "record header is damaged")
         both = [np.frombuffer(part, np.uint8).reshape(-1, 64) for part in (headers, entries.tobytes())]
