@@ -28,7 +28,7 @@ METHODS = {"uniform + directional": "uniform + directional", "multiscale:paper +
            "uniform + nl_means": "uniform + nl_means", "nl_means + nl_means": "nl_means", "greedy_error + greedy_selection": "greedy",
            "mitchell + multistage": "mitchell [R]", "adaptive_wavelet + wavelet_shrinkage": "wavelet [R]"}
 # Of the plan quick.
-QUICK = {"uniform + gaussian": "uniform + gaussian", "uniform + nl_means": "uniform + nl_means", "uniform + directional": "uniform + directional",
+QUICK = {"uniform + nl_means": "uniform + nl_means", "uniform + directional": "uniform + directional",
          "multiscale + box": "multiscale + box", "multiscale + directional": "robust"}
 
 READINGS = {"a14_sampler_readings": ("multiscale:paper", "box"), "a15_filter_readings": ("multiscale:paper", "directional:paper")}
@@ -136,11 +136,9 @@ def equal_time(store, methods, plan):
     for curve in store.json(plan, "curves.json"):
         name = methods.get(f"{curve['sampler']} + {curve['filter']}")
         for at in curve["equal_time"] if name else ():
-            row = rows.setdefault((curve["dump"], at["at"]), {"seconds": tables.number(at["seconds"], 2)})
-            row[name] = at.get("outside") or tables.interval(at["ratio"])
-    columns = ["seconds", *methods.values()]
-    shown = [[name, f"{spp:g}", *(row.get(c, "–") for c in columns)] for (name, spp), row in sorted(rows.items()) if {*row.values()} - {row["seconds"], "too slow"}]
-    return tables.markdown(["recording", "spp", *columns], shown)
+            rows.setdefault((curve["dump"], at["at"]), {})[name] = at.get("outside") or tables.interval(at["ratio"])
+    shown = [[name, f"{spp:g}", *(row.get(m, "–") for m in methods.values())] for (name, spp), row in sorted(rows.items()) if {*row.values()} != {"too slow"}]
+    return tables.markdown(["recording", "spp", *methods.values()], shown)
 
 
 def readings(store, plans):

@@ -21,35 +21,33 @@ spread between recordings assumed and not measured ([decision 155](decisions.md#
 
 {table}
 
-Rows with their counts, and how many intervals lie below the truth: [rows.csv](results/coverage/rows.csv). Below 80 %, with the budget:
-
-{low}
+Single rows, of the first eight scenes those below 80 %, and how many of their intervals lie below the truth: [rows.csv](results/coverage/rows.csv).
 
 ## A method compared with itself
 
-`spool compare` of two recordings of one scene: every method and budget, one family of comparisons for each metric. Nothing
+`spool compare` of two recordings of one scene: every method and budget, one family for each metric. Nothing
 differs, so 5 % of families may claim something.
 
 {selves}
 
 ## What forbids more
 
-- `neyman`, an oracle, is left out of both tables: it takes samples where the whole recording varies, so its halves share what they use, and in
-  relMSE on balls and caustic its differences between recordings are claimed in half of the families.
+- `neyman`, an oracle, is left out of both tables: its halves share what decides, and in relMSE on balls and caustic half of its families claim a
+  difference.
 - Light that few samples carry: a recording without them lacks it, and its interval is too narrow. Three recordings
   or more (`--recordings`, `group`) show it.
 - The first eight scenes are of 2026-11-25, with the `directional` of then; "two samplers", `uniform` and `multiscale`, of 2026-11-26.
 - Where samples have a tail of infinite variance, the expectation of the squared error does not exist, and no interval can hold it
   [BahadurSavage56].
-- Where one cell of the image carries an error, its spread is known with one degree of freedom, and the interval is 3 to 15 times as wide
-  as it had to be.
+- Where one cell of the image carries an error, its spread is known with one degree of freedom, and the interval is 3 to 15 times
+  too wide.
 """
 SCENES = ("scene", "side", "samples", "recordings", "measured", "rows", "held", "below", "withheld", "least", "below_without", "least_without",
           "itself_mse", "itself_relmse", "itself_mse_without", "itself_relmse_without")
 ROWS = ("scene", "quantity", "method", "spp", "intervals", "held", "too_low", "share", "share_without")
 MORE = """ Scenes named `_256` have 256 x 256 pixels of 256 samples; they, and the preset
 `paper`, have fewer methods and recordings."""
-ENOUGH, LEAST = 0.9, 0.8
+ENOUGH = 0.9
 
 
 def read(name):
@@ -92,15 +90,10 @@ def percent(text):
 def write(order):
     """`order`: of the scenes."""
     scenes = sorted(read("scenes"), key=lambda line: list(order).index(line["scene"]))
-    low = {}
-    for row in read("rows"):
-        if row["share"] and float(row["share"]) < LEAST:
-            low.setdefault(row["scene"], []).append(f"{row['quantity']} of {row['method']}, {row['spp']}: {percent(row['share'])}")
     table = [[s["scene"] + (f" ({s['recordings']})" if s["recordings"] != "20" else ""), s["rows"], s["held"], s["below"], s["withheld"],
               percent(s["least"]), s["below_without"], percent(s["least_without"])] for s in scenes]
     selves = [[s["scene"], *(f"{s[column]} of {int(s['recordings']) // 2}" for column in SCENES[-4:])] for s in scenes]
     write_whole(PAGE, TEXT.format(
         chance=by_chance(20), more=MORE if any(s["recordings"] != "20" for s in scenes) else "",
         table=markdown(["scene", "rows", "90 % and more", "below", "withheld", "least", "below without halves", "least"], table),
-        low="\n".join(f"- {scene}: {'; '.join(rows)}" for scene, rows in low.items()) or "- none",
         selves=markdown(["scene", "MSE", "relMSE", "MSE without halves", "relMSE without halves"], selves)))
