@@ -2,6 +2,7 @@
 
 A template (templates/PAGE.in) contains sentences. In them
     {{chapters}}                                      is a row for each chapter of chapters.toml
+    {{older}}                                         is the plans of 64 x 64 pixels that an older program ran
     {{readings}}                                      is the preset paper as a family: its best, worst and shipped member
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
     {{equal_time}}                                    is the same at equal processor time, of 64 x 64 pixels
@@ -21,6 +22,7 @@ from tools.study.whole_file import write_whole
 HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]
 CLAIM = re.compile(r"\{\{(\w+;[^\n]*?;\s*\w+)\}\}")
+CHANGED = "2026-11-26"  # small plans that ran before have the `directional` of before decision 0158
 DENSITY = {"levels_3_4": "samples of levels 3 and 4", "near_edges": "adaptive samples near edges", "correlation": "correlation with noise",
            "block_index": "jump at multiples of 16", "tile_jump": "jump at its tiles"}
 
@@ -98,6 +100,11 @@ def chapter_rows(chapter, small, full):
         rows.append([chapter["id"] if i == 0 else "", chapter["title"] if i == 0 else "", f"[{plan}](../tools/plans/{plan}.toml)",
                      "" if chapter["plans"][0] in FULL["left_out"] else links_of(chapter, plan, full), links_of(chapter, plan, small)])
     return rows
+
+
+def older(store):
+    """Small plans that an older program ran."""
+    return ", ".join(dict.fromkeys(p.split("_")[0].upper() for c in CHAPTERS for p in c["plans"] if store.json(p, "made.json").get("started", CHANGED) < CHANGED))
 
 
 def chapters_table(small, full):
@@ -186,7 +193,7 @@ def page(template, small, full):
     """The text of a page, from what is kept of both sizes."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
     text = CLAIM.sub(lambda match: said(match, small, full), text)
-    for name, made in (("chapters", lambda: chapters_table(small, full)), ("readings", lambda: readings(small, READINGS)),
+    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("readings", lambda: readings(small, READINGS)),
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:

@@ -10,7 +10,7 @@ PAGE, KEPT = ROOT / "docs/coverage.md", ROOT / "docs/results/coverage"
 
 TEXT = """# How often the 95 % intervals hold the truth
 
-Written by `tools/dev.sh bench coverage`. Each scene was made 20 times (or as its line says): every sample drawn with replacement from a recording,
+Written by `tools/dev.sh bench coverage`. Each scene was made 20 times: every sample drawn with replacement from a recording,
 whose mean is the exact reference; scene S anew. Each was evaluated
 as `spool evaluate` does it by default, 8 replicates, 4, 8, 16 of 64 samples: `uniform`, `mitchell`, `adaptive_wavelet`, `greedy_error`, `nl_means`,
 `neyman`, `multiscale` with `box`; `uniform` and `multiscale` with `directional`.{more} A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
@@ -45,7 +45,7 @@ SCENES = ("scene", "side", "samples", "recordings", "measured", "rows", "held", 
           "itself_mse", "itself_relmse", "itself_mse_without", "itself_relmse_without")
 ROWS = ("scene", "quantity", "method", "spp", "intervals", "held", "too_low", "share", "share_without")
 MORE = """ Scenes named `_256` have 256 x 256 pixels of 256 samples; they, and the preset
-`paper`, have fewer methods and recordings."""
+`paper`, have fewer methods, and as many recordings as their lines say."""
 ENOUGH = 0.9
 
 
