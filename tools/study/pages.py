@@ -2,6 +2,7 @@
 
 A template (templates/PAGE.in) contains sentences. In them
     {{chapters}}                                      is a row for each chapter of chapters.toml
+    {{older}}                                         is the plans of 64 x 64 pixels that an older program ran
     {{readings}}                                      is the preset paper as a family: its best, worst and shipped member
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
     {{equal_time}}                                    is the same at equal processor time, of 64 x 64 pixels
@@ -21,6 +22,7 @@ from tools.study.whole_file import write_whole
 HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]
 CLAIM = re.compile(r"\{\{(\w+;[^\n]*?;\s*\w+)\}\}")
+CHANGED = "2026-11-26"  # small plans that ran before have the `directional` of before decision 0158
 DENSITY = {"levels_3_4": "samples of levels 3 and 4", "near_edges": "adaptive samples near edges", "correlation": "correlation with noise",
            "block_index": "jump at multiples of 16", "tile_jump": "jump at its tiles"}
 
@@ -28,7 +30,7 @@ METHODS = {"uniform + directional": "uniform + directional", "multiscale:paper +
            "uniform + nl_means": "uniform + nl_means", "nl_means + nl_means": "nl_means", "greedy_error + greedy_selection": "greedy",
            "mitchell + multistage": "mitchell [R]", "adaptive_wavelet + wavelet_shrinkage": "wavelet [R]"}
 # Of the plan quick.
-QUICK = {"uniform + gaussian": "uniform + gaussian", "uniform + nl_means": "uniform + nl_means", "uniform + directional": "uniform + directional",
+QUICK = {"uniform + nl_means": "uniform + nl_means", "uniform + directional": "uniform + directional",
          "multiscale + box": "multiscale + box", "multiscale + directional": "robust"}
 
 READINGS = {"a14_sampler_readings": ("multiscale:paper", "box"), "a15_filter_readings": ("multiscale:paper", "directional:paper")}
@@ -100,6 +102,11 @@ def chapter_rows(chapter, small, full):
     return rows
 
 
+def older(store):
+    """Small plans that an older program ran."""
+    return ", ".join(dict.fromkeys(p.split("_")[0].upper() for c in CHAPTERS for p in c["plans"] if store.json(p, "made.json").get("started", CHANGED) < CHANGED))
+
+
 def chapters_table(small, full):
     rows = [row for chapter in CHAPTERS for row in chapter_rows(chapter, small, full)]
     return tables.markdown(["", "question", "plan", "full size", "64 x 64 pixels"], rows)
@@ -136,11 +143,9 @@ def equal_time(store, methods, plan):
     for curve in store.json(plan, "curves.json"):
         name = methods.get(f"{curve['sampler']} + {curve['filter']}")
         for at in curve["equal_time"] if name else ():
-            row = rows.setdefault((curve["dump"], at["at"]), {"seconds": tables.number(at["seconds"], 2)})
-            row[name] = at.get("outside") or tables.interval(at["ratio"])
-    columns = ["seconds", *methods.values()]
-    shown = [[name, f"{spp:g}", *(row.get(c, "–") for c in columns)] for (name, spp), row in sorted(rows.items()) if {*row.values()} - {row["seconds"], "too slow"}]
-    return tables.markdown(["recording", "spp", *columns], shown)
+            rows.setdefault((curve["dump"], at["at"]), {})[name] = at.get("outside") or tables.interval(at["ratio"])
+    shown = [[name, f"{spp:g}", *(row.get(m, "–") for m in methods.values())] for (name, spp), row in sorted(rows.items()) if {*row.values()} != {"too slow"}]
+    return tables.markdown(["recording", "spp", *methods.values()], shown)
 
 
 def readings(store, plans):
@@ -188,7 +193,7 @@ def page(template, small, full):
     """The text of a page, from what is kept of both sizes."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
     text = CLAIM.sub(lambda match: said(match, small, full), text)
-    for name, made in (("chapters", lambda: chapters_table(small, full)), ("readings", lambda: readings(small, READINGS)),
+    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("readings", lambda: readings(small, READINGS)),
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:
