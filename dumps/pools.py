@@ -27,6 +27,7 @@ from command_line import Parser  # noqa: E402
 from failure import Failure, io_failure, module_failure, usage_failure  # noqa: E402
 from pool_run import Pace, arguments_of, recorder_of, run_pool  # noqa: E402
 from progress import duration, size as size_text  # noqa: E402
+from recordings import names  # noqa: E402
 
 PATH = os.path.join(HERE, "POOLS.toml")
 BYTES = {"Cycles": 90, "Mitsuba": 100}       # a sample and pixel, at the peak: passes or chunks, and the recording beside them
@@ -54,7 +55,12 @@ def seconds_of(pool):
 
 
 def file_of(pool, folder):
+    """What the recorder is told to make; files_of: what it makes of that."""
     return os.path.join(folder, pool["name"] + ".spool")
+
+
+def files_of(pool, folder):
+    return names(file_of(pool, folder), pool.get("recordings", 1))
 
 
 def missing_source(pool, scenes):
@@ -70,7 +76,7 @@ def missing_source(pool, scenes):
 
 def state(pool, folder):
     path = file_of(pool, folder)
-    if os.path.exists(path):
+    if all(map(os.path.exists, files_of(pool, folder))):
         return "here"
     return "begun" if os.path.isdir(path + ".passes") or os.path.isdir(path + ".recording") else ""
 
@@ -131,7 +137,7 @@ def record(chosen, folder, scenes):
                 folder, pool["name"], size_text(need), size_text(free)))
         print("%s (%d of %d), about %s left in all" % (pool["name"], number + 1, len(left), duration(pace.left(number, 0))),
               flush=True)
-        if not run_pool(pool, file_of(pool, folder), scenes, partial(pace.left, number)):
+        if not run_pool(pool, file_of(pool, folder), files_of(pool, folder), scenes, partial(pace.left, number)):
             failed.append(pool["name"])
     return failed
 
@@ -153,8 +159,8 @@ def main():
         options = parse()
         pools = read_pools(options.pools)
         folder, scenes = cache("SPOOL_RECORDINGS", "recordings"), cache("SPOOL_SCENES", "scenes")
-        names = list(pools) if options.all else options.record or options.pin or []
-        for name in names:
+        chosen = list(pools) if options.all else options.record or options.pin or []
+        for name in chosen:
             if name not in pools:
                 raise usage_failure("'%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
         if options.names:
@@ -163,14 +169,14 @@ def main():
             table(pools)
         elif options.pin:
             need_reader()
-            absent = [name for name in names if not os.path.exists(file_of(pools[name], folder))]
+            absent = [(path, name) for name in chosen for path in files_of(pools[name], folder) if not os.path.exists(path)]
             if absent:
-                raise usage_failure("%s: no such recording: --record %s" % (file_of(pools[absent[0]], folder), absent[0]))
+                raise usage_failure("%s: no such recording: --record %s" % absent[0])
             from pool_pins import pin
-            pin(options.pools, {name: file_of(pools[name], folder) for name in names})
-        elif names:
+            pin(options.pools, {name: files_of(pools[name], folder) for name in chosen})
+        elif chosen:
             os.nice(10)
-            failed = record([pools[name] for name in names], folder, scenes)
+            failed = record([pools[name] for name in chosen], folder, scenes)
             if failed:
                 raise Failure(1, "not recorded, or not what POOLS.toml says: %s" % ", ".join(failed))
         else:
