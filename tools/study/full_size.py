@@ -16,7 +16,7 @@ from tools.study.whole_file import write_whole
 
 def plan_hash(plan):
     """Of what the plan measures, whatever it claims."""
-    asked = {k: v for k, v in plan.items() if k not in ("recordings", "title", "claim", "pictures", "fresh")}
+    asked = {k: v for k, v in plan.items() if k not in ("recordings", "dump", "title", "claim", "pictures", "fresh")}
     return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
 
