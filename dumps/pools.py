@@ -25,7 +25,7 @@ for folder in ("recording", "verify", os.path.join("..", "formats", "python")):
 
 from command_line import Parser  # noqa: E402
 from failure import Failure, io_failure, module_failure, usage_failure  # noqa: E402
-from pool_run import Pace, arguments_of, recorder_of, run_pool  # noqa: E402
+from pool_run import Pace, run_pool  # noqa: E402
 from progress import duration, size as size_text  # noqa: E402
 from recordings import names  # noqa: E402
 
@@ -55,7 +55,7 @@ def seconds_of(pool):
 
 
 def file_of(pool, folder):
-    """What the recorder is told to make; files_of: what it makes of that."""
+    """What --output names; files_of: what the recorder makes of that name."""
     return os.path.join(folder, pool["name"] + ".spool")
 
 
@@ -92,11 +92,13 @@ def show(pools, folder, scenes):
 
 def table(pools):
     """As Markdown: the command that makes each recording, and what is pinned of it."""
-    lines = ["| recording | made by | CPU | size | samples and reference, sha256 | claims |", "|---|---|---|---|---|---|"]
+    lines = ["| recording | pixels | samples | reference | CPU | size | samples and reference, sha256 | claims |", "|---" * 8 + "|"]
     for pool in pools.values():
         pin = pool.get("pinned", {})
-        lines.append("| `%s` | `%s` | %s | %s | `%s` | %s |" % (
-            pool["name"], " ".join([recorder_of(pool), *arguments_of(pool)]), *((duration(pin["cpu_seconds"]), size_text(pin["bytes"]), pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4)))
+        found = (duration(pin["cpu_seconds"]), size_text(pin["bytes"]), "`%s`" % pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4
+        count = pool.get("recordings", 1)
+        samples = "%d of %d" % (count, pool["samples"] // count) if count > 1 else pool["samples"]
+        lines.append("| `%s` | %dx%d | %s | %d | %s | %s | %s | %s |" % (pool["name"], *pool["size"], samples, pool["reference"], *found))
     print("\n".join(lines))
 
 
