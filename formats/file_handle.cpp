@@ -163,7 +163,7 @@ Result<uint64_t> FileHandle::size() const {
     return system_error(path_, "cannot read the size", errno, "check the device");
   }
   if (!regular) {
-    return fail(ErrorCode::kIo, "{}: not a regular file: give a file on disk", path_.string());
+    return fail(ErrorCode::kIo, "{}: is a folder or a device: give a file on disk", path_.string());
   }
   return bytes;
 }

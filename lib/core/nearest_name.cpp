@@ -19,6 +19,8 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
     if (word == before && std::ranges::find(candidates, now) != candidates.end())
       return std::string(now);
   }
+  for (const std::string& candidate : candidates)
+    if (!word.empty() && candidate.starts_with(word)) return candidate;
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {

@@ -7,8 +7,8 @@
 
 namespace spool {
 
-// The candidate that `word` became when it was renamed, else the one closest to it in edit
-// distance; empty when nothing is near.
+// The candidate that `word` became when it was renamed, else the first that begins with it, else
+// the one closest to it in edit distance; empty when nothing is near.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
 
 // ", did you mean 'NAME'?", or nothing when no candidate is near.

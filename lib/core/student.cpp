@@ -36,10 +36,6 @@ double student_quantile(double probability, double freedom) {
   return kept.quantile;
 }
 
-double student_cdf(double t, double freedom) {
-  return cdf(Student(freedom), t);
-}
-
 double student_two_sided(double t, double freedom) {
   if (std::isinf(t)) return 0.0;
   return 2.0 * cdf(complement(Student(freedom), std::abs(t)));

@@ -197,8 +197,9 @@ class PlanReader {
         } else if (key.str() == "group") {
           group = text;
         } else {
-          return refuse(value, "unknown key '{}' of a recording{}", key.str(),
-                        did_you_mean(key.str(), {"file", "group"}));
+          return refuse(value, "{}",
+                        unknown_name("key of a recording", key.str(), {"file", "group"},
+                                     ": it has file and group"));
         }
       }
       if (file.empty()) return refuse(*table, "this recording has no file");
@@ -311,8 +312,9 @@ class PlanReader {
         } else if (key.str() == "recording") {
           mask.recording = std::filesystem::path(file_of_text(text)).filename().string();
         } else {
-          return refuse(value, "unknown key '{}' of a mask{}", key.str(),
-                        did_you_mean(key.str(), known));
+          return refuse(
+              value, "{}",
+              unknown_name("key of a mask", key.str(), known, ": it has name, file and recording"));
         }
       }
       if (mask.name.find_first_of(" =") != std::string::npos || mask.name.empty() ||

@@ -57,21 +57,28 @@ PlanCells::PlanCells(const Plan& plan)
       rules_(option_values(sanitise_option_table(), plan.rules)),
       metrics_(option_values(metric_option_table(), plan.experiment.metrics)) {}
 
-Cell PlanCells::cell(std::size_t i) const {
+CellPlace PlanCells::place(std::size_t i) const {
   const Plan& plan = *plan_;
   const auto next = [&](std::size_t count) {
     const std::size_t place = i % count;
     i /= count;
     return place;
   };
-  Cell cell;
-  cell.filter = plan.filters[next(plan.filters.size())];
-  cell.threads = plan.threads[next(plan.threads.size())];
-  cell.replicate = static_cast<int>(next(static_cast<std::size_t>(plan.replicates)));
-  cell.spp = plan.spp[next(plan.spp.size())];
-  cell.sampler = plan.samplers[next(plan.samplers.size())];
-  cell.dump = plan.recordings[i];
-  return cell;
+  CellPlace place;
+  place.filter = next(plan.filters.size());
+  place.threads = next(plan.threads.size());
+  place.replicate = next(static_cast<std::size_t>(plan.replicates));
+  place.spp = next(plan.spp.size());
+  place.sampler = next(plan.samplers.size());
+  place.recording = i;
+  return place;
+}
+
+Cell PlanCells::cell(std::size_t i) const {
+  const CellPlace at = place(i);
+  return {plan_->recordings[at.recording], plan_->samplers[at.sampler],
+          plan_->filters[at.filter],       plan_->spp[at.spp],
+          static_cast<int>(at.replicate),  plan_->threads[at.threads]};
 }
 
 std::uint64_t PlanCells::number(const Cell& cell) const {

@@ -18,6 +18,11 @@ struct PlanScene {
 };
 std::vector<PlanScene> scenes_of(const Plan& plan);  // in the order of their first recordings
 
+// Where a cell stands: indices into the lists of its plan.
+struct CellPlace {
+  std::size_t recording = 0, sampler = 0, spp = 0, replicate = 0, threads = 0, filter = 0;
+};
+
 // The cells of a plan in the order of Plan::cells(), each made when it is asked for: a plan may
 // have millions. The plan must outlive it.
 class PlanCells {
@@ -25,6 +30,7 @@ class PlanCells {
   explicit PlanCells(const Plan& plan);
 
   std::size_t size() const { return size_; }
+  CellPlace place(std::size_t i) const;
   Cell cell(std::size_t i) const;
   // Names a cell among all cells of a plan and of what the plan says about all: the same on every
   // machine. Recordings count by their file name, not by their folder.

@@ -87,9 +87,12 @@ class HeaderScan {
     std::string start = take(8);
     if (number_at<std::uint32_t>(start, 0) != kMagic || start.size() < 4) {
       start += take(24);
-      SPOOL_TRY(format::refuse_other_kind(name_, std::as_bytes(std::span(start)),
-                                          "an OpenEXR image", "save its values as an OpenEXR image",
-                                          "convert it, e.g. with oiiotool"));
+      const auto bytes = std::as_bytes(std::span(start));
+      const bool recording = format::kind_of(bytes) == "a .spool file";
+      SPOOL_TRY(format::refuse_other_kind(
+          name_, bytes, "an OpenEXR image",
+          recording ? "spool reconstruct makes one of it" : "save its values as an OpenEXR image",
+          "convert it, e.g. with oiiotool"));
       return fail(ErrorCode::kData,
                   "{}: is not an OpenEXR image (wrong first bytes): save its values as one", name_);
     }

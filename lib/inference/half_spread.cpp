@@ -11,17 +11,19 @@ namespace {
 constexpr double kCellsPerFreedom = 2.25;
 
 // Sum of squares over all windows of 2 x 2 cells, those that reach over the border too, / 4.
-double window_squares(const HalfDifference& split) {
-  const int columns = split.columns;
-  const int rows = static_cast<int>(split.cells.size()) / columns;
-  const auto cell = [&](int y, int x) {
-    const bool inside = y >= 0 && y < rows && x >= 0 && x < columns;
-    return inside ? split.cells[static_cast<std::size_t>(y * columns + x)] : 0.0;
-  };
+// `bordered` is scratch: the cells amid a row and a column of zeros on each side.
+double window_squares(const HalfDifference& split, std::vector<double>& bordered) {
+  const auto columns = static_cast<std::size_t>(split.columns);
+  const std::size_t rows = split.cells.size() / columns, width = columns + 2;
+  bordered.assign((rows + 2) * width, 0.0);
+  for (std::size_t y = 0; y < rows; ++y)
+    std::copy_n(&split.cells[y * columns], columns, &bordered[(y + 1) * width + 1]);
   double sum = 0.0;
-  for (int y = -1; y < rows; ++y) {
-    for (int x = -1; x < columns; ++x) {
-      const double window = cell(y, x) + cell(y, x + 1) + cell(y + 1, x) + cell(y + 1, x + 1);
+  for (std::size_t y = 0; y <= rows; ++y) {
+    const double* above = &bordered[y * width];
+    const double* below = above + width;
+    for (std::size_t x = 0; x <= columns; ++x) {
+      const double window = above[x] + above[x + 1] + below[x] + below[x + 1];
       sum += window * window / 4.0;
     }
   }
@@ -31,11 +33,13 @@ double window_squares(const HalfDifference& split) {
 // By the kurtosis of the cells: n where n cells vary alike and normally, 1 where one varies alone.
 double freedom_of(std::span<const HalfDifference> splits) {
   const double k = static_cast<double>(splits.size());
+  std::vector<double> of_cell(splits.front().cells.size());
+  for (const HalfDifference& split : splits) {
+    for (std::size_t c = 0; c < of_cell.size(); ++c)
+      of_cell[c] += split.cells[c] * split.cells[c] / k;
+  }
   double squares = 0.0, fourth = 0.0;
-  for (std::size_t c = 0; c < splits.front().cells.size(); ++c) {
-    double square = 0.0;
-    for (const HalfDifference& split : splits)
-      square += split.cells[c] * split.cells[c] / k;
+  for (const double square : of_cell) {
     squares += square;
     fourth += square * square;
   }
@@ -52,8 +56,9 @@ HalfVariance half_variance(std::span<const HalfDifference> splits) {
   for (const HalfDifference& split : splits) {
     if (split.cells.size() != splits.front().cells.size()) return found;
   }
+  std::vector<double> bordered;
   for (const HalfDifference& split : splits)
-    found.variance += 0.5 * window_squares(split) / static_cast<double>(splits.size());
+    found.variance += 0.5 * window_squares(split, bordered) / static_cast<double>(splits.size());
   found.freedom = freedom_of(splits);
   return found;
 }

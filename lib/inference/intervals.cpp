@@ -29,9 +29,9 @@ void finish(Interval& interval, double reach, Range range) {
       *end = std::exp(*end);
   }
   const double least = range == Range::kReal ? -kInfinity : 0.0;
+  if (interval.mean < least) return;
   const double most = range == Range::kShare ? 1.0 : kInfinity;
   if (interval.low < least) interval.low = least;
-  if (interval.high < least) interval.high = least;
   if (interval.high > most) interval.high = most;
 }
 

@@ -15,6 +15,8 @@ template <class Function>
 struct MethodList {
   std::string kind;                       // "sampler", "filter"
   std::vector<Method<Function>> methods;  // in the order in which people should read them
+  std::string other_kind = {};            // "filter" of samplers, for those who mix them up
+  std::vector<std::string> other_names = {};
 
   auto begin() const { return methods.begin(); }
   auto end() const { return methods.end(); }
@@ -35,6 +37,10 @@ template <class Function>
 Result<const Method<Function>*> known_method(const MethodList<Function>& list,
                                              std::string_view name) {
   if (const Method<Function>* method = find_method(list, name)) return method;
+  if (std::ranges::find(list.other_names, name) != list.other_names.end()) {
+    return fail(ErrorCode::kUsage, "'{}' is a {}, not a {}: give it to the {}s", name,
+                list.other_kind, list.kind, list.other_kind);
+  }
   return fail(ErrorCode::kUsage, "{}",
               unknown_name(list.kind, name, names_of(list),
                            fmt::format(": see spool list {}s", list.kind)));

@@ -52,6 +52,7 @@ class Evaluation {
         judged_(estimate[0].width(), estimate[0].height()) {
     select_pixels();
     if (table_.pixels == 0) return;
+    if (reference.variance && !equals_reference()) variance_ = &*reference.variance;
     choose_scale();
     make_sides();
     add_up_blocks();
@@ -138,7 +139,7 @@ class Evaluation {
       found.worst_share = of_worst / all;
       found.half_pixels = half;
     }
-    if (!reference_.variance) return found;
+    if (!variance_) return found;
     double noise = 0.0;
     for (int d = 0; d < kDeciles; ++d)
       noise += sum(squares + kSquareTerms * d + kVariance, kWhole);
@@ -184,6 +185,14 @@ class Evaluation {
     }
     table_.failed = table_.excluded_estimate > 0;
     table_.guards.add(Guard::kMetricExcluded, table_.excluded_estimate + table_.excluded_reference);
+  }
+
+  bool equals_reference() const {
+    for (std::size_t p = 0; p < judged_.size(); ++p) {
+      for (std::size_t c = 0; judged_[p] && c < 3; ++c)
+        if (estimate_[c][p] != reference_.mean[c][p]) return false;
+    }
+    return true;
   }
 
   void choose_scale() {
@@ -254,7 +263,7 @@ class Evaluation {
     const double scale = table_.relative_scale;
     for (std::size_t c = 0; c < 3; ++c) {
       const double i = estimate_[c][p], r = reference_.mean[c][p];
-      const double b = reference_.variance ? (*reference_.variance)[c][p] : 0.0;
+      const double b = variance_ ? (*variance_)[c][p] : 0.0;
       const double raw = (i - r) * (i - r), squared = raw - b;
       const double relative = scale * scale * squared / relative_divisor(c, p);
       const double difference = std::abs(i - r);
@@ -281,7 +290,7 @@ class Evaluation {
     const std::ptrdiff_t first = kSquareTerms * std::ptrdiff_t{side_->decile[p]};
     for (std::size_t c = 0; c < 3; ++c) {
       const double r = reference_.mean[c][p], difference = estimate_[c][p] - r;
-      const double b = reference_.variance ? (*reference_.variance)[c][p] : 0.0;
+      const double b = variance_ ? (*variance_)[c][p] : 0.0;
       const double weight = scale * scale / relative_divisor(c, p);
       const std::array<double, kSquareTerms> squares = {difference * difference, difference * r,
                                                         r * r, b};
@@ -420,6 +429,7 @@ class Evaluation {
 
   const RgbImage& estimate_;
   const JudgingReference& reference_;
+  const RgbImage* variance_ = nullptr;  // b, where it is subtracted
   const MetricOptions& options_;
   const bool flip_;
   // Whether a wanted metric is made of tone-mapped pixels, of deciles, of their squares.
@@ -457,6 +467,17 @@ const MetricValue& MetricTable::operator[](std::string_view name) const {
   SPOOL_CHECK_GE(index, 0);
   SPOOL_CHECK_LT(static_cast<std::size_t>(index), values.size());
   return values[static_cast<std::size_t>(index)];
+}
+
+bool is_the_reference(const RgbImage& image, const RgbImage& reference) {
+  constexpr double kNear = 1e-3;
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t p = 0; p < image[c].size(); ++p) {
+      const double r = reference[c][p];
+      if (!(std::abs(image[c][p] - r) <= kNear * std::abs(r))) return false;
+    }
+  }
+  return true;
 }
 
 MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& reference,

@@ -5,8 +5,9 @@
 // Inputs are images only [c][y][x]: linear RGB of equal size; a metric knows no method. With b the
 // variance of the reference's mean, `mse` and the `relmse` family are debiased: (I - R)^2 - b has
 // expectation (I - mu)^2 when R is independent of I, so they may come out slightly negative and are
-// never clamped. Pixels that are not finite in I are left out and make the table `failed`; pixels
-// not finite in R (nothing to judge by) are left out and counted.
+// never clamped. An image that equals R is not independent of it: its errors are 0. Pixels that are
+// not finite in I are left out and make the table `failed`; pixels not finite in R (nothing to
+// judge by) are left out and counted.
 // Precision: all sums double, per 16x16 block in row order, blocks combined pairwise; the bits do
 // not depend on threads. Slow twin: tests/reference/error_metrics_reference.h.
 #pragma once
@@ -63,6 +64,10 @@ struct MetricTable {
 
   const MetricValue& operator[](std::string_view name) const;  // the metric must exist
 };
+
+// Alike to a part in a thousand in every pixel, as after a way through half floats: an error of
+// such an image has no meaning. Sizes are equal.
+bool is_the_reference(const RgbImage& image, const RgbImage& reference);
 
 MetricTable error_metrics(const RgbImage& estimate, const JudgingReference& reference,
                           const MetricOptions& options = {});

@@ -99,10 +99,6 @@ Rectangle region(int x, int y, int level, const Rectangle& bounds) {
       {x - window.before, y - window.before, x + window.after + 1, y + window.after + 1}, bounds);
 }
 
-int region_count(int x, int y, int level, const Rectangle& bounds) {
-  return static_cast<int>(region(x, y, level, bounds).area());
-}
-
 Plane region_sum(const Plane& image, int level) {
   Plane out(image.width(), image.height());
   region_sum_box(image, level, image.bounds(), out);

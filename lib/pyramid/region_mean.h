@@ -16,9 +16,6 @@ namespace spool {
 // The region of (x, y); level 0 .. 8.
 Rectangle region(int x, int y, int level, const Rectangle& bounds);
 
-// N: the pieces of the region that lie inside the grid.
-int region_count(int x, int y, int level, const Rectangle& bounds);
-
 Plane region_sum(const Plane& image, int level);
 Plane region_mean(const Plane& image, int level);
 

@@ -30,15 +30,23 @@ std::array<long long, 2> split_budget(const std::array<SamplePool, 2>& pools, lo
   return {std::min(budget - to_odd, even), to_odd};
 }
 
+// Two samples of each piece decide. Where that leaves each half less than one for the other's
+// decision, the even half decides with its whole share, and the odd one begins with one.
+std::array<long long, 2> least_first(const std::array<long long, 2>& budgets, long long pieces) {
+  if (budgets[0] >= 2 * pieces && budgets[1] < 3 * pieces) return {budgets[0], pieces};
+  return {2 * pieces, 2 * pieces};
+}
+
 std::array<Half, 2> begin_halves(const SamplePool& pool, long long budget, double start,
                                  std::uint64_t seed) {
   const long long pieces = static_cast<long long>(pool.width()) * pool.height();
   const std::array<SamplePool, 2> pools = halves_of(pool);
   const std::array<long long, 2> budgets = split_budget(pools, budget);
+  const std::array<long long, 2> least = least_first(budgets, pieces);
   const auto begin = [&](std::size_t h) -> Half {
     const long long share = budgets[h];
     const auto uniform = std::llround(start * static_cast<double>(share));
-    const CountImage each = initial_counts(pools[h], std::min(share, std::max(uniform, 2 * pieces)),
+    const CountImage each = initial_counts(pools[h], std::min(share, std::max(uniform, least[h])),
                                            std::numeric_limits<int>::max(), mix(seed, h));
     return {pools[h], begin_spending(pools[h], share, each)};
   };
@@ -68,19 +76,22 @@ Result<SamplingResult> sample_cross_halves(const SamplePool& pool, long long bud
                                            const SamplingContext& context) {
   SPOOL_TRY(check_loop(context, "cross_halves"));
   std::array<Half, 2> halves = begin_halves(pool, budget, options.start, context.seed);
+  // Where one half decides alone, more rounds would decide the same.
+  const int rounds = halves[0].spending.left == 0 ? 1 : options.rounds;
   const std::array<std::vector<long long>, 2> shares = {
-      equal_shares(halves[0].spending.left, options.rounds),
-      equal_shares(halves[1].spending.left, options.rounds)};
+      equal_shares(halves[0].spending.left, rounds), equal_shares(halves[1].spending.left, rounds)};
   for (std::size_t round = 0; round < shares[0].size(); ++round) {
     if (shares[0][round] == 0 && shares[1][round] == 0) continue;
     std::array<Plane, 2> weight;
     for (std::size_t h = 0; h < 2; ++h) {
+      if (shares[1 - h][round] == 0) continue;
       Plane error;
       SPOOL_ASSIGN(weight[h], filter_disagreement(halves[h].spending.statistics, halves[h].pool,
                                                   context.filter, options.blur, &error));
       if (context.views != nullptr) context.views->add_next("error", error);
     }
     for (std::size_t h = 0; h < 2; ++h) {
+      if (shares[h][round] == 0) continue;
       Half& placed = halves[h];
       spend(placed.spending, placed.pool,
             hand_out_deficits(pixels_to_pieces(weight[1 - h], pool.pieces_per_side()),

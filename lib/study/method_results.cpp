@@ -125,6 +125,24 @@ void add_shared(MethodResults& method, const Plan& plan, const Shares& shares, d
   }
 }
 
+// In the order samplers, then filters.
+std::vector<MethodResults> without_results(const Plan& plan, const PlanScene& scene,
+                                           const StudySources& sources) {
+  std::vector<MethodResults> methods;
+  for (const MethodChoice& sampler : plan.samplers) {
+    for (const MethodChoice& filter : plan.filters) {
+      MethodResults& method = methods.emplace_back();
+      method.sampler = sampler;
+      method.filter = filter;
+      method.made_elsewhere = sources.made_elsewhere(filter);
+      method.values.resize(quantities().size());
+      method.pixel_errors.resize(quantities().size(), kNaN);
+      method.recordings = static_cast<int>(scene.recordings.size());
+    }
+  }
+  return methods;
+}
+
 }  // namespace
 
 double MethodResults::mean(std::size_t quantity) const {
@@ -187,31 +205,34 @@ Interval MethodResults::interval(std::size_t quantity) const {
                          kind.range);
 }
 
-std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene, double spp,
-                                        int threads, const StudySources& sources) {
-  std::vector<MethodResults> methods;
-  for (const MethodChoice& sampler : plan.samplers) {
-    for (const MethodChoice& filter : plan.filters) {
-      MethodResults method;
-      method.sampler = sampler;
-      method.filter = filter;
-      method.made_elsewhere = sources.made_elsewhere(filter);
-      method.values.resize(quantities().size());
-      method.pixel_errors.resize(quantities().size(), kNaN);
-      method.recordings = static_cast<int>(scene.recordings.size());
-      Shares shares(sources);
-      for (const std::string& dump : scene.recordings) {
-        for (int r = 0; r < plan.replicates; ++r) {
-          const Result<ResultRecord> found = sources.read({dump, sampler, filter, spp, r, threads});
-          if (found && !found->failed()) shares.add(*found, dump);
-          add_record(method, found);
-        }
-      }
-      add_shared(method, plan, shares, spp);
-      methods.push_back(std::move(method));
+SceneMethods read_scene(const Plan& plan, const PlanScene& scene, const StudySources& sources) {
+  const PlanCells cells(plan);
+  const std::size_t of_recording = cells.size() / plan.recordings.size();
+  const std::size_t filters = plan.filters.size();
+  SceneMethods found(plan.threads.size(), {plan.spp.size(), without_results(plan, scene, sources)});
+  std::vector<Shares> shares(plan.threads.size() * plan.spp.size() * found[0][0].size(),
+                             Shares(sources));
+  const auto shares_of = [&](std::size_t t, std::size_t b, std::size_t m) -> Shares& {
+    return shares[(t * plan.spp.size() + b) * found[0][0].size() + m];
+  };
+  for (std::size_t d = 0; d < plan.recordings.size(); ++d) {
+    if (std::ranges::find(scene.recordings, plan.recordings[d]) == scene.recordings.end()) continue;
+    for (std::size_t i = d * of_recording; i < (d + 1) * of_recording; ++i) {
+      const CellPlace at = cells.place(i);
+      const std::size_t m = at.sampler * filters + at.filter;
+      const Result<ResultRecord> record = sources.read(cells.cell(i));
+      if (record && !record->failed())
+        shares_of(at.threads, at.spp, m).add(*record, plan.recordings[d]);
+      add_record(found[at.threads][at.spp][m], record);
     }
   }
-  return methods;
+  for (std::size_t t = 0; t < found.size(); ++t) {
+    for (std::size_t b = 0; b < found[t].size(); ++b) {
+      for (std::size_t m = 0; m < found[t][b].size(); ++m)
+        add_shared(found[t][b][m], plan, shares_of(t, b, m), plan.spp[b]);
+    }
+  }
+  return found;
 }
 
 }  // namespace spool

@@ -60,8 +60,9 @@ struct MethodResults {
   Interval interval(std::size_t quantity) const;
 };
 
-// All methods of a plan on one scene, in the order samplers, then filters.
-std::vector<MethodResults> read_methods(const Plan& plan, const PlanScene& scene, double spp,
-                                        int threads, const StudySources& sources);
+// All methods of a plan on one scene, [threads][budget][method], the methods in the order samplers,
+// then filters. Each cell is read once, those of a recording in the order of Plan::cells().
+using SceneMethods = std::vector<std::vector<std::vector<MethodResults>>>;
+SceneMethods read_scene(const Plan& plan, const PlanScene& scene, const StudySources& sources);
 
 }  // namespace spool

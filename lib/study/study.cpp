@@ -32,10 +32,9 @@ struct SceneSummary {
 // One scene with one number of threads, all budgets.
 class SceneStudy {
  public:
-  SceneStudy(const Plan& plan, const PlanScene& scene, int threads, const StudySources& sources)
-      : plan_(plan), scene_(scene), threads_(threads) {
-    for (const double spp : plan.spp)
-      budgets_.push_back(read_methods(plan, scene, spp, threads, sources));
+  SceneStudy(const Plan& plan, const PlanScene& scene, int threads,
+             std::vector<std::vector<MethodResults>> budgets)
+      : plan_(plan), scene_(scene), threads_(threads), budgets_(std::move(budgets)) {
     for (std::size_t b = 0; b < budgets_.size(); ++b) {
       std::vector<std::vector<Interval>>& intervals = intervals_.emplace_back();
       for (const MethodResults& method : budgets_[b]) {
@@ -195,16 +194,19 @@ Study study_of(const Plan& plan, const StudySources& sources) {
                                          : plan.baseline;
   study.scenes = scenes_of(plan);
   std::vector<PlaceClaims> places;
-  for (const int threads : plan.threads) {
-    std::vector<SceneSummary> scenes;  // a plan may have more results than fit into memory
-    for (const PlanScene& scene : study.scenes) {
-      const SceneStudy found(plan, scene, threads, sources);
+  // A plan may have more results than fit into memory: a scene at a time.
+  std::vector<std::vector<SceneSummary>> scenes(plan.threads.size());
+  for (const PlanScene& scene : study.scenes) {
+    SceneMethods methods = read_scene(plan, scene, sources);
+    for (std::size_t t = 0; t < plan.threads.size(); ++t) {
+      const SceneStudy found(plan, scene, plan.threads[t], std::move(methods[t]));
       found.add_claims(places);
       found.add_findings(study);
-      if (study.scenes.size() > 1) scenes.push_back(found.summary());
+      if (study.scenes.size() > 1) scenes[t].push_back(found.summary());
     }
-    add_overall(study.overall, plan, scenes);
   }
+  for (const std::vector<SceneSummary>& of_threads : scenes)
+    add_overall(study.overall, plan, of_threads);
   study.claims = claim_findings(plan, places);
   return study;
 }

@@ -162,6 +162,8 @@ TEST(NearestName, FindsTyposAndIgnoresStrangers) {
   EXPECT_EQ(nearest_name("zzzzzzzzz", {"mitchell", "uniform"}), "");
   EXPECT_EQ(nearest_name("K", {"P", "alpha", "levels"}), "levels");  // as version 0.1.0 called it
   EXPECT_EQ(nearest_name("K", {"alpha"}), "");
+  EXPECT_EQ(nearest_name("direct", {"correct", "directional"}), "directional");  // its beginning
+  EXPECT_EQ(nearest_name("", {"alphabetical"}), "");
 }
 
 TEST(Views, CollectOnlyWhatWasAskedFor) {

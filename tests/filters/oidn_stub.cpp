@@ -4,8 +4,8 @@
 //   with a colour   colour + 1/4 albedo + 1/16 normal, + 64 unless hdr, + 128 if features are exact
 //   without one     half of the image (a feature that is denoised by itself)
 //
-// With SPOOL_OIDN_STUB=fail an execution is an error. SPOOL_OIDN_STUB_VERSION_1: names of version
-// 1.
+// With SPOOL_OIDN_STUB=fail an execution is an error, with =dim 31/32 of the colour are left.
+// SPOOL_OIDN_STUB_VERSION_1: names of version 1.
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
@@ -82,6 +82,7 @@ void oidnExecuteFilter(void* filter) {
   StubFilter& stub = *static_cast<StubFilter*>(filter);
   const char* wish = std::getenv("SPOOL_OIDN_STUB");
   if (wish != nullptr && std::strcmp(wish, "fail") == 0) error = "out of patience";
+  const bool dim = wish != nullptr && std::strcmp(wish, "dim") == 0;
   if (!stub.committed) error = "not committed";
   const StubImage output = stub.images["output"];
   const bool colour = stub.images.contains("color");
@@ -90,8 +91,9 @@ void oidnExecuteFilter(void* filter) {
       output.values[i] *= 0.5f;
       continue;
     }
-    output.values[i] = value(stub, "color", i) + 0.25f * value(stub, "albedo", i) +
-                       0.0625f * value(stub, "normal", i) + (stub.settings["hdr"] ? 0.0f : 64.0f) +
+    output.values[i] = (dim ? 0.96875f : 1.0f) * value(stub, "color", i) +
+                       0.25f * value(stub, "albedo", i) + 0.0625f * value(stub, "normal", i) +
+                       (stub.settings["hdr"] ? 0.0f : 64.0f) +
                        (stub.settings["cleanAux"] ? 128.0f : 0.0f);
   }
 }

@@ -95,6 +95,16 @@ TEST_F(Oidn, GivesTheSameDigitsInAnyUnit) {
   }
 }
 
+TEST_F(Oidn, NotesLightThatTheNetworkLost) {
+  const auto all = run(pool_with({}), {});
+  ::setenv("SPOOL_OIDN_STUB", "dim", 1);
+  const auto some = run(pool_with({}), {});
+  ASSERT_TRUE(all.has_value() && some.has_value());
+  EXPECT_TRUE(all->notes.empty());
+  ASSERT_EQ(some->notes.size(), 1u);
+  EXPECT_THAT(some->notes[0], AllOf(HasSubstr("96.9 %"), HasSubstr("energy=box")));
+}
+
 TEST_F(Oidn, IsRefusedWhereTheLibraryIsMissing) {
   for (const char* place : {"/nowhere/libOpenImageDenoise.so", "/"}) {
     use(place);

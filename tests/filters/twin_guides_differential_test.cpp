@@ -86,12 +86,12 @@ TEST(TwinGuidesDifferential, GuidesAndWeights) {
     const Compared in = compared(make_pool(width, height, 8, noisy_picture(width, height, 7)), 2);
     GuardCounts guards;
     const TwinGuidesOptions options;
-    SampleMoments moments =
-        sample_moments(in.pool, in.n, in.limit, options.noise_pool, in.scale, guards);
+    const Plane heavy(width, height, 0.5);
+    const NoisePool noise_pool{options.noise_pool, heavy};
+    SampleMoments moments = sample_moments(in.pool, in.n, in.limit, noise_pool, in.scale, guards);
     const FeatureImages f = noisy_features(width, height, 7);
     const reference::Planes clean = to_double(f.value), clean_variance = to_double(f.variance);
-    const reference::Moments m =
-        reference::moments(in.pool, in.n, in.limit, options.noise_pool, in.scale);
+    const reference::Moments m = reference::moments(in.pool, in.n, in.limit, noise_pool, in.scale);
     const std::vector<reference::GuideLevel> levels = reference::guide_levels(
         reference::guide_sources(m, clean, clean_variance), 4, in.scale, options);
     const GuideSources sources = guide_sources(moments, f);

@@ -157,9 +157,11 @@ TEST(TwinGuides, LightThatEveryGroupOfSamplesSawReturnsAndThatOfOneDoesNot) {
   const auto first_only = [&](int x, int y, int s) {
     return s % 4 == 0 ? rare(x, y, s) : Rgb{1.0f, 1.0f, 1.0f};
   };
-  const auto mean_of = [](const RadianceFunction& radiance, double agreement) {
+  const auto mean_of = [](const RadianceFunction& radiance, double agreement,
+                          double opening = 0.0) {
     TwinGuidesOptions options;
     options.agreement = agreement;
+    options.opening = opening;
     const RgbImage image = image_of(make_pool(100, 90, 8, radiance), 8, options);
     double sum = 0.0;
     for (const double v : image[1].pixels())
@@ -170,6 +172,8 @@ TEST(TwinGuides, LightThatEveryGroupOfSamplesSawReturnsAndThatOfOneDoesNot) {
   EXPECT_GT(mean_of(rare, 8.0), 1.5);
   EXPECT_LT(mean_of(rare, 8.0), 2.1);
   EXPECT_EQ(mean_of(first_only, 8.0), mean_of(first_only, 0.0));
+  EXPECT_GT(mean_of(rare, 0.0, 8.0), 1.5);  // where tails are heavy hardly any is taken
+  EXPECT_EQ(mean_of(first_only, 0.0, 8.0), mean_of(first_only, 0.0));
 }
 
 // A lamp out of focus: its disc is bright on one path in twelve, what is around it plain.

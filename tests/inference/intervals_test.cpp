@@ -1,5 +1,6 @@
 #include "lib/inference/intervals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -21,7 +22,8 @@ TEST(Student, AgreesWithClosedFormsAndTables) {
   EXPECT_NEAR(student_two_sided(-12.7062047361747, 1), 0.05, 1e-12);
   EXPECT_EQ(student_two_sided(std::numeric_limits<double>::infinity(), 3), 0.0);
   for (const double p : {0.001, 0.2, 0.5, 0.77, 0.9999})
-    EXPECT_NEAR(student_cdf(student_quantile(p, 2.5), 2.5), p, 1e-12);
+    EXPECT_NEAR(student_two_sided(student_quantile(p, 2.5), 2.5), 2.0 * std::min(p, 1.0 - p),
+                1e-12);
 }
 
 TEST(MeanInterval, OfRealValuesByHand) {
@@ -48,6 +50,9 @@ TEST(MeanInterval, StaysInItsRange) {
   const Interval debiased = mean_interval({{-0.1, 0.4, 0.1}}, Range::kPositive);
   EXPECT_FALSE(debiased.logarithmic);
   EXPECT_EQ(debiased.low, 0.0);
+  const Interval below = mean_interval({{-0.1, -0.4, 0.1}}, Range::kPositive);
+  EXPECT_NEAR(below.mean - below.low, below.high - below.mean, 1e-12);  // it holds its mean
+  EXPECT_LT(single_interval(-0.3, 0.1, Range::kPositive).high, 0.0);
   const Interval share = mean_interval({{0.0, 0.9, 1.0}}, Range::kShare);
   EXPECT_EQ(share.low, 0.0);
   EXPECT_EQ(share.high, 1.0);

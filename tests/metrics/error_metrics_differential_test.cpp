@@ -65,6 +65,26 @@ TEST(ErrorMetrics, EqualTheSlowTwin) {
   }
 }
 
+TEST(ErrorMetrics, OfTheReferenceItselfAreZero) {
+  const JudgingReference reference{
+      uniform_image(21, 17, 5, 0.0, 3.0), uniform_image(21, 17, 6, 0.0, 0.01), {}};
+  RgbImage image = reference.mean;
+  const MetricTable table = error_metrics(image, reference);
+  for (const char* name : {"mse", "mse_g", "relmse", "relmse_trimmed", "mse_equal_energy"}) {
+    EXPECT_EQ(table[name].value, 0.0) << name;
+    EXPECT_EQ(table[name].standard_error, 0.0) << name;
+    EXPECT_EQ(reference::metric(name, image, reference, {}), 0.0) << name;
+  }
+  EXPECT_TRUE(is_the_reference(image, reference.mean));
+  image[1](3, 4) *= 1.0005;
+  EXPECT_LT(error_metrics(image, reference)["mse"].value, 0.0);
+  EXPECT_TRUE(is_the_reference(image, reference.mean));
+  image[1](3, 4) *= 1.001;
+  EXPECT_FALSE(is_the_reference(image, reference.mean));
+  image[1](3, 4) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(is_the_reference(image, reference.mean));
+}
+
 TEST(ErrorParts, EqualTheSlowTwin) {
   for (const auto denominator :
        {RelativeDenominator::kPerChannel, RelativeDenominator::kLuminance}) {

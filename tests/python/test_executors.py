@@ -3,6 +3,7 @@ import concurrent.futures
 import importlib.util
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from spool import executors
 TIMES = ("seconds", "cpu", "efficiency", "peak_memory", "timing")  # of the machine
 PLAN = {"samplers": ["uniform", "multiscale"], "filters": ["box", "directional"], "spp": [2, 4], "replicates": 2}
 CELLS = 2 * 2 * 2 * 2
+MPI4PY = importlib.util.find_spec("mpi4py") is not None
 
 
 def facts(results):
@@ -194,12 +196,22 @@ def test_dask_from_the_shell_with_a_worker_killed(path, whole, shell, tmp_path):
     assert facts(spool.results(folder)) == facts(spool.results(tmp_path / "alone"))
 
 
+@pytest.mark.skipif(not MPI4PY or not shutil.which("mpiexec"), reason="no MPI")
+def test_processes_of_mpi_work_for_the_first(path, whole, tmp_path, monkeypatch):
+    for name in ("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_rmaps_base_oversubscribe"):
+        monkeypatch.setenv(name, "1")
+    plan = tmp_path / "plan.toml"
+    plan.write_text(f'recordings = ["{path}"]\nsamplers = ["uniform", "multiscale"]\nfilters = ["box", "directional"]\nspp = [2, 4]\nreplicates = 2\n')
+    done = subprocess.run(["mpiexec", "-n", "3", PROGRAM, "evaluate", plan, "--executor", "mpi", "-o", tmp_path / "results"],
+                          capture_output=True, text=True, timeout=LONGEST_RUN)
+    assert done.returncode == 0 and done.stdout.count("numbers: ") == 1, done.stderr
+    assert facts(spool.results(tmp_path / "results")) == facts(whole)
+
+
 @pytest.mark.parametrize("executor, code, line", [
     ("processes:0", 2, "write one of processes:N, dask:ADDRESS, mpi"), ("ray:", 2, "write one of"), ("dask:", 2, "write one of"),
-    ("dask:tcp://127.0.0.1:9", 3, "no Dask scheduler there"), ("mpi", 2, "mpi4py.futures is not there")])
+    ("dask:tcp://127.0.0.1:9", 3, "no Dask scheduler there"), ("mpi", 2, "no workers" if MPI4PY else "mpi4py.futures is not there")])
 def test_an_executor_that_is_not_there_is_one_line(executor, code, line, shell, tmp_path):
-    if executor == "mpi" and importlib.util.find_spec("mpi4py"):
-        pytest.skip("mpi4py is there")
     found, said = shell(executor, "-o", tmp_path / "results")
     assert found == code and line in said and "\n" not in said, said
     assert not (tmp_path / "results").exists()

@@ -1,4 +1,5 @@
 """Every failure is a SpoolError with the line and the exit code of the program."""
+import os
 import pickle
 import warnings
 
@@ -173,6 +174,38 @@ def test_what_stands_in_the_wrong_place_is_answered_with_the_right_one(call, wor
     with pytest.raises(spool.SpoolError) as failure:
         call(spool.example())
     assert [word for word in words if word not in str(failure.value)] == []
+
+
+def test_what_is_no_file_is_neither_waited_for_nor_replaced(tmp_path):
+    from spool import exr
+    fifo = tmp_path / "fifo"
+    os.mkfifo(fifo)
+    for call in (lambda: spool.open(fifo), lambda: spool.replay(fifo, "uniform", 1), lambda: spool.evaluate(fifo), lambda: exr.read(fifo),
+                 lambda: spool.append_meta(fifo, {}), lambda: spool.write(fifo, radiance=np.ones((2, 2, 2, 3)), force=True)):
+        with pytest.raises(spool.SpoolError, match="fifo: (is no|not a) regular file"):
+            call()
+    assert fifo.is_fifo() and len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_closed_recording(path):
+    dump = spool.open(path)
+    dump.close()
+    for call in (lambda: dump.read("radiance"), lambda: dump.pixel("reference"), lambda: dump.block(0, 0, 0)):
+        with pytest.raises(spool.SpoolError, match="scene.spool: is closed: open it again"):
+            call()
+
+
+def test_a_view_of_any_size_is_refused_before_it_is_copied(dump):
+    def of(*shape):
+        return np.broadcast_to(np.float32(1), shape)
+
+    for call in (lambda: spool.metrics(of(65536, 65536, 3), of(4, 4, 3)), lambda: spool.show(of(65536, 65536)), lambda: spool.show(of(70000, 4, 3)),
+                 lambda: spool.reconstruct(dump, of(65536, 65536), "box"), lambda: spool.replay(of(65536, 65536, 2, 3), "uniform", 1)):
+        with pytest.raises(spool.SpoolError, match="pixels: give 1 to 65536 on a side"):
+            call()
+    with pytest.raises(spool.SpoolError, match="more than memory holds") as caught:
+        spool.recording(of(16384, 16384, 65536, 3))
+    assert caught.value.code == spool.IO
 
 
 def test_an_array_that_looks_like_sample_y_x_is_pointed_out():

@@ -13,10 +13,18 @@ import pytest
 import spool
 
 
-def interrupt_after(seconds):
-    timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    return timer
+def interrupted(call, *seconds):
+    """Signals after so many seconds; where the first one ends the call already, the others reach no later one."""
+    timers = [threading.Timer(after, os.kill, (os.getpid(), signal.SIGINT)) for after in seconds]
+    for timer in timers:
+        timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        call()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for timer in timers:
+        timer.cancel()
+        timer.join()
+    signal.signal(signal.SIGINT, handler)
 
 
 @pytest.fixture(scope="module")
@@ -48,10 +56,8 @@ def test_a_sampler_in_python(large):
         time.sleep(0.05)
         return np.ones(statistics.n.shape) if statistics.round == 0 else np.eye(256)
 
-    interrupt_after(0.5)
     start = time.monotonic()
-    with pytest.raises(KeyboardInterrupt):
-        spool.replay(large, slow, 16)
+    interrupted(lambda: spool.replay(large, slow, 16), 0.5)
     assert time.monotonic() - start < 10
 
 
@@ -121,15 +127,9 @@ def test_a_function_that_never_ends(large):
                 pass
         return statistics.mean
 
-    interrupt_after(0.5)
-    with pytest.raises(KeyboardInterrupt):
-        spool.replay(large, endless, 4)
-    interrupt_after(0.5), interrupt_after(1.0)
-    with pytest.raises(KeyboardInterrupt):
-        spool.reconstruct(large, None, stubborn)
-    interrupt_after(0.7)
-    with pytest.raises(KeyboardInterrupt):
-        spool.evaluate({"recordings": [large], "spp": [4], "replicates": 1, "samplers": [endless], "filters": ["box"]})
+    interrupted(lambda: spool.replay(large, endless, 4), 0.5)
+    interrupted(lambda: spool.reconstruct(large, None, stubborn), 0.5, 1.0)
+    interrupted(lambda: spool.evaluate({"recordings": [large], "spp": [4], "replicates": 1, "samplers": [endless], "filters": ["box"]}), 0.7)
 
 
 @pytest.mark.parametrize("raised", [KeyboardInterrupt("mine"), SystemExit(3), GeneratorExit()])
@@ -163,6 +163,28 @@ def test_a_function_calls_the_library_and_not_itself(large):
     with pytest.raises(spool.SpoolError, match="none like itself"):
         spool.replay(large, itself, 4)
     assert threading.active_count() < 10
+
+
+def test_calls_that_ask_for_themselves_by_other_threads_come_to_an_end():
+    recording, deepest = spool.recording(np.ones((4, 4, 2, 3))), []
+
+    @spool.filter
+    def itself(statistics):
+        def ask():
+            try:
+                spool.reconstruct(recording, None, itself)
+            except spool.SpoolError as error:
+                deepest.append((str(error), len(os.listdir("/proc/self/task"))))
+
+        thread = threading.Thread(target=ask)
+        thread.start()
+        thread.join()
+        return statistics.mean
+
+    assert (spool.reconstruct(recording, None, itself) == 1).all()
+    (line, tasks), = deepest
+    assert "256 calls have not returned" in line and tasks < 700
+    assert (spool.reconstruct(recording, None, "box") == 1).all()
 
 
 @pytest.mark.parametrize("work", ["spool.replay(dump, 'multiscale', 32)", "spool.reconstruct(dump, None, 'nl_means')",

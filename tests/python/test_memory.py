@@ -24,13 +24,19 @@ print(private() - before, chosen.counts.size)
 """
 
 
+def measured(script, *words):
+    """What a child prints; a sanitizer keeps nothing there that was let go."""
+    options = os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=0:thread_local_quarantine_size_kb=0"
+    return subprocess.run([sys.executable, "-c", script, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True,
+                          env={**os.environ, "ASAN_OPTIONS": options}).stdout
+
+
 def test_a_mapped_file(tmp_path):
     side = int(os.environ.get("SPOOL_PYTHON_MEMORY_SIDE", "256"))  # 1672: 2 GB
     spp = 64
     path = tmp_path / "large.spool"
     spool.synth("slanted_edge", width=side, height=side, spp=spp, path=path)
-    done = subprocess.run([sys.executable, "-c", MEASURE, path], check=True, capture_output=True, text=True)
-    taken, pixels = map(int, done.stdout.split())
+    taken, pixels = map(int, measured(MEASURE, path).split())
     size = path.stat().st_size
     assert size > 12 * spp * side * side
     # Statistics, selection and image are some 300 bytes a pixel; the samples are 768.
@@ -63,8 +69,7 @@ for name, call in calls.items():
 
 def test_many_calls():
     calls = int(os.environ.get("SPOOL_PYTHON_CALLS", "1000"))
-    done = subprocess.run([sys.executable, "-c", MANY_CALLS, str(calls)], check=True, capture_output=True, text=True)
-    taken = {name: int(size) for name, size in map(str.split, done.stdout.splitlines())}
+    taken = {name: int(size) for name, size in map(str.split, measured(MANY_CALLS, calls).splitlines())}
     assert len(taken) == 3 and max(taken.values()) < 4e6 * max(calls / 3000, 1 / 3), taken
 
 

@@ -18,6 +18,7 @@ inline std::array<CountImage, 2> cross_halves(const SamplePool& pool, std::array
     for (int h = 0; h < 2; ++h) {
       const int o = 1 - h;  // who decides
       const long long share = left[h] / rounds + (round < left[h] % rounds ? 1 : 0);
+      if (share == 0) continue;
       const Plane weight = halves_weight(pool.half(o), n[o], exposure[o], sigma, filter);
       double sum = 0.0;
       long long taken = 0;

@@ -38,6 +38,10 @@ inline std::vector<JudgedPixel> judged_pixels(const RgbImage& estimate,
       if (finite) pixels.push_back(p);
     }
   }
+  const bool same = std::all_of(pixels.begin(), pixels.end(),
+                                [](const JudgedPixel& p) { return std::equal(p.i, p.i + 3, p.r); });
+  for (JudgedPixel& p : pixels)  // the reference itself is not debiased
+    if (same) p.b[0] = p.b[1] = p.b[2] = 0.0;
   return pixels;
 }
 

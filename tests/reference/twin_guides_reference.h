@@ -9,6 +9,7 @@
 
 #include "lib/core/extend.h"
 #include "lib/filters/twin_guides/options.h"
+#include "lib/filters/twin_guides/sample_moments.h"
 #include "lib/statistics/feature_statistics.h"
 #include "lib/statistics/piece_statistics.h"
 #include "lib/statistics/variance_of_mean.h"
@@ -94,8 +95,8 @@ struct Moments {
 
 // Mean and blurred variance of `value` over the samples taken of every piece.
 template <class Value>
-void mean_and_variance(const SamplePool& pool, const CountImage& n, double key, int noise_pool,
-                       Value value, Plane& mean, Plane& variance) {
+void mean_and_variance(const SamplePool& pool, const CountImage& n, double key,
+                       const NoisePool& noise_pool, Value value, Plane& mean, Plane& variance) {
   Plane m2(n.width(), n.height());
   mean = m2;
   for (int y = 0; y < n.height(); ++y) {
@@ -110,10 +111,14 @@ void mean_and_variance(const SamplePool& pool, const CountImage& n, double key, 
   const int q = pool.pieces_per_side();
   variance = variance_of_mean(n, mean, m2, {VarianceMode::kAuto, key}, guards);
   variance = fill_empty_pieces(variance, n, q, guards);
-  const Plane grown = grown_variance(variance, noise_pool);
+  const Plane whole = variance;
   variance = blur(variance, 1.0);
-  for (std::size_t i = 0; i < variance.size(); ++i)
-    variance[i] = std::max(variance[i], grown[i]);
+  if (!noise_pool.unused()) {
+    const Plane grown = grown_variance(whole, noise_pool.radius);
+    for (std::size_t i = 0; i < variance.size(); ++i)
+      variance[i] = (1.0 + noise_pool.share[i] * std::min(1.0, 8.0 / std::max(n[i], 1))) *
+                    (variance[i] + noise_pool.share[i] * std::max(0.0, grown[i] - variance[i]));
+  }
   mean = fill_empty_pieces(mean, n, q, guards);
 }
 
@@ -162,7 +167,7 @@ inline Planes clamped_light(const SamplePool& pool, const CountImage& n, const P
 }
 
 inline Moments moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
-                       int noise_pool, const RadianceScale& scale) {
+                       const NoisePool& noise_pool, const RadianceScale& scale) {
   const int q = pool.pieces_per_side();
   Moments out{Planes(3), Planes(3), Planes(3), Planes(3), Planes(3), {}, {}};
   const auto log_of = [&](double v) {
@@ -180,18 +185,22 @@ inline Moments moments(const SamplePool& pool, const CountImage& n, const Plane&
         out.log_mean[c], out.log_variance[c]);
   }
   Plane unused;
+  const Plane nowhere;
   mean_and_variance(
-      pool, n, 1.0, 0, [&](int, int, const Rgb& s) { return log_of(luminance(s[0], s[1], s[2])); },
+      pool, n, 1.0, {0, nowhere},
+      [&](int, int, const Rgb& s) { return log_of(luminance(s[0], s[1], s[2])); },
       out.log_luminance, unused);
   out.clamped_light = clamped_light(pool, n, limit, scale.unit);
   return out;
 }
 
-// T (1 + opening agreed / kept), of what the clamp at T takes and keeps around each pixel.
-inline void open_limits(const SamplePool& pool, const CountImage& n, double unit,
-                        const TwinGuidesOptions& options, Plane& limit) {
+// T (1 + opening h agreed / kept), of what the clamp at T takes and keeps around each pixel; h of
+// pixels of one piece, or nothing where it is 0 everywhere.
+inline Plane open_limits(const SamplePool& pool, const CountImage& n, double unit,
+                         const TwinGuidesOptions& options, Plane& limit) {
+  if (options.opening == 0.0) return {};
   const Planes taken = clamped_light(pool, n, limit, unit);
-  if (taken.size() < 2) return;
+  if (taken.size() < 2) return {};
   Plane kept(n.width(), n.height()), agreed(n.width(), n.height(), INFINITY);
   for (int y = 0; y < n.height(); ++y) {
     for (int x = 0; x < n.width(); ++x) {
@@ -207,19 +216,27 @@ inline void open_limits(const SamplePool& pool, const CountImage& n, double unit
     for (std::size_t i = 0; i < agreed.size(); ++i)
       agreed[i] = std::min(agreed[i], around[i]);
   }
-  for (std::size_t i = 0; i < limit.size(); ++i)
-    limit[i] *= 1.0 + (kept[i] > 0.0 ? options.opening * agreed[i] / kept[i] : 0.0);
+  Plane heavy(n.width(), n.height());
+  double most = 0.0;
+  for (std::size_t i = 0; i < limit.size(); ++i) {
+    const double ratio = kept[i] > 0.0 ? agreed[i] / kept[i] : 0.0;
+    heavy[i] = options.heavy > 0.0 ? (ratio / options.heavy - 0.25) / 0.75 : ratio * 1e300;
+    heavy[i] = std::min(1.0, std::max(0.0, heavy[i]));
+    limit[i] *= 1.0 + options.opening * heavy[i] * ratio;
+    most = std::max(most, heavy[i]);
+  }
+  return most > 0.0 ? heavy : Plane();
 }
 
 // The robust limit's geometric mean is at least half of the mean around.
-inline void raise_logarithms(Moments& m, double sigma, double scene_luminance) {
+inline void raise_logarithms(Moments& m, const Plane& heavy, double sigma, double scene_luminance) {
   Plane around = m.mean[0];
   for (std::size_t i = 0; i < around.size(); ++i)
     around[i] = luminance(m.mean[0][i], m.mean[1][i], m.mean[2][i]);
   around = blur(around, sigma);
   for (std::size_t i = 0; i < around.size(); ++i) {
     const double least = std::log(std::max(around[i], 0.0) / 2.0 + 0.10 * scene_luminance);
-    m.log_luminance[i] = std::max(m.log_luminance[i], least);
+    m.log_luminance[i] += heavy[i] * std::max(0.0, least - m.log_luminance[i]);
   }
 }
 
@@ -551,7 +568,7 @@ inline Plane guided_mean(Plane image, const std::vector<GuideLevel>& levels, con
 // mean(plane): the guided mean.
 template <class Mean>
 Planes blend_scales(const std::vector<ScaleResult>& scales, double scene_luminance, double slack,
-                    int noise_pool, Mean mean) {
+                    const NoisePool& noise_pool, Mean mean) {
   Planes out = scales.back().image;
   const Planes& picture = scales[std::min<std::size_t>(2, scales.size() - 1)].image;
   for (std::size_t k = scales.size() - 1; k-- > 0;) {
@@ -567,7 +584,11 @@ Planes blend_scales(const std::vector<ScaleResult>& scales, double scene_luminan
         v[i] += e * coarse / (3.0 * level);
       }
     }
-    if (noise_pool > 0) n = grown_variance(n, noise_pool);
+    if (!noise_pool.unused()) {
+      const Plane grown = grown_variance(n, noise_pool.radius);
+      for (std::size_t i = 0; i < n.size(); ++i)
+        n[i] += noise_pool.share[i] * (grown[i] - n[i]);
+    }
     d = mean(d), n = mean(n), v = mean(v);
     for (std::size_t i = 0; i < empty.size(); ++i) {
       const double signal = d[i] - slack * (n[i] + v[i]);
@@ -577,6 +598,26 @@ Planes blend_scales(const std::vector<ScaleResult>& scales, double scene_luminan
     }
   }
   return out;
+}
+
+// The mean under the weights of the finest guides, features ten times as strong, as far as `share`.
+inline void join_lattices(Planes& out, const Plane& share, const Guides& g, const Planes& clean,
+                          const Planes& clean_variance, TwinGuidesOptions options) {
+  options.feature_gain *= 10.0;
+  const Planes from = out;
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    for (int y = 0; y < share.height(); ++y) {
+      for (int x = 0; x < share.width(); ++x) {
+        double sum = 0.0, total = 0.0;
+        visit_window(share, x, y, 3, 1, [&](int qx, int qy, int, int) {
+          const double w = window_weight(g, clean, clean_variance, 2.0, options, x, y, qx, qy);
+          sum += w * from[c](qx, qy);
+          total += w;
+        });
+        out[c](x, y) += share(x, y) * (sum / total - out[c](x, y));
+      }
+    }
+  }
 }
 
 inline Planes return_agreed_light(Planes out, Planes taken, double sigma, double scene_luminance) {
@@ -613,9 +654,10 @@ inline Planes return_agreed_light(Planes out, Planes taken, double sigma, double
 // the units, which divide out.
 inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane limit,
                             const RadianceScale& scale, const TwinGuidesOptions& options) {
-  open_limits(pool, n, scale.unit, options, limit);
-  Moments m = moments(pool, n, limit, options.noise_pool, scale);
-  if (options.opening > 0.0) raise_logarithms(m, options.clamp_sigma, scale.mean);
+  const Plane heavy = open_limits(pool, n, scale.unit, options, limit);
+  const NoisePool noise_pool{options.noise_pool, heavy};
+  Moments m = moments(pool, n, limit, noise_pool, scale);
+  if (heavy.size() > 0) raise_logarithms(m, heavy, options.clamp_sigma, scale.mean);
   Planes raw, raw_variance;
   for (const FeatureLayer& layer : pool.recording().features()) {
     GuardCounts guards;
@@ -645,12 +687,13 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane l
     });
   }
   const double slack = options.detail_slack * (raw.empty() ? 0.5 : 1.0);
-  const Planes blended = return_agreed_light(
-      blend_scales(scales, scale.mean, slack, options.noise_pool,
-                   [&](const Plane& plane) {
-                     return guided_mean(plane, levels, clean, clean_variance, scale, options);
-                   }),
-      m.clamped_light, options.agreement, scale.mean);
+  Planes blended = blend_scales(scales, scale.mean, slack, noise_pool, [&](const Plane& plane) {
+    return guided_mean(plane, levels, clean, clean_variance, scale, options);
+  });
+  if (!noise_pool.unused() && options.scales > 1)
+    join_lattices(blended, heavy, guides(levels, 0, scale, options), clean, clean_variance,
+                  options);
+  blended = return_agreed_light(blended, m.clamped_light, options.agreement, scale.mean);
   RgbImage out = make_rgb(n.width(), n.height());
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < out[c].size(); ++i)

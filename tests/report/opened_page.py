@@ -39,6 +39,11 @@ class Opened:
         self.page.on("request", lambda request: self.addresses.append(request.url))
         self.page.goto(path.as_uri())
 
+    def open_charts(self):
+        """They are drawn when they come into view."""
+        self.page.locator("#charts").scroll_into_view_if_needed()
+        self.page.wait_for_selector("#budget-chart .main-svg", state="attached", timeout=60000)
+
     def open_images(self):
         self.page.locator("#images").scroll_into_view_if_needed()
         self.page.wait_for_selector("#stage[data-ready]", timeout=60000)

@@ -75,6 +75,7 @@ def test_words_and_choices_filter_table_and_charts(opened):
     assert rows.count() == 3
     assert all("kitchen" in t and "directional" in t for t in rows.all_text_contents())
     page.get_by_label("Show rows that hold these words").fill("")
+    opened.open_charts()
     traces = page.locator("#budget-chart .scatterlayer .trace")
     assert traces.count() == 9
     page.get_by_role("checkbox", name="mitchell").uncheck()
@@ -94,6 +95,7 @@ def test_another_column_can_be_shown_and_keeps_the_order(opened):
 
 def test_charts_have_points_and_asymmetric_error_bars_where_the_data_say(opened, report):
     page = opened.page
+    opened.open_charts()
     assert page.locator("#pareto-chart .point").count() == 27
     assert page.locator("#pareto-chart .errorbar").count() == 27
     assert page.locator("#pareto-chart .errorbar .xerror").count() == 27
@@ -116,6 +118,7 @@ def test_charts_have_points_and_asymmetric_error_bars_where_the_data_say(opened,
 
 
 def test_bars_at_one_budget_stand_beside_each_other_and_times_have_their_unit(opened):
+    opened.open_charts()
     places = opened.page.evaluate("document.getElementById('budget-chart').data.filter(t => t.customdata).map(t => "
                                   "[t.x, t.customdata])")
     first = [x for xs, budgets in places for x, spp in zip(xs, budgets) if spp == budgets[0]]
@@ -144,9 +147,23 @@ def test_errors_at_zero_are_left_out_of_the_chart_and_counted(browser, tmp_path)
     write_results(tmp_path, rows)
     assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 0
     opened = Opened(browser, tmp_path / "a.html")
+    opened.open_charts()
     assert opened.page.locator("#budget-chart .point").count() == 3
     assert "no value above zero: 1 of 4" in opened.page.locator("#charts").text_content()
     assert opened.page.locator("#budget-chart .errorbar").count() == 3
+    assert opened.errors == []
+
+
+def test_of_many_methods_the_first_are_drawn_until_all_are_asked_for(browser, tmp_path):
+    write_results(tmp_path, make_rows(dumps=("a.spool",), filters=("box", *(f"f{i}" for i in range(7)))))
+    assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 0
+    opened = Opened(browser, tmp_path / "a.html")
+    opened.open_charts()
+    names = opened.page.evaluate("document.getElementById('budget-chart').data.map(t => t.name)")
+    ranked = opened.page.locator("#headline tbody th").all_text_contents()
+    assert 12 <= len(names) <= 13 and set(names) == set(ranked), (names, ranked)
+    opened.page.locator("#charts").get_by_role("button", name="all 24 methods").click()
+    assert opened.page.locator("#budget-chart .scatterlayer .trace").count() == 24
     assert opened.errors == []
 
 

@@ -118,6 +118,7 @@ def test_buttons_save_csv_latex_and_svg_without_a_request(opened, statistics):
     assert name == "headline.tex" and text.count(r"\\") == 10 and text.count("{") == text.count("}")
     alone = sum(all(e.get("against_best") == "worse" for e in c["ranking"][1:]) for c in conditions_at(statistics, 16))
     assert text.count(r"\textbf") == alone
+    opened.open_charts()
     name, text = saved(page, page.locator("#charts").get_by_role("button", name="SVG").first.click)
     assert name == "error_time.svg" and text.startswith("<svg") and "relMSE" in text
     name, text = saved(page, page.locator("#table").get_by_role("button", name="CSV").click)

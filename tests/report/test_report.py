@@ -11,7 +11,8 @@ from tools.report.image_packing import pack_counts, pack_half
 from tools.report.page import build_page, json_for_html, script_for_html
 from tools.report.report import main
 from tools.report.file_names import dump_names, file_name_of
-from tools.report.result_images import find_images, pack_images
+from tools.report import result_images
+from tools.report.result_images import find_images, first_results, pack_images
 
 HOSTILE = '</script><script>alert(1)</script>"&\'<img src=x onerror=alert(2)>'
 
@@ -127,6 +128,22 @@ def test_images_keep_to_their_budget_by_crops_then_by_links(tmp_path, megabytes)
     assert (images.left_out > 0) == (megabytes < 0.5)
     for crop in images.crops.values():
         assert 96 <= crop.width <= 200 and crop.x + crop.width <= 200 and crop.y + crop.height <= 150
+
+
+def test_of_many_results_the_first_methods_and_the_baseline_have_pictures(tmp_path, monkeypatch):
+    from tools.report.aggregate import aggregate
+    from tools.report.results_table import read_results
+    from tools.report.statistics_file import read_statistics
+    found = made_sets(tmp_path, (40, 30))
+    statistics = read_statistics(tmp_path)
+    combinations = aggregate(read_results(tmp_path / "results.csv"), statistics)
+    assert first_results(found, combinations, statistics, "relmse") == found
+    monkeypatch.setattr(result_images, "SMALL_BYTES", 1.0)
+    monkeypatch.setattr(result_images, "FIRST_METHODS", 1)
+    first = [combinations[entry.combination] for entry in first_results(found, combinations, statistics, "relmse")]
+    best = {(c["dump"], c["spp"]): f"{c['ranking'][0]['sampler']} + {c['ranking'][0]['filter']}" for c in statistics.of_metric("relmse")}
+    assert len(first) == 8 and {c.method for c in first} == {"uniform + box", *best.values()}
+    assert all(c.method in ("uniform + box", best[c.dump, c.spp]) for c in first)
 
 
 def test_the_reference_is_stored_once_per_recording(tmp_path):

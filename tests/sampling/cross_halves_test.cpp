@@ -24,7 +24,8 @@ TEST(CrossHalves, CountsEqualThoseOfTheSlowTwin) {
     const SamplePool pool = test::noisy_pool(width, height, 24);
     const long long pieces = width * height;
     for (const int rounds : {1, 3}) {
-      for (const long long budget : {7 * pieces + 3, 12 * pieces, 23 * pieces + 1}) {
+      for (const long long budget :
+           {3 * pieces, 4 * pieces, 5 * pieces + 2, 7 * pieces + 3, 12 * pieces, 23 * pieces + 1}) {
         CrossHalvesOptions options;
         options.rounds = rounds;
         const auto result = sample_cross_halves(pool, budget, options, context);
@@ -32,19 +33,23 @@ TEST(CrossHalves, CountsEqualThoseOfTheSlowTwin) {
         std::array<CountImage, 2> first;
         std::array<double, 2> exposure;
         std::array<long long, 2> left;
+        const bool alone = budget >= 4 * pieces && budget / 2 < 3 * pieces;  // the even one decides
         for (std::size_t h = 0; h < 2; ++h) {
           const SamplePool half = pool.half(static_cast<int>(h));
           const long long share = (budget + 1 - static_cast<long long>(h)) / 2;
+          const bool alone =
+              budget >= 4 * pieces && budget / 2 < 3 * pieces;  // the even one decides
+          const long long least = !alone ? 2 * pieces : h == 0 ? share : pieces;
           const long long start =
-              std::min(share, std::max(std::llround(0.5 * static_cast<double>(share)), 2 * pieces));
+              std::min(share, std::max(std::llround(0.5 * static_cast<double>(share)), least));
           first[h] = initial_counts(half, start, std::numeric_limits<int>::max(),
                                     mix(context.seed, static_cast<std::uint64_t>(h)));
           GuardCounts guards;
           exposure[h] = exposure_of(prefix_statistics(half, first[h]), guards);
           left[h] = std::min(share, half.total_capacity()) - start;
         }
-        const auto expected = reference::cross_halves(pool, first, exposure, left, rounds,
-                                                      options.blur, context.filter);
+        const auto expected = reference::cross_halves(
+            pool, first, exposure, left, alone ? 1 : rounds, options.blur, context.filter);
         for (std::size_t h = 0; h < 2; ++h)
           EXPECT_EQ(result->selection.halves[h].statistics.n, expected[h])
               << rounds << " " << budget;
@@ -89,7 +94,7 @@ TEST(CrossHalves, LosesNoLightWhereHalvesThatDecideAboutThemselvesDo) {
   CrossHalvesOptions options;
   FilteredHalvesOptions options_of_own;
   options.blur = options_of_own.blur = 1.0;
-  double crossed = 0.0, in_rounds = 0.0, own = 0.0, square = 0.0;
+  double crossed = 0.0, at_four = 0.0, in_rounds = 0.0, own = 0.0, square = 0.0;
   for (int r = 0; r < kRuns; ++r) {
     const SamplePool pool =
         test::pool_of(test::memory_recording(kSide, kSide, 96, [=](int x, int y, int s) {
@@ -97,6 +102,9 @@ TEST(CrossHalves, LosesNoLightWhereHalvesThatDecideAboutThemselvesDo) {
           return Rgb{value, value, value};
         }));
     const auto cross = sample_cross_halves(pool, kSide * kSide * 8, options, context);
+    at_four += mean_of(sample_cross_halves(pool, kSide * kSide * 4, options, context)
+                           ->selection.statistics.mean) /
+               kRuns;
     options.rounds = 3;
     in_rounds += mean_of(sample_cross_halves(pool, kSide * kSide * 8, options, context)
                              ->selection.statistics.mean) /
@@ -113,9 +121,31 @@ TEST(CrossHalves, LosesNoLightWhereHalvesThatDecideAboutThemselvesDo) {
   const double pixels = kRuns * kSide * kSide;
   const double standard_error = std::sqrt(square / pixels / pixels);
   EXPECT_NEAR(crossed, 1.0, 4.0 * standard_error);
+  EXPECT_NEAR(at_four, 1.0, 6.0 * standard_error);  // of half the samples
   EXPECT_LT(standard_error, 0.015);
   EXPECT_LT(own, 0.93);
   EXPECT_LT(in_rounds, 0.93);  // what several rounds give away
+}
+
+TEST(CrossHalves, AtFourSamplesTheEvenHalfDecidesWhereTheOddOneSamples) {
+  const SamplePool pool = test::pool_of(test::memory_recording(24, 24, 64, [](int x, int y, int s) {
+    const auto noise = static_cast<float>(unit_double(mix(2, x, y, s)));
+    const float value = x < 12 ? 1.0f : 2.0f * noise;
+    return Rgb{value, value, value};
+  }));
+  const auto result = sample_cross_halves(pool, 24 * 24 * 4, {}, test::sampling_context());
+  const CountImage &even = result->selection.halves[0].statistics.n,
+                   &odd = result->selection.halves[1].statistics.n;
+  long long quiet = 0, noisy = 0;
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      EXPECT_EQ(even(x, y), 2);
+      EXPECT_GE(odd(x, y), 1);
+      (x < 12 ? quiet : noisy) += odd(x, y);
+    }
+  }
+  EXPECT_GT(noisy, 2 * quiet);
+  EXPECT_EQ(quiet + noisy, 24 * 24 * 2);
 }
 
 TEST(CrossHalves, LooksMoreOftenWhereItIsNoisy) {

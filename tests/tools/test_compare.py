@@ -199,6 +199,11 @@ def test_recordings_of_a_group_must_be_alike(run, dump, tmp_path):
         write_dump(other, cut, **({} if judge is None else {"reference": judge, "reference_variance": 0 * judge}))
         for options in (["-o", "p"], ["--dry-run"]):
             run("evaluate", "p.toml", *options).failed_with(1, "other.spool", "group", "of its own")
+    other.write_bytes(dump.read_bytes())
+    for options in (["-o", "p"], ["--dry-run"]):
+        run("evaluate", "p.toml", *options).failed_with(2, "scene.spool", "other.spool", "are one recording")
+    other.unlink()
+    write_dump(other, radiance)
     (tmp_path / "p.toml").write_text('reference = "holdout"\nholdout = 4\n' + plan)
     assert run("evaluate", "p.toml", "-o", "p").code == 0  # judged by a part of each
 

@@ -39,7 +39,9 @@ def test_values_are_those_of_numpy(good, images, tmp_path):
 
 
 def test_an_image_against_itself_has_no_error(good, images):
-    found = good("metrics", images[0], images[0], "--json").json["metrics"]
+    done = good("metrics", images[0], images[0], "--json")
+    assert "is the reference" in done.err and "is the reference" not in good("metrics", *images).err
+    found = done.json["metrics"]
     assert found["mse"]["value"] == 0 and found["ssim"]["value"] == pytest.approx(1)
     assert found["psnr_tm"]["value"] == "inf" and found["flip_ldr"]["value"] == 0
 

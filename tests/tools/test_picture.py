@@ -74,11 +74,14 @@ def test_what_is_wrong_is_named(run, image, tmp_path):
     run("picture", a, "-o", png).failed_with(2, "--force")
 
 
-def test_list_alone_is_an_overview_and_quiet_is_quiet(good, tmp_path):
+def test_list_alone_is_an_overview_and_quiet_is_quiet(run, good, tmp_path):
     overview = good("list").out
     for word in ("samplers", "filters", "multiscale", "directional", "metrics", "scenes"):
         assert word in overview
     names = good("list", "--json").json
     assert "multiscale" in names["samplers"] and "relmse" in names["metrics"]
+    assert "iterations" in good("list", "nl_means").out and "multiscale" not in good("list", "nl_means").out
+    assert [method["name"] for method in good("list", "nl_means", "--json").json] == ["nl_means"] * 2
+    run("list", "twin_giudes").failed_with(2, "did you mean 'twin_guides'")
     good("synth", "scene_s", "--size", "16", "--samples", "16", "-o", tmp_path / "s.spool", "-q")
     assert good("evaluate", tmp_path / "s.spool", "--spp", "2", "--replicates", "2", "-o", tmp_path / "r", "--no-pictures", "-q").out == ""

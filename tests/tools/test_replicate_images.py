@@ -1,6 +1,7 @@
 """evaluate --export-inputs, and image:DIR/{recording}_{spp}_{replicate}.exr, which takes the results back."""
 import csv
 import json
+import re
 import shutil
 
 import numpy as np
@@ -69,5 +70,9 @@ def test_an_image_that_is_the_reference_is_pointed_out(good, dump, tmp_path):
     mean = samples()[1].astype("f4")
     reference = tmp_path / "reference.exr"
     exr.write(reference, dict.fromkeys("RGB", mean))
-    done = evaluate(good, dump, "--filters", f"box,image:{reference}", "-o", "results")
-    assert "is the reference" in done.err
+    exr.write(tmp_path / "half.exr", dict.fromkeys("RGB", mean.astype("f2").astype("f4")))
+    done = evaluate(good, dump, "--filters", f"box,image:{reference},half=image:half.exr", "-o", "results")
+    assert done.err.count("is the reference of") == 2 and re.search(r"reference.exr +0 \[0, 0\]", done.out)
+    entries = json.loads((tmp_path / "results" / "statistics.json").read_text())["results"]
+    value, low, high = next(r["quantities"]["relmse"] for r in entries if r["filter"] == "half")
+    assert low <= value <= high

@@ -52,6 +52,8 @@ def numbers_of(page):
 def test_a_page_has_the_numbers_of_metrics(good, images, tmp_path):
     said = good("show", images["before"], f"mine={images['after']}", "--reference", images["reference"], "-o", tmp_path / "p.html").out
     assert said.startswith(f"{tmp_path / 'p.html'}: ") and "2 images" in said
+    same = good("show", images["before"], images["reference"], "--reference", images["reference"], "-o", tmp_path / "q.html")
+    assert same.err.count("is the reference") == 1
     page = (tmp_path / "p.html").read_text(encoding="utf-8")
     numbers = numbers_of(page)
     for name, file in (("before", "before"), ("mine", "after")):

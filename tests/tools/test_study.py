@@ -270,6 +270,21 @@ def test_curves_are_drawn_of_the_methods_that_claims_name(tmp_path):
     assert (tmp_path / "c.svg").read_text().startswith("<?xml")
 
 
+class Made:
+    def __init__(self, curves):
+        self.curves = curves
+
+    def json(self, plan, name):
+        return self.curves if name == "curves.json" else {}
+
+
+def test_equal_time_prints_ratios_and_leaves_out_budgets_where_every_method_is_too_slow():
+    slow, read = {"at": 4.0, "seconds": 0.1, "outside": "too slow"}, {"at": 8.0, "seconds": 0.2, "ratio": [0.5, 0.4, 0.6]}
+    curves = [{"dump": "d", "sampler": "uniform", "filter": f, "equal_time": at} for f, at in (("a", [slow, read]), ("b", [slow, {**read, "ratio": [0.7]}]), ("c", [read]))]
+    lines = pages.equal_time(Made(curves), {"uniform + a": "a", "uniform + b": "b"}, "p").splitlines()
+    assert lines[0] == "| recording | spp | seconds | a | b |" and lines[2:] == ["| d | 8 | 0.20 | 0.500 [0.400, 0.600] | 0.700 |"]
+
+
 def test_a_method_by_description_is_marked():
     claim = {"text": "t", "better": "multiscale:paper{a=1} + box", "than": "mitchell{x=2} + box", "metric": "mse", "below": 1.0, "samples": "own",
              "verdict": "holds", "counts": {"holds": 2}}

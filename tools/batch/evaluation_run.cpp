@@ -15,6 +15,7 @@
 #include "lib/experiment/result_table.h"
 #include "lib/experiment/run_cells.h"
 #include "lib/image_io/atomic_file.h"
+#include "lib/metrics/error_metrics.h"
 #include "lib/pool/load_recording.h"
 #include "lib/study/ranked_results.h"
 #include "tools/batch/best_so_far.h"
@@ -53,6 +54,18 @@ Result<void> write_statistics_file(const fs::path& path, const Study& study) {
                 file.temporary_path().string());
   }
   return file.commit();
+}
+
+Result<void> write_study(const fs::path& folder, Study study, const CommonOptions& common,
+                         bool wide) {
+  if (study.results.empty()) {
+    return fail(ErrorCode::kData, "{}: no finished results in it", folder.string());
+  }
+  mark_late_claims(folder, study.claims);
+  SPOOL_TRY(write_statistics_file(folder / "statistics.json", study));
+  if (common.json) print(results_text(ranked_results(study)));
+  if (!common.json && !common.quiet) print(summary_text(study, wide));
+  return {};
 }
 
 bool has_result(const ResultRecord& record) {
@@ -137,27 +150,27 @@ class PlanRun {
     return fail(ErrorCode::kData, "interrupted; {}", kept_text());
   }
 
-  // What is there becomes results.csv, results.jsonl, sheets and the printed summary.
+  // What is there becomes results.csv, results.jsonl, statistics, sheets and the printed summary.
   Result<void> collect() {
     SPOOL_ASSIGN(ResultsWriter writer, ResultsWriter::create(request_.folder));
     std::vector<PicturedResult> pictured;
     std::size_t missing = 0;
-    for (std::size_t i = 0; i < named_.size(); ++i) {
-      const Cell cell = named_.cell(i);
-      const Result<ResultRecord> record = store_.read(named_.id(i), cell);
+    StudySources sources = study_sources(store_, request_.plan);
+    sources.read = [&, read = sources.read](const Cell& cell) {
+      Result<ResultRecord> record = read(cell);
       if (!record) {
         ++missing;
-        continue;
+        return record;
       }
       writer.add(record->fields);
       any_shared_ = any_shared_ || record->text("timing") == "shared";
       judge(cell, *record);
-      if (is_pictured(cell)) {
-        pictured.push_back({cell, record->number("relmse")});
-      }
-    }
+      if (is_pictured(cell)) pictured.push_back({cell, record->number("relmse")});
+      return record;
+    };
+    Study study = study_of(request_.plan, sources);
     SPOOL_TRY(writer.finish());
-    SPOOL_TRY(write_statistics(request_.folder, request_.plan, common_, request_.wide));
+    SPOOL_TRY(write_study(request_.folder, std::move(study), common_, request_.wide));
     std::string sheets;
     if (request_.plan.pictures) {
       SPOOL_ASSIGN(sheets, pictures_.write_sheets(pictured));
@@ -321,15 +334,7 @@ class PlanRun {
 Result<void> write_statistics(const fs::path& folder, const Plan& plan, const CommonOptions& common,
                               bool wide) {
   const CellStore store(folder);
-  Study study = study_of(plan, study_sources(store, plan));
-  if (study.results.empty()) {
-    return fail(ErrorCode::kData, "{}: no finished results in it", folder.string());
-  }
-  mark_late_claims(folder, study.claims);
-  SPOOL_TRY(write_statistics_file(folder / "statistics.json", study));
-  if (common.json) print(results_text(ranked_results(study)));
-  if (!common.json && !common.quiet) print(summary_text(study, wide));
-  return {};
+  return write_study(folder, study_of(plan, study_sources(store, plan)), common, wide);
 }
 
 Result<Shard> parse_shard(const std::string& text) {

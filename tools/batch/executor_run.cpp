@@ -21,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kNoPackage = 20;
+constexpr int kWasWorker = 21;  // a process of MPI that worked for another one
 constexpr int kNotFound = 127;
 
 // Not from the current folder, which may hold files of any name; from beside the program where it
@@ -32,7 +33,7 @@ try:
 except ImportError:
     sys.exit(20)
 try:
-    run(*sys.argv[2:])
+    sys.exit(0 if run(*sys.argv[2:]) else 21)
 except SpoolError as failure:
     print(failure)
     sys.exit(failure.code)
@@ -76,7 +77,7 @@ Ended run_python(std::vector<std::string> words) {
 
 }  // namespace
 
-Result<void> run_on_workers(const RunRequest& request, const std::string& executor,
+Result<bool> run_on_workers(const RunRequest& request, const std::string& executor,
                             const CommonOptions& common) {
   SPOOL_ASSIGN(const ExchangeFolder scratch, ExchangeFolder::create());
   const fs::path plan = scratch / "plan.toml";
@@ -96,7 +97,7 @@ Result<void> run_on_workers(const RunRequest& request, const std::string& execut
     ended = run_python(words);
     if (ended.exit_code != kNotFound && ended.exit_code != kNoPackage) break;
   }
-  if (ended.exit_code == 0) return {};
+  if (ended.exit_code == 0 || ended.exit_code == kWasWorker) return ended.exit_code == 0;
   if (ended.exit_code == kNotFound || ended.exit_code == kNoPackage) {
     return fail(
         ErrorCode::kUsage,

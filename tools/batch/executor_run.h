@@ -10,9 +10,10 @@
 
 namespace spool::tools {
 
-// Makes what is missing in the folder; its results are made by a merge. `executor` is KIND:WHERE as
+// Makes what is missing in the folder; its results are made by a merge. False in a process that was
+// a worker of another one, which makes them. `executor` is KIND:WHERE as
 // the package knows it. Errors are those of the package; kUsage where no Python has it.
-Result<void> run_on_workers(const RunRequest& request, const std::string& executor,
+Result<bool> run_on_workers(const RunRequest& request, const std::string& executor,
                             const CommonOptions& common);
 
 }  // namespace spool::tools

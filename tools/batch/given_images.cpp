@@ -1,7 +1,5 @@
 #include "tools/batch/given_images.h"
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -75,16 +73,6 @@ Result<void> check_given_images(const Plan& plan, const std::vector<Cell>& cells
                 of, missing, wanted, first);
   }
   return {};
-}
-
-bool is_the_reference(const RgbImage& image, const RgbImage& reference) {
-  constexpr double kNear = 1e-3;
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t p = 0; p < image[c].size(); ++p) {
-      if (std::abs(image[c][p] - reference[c][p]) > kNear * std::abs(reference[c][p])) return false;
-    }
-  }
-  return true;
 }
 
 }  // namespace spool::tools

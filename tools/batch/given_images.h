@@ -18,8 +18,4 @@ Result<void> check_image_names(const Plan& plan, const std::string& pattern, con
 // which results are still wanted, are missing.
 Result<void> check_given_images(const Plan& plan, const std::vector<Cell>& cells);
 
-// Alike to a part in a thousand in every pixel, as after a way through half floats: no image that
-// was made of the samples is.
-bool is_the_reference(const RgbImage& image, const RgbImage& reference);
-
 }  // namespace spool::tools

@@ -85,9 +85,12 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
     std::vector<std::string> files;
     for (const std::string& recording : scene.recordings)
       files.push_back(fs::path(recording).filename().string());
-    for (const double spp : folder.plan.spp) {
-      for (const int threads : folder.plan.threads) {
-        for (MethodResults& method : read_methods(folder.plan, scene, spp, threads, sources)) {
+    SceneMethods found = read_scene(folder.plan, scene, sources);
+    for (std::size_t b = 0; b < folder.plan.spp.size(); ++b) {
+      for (std::size_t t = 0; t < folder.plan.threads.size(); ++t) {
+        const double spp = folder.plan.spp[b];
+        const int threads = folder.plan.threads[t];
+        for (MethodResults& method : found[t][b]) {
           if (method.done + method.failed == 0) continue;
           const std::string key = key_of(scene, method, spp, threads, match);
           const std::string shown = key_of(scene, method, spp, threads, MatchBy::kLabel);

@@ -4,8 +4,10 @@
 #include <charconv>
 #include <chrono>
 #include <iterator>
+#include <map>
 #include <numeric>
 
+#include "formats/interchange/sha256.h"
 #include "formats/spool_reader.h"
 #include "formats/temporary_file.h"
 #include "tools/batch/cell_store.h"
@@ -103,8 +105,16 @@ Result<void> check_dumps(const Plan& plan) {
     }
   }
   for (const PlanScene& scene : scenes_of(plan)) {
-    for (const std::string& other : scene.recordings)
+    std::map<std::string, std::string> known;  // hash: recording
+    for (const std::string& other : scene.recordings) {
       SPOOL_TRY(check_alike(scene, other, plan));
+      SPOOL_ASSIGN(const std::string hash, interchange::index_sha256_of(other));
+      const auto [at, fresh] = known.try_emplace(hash, other);
+      if (fresh) continue;
+      return fail(ErrorCode::kUsage,
+                  "{} and {}: are one recording, which a group cannot count twice: leave one out",
+                  at->second, other);
+    }
   }
   return {};
 }

@@ -34,7 +34,8 @@ class NamedCells {
 // kUsage when two cells would have one name.
 Result<NamedCells> name_cells(const Plan& plan);
 
-// kData when a recording cannot give what the plan asks of it, or is not like others of its group.
+// kData when a recording cannot give what the plan asks of it, or is not like others of its group;
+// kUsage when it is there twice.
 Result<void> check_dumps(const Plan& plan);
 
 // A folder of ours is continued, unfinished files of killed runs removed; a strange one is not

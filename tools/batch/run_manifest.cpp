@@ -158,8 +158,10 @@ Result<void> write_manifest(const std::filesystem::path& folder, const RunManife
       {"seconds", taken.count()},
       {"dumps", ordered_json::array()}};
   for (const DumpIdentity& dump : run.dumps) {
-    manifest["dumps"].push_back(
-        {{"path", dump.name}, {"bytes", dump.bytes}, {"index_sha256", dump.index_sha256}});
+    manifest["dumps"].push_back({{"path", dump.name},
+                                 {"file", dump.path.string()},  // from wherever it is looked for
+                                 {"bytes", dump.bytes},
+                                 {"index_sha256", dump.index_sha256}});
   }
   manifest["runs"] = earlier_runs(folder);
   manifest["runs"].push_back({{"started", manifest["started"]},

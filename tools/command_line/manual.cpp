@@ -24,6 +24,7 @@ std::vector<std::string> known_names(const std::string& verb, const CLI::Option&
     return kinds;
   }
   if (verb == "convert" && name == "to") return names_of(exchange::export_formats());
+  if (verb == "list" && name == "WHAT") return lists();
   if (verb == "synth" && name == "NAME") {
     std::vector<std::string> scenes;
     for (const SyntheticEntry& scene : synthetic_scenes())

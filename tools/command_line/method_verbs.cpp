@@ -1,5 +1,7 @@
 #include "tools/command_line/method_verbs.h"
 
+#include <fmt/ranges.h>
+
 #include "lib/core/option_table.h"
 
 namespace spool::tools {
@@ -151,10 +153,7 @@ void add_list(Program& program) {
   CLI::App& verb =
       *program.app.add_subcommand("list", "what there is, with every option explained");
   verb.add_option("WHAT", program.list.what,
-                  "samplers, filters, presets, views, metrics, columns, scenes, imports or exports")
-
-      ->check(CLI::IsMember({"samplers", "filters", "presets", "views", "metrics", "columns",
-                             "scenes", "imports", "exports"}));
+                  fmt::format("{}, or a method: all its options", fmt::join(lists(), ", ")));
   verb.add_flag(
       "--all", program.list.all,
       "of samplers and filters also the options that few need: readings of a text, details");
@@ -162,6 +161,7 @@ void add_list(Program& program) {
   verb.footer(
       "Examples:\n"
       "  spool list samplers\n"
+      "  spool list twin_guides\n"
       "  spool list filters --json | jq '.[].name'");
   runs(verb, program, run_list, program.list);
 }

@@ -49,11 +49,7 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error, int count
   for (const CLI::App* parsed : app.get_subcommands())
     verb = parsed;
   if (!verb && count > 1 && arguments[1][0] != '-') {
-    const std::string word = arguments[1];
-    for (const std::string& known : known_words(app, false))
-      if (!word.empty() && known.starts_with(word))
-        return fmt::format("unknown verb '{}', did you mean '{}'?: see spool --help", word, known);
-    return unknown_name("verb", word, known_words(app, false)) + ": see spool --help";
+    return unknown_name("verb", arguments[1], known_words(app, false)) + ": see spool --help";
   }
   const CLI::App& at = verb ? *verb : app;
   const std::string help = verb ? "spool " + verb->get_name() + " --help" : "spool --help";

@@ -28,8 +28,8 @@ void add_parts_of_a_run(CLI::App& verb, EvaluateOptions& options) {
   verb.add_option("--shard", options.shard,
                   "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
   verb.add_option("--executor", options.executor,
-                  "dask:ADDRESS, processes:N or mpi: workers of Python's package spool do the "
-                  "sampling runs");
+                  "dask:ADDRESS, processes:N, or mpi below mpiexec: workers of Python's package "
+                  "spool do the sampling runs");
   verb.add_flag("--merge", options.merge,
                 "run nothing: make the results of the cells that are done");
   verb.add_flag("--statistics-only", options.statistics_only,
@@ -233,8 +233,8 @@ void add_figure(Program& program) {
       "Writes comparison_RECORDING (reference, windows, error maps, numbers), comparison "
       "(recordings "
       "as rows), curves and curves_time, each as .pdf, .svg and .png; captions.tex, table.tex and "
-      "table.md; curves.csv and curves.py, which draws it. Bold: separated from every other "
-      "method. Needs Python 3 with numpy and matplotlib.\n"
+      "table.md; curves.csv and curves.py, which draws it. Bold: the best, where separated "
+      "from every other. Needs Python 3 with numpy and matplotlib.\n"
       "Examples:\n"
       "  spool figure results -o figures\n"
       "  spool figure results -o figures --column 1 --font latex --crops 12,20,16,16\n"

@@ -247,6 +247,8 @@ Method<Function> method_with_argument(std::string name, std::string argument, st
 const SamplerList& known_samplers() {
   static const SamplerList all = [] {
     SamplerList list = samplers();
+    list.other_kind = filters().kind;
+    list.other_names = names_of(filters());
     list.methods.push_back(method_with_argument(
         "counts", "FILE.exr", "your own: an image that says how many samples each piece gets",
         OptionTable<NoOptions>{}, Needs{}, &make_counts_sampler));
@@ -264,6 +266,8 @@ const SamplerList& known_samplers() {
 const FilterList& known_filters() {
   static const FilterList all = [] {
     FilterList list = filters();
+    list.other_kind = samplers().kind;
+    list.other_names = names_of(samplers());
     list.methods.push_back(with_stage_options(oidn_filter()));
     list.methods.push_back(with_stage_options(method_with_argument(
         "ensemble", "A+B",

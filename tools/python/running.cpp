@@ -9,6 +9,8 @@
 #include <exception>
 #include <new>
 
+#include <fmt/core.h>
+
 #include "lib/core/visible_text.h"
 #include "tools/python/workers.h"
 #include "tools/verbs/option_bounds.h"
@@ -19,6 +21,7 @@ namespace {
 constexpr std::chrono::milliseconds kBetweenLooks{50};
 constexpr std::chrono::seconds kLongestEnd{5};
 constexpr std::size_t kLongestLine = 4096;  // bytes
+constexpr std::size_t kMostCalls = 256;     // each has a thread
 
 thread_local std::shared_ptr<Watch> t_watch;   // of the work that this thread does
 thread_local std::vector<Watch*> t_callbacks;  // functions of one's own that run on it
@@ -178,6 +181,12 @@ void run_watched(const std::function<Result<void>(Watch&)>& work, const nb::obje
     raise(bounds.error());
   if (g_last_thread != 0 && g_last_thread != PyThread_get_thread_ident())
     raise({ErrorCode::kUsage, "the interpreter ends: no thread begins anything now"});
+  // Functions of one's own that begin threads, and progress, can ask for themselves without an end.
+  if (calls().size() >= kMostCalls)
+    raise(
+        {ErrorCode::kUsage, fmt::format("{} calls have not returned: begin fewer at once, and none "
+                                        "from a function that it would call again",
+                                        kMostCalls)});
   if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
     raise({ErrorCode::kUsage, "progress: is no function: write one of (share, done, of)"});
   WatchedCall().run(work, progress, threads);

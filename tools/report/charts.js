@@ -128,25 +128,40 @@ function drawChart(target, combinations, axes) {
     modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d', 'toImage', 'sendDataToCloud', 'sendChartToCloud']});
 }
 
+// More lines than these are no chart, and take seconds: the first methods of the table and the baseline, until all are asked for.
+const mostLines = 12;
+function firstMethods(names) {
+  const ordered = headlineMethods().filter((name) => names.has(name));
+  return new Set([...(ordered.length > 0 ? ordered : [...names]).slice(0, mostLines), report.baseline]);
+}
+
 function startCharts(area) {
   const heading = (text, target, name) => element('h3', {}, text + ' ',
     element('button', {type: 'button', class: 'small', onclick: () => saveChart(target, name)}, 'SVG'));
   const pareto = element('div', {class: 'chart', id: 'pareto-chart'});
   const budget = element('div', {class: 'chart', id: 'budget-chart'});
   const note = element('p', {class: 'note', 'aria-live': 'polite'});
-  area.append(filterControls(true), note,
+  let inView = false, all = false;
+  const allButton = element('button', {type: 'button', onclick: () => { all = true; draw(); }});
+  area.append(filterControls(true), note, allButton,
     element('div', {class: 'charts'},
       element('figure', {}, heading('Error against time', pareto, 'error_time'), pareto),
       element('figure', {}, heading('Error against samples per pixel', budget, 'error_budget'), budget)));
 
   const draw = () => {
-    const known = [...report.combinations, ...report.overall].filter(
+    if (!inView) return;
+    let known = [...report.combinations, ...report.overall].filter(
       (c) => c.dump === shown.dump && isShown(c));
+    const names = new Set(known.map(methodOf)), first = all ? names : firstMethods(names);
+    known = known.filter((c) => first.has(methodOf(c)));
+    allButton.hidden = first.size >= names.size;
+    allButton.textContent = `all ${names.size} methods`;
     const drawable = known.filter((c) => isPositive(interval(c, shown.metric).mean));
     const timed = drawable.filter((c) => isPositive(interval(c, 'seconds_total').mean));
     const hidden = known.length - drawable.length;
     note.textContent = 'Bars are 95 % intervals; colour and filling are the sampler, symbol and dash the filter. ' +
-      'Points of a line are budgets; lines stand a little aside where their bars would meet.' + (shown.dump < report.dumps.length ? '' :
+      'Points of a line are budgets; lines stand a little aside where their bars would meet.' + (allButton.hidden ? '' :
+        ` Drawn are the first ${mostLines} methods of the table above and the baseline, of ${names.size}.`) + (shown.dump < report.dumps.length ? '' :
         ' Geometric means over the recordings, which are taken as given.') + (hidden === 0 ? '' :
         ` Not drawn, for they have no value above zero: ${hidden} of ${known.length}.`);
     for (const [target, points] of [[pareto, timed], [budget, drawable]]) {
@@ -162,7 +177,12 @@ function startCharts(area) {
   };
   listeners.push(draw);
   darkQuery.addEventListener('change', draw);
-  draw();
+  new IntersectionObserver((entries, observer) => {
+    if (!entries.some((entry) => entry.isIntersecting)) return;
+    observer.disconnect();
+    inView = true;
+    draw();
+  }, {rootMargin: '200px'}).observe(area);
 }
 starts['chart-area'] = startCharts;
 

@@ -68,7 +68,7 @@ def comparison_caption(statistics, metric, conditions, shown, labels):
         text += " Below them: squared error, on one scale."
     text += " " + numbers_text(statistics, metric, conditions)
     if any(s.bold for block in shown for s in block.methods.values()):
-        text += " Bold: separated from every other method of the evaluation."
+        text += " Bold: the best, separated from every other method of the evaluation."
     return text + notes(conditions, methods)
 
 
@@ -96,7 +96,7 @@ def table_caption(statistics, metric, labels, baseline):
         text += ". " + numbers_text(statistics, metric, conditions) + " Sub- and superscript: ends of the interval."
         if baseline:
             text += f" Ratio: error over that of {breakable(baseline)} on the same replicates."
-        text += " Methods that share a letter are not separated; bold: separated from every other."
+        text += " Methods that share a letter are not separated; bold: the best, separated from every other."
         if any("loses_energy" in e for c in conditions for e in c["ranking"]):
             text += r" $\dagger$: loses light."
         why = withheld(conditions, methods)

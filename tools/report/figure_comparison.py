@@ -27,7 +27,7 @@ TALLEST_ALONE = 4.5  # of a figure of one recording
 class Shown(NamedTuple):
     method: str
     lines: list  # of numbers
-    bold: bool  # separated from every other
+    bold: bool  # the best, separated from every other
     paths: dict  # picture: file
 
 

@@ -17,6 +17,7 @@ from tools.report.exr_image import read_exr, rgb
 MOST_PIXELS = 12  # of a recording
 MOST_SAMPLES = 256
 SECONDS = 300
+MOST_FOOTPRINTS = 8  # results of a recording, those of the largest budgets: each is sampled and filtered once more
 FOOTPRINT_SECONDS = 60  # for all of them; later ones are left out
 METHOD = r"(\w+)(?::\w+)?(?:\{[^{}]*\})?"  # lib/methods/method_text.h, without a label
 LEAST_WEIGHT = 1e-3  # of the largest: smaller ones are not drawn
@@ -48,8 +49,9 @@ def pixel_answers(program, found, combinations, manifest, vocabulary):
         answer = ask(program, path, order, places)
         if answer:
             footprints = {}
-            for entry in found:
-                if entry.dump == dump and time.monotonic() < end:
+            of_dump = sorted((e for e in found if e.dump == dump), key=lambda e: -combinations[e.combination].spp)
+            for entry in of_dump[:MOST_FOOTPRINTS]:
+                if time.monotonic() < end:
                     told = footprints_of(program, path, order, places, combinations[entry.combination], vocabulary)
                     if told:
                         footprints[entry.combination] = told
@@ -70,7 +72,7 @@ def replay_order(manifest):
 
 def recording_paths(manifest):
     """{file name: path} of the recordings that were evaluated."""
-    return {Path(str(d.get("path"))).name: str(d["path"]) for d in manifest.get("dumps", [])
+    return {Path(str(d.get("path"))).name: str(d.get("file") or d["path"]) for d in manifest.get("dumps", [])  # without: an older program
             if isinstance(d, dict) and d.get("path")}
 
 

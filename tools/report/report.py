@@ -52,7 +52,7 @@ def make_report(options):
     from tools.report.page import build_page
     from tools.report.pixel_data import pixel_answers
     from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
-    from tools.report.result_images import find_images, pack_images
+    from tools.report.result_images import find_images, first_results, pack_images
     from tools.report.results_table import choose_metric, read_results
     from tools.report.sections import quantities_html, run_html, summary_html
     from tools.report.statistics_file import read_statistics
@@ -71,7 +71,8 @@ def make_report(options):
     combinations = aggregate(table, statistics)
     labels = dump_names(dict.fromkeys(c.dump for c in combinations))
     labels.update({s["dump"]: s["group"] for s in statistics.scenes if s["group"]})
-    found = find_images(options.folder, combinations)
+    all_found = find_images(options.folder, combinations)
+    found = first_results(all_found, combinations, statistics, metric)
     images = pack_images(found, options.output.resolve().parent, options.max_image_mb)
     if options.served:  # every pixel answers, and no file but the page is served
         images = images._replace(sets=[entry._replace(links={}) for entry in images.sets])
@@ -93,7 +94,7 @@ def make_report(options):
         ("table", "All results",
          biased + described.note() + '<div id="table-area"></div>'
          + quantities_html(names, vocabulary, OWN_MEANINGS)),
-        ("images", "Images", biased + (LIVE if options.served else "") + images_html(images)),
+        ("images", "Images", biased + (LIVE if options.served else "") + images_html(images, len(all_found))),
         ("run", "The run", run_html(manifest, combinations, labels, vocabulary)),
     ]
     data = report_data(combinations, statistics, table.metrics, metric, labels, vocabulary, images, pixels)
@@ -113,10 +114,13 @@ BIASED = ('<p class="warning biased">Biased: judged by the samples that the imag
 LIVE = '<p><a href="live">Other budgets and methods</a></p>'
 
 
-def images_html(images):
+def images_html(images, written):
     if not images.sets:
         return "<p>No images were written by the evaluation (--no-pictures).</p>"
     notes = []
+    if written > len(images.sets):
+        notes.append(f"The baseline and the first methods of each recording and budget, {len(images.sets)} of {written} results; "
+                     "the images of the others are EXR files beside results.csv, and spool view shows them.")
     if images.crops:
         notes.append("Images are cut to the window with the largest error to keep the page small.")
     if images.left_out:

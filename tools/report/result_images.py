@@ -19,6 +19,8 @@ from tools.report.results_table import without_threads
 
 PICTURES = ("estimate", "reference", "squared_error", "density", "filter_size", "direction", "flip")
 COLOUR = {"estimate", "reference"}
+FIRST_METHODS = 10  # of many results: 256 of 128 x 128 pixels are a page of less than 8 MB
+SMALL_BYTES = 16e6  # of the EXR files of all results; in the page a third of it
 SMALLEST_CROP = 96  # pixels; below, results are left out instead
 BYTES_PER_MB = 1e6
 
@@ -67,6 +69,22 @@ def find_images(folder, combinations):
         if "estimate" in paths:
             found.append(_Found(index, c.dump, paths))
     return found
+
+
+def first_results(found, combinations, statistics, metric):
+    """All of them while they are small together; else the baseline and the first methods of each recording and budget."""
+    if sum(path.stat().st_size for entry in found for path in entry.paths.values()) <= SMALL_BYTES:
+        return found
+    conditions = statistics.of_metric(metric) or statistics.of_metric(next(iter(statistics.metrics()), ""))
+    place = {(c["dump"], c["spp"], e["sampler"], e["filter"]): i for c in conditions for i, e in enumerate(c["ranking"])}
+    number, first = {}, []
+    for entry in found:
+        combination = combinations[entry.combination]
+        condition = combination.dump, combination.spp
+        number[condition] = number.get(condition, 0) + 1
+        if place.get(combination.key, number[condition]) < FIRST_METHODS or combination.method == statistics.baseline:
+            first.append(entry)
+    return first
 
 
 def pack_images(found, page_folder, max_mb):

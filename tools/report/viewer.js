@@ -39,7 +39,7 @@ function startImages(area) {
     view.choose({scene});
     view.choose({budget: Math.max(0, view.budgets().indexOf(combination.spp))});
     const b = view.names().indexOf(methodOf(combination));
-    view.choose({b: Math.max(0, b)});
+    if (b >= 0) view.choose({b});
     document.getElementById('images').scrollIntoView();
   };
   new IntersectionObserver((entries, observer) => {

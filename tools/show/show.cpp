@@ -9,6 +9,7 @@
 
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/foreign_picture.h"
+#include "lib/metrics/error_metrics.h"
 #include "tools/verbs/page_generator.h"
 
 namespace spool::tools {
@@ -120,6 +121,10 @@ Result<void> run_show(const ShowOptions& options, const CommonOptions& common) {
     SPOOL_ASSIGN(reference, read_rgb(options.reference, first, common));
   }
   SPOOL_ASSIGN(const std::string planes, shown_planes(images, reference, settings));
+  for (const ShownImage& shown : images) {
+    if (reference && is_the_reference(shown.result.image, *reference))
+      print_note(shown.name + ": is the reference: its error has no meaning");
+  }
   SPOOL_ASSIGN(const std::string html,
                run_generator("show_page", {}, planes, {"spool show", "numpy", "python3-numpy"}));
   SPOOL_TRY(write_text_file(options.output, html, common.force));

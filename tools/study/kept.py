@@ -3,6 +3,7 @@
     plan.toml, claims.json   as the run had them
     made.json                by which program, when, on which machine; of full size for each recording
     statistics.json          what the program found, without the pairs of methods that no claim names
+    curves.json              of 64 x 64 pixels: relMSE in the time of the baseline
     cells/, kept.jsonl       of full size, whose recordings are not in the tree: what is needed to judge them anew
 
 Every verdict, interval and ratio is the program's; nothing is computed here.
@@ -85,11 +86,18 @@ def unpack(path):
         return {member.name: archive.extractfile(member).read().decode() for member in archive if member.isfile()}
 
 
+def curves_of(statistics):
+    return short([{"dump": Path(c["dump"]).stem, **{k: c[k] for k in ("threads", "sampler", "filter", "equal_time")}}
+                  for c in statistics["curves"] if c["metric"] == "relmse" and c.get("equal_time")])
+
+
 def texts_of(folder):
     """What is kept of a folder whose recordings are in the tree: not its cells."""
     made = json.loads((folder / "made.json").read_text()) if (folder / "made.json").exists() else made_by(folder)
-    texts = {"made.json": json.dumps(made, indent=1) + "\n",
-             "statistics.json": json.dumps(trimmed(json.loads((folder / "statistics.json").read_text())), separators=(",", ":"))}
+    statistics = json.loads((folder / "statistics.json").read_text())
+    texts = {"made.json": json.dumps(made, indent=1) + "\n", "statistics.json": json.dumps(trimmed(statistics), separators=(",", ":"))}
+    if curves := curves_of(statistics):
+        texts["curves.json"] = json.dumps(curves, separators=(",", ":"))
     for name in ("plan.toml", "claims.json"):
         if (folder / name).exists():
             texts[name] = (folder / name).read_text(encoding="utf-8")

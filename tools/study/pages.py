@@ -4,6 +4,7 @@ A template (templates/PAGE.in) contains sentences. In them
     {{chapters}}                                      is a row for each chapter of chapters.toml
     {{readings}}                                      is the preset paper as a family: its best, worst and shipped member
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
+    {{equal_time}}                                    is the same at equal processor time, of 64 x 64 pixels
     {{PLAN; BETTER; THAN; METRIC; SAMPLES; VERDICT}}  is where a claim holds, and requires that its verdict is this one
 so a sentence that was written about a verdict cannot outlive it.
 """
@@ -26,7 +27,9 @@ DENSITY = {"levels_3_4": "samples of levels 3 and 4", "near_edges": "adaptive sa
 METHODS = {"uniform + directional": "uniform + directional", "multiscale:paper + directional:paper": "paper", "multiscale{update=epoch} + directional": "robust",
            "uniform + nl_means": "uniform + nl_means", "nl_means + nl_means": "nl_means", "greedy_error + greedy_selection": "greedy",
            "mitchell + multistage": "mitchell [R]", "adaptive_wavelet + wavelet_shrinkage": "wavelet [R]"}
-
+# Of the plan quick.
+QUICK = {"uniform + gaussian": "uniform + gaussian", "uniform + nl_means": "uniform + nl_means", "uniform + directional": "uniform + directional",
+         "multiscale + box": "multiscale + box", "multiscale + directional": "robust"}
 
 READINGS = {"a14_sampler_readings": ("multiscale:paper", "box"), "a15_filter_readings": ("multiscale:paper", "directional:paper")}
 
@@ -127,6 +130,19 @@ def matrix(store, methods, plans, spp=8):
     return tables.markdown(["recording", *methods.values()], [[name, *(of.get(m, "–") for m in methods)] for name, of in sorted(rows.items())])
 
 
+def equal_time(store, methods, plan):
+    """Recording and budget of the baseline by method: relMSE over that of the baseline in its processor time; rows where a method is fast enough."""
+    rows = {}
+    for curve in store.json(plan, "curves.json"):
+        name = methods.get(f"{curve['sampler']} + {curve['filter']}")
+        for at in curve["equal_time"] if name else ():
+            row = rows.setdefault((curve["dump"], at["at"]), {"seconds": tables.number(at["seconds"], 2)})
+            row[name] = at.get("outside") or tables.interval(at["ratio"])
+    columns = ["seconds", *methods.values()]
+    shown = [[name, f"{spp:g}", *(row.get(c, "–") for c in columns)] for (name, spp), row in sorted(rows.items()) if {*row.values()} - {row["seconds"], "too slow"}]
+    return tables.markdown(["recording", "spp", *columns], shown)
+
+
 def readings(store, plans):
     """The family of the preset paper by recording and budget: MSE over that of uniform + box of its shipped, best and worst member."""
     rows = []
@@ -173,6 +189,7 @@ def page(template, small, full):
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
     text = CLAIM.sub(lambda match: said(match, small, full), text)
     for name, made in (("chapters", lambda: chapters_table(small, full)), ("readings", lambda: readings(small, READINGS)),
+                       ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:
             text = text.replace("{{" + name + "}}", made())

@@ -50,6 +50,19 @@ Result<void> group_recordings(Plan& plan) {
   return {};
 }
 
+// Of `--spp 4 8` the 8 is a file.
+Result<void> refuse_words_of_lists(const std::filesystem::path& file) {
+  std::error_code status;
+  const std::string word = file.string();
+  const char* list = find_method(known_samplers(), word)  ? "--samplers"
+                     : find_method(known_filters(), word) ? "--filters"
+                     : parse_number("", word, 0.0, 1e9)   ? "--spp"
+                                                          : nullptr;
+  if (list == nullptr || std::filesystem::exists(file, status)) return {};
+  return fail(ErrorCode::kUsage, "{}: is no file: a list is one word with commas: {} A,{}", word,
+              list, word);
+}
+
 Result<Plan> plan_of_options(const EvaluateOptions& options) {
   const auto or_default = [](const std::string& text, const char* name) {
     return split_methods(text.empty() ? name : text);
@@ -62,8 +75,10 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
   plan.filters = choices_of(methods.filters);
   plan.rules = methods.rules;
   plan.experiment.metrics = methods.metrics;
-  for (const auto& file : options.files)
+  for (const auto& file : options.files) {
+    SPOOL_TRY(refuse_words_of_lists(file));
     plan.recordings.push_back(file.string());
+  }
   SPOOL_ASSIGN(plan.spp, parse_list(options.spp, [](const std::string& text) {
                  return parse_number("--spp", text, kBudget.lowest, kBudget.highest);
                }));
@@ -210,7 +225,8 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
     return fail(ErrorCode::kUsage, "--from goes with --merge");
   }
   if (!options.executor.empty()) {
-    SPOOL_TRY(run_on_workers(request, options.executor, common));
+    SPOOL_ASSIGN(const bool leads, run_on_workers(request, options.executor, common));
+    if (!leads) return {};
     request.merge = true;
   }
   return run_plan(request, common);

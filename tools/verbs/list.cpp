@@ -1,10 +1,13 @@
 #include "tools/verbs/list.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "lib/core/error.h"
+#include "lib/core/nearest_name.h"
 #include "tools/json/list_json.h"
 #include "tools/methods/external_methods.h"
 #include "tools/verbs/listing.h"
@@ -97,7 +100,37 @@ void print_names(const ListedNames& overview) {
   print(format_columns(rows, rows.size()));
 }
 
+// The methods of one name, with all their options.
+Result<void> list_one(const ListOptions& options, const CommonOptions& common) {
+  const auto others = [&](const ListedMethod& method) { return method.name != options.what; };
+  ListedMethods samplers = listed_samplers(), filters = listed_filters();
+  std::vector<std::string> known = lists();
+  for (const ListedMethods* list : {&samplers, &filters}) {
+    for (const ListedMethod& method : *list)
+      known.push_back(method.name);
+  }
+  std::erase_if(samplers, others);
+  std::erase_if(filters, others);
+  if (samplers.empty() && filters.empty())
+    return fail(ErrorCode::kUsage, "{}: see spool list",
+                unknown_name("method or list", options.what, known));
+  if (common.json) {
+    ListedMethods both = std::move(samplers);
+    std::ranges::move(filters, std::back_inserter(both));
+    print(methods_text(both));
+    return {};
+  }
+  print_methods(samplers, "sampler", true);
+  print_methods(filters, "filter", true);
+  return {};
+}
+
 }  // namespace
+
+std::vector<std::string> lists() {
+  return {"samplers", "filters", "presets", "views",  "metrics",
+          "columns",  "scenes",  "imports", "exports"};
+}
 
 Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   const std::string& what = options.what;
@@ -134,8 +167,10 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
   } else if (what == "filters") {
     if (!common.json) print_for_every_filter();
     methods(listed_filters(), "filter");
-  } else {
+  } else if (what == "samplers") {
     methods(listed_samplers(), "sampler");
+  } else {
+    return list_one(options, common);
   }
   return {};
 }

@@ -108,6 +108,8 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
   SPOOL_ASSIGN(const std::vector<EnergyMask> masks, read_energy_masks(options.masks));
   for (const std::string& remark : pictures.remarks)
     print_note(remark);
+  if (is_the_reference(image, reference.mean))
+    print_note(options.image.string() + ": is the reference: its error has no meaning");
   const MetricTable table = error_metrics(image, reference, metric);
   std::vector<std::vector<std::string>> rows = {{"metric", "meaning", "value", "+-"}};
   std::vector<std::pair<std::string, MetricValue>> values;

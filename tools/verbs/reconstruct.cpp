@@ -162,6 +162,8 @@ void say_what_was_made(const ReconstructOptions& options, const Reconstructed& d
   } else if (!common.quiet) {
     print_line(fmt::format("{}: {} x {} pixels, {}", options.output.string(), width, height,
                            format_seconds(done.seconds)));
+    for (const std::string& note : done.made.notes)
+      print_note(note);
   }
 }
 

@@ -138,6 +138,7 @@ void Connection::finish() {
   stream_.expires_after(kTimeToClose);
   buffer_.clear();
   response_.body() = {};
+  admitted_ = false;  // whoever has an answer makes room first
   net::async_read(stream_, buffer_, net::transfer_at_least(kMostHead),
                   [self = shared_from_this()](error_code, std::size_t) { self->close(); });
 }

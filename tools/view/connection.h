@@ -50,7 +50,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   RequestTarget target_;
   boost::beast::http::response<boost::beast::http::string_body> response_;
   boost::beast::http::response_serializer<boost::beast::http::string_body> serializer_{response_};
-  bool admitted_ = false;  // its token was right
+  bool admitted_ = false;  // its token was right, and it has no whole answer yet
 };
 
 }  // namespace spool::tools

@@ -81,8 +81,7 @@ class LocalServer {
   void accept() {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (!error) admit(std::move(socket));
-      if (!error) return accept();
-      make_room();  // of file handles
+      if (!error || make_room()) return accept();  // of file handles
       pause_.expires_after(kPause);
       pause_.async_wait([this](error_code) { accept(); });
     });
@@ -99,8 +98,8 @@ class LocalServer {
     connection->start();
   }
 
-  // The oldest connection that has shown no token goes: a browser's request arrives at once, that
-  // of a slow client does not.
+  // The oldest connection that is owed no answer goes, by its lack of a token or by having it: a
+  // browser's request arrives at once, that of a slow client does not.
   bool make_room() {
     for (const auto& connection : connections_) {
       const auto held = connection.lock();

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from .error import SpoolError
+from .record_layout import MAX_PIXELS, MAX_SIDE
 
 
 def whole(name: str, value, bits: int = 32) -> int:
@@ -93,6 +94,13 @@ def array(name: str, value, kinds: str = "fiu") -> np.ndarray:
     if made.dtype.kind not in kinds:
         raise SpoolError("usage", f"{name}: holds {_short(made.dtype)}, not numbers")
     return made
+
+
+def image_size(name: str, shape) -> None:
+    """Of an array [y][x]...: before it is copied, since an array of stride 0 has any size."""
+    height, width = shape[:2]
+    if not (0 < height <= MAX_SIDE and 0 < width <= MAX_SIDE and height * width <= MAX_PIXELS):
+        raise SpoolError("usage", f"{name}: {width} x {height} pixels: give 1 to {MAX_SIDE} on a side, and at most {MAX_PIXELS} in all")
 
 
 def note_axes(name: str, arrays: Mapping) -> None:

@@ -16,6 +16,7 @@ import zlib
 import numpy as np
 
 from .error import SpoolError
+from .regular_file import open_regular
 
 MAGIC = 20000630
 NOT_FLAT_SCANLINES = 0x200 | 0x800 | 0x1000  # tiled, deep, multi-part
@@ -29,7 +30,7 @@ def read(path):
     """{channel name: array [y][x]} in the file's own types: float16, float32 or uint32."""
     name = os.fspath(path)
     try:
-        with open(name, "rb") as file:
+        with open_regular(name) as file:
             data = file.read()
     except OSError as error:
         raise SpoolError("io", f"{name}: {error.strerror}") from error

@@ -5,7 +5,6 @@ positional and may come from several threads; payload CRCs are verified at each 
 """
 import mmap
 import os
-import stat
 import threading
 import uuid as uuid_module
 import zlib
@@ -16,6 +15,7 @@ from . import chunk_codec
 from . import record_layout as layout
 from .arguments import path as path_of
 from .error import ADVICE, SpoolError
+from .regular_file import open_regular
 
 
 class RecordFile:
@@ -27,11 +27,8 @@ class RecordFile:
         self._map = None
         self._file = None
         try:
-            self._file = open(self.path, "rb", buffering=0)
-            status = os.fstat(self._file.fileno())
-            if not stat.S_ISREG(status.st_mode):
-                raise self.error("io", "not a regular file: check the path")
-            self.bytes = status.st_size
+            self._file = open_regular(self.path, buffering=0)
+            self.bytes = os.fstat(self._handle()).st_size
             self._open_header()
             self._open_footer()
             self._open_index()
@@ -47,6 +44,11 @@ class RecordFile:
         self._map = None  # views handed out keep the mapping itself alive
         if self._file is not None:
             self._file.close()
+
+    def _handle(self):
+        if self._file is None or self._file.closed:
+            raise self.error("usage", "is closed: open it again")
+        return self._file.fileno()
 
     def error(self, kind, text):
         advice = ADVICE.get(kind)
@@ -75,7 +77,7 @@ class RecordFile:
         """The stored bytes of a record as a read-only view of the file; the caller has verified them before."""
         with self._lock:
             if self._map is None:
-                self._map = np.frombuffer(mmap.mmap(self._file.fileno(), 0, access=mmap.ACCESS_READ), np.uint8)
+                self._map = np.frombuffer(mmap.mmap(self._handle(), 0, access=mmap.ACCESS_READ), np.uint8)
             whole = self._map
         entry = self.entries[row]
         at = int(entry["offset"]) + 64
@@ -86,11 +88,11 @@ class RecordFile:
         try:
             if scratch is not None and hasattr(os, "preadv"):
                 whole = memoryview(scratch)[:count]
-                if os.preadv(self._file.fileno(), [whole], offset) == count:
+                if os.preadv(self._handle(), [whole], offset) == count:
                     return whole
             while count:
                 if hasattr(os, "pread"):
-                    part = os.pread(self._file.fileno(), count, offset)
+                    part = os.pread(self._handle(), count, offset)
                 else:
                     with self._lock:
                         self._file.seek(offset)

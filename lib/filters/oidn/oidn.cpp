@@ -4,6 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "lib/core/pairwise_sum.h"
 #include "lib/kernels/piece_estimates.h"
 #include "lib/kernels/scene_luminance.h"
 #include "lib/statistics/feature_statistics.h"
@@ -43,6 +46,24 @@ Result<std::vector<float>> feature(const SamplePool& pool, const CountImage& n,
   return std::vector<float>{};
 }
 
+double luminance_sum(const RgbImage& image) {
+  return pairwise_sum(image[0].size(), [&](std::size_t i) {
+    return luminance(image[0][i], image[1][i], image[2][i]);
+  });
+}
+
+// A note where the network lost more light than this share allows.
+constexpr double kLightKept = 0.98;
+
+void note_lost_light(const RgbImage& mean, Reconstruction& made) {
+  const double kept = luminance_sum(made.image), all = luminance_sum(mean);
+  if (kept < kLightKept * all)
+    made.notes.push_back(
+        fmt::format("oidn: the network returned {:.1f} % of the light of its samples; with "
+                    "energy=box the image has all of it",
+                    100.0 * kept / all));
+}
+
 OptionTable<OidnOptions> oidn_option_table() {
   using O = OidnOptions;
   const auto in_settings = [](auto option) {
@@ -55,7 +76,7 @@ OptionTable<OidnOptions> oidn_option_table() {
                                      {{"all", OidnFeatures::kAll},
                                       {"albedo", OidnFeatures::kAlbedo},
                                       {"off", OidnFeatures::kNone}},
-                                     "what it sees beside radiance, where it was recorded"),
+                                     "what it uses beside radiance, where it was recorded"),
       in_settings(switch_option("prefilter", &OidnSettings::prefilter,
                                 "features are denoised by themselves first")),
       in_settings(choice_option<OidnSettings, OidnQuality>("quality", &OidnSettings::quality,
@@ -95,6 +116,7 @@ Result<Reconstruction> reconstruct_oidn(const Selection& selection, const Sample
   SPOOL_ASSIGN(const std::vector<float> denoised,
                run_oidn(*library, std::move(images), options.settings));
   result.image = planar(denoised, width, height, 1.0 / unit);
+  note_lost_light(mean, result);
   return result;
 }
 

@@ -139,11 +139,9 @@ Result<std::shared_ptr<const OidnLibrary>> open_oidn() {
     library->handle = Handle(handle, [](void* h) { ::dlclose(h); });
     const std::string missing = find_functions(*library);
     if (missing.empty()) return std::shared_ptr<const OidnLibrary>(std::move(library));
-    return fail(ErrorCode::kUsage, "filter oidn: {}: has no function {}: {}", place, missing,
-                kRemedy);
+    return fail(ErrorCode::kUsage, "{}: has no function {}: {}", place, missing, kRemedy);
   }
-  return fail(ErrorCode::kUsage, "filter oidn: Open Image Denoise is not here ({}): {}", why,
-              kRemedy);
+  return fail(ErrorCode::kUsage, "Open Image Denoise is not here ({}): {}", why, kRemedy);
 }
 
 Result<std::vector<float>> run_oidn(const OidnLibrary& library, OidnImages images,

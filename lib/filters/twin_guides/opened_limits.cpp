@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/truncated_filter.h"
@@ -12,7 +13,8 @@ namespace spool {
 namespace {
 
 constexpr int kMostGroups = 4;
-constexpr float kShareOfMean = 0.5f;  // what the geometric mean of a window is at least
+constexpr double kHeavyBegins = 0.25;  // in units of the ratio at which tails are heavy
+constexpr float kShareOfMean = 0.5f;   // what the geometric mean of a window is at least
 
 // min(4, smallest count of a pixel that has samples).
 int groups_of_pixels(const CountImage& n, int q) {
@@ -32,6 +34,12 @@ struct Split {
   std::vector<Plane> taken;  // [group], mean luminance above the limit
   Plane kept;                // mean luminance below it
 };
+
+// 0 .. 1. `ratio`: agreed light over kept light.
+double heaviness(double ratio, double heavy) {
+  if (heavy == 0.0) return ratio > 0.0 ? 1.0 : 0.0;
+  return std::clamp((ratio / heavy - kHeavyBegins) / (1.0 - kHeavyBegins), 0.0, 1.0);
+}
 
 Split split_at(const Plane& limits, const SamplePool& pool, const CountImage& n, int groups) {
   const int q = pool.pieces_per_side();
@@ -62,14 +70,24 @@ Split split_at(const Plane& limits, const SamplePool& pool, const CountImage& n,
   return split;
 }
 
+// The value of a pixel in each of its pieces.
+Plane pieces_of_pixels(const Plane& pixels, int q) {
+  Plane pieces(pixels.width() * q, pixels.height() * q);
+  for (int y = 0; y < pieces.height(); ++y) {
+    for (int x = 0; x < pieces.width(); ++x)
+      pieces(x, y) = pixels(x / q, y / q);
+  }
+  return pieces;
+}
+
 }  // namespace
 
-Plane open_limits(Plane limits, const SamplePool& pool, const CountImage& n, double sigma,
-                  double opening) {
+OpenedLimits open_limits(Plane limits, const SamplePool& pool, const CountImage& n,
+                         const TwinGuidesOptions& options) {
   const int groups = groups_of_pixels(n, pool.pieces_per_side());
-  if (opening <= 0.0 || groups < 2) return limits;
+  if (options.opening <= 0.0 || groups < 2) return {std::move(limits), {}};
   Split split = split_at(limits, pool, n, groups);
-  const Taps taps = four_sigma_taps(sigma);
+  const Taps taps = four_sigma_taps(options.clamp_sigma);
   const Plane kept = convolve(split.kept, taps);
   Plane agreed = convolve(split.taken[0], taps);
   for (std::size_t k = 1; k < split.taken.size(); ++k) {
@@ -77,13 +95,19 @@ Plane open_limits(Plane limits, const SamplePool& pool, const CountImage& n, dou
     for (std::size_t i = 0; i < agreed.size(); ++i)
       agreed[i] = std::min(agreed[i], around[i]);
   }
+  Plane heavy(limits.width(), limits.height());
   for (std::size_t i = 0; i < limits.size(); ++i) {
-    if (agreed[i] > 0.0 && kept[i] > 0.0) limits[i] *= 1.0 + opening * agreed[i] / kept[i];
+    const double ratio = kept[i] > 0.0 ? agreed[i] / kept[i] : 0.0;
+    heavy[i] = heaviness(ratio, options.heavy);
+    limits[i] *= 1.0 + options.opening * heavy[i] * ratio;
   }
-  return limits;
+  if (std::ranges::all_of(heavy.pixels(), [](double h) { return h == 0.0; }))
+    return {std::move(limits), {}};
+  return {std::move(limits), pieces_of_pixels(heavy, pool.pieces_per_side())};
 }
 
-void raise_logarithms(SampleMoments& moments, double sigma, const RadianceScale& scale) {
+void raise_logarithms(SampleMoments& moments, const Plane& heavy, double sigma,
+                      const RadianceScale& scale) {
   Image<float> around = moments.log_luminance;
   for (std::size_t i = 0; i < around.size(); ++i) {
     around[i] =
@@ -93,7 +117,8 @@ void raise_logarithms(SampleMoments& moments, double sigma, const RadianceScale&
   const auto floor = static_cast<float>(kLogFloor * scale.mean);
   for (std::size_t i = 0; i < around.size(); ++i) {
     const float least = std::log(std::max(around[i], 0.0f) * kShareOfMean + floor);
-    moments.log_luminance[i] = std::max(moments.log_luminance[i], least);
+    const float raised = std::max(moments.log_luminance[i], least);
+    moments.log_luminance[i] += static_cast<float>(heavy[i]) * (raised - moments.log_luminance[i]);
   }
 }
 

@@ -8,8 +8,7 @@ namespace spool {
 
 TwinGuidesOptions heavy_tailed_twin_guides_options() {
   TwinGuidesOptions options;
-  options.opening = 8.0;
-  options.noise_pool = 8;
+  options.heavy = 0.0;
   return options;
 }
 
@@ -36,10 +35,14 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table() {
                     "of a neighbour's luminance, times the window's"),
       number_option("clamp_sigma", &O::clamp_sigma, 0.1, 64.0,
                     "neighbourhood by which single samples are clamped, pixels"),
+      number_option("heavy", &O::heavy, 0.0, 1000.0,
+                    "share of the light that independent samples lose alike, of what is kept, from "
+                    "which tails are heavy; 0: any share"),
       number_option("opening", &O::opening, 0.0, 1000.0,
-                    "of the clamp where independent samples lose light alike; 0: none"),
+                    "of the clamp where tails are heavy; 0: none, and no noise is pooled"),
       integer_option("noise_pool", &O::noise_pool, 0, 64,
-                     "largest radius from which a variance is pooled, pixels; 0: neighbours alone"),
+                     "largest radius from which a variance is pooled there, pixels; 0: neighbours "
+                     "alone"),
       number_option("agreement", &O::agreement, 0.0, 64.0,
                     "reach over which clamped light that samples agree on returns, pixels"),
   };

@@ -24,12 +24,13 @@ struct TwinGuidesOptions {
   double ridge = 0.05;        // on every coefficient of the fit but the constant
   double clamp_sigma = 8.0;   // neighbourhood that says what a sample may be, pixels
   double agreement = 16.0;    // reach of the light that samples agree on, pieces; 0: none returns
-  double opening = 0.0;       // of the clamp where independent samples lose light alike; 0: none
-  int noise_pool = 0;         // largest radius of the pool of a variance, pieces; 0: neighbours
+  double heavy = 0.12;        // agreed light over kept light of heavy tails; 0: any
+  double opening = 8.0;       // of the clamp where tails are heavy; 0: none
+  int noise_pool = 8;         // largest radius of the pool of a variance there, pieces; 0: none
   double limit = 20.0;        // of a piece's luminance, times what its window says
 };
 
-// For pictures most of whose light few samples carry; elsewhere it costs.
+// For pictures most of whose light few samples carry everywhere; elsewhere it costs.
 TwinGuidesOptions heavy_tailed_twin_guides_options();
 
 OptionTable<TwinGuidesOptions> twin_guides_option_table();

@@ -19,6 +19,9 @@ namespace {
 // In units; squares and products of a few of them stay finite in float.
 constexpr double kLargestValue = 1e12;
 
+// Up to so many samples variances count twice where tails are heavy.
+constexpr std::int32_t kFewSamples = 8;
+
 using Triple = std::array<double, 3>;
 
 struct Moments {
@@ -82,7 +85,7 @@ Image<float> to_float(const Plane& plane) {
 
 class Filling {
  public:
-  Filling(const CountImage& n, int pieces_per_side, int noise_pool)
+  Filling(const CountImage& n, int pieces_per_side, const NoisePool& noise_pool)
       : n_(n), pieces_per_side_(pieces_per_side), noise_pool_(noise_pool) {}
   Image<float> filled(Plane plane) const { return to_float(all_filled(std::move(plane))); }
   // Mean and blurred variance; the moments are used up.
@@ -97,10 +100,14 @@ class Filling {
       mean[c] = filled(std::move(moments.mean[c]));
       const Plane whole = all_filled(std::move(v));
       variance[c] = convolve(to_float(whole), four_sigma_taps(1.0));
-      if (noise_pool_ == 0) continue;
-      const Plane grown = grown_variance(whole, noise_pool_);
-      for (std::size_t i = 0; i < grown.size(); ++i)
-        variance[c][i] = std::max(variance[c][i], static_cast<float>(grown[i]));
+      if (noise_pool_.unused()) continue;
+      const Plane grown = grown_variance(whole, noise_pool_.radius);
+      for (std::size_t i = 0; i < grown.size(); ++i) {
+        const float more = static_cast<float>(grown[i]) - variance[c][i];
+        const auto share = static_cast<float>(noise_pool_.share[i]);
+        const float missed = share * kFewSamples / static_cast<float>(std::max(n_[i], kFewSamples));
+        variance[c][i] = (1.0f + missed) * (variance[c][i] + share * std::max(more, 0.0f));
+      }
     }
   }
 
@@ -111,13 +118,15 @@ class Filling {
   }
 
   const CountImage& n_;
-  int pieces_per_side_, noise_pool_;
+  int pieces_per_side_;
+  const NoisePool& noise_pool_;
 };
 
 }  // namespace
 
 SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
-                             int noise_pool, const RadianceScale& scale, GuardCounts& guards) {
+                             const NoisePool& noise_pool, const RadianceScale& scale,
+                             GuardCounts& guards) {
   const Filling filling(n, pool.pieces_per_side(), noise_pool);
   SampleMoments result;
   const int q = pool.pieces_per_side(), width = n.width();

@@ -7,9 +7,10 @@
 // Groups: agreed_light.h.
 //
 // All in units (RadianceScale), so float holds it. Variances are those of the mean
-// (variance_of_mean.h, mode auto), blurred with a Gaussian of one piece, and at least what a pool
-// of up to `noise_pool` pieces around says (grown_variance.h): few samples may carry the light. A
-// piece without samples takes its neighbours' values. Slow twin:
+// (variance_of_mean.h, mode auto), blurred with a Gaussian of one piece. Where few samples carry
+// the light (NoisePool::share) they are at least those of a pool of pieces (grown_variance.h), and
+// 1 + 8 / max(n, 8) times as large: of a few samples the largest are missing. A piece without
+// samples takes its neighbours' values. Slow twin:
 // tests/reference/twin_guides_reference.h.
 #pragma once
 
@@ -25,6 +26,13 @@ namespace spool {
 
 using FloatRgb = std::array<Image<float>, 3>;
 
+// Where variances come from a pool of pieces, and of how many.
+struct NoisePool {
+  int radius = 0;      // the largest of the pool, pieces
+  const Plane& share;  // [y][x] of pieces, 0 .. 1: how far the pool counts; empty: nowhere
+  bool unused() const { return radius == 0 || share.size() == 0; }
+};
+
 struct SampleMoments {
   FloatRgb mean, variance;                  // of the clamped samples
   FloatRgb difference;                      // of their halves
@@ -36,6 +44,7 @@ struct SampleMoments {
 // `limit`: luminance [y][x] of pixels, in radiance, that a sample is scaled down to
 // (lib/kernels/sample_clamp.h).
 SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const Plane& limit,
-                             int noise_pool, const RadianceScale& scale, GuardCounts& guards);
+                             const NoisePool& noise_pool, const RadianceScale& scale,
+                             GuardCounts& guards);
 
 }  // namespace spool

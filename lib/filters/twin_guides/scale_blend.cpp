@@ -12,6 +12,8 @@ namespace spool {
 namespace {
 
 constexpr WindowShape kWindow = {2, 1.5};
+constexpr WindowShape kJoin = {3, 2.0};
+constexpr double kFeatureGainOfJoin = 10.0;  // in that of the fit, which has slopes besides
 constexpr int kFirstStep = 2, kLastStep = 8;
 constexpr double kFloor = 0.1;  // of the picture, in L: no error is relative to less
 constexpr std::size_t kTerms = 3;
@@ -20,20 +22,20 @@ constexpr std::size_t kTerms = 3;
 constexpr double kSlackWithoutFeatures = 0.5;
 
 // A few draws of noise that is rare say nothing: N from as many pieces as carry it.
-void grow_noise(std::vector<Image<float>>& terms, int largest) {
-  if (largest == 0) return;
+void grow_noise(std::vector<Image<float>>& terms, const NoisePool& pool) {
+  if (pool.unused()) return;
   for (std::size_t t = 1; t < terms.size(); t += kTerms) {
     Plane noise(terms[t].width(), terms[t].height());
     std::copy(terms[t].pixels().begin(), terms[t].pixels().end(), noise.pixels().begin());
-    noise = grown_variance(noise, largest);
+    noise = grown_variance(noise, pool.radius);
     for (std::size_t i = 0; i < noise.size(); ++i)
-      terms[t][i] = static_cast<float>(noise[i]);
+      terms[t][i] += static_cast<float>(pool.share[i] * (noise[i] - terms[t][i]));
   }
 }
 
 // D, N and V of each detail, [3 k + term][y][x], before the means.
 std::vector<Image<float>> terms_of(const std::vector<ScaleImages>& scales, float floor,
-                                   int noise_pool) {
+                                   const NoisePool& noise_pool) {
   const FloatRgb& picture = scales[std::min<std::size_t>(2, scales.size() - 1)].image;
   const int width = picture[0].width(), height = picture[0].height();
   std::vector<Image<float>> terms(kTerms * (scales.size() - 1), Image<float>(width, height));
@@ -114,6 +116,29 @@ std::vector<Image<float>> guided_means(std::vector<Image<float>> terms, const Gu
   return terms;
 }
 
+// Lattices of a coarse scale share few samples. Where no finer scale covers how they differ, a mean
+// over their neighbours does.
+void join_lattices(FloatRgb& out, const NoisePool& pool, const GuideSources& sources,
+                   const FeatureImages& clean, const RadianceScale& scale,
+                   const TwinGuidesOptions& options) {
+  if (pool.unused()) return;
+  const std::vector<Image<float>> from(out.begin(), out.end());
+  std::vector<Image<float>> means(from.size(), Image<float>(out[0].width(), out[0].height()));
+  TwinGuidesOptions strict = options;
+  strict.feature_gain *= kFeatureGainOfJoin;
+  GuidePyramid pyramid(sources, scale, options);
+  const GuideImages guides = pyramid.take_guides();
+  parallel_lattice_tiles(out[0].width(), out[0].height(), 1,
+                         [&](const Lattice& lattice, const Rectangle& tile) {
+                           const WindowWeights weights(lattice, tile, kJoin, guides, clean, strict);
+                           mean_on_tile(lattice, tile, weights, from, means);
+                         });
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    for (std::size_t i = 0; i < out[c].size(); ++i)
+      out[c][i] += static_cast<float>(pool.share[i]) * (means[c][i] - out[c][i]);
+  }
+}
+
 float share_of_detail(float d, float n, float v, float slack) {
   const float signal = d - slack * (n + v);
   return signal > 0.0f ? std::min(signal / d, 1.0f) : 0.0f;
@@ -122,13 +147,13 @@ float share_of_detail(float d, float n, float v, float slack) {
 }  // namespace
 
 FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources& sources,
-                      const FeatureImages& clean, const RadianceScale& scale,
-                      const TwinGuidesOptions& options) {
+                      const FeatureImages& clean, const NoisePool& noise_pool,
+                      const RadianceScale& scale, const TwinGuidesOptions& options) {
   FloatRgb out = scales.back().image;
   if (scales.size() == 1) return out;
   const std::vector<Image<float>> means =
-      guided_means(terms_of(scales, static_cast<float>(kFloor * scale.mean), options.noise_pool),
-                   sources, clean, scale, options);
+      guided_means(terms_of(scales, static_cast<float>(kFloor * scale.mean), noise_pool), sources,
+                   clean, scale, options);
   const auto slack = static_cast<float>(options.detail_slack *
                                         (clean.value.empty() ? kSlackWithoutFeatures : 1.0));
   parallel_rows(0, out[0].height(), [&](int y) {
@@ -141,6 +166,7 @@ FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources
       }
     }
   });
+  join_lattices(out, noise_pool, sources, clean, scale, options);
   return out;
 }
 

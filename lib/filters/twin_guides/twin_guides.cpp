@@ -64,12 +64,13 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
   for (const std::int32_t k : n.pixels())
     result.guards.add(Guard::kEmptyPiece, k == 0 ? 1 : 0);
   const RadianceScale scale = radiance_scale(statistics, result.guards);
-  const Plane limits =
+  const OpenedLimits opened =
       open_limits(sample_limits(pool, n, scale.mean / scale.unit, {.sigma = options.clamp_sigma}),
-                  pool, n, options.clamp_sigma, options.opening);
-  SampleMoments moments = sample_moments(pool, n, limits, options.noise_pool, scale, result.guards);
-  if (options.opening > 0.0)
-    raise_logarithms(moments, options.clamp_sigma * pool.pieces_per_side(), scale);
+                  pool, n, options);
+  const NoisePool noise_pool{options.noise_pool, opened.heavy};
+  SampleMoments moments = sample_moments(pool, n, opened.limits, noise_pool, scale, result.guards);
+  if (opened.heavy.size() > 0)
+    raise_logarithms(moments, opened.heavy, options.clamp_sigma * pool.pieces_per_side(), scale);
   SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
   const GuideSources sources = guide_sources(moments, features.clean);
@@ -78,7 +79,7 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
       fit_scales(finest_inputs(std::move(moments), std::move(features.raw)), n, sources,
                  features.clean, scale, options);
   const FloatRgb blended =
-      return_agreed_light(blend_scales(scales, sources, features.clean, scale, options),
+      return_agreed_light(blend_scales(scales, sources, features.clean, noise_pool, scale, options),
                           std::move(clamped_light), options.agreement, scale);
 
   RgbImage image = make_rgb(n.width(), n.height());

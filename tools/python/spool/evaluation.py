@@ -18,6 +18,7 @@ from .executors import Plan, spread
 from .own_methods import Method, failure_shown
 from .plan_text import plan_text
 from .recordings import Dump, Recording, recording_of
+from .regular_file import open_regular
 from .save import write
 
 
@@ -116,7 +117,7 @@ def _text_of(plan, scratch):
             raise wrong("plan", plan, "neither a dict of a plan's keys nor the path of a TOML file")
         place = path("plan", plan)
         try:
-            with open(place, encoding="utf-8") as file:
+            with open_regular(place, "r", encoding="utf-8") as file:
                 written = file.read(_LARGEST_PLAN + 1)
         except (OSError, ValueError) as reason:
             raise SpoolError("io", f"{place}: {getattr(reason, 'strerror', None) or reason}: give a dict, or the path of a "
@@ -167,7 +168,7 @@ def _parsed(folder, name, written):
 
 def _read(folder, name):
     try:
-        with open(os.path.join(folder, name), encoding="utf-8") as file:
+        with open_regular(os.path.join(folder, name), "r", encoding="utf-8") as file:
             return file.read()
     except (OSError, UnicodeDecodeError) as reason:
         raise SpoolError("io", f"{folder}: {name}: {getattr(reason, 'strerror', None) or reason}") from reason

@@ -7,6 +7,7 @@ import json
 import numpy as np
 
 from . import _core
+from .arguments import image_size
 from .error import SpoolError
 
 _MOST_SIDE = 512  # pixels of a picture in a cell
@@ -56,8 +57,9 @@ def image_array(image, name: str) -> np.ndarray:
         raise SpoolError("usage", f"{name}: is no image: {reason}") from None
     if array.dtype.kind != "f":
         raise SpoolError("usage", f"{name}: holds {array.dtype}, not floats: give linear values, for example image.astype(float)")
+    if array.ndim != 2 and (array.ndim != 3 or array.shape[2] != 3):
+        raise SpoolError("usage", f"{name}: has shape {array.shape}, not (height, width, 3) or (height, width)")
+    image_size(name, array.shape)
     if array.ndim == 2:
         array = np.repeat(array[..., None], 3, axis=2)
-    if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
-        raise SpoolError("usage", f"{name}: has shape {array.shape}, not (height, width, 3) or (height, width)")
     return np.ascontiguousarray(array, np.float64)

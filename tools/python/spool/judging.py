@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from . import _core
-from .arguments import array, flag, option_text, texts, whole
+from .arguments import array, flag, image_size, option_text, texts, whole
 from .error import SpoolError
 
 
@@ -32,4 +32,5 @@ def _image(values, name):
     values = array(name, values)
     if values.ndim != 3 or values.shape[2] != 3:
         raise SpoolError("usage", f"{name}: has shape {values.shape}, not (height, width, 3)")
+    image_size(name, values.shape)
     return np.ascontiguousarray(values, np.float64)

@@ -18,7 +18,10 @@ _CONNECTING = 10  # seconds
 
 @contextlib.contextmanager
 def executor_of(text: str):
-    """The executor that a text names -> concurrent.futures.Executor; SpoolError where there is none."""
+    """The executor that a text names -> concurrent.futures.Executor; SpoolError where there is none.
+
+    None in processes of MPI but the first, when there is nothing left to do: they were its workers.
+    """
     kind, _, where = text.partition(":")
     if kind == "processes" and where.isdecimal() and 1 <= int(where) <= 4096:
         spawn = multiprocessing.get_context("spawn")  # threads of the library do not survive a fork
@@ -33,7 +36,12 @@ def executor_of(text: str):
         with client:
             yield client.get_executor()
     elif text == "mpi":
-        with _package("mpi4py.futures", "mpi4py").MPIPoolExecutor() as executor:
+        # Of processes that are there: spawning more is not possible everywhere, and hangs where it fails.
+        futures = _package("mpi4py.futures", "mpi4py")
+        processes = _package("mpi4py.MPI", "mpi4py").COMM_WORLD
+        if processes.Get_size() < 2:
+            raise SpoolError("usage", "--executor mpi: no workers: mpiexec -n N spool evaluate ... starts N - 1 of them")
+        with futures.MPICommExecutor(processes, root=0) as executor:
             yield executor
     else:
         raise SpoolError("usage", f"--executor {text}: write one of {KINDS}")
@@ -51,9 +59,15 @@ def _progress(share, done, of):
         print(f"\revaluate: {100 * share:3.0f} %, {done} of {of} results", end="\n" if done == of else "", file=sys.stderr, flush=True)
 
 
-def run(plan: str, folder: str, executor: str, *switches: str) -> None:
-    """Makes what is missing of the file `plan` in `folder`. `switches`: force, exact (timing), quiet."""
+def run(plan: str, folder: str, executor: str, *switches: str) -> bool:
+    """Makes what is missing of the file `plan` in `folder`; False in a worker of the process that does so.
+
+    `switches`: force, exact (timing), quiet.
+    """
     written, name, beside = _text_of(plan, None)
     with executor_of(executor) as made:
+        if made is None:
+            return False
         spread(made, Plan(written, name, beside, "exact" in switches), os.path.abspath(folder), "force" in switches,
                None if "quiet" in switches else _progress, merge=False)
+        return True

@@ -10,12 +10,12 @@ from typing import Union
 import numpy as np
 
 from . import _core, reader
-from .arguments import array, choice, flag, note_axes, option_text, text, whole, wrong
+from .arguments import array, choice, flag, image_size, note_axes, option_text, text, whole, wrong
 from .arguments import path as path_of
 from .arguments import seed as seed_of
 from .cells import recording_html
 from .error import SpoolError
-from .record_layout import MAX_SIDE
+from .record_layout import MAX_SPP
 
 FEATURES = {"albedo": "RGB", "normal": "XYZ", "depth": "Z"}
 
@@ -90,8 +90,9 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     arrays = {key: array(f"{name}: {key}", values) for key, values in given.items()
               if values is not None or key == "radiance"}
     shape = arrays["radiance"].shape
-    if len(shape) != 4 or shape[3] != 3 or 0 in shape or max(shape) > MAX_SIDE:
-        raise SpoolError("usage", f"{name}: radiance has shape {shape}, not (height, width, spp, 3) of 1 to {MAX_SIDE} each")
+    if len(shape) != 4 or shape[3] != 3 or not 0 < shape[2] <= MAX_SPP:
+        raise SpoolError("usage", f"{name}: radiance has shape {shape}, not (height, width, spp, 3) with 1 to {MAX_SPP} samples")
+    image_size(f"{name}: radiance", shape)
     note_axes(name, arrays)
     for key, channels in (("film", 2), ("albedo", 3), ("normal", 3), ("depth", 1)):
         if key in arrays:
@@ -100,7 +101,7 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     for key in ("reference", "reference_variance"):
         if key in arrays:
             _want_shape(name, key, arrays[key], (*shape[:2], 3))
-    held = {key: _image(values) if key.startswith("reference") else _planes(values, key) for key, values in arrays.items()}
+    held = {key: _image(values, key) if key.startswith("reference") else _planes(values, key) for key, values in arrays.items()}
     source = _core.Source(name, held["radiance"], held.get("film"),
                           [(key, components, held[key]) for key, components in FEATURES.items() if key in held],
                           held.get("reference"), held.get("reference_variance"), sample_order == "exchangeable")
@@ -133,7 +134,7 @@ def synth(scene: str, *, width: int = 128, height: int = 128, spp: int = 64, see
 
 def _planes(values, key):
     """A copy [c][y][x][s] that no other code writes to."""
-    planes = _frozen(np.moveaxis(values, 3, 0), np.float32)
+    planes = _frozen(np.moveaxis(values, 3, 0), np.float32, key)
     if values.dtype.kind == "f" and values.dtype.itemsize > 4:
         given = np.moveaxis(values, 3, 0)
         lost = np.isinf(planes) & np.isfinite(given)
@@ -142,13 +143,16 @@ def _planes(values, key):
     return planes
 
 
-def _image(values):
-    return _frozen(values, np.float64)
+def _image(values, key):
+    return _frozen(values, np.float64, key)
 
 
-def _frozen(values, kind):
-    with np.errstate(over="ignore"):  # what becomes infinite is left out as such
-        copy = np.array(values, kind, order="C", copy=True)
+def _frozen(values, kind, key):
+    try:
+        with np.errstate(over="ignore"):  # what becomes infinite is left out as such
+            copy = np.array(values, kind, order="C", copy=True)
+    except MemoryError:
+        raise SpoolError("io", f"{key}: {values.size} values are more than memory holds: write a file part by part (spool.Writer)") from None
     copy.flags.writeable = False
     return copy
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import _core
-from .arguments import array, choice, flag, mapping, number, option_text, text, texts, wrong
+from .arguments import array, choice, flag, image_size, mapping, number, option_text, text, texts, wrong
 from .arguments import seed as seed_of
 from .arguments import whole as whole_number
 from .cells import density_html, reconstruction_html
@@ -140,6 +140,7 @@ def _counts(selection):
                                             f"reconstruct(samples, None, filter, spp={selection})")
     if counts.ndim != 2:
         raise SpoolError("usage", f"selection: has shape {counts.shape}, not (height, width)")
+    image_size("selection", counts.shape)
     odd = np.argwhere(~((counts >= -2.0**62) & (counts <= 2.0**62) & (counts == np.floor(counts))))  # NaN, too
     if len(odd):
         y, x = odd[0]

@@ -1,0 +1,106 @@
+"""docs/coverage.md, from docs/results/coverage: scenes.csv, a line each, and rows.csv, what each scene's rows came to."""
+import csv
+import math
+
+from tools.study.plans import ROOT
+from tools.study.tables import as_csv, markdown
+from tools.study.whole_file import write_whole
+
+PAGE, KEPT = ROOT / "docs/coverage.md", ROOT / "docs/results/coverage"
+
+TEXT = """# How often the 95 % intervals hold the truth
+
+Written by `tools/dev.sh bench coverage`. Each scene was made 20 times (or as its line says): every sample drawn with replacement from a recording,
+whose mean is the exact reference; scene S anew. Each was evaluated
+as `spool evaluate` does it by default, 8 replicates, 4, 8, 16 of 64 samples: `uniform`, `mitchell`, `adaptive_wavelet`, `greedy_error`, `nl_means`,
+`neyman`, `multiscale` with `box`; `uniform` and `multiscale` with `directional`.{more} A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
+Its interval should hold the mean of the other recordings in 95 %. Of 20 trials a row that is right lies below 90 % by chance in
+{chance:.0f} of 100. Rows are *withheld* where most of their recordings have no verdict
+because few pixels carry the error ([decision 156](decisions.md#0156-what-a-verdict-may-stand-on)); "without halves" are the same results with the
+spread between recordings assumed and not measured ([decision 155](decisions.md#0155-the-spread-between-recordings-is-measured-on-halves-of-the-recording)), nothing withheld.
+
+{table}
+
+Rows with their counts, and how many intervals lie below the truth: [rows.csv](results/coverage/rows.csv). Below 80 %, with the budget:
+
+{low}
+
+## A method compared with itself
+
+`spool compare` of two recordings of one scene: every method and budget, one family of comparisons for each metric. Nothing
+differs, so 5 % of families may claim something.
+
+{selves}
+
+## What forbids more
+
+- `neyman`, an oracle, is left out of both tables: it takes samples where the whole recording varies, so its halves share what they use, and in
+  relMSE on balls and caustic its differences between recordings are claimed in half of the families.
+- Light that few samples carry: a recording without them lacks it, and its interval is too narrow. Three recordings
+  or more (`--recordings`, `group`) show it.
+- The first eight scenes are of 2026-11-25, with the `directional` of then; "two samplers", `uniform` and `multiscale`, of 2026-11-26.
+- Where samples have a tail of infinite variance, the expectation of the squared error does not exist, and no interval can hold it
+  [BahadurSavage56].
+- Where one cell of the image carries an error, its spread is known with one degree of freedom, and the interval is 3 to 15 times as wide
+  as it had to be.
+"""
+SCENES = ("scene", "side", "samples", "recordings", "measured", "rows", "held", "below", "withheld", "least", "below_without", "least_without",
+          "itself_mse", "itself_relmse", "itself_mse_without", "itself_relmse_without")
+ROWS = ("scene", "quantity", "method", "spp", "intervals", "held", "too_low", "share", "share_without")
+MORE = """ Scenes named `_256` have 256 x 256 pixels of 256 samples; they, and the preset
+`paper`, have fewer methods and recordings."""
+ENOUGH, LEAST = 0.9, 0.8
+
+
+def read(name):
+    path = KEPT / f"{name}.csv"
+    if not path.exists():
+        return []
+    with open(path, encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def share(found):
+    intervals, held, _ = found
+    return held / intervals if intervals else None
+
+
+def keep(scene, measured, now, before):
+    """`now`, `before`: {(quantity, method, spp): (intervals, those that hold the truth, those below it)}."""
+    shares, without = ([s for found in side.values() if (s := share(found)) is not None] for side in (now, before))
+    line = {"scene": scene, **measured, "rows": len(now), "held": sum(s >= ENOUGH for s in shares), "below": sum(s < ENOUGH for s in shares),
+            "withheld": len(now) - len(shares), "least": f"{min(shares):.3f}", "below_without": sum(s < ENOUGH for s in without),
+            "least_without": f"{min(without):.3f}"}
+    rows = [{"scene": scene, "quantity": row[0], "method": row[1], "spp": f"{row[2]:g}", "intervals": found[0], "held": found[1], "too_low": found[2],
+             "share": "" if share(found) is None else f"{share(found):.3f}",
+             "share_without": "" if share(before[row]) is None else f"{share(before[row]):.3f}"} for row, found in now.items()]
+    KEPT.mkdir(parents=True, exist_ok=True)
+    for name, columns, more in (("scenes", SCENES, [line]), ("rows", ROWS, rows)):
+        lines = [*(kept for kept in read(name) if kept["scene"] != scene), *more]
+        write_whole(KEPT / f"{name}.csv", as_csv(columns, [[kept[c] for c in columns] for kept in lines]))
+
+
+def by_chance(count):
+    """Chance that fewer than 90 % of `count` intervals hold where each does with 95 %."""
+    return 100 * sum(math.comb(count, k) * 0.95 ** k * 0.05 ** (count - k) for k in range(math.ceil(ENOUGH * count)))
+
+
+def percent(text):
+    return f"{100 * float(text):.0f} %"
+
+
+def write(order):
+    """`order`: of the scenes."""
+    scenes = sorted(read("scenes"), key=lambda line: list(order).index(line["scene"]))
+    low = {}
+    for row in read("rows"):
+        if row["share"] and float(row["share"]) < LEAST:
+            low.setdefault(row["scene"], []).append(f"{row['quantity']} of {row['method']}, {row['spp']}: {percent(row['share'])}")
+    table = [[s["scene"] + (f" ({s['recordings']})" if s["recordings"] != "20" else ""), s["rows"], s["held"], s["below"], s["withheld"],
+              percent(s["least"]), s["below_without"], percent(s["least_without"])] for s in scenes]
+    selves = [[s["scene"], *(f"{s[column]} of {int(s['recordings']) // 2}" for column in SCENES[-4:])] for s in scenes]
+    write_whole(PAGE, TEXT.format(
+        chance=by_chance(20), more=MORE if any(s["recordings"] != "20" for s in scenes) else "",
+        table=markdown(["scene", "rows", "90 % and more", "below", "withheld", "least", "below without halves", "least"], table),
+        low="\n".join(f"- {scene}: {'; '.join(rows)}" for scene, rows in low.items()) or "- none",
+        selves=markdown(["scene", "MSE", "relMSE", "MSE without halves", "relMSE without halves"], selves)))

@@ -1,0 +1,122 @@
+"""What AVX-512 gains: tools/dev.sh bench vectors [--turns N] [--size N] [--methods REGEX] [--print].
+
+Whole commands of every method with the program as it is and with a copy of it whose functions of several clones take the one for
+AVX2 (lib/core/vector_clones.h), in turns, the least CPU time of each; both images are compared. Needs a processor with AVX-512.
+Results go to docs/results/speed/vectors.csv, and a section of docs/speed.md, unless it shall only print.
+"""
+import argparse
+import csv
+import hashlib
+import json
+import os
+import re
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+from tools.bench.methods.mosaic import write_mosaic
+from tools.bench.speed_page import PAGE, replace_section
+
+FEATURES = Path("dumps/tiny/chess.spool")
+TEST = b"\xf6\x40\x08\x04"                      # testb $4, 8(%rax): GCC's question for x86-64-v4 in a resolver; with 0 the answer is no
+TOLD, SHOWN = 0.05, 10                          # a difference that is told; rows of the page
+
+
+def without_avx512(program, copy):
+    """A copy that takes the clones of a processor without AVX-512."""
+    data = bytearray(program.read_bytes())
+    (headers,), (count,) = struct.unpack_from("<Q", data, 32), struct.unpack_from("<H", data, 56)
+    segments = [struct.unpack_from("<IIQQQQ", data, headers + 56 * i) for i in range(count)]
+    symbols = subprocess.run(["nm", "-S", "--defined-only", program], check=True, capture_output=True, text=True).stdout
+    switched = 0
+    for address, size, _, name in (line.split() for line in symbols.splitlines() if len(line.split()) == 4):
+        if not name.endswith(".resolver"):
+            continue
+        address, size = int(address, 16), int(size, 16)
+        at = next(offset + address - start for kind, _, offset, start, _, length in segments if kind == 1 and start <= address < start + length)
+        found = data.find(TEST, at, at + size)
+        if found < 0:
+            sys.exit(f"vectors: {name} asks in another way: {program} is of another compiler")
+        data[found + 3], switched = 0, switched + 1
+    if switched == 0:
+        sys.exit(f"vectors: {program} has no clones, or no symbols")
+    copy.write_bytes(data)
+    copy.chmod(0o755)
+
+
+def cpu_of(words):
+    process = subprocess.Popen([str(word) for word in words], stderr=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    return used.ru_utime + used.ru_stime if status == 0 else None
+
+
+def command(program, method, paths, out):
+    """`method`: kind/name; `paths`: of the recording and of a selection."""
+    kind, name = method.split("/")
+    words = ["replay", paths[0], "--spp", 8, "--sampler", name] if kind == "sampler" else ["reconstruct", paths[0], "--selection", paths[1], "--filter", name]
+    return [program, *words, "--threads", 1, "-q", "--force", "-o", out]
+
+
+def measure(program, copy, folder, size, turns, wanted):
+    """{method: (as it is, without), CPU seconds}."""
+    plain, features = folder / f"scene_s-{size}.spool", folder / f"chess-{size}.spool"
+    cpu_of([program, "synth", "scene_s", "--size", size, "--samples", 64, "-q", "--force", "-o", plain])
+    if not features.exists():
+        write_mosaic(FEATURES, features, size, 64)
+    paths = [(path, path.with_suffix(".exr")) for path in (plain, features)]
+    for path, selection in paths:
+        cpu_of([program, "replay", path, "--spp", 8, "--sampler", "multiscale", "--threads", 1, "-q", "--force", "-o", selection])
+    listed = json.loads(subprocess.run([program, "list", "--json"], check=True, capture_output=True, text=True).stdout)
+    found = {}
+    methods = [f"{kind[:-1]}/{name}" for kind in ("samplers", "filters") for name in listed[kind]]  # those that need more words end at once
+    for method in [m for m in methods if re.search(wanted, m)]:
+        for which in paths:                     # with features where it needs them
+            times = [(cpu_of(command(program, method, which, folder / "a.exr")), cpu_of(command(copy, method, which, folder / "b.exr")))
+                     for _ in range(turns)]
+            if None not in times[0]:
+                digests = {hashlib.sha256((folder / name).read_bytes()).digest() for name in ("a.exr", "b.exr")}
+                if len(digests) != 1:
+                    sys.exit(f"vectors: {method}: the two programs differ")
+                found[method] = tuple(map(min, zip(*times)))
+                print(f"{method}: {found[method][0]:.2f}, {found[method][1]:.2f}", file=sys.stderr, flush=True)
+                break
+    return found
+
+
+def page(found, size, turns):
+    rows = [["method", "as it is, CPU-s", "without AVX-512, times"], ["---"] * 3]
+    for method, (whole, without) in sorted(found.items(), key=lambda item: -item[1][1] / item[1][0])[:SHOWN]:
+        rows.append([f"{method.split('/')[0]} `{method.split('/')[1]}`", f"{whole:.2f}", f"{without / whole:.2f}"])
+    alike = sum(abs(without / whole - 1.0) <= TOLD for whole, without in found.values())
+    return "\n\n".join([
+        "## Without AVX-512",
+        f"`tools/dev.sh bench vectors`: whole commands of all {len(found)} methods at {size}x{size} pixels, 8 of 64 samples, one thread, with the clones for "
+        f"AVX-512 and with those for AVX2, on one processor in turns, the least of {turns}; the images are the same bytes. {alike} methods differ by less than "
+        f"{100 * TOLD:.0f} %; those that lose most (all: [vectors.csv](results/speed/vectors.csv)):", "\n".join("| " + " | ".join(row) + " |" for row in rows)])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=Path)
+    parser.add_argument("--turns", type=int, default=2)
+    parser.add_argument("--size", type=int, default=512)
+    parser.add_argument("--methods", default=".*", help="a regular expression, e.g. filter/")
+    parser.add_argument("--print", action="store_true", help="leave docs/ alone")
+    options = parser.parse_args()
+    program, folder = options.build.resolve() / "spool", options.build.resolve() / "vectors"
+    folder.mkdir(exist_ok=True)
+    copy = folder / "spool"
+    without_avx512(program, copy)
+    found = measure(program, copy, folder, options.size, options.turns, options.methods)
+    text = page(found, options.size, options.turns)
+    print(text)
+    if not options.print:
+        replace_section("vectors", text)
+        with open(PAGE.parent / "results/speed/vectors.csv", "w", newline="", encoding="utf-8") as stream:
+            csv.writer(stream, lineterminator="\n").writerows([("method", "with AVX-512, CPU-s", "without, CPU-s"), *(
+                (method, f"{whole:.3f}", f"{without:.3f}") for method, (whole, without) in found.items())])
+
+
+if __name__ == "__main__":
+    main()
