@@ -1,4 +1,5 @@
 """What is pinned of a finished recording, and whether a new one agrees with it."""
+import hashlib
 import os
 import platform
 import re
@@ -14,31 +15,41 @@ def processor():
         return platform.machine()
 
 
-def claims(meta):
-    """How many claims of dumps/verify hold, fail and are not known."""
-    found = [finding["holds"] for finding in meta.get("verification", {}).get("findings", [])]
+def claims(metas):
+    """How many claims of dumps/verify hold, fail and are not known, in all of them."""
+    found = [finding["holds"] for meta in metas for finding in meta.get("verification", {}).get("findings", [])]
     counts = [(found.count(True), "hold"), (found.count(False), "FAIL"), (found.count(None), "not known")]
     return ", ".join("%d %s" % count for count in counts if count[0]) or "not verified"
 
 
-def measure(path):
-    import spool
+def hash_of(paths):
+    """Of one recording its content hash, of several that of their hashes."""
     from content_hash import content_hash
-    with spool.open(path) as dump:
-        meta = dump.meta
-        renderer = meta["renderer"] if isinstance(meta["renderer"], dict) else {
-            "name": meta["renderer"], "version": meta.get("version", "")}  # as a folder of passes is packed (dumps/passes.md)
-        samples = dump.width * dump.height * (dump.spp + meta.get("reference", {}).get("samples", 0))
-        seconds = round(meta["cost_per_sample"] * samples)
+    found = [content_hash(path) for path in paths]
+    return found[0] if len(found) == 1 else hashlib.sha256("".join(found).encode()).hexdigest()
+
+
+def measure(*paths):
+    """paths: a recording, or all of one group, which share their reference."""
+    import spool
+    metas, spp = [], 0
+    for path in paths:
+        with spool.open(path) as dump:
+            metas.append(dump.meta)
+            spp, pixels = spp + dump.spp, dump.width * dump.height
+    meta = metas[0]
+    renderer = meta["renderer"] if isinstance(meta["renderer"], dict) else {
+        "name": meta["renderer"], "version": meta.get("version", "")}  # as a folder of passes is packed (dumps/passes.md)
+    seconds = round(meta["cost_per_sample"] * pixels * (spp + meta.get("reference", {}).get("samples", 0)))
     version = " ".join(str(renderer[key]) for key in ("name", "version", "variant") if renderer.get(key))
-    return {"scene_sha256": meta["scene"]["sha256"], "samples_sha256": content_hash(path), "bytes": os.path.getsize(path),
+    return {"scene_sha256": meta["scene"]["sha256"], "samples_sha256": hash_of(paths), "bytes": sum(map(os.path.getsize, paths)),
             "cpu_seconds": seconds, "versions": version, "processor": processor(),
-            "claims": claims(meta)}
+            "claims": claims(metas)}
 
 
-def differences(scene_sha256, pinned, path):
+def differences(scene_sha256, pinned, paths):
     """Lines that say what is not as pinned. Other samples on another processor or with another version are none."""
-    found = measure(path)
+    found = measure(*paths)
     if scene_sha256 not in (None, found["scene_sha256"]):
         return ["another scene than the pinned one (%s, not %s)" % (found["scene_sha256"], scene_sha256)]
     if not pinned:
@@ -52,11 +63,11 @@ def differences(scene_sha256, pinned, path):
 
 
 def pin(path, files):
-    """files: {name: dump}. Replaces or adds the lines `scene_sha256` and `pinned` of each pool, and says what it wrote."""
+    """files: {name: recordings}. Replaces or adds the lines `scene_sha256` and `pinned` of each pool, and says what it wrote."""
     with open(path, encoding="utf-8") as stream:
         parts = stream.read().split("[[pool]]\n")
-    for name, dump in files.items():
-        found = measure(dump)
+    for name, paths in files.items():
+        found = measure(*paths)
         line = 'scene_sha256 = "%s"\n' % found["scene_sha256"] + "pinned = { %s }" % ", ".join("%s = %s" % (key, '"%s"' % found[key] if isinstance(found[key], str) else found[key])
                                             for key in PINNED)
         for i, part in enumerate(parts):

@@ -34,7 +34,7 @@ def recorder_of(pool):
 def arguments_of(pool):
     """Of the recorder: the scene, and what its samples depend on. `{scenes}` stands for the folder of scenes by others."""
     return [pool["scene"], *pool["arguments"], "--size", "%dx%d" % tuple(pool["size"]), "--samples", str(pool["samples"]),
-            "--reference", str(pool["reference"])]
+            *(["--recordings", str(pool["recordings"])] if "recordings" in pool else []), "--reference", str(pool["reference"])]
 
 
 def command_of(pool, out, scenes):
@@ -54,8 +54,8 @@ def share_done(pool, label, done, total):
     return pool["samples"] * done / total / whole
 
 
-def run_pool(pool, out, scenes, left):
-    """Whether it was recorded and is what is pinned. left: share done -> seconds to go of all pools."""
+def run_pool(pool, out, files, scenes, left):
+    """files: what becomes of out. Whether it was recorded and is what is pinned. left: share done -> seconds to go of all pools."""
     process = subprocess.Popen(command_of(pool, out, scenes), cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     try:
         for line in process.stdout:
@@ -71,7 +71,7 @@ def run_pool(pool, out, scenes, left):
     if code:
         print("%s: the recorder ended with %d" % (pool["name"], code), file=sys.stderr)
         return False
-    found = differences(pool.get("scene_sha256"), pool.get("pinned"), out)
+    found = differences(pool.get("scene_sha256"), pool.get("pinned"), files)
     for text in found:
         print("%s: %s" % (pool["name"], text), file=sys.stderr)
     return not found

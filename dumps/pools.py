@@ -25,8 +25,9 @@ for folder in ("recording", "verify", os.path.join("..", "formats", "python")):
 
 from command_line import Parser  # noqa: E402
 from failure import Failure, io_failure, module_failure, usage_failure  # noqa: E402
-from pool_run import Pace, arguments_of, recorder_of, run_pool  # noqa: E402
+from pool_run import Pace, run_pool  # noqa: E402
 from progress import duration, size as size_text  # noqa: E402
+from recordings import names  # noqa: E402
 
 PATH = os.path.join(HERE, "POOLS.toml")
 BYTES = {"Cycles": 90, "Mitsuba": 100}       # a sample and pixel, at the peak: passes or chunks, and the recording beside them
@@ -54,7 +55,12 @@ def seconds_of(pool):
 
 
 def file_of(pool, folder):
+    """What --output names; files_of: what the recorder makes of that name."""
     return os.path.join(folder, pool["name"] + ".spool")
+
+
+def files_of(pool, folder):
+    return names(file_of(pool, folder), pool.get("recordings", 1))
 
 
 def missing_source(pool, scenes):
@@ -70,7 +76,7 @@ def missing_source(pool, scenes):
 
 def state(pool, folder):
     path = file_of(pool, folder)
-    if os.path.exists(path):
+    if all(map(os.path.exists, files_of(pool, folder))):
         return "here"
     return "begun" if os.path.isdir(path + ".passes") or os.path.isdir(path + ".recording") else ""
 
@@ -86,11 +92,13 @@ def show(pools, folder, scenes):
 
 def table(pools):
     """As Markdown: the command that makes each recording, and what is pinned of it."""
-    lines = ["| recording | made by | CPU | size | samples and reference, sha256 | claims |", "|---|---|---|---|---|---|"]
+    lines = ["| recording | pixels | samples | reference | CPU | size | samples and reference, sha256 | claims |", "|---" * 8 + "|"]
     for pool in pools.values():
         pin = pool.get("pinned", {})
-        lines.append("| `%s` | `%s` | %s | %s | `%s` | %s |" % (
-            pool["name"], " ".join([recorder_of(pool), *arguments_of(pool)]), *((duration(pin["cpu_seconds"]), size_text(pin["bytes"]), pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4)))
+        found = (duration(pin["cpu_seconds"]), size_text(pin["bytes"]), "`%s`" % pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4
+        count = pool.get("recordings", 1)
+        samples = "%d of %d" % (count, pool["samples"] // count) if count > 1 else pool["samples"]
+        lines.append("| `%s` | %dx%d | %s | %d | %s | %s | %s | %s |" % (pool["name"], *pool["size"], samples, pool["reference"], *found))
     print("\n".join(lines))
 
 
@@ -131,7 +139,7 @@ def record(chosen, folder, scenes):
                 folder, pool["name"], size_text(need), size_text(free)))
         print("%s (%d of %d), about %s left in all" % (pool["name"], number + 1, len(left), duration(pace.left(number, 0))),
               flush=True)
-        if not run_pool(pool, file_of(pool, folder), scenes, partial(pace.left, number)):
+        if not run_pool(pool, file_of(pool, folder), files_of(pool, folder), scenes, partial(pace.left, number)):
             failed.append(pool["name"])
     return failed
 
@@ -153,8 +161,8 @@ def main():
         options = parse()
         pools = read_pools(options.pools)
         folder, scenes = cache("SPOOL_RECORDINGS", "recordings"), cache("SPOOL_SCENES", "scenes")
-        names = list(pools) if options.all else options.record or options.pin or []
-        for name in names:
+        chosen = list(pools) if options.all else options.record or options.pin or []
+        for name in chosen:
             if name not in pools:
                 raise usage_failure("'%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
         if options.names:
@@ -163,14 +171,14 @@ def main():
             table(pools)
         elif options.pin:
             need_reader()
-            absent = [name for name in names if not os.path.exists(file_of(pools[name], folder))]
+            absent = [(path, name) for name in chosen for path in files_of(pools[name], folder) if not os.path.exists(path)]
             if absent:
-                raise usage_failure("%s: no such recording: --record %s" % (file_of(pools[absent[0]], folder), absent[0]))
+                raise usage_failure("%s: no such recording: --record %s" % absent[0])
             from pool_pins import pin
-            pin(options.pools, {name: file_of(pools[name], folder) for name in names})
-        elif names:
+            pin(options.pools, {name: files_of(pools[name], folder) for name in chosen})
+        elif chosen:
             os.nice(10)
-            failed = record([pools[name] for name in names], folder, scenes)
+            failed = record([pools[name] for name in chosen], folder, scenes)
             if failed:
                 raise Failure(1, "not recorded, or not what POOLS.toml says: %s" % ", ".join(failed))
         else:

@@ -1,5 +1,6 @@
 """Pools of full size, made small: recorded one after the other, gone on with after kills, compared with what is pinned."""
 import fcntl
+import hashlib
 import os
 import random
 import signal
@@ -199,3 +200,19 @@ def test_a_python_without_numpy_is_refused_before_anything_is_rendered(place):
     assert finished.returncode == 3, finished.stderr
     assert "numpy" in finished.stderr and "apt-get install" in finished.stderr and "Traceback" not in finished.stderr
     assert not (place / "recordings").exists()
+
+
+def test_a_group_is_recorded_and_pinned_as_one(place):
+    text = SMALL.split("# a comment")[0].replace("samples = 24\n", "samples = 24\nrecordings = 2\n")
+    (place / "pools.toml").write_text(text)
+    result = pools(place, "--all")
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "| 2 of 12 | 256 |" in pools(place, "--table").stdout
+    check_ok(pools(place, "--pin", "one"))
+    files = [place / "recordings" / ("one_%d.spool" % number) for number in (1, 2)]
+    pinned = tomllib.loads((place / "pools.toml").read_text())["pool"][0]["pinned"]
+    assert pinned["samples_sha256"] == hashlib.sha256("".join(map(content_hash, map(str, files))).encode()).hexdigest()
+    assert pinned["bytes"] == sum(path.stat().st_size for path in files)
+    assert pools(place, "--all").stdout == "one: here already\n"
+    files[1].unlink()
+    assert "one_2.spool: no such recording" in pools(place, "--pin", "one").stderr

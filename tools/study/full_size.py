@@ -10,13 +10,13 @@ import subprocess
 import sys
 
 from tools.study import kept
-from tools.study.plans import ROOT, full_plan, full_recording, full_recordings, text_of
+from tools.study.plans import ROOT, full_plan, full_recording, full_recordings, group_of, text_of
 from tools.study.whole_file import write_whole
 
 
 def plan_hash(plan):
     """Of what the plan measures, whatever it claims."""
-    asked = {k: v for k, v in plan.items() if k not in ("recordings", "title", "claim", "pictures", "fresh")}
+    asked = {k: v for k, v in plan.items() if k not in ("recordings", "dump", "title", "claim", "pictures", "fresh")}
     return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
 
@@ -85,7 +85,7 @@ class Store:
         texts = kept.unpack(self.kept(plan))
         lines = [line for line in texts.get("kept.jsonl", "").splitlines(keepends=True) if json.loads(line)["dump"] != name]
         texts["kept.jsonl"] = "".join(lines)
-        texts.update((f"cells/{cell.name}", kept.small_cell(cell.read_text())) for cell in (folder / "cells").glob("*.json"))
+        texts.update((f"cells/{cell.name}", kept.small_cell(cell.read_text(), group_of(name) is not None)) for cell in (folder / "cells").glob("*.json"))
         texts["made.json"] = json.dumps({**json.loads(texts.get("made.json", "{}")), name: made}, indent=1) + "\n"
         if density:
             texts["density.json"] = json.dumps(kept.short({**json.loads(texts.get("density.json", "{}")), **density}))

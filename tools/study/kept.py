@@ -55,9 +55,12 @@ def trimmed(statistics):
     return short({"version": statistics["version"], "claims": claims, "results": results, "conditions": ratios})
 
 
-def small_cell(text):
+def small_cell(text, of_group=False):
+    """of_group: of a scene that was recorded several times; its intervals are those of the recordings, not of counts and halves."""
     cell = json.loads(text)
     kept = {"version": cell["version"], "fields": {k: v for k, v in cell["fields"].items() if k in FIELDS}}
+    if of_group:
+        return json.dumps(kept, separators=(",", ":"))
     halves = {k: v for k, v in cell.get("halves", {}).items() if k in HALVES}
     return json.dumps({**kept, **({"counts": cell["counts"]} if "counts" in cell else {}), **({"halves": halves} if halves else {})},
                       separators=(",", ":"))

@@ -163,7 +163,7 @@ def readings(store, plans):
 
 
 def chapters_of(full):
-    return [c for c in CHAPTERS if not full or c["plans"][0] not in FULL["left_out"]]
+    return [c for c in CHAPTERS if (c["plans"][0] not in FULL["left_out"] if full else not c.get("full"))]
 
 
 def place_text(claim, plan, store):

@@ -28,16 +28,27 @@ def merged(plan, more):
     return {**more, **joined}
 
 
+def group_of(name):
+    """Of a recording of full size: the scene that was recorded several times, or None."""
+    scene = name.rpartition("_")[0]
+    return scene if scene in FULL["groups"] else None
+
+
 def full_plan(name, files):
     """The plan on these recordings of full size."""
     more = PLANS / "full_size" / f"{name}.toml"
     plan = merged(read(PLANS / f"{name}.toml"), read(more) if more.exists() else {})
+    groups = [group_of(Path(f).stem) for f in files]
+    if any(groups):
+        dumps = [{"file": str(f), "group": g} for f, g in zip(files, groups)]
+        return {**{k: v for k, v in plan.items() if k != "recordings"}, "dump": dumps}
     return {**plan, "recordings": [str(f) for f in files], "replicates": FULL["replicates"], "pictures": False}
 
 
 def full_recordings(name):
     """Names of the recordings of full size that the plan asks for, whether they are here or not."""
     own = [Path(path).stem for path in read(PLANS / f"{name}.toml")["recordings"]]
+    own = [f"{r}_{i}" for r in own for i in range(1, FULL["groups"][r] + 1)] if own[0] in FULL["groups"] else own
     more = [] if name in FULL["alone"] else [*FULL["more"].get(name, []), *FULL["others"]]
     return list(dict.fromkeys([*(FULL["instead"].get(r, r) for r in own), *more]))
 
