@@ -19,7 +19,7 @@ struct Line {  // a X + b Y = c, in pixels
 struct Circle {
   double x = 0, y = 0, radius = 0;
 
-  // From the centre. std::hypot has other bits in each glibc, and needs the newest.
+  // From the centre. std::hypot may have other bits in another glibc.
   double distance(double px, double py) const {
     return std::sqrt((px - x) * (px - x) + (py - y) * (py - y));
   }
