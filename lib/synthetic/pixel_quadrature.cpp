@@ -72,7 +72,7 @@ bool touches(const Line& line, double x, double y) {
 }
 
 bool touches(const Circle& circle, double x, double y) {
-  return std::abs(std::hypot(x + 0.5 - circle.x, y + 0.5 - circle.y) - circle.radius) < 0.75;
+  return std::abs(circle.distance(x + 0.5, y + 0.5) - circle.radius) < 0.75;
 }
 
 // The creases that touch the pixel.

@@ -7,6 +7,7 @@
 // but touches a cut.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -17,6 +18,11 @@ struct Line {  // a X + b Y = c, in pixels
 };
 struct Circle {
   double x = 0, y = 0, radius = 0;
+
+  // From the centre. std::hypot may have other bits in another glibc.
+  double distance(double px, double py) const {
+    return std::sqrt((px - x) * (px - x) + (py - y) * (py - y));
+  }
 };
 struct Creases {
   std::vector<Line> lines;

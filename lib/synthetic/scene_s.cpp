@@ -45,7 +45,7 @@ struct SceneS {
     double value = 0.25 + 0.25 * x / w;
     if (line_a() * x + line_b() * y < kLine) value = 0.8 * value + 0.35;
     const Circle circle = disc();
-    if (std::hypot(x - circle.x, y - circle.y) < circle.radius) value = 0.95;
+    if (circle.distance(x, y) < circle.radius) value = 0.95;
     return value;
   }
   double visibility(double y) const { return std::clamp((y - 0.45 * h) / (0.35 * h), 0.0, 1.0); }

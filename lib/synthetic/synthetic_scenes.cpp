@@ -63,9 +63,7 @@ AnalyticScene slanted_edge(int width, int height, const SyntheticOptions& option
 AnalyticScene disc(int width, int height, const SyntheticOptions&) {
   const Circle circle{0.5 * width, 0.5 * height, 0.3 * std::min(width, height)};
   return drawn_scene(
-      [circle](double x, double y) {
-        return std::hypot(x - circle.x, y - circle.y) < circle.radius ? 0.9 : 0.1;
-      },
+      [circle](double x, double y) { return circle.distance(x, y) < circle.radius ? 0.9 : 0.1; },
       {{}, {circle}});
 }
 

@@ -6,7 +6,7 @@ import shutil
 
 import numpy as np
 
-from conftest import samples
+from conftest import samples, write_dump
 from spool import exr
 
 NAMES = "{recording}_{spp}_{replicate}.exr"
@@ -66,13 +66,18 @@ def test_images_that_are_missing_or_wrong_are_named(good, run, dump, tmp_path):
     evaluate(run, dump, "--filters", "image:inputs/{recording}_{spp}.exr", "-o", "other").failed_with(2, "{replicate}")
 
 
-def test_an_image_that_is_the_reference_is_pointed_out(good, dump, tmp_path):
-    mean = samples()[1].astype("f4")
+def test_an_image_that_is_the_reference_is_pointed_out(good, tmp_path):
+    radiance, mean = samples()
+    mean = mean.astype("f4")
+    color = np.ascontiguousarray(mean[:, :, None].repeat(3, axis=2))
+    write_dump(tmp_path / "noisy.spool", radiance, reference=color, reference_variance=0.01 * color)
     reference = tmp_path / "reference.exr"
     exr.write(reference, dict.fromkeys("RGB", mean))
     exr.write(tmp_path / "half.exr", dict.fromkeys("RGB", mean.astype("f2").astype("f4")))
-    done = evaluate(good, dump, "--filters", f"box,image:{reference},half=image:half.exr", "-o", "results")
+    done = evaluate(good, "noisy.spool", "--filters", f"box,image:{reference},half=image:half.exr", "-o", "results")
     assert done.err.count("is the reference of") == 2 and re.search(r"reference.exr +0 \[0, 0\]", done.out)
     entries = json.loads((tmp_path / "results" / "statistics.json").read_text())["results"]
     value, low, high = next(r["quantities"]["relmse"] for r in entries if r["filter"] == "half")
-    assert low <= value <= high
+    assert low <= value <= high < 0  # debiased by a noise that it has itself
+    said = good("compare", "results", "results").out
+    assert said.count("like the reference itself: noisy ") == 1

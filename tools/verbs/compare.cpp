@@ -58,6 +58,12 @@ std::string text_of(const Comparisons& outcome, bool all) {
   list("failed now", outcome.newly_failed);
   list("only before", outcome.only_before);
   list("only after", outcome.only_after);
+  std::vector<std::string> without_error;
+  for (const Change& c : outcome.changes) {
+    if (c.metric != "energy_ratio" && c.metric != kCpuTime && (c.before == 0.0 || c.after == 0.0))
+      without_error.push_back(c.key);
+  }
+  list("no error at all, like the reference itself", without_error);
   const bool paired = std::ranges::any_of(outcome.changes, &Change::paired);
   text += fmt::format(
       "{} comparisons ({}, on logarithms, all together): {} better, {} worse, {} undecided, "
