@@ -2,6 +2,7 @@
 import json
 import os
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import OpenImageIO
@@ -11,6 +12,11 @@ import spool
 
 PROGRAM = os.environ["SPOOL_PROGRAM"]
 LONGEST_RUN = 120 * int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))  # seconds; sanitizers have a factor
+
+
+# Where Open Image Denoise is not: a library that has its functions, for plans that are read and judged but not run.
+OIDN = os.environ.get("SPOOL_OIDN") or str(Path(PROGRAM).resolve().parent / "tests/filters/liboidn_stub_2.so")
+WITH_OIDN = {**os.environ, "SPOOL_OIDN": OIDN}
 
 
 class Finished:

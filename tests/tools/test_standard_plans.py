@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from conftest import LONGEST_RUN, PROGRAM
-from tools.study.plans import make_recordings
+from conftest import LONGEST_RUN, PROGRAM, WITH_OIDN
+from tools.study.plans import FULL, make_recordings
 
 ROOT = Path(__file__).resolve().parents[2]
 MADE_ELSEWHERE = {"counts", "ensemble", "exec", "image", "oidn", "python"}  # need a file, a command, a library or other filters
@@ -23,12 +23,14 @@ def plans(tmp_path_factory):
     for plan in PLANS:
         (tree / "tools/plans" / plan.name).write_text(plan.read_text())
     make_recordings(PROGRAM, tree / "tools/plans/pools")
+    for group in FULL["groups"]:  # recordings of full size, which are made elsewhere: a small one stands for each
+        (tree / "tools/plans" / group).symlink_to(ROOT / "dumps/tiny/chess.spool")
     return tree / "tools/plans"
 
 
 def cells_of(plan):
     finished = subprocess.run([PROGRAM, "evaluate", plan, "--dry-run", "--json"], text=True,
-                              capture_output=True, timeout=LONGEST_RUN)
+                              capture_output=True, timeout=LONGEST_RUN, env=WITH_OIDN)
     assert finished.returncode == 0, finished.stderr
     return json.loads(finished.stdout)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import LONGEST_RUN, PROGRAM
+from conftest import LONGEST_RUN, PROGRAM, WITH_OIDN
 from tools.study import full_size, kept, pages, plans, tables
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -48,9 +48,8 @@ def differences(claims, path):
 @pytest.mark.parametrize("archive", FULL, ids=named(FULL))
 def test_what_is_kept_of_full_size_is_judged_by_the_program_as_the_page_says(archive, tmp_path):
     folder = kept.unpacked(archive, tmp_path)
-    finished = subprocess.run([PROGRAM, "evaluate", "--statistics-only", folder, "-q"], text=True, capture_output=True, timeout=LONGEST_RUN)
-    if "Open Image Denoise is not here" in finished.stderr:
-        pytest.skip("the plan has filter oidn: set SPOOL_OIDN to its libOpenImageDenoise.so")
+    finished = subprocess.run([PROGRAM, "evaluate", "--statistics-only", folder, "-q"], text=True, capture_output=True,
+                              timeout=LONGEST_RUN, env=WITH_OIDN)
     assert finished.returncode == 0, finished.stderr
     statistics = json.loads((folder / "statistics.json").read_text())
     assert kept.trimmed(statistics) == json.loads(kept.unpack(archive)["statistics.json"])
