@@ -151,10 +151,13 @@ TEST(ErrorMetrics, RelativeOnesDoNotDependOnExposure) {
 TEST(ErrorMetrics, DebiasingSubtractsTheReferencesVarianceAndMayGoBelowZero) {
   const RgbImage r = uniform_image(16, 16, 5);
   const JudgingReference reference{r, make_rgb(16, 16, 0.25), {}};
-  const MetricTable table = error_metrics(r, reference, in_radiance_units());
-  EXPECT_DOUBLE_EQ(table["mse"].value, -0.25);
+  RgbImage near = r;
+  near[1](3, 4) += 1e-6;
+  const MetricTable table = error_metrics(near, reference, in_radiance_units());
+  EXPECT_NEAR(table["mse"].value, -0.25, 1e-12);
   EXPECT_LT(table["relmse"].value, 0.0);
   EXPECT_EQ(table["rmse"].value, 0.0);
+  EXPECT_EQ(error_metrics(r, reference, in_radiance_units())["mse"].value, 0.0);
 }
 
 TEST(ErrorMetrics, DenominatorImageReplacesTheReferenceInRelmseOnly) {

@@ -198,7 +198,7 @@ def test_a_recording_offers_what_the_user_names_beside_the_methods_of_the_progra
     finally:
         assert server.end()[0] == 130
     run("view", scene, "--filters", "gausian").failed_with(2, "did you mean 'gaussian'")
-    run("view", scene, "--samplers", "box").failed_with(2, "unknown sampler")
+    run("view", scene, "--samplers", "box").failed_with(2, "is a filter, not a sampler")
 
 
 def test_a_folder_without_its_plan_is_served_with_the_methods_of_the_program(good, scene, tmp_path):
