@@ -127,12 +127,17 @@ TEST(CrossHalves, LosesNoLightWhereHalvesThatDecideAboutThemselvesDo) {
   EXPECT_LT(in_rounds, 0.93);  // what several rounds give away
 }
 
-TEST(CrossHalves, AtFourSamplesTheEvenHalfDecidesWhereTheOddOneSamples) {
-  const SamplePool pool = test::pool_of(test::memory_recording(24, 24, 64, [](int x, int y, int s) {
+// 24 x 24 pixels, 64 samples: 1 on the left, of mean 1 with noise on the right.
+SamplePool noisy_right_half() {
+  return test::pool_of(test::memory_recording(24, 24, 64, [](int x, int y, int s) {
     const auto noise = static_cast<float>(unit_double(mix(2, x, y, s)));
     const float value = x < 12 ? 1.0f : 2.0f * noise;
     return Rgb{value, value, value};
   }));
+}
+
+TEST(CrossHalves, AtFourSamplesTheEvenHalfDecidesWhereTheOddOneSamples) {
+  const SamplePool pool = noisy_right_half();
   const auto result = sample_cross_halves(pool, 24 * 24 * 4, {}, test::sampling_context());
   const CountImage &even = result->selection.halves[0].statistics.n,
                    &odd = result->selection.halves[1].statistics.n;
@@ -149,11 +154,7 @@ TEST(CrossHalves, AtFourSamplesTheEvenHalfDecidesWhereTheOddOneSamples) {
 }
 
 TEST(CrossHalves, LooksMoreOftenWhereItIsNoisy) {
-  const SamplePool pool = test::pool_of(test::memory_recording(24, 24, 64, [](int x, int y, int s) {
-    const auto noise = static_cast<float>(unit_double(mix(2, x, y, s)));
-    const float value = x < 12 ? 1.0f : 2.0f * noise;
-    return Rgb{value, value, value};
-  }));
+  const SamplePool pool = noisy_right_half();
   const auto result = sample_cross_halves(pool, 24 * 24 * 12, {}, test::sampling_context());
   long long quiet = 0, noisy = 0;
   for (int y = 0; y < 24; ++y) {
