@@ -4,6 +4,7 @@ A template (templates/PAGE.in) contains sentences. In them
     {{chapters}}                                      is a row for each chapter of chapters.toml
     {{older}}                                         is the plans of 64 x 64 pixels that an older program ran
     {{readings}}                                      is the preset paper as a family: its best, worst and shipped member
+    {{rivals}}                                        is the paper's statements, counted by preset and class of rival
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
     {{equal_time}}                                    is the same at equal processor time, of 64 x 64 pixels
     {{PLAN; BETTER; THAN; METRIC; SAMPLES; VERDICT}}  is where a claim holds, and requires that its verdict is this one
@@ -162,6 +163,28 @@ def readings(store, plans):
     return tables.markdown(["", "recording", "spp", "members", "shipped", "best", "worst"], rows)
 
 
+def rival_of(claim, described):
+    """Whom a statement of the paper is about."""
+    if claim["than"] == "uniform + box":
+        return "uniform sampling"
+    if claim["than"].partition(" ")[0].partition(":")[0].partition("{")[0] == "multiscale":
+        return "its own variants (E2, E4, E7)"
+    return "re-implementations [R]" if tables.by_description(claim["than"], described) else "methods with released code"
+
+
+def rivals(small, full):
+    """The statements of the paper by preset, samples and class of rival: '3 hold, 1 mixed'."""
+    found = {}
+    for plan in dict.fromkeys(p for c in CHAPTERS for p in c["plans"]):
+        store = full if full.texts(plan) else small
+        for claim in (c for c in store.claims(plan) if c.get("source")):
+            preset = "paper" if claim["better"].startswith("multiscale:paper") else "robust"
+            found.setdefault(rival_of(claim, store.described(plan)), {}).setdefault((preset, claim["samples"]), []).append(claim)
+    columns = [(preset, samples) for preset in ("robust", "paper") for samples in ("own", "fresh")]
+    return tables.markdown(["against", *(f"`{preset}`, {samples} samples" for preset, samples in columns)],
+                           [[rival, *(tables.summary(of.get(c, ())) or "–" for c in columns)] for rival, of in found.items()])
+
+
 def chapters_of(full):
     return [c for c in CHAPTERS if (c["plans"][0] not in FULL["left_out"] if full else not c.get("full"))]
 
@@ -193,7 +216,7 @@ def page(template, small, full):
     """The text of a page, from what is kept of both sizes."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
     text = CLAIM.sub(lambda match: said(match, small, full), text)
-    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("readings", lambda: readings(small, READINGS)),
+    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("readings", lambda: readings(small, READINGS)), ("rivals", lambda: rivals(small, full)),
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:
