@@ -100,7 +100,12 @@ MeanError mean_error(std::span<const double> values, double correlation,
   if (between.freedom > 0.0) {
     const double common = std::min(correlation, 1.0);
     found.freedom = between.freedom + (n - 1.0) * (1.0 - common);
-    const double of_one = (between.freedom * between.variance + m2) / found.freedom;
+    double of_one = (between.freedom * between.variance + m2) / found.freedom;
+    const double of_replicates = common < 1.0 ? m2 / (n - 1.0) / (1.0 - common) : 0.0;
+    if (of_replicates > of_one) {
+      of_one = of_replicates;
+      found.freedom = std::min(found.freedom, n - 1.0);
+    }
     found.standard_error = std::sqrt(of_one * (1.0 + (n - 1.0) * common) / n);
   } else if (m2 == 0.0) {
     found.standard_error = 0.0;

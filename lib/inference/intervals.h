@@ -13,7 +13,9 @@
 // between recordings; halves of the recording do (half_spread.h). With f degrees of freedom of h,
 // the variance of one replicate is
 //   v = (f h + (m - 1) s^2) / (f + (m - 1) (1 - c)),
-// and that of the mean v / m (1 + (m - 1) c).
+// and that of the mean v / m (1 + (m - 1) c). v is at least s^2 / (1 - c), with m - 1 degrees of
+// freedom: cells do not contain what moves the whole image, such as samples that a bright spot
+// takes from all others.
 //
 // Of kOwnSpread recordings of the scene or more, the means of each recording are values that share
 // nothing, and Student's interval of these needs no more.

@@ -28,8 +28,9 @@ std::string_view withheld_remedy(Withheld withheld) {
 
 Withheld withheld_of(const ErrorStanding& standing) {
   if (standing.reference_noise > kMostReferenceNoise) return Withheld::kReferenceNoise;
-  const bool few =
-      standing.half_pixels * standing.independent_replicates < kFewPixels && !standing.own_spread;
+  if (standing.own_spread) return Withheld::kNo;
+  const double least = standing.halves ? kFewestPixels : kFewPixels;
+  const bool few = standing.half_pixels * standing.independent_replicates < least;
   return few ? Withheld::kFewPixels : Withheld::kNo;
 }
 

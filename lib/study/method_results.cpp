@@ -156,6 +156,7 @@ Withheld MethodResults::withheld(const std::string& metric) const {
   const auto measured = spread.find(metric);
   const double common = measured == spread.end() ? correlation : measured->second.correlation;
   standing.independent_replicates = done / (1.0 + (done - 1.0) * std::min(common, 1.0));
+  standing.halves = measured != spread.end();
   standing.own_spread = recordings >= kOwnSpread;
   if (metric == "relmse") standing.reference_noise = mean(quantity_index("relmse_reference_noise"));
   return withheld_of(standing);

@@ -75,6 +75,15 @@ TEST(HalfSpread, ReplicatesThatShareTheirErrorHaveTheIntervalOfTheHalves) {
             0.51 * std::sqrt(between.variance));
 }
 
+// What moves the whole image is in no cell: replicates vary more than the halves then.
+TEST(HalfSpread, ReplicatesThatVaryMoreThanTheHalvesHaveTheirOwnInterval) {
+  const Series series{{1.0, 1.4, 0.7, 1.2}, 0.0, {}, {cells(1, 1e-3), cells(2, 1e-3)}};
+  const Interval halves = mean_interval(series), own = mean_interval({series.values});
+  EXPECT_NEAR(halves.standard_error, own.standard_error, 1e-12);
+  EXPECT_EQ(halves.freedom, 3.0);
+  EXPECT_LT(std::sqrt(half_variance(series.halves).variance), 0.1 * own.standard_error);
+}
+
 TEST(HalfSpread, WhatTwoMethodsShareCancelsInTheirDifference) {
   const std::vector halves = {cells(1, 0.2), cells(2, 0.2)};
   const Series a{{1.0, 1.2, 0.9, 1.1}, 0.5, {}, halves}, b{{2.0, 2.4, 1.8, 2.21}, 0.5, {}, halves};

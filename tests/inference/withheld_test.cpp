@@ -14,6 +14,9 @@ namespace {
 TEST(Withheld, FewPixelsCountUntilThreeRecordingsShowWhatVaries) {
   EXPECT_EQ(withheld_of({.half_pixels = kFewPixels - 1.0}), Withheld::kFewPixels);
   EXPECT_EQ(withheld_of({.half_pixels = kFewPixels}), Withheld::kNo);
+  EXPECT_EQ(withheld_of({.half_pixels = kFewestPixels, .halves = true}), Withheld::kNo);
+  EXPECT_EQ(withheld_of({.half_pixels = kFewestPixels - 1.0, .halves = true}),
+            Withheld::kFewPixels);
   EXPECT_EQ(withheld_of({.half_pixels = 1.0, .own_spread = true}), Withheld::kNo);
   // Eight replicates that share nothing have the error in pixels of their own.
   EXPECT_EQ(withheld_of({.half_pixels = 5.0, .independent_replicates = 8.0}), Withheld::kNo);

@@ -35,7 +35,10 @@ def lamps(tmp_path):
 
 
 def test_an_error_of_one_pixel_has_no_verdict_until_three_recordings_show_it(good, tmp_path, lamps):
-    statistics, text = evaluate(good, tmp_path, 'recordings = ["lamp0.spool"]\n' + PLAN, "out", "--wide")
+    statistics, _ = evaluate(good, tmp_path, 'recordings = ["lamp0.spool"]\n' + PLAN, "halves")
+    shown = [e for c in conditions(statistics, "mse") for e in c["ranking"] if e["filter"] == "box"]
+    assert shown and all("withheld" not in e and e["value"][2] > 1.2 * e["value"][1] for e in shown)  # measured, and wide
+    statistics, text = evaluate(good, tmp_path, 'halves = false\nrecordings = ["lamp0.spool"]\n' + PLAN, "out", "--wide")
     for entry in (e for c in conditions(statistics, "mse") for e in c["ranking"]):
         if entry["filter"] == "box":
             assert entry["withheld"] == "few pixels" and len(entry["value"]) == 1 and not entry["compared"]

@@ -34,9 +34,9 @@ const char* const kRules[][2] = {
      "some hold and none is reversed."},
     {"ratio", "To the baseline at the same budget, with its interval for itself."},
     {"withheld",
-     "Neither interval nor verdict: fewer than 20 pixels bear half of the error, those of "
-     "independent replicates together (with fewer than three recordings), or, for relMSE, the "
-     "relative variance of the reference is above 0.01."},
+     "Neither interval nor verdict: fewer than 3 pixels bear half of the error, those of "
+     "independent replicates together (20 where halves are not measured; any number with three "
+     "recordings), or, for relMSE, the relative variance of the reference is above 0.01."},
     {"would_tell",
      "Where a method and the baseline are not separated: about how many replicates, or recordings "
      "where replicates would repeat their samples, separate a difference as measured in 80 % of "
