@@ -150,10 +150,11 @@ def equal_time(store, methods, plan):
 
 
 def readings(store, plans):
-    """The family of the preset paper by recording and budget: MSE over that of uniform + box of its shipped, best and worst member."""
+    """The family of the preset paper by recording, at the largest budget: MSE over that of uniform + box of its shipped, best and worst member."""
     rows = []
     for plan, shipped in plans.items():
-        for c in (c for c in store.results(plan).get("conditions", ()) if c["metric"] == "mse"):
+        conditions = [c for c in store.results(plan).get("conditions", ()) if c["metric"] == "mse"]
+        for c in (c for c in conditions if c["spp"] == max(c["spp"] for c in conditions)):
             ratios = {tables.place({**c, **m})[3:]: m["ratio"][0] for m in c["ranking"]}
             family = sorted((ratio, "+".join(p for part in m for p in part.split("+")[1:]) or "shipped") for m, ratio in ratios.items()
                             if m[0].startswith("multiscale:paper") and (m[1] == "box") == (shipped[1] == "box"))

@@ -28,16 +28,17 @@ class Scene(NamedTuple):
     source: Path | None  # None: scene S, made anew for each recording
     side: int = 64
     samples: int = 64
-    count: int = 20  # recordings
+    count: int = 10  # recordings
     samplers: str = "uniform,mitchell,adaptive_wavelet,greedy_error,nl_means,neyman,multiscale"
 
 
-TINY = ("balls", "caustic", "caustic_mitsuba", "chess", "fireflies", "mist", "table")  # chess_sequence redrawn is no sequence
-FULL = {"side": 256, "samples": 256, "count": 10, "samplers": "uniform,multiscale"}
-PAPER = {"count": 10, "samplers": "uniform,multiscale:paper"}
+SMALL = {"scene_s": None, **{name: ROOT / f"dumps/tiny/{name}.spool" for name in (
+    "balls", "caustic", "caustic_mitsuba", "chess", "fireflies", "mist", "table")}}  # chess_sequence redrawn is no sequence
+FULL = {"side": 256, "samples": 256, "samplers": "uniform,multiscale"}
+PAPER = {"samplers": "uniform,multiscale:paper"}
 SCENES = {
-    "scene_s": Scene(None), **{name: Scene(ROOT / f"dumps/tiny/{name}.spool") for name in TINY},
-    **{f"{name}, two samplers": Scene(ROOT / f"dumps/tiny/{name}.spool", samplers="uniform,multiscale") for name in ("caustic", "caustic_mitsuba")},
+    **{name: Scene(source) for name, source in SMALL.items()},
+    **{f"{name}, two samplers": Scene(source, count=60, samplers="uniform,multiscale") for name, source in SMALL.items()},
     "scene_s, paper": Scene(None, **PAPER), "caustic_mitsuba, paper": Scene(ROOT / "dumps/tiny/caustic_mitsuba.spool", **PAPER),
     "scene_s_256": Scene(None, **FULL),
     **{name: Scene(RECORDINGS / f"{name}.spool", **FULL) for name in ("caustic_mitsuba_256", "cornell_box_picture")}}
