@@ -23,10 +23,10 @@ inline constexpr int kFloats = static_cast<int>(sizeof(Vector) / sizeof(float));
     call;                                       \
   }
 #ifdef SPOOL_HAS_VECTOR_CLONES
-#define SPOOL_VECTOR_WIDTHS(signature, call)                                                  \
-  __attribute__((target("arch=x86-64-v4"))) SPOOL_FOR_WIDTH(Sixteen, signature, call)         \
-  __attribute__((target("avx2"))) SPOOL_FOR_WIDTH(Eight, signature, call)                     \
-  __attribute__((target("default"))) SPOOL_FOR_WIDTH(Eight, signature, call)
+#define SPOOL_VECTOR_WIDTHS(signature, call)                                          \
+  __attribute__((target("arch=x86-64-v4"))) SPOOL_FOR_WIDTH(Sixteen, signature, call) \
+      __attribute__((target("avx2"))) SPOOL_FOR_WIDTH(Eight, signature, call)         \
+          __attribute__((target("default"))) SPOOL_FOR_WIDTH(Eight, signature, call)
 #else
 #define SPOOL_VECTOR_WIDTHS(signature, call) SPOOL_FOR_WIDTH(Eight, signature, call)
 #endif

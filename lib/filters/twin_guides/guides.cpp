@@ -97,8 +97,7 @@ GuidePyramid::GuidePyramid(GuideLevels finest, const RadianceScale& scale,
       levels_(std::move(finest)) {}
 
 void GuidePyramid::coarsen() {
-  GuideSources coarser =
-      blurred(levels_.coarse, std::numbers::sqrt3 * 2.0 * guide_sigma_, step_);
+  GuideSources coarser = blurred(levels_.coarse, std::numbers::sqrt3 * 2.0 * guide_sigma_, step_);
   levels_ = {std::move(levels_.coarse), std::move(coarser)};
   step_ *= 2;
 }
@@ -110,7 +109,8 @@ GuideImages GuidePyramid::take_guides() {
   parallel_for(kGuideChannels, [&](std::size_t channel) {
     const std::size_t level = channel / 6, c = channel % 6 / 2, kind = channel % 2;
     const Level at{guide_sigma_ * step_ * (level == 0 ? 1.0 : 2.0), slack_};
-    Image<float> value = level == 0 ? std::move(levels_.fine.mean[kind][c]) : levels_.coarse.mean[kind][c];
+    Image<float> value =
+        level == 0 ? std::move(levels_.fine.mean[kind][c]) : levels_.coarse.mean[kind][c];
     Image<float> variance =
         level == 0 ? std::move(levels_.fine.variance[kind][c]) : levels_.coarse.variance[kind][c];
     if (kind == 0) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "lib/core/vector_clones.h"
 #include "lib/filters/twin_guides/tiles.h"
 #include "lib/filters/twin_guides/window_weights.h"
 #include "lib/statistics/grown_variance.h"
@@ -14,8 +13,8 @@ namespace {
 constexpr WindowShape kWindow = {2, 1.5};
 constexpr WindowShape kJoin = {3, 2.0};
 constexpr double kFeatureGainOfJoin = 10.0;  // in that of the fit, which has slopes besides
-constexpr int kLastStep = 8;  // after 2 and 4
-constexpr double kFloor = 0.1;  // of the picture, in L: no error is relative to less
+constexpr int kLastStep = 8;                 // after 2 and 4
+constexpr double kFloor = 0.1;               // of the picture, in L: no error is relative to less
 constexpr std::size_t kTerms = 3;
 // Without features coarse scales know edges from noisy guides alone, and their bias is the common
 // case: their noise counts half.
@@ -59,18 +58,6 @@ std::vector<Image<float>> terms_of(const std::vector<ScaleImages>& scales, float
   return terms;
 }
 
-SPOOL_VECTOR_CLONES
-void add_products(const float* weight, const float* value, int width, float* __restrict sum) {
-  for (int x = 0; x < width; ++x)
-    sum[x] += weight[x] * value[x];
-}
-
-SPOOL_VECTOR_CLONES
-void add_row(const float* value, int width, float* __restrict sum) {
-  for (int x = 0; x < width; ++x)
-    sum[x] += value[x];
-}
-
 void mean_on_tile(const Lattice& lattice, const Rectangle& tile, const WindowWeights& weights,
                   const std::vector<Image<float>>& from, std::vector<Image<float>>& to) {
   const int r = weights.radius(), width = whole_vectors(tile.width());
@@ -79,16 +66,8 @@ void mean_on_tile(const Lattice& lattice, const Rectangle& tile, const WindowWei
     around.copy_clamped(i, from[i], lattice);
   std::vector<float> total(static_cast<std::size_t>(width)), sum(total);
   for (int y = tile.y0; y < tile.y1; ++y) {
-    std::fill(total.begin(), total.end(), 0.0f);
-    for (std::size_t o = 0; o < weights.offsets().size(); ++o)
-      add_row(weights.row(o, tile.x0, y), width, total.data());
     for (std::size_t i = 0; i < from.size(); ++i) {
-      std::fill(sum.begin(), sum.end(), 0.0f);
-      for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
-        const auto [dx, dy] = weights.offsets()[o];
-        add_products(weights.row(o, tile.x0, y), around.at(i, tile.x0 + dx, y + dy), width,
-                     sum.data());
-      }
+      weights.sum(around, i, tile.x0, y, width, sum.data(), total.data());
       for (int x = 0; x < tile.width(); ++x) {
         const auto at = static_cast<std::size_t>(x);
         to[i](lattice.column(tile.x0 + x), lattice.row(y)) = sum[at] / total[at];

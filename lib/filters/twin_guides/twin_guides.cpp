@@ -20,9 +20,9 @@ namespace spool {
 namespace {
 
 // The picture of every scale, the finest first.
-std::vector<ScaleImages> fit_scales(ScaleInputs inputs, const CountImage& n,
-                                    GuideLevels finest, const FeatureImages& clean,
-                                    const RadianceScale& scale, const TwinGuidesOptions& options) {
+std::vector<ScaleImages> fit_scales(ScaleInputs inputs, const CountImage& n, GuideLevels finest,
+                                    const FeatureImages& clean, const RadianceScale& scale,
+                                    const TwinGuidesOptions& options) {
   const int width = n.width(), height = n.height();
   std::vector<ScaleImages> scales;
   GuidePyramid pyramid(std::move(finest), scale, options);
@@ -79,9 +79,9 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
       fit_scales(finest_inputs(std::move(moments), std::move(features.raw)), n,
                  {noise_pool.unused() ? std::move(finest.fine) : finest.fine, finest.coarse},
                  features.clean, scale, options);
-  const FloatRgb blended =
-      return_agreed_light(blend_scales(scales, std::move(finest), features.clean, noise_pool, scale, options),
-                          std::move(clamped_light), options.agreement, scale);
+  const FloatRgb blended = return_agreed_light(
+      blend_scales(scales, std::move(finest), features.clean, noise_pool, scale, options),
+      std::move(clamped_light), options.agreement, scale);
 
   RgbImage image = make_rgb(n.width(), n.height());
   for (std::size_t c = 0; c < 3; ++c) {

@@ -22,8 +22,8 @@ struct Rows {
   std::size_t channels = 0;
 };
 
-// to = spatial + gain max(0, max_c ((p - q)^2 - V) / (V + kFeatureTau)): compared crosswise, so that
-// one quotient is left.
+// to = spatial + gain max(0, max_c ((p - q)^2 - V) / (V + kFeatureTau)): compared crosswise, so
+// that one quotient is left.
 template <class Vector>
 [[gnu::always_inline]] inline void feature_distances_of(const Rows& rows, float spatial, float gain,
                                                         int width, float* __restrict to) {
@@ -111,6 +111,30 @@ void weights_of(const Rows& features, const Rows& guides, const Terms& terms, in
   weights_of_distances(terms.end, width, to);
 }
 
+struct WeightedRow {
+  const float *weight, *value;
+};
+
+template <class Vector>
+[[gnu::always_inline]] inline void sums_of(const std::vector<WeightedRow>& rows, int width,
+                                           float* __restrict sum, float* __restrict total) {
+  for (int x = 0; x < width; x += kFloats<Vector>) {
+    Vector s{}, t{}, w, v;
+    for (const WeightedRow& row : rows) {
+      std::memcpy(&w, row.weight + x, sizeof(Vector));
+      std::memcpy(&v, row.value + x, sizeof(Vector));
+      s += w * v;
+      t += w;
+    }
+    std::memcpy(sum + x, &s, sizeof(Vector));
+    std::memcpy(total + x, &t, sizeof(Vector));
+  }
+}
+
+SPOOL_VECTOR_WIDTHS(void add_rows(const std::vector<WeightedRow>& rows, int width, float* sum,
+                                  float* total),
+                    sums_of<Vector>(rows, width, sum, total))
+
 Rectangle before(const Rectangle& tile, int radius) {
   return {tile.x0 - radius, tile.y0 - radius, tile.x1 + radius, tile.y1};
 }
@@ -186,6 +210,15 @@ const float* WindowWeights::row(std::size_t offset, int x, int y) const {
   if (offset >= half) return planes_.at(offset - half, x, y);
   const auto [dx, dy] = offsets_[offset];  // w of the pair, kept where its other end comes first
   return planes_.at(half - offset, x + dx, y + dy);
+}
+
+void WindowWeights::sum(const TilePlanes& values, std::size_t plane, int x, int y, int width,
+                        float* sum, float* total) const {
+  std::vector<WeightedRow> rows;
+  rows.reserve(offsets_.size());
+  for (std::size_t o = 0; o < offsets_.size(); ++o)
+    rows.push_back({row(o, x, y), values.at(plane, x + offsets_[o].dx, y + offsets_[o].dy)});
+  add_rows(rows, width, sum, total);
 }
 
 }  // namespace spool
