@@ -2,8 +2,8 @@
 //
 // The planes' rows y lie one after the other, so that loops over planes and offsets stay in the
 // first cache. They begin at the rectangle's left edge and are rounded up to whole vectors, with
-// one vector to spare, so a loop may run over its row's end and over the next row's beginning. What
-// nobody wrote is anything.
+// one vector to spare, so a loop may run over its row's end and over the next row's beginning.
+// Floats that were not written hold anything.
 #pragma once
 
 #include <algorithm>
