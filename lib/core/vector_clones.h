@@ -13,6 +13,7 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && \
     !defined(SPOOL_NO_VECTOR_CLONES)
+#define SPOOL_HAS_VECTOR_CLONES
 #define SPOOL_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #else
 #define SPOOL_VECTOR_CLONES

@@ -1,24 +1,34 @@
 #include "lib/metrics/weighted_rows.h"
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
+#include <cstring>
 
-#include "lib/core/vector_clones.h"
+#include "lib/core/eight_floats.h"
 
 namespace spool {
 
-// Sixteen sums at a time stay in registers.
-SPOOL_VECTOR_CLONES void add_rows(std::span<const double> taps, std::span<const double* const> from,
-                                  double* to, int width) {
-  constexpr int kTogether = 16;
+namespace {
+
+constexpr int kTogether = 32;  // sums that stay in registers; fewer would wait for one another
+
+template <class Vector>
+[[gnu::always_inline]] inline void add_rows_of(std::span<const double> taps,
+                                               std::span<const double* const> from,
+                                               double* __restrict to, int width) {
+  typedef double Doubles __attribute__((vector_size(sizeof(Vector))));
+  constexpr int kDoubles = kFloats<Vector> / 2, kParts = kTogether / kDoubles;
   int x = 0;
   for (; x + kTogether <= width; x += kTogether) {
-    std::array<double, kTogether> sums{};
-    for (std::size_t i = 0; i < taps.size(); ++i)
-      for (std::size_t k = 0; k < kTogether; ++k)
-        sums[k] += taps[i] * from[i][x + static_cast<int>(k)];
-    std::copy_n(sums.data(), kTogether, to + x);
+    Doubles sums[kParts] = {}, row;
+    for (std::size_t i = 0; i < taps.size(); ++i) {
+      const double tap = taps[i];
+#pragma GCC unroll 8
+      for (int part = 0; part < kParts; ++part) {
+        std::memcpy(&row, from[i] + x + part * kDoubles, sizeof(Doubles));
+        sums[part] += tap * row;
+      }
+    }
+    std::memcpy(to + x, sums, sizeof(sums));
   }
   for (; x < width; ++x) {
     double sum = 0.0;
@@ -26,6 +36,18 @@ SPOOL_VECTOR_CLONES void add_rows(std::span<const double> taps, std::span<const 
       sum += taps[i] * from[i][x];
     to[x] = sum;
   }
+}
+
+SPOOL_VECTOR_WIDTHS(void add_rows_by_width(std::span<const double> taps,
+                                           std::span<const double* const> from, double* to,
+                                           int width),
+                    add_rows_of<Vector>(taps, from, to, width))
+
+}  // namespace
+
+void add_rows(std::span<const double> taps, std::span<const double* const> from, double* to,
+              int width) {
+  add_rows_by_width(taps, from, to, width);
 }
 
 }  // namespace spool

@@ -126,17 +126,17 @@ class ConvolvedBox {
     const int columns = in_.width();
     const int inside_begin = std::clamp(last_ * dilation_, box_.x0, box_.x1);
     const int inside_end = std::clamp(columns + first_ * dilation_, inside_begin, box_.x1);
-    const auto border = [&](int begin, int end) {
+    const auto border = [&](int begin, int end) {  // as inside, of a row with its mirrored ends
+      if (begin == end) return;
+      const int left = begin - last_ * dilation_, right = end - first_ * dilation_;
+      std::vector<T> wide(static_cast<std::size_t>(right - left));
       for (int r = 0; r < rows; ++r) {
-        for (int x = begin; x < end; ++x) {
-          const T* row = from + static_cast<std::ptrdiff_t>(r) * columns;
-          T sum = weights_[0] * row[extend(x - first_ * dilation_, columns, extension_)];
-          for (std::size_t i = 1; i < weights_.size(); ++i) {
-            const int at = x - (first_ + static_cast<int>(i)) * dilation_;
-            sum += weights_[i] * row[extend(at, columns, extension_)];
-          }
-          out[static_cast<std::ptrdiff_t>(r) * width() + x - box_.x0] = sum;
-        }
+        const T* row = from + static_cast<std::ptrdiff_t>(r) * columns;
+        for (int x = left; x < right; ++x)
+          wide[static_cast<std::size_t>(x - left)] = row[extend(x, columns, extension_)];
+        weighted_sums(wide.data() + (last_ - first_) * dilation_, 0, -dilation_, weights_.data(),
+                      weights_.size(), 1, end - begin,
+                      out + static_cast<std::ptrdiff_t>(r) * width() + begin - box_.x0, 0);
       }
     };
     border(box_.x0, inside_begin);

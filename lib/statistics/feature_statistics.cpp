@@ -14,17 +14,30 @@ namespace {
 
 constexpr int kSquare = 64;  // pixels: the tiles of most recordings
 
+// The recorded indices of the samples taken of piece (x, y).
+void find_taken(const SamplePool& pool, const CountImage& n, int x, int y,
+                std::vector<std::size_t>& taken) {
+  taken.resize(static_cast<std::size_t>(n(x, y)));
+  const bool as_recorded = pool.as_recorded();
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    const int at = static_cast<int>(i);
+    taken[i] = static_cast<std::size_t>(as_recorded ? at : pool.recorded_index(x, y, at));
+  }
+}
+
 // Recorded samples up to the last that was taken of a pixel in the square.
 int samples_needed(const SamplePool& pool, const CountImage& n, const Rectangle& square) {
   const int q = pool.pieces_per_side();
-  int needed = 0;
+  std::vector<std::size_t> taken;
+  std::size_t needed = 0;
   for (int y = square.y0 * q; y < square.y1 * q; ++y) {
     for (int x = square.x0 * q; x < square.x1 * q; ++x) {
-      for (int i = 0; i < n(x, y); ++i)
-        needed = std::max(needed, pool.recorded_index(x, y, i) + 1);
+      find_taken(pool, n, x, y, taken);
+      for (const std::size_t s : taken)
+        needed = std::max(needed, s + 1);
     }
   }
-  return needed;
+  return static_cast<int>(needed);
 }
 
 // Welford over the samples taken of every piece in a square of pixels.
@@ -43,25 +56,28 @@ Result<void> accumulate_square(const SamplePool& pool, const CountImage& n, cons
                 "{}: layer {} has another size than the radiance: record it again",
                 recording.name(), feature.layer.name);
   }
+  std::vector<std::size_t> taken;
   for (int y = square.y0 * q; y < square.y1 * q; ++y) {
     for (int x = square.x0 * q; x < square.x1 * q; ++x) {
       const std::size_t pixel =
           (static_cast<std::size_t>(y / q - square.y0) * square.width() + (x / q - square.x0)) *
           static_cast<std::size_t>(needed);
-      for (int i = 0; i < n(x, y); ++i) {
-        const std::size_t s = pixel + static_cast<std::size_t>(pool.recorded_index(x, y, i));
-        for (std::size_t c = 0; c < feature.mean.size(); ++c) {
-          double value = static_cast<double>(values[c * plane + s]);
+      find_taken(pool, n, x, y, taken);
+      for (std::size_t c = 0; c < feature.mean.size(); ++c) {
+        double mean = 0.0, m2 = 0.0;
+        for (std::size_t i = 0; i < taken.size(); ++i) {
+          double value = static_cast<double>(values[c * plane + pixel + taken[i]]);
           if (!std::islessequal(std::abs(value), kLargestFeatureValue)) {
             value = 0.0;
             guards.add(Guard::kFeatureNotFinite);
           }
           value = std::clamp(value, -largest, largest);
-          double& mean = feature.mean[c](x, y);
           const double delta = value - mean;
-          mean += delta / (i + 1);
-          feature.variance[c](x, y) += delta * (value - mean);  // M2 for now
+          mean += delta / static_cast<double>(i + 1);
+          m2 += delta * (value - mean);
         }
+        feature.mean[c](x, y) = mean;
+        feature.variance[c](x, y) = m2;  // for now
       }
     }
   }

@@ -95,7 +95,7 @@ TEST(TwinGuidesDifferential, GuidesAndWeights) {
     const std::vector<reference::GuideLevel> levels = reference::guide_levels(
         reference::guide_sources(m, clean, clean_variance), 4, in.scale, options);
     const GuideSources sources = guide_sources(moments, f);
-    GuidePyramid pyramid(sources, in.scale, options);
+    GuidePyramid pyramid(guide_levels(sources, in.scale, options), in.scale, options);
     for (std::size_t k = 0; k < 3; ++k) {
       const reference::Guides twin = reference::guides(levels, k, in.scale, options);
       const GuideImages guides = pyramid.take_guides();

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "lib/core/eight_floats.h"
-#include "lib/core/vector_clones.h"
 
 namespace spool {
 namespace {
@@ -35,26 +34,32 @@ std::vector<Tap> taps_of(const WindowWeights& weights, double sigma, const FitTa
 }
 
 // sum of w (lanes - own) / sum of w: an even picture stays even to the bit.
-SPOOL_VECTOR_CLONES
-void mean_of_lanes(const Tap* taps, std::size_t count, int x, const float* own, float* mean) {
-  Eight off[2], sum[2] = {}, u;
+template <class Vector>
+[[gnu::always_inline]] inline void mean_of(const Tap* taps, std::size_t count, int x,
+                                           const float* own, float* mean) {
+  constexpr int kParts = kLanes / kFloats<Vector>;
+  Vector off[kParts], sum[kParts] = {}, u;
   std::memcpy(off, own, sizeof(off));
   float total = 0.0f;
   for (std::size_t i = 0; i < count; ++i) {
     const float w = taps[i].weights[x] * taps[i].factor;
     if (!(w > 0.0f)) continue;
     const float* at = own + static_cast<std::ptrdiff_t>(taps[i].step) * kLanes;
-    for (int half = 0; half < 2; ++half) {
-      std::memcpy(&u, at + half * kEight, sizeof(Eight));
-      sum[half] += w * (u - off[half]);
+    for (int part = 0; part < kParts; ++part) {
+      std::memcpy(&u, at + part * kFloats<Vector>, sizeof(Vector));
+      sum[part] += w * (u - off[part]);
     }
     total += w;
   }
-  for (int half = 0; half < 2; ++half) {
-    sum[half] /= total;
-    std::memcpy(mean + half * kEight, &sum[half], sizeof(Eight));
+  for (int part = 0; part < kParts; ++part) {
+    sum[part] /= total;
+    std::memcpy(mean + part * kFloats<Vector>, &sum[part], sizeof(Vector));
   }
 }
+
+SPOOL_VECTOR_WIDTHS(void mean_of_lanes(const Tap* taps, std::size_t count, int x, const float* own,
+                                       float* mean),
+                    mean_of<Vector>(taps, count, x, own, mean))
 
 float mean_logarithm(const std::vector<Tap>& taps, int x, const Lattice& lattice, int px, int py,
                      const Image<float>& logarithm) {

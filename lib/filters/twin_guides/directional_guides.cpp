@@ -59,27 +59,32 @@ void weights_of(const Shape& shape, const Offsets& offsets, float end, float* __
 }
 
 // sum of w (lanes - own) / sum of w, both ends of each pair: an even picture stays even to the bit.
-SPOOL_VECTOR_CLONES
-void mean_of_lanes(const float* weight, const std::ptrdiff_t* step, float centre, const float* own,
-                   float* mean) {
-  Eight off[2], sum[2] = {}, u, v;
+template <class Vector>
+[[gnu::always_inline]] inline void mean_of(const float* weight, const std::ptrdiff_t* step,
+                                           float centre, const float* own, float* mean) {
+  constexpr int kParts = kLanes / kFloats<Vector>;
+  Vector off[kParts], sum[kParts] = {}, u, v;
   std::memcpy(off, own, sizeof(off));
   float total = centre;
   for (int k = 0; k < kPairs; ++k) {
     const float w = weight[k];
     if (!(w > 0.0f)) continue;
-    for (int half = 0; half < 2; ++half) {
-      std::memcpy(&u, own + step[k] + half * kEight, sizeof(Eight));
-      std::memcpy(&v, own - step[k] + half * kEight, sizeof(Eight));
-      sum[half] += w * ((u - off[half]) + (v - off[half]));
+    for (int part = 0; part < kParts; ++part) {
+      std::memcpy(&u, own + step[k] + part * kFloats<Vector>, sizeof(Vector));
+      std::memcpy(&v, own - step[k] + part * kFloats<Vector>, sizeof(Vector));
+      sum[part] += w * ((u - off[part]) + (v - off[part]));
     }
     total += 2.0f * w;
   }
-  for (int half = 0; half < 2; ++half) {
-    off[half] += sum[half] / total;
-    std::memcpy(mean + half * kEight, &off[half], sizeof(Eight));
+  for (int part = 0; part < kParts; ++part) {
+    off[part] += sum[part] / total;
+    std::memcpy(mean + part * kFloats<Vector>, &off[part], sizeof(Vector));
   }
 }
+
+SPOOL_VECTOR_WIDTHS(void mean_of_lanes(const float* weight, const std::ptrdiff_t* step,
+                                       float centre, const float* own, float* mean),
+                    mean_of<Vector>(weight, step, centre, own, mean))
 
 Image<float> smooth_logarithm(const FloatRgb& pilot, double floor) {
   Image<float> l(pilot[0].width(), pilot[0].height());
@@ -131,22 +136,21 @@ auto planes_of(Sources& sources) {
   return planes;
 }
 
-std::vector<float> lanes_around(const Rectangle& tile,
-                                const std::array<const Image<float>*, kPlanes>& planes) {
+std::vector<Piece> pieces_around(const Rectangle& tile,
+                                 const std::array<const Image<float>*, kPlanes>& planes) {
   const int width = planes[0]->width(), height = planes[0]->height();
-  std::vector<float> lanes;
-  lanes.reserve(static_cast<std::size_t>(tile.width() + 2 * kReach) *
-                static_cast<std::size_t>(tile.height() + 2 * kReach) * kLanes);
+  std::vector<Piece> pieces(static_cast<std::size_t>(tile.width() + 2 * kReach) *
+                            static_cast<std::size_t>(tile.height() + 2 * kReach));
+  std::size_t place = 0;
   for (int y = tile.y0 - kReach; y < tile.y1 + kReach; ++y) {
-    for (int x = tile.x0 - kReach; x < tile.x1 + kReach; ++x) {
-      const std::size_t piece =
+    for (int x = tile.x0 - kReach; x < tile.x1 + kReach; ++x, ++place) {
+      const std::size_t from =
           planes[0]->index(extend_symmetric(x, width), extend_symmetric(y, height));
-      for (const Image<float>* plane : planes)
-        lanes.push_back((*plane)[piece]);
-      lanes.resize(lanes.size() + kLanes - kPlanes);
+      for (std::size_t i = 0; i < kPlanes; ++i)
+        pieces[place].lanes[i] = (*planes[i])[from];
     }
   }
-  return lanes;
+  return pieces;
 }
 
 }  // namespace
@@ -161,15 +165,15 @@ GuideSources blur_along(const GuideSources& sources, double sigma, double stretc
   const Offsets offsets;
   const auto end = static_cast<float>(std::exp(-kEnd));
   parallel_tiles(tensor.xx.width(), tensor.xx.height(), [&](const Rectangle& tile) {
-    const std::vector<float> lanes = lanes_around(tile, inputs);
+    const std::vector<Piece> pieces = pieces_around(tile, inputs);
     const std::ptrdiff_t row = (tile.width() + 2 * kReach) * kLanes;
     std::array<std::ptrdiff_t, kPairs> step;
     for (std::size_t k = 0; k < kPairs; ++k)
       step[k] = offsets.dy[k] * row + offsets.dx[k] * kLanes;
     std::array<float, kPadded> weight;
-    std::array<float, kLanes> mean;
+    alignas(Piece) std::array<float, kLanes> mean;
     for (int y = tile.y0; y < tile.y1; ++y) {
-      const float* own = lanes.data() + (y - tile.y0 + kReach) * row + kReach * kLanes;
+      const float* own = pieces[0].lanes + (y - tile.y0 + kReach) * row + kReach * kLanes;
       for (int x = tile.x0; x < tile.x1; ++x, own += kLanes) {
         const std::size_t piece = tensor.xx.index(x, y);
         weights_of(shape_of(tensor.xx[piece], tensor.xy[piece], tensor.yy[piece], sigma, stretch),

@@ -71,6 +71,7 @@ class TileBlend {
         numerator_(static_cast<std::size_t>(width_)),
         denominator_(numerator_),
         weight_(numerator_) {
+    sums_.clear();
     for (std::size_t c = 0; c < channels_; ++c) {
       features_.copy_clamped(2 * c, features.value[c]);
       features_.copy_clamped(2 * c + 1, features.variance[c]);

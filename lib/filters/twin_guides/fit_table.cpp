@@ -9,14 +9,14 @@ FitTable::FitTable(const Lattice& lattice, const Rectangle& tile, int radius,
       origin_y_(tile.y0),
       rows_(inputs.features.empty() ? kPosition
                                     : kPosition + static_cast<int>(kMostFeatureChannels)),
-      lanes_(static_cast<std::size_t>(around_.area()) * kLanes),
+      pieces_(static_cast<std::size_t>(around_.area())),
       luminance_(static_cast<std::size_t>(around_.area())) {
   const float per_piece = 1.0f / static_cast<float>(lattice.step);
   std::size_t place = 0;
   for (int y = around_.y0; y < around_.y1; ++y) {
     for (int x = around_.x0; x < around_.x1; ++x, ++place) {
       const std::size_t piece = inputs.down.index(lattice.column(x), lattice.row(y));
-      float* u = &lanes_[place * kLanes];
+      float* u = pieces_[place].lanes;
       u[0] = 1.0f;
       u[1] = down(y, per_piece * inputs.down[piece]);
       u[2] = right(x, per_piece * inputs.right[piece]);

@@ -15,6 +15,10 @@ inline constexpr int kLanes = 16;            // regressors, three colours, three
 inline constexpr int kPosition = 3;          // regressors without features: 1, y, x
 inline constexpr float kPerPosition = 0.1f;  // 1 / 10 pieces of the lattice
 typedef float Lanes __attribute__((vector_size(kLanes * sizeof(float))));
+// In one line of the cache: what lies across two takes twice as long.
+struct alignas(kLanes * sizeof(float)) Piece {
+  float lanes[kLanes];
+};
 
 class FitTable {
  public:
@@ -33,7 +37,7 @@ class FitTable {
   }
   int step(int dx, int dy) const { return dy * around_.width() + dx; }
   const float* lanes(int place = 0) const {
-    return lanes_.data() + static_cast<std::ptrdiff_t>(place) * kLanes;
+    return pieces_.data()->lanes + static_cast<std::ptrdiff_t>(place) * kLanes;
   }
   // Of the colours.
   const float* luminances() const { return luminance_.data(); }
@@ -42,7 +46,8 @@ class FitTable {
   Rectangle around_;  // the tile and its windows inside the lattice
   int origin_x_, origin_y_;
   int rows_;
-  std::vector<float> lanes_, luminance_;
+  std::vector<Piece> pieces_;
+  std::vector<float> luminance_;
 };
 
 }  // namespace spool

@@ -81,19 +81,24 @@ GuideSources guide_sources(SampleMoments& moments, const FeatureImages& features
   return sources;
 }
 
-GuidePyramid::GuidePyramid(const GuideSources& sources, const RadianceScale& scale,
+GuideLevels guide_levels(const GuideSources& sources, const RadianceScale& scale,
+                         const TwinGuidesOptions& options) {
+  const double sigma = options.guide_sigma;
+  return {blurred(sources, sigma),
+          options.stretch > 0.0 ? blur_along(sources, 2.0 * sigma, options.stretch, scale.mean)
+                                : blurred(sources, 2.0 * sigma)};
+}
+
+GuidePyramid::GuidePyramid(GuideLevels finest, const RadianceScale& scale,
                            const TwinGuidesOptions& options)
     : scene_luminance_(scale.mean),
       guide_sigma_(options.guide_sigma),
       slack_(options.slack),
-      fine_(blurred(sources, guide_sigma_)),
-      coarse_(options.stretch > 0.0
-                  ? blur_along(sources, 2.0 * guide_sigma_, options.stretch, scale.mean)
-                  : blurred(sources, 2.0 * guide_sigma_)) {}
+      levels_(std::move(finest)) {}
 
 void GuidePyramid::coarsen() {
-  GuideSources coarser = blurred(coarse_, std::numbers::sqrt3 * 2.0 * guide_sigma_, step_);
-  fine_ = std::exchange(coarse_, std::move(coarser));
+  GuideSources coarser = blurred(levels_.coarse, std::numbers::sqrt3 * 2.0 * guide_sigma_, step_);
+  levels_ = {std::move(levels_.coarse), std::move(coarser)};
   step_ *= 2;
 }
 
@@ -104,9 +109,10 @@ GuideImages GuidePyramid::take_guides() {
   parallel_for(kGuideChannels, [&](std::size_t channel) {
     const std::size_t level = channel / 6, c = channel % 6 / 2, kind = channel % 2;
     const Level at{guide_sigma_ * step_ * (level == 0 ? 1.0 : 2.0), slack_};
-    Image<float> value = level == 0 ? std::move(fine_.mean[kind][c]) : coarse_.mean[kind][c];
+    Image<float> value =
+        level == 0 ? std::move(levels_.fine.mean[kind][c]) : levels_.coarse.mean[kind][c];
     Image<float> variance =
-        level == 0 ? std::move(fine_.variance[kind][c]) : coarse_.variance[kind][c];
+        level == 0 ? std::move(levels_.fine.variance[kind][c]) : levels_.coarse.variance[kind][c];
     if (kind == 0) {
       guide_of_pilot(at, floor, value, variance);
     } else {

@@ -30,11 +30,18 @@ struct GuideImages {
   std::vector<Image<float>> value, variance;
 };
 
-// Guides of one scale after the other, from the finest on.
+// The sources on the two levels of the finest scale.
+struct GuideLevels {
+  GuideSources fine, coarse;
+};
+
+GuideLevels guide_levels(const GuideSources& sources, const RadianceScale& scale,
+                         const TwinGuidesOptions& options);
+
+// Guides of one scale after the other, from the finest on. Its guides alone need the fine level.
 class GuidePyramid {
  public:
-  GuidePyramid(const GuideSources& sources, const RadianceScale& scale,
-               const TwinGuidesOptions& options);
+  GuidePyramid(GuideLevels finest, const RadianceScale& scale, const TwinGuidesOptions& options);
   int step() const { return step_; }  // between the taps of the scale, pieces
   void coarsen();
   // Once on each scale: the finer level becomes the guides, so that memory holds it once.
@@ -43,7 +50,7 @@ class GuidePyramid {
  private:
   double scene_luminance_, guide_sigma_, slack_;
   int step_ = 1;
-  GuideSources fine_, coarse_;  // blurred to step_ guide_sigma_ and twice that
+  GuideLevels levels_;  // blurred to step_ guide_sigma_ and twice that
 };
 
 }  // namespace spool

@@ -60,16 +60,20 @@ Moments moments_of(const SamplePool& pool, const CountImage& n, Value value, Use
   parallel_rows(0, n.height(), [&](int y) {
     for (int x = 0; x < n.width(); ++x) {
       const std::size_t piece = n.index(x, y);
+      Triple mean{}, m2{};
       for (int i = 0; i < n[piece]; ++i) {
         const Rgb sample = pool.sample(x, y, i);
         const Triple values = value(piece, sample);
         for (std::size_t c = 0; c < 3; ++c) {
-          double& mean = moments.mean[c][piece];
-          const double delta = values[c] - mean;
-          mean += delta / (i + 1);
-          moments.m2[c][piece] += delta * (values[c] - mean);
+          const double delta = values[c] - mean[c];
+          mean[c] += delta / (i + 1);
+          m2[c] += delta * (values[c] - mean[c]);
         }
         use(piece, i, sample, values);
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        moments.mean[c][piece] = mean[c];
+        moments.m2[c][piece] = m2[c];
       }
     }
   });

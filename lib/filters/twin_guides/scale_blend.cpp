@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "lib/core/vector_clones.h"
 #include "lib/filters/twin_guides/tiles.h"
 #include "lib/filters/twin_guides/window_weights.h"
 #include "lib/statistics/grown_variance.h"
@@ -14,8 +13,8 @@ namespace {
 constexpr WindowShape kWindow = {2, 1.5};
 constexpr WindowShape kJoin = {3, 2.0};
 constexpr double kFeatureGainOfJoin = 10.0;  // in that of the fit, which has slopes besides
-constexpr int kFirstStep = 2, kLastStep = 8;
-constexpr double kFloor = 0.1;  // of the picture, in L: no error is relative to less
+constexpr int kLastStep = 8;                 // after 2 and 4
+constexpr double kFloor = 0.1;               // of the picture, in L: no error is relative to less
 constexpr std::size_t kTerms = 3;
 // Without features coarse scales know edges from noisy guides alone, and their bias is the common
 // case: their noise counts half.
@@ -59,18 +58,6 @@ std::vector<Image<float>> terms_of(const std::vector<ScaleImages>& scales, float
   return terms;
 }
 
-SPOOL_VECTOR_CLONES
-void add_products(const float* weight, const float* value, int width, float* __restrict sum) {
-  for (int x = 0; x < width; ++x)
-    sum[x] += weight[x] * value[x];
-}
-
-SPOOL_VECTOR_CLONES
-void add_row(const float* value, int width, float* __restrict sum) {
-  for (int x = 0; x < width; ++x)
-    sum[x] += value[x];
-}
-
 void mean_on_tile(const Lattice& lattice, const Rectangle& tile, const WindowWeights& weights,
                   const std::vector<Image<float>>& from, std::vector<Image<float>>& to) {
   const int r = weights.radius(), width = whole_vectors(tile.width());
@@ -79,16 +66,8 @@ void mean_on_tile(const Lattice& lattice, const Rectangle& tile, const WindowWei
     around.copy_clamped(i, from[i], lattice);
   std::vector<float> total(static_cast<std::size_t>(width)), sum(total);
   for (int y = tile.y0; y < tile.y1; ++y) {
-    std::fill(total.begin(), total.end(), 0.0f);
-    for (std::size_t o = 0; o < weights.offsets().size(); ++o)
-      add_row(weights.row(o, tile.x0, y), width, total.data());
     for (std::size_t i = 0; i < from.size(); ++i) {
-      std::fill(sum.begin(), sum.end(), 0.0f);
-      for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
-        const auto [dx, dy] = weights.offsets()[o];
-        add_products(weights.row(o, tile.x0, y), around.at(i, tile.x0 + dx, y + dy), width,
-                     sum.data());
-      }
+      weights.sum(around, i, tile.x0, y, width, sum.data(), total.data());
       for (int x = 0; x < tile.width(); ++x) {
         const auto at = static_cast<std::size_t>(x);
         to[i](lattice.column(tile.x0 + x), lattice.row(y)) = sum[at] / total[at];
@@ -97,14 +76,14 @@ void mean_on_tile(const Lattice& lattice, const Rectangle& tile, const WindowWei
   }
 }
 
-std::vector<Image<float>> guided_means(std::vector<Image<float>> terms, const GuideSources& sources,
+std::vector<Image<float>> guided_means(std::vector<Image<float>> terms, GuideLevels finest,
                                        const FeatureImages& clean, const RadianceScale& scale,
                                        const TwinGuidesOptions& options) {
   const int width = terms[0].width(), height = terms[0].height();
   std::vector<Image<float>> means(terms.size(), Image<float>(width, height));
-  for (GuidePyramid pyramid(sources, scale, options); pyramid.step() <= kLastStep;
-       pyramid.coarsen()) {
-    if (pyramid.step() < kFirstStep) continue;
+  GuidePyramid pyramid(std::move(finest), scale, options);
+  while (pyramid.step() < kLastStep) {
+    pyramid.coarsen();
     const GuideImages guides = pyramid.take_guides();
     parallel_lattice_tiles(
         width, height, pyramid.step(), [&](const Lattice& lattice, const Rectangle& tile) {
@@ -116,20 +95,27 @@ std::vector<Image<float>> guided_means(std::vector<Image<float>> terms, const Gu
   return terms;
 }
 
+bool anywhere(const Plane& share, const Rectangle& tile) {
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    for (int x = tile.x0; x < tile.x1; ++x)
+      if (share(x, y) > 0.0) return true;
+  }
+  return false;
+}
+
 // Lattices of a coarse scale share few samples. Where no finer scale covers how they differ, a mean
 // over their neighbours does.
-void join_lattices(FloatRgb& out, const NoisePool& pool, const GuideSources& sources,
+void join_lattices(FloatRgb& out, const NoisePool& pool, GuideLevels finest,
                    const FeatureImages& clean, const RadianceScale& scale,
                    const TwinGuidesOptions& options) {
-  if (pool.unused()) return;
   const std::vector<Image<float>> from(out.begin(), out.end());
   std::vector<Image<float>> means(from.size(), Image<float>(out[0].width(), out[0].height()));
   TwinGuidesOptions strict = options;
   strict.feature_gain *= kFeatureGainOfJoin;
-  GuidePyramid pyramid(sources, scale, options);
-  const GuideImages guides = pyramid.take_guides();
+  const GuideImages guides = GuidePyramid(std::move(finest), scale, options).take_guides();
   parallel_lattice_tiles(out[0].width(), out[0].height(), 1,
                          [&](const Lattice& lattice, const Rectangle& tile) {
+                           if (!anywhere(pool.share, tile)) return;
                            const WindowWeights weights(lattice, tile, kJoin, guides, clean, strict);
                            mean_on_tile(lattice, tile, weights, from, means);
                          });
@@ -146,14 +132,16 @@ float share_of_detail(float d, float n, float v, float slack) {
 
 }  // namespace
 
-FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources& sources,
+FloatRgb blend_scales(const std::vector<ScaleImages>& scales, GuideLevels finest,
                       const FeatureImages& clean, const NoisePool& noise_pool,
                       const RadianceScale& scale, const TwinGuidesOptions& options) {
   FloatRgb out = scales.back().image;
   if (scales.size() == 1) return out;
+  GuideLevels coarse;
+  coarse.coarse = noise_pool.unused() ? std::move(finest.coarse) : finest.coarse;
   const std::vector<Image<float>> means =
-      guided_means(terms_of(scales, static_cast<float>(kFloor * scale.mean), noise_pool), sources,
-                   clean, scale, options);
+      guided_means(terms_of(scales, static_cast<float>(kFloor * scale.mean), noise_pool),
+                   std::move(coarse), clean, scale, options);
   const auto slack = static_cast<float>(options.detail_slack *
                                         (clean.value.empty() ? kSlackWithoutFeatures : 1.0));
   parallel_rows(0, out[0].height(), [&](int y) {
@@ -166,7 +154,8 @@ FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources
       }
     }
   });
-  join_lattices(out, noise_pool, sources, clean, scale, options);
+  if (!noise_pool.unused())
+    join_lattices(out, noise_pool, std::move(finest), clean, scale, options);
   return out;
 }
 

@@ -24,7 +24,7 @@
 namespace spool {
 
 // `scales`: the finest first, at least one.
-FloatRgb blend_scales(const std::vector<ScaleImages>& scales, const GuideSources& sources,
+FloatRgb blend_scales(const std::vector<ScaleImages>& scales, GuideLevels finest,
                       const FeatureImages& clean, const NoisePool& noise_pool,
                       const RadianceScale& scale, const TwinGuidesOptions& options);
 

@@ -37,15 +37,16 @@ void parallel_tiles(int width, int height, Body&& body) {
                [&](std::size_t i) { body(tiling.tile(static_cast<int>(i))); });
 }
 
-// body(lattice, tile) for every tile of every lattice of the image, in parallel.
+// body(lattice, tile) for every tile of every lattice of the image, in parallel. Lattices beside
+// each other read the same lines of the cache, so they follow one another.
 template <class Body>
 void parallel_lattice_tiles(int width, int height, int step, Body&& body) {
   const Tiling largest((width + step - 1) / step, (height + step - 1) / step);
-  const int tiles = largest.count();
-  parallel_for(static_cast<std::size_t>(step * step * tiles), [&](std::size_t i) {
+  const int lattices = step * step;
+  parallel_for(static_cast<std::size_t>(lattices * largest.count()), [&](std::size_t i) {
     const int job = static_cast<int>(i);
-    const Lattice lattice = lattice_of(width, height, step, job / tiles);
-    const Rectangle tile = intersect(largest.tile(job % tiles), lattice.bounds());
+    const Lattice lattice = lattice_of(width, height, step, job % lattices);
+    const Rectangle tile = intersect(largest.tile(job / lattices), lattice.bounds());
     if (!tile.empty()) body(lattice, tile);
   });
 }

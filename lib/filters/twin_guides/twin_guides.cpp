@@ -20,12 +20,12 @@ namespace spool {
 namespace {
 
 // The picture of every scale, the finest first.
-std::vector<ScaleImages> fit_scales(ScaleInputs inputs, const CountImage& n,
-                                    const GuideSources& sources, const FeatureImages& clean,
-                                    const RadianceScale& scale, const TwinGuidesOptions& options) {
+std::vector<ScaleImages> fit_scales(ScaleInputs inputs, const CountImage& n, GuideLevels finest,
+                                    const FeatureImages& clean, const RadianceScale& scale,
+                                    const TwinGuidesOptions& options) {
   const int width = n.width(), height = n.height();
   std::vector<ScaleImages> scales;
-  GuidePyramid pyramid(sources, scale, options);
+  GuidePyramid pyramid(std::move(finest), scale, options);
   FitOptions fit{options.ridge, options.limit};
   for (int k = 0; k < options.scales; ++k) {
     if (k > 0) {
@@ -73,14 +73,15 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
     raise_logarithms(moments, opened.heavy, options.clamp_sigma * pool.pieces_per_side(), scale);
   SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
-  const GuideSources sources = guide_sources(moments, features.clean);
+  GuideLevels finest = guide_levels(guide_sources(moments, features.clean), scale, options);
   std::vector<Image<float>> clamped_light = std::move(moments.clamped_light);
   const std::vector<ScaleImages> scales =
-      fit_scales(finest_inputs(std::move(moments), std::move(features.raw)), n, sources,
+      fit_scales(finest_inputs(std::move(moments), std::move(features.raw)), n,
+                 {noise_pool.unused() ? std::move(finest.fine) : finest.fine, finest.coarse},
                  features.clean, scale, options);
-  const FloatRgb blended =
-      return_agreed_light(blend_scales(scales, sources, features.clean, noise_pool, scale, options),
-                          std::move(clamped_light), options.agreement, scale);
+  const FloatRgb blended = return_agreed_light(
+      blend_scales(scales, std::move(finest), features.clean, noise_pool, scale, options),
+      std::move(clamped_light), options.agreement, scale);
 
   RgbImage image = make_rgb(n.width(), n.height());
   for (std::size_t c = 0; c < 3; ++c) {

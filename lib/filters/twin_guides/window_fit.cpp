@@ -24,75 +24,83 @@ struct Window {
   const int* place;
 };
 
-constexpr int kBlock = 32;       // pieces of a window that are added together
-constexpr int kInRegisters = 5;  // rows of equations, two vectors of eight each
+constexpr int kBlock = 32;  // pieces of a window that are added together
+
+// Rows of equations that the registers hold; with AVX-512 there are twice as many of twice the
+// width.
+template <class Vector>
+inline constexpr int kInRegisters = kFloats<Vector> == kLanes ? 10 : 5;
 
 // Lanes of pieces of a window, less the centre's and once more times their weight.
 struct Block {
-  float lanes[kBlock][kLanes], weighted[kBlock][kLanes];
+  Piece pieces[kBlock], weighted[kBlock];
 };
 
 // equations += sum w u u of `rows` rows from `first` on.
-template <int kCount>
+template <class Vector, int kCount>
 [[gnu::always_inline]] inline void add_rows(const Block& block, int pieces, int first,
                                             float* equations) {
-  Eight low[kCount], high[kCount], u, v;
-  for (int r = 0; r < kCount; ++r) {
-    std::memcpy(&low[r], equations + (first + r) * kLanes, sizeof(Eight));
-    std::memcpy(&high[r], equations + (first + r) * kLanes + kEight, sizeof(Eight));
-  }
+  constexpr int kParts = kLanes / kFloats<Vector>;
+  Vector sum[kCount][kParts], u[kParts];
+  std::memcpy(sum, equations + first * kLanes, sizeof(sum));
   for (int i = 0; i < pieces; ++i) {
-    std::memcpy(&u, block.lanes[i], sizeof(Eight));
-    std::memcpy(&v, block.lanes[i] + kEight, sizeof(Eight));
-#pragma GCC unroll 5
+    std::memcpy(u, block.pieces[i].lanes, sizeof(u));
+#pragma GCC unroll 10
     for (int r = 0; r < kCount; ++r) {
-      const float factor = block.weighted[i][first + r];
-      low[r] += factor * u;
-      high[r] += factor * v;
+      const float factor = block.weighted[i].lanes[first + r];
+#pragma GCC unroll 2
+      for (int part = 0; part < kParts; ++part)
+        sum[r][part] += factor * u[part];
     }
   }
-  for (int r = 0; r < kCount; ++r) {
-    std::memcpy(equations + (first + r) * kLanes, &low[r], sizeof(Eight));
-    std::memcpy(equations + (first + r) * kLanes + kEight, &high[r], sizeof(Eight));
-  }
+  std::memcpy(equations + first * kLanes, sum, sizeof(sum));
 }
 
 // The kRows x kLanes normal equations, sum w u (u, y); `centre` is what the piece's own
 // lanes are less (clean features, its colour), y is limited first.
-template <int kRows>
-SPOOL_VECTOR_CLONES void add_normal_equations(const Window& window, const FitTable& table,
-                                              const float* centre, float top, float* equations) {
+template <class Vector, int kRows>
+[[gnu::always_inline]] inline void add_equations(const Window& window, const FitTable& table,
+                                                 const float* centre, float top, float* equations) {
   Block block;
   const float *lanes = table.lanes(), *luminance = table.luminances();
-  std::fill_n(equations, kRows * kLanes, 0.0f);
+  const Vector zero{};
+  for (int i = 0; i < kRows * kLanes; i += kFloats<Vector>)
+    std::memcpy(equations + i, &zero, sizeof(Vector));
   for (int begin = 0; begin < window.count; begin += kBlock) {
     const int pieces = std::min(kBlock, window.count - begin);
     for (int i = 0; i < pieces; ++i) {
       const int place = window.place[begin + i];
       const float weight = window.weight[begin + i];
-      float* to = block.lanes[i];
-      std::memcpy(to, lanes + static_cast<std::ptrdiff_t>(place) * kLanes, sizeof(Lanes));
+      const float* from = lanes + static_cast<std::ptrdiff_t>(place) * kLanes;
+      Piece limited;
       if (luminance[place] > top) {
         const float factor = top / luminance[place];
-        for (int c = kRows; c < kRows + kColours; ++c)
-          to[c] *= factor;
+        for (int c = 0; c < kLanes; ++c)
+          limited.lanes[c] = from[c] * (c >= kRows && c < kRows + kColours ? factor : 1.0f);
+        from = limited.lanes;
       }
-      for (int c = 0; c < kLanes; c += kEight) {
-        Eight u, off;
-        std::memcpy(&u, to + c, sizeof(Eight));
-        std::memcpy(&off, centre + c, sizeof(Eight));
+      for (int c = 0; c < kLanes; c += kFloats<Vector>) {
+        Vector u, off;
+        std::memcpy(&u, from + c, sizeof(Vector));
+        std::memcpy(&off, centre + c, sizeof(Vector));
         u -= off;
-        std::memcpy(to + c, &u, sizeof(Eight));
+        std::memcpy(block.pieces[i].lanes + c, &u, sizeof(Vector));
         u *= weight;
-        std::memcpy(block.weighted[i] + c, &u, sizeof(Eight));
+        std::memcpy(block.weighted[i].lanes + c, &u, sizeof(Vector));
       }
     }
-    constexpr int kWhole = kRows / kInRegisters * kInRegisters;
-    for (int first = 0; first < kWhole; first += kInRegisters)
-      add_rows<kInRegisters>(block, pieces, first, equations);
-    if constexpr (kRows > kWhole) add_rows<kRows - kWhole>(block, pieces, kWhole, equations);
+    constexpr int kTogether = std::min(kRows, kInRegisters<Vector>);
+    static_assert(kRows % kTogether == 0);
+    for (int first = 0; first < kRows; first += kTogether)
+      add_rows<Vector, kTogether>(block, pieces, first, equations);
   }
 }
+
+SPOOL_VECTOR_WIDTHS(void add_normal_equations(const Window& window, const FitTable& table,
+                                              const float* centre, float top, float* equations),
+                    (table.rows() == kPosition
+                         ? add_equations<Vector, kPosition>(window, table, centre, top, equations)
+                         : add_equations<Vector, kAll>(window, table, centre, top, equations)))
 
 // Coefficient 0 of each colour and difference into value[kColours]; false where its pivot is lost
 // in rounding.
@@ -138,21 +146,17 @@ class TileFit {
     const Window window = gather(i, place);
     const std::array<float, 3> own = limited(place, top);
     const auto colours = static_cast<std::size_t>(table_.rows());
-    std::array<float, kLanes> centre{0.0f, table_.down(y), table_.right(x)};
+    alignas(Piece) std::array<float, kLanes> centre{0.0f, table_.down(y), table_.right(x)};
     if (table_.rows() > kPosition)
       std::copy(features.begin(), features.end(), centre.begin() + kPosition);
     for (std::size_t c = 0; c < 3; ++c)
       centre[(table_.rows() > kPosition ? kAll : kPosition) + c] = own[c];
-    std::array<float, kLanes*(kPosition + kMostFeatureChannels)> equations;
+    alignas(Piece) std::array<float, kLanes*(kPosition + kMostFeatureChannels)> equations;
     std::array<float, kColours> value;
-    bool solved;
-    if (table_.rows() == kPosition) {
-      add_normal_equations<kPosition>(window, table_, centre.data(), top, equations.data());
-      solved = solve_for_constant<kPosition>(equations.data(), ridge_, value.data());
-    } else {
-      add_normal_equations<kAll>(window, table_, centre.data(), top, equations.data());
-      solved = solve_for_constant<kAll>(equations.data(), ridge_, value.data());
-    }
+    add_normal_equations(window, table_, centre.data(), top, equations.data());
+    const bool solved = table_.rows() == kPosition
+                            ? solve_for_constant<kPosition>(equations.data(), ridge_, value.data())
+                            : solve_for_constant<kAll>(equations.data(), ridge_, value.data());
     if (!solved) {  // the weighted mean
       for (std::size_t c = 0; c < value.size(); ++c)
         value[c] = equations[colours + c] / equations[0];

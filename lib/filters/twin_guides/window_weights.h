@@ -37,6 +37,9 @@ class WindowWeights {
   const std::vector<Offset>& offsets() const { return offsets_; }
   int radius() const { return radius_; }
   const float* row(std::size_t offset, int x, int y) const;
+  // sum w v and sum w over the windows of `width` pieces from (x, y) on, whole vectors of them.
+  void sum(const TilePlanes& values, std::size_t plane, int x, int y, int width, float* sum,
+           float* total) const;
 
  private:
   void compute(const Rectangle& tile, const TilePlanes& guides, const TilePlanes& features,

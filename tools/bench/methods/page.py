@@ -1,4 +1,5 @@
 """The section of docs/speed.md that says what every method costs: tables of what run.py measured."""
+import math
 import os
 
 JUDGED, BUDGET, BYTES, TWO_THREADS, LONG = 1024, 8, 300, 1.8, 0.5
@@ -18,8 +19,8 @@ def lines(rows):
     return "\n".join("| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *body])
 
 
-def of(kept, size, threads, where, method):
-    found = kept.get((size, threads, where), {}).get(method)
+def of(kept, size, threads, method):
+    found = kept.get((size, threads), {}).get(method)
     return found if found and "cpu" in found else None
 
 
@@ -29,29 +30,30 @@ def name_of(method, found):
 
 def judged(kind, kept, names):
     """Seconds, memory and threads at the size that the targets name."""
-    rows = [[kind, "library, CPU-s", "target", "whole command, CPU-s", "bytes/pixel", "2 threads, times faster"]]
+    rows = [[kind, "CPU-s", "target", "bytes/pixel", "2 threads, times faster", "growth"]]
+    exponent = {name: row[-1] for row in growth_rows(kept)[1:] for name in [f"{row[0]}/{row[1]}"]}
     for method in names:
-        one, two, whole = (of(kept, JUDGED, threads, where, method) for threads, where in ((1, "library"), (2, "library"), (1, "command")))
+        one, two = of(kept, JUDGED, 1, method), of(kept, JUDGED, 2, method)
         if one is None:
             continue
         limit = SECONDS.get(method, OTHERS)
         faster = one["wall"] / two["wall"] if two else None
-        rows.append([name_of(method, one), told(one["cpu"], 3, one["cpu"] <= limit), f"{limit:g}", told(whole["cpu"], 2) if whole else "",
+        rows.append([name_of(method, one), told(one["cpu"], 3, one["cpu"] <= limit), f"{limit:g}",
                      told(one["heap"], 0, one["heap"] <= BYTES),
-                     "" if faster is None else told(faster, 2, faster >= TWO_THREADS or one["cpu"] <= LONG)])
+                     "" if faster is None else told(faster, 2, faster >= TWO_THREADS or one["cpu"] <= LONG), exponent[method]])
     return lines(rows)
 
 
 def growth_rows(kept):
-    """CPU microseconds of a pixel at each size, library and whole command; first the heading."""
-    sizes = sorted({size for size, _, _ in kept})
-    rows = [["kind", "method", *map(str, sizes), f"largest / {sizes[0]}", *(f"command, {size}" for size in sizes)]]
+    """CPU microseconds of a pixel at each size, and the power of the number of pixels that the time grows with; first the heading."""
+    sizes = sorted({size for size, _ in kept})
+    rows = [["kind", "method", *map(str, sizes), "growth"]]
     for name in dict.fromkeys(method for methods in kept.values() for method in methods):
-        pixel = {where: {size: 1e6 * at["cpu"] / size ** 2 for size in sizes if (at := of(kept, size, 1, where, name))} for where in ("library", "command")}
-        if pixel["library"]:
-            growth = pixel["library"][max(pixel["library"])] / pixel["library"][min(pixel["library"])]
-            rows.append([*name.split("/"), *(f"{pixel['library'][size]:.3f}" if size in pixel["library"] else "" for size in sizes), f"{growth:.2f}",
-                         *(f"{pixel['command'][size]:.2f}" if size in pixel["command"] else "" for size in sizes)])
+        pixel = {size: 1e6 * at["cpu"] / size ** 2 for size in sizes if (at := of(kept, size, 1, name))}
+        if pixel:
+            least, most = min(pixel), max(pixel)
+            growth = f"{1 + math.log(pixel[most] / pixel[least]) / math.log((most / least) ** 2):.2f}" if most > least else ""
+            rows.append([*name.split("/"), *(f"{pixel[size]:.3f}" if size in pixel else "" for size in sizes), growth])
     return rows
 
 
@@ -63,18 +65,17 @@ def machine():
 
 def page(kept):
     names = list(dict.fromkeys(method for methods in kept.values() for method in methods))
-    text = [f"## Every method\n\n`tools/dev.sh bench methods`: CPU seconds of one thread at {JUDGED}x{JUDGED} pixels, {BUDGET} samples a pixel of 64, scene S; filters",
-            "get the selection of `multiscale`. The library's time is the call alone, the recording loaded; the whole command is `spool replay` or",
-            f"`spool reconstruct --selection`, from start to the written image, checksums verified. {machine()}. A bold figure misses its target: the seconds",
+    sizes = sorted({size for size, _ in kept})
+    text = [f"## Every method in the library\n\n`tools/dev.sh bench methods`: CPU seconds of one thread at {JUDGED}x{JUDGED} pixels, {BUDGET} samples a pixel of 64, scene S; filters",
+            f"get the selection of `multiscale`. The call alone, the recording loaded. {machine()}. A bold figure misses its target: the seconds",
             f"named, {BYTES} bytes a pixel beside the mapped recording (for a filter with all that it reads), {TWO_THREADS} times faster on two threads (methods",
-            f"above {LONG:g} s). A star: the method needs features, and ran on mirrored copies of `dumps/tiny/chess.spool`, which has them.", ""]
+            f"above {LONG:g} s). A star: the method needs features, and ran on mirrored copies of `dumps/tiny/chess.spool`, which has them. Growth: the power of the",
+            f"number of pixels that the time grows with ([sizes.csv](results/speed/sizes.csv): {', '.join(map(str, sizes))} pixels a side).", ""]
     kinds = {kind: [name for name in names if name.startswith(kind + "/")] for kind in ("sampler", "filter")}
     for kind, methods in kinds.items():
         text += [judged(kind, kept, methods), ""]
-    text += ["CPU microseconds of a pixel at 512 to 4096 pixels a side: [sizes.csv](results/speed/sizes.csv).", ""]
     for (sampler, filter), limit in PAIRS.items():
-        both = [[of(kept, JUDGED, 1, where, method) for method in (sampler, filter)] for where in ("library", "command")]
-        if all(part for parts in both for part in parts):
-            library, command = (sum(part["cpu"] for part in parts) for parts in both)
-            text.append(f"- `{sampler.split('/')[1]}` and `{filter.split('/')[1]}`: {library:.2f} CPU-s in the library, {command:.2f} as commands, target {limit:g}.")
+        both = [of(kept, JUDGED, 1, method) for method in (sampler, filter)]
+        if all(both):
+            text.append(f"- `{sampler.split('/')[1]}` and `{filter.split('/')[1]}`: {sum(part['cpu'] for part in both):.2f} CPU-s, target {limit:g}.")
     return "\n".join(text)

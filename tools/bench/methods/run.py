@@ -1,8 +1,8 @@
 """Time and memory of every sampler and filter: tools/dev.sh bench methods [--sizes 512,1024,2048,4096] [--print].
 
 Scene S with 64 samples a pixel at each size (16 at 4096), budget 8 spp; the recordings are made once, in the build folder (18 GB
-for all sizes). Methods that need features run on copies of a small recording that has some. In the library, and as whole
-commands: `spool replay` or `reconstruct`, start, loading and writing included. Sizes and numbers of threads take turns,
+for all sizes). Methods that need features run on copies of a small recording that has some. In the library; tools/dev.sh bench vectors
+has the whole commands. Sizes and numbers of threads take turns,
 and of the turns the least counts: what else a machine does only ever adds. A method is left out at a size where a run
 would take longer than --longest, by the size before. What was measured is kept in methods.json of the build
 folder; tables are written into docs/speed.md, unless they shall only be printed.
@@ -10,7 +10,6 @@ folder; tables are written into docs/speed.md, unless they shall only be printed
 import argparse
 import csv
 import json
-import os
 import re
 import subprocess
 import sys
@@ -30,10 +29,11 @@ def samples_at(size):
 
 
 class Methods:
-    """Measures, and keeps the least of each figure under (size, threads, "library" or "command"): {method: figures}."""
+    """Measures, and keeps the least of each figure under (size, threads): {method: figures}."""
 
-    def __init__(self, build, longest, wanted, kept):
+    def __init__(self, build, longest, wanted, threads, kept):
         self.build, self.longest, self.wanted, self.kept, self.results = build, longest, re.compile(wanted), kept, build / "methods.json"
+        self.threads = threads
         self.folder = build / "pools"
         self.folder.mkdir(exist_ok=True)
         listed = subprocess.run([self.program(), FEATURES, "--threads=1", "--benchmark_list_tests=true"], check=True, stdout=subprocess.PIPE,
@@ -55,19 +55,19 @@ class Methods:
                 pass
         return path
 
-    def least(self, size, threads, where, method, now):
-        before = self.kept.setdefault((size, threads, where), {}).setdefault(method, now)
-        self.kept[size, threads, where][method] = {
+    def least(self, size, threads, method, now):
+        before = self.kept.setdefault((size, threads), {}).setdefault(method, now)
+        self.kept[size, threads][method] = {
             key: value if isinstance(value, (str, bool)) else min(value, before.get(key, value)) for key, value in now.items()}
         keep(self.results, self.kept)
 
-    def affordable(self, method, size, sizes, where):
+    def affordable(self, method, size, sizes):
         """False where a smaller picture says that a run would take too long; that is kept, too."""
-        smaller = [s for s in sizes if s < size and method in self.kept.get((s, 1, where), {})]
-        found = self.kept[max(smaller), 1, where][method] if smaller else {}
+        smaller = [s for s in sizes if s < size and method in self.kept.get((s, 1), {})]
+        found = self.kept[max(smaller), 1][method] if smaller else {}
         expected = found.get("cpu", found.get("expected", 0)) * (size / max(smaller)) ** 2 if smaller else 0
         if expected > self.longest:
-            self.kept.setdefault((size, 1, where), {})[method] = {"expected": expected}
+            self.kept.setdefault((size, 1), {})[method] = {"expected": expected}
         return expected <= self.longest
 
     def library(self, size, threads, methods, features):
@@ -83,45 +83,20 @@ class Methods:
             if run.get("error_occurred"):
                 refused.append(method)
             else:
-                self.least(size, threads, "library", method, {"cpu": run["cpu_time"] / 1e3, "wall": run["real_time"] / 1e3,
+                self.least(size, threads, method, {"cpu": run["cpu_time"] / 1e3, "wall": run["real_time"] / 1e3,
                                                               "heap": run["heap_per_pixel"], "features": features})
         return refused
 
-    def command(self, size, method, features):
-        """The whole command; filters take the selection of the default sampler."""
-        kind, name = method.split("/")
-        path, selection = self.recording(size, features), self.folder / f"{'features' if features else 'scene_s'}-{size}.exr"
-        common = ["--threads", "1", "-q", "--force", "-o"]
-        replay = [self.build / "spool", "replay", path, "--spp", str(BUDGET), "--sampler"]
-        if kind == "filter" and not selection.exists():
-            subprocess.run([*replay, "multiscale", *common, selection], check=True)
-        out = self.folder / "out.exr"
-        run = [*replay, name, *common, out] if kind == "sampler" else [
-            self.build / "spool", "reconstruct", path, "--selection", selection, "--filter", name, *common, out]
-        process = subprocess.Popen(run)
-        _, status, used = os.wait4(process.pid, 0)
-        if status == 0:
-            self.least(size, 1, "command", method, {"cpu": used.ru_utime + used.ru_stime, "features": features})
-
     def measure(self, size, sizes):
         say = lambda what: print(f"{size}: {what}", file=sys.stderr, flush=True)
-        (self.folder / f"scene_s-{size}.exr").unlink(missing_ok=True)  # as today's sampler chooses
-        (self.folder / f"features-{size}.exr").unlink(missing_ok=True)
-        methods = [m for m in self.names if self.wanted.search(m) and self.affordable(m, size, sizes, "library")]
-        with_features = {}
-        for threads in (1, 2) if size == JUDGED else (1,):
-            say(f"library, threads {threads}")
-            left = self.library(size, threads, methods, False)
-            refused = self.library(size, threads, left, True)
-            with_features.update({m: m in left for m in methods if m not in refused})
-        for method, features in with_features.items():
-            if self.affordable(method, size, sizes, "command"):
-                say(f"command {method}")
-                self.command(size, method, features)
+        methods = [m for m in self.names if self.wanted.search(m) and self.affordable(m, size, sizes)]
+        for threads in range(1, 1 + (self.threads if size == JUDGED else 1)):
+            say(f"threads {threads}")
+            self.library(size, threads, self.library(size, threads, methods, False), True)
 
 
 def read_kept(path):
-    return {(size, threads, where): methods for size, threads, where, methods in json.loads(path.read_text(encoding="utf-8"))}
+    return {(size, threads): methods for size, threads, methods in json.loads(path.read_text(encoding="utf-8"))}
 
 
 def keep(path, kept):
@@ -133,6 +108,7 @@ def main():
     parser.add_argument("build", type=Path)
     parser.add_argument("--sizes", default="512,1024,2048,4096", help="pixels along a side")
     parser.add_argument("--turns", type=int, default=1)
+    parser.add_argument("--threads", type=int, default=2, help="1: on a machine that others use, two say nothing")
     parser.add_argument("--longest", type=float, default=60, help="seconds; what would take longer at a size is left out there")
     parser.add_argument("--methods", default=".*", help="a regular expression, e.g. filter/")
     parser.add_argument("--print", action="store_true", help="leave docs/speed.md alone")
@@ -147,7 +123,7 @@ def main():
         kept = {kind: {m: found for m, found in methods.items() if kind[0] not in sizes or not re.search(options.methods, m)}
                 for kind, methods in kept.items()}
     if not options.kept:
-        bench = Methods(options.build.resolve(), options.longest, options.methods, kept)
+        bench = Methods(options.build.resolve(), options.longest, options.methods, options.threads, kept)
         for _ in range(options.turns):
             for size in sizes:
                 bench.measure(size, sorted({kind[0] for kind in kept} | set(sizes)))

@@ -1,12 +1,12 @@
-"""What AVX-512 gains: tools/dev.sh bench vectors [--turns N] [--size N] [--methods REGEX] [--print].
+"""Every method beside Open Image Denoise, and what AVX-512 gains: tools/dev.sh bench vectors [--turns N] [--size N] [--methods REGEX] [--print].
 
 Whole commands of every method with the program as it is and with a copy of it whose functions of several clones take the one for
-AVX2 (lib/core/vector_clones.h), in turns, the least CPU time of each; both images are compared. Needs a processor with AVX-512.
+AVX2 (lib/core/vector_clones.h), all methods in turns, the least CPU time of each; both images are compared. Needs a processor with AVX-512,
+and SPOOL_OIDN.
 Results go to docs/results/speed/vectors.csv, and a section of docs/speed.md, unless it shall only print.
 """
 import argparse
 import csv
-import hashlib
 import json
 import os
 import re
@@ -21,7 +21,8 @@ from tools.bench.speed_page import PAGE, replace_section
 
 FEATURES = Path("dumps/tiny/chess.spool")
 TEST = b"\xf6\x40\x08\x04"                      # testb $4, 8(%rax): GCC's question for x86-64-v4 in a resolver; with 0 the answer is no
-LEAST, SHOWN = 0.05, 10                         # a difference that counts; rows of the page
+OIDN = "filter/oidn{prefilter=false}"
+FEATURES_TOO = ["sampler/cross_bilateral", "filter/cross_bilateral", "filter/twin_guides", OIDN]  # with features, beside those that need them
 
 
 def without_avx512(program, copy):
@@ -60,7 +61,7 @@ def command(program, method, paths, out):
 
 
 def measure(program, copy, folder, size, turns, wanted):
-    """{method: (as it is, without), CPU seconds}."""
+    """{(method, with features): (as it is, without), CPU seconds}."""
     plain, features = folder / f"scene_s-{size}.spool", folder / f"chess-{size}.spool"
     cpu_of([program, "synth", "scene_s", "--size", size, "--samples", 64, "-q", "--force", "-o", plain])
     if not features.exists():
@@ -69,32 +70,32 @@ def measure(program, copy, folder, size, turns, wanted):
     for path, selection in paths:
         cpu_of([program, "replay", path, "--spp", 8, "--sampler", "multiscale", "--threads", 1, "-q", "--force", "-o", selection])
     listed = json.loads(subprocess.run([program, "list", "--json"], check=True, capture_output=True, text=True).stdout)
+    methods = [f"{kind[:-1]}/{name}" for kind in ("samplers", "filters") for name in listed[kind] if name != "oidn"]
+    left = [(m, False) for m in methods + [OIDN] if re.search(wanted, m)] + [(m, True) for m in FEATURES_TOO if re.search(wanted, m)]
     found = {}
-    methods = [f"{kind[:-1]}/{name}" for kind in ("samplers", "filters") for name in listed[kind]]  # those that need more words end at once
-    for method in [m for m in methods if re.search(wanted, m)]:
-        for which in paths:                     # with features where it needs them
-            times = [(cpu_of(command(program, method, which, folder / "a.exr")), cpu_of(command(copy, method, which, folder / "b.exr")))
-                     for _ in range(turns)]
-            if None not in times[0]:
-                digests = {hashlib.sha256((folder / name).read_bytes()).digest() for name in ("a.exr", "b.exr")}
-                if len(digests) != 1:
-                    sys.exit(f"vectors: {method}: the two programs differ")
-                found[method] = tuple(map(min, zip(*times)))
-                print(f"{method}: {found[method][0]:.2f}, {found[method][1]:.2f}", file=sys.stderr, flush=True)
-                break
+    for _ in range(turns):
+        for method, with_features in left:
+            times = cpu_of(command(program, method, paths[with_features], folder / "a.exr")), cpu_of(command(copy, method, paths[with_features], folder / "b.exr"))
+            if None in times:                   # needs features, or more words
+                continue
+            if (folder / "a.exr").read_bytes() != (folder / "b.exr").read_bytes():
+                sys.exit(f"vectors: {method}: the two programs differ")
+            least = found.setdefault((method, with_features), times)
+            found[method, with_features] = tuple(map(min, zip(least, times)))
+            print(f"{method}: {times[0]:.2f}, {times[1]:.2f}", file=sys.stderr, flush=True)
     return found
 
 
 def page(found, size, turns):
-    rows = [["method", "as it is, CPU-s", "without AVX-512, times"], ["---"] * 3]
-    for method, (whole, without) in sorted(found.items(), key=lambda item: -item[1][1] / item[1][0])[:SHOWN]:
-        rows.append([f"{method.split('/')[0]} `{method.split('/')[1]}`", f"{whole:.2f}", f"{without / whole:.2f}"])
-    alike = sum(abs(without / whole - 1.0) <= LEAST for whole, without in found.values())
+    rows = [["method", "CPU-s/MP", "times Open Image Denoise", "with AVX2 alone"], ["---"] * 4]
+    for (method, features), times in sorted(found.items(), key=lambda item: item[1][0]):
+        shown = [f"{seconds / least:.2f}" for seconds, least in zip(times, found[OIDN, features])]
+        rows.append([f"{method.split('/')[0]} `{method.split('/')[1]}`" + "*" * features, f"{times[0] / size**2 * 1e6:.2f}", *shown])
     return "\n\n".join([
-        "## Without AVX-512",
-        f"`tools/dev.sh bench vectors`: whole commands of {len(found)} methods at {size}x{size} pixels, 8 of 64 samples, one thread, with the clones for "
-        f"AVX-512 and with those for AVX2, in turns on {machine()}, the least of {turns}; the images are the same bytes. {alike} methods differ by less than "
-        f"{100 * LEAST:.0f} %; those that lose most (all: [vectors.csv](results/speed/vectors.csv)). Open Image Denoise is the same in both: its figure is noise.", "\n".join("| " + " | ".join(row) + " |" for row in rows)])
+        "## Beside Open Image Denoise, on two kinds of processor",
+        f"`tools/dev.sh bench vectors`: whole commands at {size}x{size} pixels of scene S, 8 of 64 samples, one thread, with the clones for AVX-512 and with those for AVX2, "
+        f"on {machine()}, the least of {turns} turns in which every method ran; the images are the same bytes. A star: on a picture with features "
+        f"(`dumps/tiny/chess.spool`, mirrored), which Open Image Denoise got, too.", "\n".join("| " + " | ".join(row) + " |" for row in rows)])
 
 
 def main():
@@ -115,8 +116,8 @@ def main():
     if not options.print:
         replace_section("vectors", text)
         with open(PAGE.parent / "results/speed/vectors.csv", "w", newline="", encoding="utf-8") as stream:
-            csv.writer(stream, lineterminator="\n").writerows([("method", "with AVX-512, CPU-s", "without, CPU-s"), *(
-                (method, f"{whole:.3f}", f"{without:.3f}") for method, (whole, without) in found.items())])
+            csv.writer(stream, lineterminator="\n").writerows([("method", "features", "with AVX-512, CPU-s", "without, CPU-s"), *(
+                (method, int(features), f"{whole:.3f}", f"{without:.3f}") for (method, features), (whole, without) in found.items())])
 
 
 if __name__ == "__main__":
