@@ -13,7 +13,6 @@
 #pragma once
 
 #include "lib/filters/filter.h"
-#include "lib/filters/wavelet_transform.h"
 
 namespace spool {
 

@@ -12,7 +12,6 @@
 
 #include "lib/core/error.h"
 #include "lib/core/image.h"
-#include "lib/core/random.h"
 #include "lib/pool/recorded_samples.h"
 
 namespace spool {

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <set>
 
 #include "formats/spool_reader.h"
-#include "lib/core/option_table.h"
 #include "lib/core/visible_text.h"
 #include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_table.h"

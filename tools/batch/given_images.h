@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "lib/core/image.h"
 #include "lib/experiment/plan.h"
 
 namespace spool::tools {

@@ -9,7 +9,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/manual/completion.h"
 #include "tools/manual/manual_verbs.h"
 #include "tools/show/show.h"
 #include "tools/terminal/console.h"

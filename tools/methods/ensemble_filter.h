@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "lib/filters/ensemble.h"
 #include "lib/methods/method_list.h"
 
 namespace spool::tools {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "lib/core/error.h"
-#include "tools/terminal/text_columns.h"
 
 namespace spool::tools {
 

@@ -3,8 +3,6 @@
 
 #include <string>
 
-#include "formats/dump_check.h"
-
 namespace spool::tools {
 
 std::string describe_block(const format::BlockKey& block);  // "group 0, tile 3, samples 0 .. 15"

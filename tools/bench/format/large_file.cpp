@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <numeric>
 
 #include "formats/dump_check.h"
 #include "tests/formats/large_dump.h"
