@@ -51,6 +51,7 @@
 // its line and the nearest known name.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>

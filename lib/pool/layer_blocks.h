@@ -4,6 +4,7 @@
 // for. Values are the same either way; from any number of threads.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>

@@ -12,6 +12,7 @@
 
 #include "lib/core/error.h"
 #include "lib/core/image.h"
+#include "lib/core/random.h"
 #include "lib/pool/recorded_samples.h"
 
 namespace spool {

@@ -5,9 +5,11 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "lib/core/error.h"
 #include "lib/core/guards.h"
 #include "lib/core/option_table.h"
 

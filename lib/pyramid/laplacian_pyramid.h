@@ -16,6 +16,7 @@
 #include "lib/core/image.h"
 #include "lib/core/option_table.h"
 #include "lib/core/rectangle.h"
+#include "lib/pyramid/convolution.h"
 #include "lib/pyramid/wavelet_filters.h"
 
 namespace spool {

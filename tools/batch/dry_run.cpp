@@ -14,7 +14,7 @@
 #include "tools/batch/run_tasks.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
-#include "tools/json/dry_run_json.h"
+#include "tools/json/answers_json.h"
 #include "tools/methods/external_methods.h"
 
 namespace spool::tools {

@@ -8,9 +8,9 @@ import json
 import shutil
 import subprocess
 
+from tools.report.whole_file import write_whole
 from tools.study import kept
 from tools.study.plans import ROOT, full_plan, full_recording, full_recordings, group_of, text_of
-from tools.study.whole_file import write_whole
 
 
 def plan_hash(plan):

@@ -8,6 +8,8 @@
 #include "lib/core/option_table.h"
 #include "lib/methods/method.h"
 #include "lib/pyramid/laplacian_pyramid.h"
+#include "lib/sampling/rounds.h"
+#include "lib/sampling/uniform.h"
 #include "lib/statistics/contrast.h"
 
 namespace spool {
