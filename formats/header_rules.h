@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "formats/dump_geometry.h"
+#include "formats/dump_header.h"
 #include "formats/structures.h"
 #include "formats/violation.h"
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "lib/filters/filter.h"
+#include "lib/kernels/patch_filter.h"
 #include "lib/kernels/sample_half.h"
 
 namespace spool {

@@ -13,6 +13,7 @@
 #pragma once
 
 #include "lib/filters/filter.h"
+#include "lib/filters/wavelet_transform.h"
 
 namespace spool {
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lib/core/image.h"
+#include "lib/kernels/pixel_cells.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/pyramid/wavelet_filters.h"
 #include "lib/statistics/selection.h"

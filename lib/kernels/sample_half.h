@@ -4,6 +4,7 @@
 
 #include "lib/core/error.h"
 #include "lib/core/option_table.h"
+#include "lib/kernels/patch_filter.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/statistics/piece_statistics.h"
 

@@ -14,6 +14,7 @@
 #include "lib/core/error.h"
 #include "lib/core/guards.h"
 #include "lib/core/image.h"
+#include "lib/kernels/pixel_base.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/statistics/piece_statistics.h"
 #include "lib/statistics/variance_of_mean.h"

@@ -14,6 +14,7 @@
 #include <array>
 #include <optional>
 
+#include "lib/kernels/patch_filter.h"
 #include "lib/kernels/sample_half.h"
 #include "lib/sampling/sampler.h"
 

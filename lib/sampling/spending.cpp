@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lib/core/parallel_count.h"
+
 namespace spool {
 
 Spending begin_spending(const SamplePool& pool, long long budget, const CountImage& first,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/core/image.h"
 #include "lib/experiment/plan.h"
 
 namespace spool::tools {

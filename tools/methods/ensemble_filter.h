@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "lib/filters/ensemble.h"
 #include "lib/methods/method_list.h"
 
 namespace spool::tools {

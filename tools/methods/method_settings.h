@@ -13,6 +13,7 @@
 #include "lib/core/error.h"
 #include "lib/filters/filter.h"
 #include "lib/methods/method_list.h"
+#include "lib/metrics/error_metrics.h"
 #include "lib/pool/sanitise.h"
 #include "lib/sampling/sampler.h"
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
+#include "tools/terminal/text_columns.h"
 
 namespace spool::tools {
 

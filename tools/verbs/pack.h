@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "formats/interchange/expansion.h"
+#include "formats/pass_folder.h"
 #include "lib/image_io/layer_choice.h"
 #include "tools/terminal/console.h"
 

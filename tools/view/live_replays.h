@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
+#include "lib/experiment/reference.h"
 #include "lib/filters/filter.h"
 #include "lib/methods/method_text.h"
 #include "lib/pool/sample_pool.h"

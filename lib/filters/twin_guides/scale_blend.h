@@ -18,6 +18,7 @@
 // features. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
+#include "lib/filters/twin_guides/guides.h"
 #include "lib/filters/twin_guides/scale_inputs.h"
 
 namespace spool {

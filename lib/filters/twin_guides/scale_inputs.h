@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "lib/filters/twin_guides/clean_features.h"
 #include "lib/filters/twin_guides/sample_moments.h"
 
 namespace spool {

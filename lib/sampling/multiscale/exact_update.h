@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "lib/core/guards.h"
 #include "lib/core/rectangle.h"
 #include "lib/sampling/multiscale/board.h"
 #include "lib/sampling/multiscale/update.h"

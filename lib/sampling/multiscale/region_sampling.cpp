@@ -6,6 +6,7 @@
 #include <span>
 
 #include "lib/core/parallel.h"
+#include "lib/core/parallel_count.h"
 #include "lib/pyramid/region_mean.h"
 #include "lib/sampling/piece_choice.h"
 

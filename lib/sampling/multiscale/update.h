@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lib/core/guards.h"
+#include "lib/sampling/multiscale/board.h"
 #include "lib/sampling/multiscale/board_log.h"
 
 namespace spool {
