@@ -12,13 +12,15 @@ import os
 import re
 import shlex
 import sys
+
 import tomllib
 
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..")))
+sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
+
+from dumps.recording.failure import one_line
+
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "recording"))
-
-from failure import one_line  # noqa: E402
-
 PATH = os.path.join(HERE, "CATALOG.toml")
 MEASURED = ("bytes", "sha256", "size", "samples", "seconds")
 RECORDERS = {"Cycles": "dumps/record.sh", "Mitsuba": "dumps/mitsuba/record.py"}
@@ -53,7 +55,6 @@ def full_arguments(entry, full, more):
 
 def measure(entry):
     """{key of MEASURED: value} of the file, and its preview as rows of 8-bit RGB."""
-    sys.path.insert(0, os.path.join(HERE, "..", "formats", "python"))
     import spool
     path = os.path.join(HERE, entry["file"])
     with open(path, "rb") as stream:

@@ -10,18 +10,17 @@ w^2 v + (1 - w)^2 v'. Exit codes: 0 done, 1 not the same scene, 2 wrong use, 3 t
 import os
 import sys
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in ("recording", "verify", "../formats/python"):
-    sys.path.insert(0, os.path.join(HERE, folder))
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..")))
+sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-from command_line import Parser  # noqa: E402
-from failure import Failure, module_failure, one_line, scene_failure  # noqa: E402
+from dumps.recording.command_line import Parser
+from dumps.recording.failure import Failure, module_failure, one_line, scene_failure
 
 try:
-    import spool  # noqa: E402
-    from reference_need import denominator_noise  # noqa: E402
-    from rewritten import rewrite  # noqa: E402
-    from verify import keep_verification, verify  # noqa: E402
+    import spool
+    from dumps.recording.reference_need import denominator_noise
+    from dumps.recording.rewritten import rewrite
+    from dumps.verify.verify import keep_verification, verify
 except ImportError as error:
     print("extend_reference: %s" % module_failure(error, "reads a dump", "dumps/extend_reference.py"), file=sys.stderr)
     sys.exit(3)

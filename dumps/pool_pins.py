@@ -24,7 +24,7 @@ def claims(metas):
 
 def hash_of(paths):
     """Of one recording its content hash, of several that of their hashes."""
-    from content_hash import content_hash
+    from dumps.verify.content_hash import content_hash
     found = [content_hash(path) for path in paths]
     return found[0] if len(found) == 1 else hashlib.sha256("".join(found).encode()).hexdigest()
 

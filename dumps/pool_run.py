@@ -5,8 +5,8 @@ import subprocess
 import sys
 import time
 
-from pool_pins import differences
-from progress import duration
+from dumps.pool_pins import differences
+from dumps.recording.progress import duration
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), ".."))
 _STEP = re.compile(r"^(pool|passes|reference) (\d+) of (\d+), ")

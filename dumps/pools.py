@@ -15,21 +15,22 @@ import os
 import shutil
 import signal
 import sys
-import tomllib
 from argparse import RawDescriptionHelpFormatter
 from functools import partial
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in ("recording", "verify", os.path.join("..", "formats", "python")):
-    sys.path.insert(0, os.path.join(HERE, folder))
+import tomllib
 
-from command_line import Parser  # noqa: E402
-from failure import Failure, io_failure, module_failure, usage_failure  # noqa: E402
-from pool_run import Pace, run_pool  # noqa: E402
-from progress import duration, size as size_text  # noqa: E402
-from recordings import names  # noqa: E402
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..")))
+sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-PATH = os.path.join(HERE, "POOLS.toml")
+from dumps.pool_run import Pace, run_pool
+from dumps.recording.command_line import Parser
+from dumps.recording.failure import Failure, io_failure, module_failure, usage_failure
+from dumps.recording.progress import duration
+from dumps.recording.progress import size as size_text
+from dumps.recording.recordings import names
+
+PATH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "POOLS.toml")
 BYTES = {"Cycles": 90, "Mitsuba": 100}       # a sample and pixel, at the peak: passes or chunks, and the recording beside them
 
 
@@ -105,8 +106,9 @@ def table(pools):
 def need_reader():
     """What a finished recording is read by and compared with its pin: said before hours of rendering, not after."""
     try:
-        import spool  # noqa: F401
         import zstandard  # noqa: F401
+
+        import spool  # noqa: F401
     except ImportError as error:
         raise module_failure(error, "compares a recording with what is pinned", "dumps/pools.py")
 
@@ -174,7 +176,7 @@ def main():
             absent = [(path, name) for name in chosen for path in files_of(pools[name], folder) if not os.path.exists(path)]
             if absent:
                 raise usage_failure("%s: no such recording: --record %s" % absent[0])
-            from pool_pins import pin
+            from dumps.pool_pins import pin
             pin(options.pools, {name: files_of(pools[name], folder) for name in chosen})
         elif chosen:
             os.nice(10)

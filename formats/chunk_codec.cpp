@@ -1,6 +1,5 @@
 #include "formats/chunk_codec.h"
 
-#include <algorithm>
 #include <cstring>
 #include <memory>
 

@@ -5,7 +5,6 @@
 #include <system_error>
 #include <thread>
 
-#include "formats/byte_io.h"
 #include "formats/checked_math.h"
 #include "formats/chunk_codec.h"
 #include "formats/crc32.h"

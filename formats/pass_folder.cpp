@@ -10,7 +10,6 @@
 
 #include "formats/checked_math.h"
 #include "formats/pass_file.h"
-#include "formats/pass_plan.h"
 #include "formats/pass_recording.h"
 #include "formats/sample_watch.h"
 #include "formats/spool_writer.h"

@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "formats/record_layout.h"
 #include "lib/core/error.h"
 

@@ -1,7 +1,6 @@
 // Several pass folders as one recording: do they belong together, in which order, are they whole.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>

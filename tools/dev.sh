@@ -408,10 +408,9 @@ bench() {
   for subject in "${subjects[@]}"; do
     [[ ! -f "tools/bench/$subject/CMakeLists.txt" ]] ||
       ninja -C build/bench -j "$(jobs)" --quiet "bench_$subject" >&2
-    if [[ "$subject" == peers ]]; then
+    if [[ "$subject" == peers || "$subject" == metrics ]]; then
       require_packages openimageio-tools "${report_packages[@]}"
-      setup_venv peers-venv "${SPOOL_PEERS_PYTHON:-}" 'import cv2, flip_evaluator, h5py, pyoidn, skimage, zarr' \
-        peers
+      setup_venv peers-venv "${SPOOL_PEERS_PYTHON:-}" 'import cv2, flip_evaluator, h5py, pyoidn, skimage, zarr' peers
       ninja -C build/bench -j "$(jobs)" --quiet spool_python >&2
     fi
     say "bench $subject"

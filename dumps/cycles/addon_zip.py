@@ -23,8 +23,9 @@ def members():
     """[(path in the zip file, bytes)], sorted."""
     addon = os.path.join(HERE, "addon")
     found = [("", p) for p in glob.glob(os.path.join(addon, "*.py")) + [os.path.join(addon, "blender_manifest.toml")]]
-    found += [("recorder/cycles/", p) for p in glob.glob(os.path.join(HERE, "*.py")) if p != os.path.abspath(__file__)]
-    found += [("recorder/recording/", p) for p in glob.glob(os.path.join(HERE, "..", "recording", "*.py"))]
+    found += [("recorder/dumps/cycles/", p) for p in glob.glob(os.path.join(HERE, "*.py")) if p != os.path.abspath(__file__)]
+    found += [("recorder/dumps/recording/", p) for p in glob.glob(os.path.join(HERE, "..", "recording", "*.py"))]
+    found += [("recorder/dumps/", os.path.join(HERE, "..", "__init__.py"))]
     made = []
     for folder, path in found:
         with open(path, "rb") as stream:

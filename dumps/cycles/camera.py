@@ -3,7 +3,7 @@
 Cycles shoots sample index 0 through the centre of the pixel. Moving the frame by a fraction of a
 pixel (lens shift) therefore puts the sample of every pixel of a pass at one known position.
 """
-from failure import scene_failure
+from dumps.recording.failure import scene_failure
 
 # Cycles looks the pixel filter up in a table of 1024 entries whose last one is not used: the centre
 # of the box comes out at 0.5 * 1023 / 1022 (measured and in its source, 3.0 to 5.1). Taken off here.

@@ -9,8 +9,8 @@ from array import array
 
 import bpy
 
-from exr import read_exr
-from failure import io_failure
+from dumps.cycles.exr import read_exr
+from dumps.recording.failure import io_failure
 
 WAYS = ("auto", "engine", "file")
 
@@ -98,7 +98,7 @@ def _read_pass(render_pass, count):
         render_pass.rect.foreach_get(flat)             # flat since 4.0
         return flat
     except TypeError:
-        import numpy                                   # 3.x takes [pixel][component] only
+        import numpy  # 3.x takes [pixel][component] only
         pixels = numpy.empty((count, components), numpy.float32)
         render_pass.rect.foreach_get(pixels)
         return array("f", pixels.tobytes())

@@ -3,11 +3,11 @@ import statistics
 
 import bpy
 
-from batches import batch_plan
-from passes import channel_names, describe_channels
-from progress import duration, size
-from reference_price import reference_hint
-from scene import find_needs
+from dumps.cycles.batches import batch_plan
+from dumps.cycles.passes import channel_names, describe_channels
+from dumps.cycles.scene import find_needs
+from dumps.recording.progress import duration, size
+from dumps.recording.reference_price import reference_hint
 
 
 def dry_run(recorder, options):
@@ -38,6 +38,6 @@ def dry_run(recorder, options):
         *reference_hint(options.samples, options.reference, per_pass * options.samples, per_batch * recorder.batches,
                         smaller=spp * batches, auto=options.auto)]     # a quarter that splits into equal batches
     if options.plan:
-        from plan_layers import unread  # which an older Blender's Python cannot read
+        from dumps.recording.plan_layers import unread  # which an older Blender's Python cannot read
         lines.append(unread(options.plan, list(recorder.plan)) or "the methods of %s read all layers" % options.plan)
     return "\n".join(lines)

@@ -5,7 +5,7 @@ Only what the recorder itself asked Blender for; anything else is refused. [Open
 import struct
 from array import array
 
-from failure import io_failure
+from dumps.recording.failure import io_failure
 
 FLOAT = 2
 

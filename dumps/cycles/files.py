@@ -4,7 +4,7 @@ import os
 
 import bpy
 
-from failure import scene_failure, usage_failure
+from dumps.recording.failure import scene_failure, usage_failure
 
 # Who uses an image or a texture in a picture. Camera backgrounds, brushes and the compositor do not show in one.
 SHOWS = (bpy.types.Material, bpy.types.World, bpy.types.Light, bpy.types.Texture, bpy.types.NodeTree)

@@ -1,13 +1,13 @@
 """Command line of the recorder: plain values out, or one line and exit code 2."""
 import sys
 
-from batches import batch_plan
-from command_line import Parser, pairs
-from failure import usage_failure
-from passes import CHANNELS, DEFAULT
-from recordings import check as check_recordings
-from recordings import check_name
-from reference_need import parse_reference
+from dumps.cycles.batches import batch_plan
+from dumps.cycles.passes import CHANNELS, DEFAULT
+from dumps.recording.command_line import Parser, pairs
+from dumps.recording.failure import usage_failure
+from dumps.recording.recordings import check as check_recordings
+from dumps.recording.recordings import check_name
+from dumps.recording.reference_need import parse_reference
 
 MODES = {
     "iid": "independent samples, a new seed per pass (film position unknown)",

@@ -1,5 +1,5 @@
 """What a scene asks of the picture and a recording does not do: one line each, before the settings are replaced."""
-from settings import SAMPLING
+from dumps.cycles.settings import SAMPLING
 
 # Sampling settings in words; those that are replaced are named in one line.
 WORDS = {"use_adaptive_sampling": "adaptive sampling", "sample_clamp_direct": "clamp of direct light",

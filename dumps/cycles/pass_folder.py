@@ -13,8 +13,8 @@ try:
 except ImportError:                        # not on this system: two recorders at once go unnoticed
     fcntl = None
 
-import packed_pass
-from failure import Failure, io_failure, usage_failure
+from dumps.cycles import packed_pass
+from dumps.recording.failure import Failure, io_failure, usage_failure
 
 # a full disk, a full quota, a limit on the size of files
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)

@@ -11,7 +11,7 @@ try:
 except ImportError:        # Blender runs without it: the same values, ten times slower
     numpy = None
 
-from failure import io_failure, usage_failure
+from dumps.recording.failure import io_failure, usage_failure
 
 NOTHING = 1e9          # Cycles writes 1e10 as the depth of rays that hit nothing; a recording holds 0
 LARGEST_HALF = 65504.0

@@ -12,30 +12,40 @@ import signal
 import sys
 import time
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.join(HERE, "..", "recording")]
-sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
 
-import bpy  # noqa: E402
+import bpy
 
-import files  # noqa: E402
-from batches import batch_plan  # noqa: E402
-from camera import ShiftedCamera  # noqa: E402
-from engine import Renderer  # noqa: E402
-from estimate import dry_run  # noqa: E402
-from folded import fold, keep_or_drop  # noqa: E402
-from failure import Failure, io_failure, one_line, usage_failure  # noqa: E402
-from options import parse_options, script_arguments  # noqa: E402
-from overrides import overridden  # noqa: E402
-from pass_folder import PassFolder  # noqa: E402
-from passes import (CHANNELS, MIST_DEPTH, describe_channels, describe_layers, plan_channels,  # noqa: E402
-                    planes_of, switch_passes)
-from progress import Progress, duration  # noqa: E402
-from reference import FIRST, record_until_it_suffices  # noqa: E402
-from scene import aspect_change, find_needs, load_scene, prepare, scene_reach  # noqa: E402
-from seeds import film_position, pool_seed, reference_seed  # noqa: E402
-from settings import (apply_settings, longest_sequence, power_of_two, recorded_settings,  # noqa: E402
-                      select_samples)
+from dumps.cycles import files
+from dumps.cycles.batches import batch_plan
+from dumps.cycles.camera import ShiftedCamera
+from dumps.cycles.engine import Renderer
+from dumps.cycles.estimate import dry_run
+from dumps.cycles.folded import fold, keep_or_drop
+from dumps.cycles.options import parse_options, script_arguments
+from dumps.cycles.overrides import overridden
+from dumps.cycles.pass_folder import PassFolder
+from dumps.cycles.passes import (
+    CHANNELS,
+    MIST_DEPTH,
+    describe_channels,
+    describe_layers,
+    plan_channels,
+    planes_of,
+    switch_passes,
+)
+from dumps.cycles.reference import FIRST, record_until_it_suffices
+from dumps.cycles.scene import aspect_change, find_needs, load_scene, prepare, scene_reach
+from dumps.cycles.seeds import film_position, pool_seed, reference_seed
+from dumps.cycles.settings import (
+    apply_settings,
+    longest_sequence,
+    power_of_two,
+    recorded_settings,
+    select_samples,
+)
+from dumps.recording.failure import Failure, io_failure, one_line, usage_failure
+from dumps.recording.progress import Progress, duration
 
 
 class Recorder:

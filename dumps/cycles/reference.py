@@ -8,10 +8,10 @@ try:
 except ImportError:
     numpy = None
 
-from failure import usage_failure
-from progress import Progress
-from reference_need import DENOMINATOR, LEAST, denominator_noise, judged_at, outcome
-from seeds import reference_seed
+from dumps.cycles.seeds import reference_seed
+from dumps.recording.failure import usage_failure
+from dumps.recording.progress import Progress
+from dumps.recording.reference_need import DENOMINATOR, LEAST, denominator_noise, judged_at, outcome
 
 FIRST, LARGEST, BATCHES = LEAST // 64, 128, 128
 

@@ -6,7 +6,7 @@ import sys
 
 import bpy
 
-from failure import Failure, io_failure, scene_failure, usage_failure
+from dumps.recording.failure import Failure, io_failure, scene_failure, usage_failure
 
 SCENES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "scenes")
 

@@ -5,7 +5,7 @@ scene itself decides (bounces, caustics, exposure) is left alone and written dow
 """
 import bpy
 
-from failure import io_failure, scene_failure
+from dumps.recording.failure import io_failure, scene_failure
 
 # Cycles' own. (property, value); those a version does not have are skipped and not recorded.
 SAMPLING = (

@@ -10,11 +10,10 @@ import os
 import shutil
 import sys
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "..", "recording"))
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
 
-from failure import Failure, one_line, scene_failure  # noqa: E402
-from recordings import group_meta  # noqa: E402
+from dumps.recording.failure import Failure, one_line, scene_failure
+from dumps.recording.recordings import group_meta
 
 
 def split(folder, count, name):

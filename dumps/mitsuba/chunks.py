@@ -14,7 +14,7 @@ from math import prod
 
 import numpy as np
 
-from failure import io_failure, usage_failure
+from dumps.recording.failure import io_failure, usage_failure
 from spool import SpoolError, chunk_codec
 from spool.record_layout import FILTER_SHUFFLE
 

@@ -3,9 +3,9 @@ import os
 import sys
 from collections import namedtuple
 
-from failure import usage_failure
-from output import metadata, write_file
-from recordings import group_meta, names
+from dumps.mitsuba.output import metadata, write_file
+from dumps.recording.failure import usage_failure
+from dumps.recording.recordings import group_meta, names
 
 # What a recording is made of. chunks: of all recordings, one after the other; cut: how one of them is cut.
 Parts = namedtuple("Parts", "mi recordable tracer layers chunks cut")
@@ -43,7 +43,7 @@ def _write(path, options, parts, number, meta, reference):
 
 
 def _tested(path):
-    from verify import keep_verification, verify
+    from dumps.verify.verify import keep_verification, verify
     found = verify(path)
     keep_verification(path, found)
     return found["findings"]

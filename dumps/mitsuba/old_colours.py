@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 
-from old_media import numbers
+from dumps.mitsuba.old_media import numbers
 
 WAVELENGTHS = np.arange(360, 831.0)                   # those of the CIE's table
 XYZ_TO_RGB = np.array([[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.041556], [0.055648, -0.204043, 1.057311]])

@@ -8,9 +8,9 @@ they are and are refused by name, unless the user substitutes them.
 import os
 import xml.etree.ElementTree as ElementTree
 
-from failure import io_failure, scene_failure
-from old_colours import colours
-from old_media import boundary, medium, numbers
+from dumps.mitsuba.old_colours import colours
+from dumps.mitsuba.old_media import boundary, medium, numbers
+from dumps.recording.failure import io_failure, scene_failure
 
 RENAMED = {"camera": "sensor", "luminaire": "emitter", "lookAt": "lookat"}       # 0.1 to 0.4; 0.5 and 0.6
 KNOWN = {"scene", "sensor", "emitter", "lookat", "integrator", "sampler", "film", "rfilter", "bsdf", "texture", "shape",

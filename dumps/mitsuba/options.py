@@ -2,14 +2,13 @@
 import argparse
 import os
 
-from channels import DEFAULT, LAYERS
-from command_line import Parser, pairs
-from failure import usage_failure
-from recordings import check as check_recordings
-from recordings import check_name, names
-from reference_need import parse_reference
-from seeds import USER_LIMIT
-
+from dumps.mitsuba.channels import DEFAULT, LAYERS
+from dumps.mitsuba.seeds import USER_LIMIT
+from dumps.recording.command_line import Parser, pairs
+from dumps.recording.failure import usage_failure
+from dumps.recording.recordings import check as check_recordings
+from dumps.recording.recordings import check_name, names
+from dumps.recording.reference_need import parse_reference
 
 EXIT_CODES = """exit codes: 0 recorded, 1 the scene cannot be recorded or its samples fail their tests, 2 wrong use,
 3 the operating system or the renderer refused, or the run was stopped"""

@@ -2,10 +2,10 @@
 import numpy as np
 
 import spool
-from channels import LAYERS, MEANINGS
-from progress import Progress
-from reference import told_of, variance_of_mean
-from seeds import chunk_seed
+from dumps.mitsuba.channels import LAYERS, MEANINGS
+from dumps.mitsuba.reference import told_of, variance_of_mean
+from dumps.mitsuba.seeds import chunk_seed
+from dumps.recording.progress import Progress
 
 LARGEST_HALF, SMALLEST_HALF = 65504.0, 2.0 ** -14    # with 11 bits of precision
 

@@ -1,12 +1,13 @@
 """What a recording will be: how it is cut into chunks, what it needs and what it costs."""
 import time
 
-from channels import LAYERS
-from plan_layers import unread
-from progress import duration, size as size_text
-from reference_need import LEAST
-from reference_price import reference_hint
-from seeds import SPARE, chunk_seed
+from dumps.mitsuba.channels import LAYERS
+from dumps.mitsuba.seeds import SPARE, chunk_seed
+from dumps.recording.plan_layers import unread
+from dumps.recording.progress import duration
+from dumps.recording.progress import size as size_text
+from dumps.recording.reference_need import LEAST
+from dumps.recording.reference_price import reference_hint
 
 TRIAL_SECONDS = 5.0        # of the trace that the estimate comes from
 REFERENCE_BYTES = 24       # a pixel: mean and variance of three channels

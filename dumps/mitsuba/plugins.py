@@ -3,7 +3,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from failure import scene_failure, usage_failure
+from dumps.recording.failure import scene_failure, usage_failure
 
 SCALE_TOLERANCE = 5e-4           # below what Mitsuba takes for a scale: a squared length within 1e-3 of 1
 AROUND_ANOTHER = "aov", "moment"

@@ -11,29 +11,29 @@ import signal
 import sys
 import time
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "..", "verify"), os.path.join(HERE, "..", "..", "formats", "python")):
-    sys.path.insert(0, folder)
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
+sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-import numpy as np  # noqa: E402
+import numpy as np
 
-import shared_numbers  # noqa: E402
-from channels import chosen_layers  # noqa: E402
-from chunks import FORMAT, Chunks  # noqa: E402
-from failure import Failure, scene_failure, usage_failure  # noqa: E402
-from finding import line, summary  # noqa: E402
-from finish import Parts, finish  # noqa: E402
-from options import parse  # noqa: E402
-from output import layer_types, samples_of, stored  # noqa: E402
-from plan import Cut, describe  # noqa: E402
-from progress import Progress, size as size_text  # noqa: E402
-from recordings import names, next_step  # noqa: E402
-from reference import add_chunk, begun_or_empty, is_left_out, judged, left_out, told_of  # noqa: E402
-from reference_need import outcome  # noqa: E402
-from reference_price import reference_hint  # noqa: E402
-from scene import Wishes, load_scene  # noqa: E402
-from seeds import CHUNK_LIMIT, SPARE, chunk_seed  # noqa: E402
-from variant import choose_variant  # noqa: E402
+from dumps.mitsuba.channels import chosen_layers
+from dumps.mitsuba.chunks import FORMAT, Chunks
+from dumps.mitsuba.finish import Parts, finish
+from dumps.mitsuba.options import parse
+from dumps.mitsuba.output import layer_types, samples_of, stored
+from dumps.mitsuba.plan import Cut, describe
+from dumps.mitsuba.reference import add_chunk, begun_or_empty, is_left_out, judged, left_out, told_of
+from dumps.mitsuba.scene import Wishes, load_scene
+from dumps.mitsuba.seeds import CHUNK_LIMIT, SPARE, chunk_seed
+from dumps.mitsuba.variant import choose_variant
+from dumps.recording.failure import Failure, scene_failure, usage_failure
+from dumps.recording.progress import Progress
+from dumps.recording.progress import size as size_text
+from dumps.recording.recordings import names, next_step
+from dumps.recording.reference_need import outcome
+from dumps.recording.reference_price import reference_hint
+from dumps.verify import shared_numbers
+from dumps.verify.finding import line, summary
 
 BYTES_PER_LANE = 119       # measured at the peak of the copy to numpy, all layers
 LONG_REFERENCE = 300       # seconds from which on its price is printed before it begins
@@ -58,10 +58,11 @@ def open_tracer(options):
                                                       options.scene_sha256))
     notes = ([note] if note else []) + ["%s: %s" % (options.scene, change) for change in recordable.changes]
     if variant == "scalar_rgb":
-        from scalar_loop import ScalarLoop
+        from dumps.mitsuba.scalar_loop import ScalarLoop
         return mi, recordable, ScalarLoop(mi, recordable, samples_of(options)), notes
     import drjit as dr
-    from wavefront import Wavefront
+
+    from dumps.mitsuba.wavefront import Wavefront
     return mi, recordable, Wavefront(mi, dr, recordable, samples_of(options)), notes
 
 

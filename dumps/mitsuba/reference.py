@@ -6,7 +6,7 @@ holds other samples when it is cut otherwise.
 """
 import numpy as np
 
-from reference_need import DENOMINATOR, denominator_noise, judged_at
+from dumps.recording.reference_need import DENOMINATOR, denominator_noise, judged_at
 
 
 def empty_reference(height, width):

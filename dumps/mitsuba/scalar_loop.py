@@ -4,8 +4,8 @@ Scalar and wavefront variants draw different numbers from one seed, so the varia
 """
 import numpy as np
 
-from channels import has_instances, material_flags, no_diffuse_answer
-from seeds import spread
+from dumps.mitsuba.channels import has_instances, material_flags, no_diffuse_answer
+from dumps.mitsuba.seeds import spread
 
 
 class ScalarLoop:

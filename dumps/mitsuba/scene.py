@@ -8,17 +8,25 @@ import hashlib
 import importlib.util
 import os
 import re
+import sys
 import tempfile
 from collections import namedtuple
 
-import model
-import old_format
-import parameters
-import scene_files
-from failure import Failure, scene_failure, usage_failure
-from losses import listen
-from plugins import force, refuse_unknown, refuse_without_radiance, substitute
+from dumps.mitsuba import old_format, parameters, scene_files
+from dumps.mitsuba.losses import listen
+from dumps.mitsuba.plugins import force, refuse_unknown, refuse_without_radiance, substitute
+from dumps.recording import failure
+from dumps.recording.failure import Failure, scene_failure, usage_failure
 
+
+def _words():
+    """The package `model`: a scene's hash holds its text, in which files import each other and `failure` by bare names."""
+    sys.modules["failure"] = failure
+    sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+    return importlib.import_module("model")
+
+
+model = _words()
 # size: (width, height) or None: the film's. integrator, max_depth: None: the scene's. definitions: {name: value} of -D.
 # substitutes: {plugin the scene names: plugin to use}. allow_losses: record although a medium loses a property.
 # folders: where its files may lie, beside its own. digest: what the scene with its files must hash to, or None.

@@ -2,7 +2,7 @@
 import hashlib
 import os
 
-from failure import scene_failure
+from dumps.recording.failure import scene_failure
 
 
 def named_files(mi, state):

@@ -5,7 +5,7 @@ gives `mi.render`'s image to the last bits; film, lens and time are known exactl
 """
 import numpy as np
 
-from channels import has_instances, material_flags, no_diffuse_answer
+from dumps.mitsuba.channels import has_instances, material_flags, no_diffuse_answer
 
 
 class Wavefront:

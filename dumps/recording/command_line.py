@@ -3,7 +3,7 @@ import argparse
 import os
 import sys
 
-from failure import usage_failure
+from dumps.recording.failure import usage_failure
 
 
 class Parser(argparse.ArgumentParser):

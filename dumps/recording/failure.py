@@ -4,7 +4,6 @@
 """
 import sys
 
-
 LONGEST = 380            # characters of a line; with the name of a program before it at most 400
 
 

@@ -4,9 +4,10 @@ import os
 import re
 import shutil
 import subprocess
+
 import tomllib
 
-from failure import io_failure, usage_failure
+from dumps.recording.failure import io_failure, usage_failure
 
 FEATURES = ("albedo", "normal", "depth")
 ALWAYS = ("radiance",)

@@ -2,7 +2,6 @@
 import sys
 import time
 
-
 LOG_SECONDS = 60.0
 
 

@@ -4,7 +4,7 @@ import json
 import os
 import shlex
 
-from failure import usage_failure
+from dumps.recording.failure import usage_failure
 
 MOST = 64
 

@@ -8,7 +8,7 @@ of relMSE are off by 1 % (docs/decisions/0156; three times as much, and there is
 It is judged at LEAST, 2 LEAST, 4 LEAST ... samples by a mean over many pixels, so that the luck of a pixel hardly decides when
 that pixel ends.
 """
-from failure import usage_failure
+from dumps.recording.failure import usage_failure
 
 BUDGET, LEAST, MOST, EPSILON, DENOMINATOR = 4, 512, 16384, 0.01, 0.003
 

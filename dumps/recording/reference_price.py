@@ -1,5 +1,5 @@
 """What a reference takes, and what a smaller one would: printed before it is made."""
-from progress import duration
+from dumps.recording.progress import duration
 
 
 def reference_hint(samples, reference, pool_seconds, reference_seconds, smaller=None, auto=False):

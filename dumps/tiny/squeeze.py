@@ -8,11 +8,10 @@ Samples, metadata and uuid stay the same; the bytes of the file do not.
 import os
 import sys
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in (("recording",), ("..", "formats", "python")):
-    sys.path.insert(0, os.path.join(HERE, "..", *folder))
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
+sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-from rewritten import rewrite  # noqa: E402
+from dumps.recording.rewritten import rewrite
 
 for name in sys.argv[1:]:
     print("%s %d bytes" % (name, rewrite(name, name + ".squeezed", block_spp=0)))

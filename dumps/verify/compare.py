@@ -13,13 +13,12 @@ import sys
 
 import numpy as np
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "..", "..", "formats", "python")):
-    sys.path.insert(0, folder)
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
+sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-import spool  # noqa: E402
-from failure import one_line  # noqa: E402
-from reference_agreement import LUMINANCE  # noqa: E402
+import spool
+from dumps.recording.failure import one_line
+from dumps.verify.reference_agreement import LUMINANCE
 
 BLOCK = 8                # pixels along a side; pixels that are clearly different are few and lie together
 

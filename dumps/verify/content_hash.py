@@ -9,10 +9,10 @@ import hashlib
 import os
 import sys
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "..", "..", "formats", "python"))
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
+sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-import spool  # noqa: E402
+import spool
 
 
 def content_hash(path):

@@ -2,7 +2,7 @@
 same in every sample of a pixel (all samples at one place would show no edge)."""
 import numpy as np
 
-from finding import finding
+from dumps.verify.finding import finding
 
 
 def feature_findings(dump):

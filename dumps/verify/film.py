@@ -1,7 +1,7 @@
 """Film positions are uniform in the pixel: no pixel-centre trap, no renderer filter in them."""
 import numpy as np
 
-from finding import finding
+from dumps.verify.finding import finding
 
 
 def film_findings(dump, window, level):

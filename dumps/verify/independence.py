@@ -12,7 +12,7 @@ from math import erfc, sqrt
 
 import numpy as np
 
-from finding import finding
+from dumps.verify.finding import finding
 
 PERMUTATIONS = 400
 WINDOW = 1024            # samples whose order is permuted together, and rows of a Gram matrix

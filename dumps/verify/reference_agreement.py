@@ -7,8 +7,8 @@ mean of pool and reference by their precision, the one mean whose error is uncor
 """
 import numpy as np
 
-from finding import finding
-from independence import two_sided
+from dumps.verify.finding import finding
+from dumps.verify.independence import two_sided
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 BLOCK, RESAMPLES, SEED = 8, 400, 1987

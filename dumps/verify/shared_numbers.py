@@ -10,7 +10,7 @@ from math import gcd
 
 import numpy as np
 
-from finding import finding
+from dumps.verify.finding import finding
 
 PIXELS = 4096            # looked at, of a larger picture
 LARGEST_SHARE = 1e-4     # chance gives 1e-8: 2^20 places of the pool among 2^46

@@ -11,24 +11,23 @@ import os
 import sys
 from argparse import RawDescriptionHelpFormatter
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-for folder in (HERE, os.path.join(HERE, "..", "recording"), os.path.join(HERE, "..", "..", "formats", "python")):
-    sys.path.insert(0, folder)
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
+sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-from command_line import Parser  # noqa: E402
-from failure import Failure, module_failure, one_line, usage_failure  # noqa: E402
-from progress import Progress  # noqa: E402
+from dumps.recording.command_line import Parser
+from dumps.recording.failure import Failure, module_failure, one_line, usage_failure
+from dumps.recording.progress import Progress
 
 try:
-    import numpy as np  # noqa: E402
+    import numpy as np
 
-    import spool  # noqa: E402
-    from features import feature_findings, picture_findings, radiance_findings  # noqa: E402
-    from film import film_findings  # noqa: E402
-    from finding import line, summary  # noqa: E402
-    from independence import independence_findings, neighbour_finding, repetition_finding  # noqa: E402
-    from reference_agreement import reference_findings  # noqa: E402
-    from shared_numbers import shared_number_findings  # noqa: E402
+    import spool
+    from dumps.verify.features import feature_findings, picture_findings, radiance_findings
+    from dumps.verify.film import film_findings
+    from dumps.verify.finding import line, summary
+    from dumps.verify.independence import independence_findings, neighbour_finding, repetition_finding
+    from dumps.verify.reference_agreement import reference_findings
+    from dumps.verify.shared_numbers import shared_number_findings
 except ImportError as error:
     if __name__ != "__main__":
         raise

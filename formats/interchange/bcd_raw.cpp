@@ -3,7 +3,6 @@
 #include <array>
 
 #include "formats/byte_io.h"
-#include "formats/checked_math.h"
 #include "formats/other_kinds.h"
 #include "formats/spool_reader.h"
 

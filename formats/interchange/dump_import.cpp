@@ -4,7 +4,6 @@
 
 #include "formats/checked_math.h"
 #include "formats/dump_geometry.h"
-#include "formats/header_rules.h"
 #include "formats/interchange/import_watch.h"
 #include "formats/interchange/layer_names.h"
 #include "formats/spool_writer.h"

@@ -1,7 +1,6 @@
 // What all exporters share: a file that appears whole or not at all, and layers as arrays.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <string>

@@ -8,7 +8,6 @@
 #include "formats/checked_math.h"
 #include "formats/interchange/layer_names.h"
 #include "formats/meta_rules.h"
-#include "formats/record_layout.h"
 
 namespace spool::interchange {
 namespace {

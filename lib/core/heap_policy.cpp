@@ -1,6 +1,5 @@
 #include "lib/core/heap_policy.h"
 
-#include <cstdlib>  // defines __GLIBC__, where it is so
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif

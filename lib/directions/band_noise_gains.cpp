@@ -1,7 +1,6 @@
 #include "lib/directions/band_noise_gains.h"
 
 #include <algorithm>
-#include <cmath>
 #include <complex>
 #include <numbers>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 #include "lib/core/parallel.h"
 #include "lib/core/vector_clones.h"

@@ -4,8 +4,6 @@
 // three components, then the count of samples). Its result comes back as `--filter image:FILE`.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
 
 #include "formats/byte_io.h"
 #include "formats/half_float.h"

@@ -4,7 +4,6 @@
 #include <map>
 
 #include "formats/byte_io.h"
-#include "formats/interchange/scratch_file.h"
 #include "lib/exchange/exr_names.h"
 
 namespace spool::exchange {

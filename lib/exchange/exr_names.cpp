@@ -1,7 +1,6 @@
 #include "lib/exchange/exr_names.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "formats/interchange/layer_names.h"
 #include "lib/image_io/foreign_picture.h"

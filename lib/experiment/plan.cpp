@@ -8,8 +8,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <optional>
-#include <utility>
 
 #include <toml++/toml.h>
 

@@ -1,7 +1,6 @@
 #include "lib/experiment/result_record.h"
 
 #include <charconv>
-#include <cmath>
 #include <cstdlib>
 
 #include "lib/experiment/result_table.h"

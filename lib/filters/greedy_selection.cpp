@@ -4,7 +4,6 @@
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/piece_estimates.h"
-#include "lib/kernels/scale_ladder.h"
 #include "lib/statistics/variance_option.h"
 
 namespace spool {

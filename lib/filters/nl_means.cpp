@@ -6,7 +6,6 @@
 
 #include "lib/kernels/kernel_footprint.h"
 #include "lib/kernels/piece_estimates.h"
-#include "lib/kernels/sample_half.h"
 
 namespace spool {
 namespace {

@@ -1,7 +1,6 @@
 #include "lib/filters/wavelet_transform.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <vector>
 

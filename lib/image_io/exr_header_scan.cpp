@@ -1,7 +1,6 @@
 #include "lib/image_io/exr_header_scan.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 #include <fstream>
@@ -11,7 +10,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <OpenEXR/ImfCompression.h>
 

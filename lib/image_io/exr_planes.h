@@ -3,9 +3,7 @@
 // exr_image.h has pictures as doubles, exr_source.h files of other programs. Errors as there.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "lib/core/error.h"

@@ -4,8 +4,6 @@
 #include <array>
 #include <cstdlib>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "lib/image_io/atomic_file.h"
 

@@ -1,10 +1,8 @@
 #include "lib/kernels/patch_filter.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "lib/core/parallel.h"
-#include "lib/kernels/patch_tile.h"
 
 namespace spool {
 namespace {

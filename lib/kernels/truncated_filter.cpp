@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <vector>
 
 #include "lib/core/parallel.h"
 #include "lib/core/vector_clones.h"

@@ -1,9 +1,7 @@
 #include "lib/metrics/perceptual_metrics.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <utility>
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "lib/core/parallel.h"
 #include "lib/metrics/weighted_rows.h"

@@ -1,7 +1,5 @@
 #include "lib/pool/recorded_samples.h"
 
-#include <algorithm>
-
 #include "lib/pool/scan_block.h"
 
 namespace spool {

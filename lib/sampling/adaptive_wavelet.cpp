@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "lib/core/extend.h"
 #include "lib/core/parallel.h"

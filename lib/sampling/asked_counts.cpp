@@ -1,7 +1,6 @@
 #include "lib/sampling/asked_counts.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "lib/sampling/apportion.h"
 #include "lib/sampling/rounds.h"

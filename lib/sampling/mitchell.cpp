@@ -1,7 +1,6 @@
 #include "lib/sampling/mitchell.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>

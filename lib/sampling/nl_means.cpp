@@ -1,12 +1,9 @@
 #include "lib/sampling/nl_means.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cmath>
 #include <vector>
 
-#include "lib/kernels/sample_half.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/sampling/apportion.h"
 #include "lib/sampling/rounds.h"

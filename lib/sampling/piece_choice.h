@@ -1,6 +1,8 @@
 // Which pieces of a region are sampled, when not all can be.
 #pragma once
 
+#include <algorithm>
+#include <tuple>
 #include <vector>
 
 namespace spool {
@@ -11,8 +13,12 @@ struct OpenPiece {
   int x = 0, y = 0;
 };
 
-// Keeps those that get one sample each when `left` are left: all, or the first in the order
-// (n, y, x).
-void keep_first(std::vector<OpenPiece>& pieces, long long left);
+// Keeps those that get one sample each when `left` are left: all, or the first by (n, y, x).
+inline void keep_first(std::vector<OpenPiece>& pieces, long long left) {
+  if (static_cast<long long>(pieces.size()) <= left) return;
+  std::ranges::sort(pieces, {},
+                    [](const OpenPiece& piece) { return std::tie(piece.n, piece.y, piece.x); });
+  pieces.resize(static_cast<std::size_t>(left));
+}
 
 }  // namespace spool

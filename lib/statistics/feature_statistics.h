@@ -7,7 +7,6 @@
 // tests/reference/cross_bilateral_reference.h.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "lib/core/error.h"

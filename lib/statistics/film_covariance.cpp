@@ -1,6 +1,5 @@
 #include "lib/statistics/film_covariance.h"
 
-#include <array>
 #include <cmath>
 
 #include "lib/core/parallel.h"

@@ -1,11 +1,9 @@
 #include "lib/study/condition.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "lib/experiment/baseline.h"
-#include "lib/experiment/plan_cells.h"
 
 namespace spool {
 namespace {

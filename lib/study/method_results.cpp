@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_table.h"
 #include "lib/inference/shared_samples.h"
 

@@ -1,7 +1,6 @@
 // All analytic scenes by name: simple shapes, noise of every kind, and hard cases.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>

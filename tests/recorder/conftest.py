@@ -4,13 +4,11 @@ import os
 import pathlib
 import shutil
 import subprocess
-import sys
 
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RECORD = ROOT / "dumps" / "cycles" / "record.py"
-sys.path[:0] = [str(ROOT / "dumps" / "cycles"), str(ROOT / "dumps" / "recording")]
 
 
 def command(*options):
@@ -46,7 +44,7 @@ class Folder:
     def planes(self, name):
         """float[channel][y][x] of one file."""
         import numpy
-        import packed_pass
+        from dumps.cycles import packed_pass
         line = next(entry for entry in self.entries if entry["file"] == name)
         width, height = self.recording["width"], self.recording["height"]
         planes = len(self.names) if line["kind"] == "pass" else 3

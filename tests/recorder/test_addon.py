@@ -66,7 +66,7 @@ def run(archive, tmp_path, script):
 def test_the_zip_file_holds_the_recorder_and_is_the_same_twice(archive, tmp_path):
     names = zipfile.ZipFile(archive).namelist()
     assert {"spool_recorder/__init__.py", "spool_recorder/blender_manifest.toml",
-            "spool_recorder/recorder/cycles/record.py", "spool_recorder/recorder/recording/failure.py",
+            "spool_recorder/recorder/dumps/cycles/record.py", "spool_recorder/recorder/dumps/recording/failure.py",
             "spool_recorder/LICENSE", "spool_recorder/spool_recorder.spdx.json"} <= set(names)
     again = tmp_path / "again.zip"
     subprocess.run([sys.executable, ROOT / "dumps" / "cycles" / "addon_zip.py", "-o", again], check=True)

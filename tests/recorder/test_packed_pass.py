@@ -1,19 +1,17 @@
 """Packed passes: the same recording as plain ones, and passes that go when it has them. No Blender."""
 import os
 import subprocess
-import sys
 
 import pytest
 from conftest import ROOT
 
 np = pytest.importorskip("numpy")
 pytest.importorskip("zstandard")
-sys.path[:0] = [str(ROOT / "formats" / "python"), str(ROOT / "dumps" / "verify")]
 
-import packed_pass  # noqa: E402
-import spool  # noqa: E402
-from content_hash import content_hash  # noqa: E402
-from pass_folder import PassFolder  # noqa: E402
+from dumps.cycles import packed_pass
+import spool
+from dumps.verify.content_hash import content_hash
+from dumps.cycles.pass_folder import PassFolder
 
 SPOOL = os.environ.get("SPOOL", str(ROOT / "build" / "release" / "spool"))
 WIDTH, HEIGHT, SPP, BATCHES = 7, 3 * packed_pass.PIECE_ROWS - 50, 20, 3      # pieces of full and of fewer rows

@@ -1,18 +1,10 @@
 """Seeds and options: pure functions, no Blender."""
-import pathlib
-import sys
 from array import array
 
 import pytest
 
-DUMPS = pathlib.Path(__file__).resolve().parents[2] / "dumps"
-sys.path[:0] = [str(DUMPS / "cycles"), str(DUMPS / "recording")]
-
-import options  # noqa: E402
-import pass_folder  # noqa: E402
-import passes  # noqa: E402
-import seeds  # noqa: E402
-from failure import Failure  # noqa: E402
+from dumps.cycles import options, pass_folder, passes, seeds
+from dumps.recording.failure import Failure
 
 
 def test_seeds_of_one_recording_are_all_different():
@@ -135,7 +127,7 @@ def test_a_name_that_no_line_holds_is_refused_before_anything_renders(name):
 def test_what_to_type_next_is_as_a_shell_takes_it():
     import shlex
 
-    import recordings
+    from dumps.recording import recordings
     names = ["-lead.spool", "it's \"q\".spool", "a$(touch b).spool", "größe.spool"]
     words = shlex.split(recordings.next_step(names))
     assert words[3:7] == ["./-lead.spool", *names[1:]]

@@ -12,11 +12,8 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-sys.path[:0] = [str(ROOT / "dumps"), str(ROOT / "dumps" / "verify"), str(ROOT / "formats" / "python")]
-
-import catalogue  # noqa: E402
-import pool_pins  # noqa: E402
-import spool  # noqa: E402
+import spool
+from dumps import catalogue, pool_pins
 
 DUMPS = ROOT / "dumps"
 SPOOL = os.environ.get("SPOOL", str(ROOT / "build" / "release" / "spool"))
@@ -67,8 +64,7 @@ def test_the_scene_has_not_changed_since_it_was_recorded(entry):
             assert dump.meta["scene"]["sha256"] == pool["scene_sha256"]
         return
     if entry["renderer"] == "Mitsuba":
-        sys.path[:0] = [str(DUMPS / "mitsuba"), str(DUMPS / "recording")]
-        import model
+        from dumps.mitsuba.scene import model
         sources = model.scene_sources(entry["arguments"][0])
     else:
         sources = [DUMPS / "scenes" / (entry["arguments"][0] + ".py")] + sorted((DUMPS / "scenes" / "model").glob("*.py"))

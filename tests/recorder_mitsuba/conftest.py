@@ -5,8 +5,6 @@ import sys
 import pytest
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
-for folder in ("dumps/mitsuba", "dumps/recording", "dumps/verify", "formats/python"):
-    sys.path.insert(0, os.path.join(ROOT, folder))
 RECORD = os.path.join(ROOT, "dumps", "mitsuba", "record.py")
 CAMERA = """<sensor type="perspective"><float name="fov" value="40"/><transform name="toWorld">
 <lookAt origin="0,0,-4" target="0,0,0" up="0,1,0"/></transform>%s</sensor>"""
@@ -31,7 +29,7 @@ def load(tmp_path):
     mi = pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
     before = mi.variant()
     mi.set_variant("scalar_rgb")
-    from scene import Wishes, load_scene
+    from dumps.mitsuba.scene import Wishes, load_scene
 
     def loaded(body, version="0.6.0", **wishes):
         body = body.replace("lookAt", "lookat").replace("toWorld", "to_world") if version >= "2" else body
@@ -45,7 +43,7 @@ def load(tmp_path):
 
 def refusal(call, *arguments, **more):
     """(exit code, its one line)"""
-    from failure import Failure
+    from dumps.recording.failure import Failure
     with pytest.raises(Failure) as caught:
         call(*arguments, **more)
     assert "\n" not in str(caught.value)

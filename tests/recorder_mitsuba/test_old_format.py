@@ -4,7 +4,7 @@ import pytest
 
 mi = pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
 
-from conftest import BALL, CAMERA, FILM, LIGHT, OLD, refusal, told  # noqa: E402
+from conftest import BALL, CAMERA, FILM, LIGHT, OLD, refusal, told
 
 
 @pytest.mark.parametrize("plugin", ["bdpt", "sppm", "pssmlt", "photonmapper", "guided_path", "ptracer"])

@@ -1,10 +1,10 @@
 """What is told before and while a recording runs: pure functions, no renderer."""
 import pytest
 
-import progress
-from output import layer_types
-from plan import reference_hint
-from progress import Progress
+from dumps.recording import progress
+from dumps.mitsuba.output import layer_types
+from dumps.mitsuba.plan import reference_hint
+from dumps.recording.progress import Progress
 
 
 class Stream:

@@ -4,8 +4,8 @@ import os
 import pytest
 
 from conftest import ROOT, check_ok, record
-from failure import Failure
-from plan_layers import methods_of, read_by, unread
+from dumps.recording.failure import Failure
+from dumps.recording.plan_layers import methods_of, read_by, unread
 
 ALL = ["radiance", "albedo", "normal", "depth", "film", "lens"]
 PLANS = os.path.join(ROOT, "tools", "plans")

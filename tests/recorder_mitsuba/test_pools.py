@@ -14,7 +14,7 @@ import pytest
 
 import spool
 from conftest import RECORD, ROOT, check_ok, record
-from content_hash import content_hash
+from dumps.verify.content_hash import content_hash
 
 POOLS = os.path.join(ROOT, "dumps", "pools.py")
 SMALL = """
@@ -180,8 +180,7 @@ def test_the_list_has_what_experiments_need():
 
 
 def test_time_left_follows_the_pace(monkeypatch):
-    sys.path.insert(0, os.path.join(ROOT, "dumps"))
-    import pool_run
+    from dumps import pool_run
     now = [100.0]
     monkeypatch.setattr(pool_run.time, "monotonic", lambda: now[0])
     pace = pool_run.Pace([10.0, 30.0])

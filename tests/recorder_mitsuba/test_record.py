@@ -53,13 +53,13 @@ def test_every_layer_is_there_and_the_file_is_sound(box):
 def test_pool_is_what_the_renderer_renders(box):
     """The same seeds through the renderer's own loop give the same image, to float32 summation."""
     import mitsuba as mi
-    from variant import force_good_llvm
+    from dumps.mitsuba.variant import force_good_llvm
     with spool.open(box) as dump:
         if not dump.meta["renderer"]["variant"].startswith("llvm"):
             pytest.skip("the scalar fallback draws other numbers than its renderer")
         force_good_llvm()
         mi.set_variant(dump.meta["renderer"]["variant"])
-        from scene import Wishes, load_scene
+        from dumps.mitsuba.scene import Wishes, load_scene
         scene = load_scene(mi, "cornell-box", Wishes(size=(32, 32))).scene
         step = dump.meta["seeds"]["chunk_samples"]
         first = dump.read("radiance", 0, 0, 32, 32, 0, step).astype(float).mean(axis=2)

@@ -6,9 +6,9 @@ import pytest
 
 import spool
 from conftest import check_ok, record
-from plan import Cut
-from reference import add_chunk, begun_or_empty, is_left_out, judged, left_out, told_of, variance_of_mean
-from reference_need import DENOMINATOR, denominator_noise
+from dumps.mitsuba.plan import Cut
+from dumps.mitsuba.reference import add_chunk, begun_or_empty, is_left_out, judged, left_out, told_of, variance_of_mean
+from dumps.recording.reference_need import DENOMINATOR, denominator_noise
 
 WIDTH, HEIGHT, MOST = 8, 40, 4096
 

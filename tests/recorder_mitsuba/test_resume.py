@@ -12,8 +12,8 @@ import pytest
 
 import spool
 from conftest import RECORD, check_ok, record
-from content_hash import content_hash
-from reference import add_chunk, begun_or_empty, empty_reference
+from dumps.verify.content_hash import content_hash
+from dumps.mitsuba.reference import add_chunk, begun_or_empty, empty_reference
 
 pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
 

@@ -6,7 +6,7 @@ import pytest
 
 import spool
 from conftest import check_ok, record
-from seeds import CHUNK_LIMIT, USER_LIMIT, chunk_seed, spread
+from dumps.mitsuba.seeds import CHUNK_LIMIT, USER_LIMIT, chunk_seed, spread
 
 
 def test_seeds_of_chunks_are_all_different_and_spread_keeps_them_so():

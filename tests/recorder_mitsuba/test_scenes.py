@@ -6,9 +6,9 @@ import pytest
 
 mi = pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
 
-import spool  # noqa: E402
-from channels import chosen_layers  # noqa: E402
-from conftest import BALL, CAMERA, FILM, LIGHT, OLD, check_ok, record, refusal, told  # noqa: E402
+import spool
+from dumps.mitsuba.channels import chosen_layers
+from conftest import BALL, CAMERA, FILM, LIGHT, OLD, check_ok, record, refusal, told
 
 NEW = '<integrator type="path"/>' + CAMERA % FILM + LIGHT + BALL
 
@@ -146,7 +146,7 @@ def test_the_files_and_plugins_of_a_python_scene_are_named_and_hashed_too(load, 
         (tmp_path / "scene.py").write_text(DICT % parts)
         return load_scene(mi, str(tmp_path / "scene.py"), Wishes(**wishes))
 
-    from scene import Wishes, load_scene
+    from dumps.mitsuba.scene import Wishes, load_scene
     mesh = '"a": {"type": "obj", "filename": "mesh.obj"}'
     code, text = refusal(written, mesh + ', "b": {"type": "ply", "filename": "other.ply"}')
     assert code == 1 and "2 of the 2 files it names are not there: mesh.obj, other.ply" in text

@@ -10,7 +10,7 @@ import spool.exr
 from conftest import read_exr
 
 sys.path.append(str(Path(__file__).parents[1] / "interchange"))
-import exr_files  # noqa: E402
+import exr_files
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "report"))
-from exr_writing import write_exr  # noqa: E402
+from exr_writing import write_exr
 
 OpenImageIO = pytest.importorskip("OpenImageIO")
 

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-import compare
+from dumps.verify import compare
 import spool
 
 SIZE, SPP = 32, 16

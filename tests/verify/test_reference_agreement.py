@@ -3,7 +3,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from reference_agreement import reference_findings
+from dumps.verify.reference_agreement import reference_findings
 
 LEVEL, SIZE, SAMPLES, SHORT = 1e-3, 48, 64, 64
 

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 import spool
-from failure import Failure
-from reference_need import DENOMINATOR, EPSILON, LEAST, denominator_noise, judged_at, outcome, parse_reference
+from dumps.recording.failure import Failure
+from dumps.recording.reference_need import DENOMINATOR, EPSILON, LEAST, denominator_noise, judged_at, outcome, parse_reference
 
 
 @pytest.mark.parametrize("text, number, auto", [("0", 0, False), ("4096", 4096, False), ("auto", 16384, True), ("auto:5000", 4096, True)])

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 import spool
-from shared_numbers import chosen_pixels, found_again, marks, repeated, shared_number_findings
-from verify import verify
+from dumps.verify.shared_numbers import chosen_pixels, found_again, marks, repeated, shared_number_findings
+from dumps.verify.verify import verify
 
 SIZE = 32
 

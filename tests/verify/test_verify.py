@@ -4,10 +4,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import progress
+from dumps.recording import progress
 import spool
-from failure import Failure
-from verify import keep_verification, verify
+from dumps.recording.failure import Failure
+from dumps.verify.verify import keep_verification, verify
 
 SIZE, SPP, REFERENCE = 24, 64, 4096
 

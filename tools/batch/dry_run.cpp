@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <set>
 
 #include "formats/spool_reader.h"
-#include "lib/core/option_table.h"
 #include "lib/core/visible_text.h"
 #include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_table.h"
@@ -16,7 +14,7 @@
 #include "tools/batch/run_tasks.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/batch/unused_layers.h"
-#include "tools/json/dry_run_json.h"
+#include "tools/json/answers_json.h"
 #include "tools/methods/external_methods.h"
 
 namespace spool::tools {

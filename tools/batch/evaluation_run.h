@@ -6,9 +6,7 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "lib/core/error.h"
 #include "lib/experiment/plan.h"

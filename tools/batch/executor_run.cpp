@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -26,14 +27,14 @@ constexpr int kNotFound = 127;
 
 // Not from the current folder, which may hold files of any name; from beside the program where it
 // was built.
-constexpr const char* kStart = R"(import sys
+constexpr std::string_view kStart = R"(import sys
 sys.path[:1] = filter(None, sys.argv[1:2])
 try:
     from spool.on_workers import SpoolError, run
 except ImportError:
-    sys.exit(20)
+    sys.exit({0})
 try:
-    sys.exit(0 if run(*sys.argv[2:]) else 21)
+    sys.exit(0 if run(*sys.argv[2:]) else {1})
 except SpoolError as failure:
     print(failure)
     sys.exit(failure.code)
@@ -82,8 +83,13 @@ Result<bool> run_on_workers(const RunRequest& request, const std::string& execut
   SPOOL_ASSIGN(const ExchangeFolder scratch, ExchangeFolder::create());
   const fs::path plan = scratch / "plan.toml";
   SPOOL_TRY(write_text_file(plan, plan_text(request.plan), true));
-  std::vector<std::string> words = {
-      "", "-c", kStart, built_package(), plan.string(), request.folder.string(), executor};
+  std::vector<std::string> words = {"",
+                                    "-c",
+                                    fmt::format(kStart, kNoPackage, kWasWorker),
+                                    built_package(),
+                                    plan.string(),
+                                    request.folder.string(),
+                                    executor};
   if (common.force) words.emplace_back("force");
   if (request.exact_timing) words.emplace_back("exact");
   if (common.quiet) words.emplace_back("quiet");

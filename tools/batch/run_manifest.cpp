@@ -1,10 +1,8 @@
 #include "tools/batch/run_manifest.h"
 
-#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <set>
-#include <string>
 #include <thread>
 
 #include <fmt/chrono.h>

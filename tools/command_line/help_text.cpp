@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tools/command_line/program.h"
 #include "tools/terminal/text_columns.h"
 
 namespace spool::tools {
@@ -57,12 +58,8 @@ std::string entry(const std::string& name, const std::string& text,
 std::string value_of(const CLI::Option& option) {
   if (!option.get_option_text().empty()) return option.get_option_text();
   if (option.get_items_expected_max() == 0) return "";
-  std::string type = option.get_type_name();
-  const std::size_t open = type.find('{');
-  if (open == std::string::npos) return type;
-  type = type.substr(open + 1, type.find('}') - open - 1);
-  std::ranges::replace(type, ',', '|');
-  return type;
+  const std::vector<std::string> choices = written_choices(option);
+  return choices.empty() ? option.get_type_name() : fmt::format("{}", fmt::join(choices, "|"));
 }
 
 std::string option_entry(const CLI::Option& option) {

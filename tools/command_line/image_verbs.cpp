@@ -48,12 +48,10 @@ void add_show(Program& program) {
       ->required();
   verb.add_option("--reference", options.reference,
                   "an EXR: adds errors, error maps and FLIP maps against it");
-  verb.add_option(
-          "--crop", options.crops,
-          "X,Y,WIDTH,HEIGHT in pixels: enlarged below the images; may be given again (where "
-          "images differ most)")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(verb.add_option(
+      "--crop", options.crops,
+      "X,Y,WIDTH,HEIGHT in pixels: enlarged below the images; may be given again (where "
+      "images differ most)"));
   within(verb.add_option(
              "--exposure", options.settings.exposure,
              "EV of all images at first (middle grey, of the reference or the first image)"),

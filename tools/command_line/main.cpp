@@ -16,7 +16,6 @@
 #include "tools/command_line/recording_verbs.h"
 #include "tools/command_line/result_verbs.h"
 #include "tools/terminal/interrupt.h"
-#include "tools/terminal/quiet.h"
 
 namespace spool::tools {
 namespace {
@@ -43,26 +42,11 @@ int run(int count, char** arguments) {
   program.app.set_help_flag("-h,--help", "this text");
   program.app.require_subcommand(1);
   program.app.set_version_flag("--version", "spool " SPOOL_VERSION, "the version of the program");
-  add_info(program);
-  add_check(program);
-  add_recover(program);
-  add_pack(program);
-  add_convert(program);
-  add_synth(program);
-  add_replay(program);
-  add_reconstruct(program);
-  add_evaluate(program);
-  add_metrics(program);
-  add_compare(program);
-  add_report(program);
-  add_figure(program);
-  add_picture(program);
-  add_show(program);
-  add_pixel(program);
-  add_view(program);
-  add_list(program);
-  add_completion(program);
-  add_man(program);
+  for (const auto add : {add_info,    add_check,  add_recover,     add_pack,       add_convert,
+                         add_synth,   add_replay, add_reconstruct, add_evaluate,   add_metrics,
+                         add_compare, add_report, add_figure,      add_picture,    add_show,
+                         add_pixel,   add_view,   add_list,        add_completion, add_man})
+    add(program);
   group_verbs(program.app);
   if (count == 1) return answer(greeting(program.app));
   try {

@@ -34,20 +34,6 @@ std::vector<std::string> known_names(const std::string& verb, const CLI::Option&
   return {};
 }
 
-// "TEXT:{shared,exact}", "{label->0,name->1} OR {0,1}" and "recorded|shuffled" say all values.
-std::vector<std::string> written_choices(const CLI::Option& option) {
-  const std::string type = option.get_type_name(), shown = option.get_option_text();
-  const std::size_t open = type.find('{'), close = type.find('}');
-  std::string listed;
-  if (open != std::string::npos && close > open) listed = type.substr(open + 1, close - open - 1);
-  if (shown.find('|') != std::string::npos) listed = shown;
-  std::ranges::replace(listed, '|', ',');
-  std::vector<std::string> choices = split_list(listed);
-  for (std::string& choice : choices)
-    choice.resize(std::min(choice.find("->"), choice.size()));
-  return choices;
-}
-
 OptionText text_of(const std::string& verb, const CLI::Option& option) {
   OptionText text;
   if (option.get_positional()) {

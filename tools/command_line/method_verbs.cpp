@@ -78,23 +78,15 @@ void add_pixel(Program& program) {
       "pixel", "the samples of a pixel in the order of a replay, and their running mean");
   PixelOptions& options = program.pixel;
   add_dump(verb, options.dump);
-  verb.add_option("--at", options.places, "X,Y from the upper left corner; may be given again")
-      ->required()
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(
+      verb.add_option("--at", options.places, "X,Y from the upper left corner; may be given again")
+          ->required());
   within(verb.add_option("--samples", options.samples, "the first so many (all)"), kSamples);
   CLI::Option* evaluation =
       verb.add_option("--evaluation-seed", options.evaluation_seed,
                       "the seed of an evaluation: the order in which its replicate 0 takes samples")
           ->check(seed_check());
-  verb.add_option("--order", options.pool.order,
-                  "order of the samples: recorded (default) or shuffled by --seed")
-      ->transform(CLI::CheckedTransformer(
-                      std::map<std::string, PoolOrder>{{"recorded", PoolOrder::kRecorded},
-                                                       {"shuffled", PoolOrder::kShuffled}})
-                      .description(""))
-      ->option_text("recorded|shuffled")
-      ->excludes(evaluation);
+  add_order(verb, options.pool.order)->excludes(evaluation);
   verb.add_option("--seed", options.pool.seed, "seed of the order (0)")
       ->check(seed_check())
       ->excludes(evaluation);

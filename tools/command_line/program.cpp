@@ -1,5 +1,6 @@
 #include "tools/command_line/program.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -9,7 +10,6 @@
 
 namespace spool::tools {
 
-// The switches of a verb; every verb takes --threads and --quiet.
 void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force) {
   constexpr const char* kGroup = "Common";
   verb.get_help_ptr()->group(kGroup);
@@ -31,7 +31,25 @@ CLI::Option* within(CLI::Option* option, const Bounds& bounds) {
   return option->type_name(number_range(bounds.lowest, bounds.highest));
 }
 
-// A seed as plans have it, too: TOML has no larger numbers. CLI11 itself wraps what is negative.
+CLI::Option* repeatable(CLI::Option* option) {
+  return option->take_all()->allow_extra_args(false);
+}
+
+// "TEXT:{shared,exact}", "{label->0,name->1} OR {0,1}" and "recorded|shuffled" say all values.
+std::vector<std::string> written_choices(const CLI::Option& option) {
+  const std::string type = option.get_type_name(), shown = option.get_option_text();
+  const std::size_t open = type.find('{'), close = type.find('}');
+  std::string listed;
+  if (open != std::string::npos && close > open) listed = type.substr(open + 1, close - open - 1);
+  if (shown.find('|') != std::string::npos) listed = shown;
+  std::ranges::replace(listed, '|', ',');
+  std::vector<std::string> choices = split_list(listed);
+  for (std::string& choice : choices)
+    choice.resize(std::min(choice.find("->"), choice.size()));
+  return choices;
+}
+
+// CLI11 itself wraps what is negative.
 CLI::Validator seed_check() {
   return CLI::Validator(
       [](std::string& text) -> std::string {
@@ -64,22 +82,26 @@ void add_layer(CLI::App& verb, LayerChoice& choice, const std::string& before,
 void add_method(CLI::App& verb, MethodOptions& method) {
   verb.add_option("--preset", method.preset,
                   "values of all options at once: see spool list presets");
-  verb.add_option("--set", method.settings,
-                  "an option of a method, PART.OPTION=VALUE; PART is sampler, filter, pool or the "
-                  "name of one method; may be given several times")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(verb.add_option(
+      "--set", method.settings,
+      "an option of a method, PART.OPTION=VALUE; PART is sampler, filter, pool or the "
+      "name of one method; may be given several times"));
   group_options(verb, "Options of the method", {"--preset", "--set"});
 }
 
-void add_pool(CLI::App& verb, PoolOptions& pool) {
-  verb.add_option("--order", pool.order,
+CLI::Option* add_order(CLI::App& verb, PoolOrder& order) {
+  return verb
+      .add_option("--order", order,
                   "order of each pixel's samples: recorded (default) or shuffled by --seed")
       ->transform(CLI::CheckedTransformer(
                       std::map<std::string, PoolOrder>{{"recorded", PoolOrder::kRecorded},
                                                        {"shuffled", PoolOrder::kShuffled}})
                       .description(""))
       ->option_text("recorded|shuffled");
+}
+
+void add_pool(CLI::App& verb, PoolOptions& pool) {
+  add_order(verb, pool.order);
   verb.add_option("--seed", pool.seed, "seed of the order and of the method (0)")
       ->check(seed_check());
   within(verb.add_option("--holdout", pool.holdout, "samples per pixel that are never offered (0)"),

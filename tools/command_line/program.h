@@ -6,6 +6,7 @@
 #include <functional>
 #include <initializer_list>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -26,7 +27,6 @@
 #include "tools/verbs/picture.h"
 #include "tools/verbs/pixel.h"
 #include "tools/verbs/reconstruct.h"
-#include "tools/verbs/recover.h"
 #include "tools/verbs/replay.h"
 #include "tools/verbs/report.h"
 #include "tools/verbs/synth.h"
@@ -80,6 +80,10 @@ void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force);
 void group_options(CLI::App& verb, const char* group, std::initializer_list<const char*> options);
 // Says in the help what the option may be; looked at by validate() of the verb.
 CLI::Option* within(CLI::Option* option, const Bounds& bounds);
+// May be given several times, with one value each.
+CLI::Option* repeatable(CLI::Option* option);
+// Every value there is, where CLI11 or the option's text lists them.
+std::vector<std::string> written_choices(const CLI::Option& option);
 // A seed as plans have it, too: TOML has no larger numbers.
 CLI::Validator seed_check();
 void add_dump(CLI::App& verb, std::filesystem::path& dump);
@@ -88,6 +92,7 @@ void add_layer(CLI::App& verb, LayerChoice& choice, const std::string& before,
                const std::string& whose);
 void add_output(CLI::App& verb, std::filesystem::path& output, const std::string& help);
 void add_method(CLI::App& verb, MethodOptions& method);
+CLI::Option* add_order(CLI::App& verb, PoolOrder& order);
 void add_pool(CLI::App& verb, PoolOptions& pool);
 
 inline constexpr const char* kPieces =

@@ -67,10 +67,9 @@ void add_pack(Program& program) {
   verb.add_flag("--full-features", pack.features_f32, "features as 32-bit floats (16)");
   verb.add_flag("--remove-passes", pack.remove_passes,
                 "each pass when the recording has taken it: the disk holds no sample twice");
-  verb.add_option("--set", program.pack.settings,
-                  "import.OPTION=VALUE, an option of the foreign format: see spool list imports")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(verb.add_option(
+      "--set", program.pack.settings,
+      "import.OPTION=VALUE, an option of the foreign format: see spool list imports"));
   add_layer(verb, program.pack.layer, "", "of each image (--from exr-folder)");
   verb.add_option("--max-expansion", program.pack.max_expansion,
                   "how many times larger than its source the recording may be (100)")
@@ -98,10 +97,9 @@ void add_convert(Program& program) {
       ->required()
       ->check(CLI::IsMember(kinds).description(""))
       ->option_text("FORMAT REQUIRED");
-  verb.add_option("--set", options.settings,
-                  "export.OPTION=VALUE, an option of the format: see spool list exports")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(
+      verb.add_option("--set", options.settings,
+                      "export.OPTION=VALUE, an option of the format: see spool list exports"));
   add_output(verb, options.output,
              "npz, bcd, deep-exr: the file; bcd-stats: P.exr, P_cov.exr, P_hist.exr; exr-folder, "
              "oidn: the folder");
@@ -123,9 +121,8 @@ void add_synth(Program& program) {
   verb.add_option("--size", options.size, "WxH or N pixels (128x128)");
   within(verb.add_option("--samples", options.spp, "per pixel (64)"), kSamples);
   verb.add_option("--seed", options.seed, "of the samples (1)")->check(seed_check());
-  verb.add_option("--set", options.settings, "OPTION=VALUE of the scene: see spool list scenes")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(verb.add_option("--set", options.settings,
+                             "OPTION=VALUE of the scene: see spool list scenes"));
   verb.add_flag("--compress", options.compress, "zstd, where it saves 5 % or more");
   add_output(verb, options.output, "the recording to write, NAME.spool");
   add_common(verb, program.common, false, true);

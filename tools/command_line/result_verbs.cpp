@@ -34,11 +34,27 @@ void add_parts_of_a_run(CLI::App& verb, EvaluateOptions& options) {
                 "run nothing: make the results of the cells that are done");
   verb.add_flag("--statistics-only", options.statistics_only,
                 "run nothing: compute statistics.json of these folders of results anew");
-  verb.add_option("--from", options.merge_from,
-                  "with --merge: folders whose cells are taken over first; may be given several "
-                  "times")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(verb.add_option(
+      "--from", options.merge_from,
+      "with --merge: folders whose cells are taken over first; may be given several "
+      "times"));
+}
+
+void add_judging(CLI::App& verb, EvaluateOptions& options) {
+  verb.add_option("--reference", options.reference,
+                  "what images are judged by: " + reference_names() +
+                      " (default: the first of these that the recording can give)");
+  within(verb.add_option("--holdout", options.holdout,
+                         "samples per pixel kept for judging (a quarter, where they are needed)"),
+         kHoldout);
+  verb.add_option("--seed", options.seed, "seed of all replicates (1)")->check(seed_check());
+  verb.add_flag("--recorded-order", options.recorded_order,
+                "take samples in recorded order; all replicates are then alike");
+  within(verb.add_option("--pieces", options.pieces_per_side, kPieces), kPiecesPerSide);
+  verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
+  verb.add_flag("--fresh", options.fresh,
+                "also apply the counts to samples that had no say in them, and take bias and "
+                "variance apart: columns *_fresh, *_bias2, *_variance; three times the work");
 }
 
 }  // namespace
@@ -63,20 +79,7 @@ void add_evaluate(Program& program) {
   verb.add_option("--sweep-threads", options.cell_threads,
                   "run everything with each of these numbers of threads: 1,2,4");
   add_method(verb, options.methods);
-  verb.add_option("--reference", options.reference,
-                  "what images are judged by: " + reference_names() +
-                      " (default: the first of these that the recording can give)");
-  within(verb.add_option("--holdout", options.holdout,
-                         "samples per pixel kept for judging (a quarter, where they are needed)"),
-         kHoldout);
-  verb.add_option("--seed", options.seed, "seed of all replicates (1)")->check(seed_check());
-  verb.add_flag("--recorded-order", options.recorded_order,
-                "take samples in recorded order; all replicates are then alike");
-  within(verb.add_option("--pieces", options.pieces_per_side, kPieces), kPiecesPerSide);
-  verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
-  verb.add_flag("--fresh", options.fresh,
-                "also apply the counts to samples that had no say in them, and take bias and "
-                "variance apart: columns *_fresh, *_bias2, *_variance; three times the work");
+  add_judging(verb, options);
   verb.add_option("--baseline", options.baseline,
                   "'SAMPLER + FILTER' that ratios are to, by their labels ('uniform + box')");
   verb.add_flag("--wide", options.wide, "print MSE, energy, times and errors at equal time too");
@@ -123,14 +126,11 @@ void add_metrics(Program& program) {
   verb.add_option("REFERENCE", options.reference, "an EXR of the same size")->required();
   verb.add_option("--variance", options.variance,
                   "EXR with the variance of the reference's mean: errors are debiased by it");
-  verb.add_option("--mask", options.masks,
-                  "NAME=FILE.exr: energy ratio where the mask is above 0.5; several times")
-      ->take_all()
-      ->allow_extra_args(false);
-  verb.add_option("--set", options.settings,
-                  "OPTION=VALUE of the metrics (spool list metrics): rel_scale=none")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(
+      verb.add_option("--mask", options.masks,
+                      "NAME=FILE.exr: energy ratio where the mask is above 0.5; several times"));
+  repeatable(verb.add_option("--set", options.settings,
+                             "OPTION=VALUE of the metrics (spool list metrics): rel_scale=none"));
   add_layer(verb, options.layer, "", "of IMAGE");
   add_layer(verb, options.reference_layer, "reference-", "of REFERENCE");
   verb.add_option("--error-map", options.error_map, "also write the squared error of each pixel");
@@ -209,16 +209,14 @@ void add_figure(Program& program) {
   within(verb.add_option("--spp", options.spp, "budget of the comparisons (the largest)"),
          kFigureSpp);
   verb.add_option("--recording", options.recordings, "compare on this one; may be given again");
-  verb.add_option("--method", options.methods,
-                  "'SAMPLER + FILTER' to show, in this order; may be given again, eight times at "
-                  "most (your own methods, the baseline, the best of the others)")
-      ->take_all()
-      ->allow_extra_args(false);
-  verb.add_option("--crops", options.crops,
-                  "[RECORDING:]X,Y,W,H: a window to show, in pixels; may be given again, four "
-                  "times at most (two where methods differ to the eye)")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(verb.add_option(
+      "--method", options.methods,
+      "'SAMPLER + FILTER' to show, in this order; may be given again, eight times at "
+      "most (your own methods, the baseline, the best of the others)"));
+  repeatable(
+      verb.add_option("--crops", options.crops,
+                      "[RECORDING:]X,Y,W,H: a window to show, in pixels; may be given again, four "
+                      "times at most (two where methods differ to the eye)"));
   within(verb.add_option(
              "--column", options.column,
              "columns of a paper that a figure is as wide as: 3.33 or 7 inches (comparisons "

@@ -105,6 +105,18 @@ std::string pack_text(const std::filesystem::path& output, const format::PackRep
                     {"remark", report.remark}});
 }
 
+std::string dry_run_text(const DryRun& run) {
+  ordered_json layers = ordered_json::array();
+  for (const UnusedLayers& one : run.unused)
+    layers.push_back({{"recording", one.recording}, {"layers", one.layers}, {"share", one.share}});
+  return json_text({{"cells", run.cells},
+                    {"done", run.done},
+                    {"left", run.left},
+                    {"seconds", run.seconds},
+                    {"left_of_unknown_time", run.unknown_time},
+                    {"unused_layers", layers}});
+}
+
 std::string replay_text(const RunFacts& facts, const SamplingLog& log) {
   return json_text({{"sampler", facts.method},
                     {"output", facts.output.string()},

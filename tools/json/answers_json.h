@@ -8,6 +8,7 @@
 
 #include "lib/core/guards.h"
 #include "lib/metrics/error_metrics.h"
+#include "tools/batch/unused_layers.h"
 
 namespace spool {
 struct SamplingLog;
@@ -32,6 +33,15 @@ std::string import_text(const std::filesystem::path& output,
 std::string export_text(const std::filesystem::path& output, const std::string& format,
                         const interchange::ExportReport& report);
 std::string pack_text(const std::filesystem::path& output, const format::PackReport& report);
+
+// What `spool evaluate --dry-run` found.
+struct DryRun {
+  std::size_t cells = 0, done = 0, left = 0;
+  double seconds = 0;            // for what is left, as far as its time is known
+  std::size_t unknown_time = 0;  // of what is left
+  std::vector<UnusedLayers> unused;
+};
+std::string dry_run_text(const DryRun& run);
 
 // What a replay or a filter did, beside its images.
 struct RunFacts {

@@ -1,7 +1,6 @@
 #include "tools/json/json_text.h"
 
 #include <cmath>
-#include <utility>
 
 #include <nlohmann/json.hpp>
 

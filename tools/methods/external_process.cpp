@@ -12,7 +12,6 @@
 #include <cstring>
 #include <sstream>
 #include <thread>
-#include <utility>
 
 #include "tools/methods/watched_process.h"
 

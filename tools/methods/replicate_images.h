@@ -7,7 +7,6 @@
 // same halves with the counts of the other (lib/experiment/fresh_samples.h).
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "lib/experiment/cell.h"

@@ -11,7 +11,6 @@
 // image of counts will do: lib/image_io/counts_exr.h says which channel is meant.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "lib/core/as_plane.h"
 #include "lib/core/option_table.h"

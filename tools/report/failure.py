@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 
 DATA, USAGE, IO = 1, 2, 3
-NO_NUMPY = 20  # not an exit code of spool: another Python may do
 
 
 class Failure(Exception):

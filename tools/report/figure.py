@@ -11,21 +11,12 @@ import shutil
 import sys
 from pathlib import Path
 
-from tools.report.failure import NO_NUMPY, USAGE, Failure, guarded
+from tools.report.failure import USAGE, Failure, guarded
+from tools.report.figure_set import FigureSet
 
 
 def main(arguments=None):
-    return guarded(lambda: _main(arguments))
-
-
-def _main(arguments):
-    options = parse(arguments)
-    try:
-        import matplotlib  # noqa: F401
-        import numpy  # noqa: F401
-    except ImportError as error:
-        raise Failure("spool figure needs numpy and matplotlib (SPOOL_PYTHON names another Python)", NO_NUMPY) from error
-    return make_figures(options)
+    return guarded(lambda: make_figures(parse(arguments)))
 
 
 def parse(arguments):
@@ -52,7 +43,6 @@ def parse(arguments):
 
 
 def make_figures(options):
-    from tools.report.figure_set import FigureSet
     chosen = FigureSet(options)
     try:
         return chosen.write()

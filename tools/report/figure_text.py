@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 
 import matplotlib
+from matplotlib import pyplot
 
-matplotlib.use("agg")
-from matplotlib import pyplot  # noqa: E402
+pyplot.switch_backend("agg")
 
 WIDTHS = {1: 3.33, 2: 7.0}  # inches: one column of a paper of two, and both
 STYLE = {"font.family": ["STIXGeneral", "DejaVu Serif"], "mathtext.fontset": "stix", "font.size": 8, "pdf.fonttype": 42,

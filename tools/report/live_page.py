@@ -9,7 +9,7 @@ import json
 import sys
 from pathlib import Path
 
-from tools.report.failure import NO_NUMPY, Failure, guarded
+from tools.report.failure import guarded
 
 
 def main(arguments=None):
@@ -23,10 +23,6 @@ def _main(arguments):
     options = parser.parse_args(arguments)
     if not options.facts:
         return page(options.title)
-    try:
-        import numpy  # noqa: F401
-    except ImportError as error:
-        raise Failure("spool view needs numpy: apt-get install python3-numpy", NO_NUMPY) from error
     return json.dumps(facts(options.facts))
 
 

@@ -7,26 +7,29 @@ exit codes are those of spool: 1 data unusable, 2 wrong use, 3 input or output f
 """
 
 import argparse
-import os
 import sys
-import tempfile
 from pathlib import Path
 
-from tools.report.failure import IO, NO_NUMPY, USAGE, Failure, guarded
+from tools.report.aggregate import aggregate
+from tools.report.described import Described
+from tools.report.failure import IO, USAGE, Failure, guarded
+from tools.report.file_names import dump_names
+from tools.report.headline_data import headline_budget
+from tools.report.page import build_page
+from tools.report.pixel_data import pixel_answers
+from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
+from tools.report.result_images import find_images, first_results, pack_images
+from tools.report.results_table import choose_metric, read_results
+from tools.report.sections import quantities_html, run_html, summary_html
+from tools.report.statistics_file import read_statistics
+from tools.report.statistics_section import statistics_html
+from tools.report.summary import is_biased, summarise
+from tools.report.vocabulary import read_manifest, read_vocabulary
+from tools.report.whole_file import write_whole
 
 
 def main(arguments=None):
-    return guarded(lambda: _main(arguments))
-
-
-def _main(arguments):
-    options = parse(arguments)
-    try:
-        import numpy  # noqa: F401
-    except ImportError as error:
-        raise Failure("spool report needs numpy: apt-get install python3-numpy, or pip install "
-                      "numpy into the Python that SPOOL_PYTHON names", NO_NUMPY) from error
-    return make_report(options)
+    return guarded(lambda: make_report(parse(arguments)))
 
 
 def parse(arguments):
@@ -45,21 +48,6 @@ def parse(arguments):
 
 
 def make_report(options):
-    from tools.report.aggregate import aggregate
-    from tools.report.described import Described
-    from tools.report.file_names import dump_names
-    from tools.report.headline_data import headline_budget
-    from tools.report.page import build_page
-    from tools.report.pixel_data import pixel_answers
-    from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
-    from tools.report.result_images import find_images, first_results, pack_images
-    from tools.report.results_table import choose_metric, read_results
-    from tools.report.sections import quantities_html, run_html, summary_html
-    from tools.report.statistics_file import read_statistics
-    from tools.report.statistics_section import statistics_html
-    from tools.report.summary import is_biased, summarise
-    from tools.report.vocabulary import read_manifest, read_vocabulary
-
     if not options.served and options.output.exists() and not options.force:
         raise Failure(f"{options.output}: exists: choose another name or give --force", USAGE)
     if not options.max_image_mb >= 0.0:
@@ -100,8 +88,10 @@ def make_report(options):
     data = report_data(combinations, statistics, table.metrics, metric, labels, vocabulary, images, pixels)
     if options.served:
         return build_page(title, sections, {**data, "live": True}, images.packed, served=True)
-    html = build_page(title, sections, data, images.packed)
-    write(options.output, html)
+    try:
+        write_whole(options.output, build_page(title, sections, data, images.packed))
+    except OSError as error:
+        raise Failure(f"{options.output}: {error.strerror}: choose another place", IO) from error
     size = options.output.stat().st_size / 1e6
     return (f"{options.output}: {size:.1f} MB, {len(table.rows)} results, {len(images.packed)} images "
             f"({images.bytes / 1e6:.1f} MB)")
@@ -127,26 +117,6 @@ def images_html(images, written):
         notes.append(f"{images.left_out} of {len(images.sets)} results have links to their EXR files "
                      "only: raise --max-image-mb to embed them.")
     return "".join(f"<p>{note}</p>" for note in notes) + '<div id="image-area"></div>'
-
-
-def write(path, text):
-    partial = None
-    try:
-        handle, partial = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".partial", dir=path.parent)
-        with open(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.chmod(partial, 0o666 & ~_umask())
-        os.replace(partial, path)
-    except OSError as error:
-        if partial:
-            Path(partial).unlink(missing_ok=True)
-        raise Failure(f"{path}: {error.strerror}: choose another place", IO) from error
-
-
-def _umask():
-    mask = os.umask(0o077)
-    os.umask(mask)
-    return mask
 
 
 if __name__ == "__main__":

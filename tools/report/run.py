@@ -13,4 +13,8 @@ ROOT = Path(__file__).resolve().parents[2]
 if __name__ == "__main__":
     sys.dont_write_bytecode = True
     sys.path[:1] = [str(ROOT), str(ROOT / "formats" / "python")]
-    runpy.run_module(f"tools.report.{sys.argv.pop(1)}", run_name="__main__", alter_sys=True)
+    try:
+        runpy.run_module(f"tools.report.{sys.argv.pop(1)}", run_name="__main__", alter_sys=True)
+    except ImportError as error:  # of numpy or matplotlib
+        print(error, file=sys.stderr)
+        sys.exit(20)  # not an exit code of spool: another Python may do

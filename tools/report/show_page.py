@@ -8,7 +8,12 @@ import struct
 import sys
 from html import escape
 
-from tools.report.failure import NO_NUMPY, Failure, guarded
+import numpy as np
+
+from tools.report.failure import guarded
+from tools.report.image_packing import pack_counts, pack_half
+from tools.report.number_text import number_text
+from tools.report.page import build_page
 
 COLOUR = ("estimate", "reference")
 COLUMNS = (("relmse", "relMSE"), ("mse", "MSE"), ("flip_ldr", "FLIP"), ("luminance", "mean luminance"), ("smallest", "smallest value"),
@@ -16,20 +21,10 @@ COLUMNS = (("relmse", "relMSE"), ("mse", "MSE"), ("flip_ldr", "FLIP"), ("luminan
 
 
 def main():
-    return guarded(_main)
-
-
-def _main():
-    try:
-        import numpy  # noqa: F401
-    except ImportError as error:
-        raise Failure("spool show needs numpy: apt-get install python3-numpy", NO_NUMPY) from error
-    return page(sys.stdin.buffer.read())
+    return guarded(lambda: page(sys.stdin.buffer.read()))
 
 
 def page(told):
-    from tools.report.page import build_page
-
     said, planes = unpack(told)
     packed = [_packed(name, plane, said["shrunk"]) for name, plane in planes.items()]
     data = page_data(said, list(planes), packed)
@@ -40,8 +35,6 @@ def page(told):
 
 def unpack(told):
     """What is said of the planes, and {name: [y][x] or [y][x][c]}."""
-    import numpy as np
-
     length, = struct.unpack_from("<I", told)
     said = json.loads(told[4:4 + length])
     planes, at = {}, 4 + length
@@ -54,8 +47,6 @@ def unpack(told):
 
 
 def _packed(name, plane, shrunk):
-    from tools.report.image_packing import pack_counts, pack_half
-
     layer = name.split()[-1]
     if layer == "density" and shrunk == 1:
         return pack_counts(plane)
@@ -88,8 +79,6 @@ def page_data(said, names, packed):
 
 
 def _said(statistics):
-    from tools.report.number_text import number_text
-
     relmse = statistics.get("relmse")
     return "" if relmse is None else f": relMSE {number_text(relmse)}"
 
@@ -107,8 +96,6 @@ def notes_of(said):
 
 
 def numbers_html(said):
-    from tools.report.number_text import number_text
-
     images = [(" + ".join(filter(None, (image["name"], image["filter"]))), image["spp"], image["statistics"])
               for image in said["images"]]
     if said["reference"]:

@@ -19,8 +19,8 @@ import numpy as np
 
 import spool
 import spool.exr
+from tools.report.whole_file import write_whole
 from tools.study.plans import PLANS, methods_of
-from tools.study.whole_file import write_whole
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 

@@ -2,43 +2,44 @@
 """Pictures of full size for docs/findings.md, in docs/images/full_size: one for each figure of the paper and recording.
 
     python3 -m tools.study.full_figures cornell_box_picture torus ...     by name, as recordings of full size lie on this machine
-        [--figure e1 e4 e5 e8 e9]   default: all that the recording has its use for
-        [--crop X,Y,SIDE]...        windows of e4 and e9; default: where the errors of all methods together are largest
+        [--figure e4 e5 e8 e9]   default: all that the recording has its use for
+        [--crop X,Y,W,H]...      windows of e4 and e9; default: those of spool figure
 
 Images that a picture is made of stay in build/full_figures: remove them to have them made again.
 
-Columns are methods. e1 (Figure 7): samples and the level that took most of them, by wavelet. e5 (Figure 9): samples of every sampler.
-e8 (Figures 11c-f): samples with tiles. e4 (Figure 10), e9 (Figure 12): pictures with crops beside the reference.
+Columns are methods. e5 (Figure 9): samples of every sampler. e8 (Figures 11c-f): samples with tiles.
+e4 (Figure 10), e9 (Figure 12): pictures with crops beside the reference.
 """
 import argparse
 import io
+import json
+import re
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import ListedColormap, LogNorm
+from matplotlib.colors import LogNorm
 from matplotlib.patches import Rectangle
 from PIL import Image
 
+import spool
+import spool.exr
+from tools.report.exr_image import rgb
+from tools.report.figure_windows import choose_windows
+from tools.report.result_images import Crop, exposure_and_mean, tone_mapped
 from tools.study.plans import FULL, ROOT, full_recording
-from tools.study.replays import Runs, errors, reference_of, rgb, spool
 
 plt.switch_backend("Agg")
 FOLDER = ROOT / "docs/images/full_size"
-WAVELETS = ("haar", "5-3", "9-7", "db3")
 SAMPLERS = ("mitchell", "adaptive_wavelet", "greedy_error", "nl_means", "multiscale", "multiscale:paper", "neyman")
 DIRECTIONS = (("box", "no filter"), ("directional{anisotropy=none}", "isotropic"),
               ("directional{anisotropy=bank,bank_levels=3}", "bank, three stages"), ("directional", "directional"))
 METHODS = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "wavelet_shrinkage"),
            ("greedy_error", "greedy_selection"), ("nl_means", "nl_means"), ("multiscale:paper", "directional:paper"), ("multiscale", "directional"))
 FRAMES = ("#e69f00", "#56b4e9")
-LEVELS = ListedColormap(["#404040", "#440154", "#31688e", "#35b779", "#fde725"])  # 0 (none), 1 .. 4
-
-
-def shown(image, exposure):
-    linear = np.clip(image * exposure, 0, 1)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def save(figure, path, photos):
@@ -65,30 +66,45 @@ def grid(rows, columns, aspect, width=12.0, bar=0.08):
 
 class Pictures:
     def __init__(self, program, recording, folder, spp):
-        self.runs, self.spp = Runs(program, recording, folder, spp), spp
-        self.reference = reference_of(recording)
-        self.exposure = 0.9 / max(np.percentile(self.reference, 95), 1e-9)
+        self.program, self.recording, self.folder, self.spp = program, recording, folder, spp
+        with spool.open(recording) as dump:
+            self.reference = np.asarray(dump.pixel("reference"), dtype=np.float32)
+        self.exposure = exposure_and_mean(self.reference)[0]
         self.aspect = self.reference.shape[0] / self.reference.shape[1]
-        self.taken = {}
 
-    def samples(self, sampler, views=()):
-        """Layers of a replay: n, and view.NAME."""
-        key = sampler, views
-        if key not in self.taken:
-            self.taken[key] = self.runs.replay(sampler, *(("--views", ",".join(views)) if views else ()))
-        return spool.exr.read(self.taken[key])
+    def _made(self, verb, name, *words):
+        """A file named by what it holds: what is there already is not made again."""
+        path = self.folder / (re.sub(r"[^\w.=-]+", "_", name) + ".exr")
+        if not path.exists():
+            subprocess.run([self.program, verb, self.recording, *words, "-o", path, "-q"], check=True, capture_output=True)
+        return path
+
+    def _counts(self, sampler):
+        return self._made("replay", f"counts-{sampler}", "--sampler", sampler, "--spp", str(self.spp), "--order", "shuffled")
+
+    def samples(self, sampler):
+        return spool.exr.read(self._counts(sampler))["n"].astype(float)
+
+    def image(self, sampler, filter_name):
+        return rgb(spool.exr.read(self._made("reconstruct", f"image-{sampler}-{filter_name}", "--selection", self._counts(sampler),
+                                             "--filter", filter_name)))
+
+    def errors(self, image):
+        """Every metric by its name."""
+        with tempfile.TemporaryDirectory() as folder:
+            files = [Path(folder) / f"{name}.exr" for name in ("image", "reference")]
+            for file, values in zip(files, (image, self.reference)):
+                spool.exr.write(file, {c: np.ascontiguousarray(values[..., i]) for i, c in enumerate("RGB")})
+            done = subprocess.run([self.program, "metrics", *files, "--json"], check=True, capture_output=True, text=True)
+        return {name: found["value"] for name, found in json.loads(done.stdout)["metrics"].items()}
 
     def density(self, axis, counts, title):
         image = axis.imshow(counts, cmap="viridis", norm=LogNorm(max(1, self.spp / 8), self.spp * 8), interpolation="nearest")
         axis.set_title(title, fontsize=10)
         return image
 
-    def image(self, sampler, filter_name):
-        self.samples(sampler)
-        return rgb(self.runs.image(self.taken[sampler, ()], filter_name))
-
     def photo(self, axis, image, title=""):
-        axis.imshow(shown(image, self.exposure), interpolation="nearest")
+        axis.imshow(tone_mapped(image, self.exposure), interpolation="nearest")
         axis.set_title(title, fontsize=10)
 
 
@@ -96,28 +112,12 @@ def colour_bar(figure, image, axes, label):
     figure.colorbar(image, ax=axes, orientation="vertical", shrink=0.8, aspect=25, pad=0.01).set_label(label, fontsize=9)
 
 
-def levels(p):
-    """Figure 7, with our preset and with the paper's."""
-    figure, axes = grid(4, len(WAVELETS), [p.aspect] * 4)
-    names = tuple(f"samples.{k}" for k in range(1, 5))
-    for row, preset in ((0, ""), (2, ":paper")):
-        for column, name in enumerate(WAVELETS):
-            layers = p.samples(f"multiscale{preset}{{filter={name}}}", names)
-            density = p.density(axes[row][column], layers["n"].astype(float), f"{name}, {'paper, tiles of 64' if preset else 'robust'}")
-            of_level = np.stack([layers[f"view.{n}"].astype(float) for n in names])
-            most = np.where(of_level.max(axis=0) > 0, of_level.argmax(axis=0) + 1, 0)
-            level = axes[row + 1][column].imshow(most, cmap=LEVELS, vmin=-0.5, vmax=4.5, interpolation="nearest")
-        colour_bar(figure, density, list(axes[row]), "samples of a pixel")
-        colour_bar(figure, level, list(axes[row + 1]), "level that took most")
-    return figure
-
-
 def densities(p):
     """Figure 9."""
     figure, axes = grid(2, 4, [p.aspect] * 2)
     p.photo(axes[0][0], p.reference, "reference")
     for axis, sampler in zip(axes.flat[1:], SAMPLERS):
-        density = p.density(axis, p.samples(sampler)["n"].astype(float), sampler)
+        density = p.density(axis, p.samples(sampler), sampler)
     colour_bar(figure, density, list(axes.flat), "samples of a pixel")
     return figure
 
@@ -128,38 +128,25 @@ def tiles(p):
                 ("multiscale:paper{tile=64}", "paper, tiles of 64")]
     figure, axes = grid(1, 4, [p.aspect])
     for axis, (sampler, title) in zip(axes.flat, settings):
-        density = p.density(axis, p.samples(sampler)["n"].astype(float), title)
+        density = p.density(axis, p.samples(sampler), title)
     colour_bar(figure, density, list(axes.flat), "samples of a pixel")
     return figure
 
 
-def windows(images, reference, side=48, count=2):
-    """Where the relative errors of all images together are largest, whichever wins there; without overlap."""
-    errors = sum(np.minimum(np.abs(image - reference).mean(axis=2) / (reference.mean(axis=2) + 0.1 * reference.mean()), 2.0) for image in images)
-    worth = np.cumsum(np.cumsum(np.pad(errors, ((1, 0), (1, 0))), axis=0), axis=1)
-    sums = worth[side:, side:] - worth[:-side, side:] - worth[side:, :-side] + worth[:-side, :-side]
-    found = []
-    for _ in range(count):
-        y, x = np.unravel_index(np.argmax(sums), sums.shape)
-        found.append((int(x), int(y), side))
-        sums[max(0, y - 2 * side):y + 2 * side, max(0, x - 2 * side):x + 2 * side] = -np.inf
-    return found
-
-
 def beside(p, methods, titles, crops):
     images = [p.image(*method) for method in methods]
-    crops = crops or windows(images, p.reference)
+    crops = crops or choose_windows(images, p.reference, p.exposure)
     figure, axes = grid(1 + len(crops), len(images) + 1, [p.aspect] + [1.0] * len(crops), width=1.5 * (len(images) + 1), bar=0.0)
     for column, (image, title) in enumerate(zip([*images, p.reference], [*titles, "reference"])):
         p.photo(axes[0][column], image, title)
-        for row, (x, y, side) in enumerate(crops):
-            axes[0][column].add_patch(Rectangle((x - 0.5, y - 0.5), side, side, fill=False, edgecolor=FRAMES[row % 2], linewidth=1.2))
+        for row, (x, y, width, height) in enumerate(crops):
+            axes[0][column].add_patch(Rectangle((x - 0.5, y - 0.5), width, height, fill=False, edgecolor=FRAMES[row % 2], linewidth=1.2))
             below = axes[1 + row][column]
-            p.photo(below, image[y:y + side, x:x + side])
+            p.photo(below, image[y:y + height, x:x + width])
             for spine in below.spines.values():
                 spine.set(color=FRAMES[row % 2], linewidth=2)
         if column < len(images):
-            found = errors(p.runs.program, image, p.reference)
+            found = p.errors(image)
             text = f"relMSE {found['relmse']:.2g}\ntrimmed {found['relmse_trimmed']:.2g}\nenergy {found['energy_ratio']:.3f}"
             axes[-1][column].set_xlabel(text, fontsize=9)
     return figure
@@ -175,7 +162,7 @@ def every_method(p, crops):
 
 
 # name: (samples per pixel, whether it has crops, what draws it)
-FIGURES = {"e1": (4, False, levels), "e4": (8, True, directions), "e5": (16, False, densities), "e8": (8, False, tiles),
+FIGURES = {"e4": (8, True, directions), "e5": (16, False, densities), "e8": (8, False, tiles),
            "e9": (8, True, every_method)}
 
 
@@ -186,12 +173,12 @@ def main():
     parser.add_argument("--crop", action="append")
     parser.add_argument("--program", default=ROOT / "build/release/spool", type=Path)
     arguments = parser.parse_args()
-    crops = [tuple(map(int, text.split(","))) for text in arguments.crop or []]
+    crops = [Crop(*map(int, text.split(","))) for text in arguments.crop or []]
     for name in arguments.recordings:
         path = full_recording(arguments.program, name, ROOT / "build/experiments_full/pools")
         if path is None:
             sys.exit(f"full_figures: {name} is not here: tools/dev.sh record {name}")
-        chosen = arguments.figure or (["e8"] if name in FULL["analytic"] and name.endswith("_512") else ["e1", "e4", "e5", "e9"])
+        chosen = arguments.figure or (["e8"] if name in FULL["analytic"] and name.endswith("_512") else ["e4", "e5", "e9"])
         for figure in chosen:
             spp, cropped, draw = FIGURES[figure]
             folder = ROOT / "build/full_figures" / f"{name}_{path.stat().st_mtime_ns}_{spp}"

@@ -7,11 +7,10 @@ import hashlib
 import json
 import shutil
 import subprocess
-import sys
 
+from tools.report.whole_file import write_whole
 from tools.study import kept
 from tools.study.plans import ROOT, full_plan, full_recording, full_recordings, group_of, text_of
-from tools.study.whole_file import write_whole
 
 
 def plan_hash(plan):
@@ -47,8 +46,7 @@ class Store:
         known = json.loads(self._hashes.read_text()) if self._hashes.exists() else {}
         key = f"{path.stem} {path.stat().st_size} {path.stat().st_mtime_ns}"
         if key not in known:
-            sys.path.append(str(ROOT / "dumps/verify"))
-            from content_hash import content_hash  # needs numpy
+            from dumps.verify.content_hash import content_hash  # needs numpy
             known[key] = content_hash(path)
             self.scratch.mkdir(parents=True, exist_ok=True)
             write_whole(self._hashes, json.dumps(known))

@@ -15,7 +15,7 @@ import sys
 import tarfile
 from pathlib import Path
 
-from tools.study.whole_file import write_whole
+from tools.report.whole_file import write_whole
 
 QUANTITIES = ("mse", "relmse", "relmse_trimmed", "relmse_equal_energy", "energy_ratio", "flip_ldr", "ssim", "seconds_sampling",
               "seconds_filtering", "cpu_sampling", "cpu_filtering", "saturated_share", "mse_half_pixels", "relmse_half_pixels")

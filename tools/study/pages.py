@@ -16,9 +16,9 @@ from pathlib import Path
 
 import tomllib
 
+from tools.report.whole_file import write_whole
 from tools.study import kept, tables
 from tools.study.plans import FULL
-from tools.study.whole_file import write_whole
 
 HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]

@@ -10,9 +10,9 @@ Candidates are the claims of tools/plans/tuning.toml: each against the defaults.
 import argparse
 from pathlib import Path
 
+from tools.report.whole_file import write_whole
 from tools.study import full_size, kept, pages, tables
 from tools.study.plans import NAMED, PLANS, ROOT, full_recordings, make_recordings, text_of
-from tools.study.whole_file import write_whole
 
 SAMPLER, FILTER = "multiscale", "directional"
 BAND = (0.97, 1.03)  # of the energy ratio

@@ -11,7 +11,6 @@
 #include <fmt/core.h>
 
 #include "lib/core/visible_text.h"
-#include "tools/terminal/quiet.h"
 
 namespace spool::tools {
 

@@ -26,6 +26,8 @@ void print_line(std::string_view text);
 // kIo when something printed did not arrive (a full disk, a closed stdout).
 Result<void> check_output();
 
+// From now on print_note() prints nothing: --quiet of every verb.
+void keep_quiet();
 // To stderr, which may be closed or full: nothing is said of that.
 void print_error(const Error& error);  // "spool: ...", one line, at most 400 bytes
 void print_warning(std::string_view text);

@@ -1,4 +1,5 @@
-// `spool check`: every record of a recording verified.
+// `spool check`: every record of a recording verified; and `spool recover`: all intact records of a
+// cut or damaged recording, in a new complete file.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +12,12 @@ struct CheckOptions {
   std::filesystem::path dump;
 };
 
+struct RecoverOptions {
+  std::filesystem::path input, output;
+};
+
 // kDamage when anything is lost; what, is printed first.
 Result<void> run_check(const CheckOptions& options, const CommonOptions& common);
+Result<void> run_recover(const RecoverOptions& options, const CommonOptions& common);
 
 }  // namespace spool::tools

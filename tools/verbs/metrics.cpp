@@ -5,7 +5,6 @@
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/energy_masks.h"
-#include "lib/metrics/error_metrics.h"
 #include "tools/json/answers_json.h"
 #include "tools/verbs/mask_files.h"
 #include "tools/verbs/picture_name.h"

@@ -81,7 +81,7 @@ std::optional<Finished> run_program(std::vector<std::string> words, const std::s
 }
 
 constexpr int kNotFound = 127;
-constexpr int kNoNumpy = 20;  // tools/report/failure.py
+constexpr int kNoNumpy = 20;  // tools/report/run.py
 
 // The generator ends with one line; a traceback's last line says most.
 Error error_of(const Finished& finished) {

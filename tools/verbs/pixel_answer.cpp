@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <vector>
 
 #include "lib/core/student.h"
 

@@ -13,7 +13,6 @@
 #include "lib/statistics/means_pass.h"
 #include "tools/json/answers_json.h"
 #include "tools/methods/method_memory.h"
-#include "tools/methods/selection_file.h"
 #include "tools/methods/view_files.h"
 #include "tools/terminal/progress.h"
 #include "tools/verbs/picture_name.h"

@@ -1,7 +1,6 @@
 // `spool replay`: a sampler spends a budget on a recording; the counts are written as an EXR.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>

@@ -1,6 +1,5 @@
 #include "tools/verbs/report.h"
 
-#include <filesystem>
 #include <system_error>
 #include <utility>
 #include <vector>

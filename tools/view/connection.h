@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>  // Boost 1.74 uses it without including it
 
 #include <boost/asio.hpp>
 #include <boost/beast.hpp>

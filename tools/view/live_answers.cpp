@@ -2,8 +2,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 #include <utility>
 
 #include <nlohmann/json.hpp>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -14,7 +13,6 @@
 #include "lib/experiment/plan.h"
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
-#include "tools/json/json_text.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_settings.h"
 #include "tools/terminal/interrupt.h"

@@ -147,7 +147,7 @@ def estimate(context):
 
 def record_path():
     """Inside the installed add-on, or beside this folder in the tree."""
-    inside = os.path.join(HERE, "recorder", "cycles", "record.py")
+    inside = os.path.join(HERE, "recorder", "dumps", "cycles", "record.py")
     return inside if os.path.isfile(inside) else os.path.join(os.path.dirname(HERE), "record.py")
 
 

@@ -1,6 +1,5 @@
 #include "lib/filters/directional/base_step.h"
 
-#include <span>
 #include <vector>
 
 #include "lib/core/parallel.h"

@@ -1,7 +1,6 @@
 #include "lib/filters/directional/filter_size.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "lib/core/parallel.h"
 #include "lib/filters/twin_guides/feature_fit.h"
 #include "lib/filters/twin_guides/tiles.h"
 #include "lib/kernels/truncated_filter.h"

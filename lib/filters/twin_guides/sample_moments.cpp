@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/truncated_filter.h"

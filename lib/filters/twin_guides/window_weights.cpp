@@ -1,7 +1,6 @@
 #include "lib/filters/twin_guides/window_weights.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 

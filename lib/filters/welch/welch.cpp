@@ -1,7 +1,6 @@
 #include "lib/filters/welch/welch.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "lib/core/student.h"

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "lib/core/vector_clones.h"
 #include "lib/pyramid/region_mean.h"
 #include "lib/pyramid/row_loop.h"
-#include "lib/sampling/multiscale/region_counts.h"
 
 namespace spool {
 

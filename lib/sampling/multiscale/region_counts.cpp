@@ -1,7 +1,5 @@
 #include "lib/sampling/multiscale/region_counts.h"
 
-#include <algorithm>
-
 #include "lib/core/vector_clones.h"
 #include "lib/pyramid/row_loop.h"
 

@@ -1,7 +1,5 @@
 #include "lib/sampling/multiscale/step_blocks.h"
 
-#include <algorithm>
-
 namespace spool {
 
 BlockGrid::BlockGrid(const Rectangle& bounds)

@@ -2,9 +2,9 @@
 import csv
 import math
 
+from tools.report.whole_file import write_whole
 from tools.study.plans import ROOT
 from tools.study.tables import as_csv, markdown
-from tools.study.whole_file import write_whole
 
 PAGE, KEPT = ROOT / "docs/coverage.md", ROOT / "docs/results/coverage"
 

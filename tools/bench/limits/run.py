@@ -2,82 +2,22 @@
 
 Each row is a process of its own: CPU seconds, and the most memory it held itself (anonymous pages; a recording that is
 mapped from its file is not counted, as the system can take it back). Recordings of noise over edges are made in the build folder and removed: 4 GB of disk at once. As root on Linux, the recording that is larger than
-memory is read inside a control group whose limit it exceeds. Writes docs/limits.md, unless it shall only print.
+memory is read inside a control group whose limit it exceeds. Writes the table of docs/limits.md, unless it shall only print.
 """
 import argparse
 import os
-import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 
 import spool
+from tools.bench.limited_run import control_group, run
+from tools.bench.speed_page import replace_section
+from tools.study.tables import markdown
 
 ROOT = Path(__file__).resolve().parents[3]
-
-PAGE = ROOT / "docs" / "limits.md"
-GROUPS = Path("/sys/fs/cgroup/memory")     # version 1; version 2 has memory.max in /sys/fs/cgroup
 MB = 1e6
-TEXT = """# Limits
-
-How time and memory grow with pixels and samples, measured up to what one machine holds, and what happens beyond.
-Written by `tools/dev.sh bench limits`; the source is `tools/bench/limits`.
-
-| what | limit | what happens there |
-|---|---|---|
-| width, height | 65536 each, 2^28 pixels together | `synth`, `pack` and the recorders refuse before work; a file that says more is refused at opening |
-| samples a pixel | 65536 | the same |
-| layers, blocks, records | `formats/spool.md`, section 6 | the same |
-| budget | the samples recorded, less those held out | the program refuses before work, the library stops there and says so |
-| memory | 130 to 420 bytes a pixel by method (in its value, `memory`), 12 bytes a sample of radiance that cannot be mapped (half floats, compressed), 8 bytes a sample of film positions that cannot and that a method asks for | `replay`, `reconstruct` and `evaluate` compare what a recording needs with what is free, what control groups and `ulimit -v` and `-d` leave, and `SPOOL_MEMORY` (bytes), and read it block by block, or refuse before work; pictures, views and quarter pixels are estimated roughly |
-| disk | 12 bytes a sample in f32, 6 in f16 | recorders and `synth` stop with exit code 3; what was written can be recovered |
-
-A recording in f32 without compression is mapped, others are decoded into memory, while that and the work fit. A larger one is
-read block by block ([decision 0091](decisions.md#0091-a-recording-larger-than-memory-is-read-block-by-block)): statistics go tile by tile and through the blocks of
-a tile in their order. What that costs beside the same in memory: [speed.md](speed.md#a-recording-larger-than-memory).
-
-A sampler that comes back to a tile in steps is cheap while the samples of one tile fit (64 x 64 pixels of 1024 samples: 50 MB), and
-reads again and again where they do not: under `ulimit -v` the program's own address space counts, too. `multistage` reads the
-file four to six times. A method that takes single samples from all over the picture (replicates, `multiscale` without tiles at many
-samples) reads blocks as often as they leave what is kept. `tests/tools/test_memory.py` runs the same on 74 MB in 9 MB.
-
-Time grows with pixels and, much slower, with samples; memory with pixels only: a machine of 24 GB holds 4096x4096 with every method. Layers recorded beside radiance (half floats here) cost those methods that ask for them, and the others
-nothing.
-
-"""
-
-
-def anonymous_memory(process):
-    """Bytes that the process holds besides files; 0 once it has ended."""
-    try:
-        for line in Path(f"/proc/{process}/status").read_text(encoding="ascii").splitlines():
-            if line.startswith("RssAnon:"):
-                return int(line.split()[1]) * 1024
-    except (FileNotFoundError, ProcessLookupError):
-        pass
-    return 0
-
-
-def run(*command, group=None, environment=None):
-    """Exit code, CPU seconds, most anonymous bytes, last line of standard error."""
-    def enter():
-        if group:
-            (group / "cgroup.procs").write_text(str(os.getpid()), encoding="ascii")
-
-    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                               preexec_fn=enter, env={**os.environ, **(environment or {})})
-    anonymous = 0
-    while True:
-        ended, status, usage = os.wait4(process.pid, os.WNOHANG)
-        if ended:
-            break
-        anonymous = max(anonymous, anonymous_memory(process.pid))
-        time.sleep(0.005)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    said = process.stderr.read().strip().splitlines()
-    return process.returncode, usage.ru_utime + usage.ru_stime, anonymous, said[-1] if said else ""
 
 
 class Limits:
@@ -87,10 +27,10 @@ class Limits:
         self.rows = []
 
     def add(self, what, verb, result, pixels, samples):
-        code, cpu, anonymous, said = result
-        if code != 0:
-            sys.exit(f"limits: {what}, {verb}: exit code {code}: {said}")
-        row = (what, verb, f"{cpu:.2f}", f"{cpu / samples * 1e9:.0f}", f"{anonymous / MB:.0f}", f"{anonymous / pixels:.0f}")
+        if result["code"] != 0:
+            sys.exit(f"limits: {what}, {verb}: exit code {result['code']}: {result['told']}")
+        cpu, own = result["cpu"], result["anonymous"]
+        row = (what, verb, f"{cpu:.2f}", f"{cpu / samples * 1e9:.0f}", f"{own / MB:.0f}", f"{own / pixels:.0f}")
         self.rows.append(row)
         print("| " + " | ".join(row) + " |", file=sys.stderr, flush=True)
 
@@ -116,14 +56,14 @@ class Limits:
     def replay(self, what, path, pixels, budget):
         """Image of sample counts, made with `multiscale`."""
         selection = self.folder / "selection.exr"
-        self.add(what, "`replay`, multiscale", run(self.spool, "replay", path, "--sampler", "multiscale", "--spp", budget, "-q",
-                                                   "--force", "-o", selection), pixels, pixels * budget)
+        self.add(what, "`replay`, multiscale", run([self.spool, "replay", path, "--sampler", "multiscale", "--spp", budget, "-q",
+                                                    "--force", "-o", selection]), pixels, pixels * budget)
         return selection
 
     def reconstruct(self, what, path, selection, filter, pixels, budget):
         self.add(what, f"`reconstruct`, {filter}",
-                 run(self.spool, "reconstruct", path, "--selection", selection, "--filter", filter, "-q", "--force", "-o",
-                     self.folder / "i.exr"), pixels, pixels * budget)
+                 run([self.spool, "reconstruct", path, "--selection", selection, "--filter", filter, "-q", "--force", "-o",
+                      self.folder / "i.exr"]), pixels, pixels * budget)
 
     def measure(self, width, height, spp, budget):
         path, what = self.recording(width, height, spp), f"{width}x{height}, {budget} of {spp}"
@@ -145,31 +85,25 @@ class Limits:
     def beyond_memory(self, width, height, spp, limit):
         """A recording larger than the memory that its reader may have."""
         path = self.recording(width, height, spp)
-        group = GROUPS / "spool_limits"
-        try:
-            group.mkdir(exist_ok=True)
-            (group / "memory.limit_in_bytes").write_text(str(limit), encoding="ascii")
-        except OSError as problem:
-            path.unlink()
-            return f"A recording beyond memory was not measured here: no control group ({problem})."
         os.posix_fadvise(os.open(path, os.O_RDONLY), 0, 0, os.POSIX_FADV_DONTNEED)
-        what = f"{width}x{height}, all of {spp}, in {limit / MB:.0f} MB"
-        size = path.stat().st_size
-        self.add(what, "`reconstruct`, box", run(self.spool, "reconstruct", path, "--filter", "box", "-q", "--force", "-o",
-                                                 self.folder / "i.exr", group=group), width * height, width * height * spp)
+        what, size = f"{width}x{height}, all of {spp}, in {limit / MB:.0f} MB", path.stat().st_size
+        with control_group(limit) as group:
+            if group:
+                self.add(what, "`reconstruct`, box", run([self.spool, "reconstruct", path, "--filter", "box", "-q", "--force", "-o",
+                                                          self.folder / "i.exr"], group), width * height, width * height * spp)
         path.unlink()
+        if not group:
+            return "A recording beyond memory was not measured here: no control group."
         return (f"The last recording has {size / 1e9:.1f} GB and was read by a process that could have {limit / 1e9:.2f} GB in "
                 "all, the cache of the file included (control group).")
 
     def refusal(self, path, pixels):
-        began = time.monotonic()
-        code, _, anonymous, said = run(self.spool, "replay", path, "--sampler", "multiscale", "--spp", 1, "--force", "-o",
-                                            self.folder / "no.exr", environment={"SPOOL_MEMORY": str(pixels * 300)})
-        if code != 1 or "GB of memory" not in said:
-            sys.exit(f"limits: not refused: exit code {code}: {said}")
-        said = said.replace(str(path), path.name)
-        return (f"Refused after {time.monotonic() - began:.2f} s and {anonymous / MB:.0f} MB, with exit code 1, when only "
-                f"{pixels * 300 / 1e9:.3g} GB are free:\n\n    {said}")
+        done = run([self.spool, "replay", path, "--sampler", "multiscale", "--spp", 1, "--force", "-o", self.folder / "no.exr"],
+                   environment={"SPOOL_MEMORY": str(pixels * 100)})
+        if done["code"] != 1 or "GB of memory" not in done["told"]:
+            sys.exit(f"limits: not refused: exit code {done['code']}: {done['told']}")
+        return (f"Refused after {done['wall']:.2f} s and {done['anonymous'] / MB:.0f} MB, with exit code 1, when only "
+                f"{pixels * 100 / 1e9:.3g} GB are free:\n\n    {done['told'].replace(str(path), path.name)}")
 
 
 def main():
@@ -190,11 +124,10 @@ def main():
     limits.measure_channels(side // 4)
     told.insert(0, limits.beyond_memory(side // 4, side // 4, 1024, side * side // 16 * 9800))
     head = ("recording", "step", "CPU-s", "ns a sample", "own memory, MB", "bytes a pixel")
-    table = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *("| " + " | ".join(r) + " |" for r in limits.rows)]
-    text = TEXT + "\n".join(table) + "\n\n" + "\n\n".join(told) + "\n"
+    text = "\n\n".join([markdown(head, limits.rows), *told])
     print(text)
     if not options.print:
-        PAGE.write_text(text, encoding="utf-8")
+        replace_section("limits", text, ROOT / "docs" / "limits.md")
 
 
 if __name__ == "__main__":

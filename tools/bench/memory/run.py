@@ -8,22 +8,20 @@ the cache. Images must be the same bytes. Writes a section of docs/speed.md, unl
 import argparse
 import contextlib
 import os
-import resource
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
 
 import spool
+from tools.bench.limited_run import control_group, run, status
 from tools.bench.speed_page import replace_section
 
 ROOT = Path(__file__).resolve().parents[3]
 
 METHODS = {"uniform": "replay", "multiscale{tile=64}": "replay", "box": "reconstruct", "gaussian": "reconstruct", "directional": "reconstruct"}
-GROUPS = {Path("/sys/fs/cgroup/memory"): "memory.limit_in_bytes", Path("/sys/fs/cgroup"): "memory.max"}
 MB = 1e6
 SECONDS = 2.0                                   # target: times the run in memory
 
@@ -39,60 +37,11 @@ def write_recording(path, side, samples):
             writer.write_passes(begin, {"radiance": (mean * noise).astype("f4")})
 
 
-@contextlib.contextmanager
-def control_group(limit):
-    """A group with this limit of memory; None where none can be made."""
-    for top, file in GROUPS.items():
-        group = top / f"spool_bench_{os.getpid()}"
-        try:
-            if not (top / "cgroup.procs").exists():
-                continue
-            group.mkdir()
-            (group / file).write_text(str(int(limit)), encoding="ascii")
-        except OSError:
-            if group.exists():
-                group.rmdir()
-            continue
-        try:
-            yield group
-        finally:
-            group.rmdir()
-        return
-    yield None
-
-
-def status(process, name, file="status"):
-    try:
-        for line in Path(f"/proc/{process}/{file}").read_text(encoding="ascii").splitlines():
-            if line.startswith(name + ":"):
-                return int(line.split()[1])
-    except (OSError, ValueError):
-        pass
-    return 0
-
-
-def run(command, group=None, addresses=None):
-    """Wall and CPU seconds, most resident bytes (its own, of libraries and of mapped files), bytes that it read."""
-    def enter():
-        if group:
-            (group / "cgroup.procs").write_text(str(os.getpid()), encoding="ascii")
-        if addresses:
-            resource.setrlimit(resource.RLIMIT_AS, (addresses, addresses))
-
-    began = time.monotonic()
-    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=enter)
-    resident = read = 0
-    while True:
-        ended, code, used = os.wait4(process.pid, os.WNOHANG)
-        if ended:
-            break
-        resident = max(resident, 1024 * status(process.pid, "VmHWM"))
-        read = max(read, status(process.pid, "rchar", "io"))
-        time.sleep(0.01)
-    process.returncode = os.waitstatus_to_exitcode(code)
-    if process.returncode != 0:
-        sys.exit(f"memory: {' '.join(map(str, command))}: exit code {process.returncode}: {process.stderr.read().strip()}")
-    return {"wall": time.monotonic() - began, "cpu": used.ru_utime + used.ru_stime, "resident": resident, "read": read}
+def measured(command, group=None, addresses=None):
+    found = run(command, group, addresses)
+    if found["code"] != 0:
+        sys.exit(f"memory: {' '.join(map(str, command))}: exit code {found['code']}: {found['told']}")
+    return {key: found[key] for key in ("wall", "cpu", "resident", "read")}
 
 
 def forget(path):
@@ -139,7 +88,7 @@ class Bench:
                         if cold:
                             forget(path)
                         out = folder / "image.exr"
-                        runs[way].append(run(["cat", path] if method == "cat" else self.command(path, method, out), group, limited))
+                        runs[way].append(measured(["cat", path] if method == "cat" else self.command(path, method, out), group, limited))
                     if method != "cat":
                         images[way] = out.read_bytes()
             if len(set(images.values())) > 1:

@@ -1,51 +1,25 @@
-"""Writes docs/metric_checks.md, `spool metrics` against other people's programs: tools/dev.sh bench metrics.
+"""Writes the table of docs/metric_checks.md, `spool metrics` against other people's programs: tools/dev.sh bench metrics.
 
-Needs a Python with numpy, scipy, scikit-image and flip-evaluator, which it makes in the user's cache, or SPOOL_METRICS_PYTHON.
+Run by the Python that has the programs of others (tools/bench/peers).
 """
 import csv
 import json
-import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+from tools.bench.speed_page import replace_section
+from tools.study.tables import markdown
+
 ROOT = Path(__file__).resolve().parents[3]
-PAGE = ROOT / "docs" / "metric_checks.md"
 TABLE = ROOT / "docs" / "results" / "metric_checks.csv"
-PACKAGES = ["numpy", "scipy", "scikit-image==0.26.0", "flip-evaluator==1.7", "zstandard"]
 RECORDINGS = ["chess", "table", "caustic", "mist"]
 METRICS = ["mse", "rmse", "psnr_tm", "ssim", "ms_ssim", "flip_ldr", "flip_hdr", "relmse", "relmse_trimmed", "mae", "relmae",
            "smape", "se_p999", "energy_ratio", "energy_ratio_d1", "energy_ratio_d10"]
 BY = {"mse": "scikit-image `mean_squared_error`", "rmse": "root of that", "psnr_tm": "scikit-image `peak_signal_noise_ratio`",
       "ssim": "scikit-image `structural_similarity`", "ms_ssim": "scipy, after [WangSimoncelliBovik03]",
       "flip_ldr": "flip-evaluator, LDR", "flip_hdr": "flip-evaluator, HDR"}
-
-TEXT = """# Metrics against independent implementations
-
-Written by `tools/dev.sh bench metrics`: five images (four recordings of `dumps/tiny`, 8 uniform samples, box filter; scene S with fireflies), as
-`spool metrics A.exr B.exr --set perceptual=all` and as programs of others judge them: scikit-image {skimage}, flip-evaluator {flip} (by
-FLIP's authors), and the published formulas in numpy where there is no program. The tone map before PSNR, SSIM and
-LDR-FLIP is numpy's. Every value: [metric_checks.csv](results/metric_checks.csv).
-
-{table}
-
-What is left of FLIP is the authors' float arithmetic (target: 1e-4); the rest are roundings of double sums. Negative values count as 0
-here, and the authors' program maps them by its tone curve: where half of an image is negated, `flip_hdr` is 0.553 here and 0.299 there, and 0.553 in both
-where the image is clamped before.
-"""
-
-
-def python_with_packages():
-    chosen = os.environ.get("SPOOL_METRICS_PYTHON")
-    folder = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "spool" / "metrics-venv"
-    python = chosen or folder / "bin" / "python"
-    if subprocess.run([python, "-c", "import skimage, scipy, flip_evaluator, zstandard"], stderr=subprocess.DEVNULL).returncode \
-            if Path(python).exists() else True:
-        subprocess.run(["/usr/bin/python3", "-m", "venv", folder], check=True)
-        python = folder / "bin" / "python"
-        subprocess.run([python, "-m", "pip", "install", "-q", *PACKAGES], check=True)
-    return python
 
 
 def make_images(program, folder):
@@ -141,7 +115,7 @@ def compare(program):
         for name, image, reference in make_images(program, Path(folder)):
             printed = subprocess.run([program, "metrics", image, reference, "--set", "perceptual=all", "--json"], check=True,
                                      capture_output=True, text=True).stdout
-            ours = values_of(json.loads(printed))
+            ours = {metric: found["value"] for metric, found in json.loads(printed)["metrics"].items()}
             a, b = (np.stack([np.asarray(spool.exr.read(p)[c], dtype="f8") for c in "RGB"], axis=-1) for p in (image, reference))
             theirs = independent(a, b)
             for metric in METRICS:
@@ -150,25 +124,18 @@ def compare(program):
                 rows.append([name, metric, BY.get(metric, "numpy").replace("`", ""), f"{ours[metric]:.9g}", f"{theirs[metric]:.9g}", f"{difference:.1e}"])
     with open(TABLE, "w", newline="", encoding="utf-8") as stream:
         csv.writer(stream, lineterminator="\n").writerows([["image", "metric", "independent", "spool", "other", "difference"], *rows])
-    table = "\n".join(["| metric | independent | largest difference |", "|---|---|---|",
-                       *(f"| `{metric}` | {BY.get(metric, 'numpy')} | {worst[metric]:.1e} |" for metric in METRICS)])
-    PAGE.write_text(TEXT.format(table=table, skimage=skimage.__version__, flip=version("flip-evaluator")), encoding="utf-8")
+    table = (f"With scikit-image {skimage.__version__}, flip-evaluator {version('flip-evaluator')}:\n\n" +
+             markdown(["metric", "independent", "largest difference"], [[f"`{m}`", BY.get(m, "numpy"), f"{worst[m]:.1e}"] for m in METRICS]))
+    replace_section("metrics", table, ROOT / "docs" / "metric_checks.md")
     print(table)
     return 0 if max(worst["flip_ldr"], worst["flip_hdr"]) < 1e-4 else 1
-
-
-def values_of(printed):
-    metrics = printed["metrics"] if "metrics" in printed else printed
-    if isinstance(metrics, list):
-        metrics = {m["name"]: m for m in metrics}
-    return {name: (m["value"] if isinstance(m, dict) else m) for name, m in metrics.items()}
 
 
 def main():
     if sys.argv[1] == "--compare":
         sys.exit(compare(Path(sys.argv[2])))
-    program = Path(sys.argv[1]).resolve() / "spool"
-    sys.exit(subprocess.run([python_with_packages(), "-m", "tools.bench.metrics.run", "--compare", program]).returncode)
+    from tools.bench.peers.run import peers_python  # draws with matplotlib, which that Python lacks
+    sys.exit(subprocess.run([peers_python(), "-m", "tools.bench.metrics.run", "--compare", Path(sys.argv[1]).resolve() / "spool"]).returncode)
 
 
 if __name__ == "__main__":

@@ -17,10 +17,13 @@ IMAGES = {"filter": "filter of 8 uniform samples", "pair": "sampler and filter, 
 OIDN = "Open Image Denoise, albedo and normal"
 
 
-def measure(build, arguments):
+def peers_python():
     cache = Path(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache"))) / "spool"
-    python = os.environ.get("SPOOL_PEERS_PYTHON", cache / "peers-venv" / "bin" / "python")
-    done = subprocess.run([python, "-m", "tools.bench.peers.subjects", build / "spool", str(arguments.size),
+    return os.environ.get("SPOOL_PEERS_PYTHON", cache / "peers-venv" / "bin" / "python")
+
+
+def measure(build, arguments):
+    done = subprocess.run([peers_python(), "-m", "tools.bench.peers.subjects", build / "spool", str(arguments.size),
                            str(arguments.turns), str(arguments.longest), arguments.without], env={**os.environ, "PYTHONPATH": str(build.resolve() / "python")}, check=True, cwd=ROOT,
                           stdout=subprocess.PIPE, text=True)
     return json.loads(done.stdout)

@@ -2,14 +2,13 @@
 import os
 import sys
 
-DUMPS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "dumps")
-sys.path[:0] = [os.path.join(DUMPS, "cycles"), os.path.join(DUMPS, "recording")]
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..", "..")))
 
-import bpy  # noqa: E402
+import bpy
 
-from passes import plan_channels, switch_passes  # noqa: E402
-from scene import load_scene, prepare  # noqa: E402
-from settings import apply_settings, select_samples  # noqa: E402
+from dumps.cycles.passes import plan_channels, switch_passes
+from dumps.cycles.scene import load_scene, prepare
+from dumps.cycles.settings import apply_settings, select_samples
 
 name, size, samples, channels = sys.argv[-4:]
 scene, _ = load_scene(name, None)

@@ -2,17 +2,15 @@
 import os
 import sys
 
-DUMPS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "dumps")
-sys.path[:0] = [os.path.join(DUMPS, "mitsuba"), os.path.join(DUMPS, "recording")]
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..", "..")))
 
-from variant import choose_variant  # noqa: E402
+import mitsuba as mi
 
-import mitsuba as mi  # noqa: E402
+from dumps.mitsuba.scene import Wishes, load_scene
+from dumps.mitsuba.variant import choose_variant
 
 name, size, samples, channels = sys.argv[-4:]
 mi.set_variant(choose_variant()[0])
-from scene import Wishes, load_scene  # noqa: E402
-
 found = load_scene(mi, name, Wishes(size=(int(size), int(size))))
 integrator = found.scene.integrator()
 if channels != "radiance":
