@@ -21,7 +21,7 @@ from tools.bench.speed_page import PAGE, replace_section
 
 FEATURES = Path("dumps/tiny/chess.spool")
 TEST = b"\xf6\x40\x08\x04"                      # testb $4, 8(%rax): GCC's question for x86-64-v4 in a resolver; with 0 the answer is no
-OIDN = "filter/oidn{prefilter=false}"
+OIDN = "filter/oidn{prefilter=off}"
 FEATURES_TOO = ["sampler/cross_bilateral", "filter/cross_bilateral", "filter/twin_guides", OIDN]  # with features, beside those that need them
 
 
