@@ -6,8 +6,6 @@ JUDGED, BUDGET, BYTES, TWO_THREADS, LONG = 512, 8, 300, 1.8, 0.5
 # Targets in CPU seconds a megapixel; of methods that are not named, OTHERS.
 SECONDS = {"sampler/nl_means": 10, "filter/nl_means": 2.5, "filter/directional": 0.5}
 OTHERS = 10.0
-PAIRS = {("sampler/multiscale", "filter/directional"): 2.5, ("sampler/greedy_error", "filter/greedy_selection"): 4,
-         ("sampler/filtered_halves", "filter/directional"): 6}
 
 
 def told(value, digits, holds=True):
@@ -78,8 +76,4 @@ def page(kept):
     kinds = {kind: [name for name in names if name.startswith(kind + "/")] for kind in ("sampler", "filter")}
     for kind, methods in kinds.items():
         text += [judged(kind, kept, methods), ""]
-    for (sampler, filter), limit in PAIRS.items():
-        both = [of(kept, JUDGED, 1, method) for method in (sampler, filter)]
-        if all(both):
-            text.append(f"- `{sampler.split('/')[1]}` and `{filter.split('/')[1]}`: {sum(map(megapixel, both)):.2f} CPU-s/MP, target {limit:g}.")
     return "\n".join(text)
