@@ -101,7 +101,7 @@ Filter twin_guides_filter() {
        .presets = {{"robust", {}}, {"heavy_tails", heavy_tailed_twin_guides_options()}},
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
        .memory = {574, 5e6},
-       .cost = 4.7,
+       .cost = 2.7,
        .run = reconstruct_twin_guides});
 }
 

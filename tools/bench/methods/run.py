@@ -19,7 +19,7 @@ from tools.bench.methods.mosaic import write_mosaic
 from tools.bench.methods.page import growth_rows, page
 from tools.bench.speed_page import PAGE, replace_section
 
-BUDGET, JUDGED = 8, 1024                       # JUDGED: pixels along a side of the picture that the targets name
+BUDGET, JUDGED = 8, 512                        # JUDGED: pixels along a side of the picture of the table
 SAMPLES, LARGE, LARGE_SAMPLES = 64, 4096, 16
 FEATURES = Path("dumps/tiny/chess.spool")      # for methods that require features, which scene S has not
 
