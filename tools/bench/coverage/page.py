@@ -31,8 +31,8 @@ Single rows, and how many of their intervals lie below the truth: [rows.csv](res
 
 ## What forbids more
 
-- `neyman`, an oracle, is left out of both tables: its halves share what decides, and in relMSE on balls and caustic half of its families claim a
-  difference.
+- `neyman`, an oracle, is left out of both tables: its halves share what decides, and in relMSE on balls and the caustics most of its families
+  claim a difference.
 - Light that few samples carry: a recording without them lacks it, and its interval lies too low. Three recordings (`--recordings`, `group`) show it.
   Of {below} rows below 90 % {both} miss to both sides.
 - The relMSE of `multiscale` without a filter: bright pixels take samples from all others, so that replicates are more alike than the samples
