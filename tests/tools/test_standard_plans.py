@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from conftest import LONGEST_RUN, PROGRAM, WITH_OIDN
-from tools.study.plans import FULL, make_recordings
+from tools.study.plans import make_recordings
 
 ROOT = Path(__file__).resolve().parents[2]
 MADE_ELSEWHERE = {"counts", "ensemble", "exec", "image", "oidn", "python"}  # need a file, a command, a library or other filters
@@ -23,8 +23,9 @@ def plans(tmp_path_factory):
     for plan in PLANS:
         (tree / "tools/plans" / plan.name).write_text(plan.read_text())
     make_recordings(PROGRAM, tree / "tools/plans/pools")
-    for group in FULL["groups"]:  # recordings of full size, which are made elsewhere: a small one stands for each
-        (tree / "tools/plans" / group).symlink_to(ROOT / "dumps/tiny/chess.spool")
+    asked = {name for plan in PLANS for name in tomllib.loads(plan.read_text()).get("recordings", ()) if "/" not in name}
+    for name in asked:  # recordings of full size, which are made elsewhere: a small one stands for each
+        (tree / "tools/plans" / name).symlink_to(ROOT / "dumps/tiny/chess.spool")
     return tree / "tools/plans"
 
 
