@@ -23,7 +23,7 @@ from tools.study.plans import FULL
 HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]
 CLAIM = re.compile(r"\{\{(\w+;[^\n]*?;\s*\w+)\}\}")
-CHANGED = "2026-11-26"  # small plans that ran before have the `directional` of before decision 0158
+CHANGED = "2026-11-26T19:40"  # small plans that ran before are judged without the rule of replicates (decision 0155)
 DENSITY = {"levels_3_4": "samples of levels 3 and 4", "near_edges": "adaptive samples near edges", "correlation": "correlation with noise",
            "block_index": "jump at multiples of 16", "tile_jump": "jump at its tiles"}
 
