@@ -30,7 +30,7 @@ claimed of MSE and of relMSE; 5 % may.
 
 - `neyman`, an oracle, is left out: its halves share what decides, and in relMSE on balls and the caustics most of its families
   claim a difference.
-- Light that few samples carry: a recording without them lacks it, and its interval lies too low. Three recordings (`--recordings`, `group`) show it.
+- Light that few samples carry: a recording without them has too low an interval. Three recordings (`--recordings`, `group`) show it.
   Of {below} rows below 90 % {both} miss to both sides.
 - The relMSE of `multiscale` without a filter: bright pixels take samples from all others, so that replicates are more alike than the samples
   they share; its least row holds the truth in {least}.
@@ -42,8 +42,7 @@ claimed of MSE and of relMSE; 5 % may.
 SCENES = ("scene", "side", "samples", "recordings", "measured", "rows", "held", "below", "withheld", "least", "below_without", "least_without",
           "itself_mse", "itself_relmse", "itself_mse_without", "itself_relmse_without")
 ROWS = ("scene", "quantity", "method", "spp", "intervals", "held", "too_low", "share", "share_without")
-MORE = """ Scenes named `_256` have 256 x 256 pixels of 256 samples; they, and the preset
-`paper`, have fewer methods."""
+MORE = """ Names in `_256`: 256 x 256 pixels of 256 samples, these two; `paper`: that preset."""
 ENOUGH = 0.9
 
 
