@@ -165,11 +165,11 @@ def readings(store, plans):
 
 
 def rival_of(claim, described):
-    """Whom a statement of the paper is about."""
+    """What a statement of the paper compares with."""
     if claim["than"] == "uniform + box":
         return "uniform sampling"
-    if claim["than"].partition(" ")[0].partition(":")[0].partition("{")[0] == "multiscale":
-        return "its own variants (E2, E4, E7)"
+    if tables.names(claim["than"])[0] == "multiscale":
+        return "its own variants"
     return "re-implementations [R]" if tables.by_description(claim["than"], described) else "methods with released code"
 
 

@@ -46,9 +46,14 @@ def as_csv(header, rows):
     return stream.getvalue()
 
 
+def names(method):
+    """Of "SAMPLER + FILTER", without presets and options."""
+    return [part.partition("{")[0].partition(":")[0] for part in method.split(" + ")]
+
+
 def by_description(method, described):
     """Whether a part of "SAMPLER + FILTER" is re-implemented from a description."""
-    return any(part.partition("{")[0].partition(":")[0] in described for part in method.split(" + "))
+    return any(name in described for name in names(method))
 
 
 def verdict(claim):
