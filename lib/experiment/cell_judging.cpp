@@ -7,6 +7,7 @@
 
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/peak_memory.h"
+#include "lib/sampling/block_jump.h"
 #include "lib/statistics/joined_halves.h"
 
 namespace spool {
@@ -49,6 +50,14 @@ std::vector<std::pair<int, long long>> counts_of(const std::vector<SampledPart>&
       ++pieces[n * scale];
   }
   return {pieces.begin(), pieces.end()};
+}
+
+double mean_jump(const std::vector<SampledPart>& parts) {
+  constexpr int kBlock = 16;  // pixels: the side of the largest regions and dyadic blocks
+  double sum = 0.0;
+  for (const SampledPart& part : parts)
+    sum += block_jump(part.sampled.selection.statistics.n, kBlock * part.pool.pieces_per_side());
+  return sum / static_cast<double>(parts.size());
 }
 
 Result<void> judge_split(const MetricOptions& metrics, const SamplingRun& run,
@@ -129,6 +138,7 @@ void add_facts(const SamplingRun& run, CellResult& result) {
   result.recorded_spp = recording.spp();
   result.recorded_kurtosis = run.kurtosis;
   result.counts = counts_of(run.parts);
+  result.block_jump = mean_jump(run.parts);
   result.sampling = run.time;
   result.cost_per_sample = recording.cost_per_sample();
 }

@@ -90,6 +90,7 @@ struct CellResult {
   double recorded_kurtosis = 0.0;            // of its samples (sample_kurtosis.h)
   // Samples taken (of a list as long as a pixel's) and the number of pieces that gave so many.
   std::vector<std::pair<int, long long>> counts;
+  double block_jump = 0.0;  // of these across multiples of 16 pixels (block_jump.h)
   int threads = 0;
   bool alone = true;  // nothing else of the experiment ran meanwhile
   SamplingLog log;

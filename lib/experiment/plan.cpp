@@ -379,9 +379,9 @@ class PlanReader {
       SPOOL_TRY(at(value, check_method_name(plan, text)));
       (key == "better" ? claim.better : claim.than) = text;
     } else if (key == "metric") {
-      if (std::ranges::find(compared_metrics(), text) == compared_metrics().end()) {
-        return refuse(value, "{}", unknown_name("metric", text, compared_metrics()));
-      }
+      const std::vector<std::string> known = claimed_metrics();
+      if (std::ranges::find(known, text) == known.end())
+        return refuse(value, "{}", unknown_name("metric", text, known));
       claim.metric = text;
     } else if (key == "samples") {
       if (text != "own" && text != "fresh")
@@ -423,8 +423,10 @@ class PlanReader {
     std::vector<std::string> needed = {"relmse", "mse", "energy_ratio"};
     for (const Claim& claim : plan.claims)
       needed.push_back(claim.metric);
-    for (const std::string& name : needed)
-      wanted[static_cast<std::size_t>(metric_index(name))] = true;
+    for (const std::string& name : needed) {
+      if (const int metric = metric_index(name); metric >= 0)
+        wanted[static_cast<std::size_t>(metric)] = true;
+    }
     if (std::ranges::all_of(wanted, std::identity())) wanted.clear();
   }
 

@@ -13,6 +13,12 @@ const std::vector<std::string>& compared_metrics() {
   return names;
 }
 
+std::vector<std::string> claimed_metrics() {
+  std::vector<std::string> names = compared_metrics();
+  names.emplace_back("block_jump");
+  return names;
+}
+
 const std::string& ResultRecord::text(std::string_view column) const {
   return fields[column_index(column)];
 }

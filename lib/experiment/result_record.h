@@ -13,6 +13,8 @@ namespace spool {
 
 // Metrics that methods are ranked by.
 const std::vector<std::string>& compared_metrics();
+// Those that a claim may ask of: these and block_jump.
+std::vector<std::string> claimed_metrics();
 
 struct ResultRecord {
   std::vector<std::string> fields;                // as result_columns()

@@ -162,6 +162,10 @@ std::vector<ResultColumn> sample_columns() {
       number_column("saturated_share",
                     "saturated pieces / all pieces; above 0.01 the recording is too short",
                     saturated_share),
+      number_column("block_jump",
+                    "mean jump of the counts across multiples of 16 pixels / that elsewhere; above "
+                    "1.2 the density shows blocks",
+                    [](const R& r) { return r.block_jump; }),
   };
 }
 

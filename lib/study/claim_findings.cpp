@@ -20,8 +20,10 @@ Comparison compared(const Claim& claim, const std::vector<MethodResults>& method
     return claim.fresh ? method.fresh_series(claim.metric)
                        : method.series(quantity_index(claim.metric));
   };
-  return compare_paired(series(*better), series(*than),
-                        metrics()[static_cast<std::size_t>(metric_index(claim.metric))].better);
+  const int metric = metric_index(claim.metric);  // below 0: of the counts
+  return compare_paired(
+      series(*better), series(*than),
+      metric < 0 ? Better::kLower : metrics()[static_cast<std::size_t>(metric)].better);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ std::vector<Quantity> make_quantities() {
   for (const char* name :
        {"seconds_total", kCpuTotal, "seconds_sampling", "seconds_filtering", "cpu_sampling",
         "cpu_filtering", "seconds_exchange", "seconds_reading", "seconds_judging",
-        "seconds_writing", "peak_memory_mb", kSamplesPerPixel, "efficiency"})
+        "seconds_writing", "peak_memory_mb", kSamplesPerPixel, "efficiency", kBlockJump})
     list.push_back({name});
   for (const char* name : {"saturated_share", "mse_worst_share", "relmse_worst_share"})
     list.push_back({name, Range::kShare});

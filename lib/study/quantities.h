@@ -20,5 +20,6 @@ std::size_t quantity_index(const std::string& name);  // of one that is there
 // Processor seconds of sampling and filtering, and of rendering where the recording has them.
 inline constexpr const char* kCpuTotal = "cpu_total";
 inline constexpr const char* kSamplesPerPixel = "samples_per_pixel";
+inline constexpr const char* kBlockJump = "block_jump";  // of the counts
 
 }  // namespace spool

@@ -313,6 +313,9 @@ TEST(Plan, MetricsThatItNamesComeBesideThoseOfTablesAndClaims) {
   EXPECT_EQ(table.experiment.metrics.trim, 0.01);
   EXPECT_EQ(wanted(*parse(plan_text(table))), wanted(some));
   EXPECT_NE(cell_id(some.cells()[0], some), cell_id(all.cells()[0], all));
+  const Plan counts = *parse(base + "metrics = ['ssim']\n[[claim]]\nbetter = 'multiscale + box'\n" +
+                             "than = 'uniform + box'\nmetric = 'block_jump'\n");
+  EXPECT_EQ(wanted(counts), (std::set<std::string>{"relmse", "mse", "energy_ratio", "ssim"}));
 }
 
 TEST(Plan, RecordingsWithOneNameAreRefused) {

@@ -6,8 +6,8 @@ Measures of a replay, one number per replicate:
   near_edges       share of the adaptive samples within 2 pixels of the tenth of the pixels with the largest
                    gradient of the reference's log luminance (their share of the image: edge_area)
   correlation      Pearson correlation of the count with the deviation of all recorded samples, over pixels
-  block_index      mean |difference of counts| across multiples of 16 / elsewhere
-  tile_jump        the same across the borders of the sampler's tiles
+  tile_jump        mean |difference of counts| across the borders of the sampler's tiles / elsewhere; block_jump of the results is
+                   that of multiples of 16 pixels
 """
 import itertools
 import json
@@ -63,7 +63,7 @@ class Recording:
 
 
 def measure(counts, log, recording, tile):
-    found = {"block_index": jump(counts, 16), "edge_area": float(recording.edges.mean())}
+    found = {"edge_area": float(recording.edges.mean())}
     adaptive = counts - counts.min()
     if adaptive.sum() > 0:
         found["near_edges"] = float(adaptive[recording.edges].sum() / adaptive.sum())
