@@ -92,6 +92,7 @@ class PlanReader {
     plan.experiment.halves = halves ? plan.measured_halves() : 0;
     SPOOL_TRY(read_options("pool", sanitise_option_table(), plan.rules));
     SPOOL_TRY(read_metrics(plan.experiment.metrics));
+    has_results_ = vocabulary.has_results;
     SPOOL_ASSIGN(plan.samplers, read_methods(vocabulary.samplers));
     SPOOL_ASSIGN(plan.filters, read_methods(vocabulary.filters));
     SPOOL_TRY(read_masks(plan));
@@ -519,7 +520,8 @@ class PlanReader {
   template <class Function>
   Result<void> add_checked(const MethodList<Function>& known, MethodChoice choice,
                            const toml::node& where, std::vector<MethodChoice>& choices) const {
-    SPOOL_TRY(at(where, make_method(known, choice)));
+    SPOOL_TRY(
+        at(where, has_results_ ? describe_method(known, choice) : make_method(known, choice)));
     SPOOL_TRY(at(where, check_own_label(known, choice)));
     choices.push_back(std::move(choice));
     return at(where, check_distinct(known.kind, choices));
@@ -528,6 +530,7 @@ class PlanReader {
   const toml::table& root_;
   std::string name_;
   std::filesystem::path folder_;
+  bool has_results_ = false;
 };
 
 }  // namespace

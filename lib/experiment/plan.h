@@ -99,6 +99,7 @@ struct Plan {
 struct PlanVocabulary {
   const MethodList<SamplerFunction>& samplers;
   const MethodList<FilterFunction>& filters;
+  bool has_results = false;  // they are only read: what methods run may be missing
 };
 
 // Errors: kIo when the file cannot be read, kUsage for everything that is wrong in it.

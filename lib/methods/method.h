@@ -51,6 +51,8 @@ struct Ready {
   Function run;
   Needs needs;
   WorkingMemory memory = kUnmeasuredMemory;  // its own; a filter in its loop takes more
+  // Error kUsage where a library of others that it runs is missing; empty: it runs none.
+  std::function<Result<void>()> installed = nullptr;
 
   template <class... Arguments>
   auto operator()(Arguments&&... arguments) const {

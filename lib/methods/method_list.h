@@ -87,12 +87,25 @@ Result<MethodChoice> choose_method(const MethodList<Function>& list, std::string
   return choice;
 }
 
-// The method of a choice, ready to run. Errors kUsage, with the nearest known name, when there is
-// no such method, preset or option.
+// The method of a choice, of which what it runs may be missing: enough for results that are there.
+// Errors kUsage, with the nearest known name, when there is no such method, preset or option.
 template <class Function>
-Result<Ready<Function>> make_method(const MethodList<Function>& list, const MethodChoice& choice) {
+Result<Ready<Function>> describe_method(const MethodList<Function>& list,
+                                        const MethodChoice& choice) {
   SPOOL_ASSIGN(const Method<Function>* method, known_method(list, choice.name));
   return make_ready(list.kind, *method, choice.preset, choice.set);
+}
+
+// The same, ready to run; kUsage, too, when something that it runs is missing.
+template <class Function>
+Result<Ready<Function>> make_method(const MethodList<Function>& list, const MethodChoice& choice) {
+  SPOOL_ASSIGN(Ready<Function> ready, describe_method(list, choice));
+  if (!ready.installed) return ready;
+  if (const auto installed = ready.installed(); !installed) {
+    return fail(installed.error().code, "{} {}: {}", list.kind, choice.name,
+                installed.error().message);
+  }
+  return ready;
 }
 
 }  // namespace spool

@@ -21,6 +21,20 @@ def test_without_the_library_it_is_refused_before_any_work(run, dump, tmp_path, 
     assert not (tmp_path / "r").exists() and not (tmp_path / "i.exr").exists()
 
 
+def test_results_are_read_without_the_library(run, good, dump, tmp_path, monkeypatch):
+    """A colleague's folder: judged again and compared, though nothing of it could be run here."""
+    if not installed(run, dump):
+        pytest.skip("Open Image Denoise is not installed: set SPOOL_OIDN to its libOpenImageDenoise.so")
+    good("evaluate", dump, "--filters", "box,ensemble:oidn+gaussian", "--spp", 4, "--replicates", 2, "-o", "r")
+    for name, value in MISSING.items():
+        monkeypatch.setenv(name, value)
+    before = (tmp_path / "r/statistics.json").read_bytes()
+    good("evaluate", "--statistics-only", "r", "-q")
+    assert (tmp_path / "r/statistics.json").read_bytes() == before
+    good("compare", "r", "r")
+    run("evaluate", "r/plan.toml", "-o", "again").failed_with(2, "ensemble", "/nowhere/libOpenImageDenoise.so", "SPOOL_OIDN")
+
+
 def test_it_is_listed_whether_it_is_there_or_not(good, monkeypatch):
     for name, value in MISSING.items():
         monkeypatch.setenv(name, value)

@@ -75,7 +75,8 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
                 "{}: no plan.toml in it: give a folder that spool evaluate -o wrote",
                 path.string());
   }
-  SPOOL_ASSIGN(folder.plan, read_plan(path / "plan.toml", {known_samplers(), known_filters()}));
+  SPOOL_ASSIGN(folder.plan,
+               read_plan(path / "plan.toml", {known_samplers(), known_filters(), true}));
   SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps, known_dumps(path));
   for (const DumpIdentity& dump : dumps)
     folder.dumps[dump.path.filename().string()] = dump;

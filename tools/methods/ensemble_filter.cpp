@@ -1,5 +1,6 @@
 #include "tools/methods/ensemble_filter.h"
 
+#include <functional>
 #include <utility>
 
 namespace spool::tools {
@@ -32,16 +33,24 @@ Result<ReadyFilter> make_ensemble_filter(const MethodList<FilterFunction>& known
                 names.size(), kMostEnsembleParts);
   }
   std::vector<ReadyFilter> ready;
+  std::vector<std::function<Result<void>()>> checks;
   for (const std::string& name : names) {
     SPOOL_ASSIGN(const MethodChoice choice, choose_method(known, name));
     if (choice.name == "ensemble" || !choice.own_label.empty()) {
       return fail(ErrorCode::kUsage, "ensemble:{}: {} is no part: name filters, without labels",
                   parts, name);
     }
-    SPOOL_ASSIGN(ReadyFilter part, make_method(known, choice));
+    SPOOL_ASSIGN(ReadyFilter part, describe_method(known, choice));
+    if (part.installed) checks.push_back(part.installed);
     ready.push_back(std::move(part));
   }
-  return ensemble(std::move(ready), options);
+  ReadyFilter made = ensemble(std::move(ready), options);
+  made.installed = [checks]() -> Result<void> {
+    for (const auto& installed : checks)
+      SPOOL_TRY(installed());
+    return {};
+  };
+  return made;
 }
 
 }  // namespace spool::tools

@@ -80,7 +80,7 @@ Result<std::vector<ChosenMethod<Function>>> choose(const MethodList<Function>& k
     choice.set.insert(choice.set.end(), own.begin(), own.end());
     const bool has_preset = std::ranges::find(method.presets, preset) != method.presets.end();
     if (choice.preset.empty() && has_preset) choice.preset = preset;
-    SPOOL_ASSIGN(Ready<Function> ready, make_ready(known.kind, method, choice.preset, choice.set));
+    SPOOL_ASSIGN(Ready<Function> ready, make_method(known, choice));
     chosen.push_back({std::move(choice), &method, std::move(ready)});
   }
   std::vector<MethodChoice> choices = choices_of(chosen);

@@ -52,7 +52,18 @@ def trimmed(statistics):
                "ranking": [{k: m[k] for k in ("sampler", "filter", "ratio")} for m in c["ranking"] if m.get("ratio")]}
               for c in statistics["conditions"] if c["metric"] in ("mse", "relmse")]
     claims = [{**c, "places": [{**p, "dump": Path(p["dump"]).stem} for p in c["places"]]} for c in statistics["claims"]]
-    return short({"version": statistics["version"], "claims": claims, "results": results, "conditions": ratios})
+    return short({"version": statistics["version"], "claims": claims, "results": results, "conditions": ratios, **beside(statistics)})
+
+
+def beside(statistics):
+    """Of a plan with a baseline of its own: means over the recordings, and the samples that a method needs for the baseline's error."""
+    if statistics.get("baseline", "uniform + box") == "uniform + box":
+        return {}
+    overall = [{**{k: o[k] for k in ("spp", "sampler", "filter")}, "quantities": {q: o["quantities"][q] for q in ("energy_ratio", "cpu_total")},
+                "ratios": {m: a["ratio"] for m, a in o.get("against_baseline", {}).items()}} for o in statistics["overall"]]
+    needed = [{"dump": Path(c["dump"]).stem, **{k: c[k] for k in ("sampler", "filter", "needed")}}
+              for c in statistics["curves"] if c["metric"] == "relmse" and c.get("needed")]
+    return {"overall": overall, "needed": needed}
 
 
 def small_cell(text, of_group=False):

@@ -33,6 +33,7 @@ METHODS = {"uniform + directional": "uniform + directional", "multiscale:paper +
 QUICK = {"uniform + nl_means": "uniform + nl_means", "uniform + directional": "uniform + directional",
          "multiscale + box": "multiscale + box", "multiscale + directional": "robust"}
 
+NETWORK = "n_beside_network"
 READINGS = {"a14_sampler_readings": ("multiscale:paper", "box"), "a15_filter_readings": ("multiscale:paper", "directional:paper")}
 
 
@@ -177,12 +178,43 @@ def rivals(small, full):
     found = {}
     for plan in dict.fromkeys(p for c in CHAPTERS for p in c["plans"]):
         store = full if full.texts(plan) else small
-        for claim in (c for c in store.claims(plan) if c.get("source")):
+        for claim in (c for c in store.claims(plan) if c.get("source", "").startswith("LiuZheng")):
             preset = "paper" if claim["better"].startswith("multiscale:paper") else "robust"
             found.setdefault(rival_of(claim, store.described(plan)), {}).setdefault((preset, claim["samples"]), []).append(claim)
     columns = [(preset, samples) for preset in ("robust", "paper") for samples in ("own", "fresh")]
     return tables.markdown(["against", *(f"`{preset}`, {samples} samples" for preset, samples in columns)],
                            [[rival, *(tables.summary(of.get(c, ())) or "–" for c in columns)] for rival, of in found.items()])
+
+
+def short_name(method):
+    """Without options, and an ensemble without its parts."""
+    return " + ".join(f"`{part.partition('{')[0].partition(':')[0]}`" for part in method.split(" + ", 1))
+
+
+def beside_network(store, plan):
+    """Method by budget: trimmed relMSE and FLIP over those of the plan's baseline, and energy; CPU seconds at 8 samples."""
+    rows, budgets = {}, {}
+    for o in store.json(plan, "statistics.json").get("overall", ()):
+        row = rows.setdefault(short_name(f"{o['sampler']} + {o['filter']}"), {})
+        energy = o["quantities"]["energy_ratio"][0]
+        errors = [tables.number(o["ratios"][m][0], n) if o["ratios"] else "1" for m, n in (("relmse_trimmed", 3), ("flip_ldr", 3))]
+        budgets[o["spp"]] = f"{o['spp']:g} spp"
+        row[o["spp"]] = " / ".join([*errors, f"{energy:.2f}"])
+        if o["spp"] == 8:
+            row["CPU-s"] = tables.number(o["quantities"]["cpu_total"][0], 2)
+    return tables.markdown(["sampler + filter", *budgets.values(), "CPU-s"], [[name, *(row.get(k, "") for k in (*budgets, "CPU-s"))] for name, row in rows.items()])
+
+
+def needed(store, plan, methods, budgets):
+    """Recording by method: samples a pixel with which it has the relMSE that the plan's baseline has with `budgets`."""
+    rows = {}
+    for curve in store.json(plan, "statistics.json").get("needed", ()):
+        name = short_name(f"{curve['sampler']} + {curve['filter']}")
+        if name in methods:
+            found = {n["at"]: f"{n['bound']} {tables.number(n['spp'], 2)}".strip() for n in curve["needed"]}
+            rows.setdefault(curve["dump"], {})[name] = [found.get(b, "–") for b in budgets]
+    return tables.markdown(["recording", *(f"{m}: for {b}" for m in methods for b in budgets)],
+                           [[name, *(cell for m in methods for cell in row.get(m, ["–"] * len(budgets)))] for name, row in rows.items()])
 
 
 def chapters_of(full):
@@ -218,6 +250,9 @@ def page(template, small, full):
     text = CLAIM.sub(lambda match: said(match, small, full), text)
     for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("readings", lambda: readings(small, READINGS)), ("rivals", lambda: rivals(small, full)),
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
+                       ("beside_network", lambda: beside_network(full, NETWORK)),
+                       ("needed", lambda: needed(full, NETWORK, ("`uniform` + `ensemble`", "`cross_halves` + `ensemble`"), (8, 16, 32))),
+                       ("asked", lambda: ", ".join(f"`{n}`" for n in full.json(NETWORK, "made.json"))),
                        ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:
             text = text.replace("{{" + name + "}}", made())
@@ -245,5 +280,5 @@ def write(docs, full):
     store.folder.mkdir(parents=True, exist_ok=True)
     for chapter in chapters_of(full):
         write_csv(store, chapter)
-    for name in ("experiments", "findings") if full else ("experiments",):
+    for name in ("experiments", "findings", "filters") if full else ("experiments",):
         write_whole(docs / f"{name}.md", page(f"{name}.in", small, large))

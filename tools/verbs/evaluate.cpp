@@ -165,7 +165,8 @@ Result<void> compute_statistics(const EvaluateOptions& options, const CommonOpti
                   "{}: no plan.toml in it: give a folder that spool evaluate -o wrote",
                   folder.string());
     }
-    SPOOL_ASSIGN(Plan plan, read_plan(folder / "plan.toml", {known_samplers(), known_filters()}));
+    SPOOL_ASSIGN(Plan plan,
+                 read_plan(folder / "plan.toml", {known_samplers(), known_filters(), true}));
     SPOOL_TRY(choose_baseline(plan, options));
     SPOOL_TRY(write_statistics(folder, plan, common, options.wide));
   }

@@ -97,7 +97,7 @@ Result<LiveChoices> choices_of_results(const fs::path& folder, bool allow_comman
     return choices;
   }
   SPOOL_ASSIGN(const Plan plan,
-               read_plan(folder / "plan.toml", {known_samplers(), known_filters()}));
+               read_plan(folder / "plan.toml", {known_samplers(), known_filters(), true}));
   std::vector<std::string> left_out;
   choices.samplers = replayed(known_samplers(), plan.samplers, allow_commands, left_out);
   choices.filters = replayed(known_filters(), plan.filters, allow_commands, left_out);

@@ -136,7 +136,10 @@ Filter oidn_filter() {
   filter.make = [make = filter.make](std::string_view preset,
                                      const OptionValues& set) -> Result<ReadyFilter> {
     SPOOL_ASSIGN(ReadyFilter ready, make(preset, set));
-    SPOOL_TRY(open_oidn());
+    ready.installed = []() -> Result<void> {
+      SPOOL_TRY(open_oidn());
+      return {};
+    };
     return ready;
   };
   return filter;

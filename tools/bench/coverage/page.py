@@ -13,7 +13,7 @@ TEXT = """# How often the 95 % intervals hold the truth
 Written by `tools/dev.sh bench coverage`. Each scene was made 10 times (two samplers: 60 times): every sample drawn with replacement from a recording,
 whose mean is the exact reference; scene S anew. Each was evaluated
 as `spool evaluate` does it by default, 8 replicates, 4, 8, 16 of 64 samples: `uniform`, `mitchell`, `adaptive_wavelet`, `greedy_error`, `nl_means`,
-`neyman`, `multiscale` with `box`; `uniform` and `multiscale`, the two samplers, with `directional`.{more} A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
+`multiscale` with `box`; `uniform` and `multiscale`, the two samplers, with `directional`.{more} A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
 Its interval should hold the mean of the other recordings in 95 %. A row that is right lies below 90 % by chance in {chance[10]:.0f} of 100 where 10 recordings
 were made, and in {chance[60]:.0f} where 60 were. Rows are *withheld* where most of their recordings have no verdict
 because few pixels carry the error ([decision 156](decisions.md#0156-what-a-verdict-may-stand-on)); "without halves" are the same results with the
@@ -28,8 +28,7 @@ claimed of MSE and of relMSE; 5 % may.
 
 ## What forbids more
 
-- `neyman`, an oracle, is left out: its halves share what decides, and in relMSE on balls and the caustics most of its families
-  claim a difference.
+- The oracle `neyman` is left out: its halves share what decides.
 - Light that few samples carry: a recording without them has too low an interval. Three recordings (`--recordings`, `group`) show it.
   Of {below} rows below 90 % {both} miss to both sides.
 - The relMSE of `multiscale` without a filter: bright pixels take samples from all others, so that replicates are more alike than the samples
@@ -42,7 +41,8 @@ claimed of MSE and of relMSE; 5 % may.
 SCENES = ("scene", "side", "samples", "recordings", "measured", "rows", "held", "below", "withheld", "least", "below_without", "least_without",
           "itself_mse", "itself_relmse", "itself_mse_without", "itself_relmse_without")
 ROWS = ("scene", "quantity", "method", "spp", "intervals", "held", "too_low", "share", "share_without")
-MORE = """ Names in `_256`: 256 x 256 pixels of 256 samples, these two; `paper`: that preset."""
+MORE = """ *Filter in the loop*: `denoised_variance`, `filtered_halves`, `cross_halves` with `box`. Names in `_256` and `cornell_box_picture`: 256 x 256 pixels of 256
+samples, the two samplers; `paper`: that preset."""
 ENOUGH = 0.9
 
 
