@@ -12,26 +12,14 @@
 #include <toml++/toml.h>
 
 #include "lib/core/nearest_name.h"
-#include "lib/experiment/result_record.h"
+#include "lib/experiment/plan_claims.h"
+#include "lib/experiment/plan_methods.h"
 #include "lib/experiment/toml_nesting.h"
+#include "lib/experiment/toml_reader.h"
 
 namespace spool {
 namespace {
 
-// "{a=1,b=2}": what of a choice is its own in a sweep; nothing outside of one.
-std::string swept_values(const MethodChoice& choice, const std::vector<std::string>& swept) {
-  std::string text;
-  for (const std::string& key : swept) {
-    const auto set =
-        std::ranges::find(choice.set, key, [](const auto& option) { return option.first; });
-    text += (text.empty() ? "" : ",") + key + "=" +
-            (key == "preset" || set == choice.set.end() ? choice.preset : set->second);
-  }
-  return text.empty() ? text : "{" + text + "}";
-}
-
-// Of budgets, and of methods that come out of a sweep: beyond, the cells would be too many to list.
-constexpr std::size_t kMostValues = 2000;
 constexpr std::uintmax_t kLargestPlan = std::uintmax_t{16} << 20;  // bytes of a file
 
 // As large as TOML has numbers.
@@ -46,36 +34,15 @@ Result<std::uint64_t> parse_seed(const std::string& text) {
               std::numeric_limits<std::int64_t>::max(), text);
 }
 
-// TOML is UTF-8, names of files are bytes: a name that is none is written as file:NAME with its
-// bytes as percent signs and digits, as RFC 8089 has them; so is one that itself starts with
-// "file:".
-std::string file_of_text(const std::string& text) {
-  constexpr std::string_view kScheme = "file:";
-  if (!text.starts_with(kScheme)) return text;
-  std::string name;
-  for (std::size_t i = kScheme.size(); i < text.size(); ++i) {
-    unsigned byte = 0;
-    const char* digits = text.data() + i + 1;
-    if (text[i] == '%' && i + 2 < text.size() &&
-        std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2) {
-      name += static_cast<char>(byte);
-      i += 2;
-    } else {
-      name += text[i];
-    }
-  }
-  return name;
-}
-
 Result<bool> parse_flag(std::string_view name, std::string_view text) {
   if (text == "on" || text == "off") return text == "on";
   return fail(ErrorCode::kUsage, "{} is true or false, not '{}'", name, text);
 }
 
-class PlanReader {
+class PlanReader : private TomlReader {
  public:
   PlanReader(const toml::table& root, std::string name, std::filesystem::path folder)
-      : root_(root), name_(std::move(name)), folder_(std::move(folder)) {}
+      : TomlReader(std::move(name)), root_(root), folder_(std::move(folder)) {}
 
   Result<Plan> read(const PlanVocabulary& vocabulary) {
     Plan plan;
@@ -92,32 +59,16 @@ class PlanReader {
     plan.experiment.halves = halves ? plan.measured_halves() : 0;
     SPOOL_TRY(read_options("pool", sanitise_option_table(), plan.rules));
     SPOOL_TRY(read_metrics(plan.experiment.metrics));
-    has_results_ = vocabulary.has_results;
-    SPOOL_ASSIGN(plan.samplers, read_methods(vocabulary.samplers));
-    SPOOL_ASSIGN(plan.filters, read_methods(vocabulary.filters));
+    SPOOL_TRY(read_methods(*this, root_, vocabulary, plan));
     SPOOL_TRY(read_masks(plan));
     SPOOL_TRY(read_baseline(plan));
-    SPOOL_TRY(read_claims(plan));
+    SPOOL_TRY(read_claims(*this, root_, plan));
     add_needed_metrics(plan);
     SPOOL_TRY(check_recording_names(plan));
     return plan;
   }
 
  private:
-  template <class... Args>
-  tl::unexpected<Error> refuse(const toml::node& where, fmt::format_string<Args...> format,
-                               Args&&... args) const {
-    return fail(ErrorCode::kUsage, "{}:{}: {}", name_, where.source().begin.line,
-                fmt::format(format, std::forward<Args>(args)...));
-  }
-
-  // The same result, or its error with the line of the plan before it.
-  template <class T>
-  Result<T> at(const toml::node& where, Result<T> result) const {
-    if (result) return result;
-    return refuse(where, "{}", result.error().message);
-  }
-
   Result<void> check_keys() const {
     const std::vector<std::string> known = {"title",       "recordings",     "spp",
                                             "replicates",  "seed",           "order",
@@ -133,26 +84,6 @@ class PlanReader {
       return refuse(node, "{}", unknown_name("key", key.str(), known));
     }
     return {};
-  }
-
-  // The values of a key that holds one value or a list.
-  static std::vector<const toml::node*> values_of(const toml::node& node) {
-    std::vector<const toml::node*> values;
-    if (const toml::array* list = node.as_array()) {
-      for (const toml::node& value : *list)
-        values.push_back(&value);
-    } else {
-      values.push_back(&node);
-    }
-    return values;
-  }
-
-  Result<std::string> text_of(const toml::node& node) const {
-    if (const auto text = node.value_exact<std::string>()) return *text;
-    if (const auto whole = node.value_exact<std::int64_t>()) return std::to_string(*whole);
-    if (const auto number = node.value_exact<double>()) return format_number(*number);
-    if (const auto flag = node.value_exact<bool>()) return std::string(*flag ? "on" : "off");
-    return refuse(node, "a number, a text or true/false is wanted here");
   }
 
   template <class Value, class Parse>
@@ -177,7 +108,7 @@ class PlanReader {
     SPOOL_TRY(read_dumps(plan));
     if (plan.recordings.empty()) {
       return fail(ErrorCode::kUsage, "{}: no recordings: write recordings = [\"FILE.spool\"]",
-                  name_);
+                  name());
     }
     return {};
   }
@@ -229,7 +160,7 @@ class PlanReader {
   Result<void> read_budgets(Plan& plan) const {
     const toml::node* node = root_.get("spp");
     if (!node || values_of(*node).empty()) {
-      return fail(ErrorCode::kUsage, "{}: no budgets: write spp = [4, 8, 16]", name_);
+      return fail(ErrorCode::kUsage, "{}: no budgets: write spp = [4, 8, 16]", name());
     }
     if (values_of(*node).size() > kMostValues) {
       return refuse(*node, "{} budgets: give at most {}", values_of(*node).size(), kMostValues);
@@ -257,10 +188,8 @@ class PlanReader {
                          integer("pieces_per_side", 1, 2)));
     SPOOL_TRY(read_value("repeats", plan.experiment.repeats, integer("repeats", 1, 1000)));
     SPOOL_TRY(read_threads(plan));
-    SPOOL_TRY(read_value("pictures", plan.pictures, [](const std::string& text) -> Result<bool> {
-      if (text == "on" || text == "off") return text == "on";
-      return fail(ErrorCode::kUsage, "pictures is true or false, not '{}'", text);
-    }));
+    SPOOL_TRY(read_value("pictures", plan.pictures,
+                         [](const std::string& text) { return parse_flag("pictures", text); }));
     SPOOL_TRY(
         read_value("decision_split", plan.experiment.decision_split,
                    [](const std::string& text) { return parse_flag("decision_split", text); }));
@@ -332,73 +261,6 @@ class PlanReader {
     return at(*node, check_method_name(plan, plan.baseline));
   }
 
-  Result<void> read_claims(Plan& plan) const {
-    const toml::node* tables = root_.get("claim");
-    if (!tables) return {};
-    for (const toml::node* node : values_of(*tables)) {
-      const toml::table* table = node->as_table();
-      if (!table) return refuse(*node, "write [[claim]] and below it better = ... and than = ...");
-      Claim claim;
-      for (const auto& [key, value] : *table)
-        SPOOL_TRY(set_claim(claim, key.str(), value, plan));
-      if (claim.better.empty() || claim.than.empty() || claim.better == claim.than) {
-        return refuse(*table, "a claim needs two methods: better = \"SAMPLER + FILTER\" and than");
-      }
-      if (claim.fresh && !has_fresh(claim.metric)) {
-        return refuse(*table, "samples = \"fresh\": only of relmse, mse and energy_ratio");
-      }
-      if (claim.text.empty()) claim.text = claim.better + " has less error than " + claim.than;
-      plan.experiment.fresh = plan.experiment.fresh || claim.fresh;
-      plan.claims.push_back(std::move(claim));
-    }
-    return {};
-  }
-
-  static bool has_fresh(const std::string& metric) {
-    return metric == "relmse" || metric == "mse" || metric == "energy_ratio";
-  }
-
-  Result<void> set_claim(Claim& claim, std::string_view key, const toml::node& value,
-                         const Plan& plan) const {
-    if (key == "spp") {
-      for (const toml::node* budget : values_of(value)) {
-        SPOOL_ASSIGN(const std::string text, text_of(*budget));
-        SPOOL_ASSIGN(const double spp, at(*budget, parse_number("spp", text, 1e-3, 65536.0)));
-        if (std::ranges::find(plan.spp, spp) == plan.spp.end()) {
-          return refuse(*budget, "spp {} is no budget of the plan", text);
-        }
-        claim.spp.push_back(spp);
-      }
-      return {};
-    }
-    SPOOL_ASSIGN(const std::string text, text_of(value));
-    if (key == "text") {
-      claim.text = text;
-    } else if (key == "source") {
-      claim.source = text;
-    } else if (key == "better" || key == "than") {
-      SPOOL_TRY(at(value, check_method_name(plan, text)));
-      (key == "better" ? claim.better : claim.than) = text;
-    } else if (key == "metric") {
-      const std::vector<std::string> known = claimed_metrics();
-      if (std::ranges::find(known, text) == known.end())
-        return refuse(value, "{}", unknown_name("metric", text, known));
-      claim.metric = text;
-    } else if (key == "samples") {
-      if (text != "own" && text != "fresh")
-        return refuse(value, "samples is own or fresh, not '{}'", text);
-      claim.fresh = text == "fresh";
-    } else if (key == "below") {
-      SPOOL_ASSIGN(claim.below, at(value, parse_number("below", text, 1e-6, 1e6)));
-    } else {
-      return refuse(
-          value, "{}",
-          unknown_name("key of a claim", key,
-                       {"text", "better", "than", "metric", "spp", "samples", "below", "source"}));
-    }
-    return {};
-  }
-
   // metrics = ["relmse", ...], or the table of options with `only` in it.
   Result<void> read_metrics(MetricOptions& options) const {
     const toml::node* node = root_.get("metrics");
@@ -448,89 +310,8 @@ class PlanReader {
     return {};
   }
 
-  // Methods by name under the kind's plural ("samplers"), in full in tables under the kind itself.
-  template <class Function>
-  Result<std::vector<MethodChoice>> read_methods(const MethodList<Function>& known) const {
-    std::vector<MethodChoice> choices;
-    if (const toml::node* list = root_.get(known.kind + "s")) {
-      for (const toml::node* value : values_of(*list)) {
-        SPOOL_ASSIGN(const std::string text, text_of(*value));
-        SPOOL_ASSIGN(MethodChoice choice, at(*value, choose_method(known, text)));
-        SPOOL_TRY(add_checked(known, std::move(choice), *value, choices));
-      }
-    }
-    if (const toml::node* tables = root_.get(known.kind)) {
-      for (const toml::node* node : values_of(*tables)) {
-        const toml::table* table = node->as_table();
-        if (!table) return refuse(*node, "write [[{}]] and below it name = ...", known.kind);
-        SPOOL_TRY(add_swept(known, *table, choices));
-      }
-    }
-    if (choices.empty()) {
-      return fail(ErrorCode::kUsage, "{}: no {}s: write {}s = [\"NAME\"] or [[{}]]", name_,
-                  known.kind, known.kind, known.kind);
-    }
-    label_commands(known, choices);
-    return choices;
-  }
-
-  // Every combination of the values of a table's keys, the last key (by alphabet) fastest.
-  template <class Function>
-  Result<void> add_swept(const MethodList<Function>& known, const toml::table& table,
-                         std::vector<MethodChoice>& choices) const {
-    const toml::node* name = table.get("name");
-    if (!name) return refuse(table, "this {} has no name", known.kind);
-    SPOOL_ASSIGN(const std::string text, text_of(*name));
-    SPOOL_ASSIGN(MethodChoice named, at(table, choose_method(known, text)));
-    if (const toml::node* label = table.get("label")) {
-      SPOOL_ASSIGN(named.own_label, text_of(*label));
-      if (named.own_label.empty()) return refuse(*label, "a label is empty: leave it out");
-    }
-    std::vector<MethodChoice> combinations = {std::move(named)};
-    std::vector<std::string> swept;
-    for (const auto& [key, node] : table) {
-      if (key.str() == "name" || key.str() == "label") continue;
-      if (values_of(node).size() > 1) swept.emplace_back(key.str());
-      std::vector<MethodChoice> grown;
-      for (const MethodChoice& choice : combinations) {
-        for (const toml::node* value : values_of(node)) {
-          SPOOL_ASSIGN(const std::string chosen, text_of(*value));
-          grown.push_back(choice);
-          if (key.str() == "preset") {
-            grown.back().preset = file_of_text(chosen);  // of some methods the name of a file
-          } else {
-            grown.back().set.emplace_back(key.str(), chosen);
-          }
-          if (grown.size() > kMostValues) {
-            return refuse(node, "more than {} combinations of values: sweep over fewer",
-                          kMostValues);
-          }
-        }
-      }
-      if (grown.empty()) return refuse(node, "'{}' has no value to sweep over", key.str());
-      combinations = std::move(grown);
-    }
-    for (MethodChoice& choice : combinations) {
-      if (!choice.own_label.empty()) choice.own_label += swept_values(choice, swept);
-      SPOOL_TRY(add_checked(known, std::move(choice), table, choices));
-    }
-    return {};
-  }
-
-  template <class Function>
-  Result<void> add_checked(const MethodList<Function>& known, MethodChoice choice,
-                           const toml::node& where, std::vector<MethodChoice>& choices) const {
-    SPOOL_TRY(
-        at(where, has_results_ ? describe_method(known, choice) : make_method(known, choice)));
-    SPOOL_TRY(at(where, check_own_label(known, choice)));
-    choices.push_back(std::move(choice));
-    return at(where, check_distinct(known.kind, choices));
-  }
-
   const toml::table& root_;
-  std::string name_;
   std::filesystem::path folder_;
-  bool has_results_ = false;
 };
 
 }  // namespace

@@ -1,0 +1,82 @@
+#include "lib/experiment/plan_claims.h"
+
+#include <algorithm>
+
+#include "lib/core/nearest_name.h"
+#include "lib/experiment/result_record.h"
+
+namespace spool {
+namespace {
+
+bool has_fresh(const std::string& metric) {
+  return metric == "relmse" || metric == "mse" || metric == "energy_ratio";
+}
+
+Result<void> set_claim(const TomlReader& toml, Claim& claim, std::string_view key,
+                       const toml::node& value, const Plan& plan) {
+  if (key == "spp") {
+    for (const toml::node* budget : values_of(value)) {
+      SPOOL_ASSIGN(const std::string text, toml.text_of(*budget));
+      SPOOL_ASSIGN(const double spp, toml.at(*budget, parse_number("spp", text, 1e-3, 65536.0)));
+      if (std::ranges::find(plan.spp, spp) == plan.spp.end()) {
+        return toml.refuse(*budget, "spp {} is no budget of the plan", text);
+      }
+      claim.spp.push_back(spp);
+    }
+    return {};
+  }
+  SPOOL_ASSIGN(const std::string text, toml.text_of(value));
+  if (key == "text") {
+    claim.text = text;
+  } else if (key == "source") {
+    claim.source = text;
+  } else if (key == "better" || key == "than") {
+    SPOOL_TRY(toml.at(value, check_method_name(plan, text)));
+    (key == "better" ? claim.better : claim.than) = text;
+  } else if (key == "metric") {
+    const std::vector<std::string> known = claimed_metrics();
+    if (std::ranges::find(known, text) == known.end())
+      return toml.refuse(value, "{}", unknown_name("metric", text, known));
+    claim.metric = text;
+  } else if (key == "samples") {
+    if (text != "own" && text != "fresh")
+      return toml.refuse(value, "samples is own or fresh, not '{}'", text);
+    claim.fresh = text == "fresh";
+  } else if (key == "below") {
+    SPOOL_ASSIGN(claim.below, toml.at(value, parse_number("below", text, 1e-6, 1e6)));
+  } else {
+    return toml.refuse(
+        value, "{}",
+        unknown_name("key of a claim", key,
+                     {"text", "better", "than", "metric", "spp", "samples", "below", "source"}));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> read_claims(const TomlReader& toml, const toml::table& root, Plan& plan) {
+  const toml::node* tables = root.get("claim");
+  if (!tables) return {};
+  for (const toml::node* node : values_of(*tables)) {
+    const toml::table* table = node->as_table();
+    if (!table)
+      return toml.refuse(*node, "write [[claim]] and below it better = ... and than = ...");
+    Claim claim;
+    for (const auto& [key, value] : *table)
+      SPOOL_TRY(set_claim(toml, claim, key.str(), value, plan));
+    if (claim.better.empty() || claim.than.empty() || claim.better == claim.than) {
+      return toml.refuse(*table,
+                         "a claim needs two methods: better = \"SAMPLER + FILTER\" and than");
+    }
+    if (claim.fresh && !has_fresh(claim.metric)) {
+      return toml.refuse(*table, "samples = \"fresh\": only of relmse, mse and energy_ratio");
+    }
+    if (claim.text.empty()) claim.text = claim.better + " has less error than " + claim.than;
+    plan.experiment.fresh = plan.experiment.fresh || claim.fresh;
+    plan.claims.push_back(std::move(claim));
+  }
+  return {};
+}
+
+}  // namespace spool
