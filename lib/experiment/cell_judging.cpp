@@ -7,7 +7,7 @@
 
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/peak_memory.h"
-#include "lib/sampling/block_jump.h"
+#include "lib/statistics/block_jump.h"
 #include "lib/statistics/joined_halves.h"
 
 namespace spool {

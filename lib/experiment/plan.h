@@ -95,19 +95,6 @@ struct Plan {
   }
 };
 
-// The methods that a plan may name.
-struct PlanVocabulary {
-  const MethodList<SamplerFunction>& samplers;
-  const MethodList<FilterFunction>& filters;
-  bool has_results = false;  // they are only read: what methods run may be missing
-};
-
-// Errors: kIo when the file cannot be read, kUsage for everything that is wrong in it.
-Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& vocabulary);
-// `name` is for messages, `folder` what recordings are relative to.
-Result<Plan> parse_plan(std::string_view text, const std::string& name,
-                        const std::filesystem::path& folder, const PlanVocabulary& vocabulary);
-
 // kUsage when `name` is no method of the plan.
 Result<void> check_method_name(const Plan& plan, std::string_view name);
 

@@ -1,6 +1,8 @@
 #include "lib/experiment/plan_cells.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <map>
 
 #include "lib/core/random.h"
 
@@ -109,6 +111,22 @@ std::vector<std::string> Plan::method_names() const {
       names.push_back(sampler.label() + " + " + filter.label());
   }
   return names;
+}
+
+Result<void> check_recording_names(const Plan& plan) {
+  std::map<std::string, std::string> paths;
+  for (const std::string& recording : plan.recordings) {
+    const std::string name = std::filesystem::path(recording).filename().string();
+    const auto [place, fresh] = paths.try_emplace(name, recording);
+    if (fresh) continue;
+    if (place->second == recording) {
+      return fail(ErrorCode::kUsage, "{}: is there twice: name it once", recording);
+    }
+    return fail(ErrorCode::kUsage,
+                "{} and {}: have the same file name, which names their results: rename one",
+                place->second, recording);
+  }
+  return {};
 }
 
 Result<void> check_method_name(const Plan& plan, std::string_view name) {

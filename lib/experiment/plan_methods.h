@@ -6,6 +6,13 @@
 
 namespace spool {
 
+// The methods that a plan may name.
+struct PlanVocabulary {
+  const MethodList<SamplerFunction>& samplers;
+  const MethodList<FilterFunction>& filters;
+  bool has_results = false;  // they are only read: what methods run may be missing
+};
+
 // Samplers and filters by name ("samplers"), then in full ([[sampler]]) with sweeps written out.
 // Errors kUsage.
 Result<void> read_methods(const TomlReader& toml, const toml::table& root,

@@ -1,5 +1,5 @@
-#include "lib/experiment/plan.h"
 #include "lib/experiment/plan_cells.h"
+#include "lib/experiment/plan_reader.h"
 #include "lib/experiment/plan_text.h"
 
 #include <map>

@@ -1,6 +1,6 @@
 // Text -> a plan. What is accepted comes back from its own text as the same cells.
-#include "lib/experiment/plan.h"
 #include "lib/experiment/plan_cells.h"
+#include "lib/experiment/plan_reader.h"
 #include "lib/experiment/plan_text.h"
 #include "tests/fuzz/fuzz_input.h"
 

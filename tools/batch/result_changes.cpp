@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lib/experiment/plan_cells.h"
+#include "lib/experiment/plan_reader.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/study_sources.h"
 #include "tools/methods/external_methods.h"

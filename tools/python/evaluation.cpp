@@ -5,6 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "lib/experiment/loop_filter.h"
+#include "lib/experiment/plan_reader.h"
 #include "tools/batch/evaluation_run.h"
 #include "tools/batch/run_tasks.h"
 #include "tools/methods/external_methods.h"

@@ -5,6 +5,7 @@
 
 #include "lib/experiment/loop_filter.h"
 #include "lib/experiment/plan_cells.h"
+#include "lib/experiment/plan_reader.h"
 #include "tools/batch/dry_run.h"
 #include "tools/batch/evaluation_run.h"
 #include "tools/batch/executor_run.h"

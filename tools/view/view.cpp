@@ -10,7 +10,7 @@
 
 #include "formats/bounded_json.h"
 #include "lib/core/random.h"
-#include "lib/experiment/plan.h"
+#include "lib/experiment/plan_reader.h"
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
 #include "tools/methods/external_methods.h"

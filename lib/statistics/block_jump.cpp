@@ -1,4 +1,4 @@
-#include "lib/sampling/block_jump.h"
+#include "lib/statistics/block_jump.h"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // Jumps of a density at the borders of blocks.
-#include "lib/sampling/block_jump.h"
+#include "lib/statistics/block_jump.h"
 
 #include <cmath>
 

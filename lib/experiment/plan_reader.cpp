@@ -1,4 +1,4 @@
-#include "lib/experiment/plan.h"
+#include "lib/experiment/plan_reader.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,13 +7,11 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <map>
 
 #include <toml++/toml.h>
 
 #include "lib/core/nearest_name.h"
 #include "lib/experiment/plan_claims.h"
-#include "lib/experiment/plan_methods.h"
 #include "lib/experiment/toml_nesting.h"
 #include "lib/experiment/toml_reader.h"
 
@@ -352,22 +350,6 @@ Result<Plan> read_plan(const std::filesystem::path& path, const PlanVocabulary& 
     return fail(ErrorCode::kIo, "{}: cannot be read{}: check the path and its permissions",
                 path.string(), status ? ": " + status.message() : "");
   return parse_plan(text, path.string(), path.parent_path(), vocabulary);
-}
-
-Result<void> check_recording_names(const Plan& plan) {
-  std::map<std::string, std::string> paths;
-  for (const std::string& recording : plan.recordings) {
-    const std::string name = std::filesystem::path(recording).filename().string();
-    const auto [place, fresh] = paths.try_emplace(name, recording);
-    if (fresh) continue;
-    if (place->second == recording) {
-      return fail(ErrorCode::kUsage, "{}: is there twice: name it once", recording);
-    }
-    return fail(ErrorCode::kUsage,
-                "{} and {}: have the same file name, which names their results: rename one",
-                place->second, recording);
-  }
-  return {};
 }
 
 }  // namespace spool
