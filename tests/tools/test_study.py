@@ -45,6 +45,11 @@ def differences(claims, path):
     return len(found), [key for key in found.keys() | said.keys() if found.get(key) != said.get(key)]
 
 
+def test_a_group_is_of_recordings_with_a_number_and_no_other_of_that_name():
+    assert [plans.group_of(name) for name in ("occluded_1", "occluded_4", "occluded_5", "occluded_256", "occluded", "chess_1")] == [
+        "occluded", "occluded", None, None, None, None]
+
+
 @pytest.mark.parametrize("archive", FULL, ids=named(FULL))
 def test_what_is_kept_of_full_size_is_judged_by_the_program_as_the_page_says(archive, tmp_path):
     folder = kept.unpacked(archive, tmp_path)

@@ -29,9 +29,9 @@ def merged(plan, more):
 
 
 def group_of(name):
-    """Of a recording of full size: the scene that was recorded several times, or None."""
-    scene = name.rpartition("_")[0]
-    return scene if scene in FULL["groups"] else None
+    """The scene of a recording NAME_1, NAME_2 ...; none of any other."""
+    scene, _, number = name.rpartition("_")
+    return scene if number.isdigit() and 1 <= int(number) <= FULL["groups"].get(scene, 0) else None
 
 
 def full_plan(name, files):
