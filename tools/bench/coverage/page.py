@@ -14,8 +14,8 @@ Written by `tools/dev.sh bench coverage`. Each scene was made 10 times (two samp
 whose mean is the exact reference; scene S anew. Each was evaluated
 as `spool evaluate` does it by default, 8 replicates, 4, 8, 16 of 64 samples: `uniform`, `mitchell`, `adaptive_wavelet`, `greedy_error`, `nl_means`,
 `multiscale` with `box`; `uniform` and `multiscale`, the two samplers, with `directional`.{more} A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
-Its interval should hold the mean of the other recordings in 95 %. A row that is right lies below 90 % by chance in {chance[10]:.0f} of 100 where 10 recordings
-were made, and in {chance[60]:.0f} where 60 were. Rows are *withheld* where most of their recordings have no verdict
+Its interval should hold the mean of the other recordings in 95 %: {held} of all do. Below 90 % lie {below} rows of {rows}; were every row at 95 %, chance alone would put
+{expected:.0f} there, as 10 or 60 intervals are few. Rows are *withheld* where most of their recordings have no verdict
 because few pixels carry the error ([decision 156](decisions.md#0156-what-a-verdict-may-stand-on)); "without halves" are the same results with the
 spread between recordings assumed and not measured ([decision 155](decisions.md#0155-the-spread-between-recordings-is-measured-on-halves-of-the-recording)), nothing withheld.
 
@@ -30,7 +30,7 @@ claimed of MSE and of relMSE; 5 % may.
 
 - The oracle `neyman` is left out: its halves share what decides.
 - Light that few samples carry: a recording without them has too low an interval. Three recordings (`--recordings`, `group`) show it.
-  Of {below} rows below 90 % {both} miss to both sides.
+  Of the rows below 90 % {both} miss to both sides.
 - The relMSE of `multiscale` without a filter: bright pixels take samples from all others, so that replicates are more alike than the samples
   they share; its least row holds the truth in {least}.
 - Where samples have a tail of infinite variance, the expectation of the squared error does not exist, and no interval can hold it
@@ -76,7 +76,7 @@ def keep(scene, measured, now, before):
 
 def by_chance(count):
     """Chance that fewer than 90 % of `count` intervals hold where each does with 95 %."""
-    return 100 * sum(math.comb(count, k) * 0.95 ** k * 0.05 ** (count - k) for k in range(math.ceil(ENOUGH * count)))
+    return sum(math.comb(count, k) * 0.95 ** k * 0.05 ** (count - k) for k in range(math.ceil(ENOUGH * count)))
 
 
 def percent(text):
@@ -97,7 +97,8 @@ def write(order):
     counted = [[int(row[c]) for c in ("intervals", "held", "too_low")] for row in rows]
     low = [found for found in counted if share(found) < ENOUGH]
     write_whole(PAGE, TEXT.format(
-        below=len(low), both=sum(0 < too_low < intervals - held for intervals, held, too_low in low), chance={n: by_chance(n) for n in (10, 60)},
+        below=len(low), both=sum(0 < too_low < intervals - held for intervals, held, too_low in low), rows=len(counted),
+        held=f"{100 * sum(found[1] for found in counted) / sum(found[0] for found in counted):.1f} %", expected=sum(by_chance(found[0]) for found in counted),
         least=percent(min(row["share"] for row in rows if "relmse" in row["quantity"] and row["method"] == "multiscale + box" and int(row["intervals"]) > 10)),
         more=MORE if any("paper" in s["scene"] or s["side"] != "64" for s in scenes) else "",
         table=markdown(["scene", "rows", "90 % and more", "below", "withheld", "least", "itself", "without halves: below", "least", "itself"], table)))
