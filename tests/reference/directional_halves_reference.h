@@ -8,6 +8,7 @@
 #include "lib/pool/sample_pool.h"
 #include "tests/reference/anisotropic_filter_reference.h"
 #include "tests/reference/filter_size_reference.h"
+#include "tests/reference/lone_sizes_reference.h"
 
 namespace spool::reference {
 
@@ -68,7 +69,8 @@ inline FilteredPieces directional_halves(const SamplePool& pool, const CountImag
     const FilterSizeInput input{
         deciding.luminance,    deciding.luminance_variance, deciding.n, blank, blank, {}, {},
         options.pyramid.levels};
-    const CountImage level = reference::filter_size(input, options.size).level;
+    CountImage level = reference::filter_size(input, options.size).level;
+    if (!options.size.lone) level = without_lone_sizes(level, {}, deciding.luminance);
     FilterWidths<double> round;
     round.beta = {0.0};
     round.delta = {blank};

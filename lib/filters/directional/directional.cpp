@@ -10,6 +10,7 @@
 #include "lib/filters/directional/base_step.h"
 #include "lib/filters/directional/filter_size.h"
 #include "lib/filters/directional/filter_width.h"
+#include "lib/filters/directional/lone_sizes.h"
 #include "lib/filters/directional/piece_footprint.h"
 #include "lib/filters/directional/sample_filter.h"
 #include "lib/filters/directional/tile.h"
@@ -110,6 +111,7 @@ FilteredTile filter_tile(Tile tile, const SamplePool& pool, const DirectionalOpt
   for (std::size_t i = 0; i < raw.size(); ++i) {
     if (raw[i] > 0.0) result.level[i] = 0;
   }
+  if (!options.size.lone) result.level = without_lone_sizes(result.level, raw, tile.analysis.mean);
   tile.channels.clear();
   tile.analysis.mean = {};
   if (options.width.anisotropy == AnisotropySource::kFilterBank) pyramid.coarse.clear();

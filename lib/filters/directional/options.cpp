@@ -76,6 +76,8 @@ OptionTable<FilterSizeOptions> filter_size_option_table() {
           "standard deviations of a difference that no vote overrules; 0: any vote")),
       integer_option<O>("size_step", &O::step, 0, 16,
                         "levels that a size may lie above its neighbours' least; 0: any"),
+      switch_option<O>("size_lone", &O::lone,
+                       "a size that no line of pieces shares stays; else it is its neighbours'"),
   };
 }
 
@@ -140,6 +142,7 @@ DirectionalOptions paper_directional_options() {
   options.size.track_a0 = true;
   options.size.smooth = SizeSmooth::kOff;
   options.size.evidence = 0.0;
+  options.size.lone = true;
   options.bank.levels = 2;
   options.width.anisotropy = AnisotropySource::kFilterBank;
   options.energy.measure = DirectionMeasure::kAbs;

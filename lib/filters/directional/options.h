@@ -64,6 +64,7 @@ struct FilterSizeOptions {
   SizeSmooth smooth = SizeSmooth::kOpensOnly;
   double evidence = 3.0;  // standard deviations of a difference that no vote overrules; 0: none
   int step = 0;           // a piece is at most so many levels above its 8 neighbours' least; 0: any
+  bool lone = false;      // sizes smaller than those around them stay (lone_sizes.h)
 };
 
 enum class AnisotropySource {
