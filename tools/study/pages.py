@@ -192,17 +192,18 @@ def short_name(method):
 
 
 def beside_network(store, plan):
-    """Method by budget: trimmed relMSE and FLIP over those of the plan's baseline, and energy; CPU seconds at 8 samples."""
+    """Method by budget: trimmed relMSE and FLIP over those of the plan's baseline; energy and CPU seconds at 8 samples."""
     rows, budgets = {}, {}
     for o in store.json(plan, "statistics.json").get("overall", ()):
+        if o["sampler"] != "uniform" and o["filter"] in ("box", "nl_means"):
+            continue  # cells have them
         row = rows.setdefault(short_name(f"{o['sampler']} + {o['filter']}"), {})
-        energy = o["quantities"]["energy_ratio"][0]
-        errors = [tables.number(o["ratios"][m][0], n) if o["ratios"] else "1" for m, n in (("relmse_trimmed", 3), ("flip_ldr", 3))]
         budgets[o["spp"]] = f"{o['spp']:g} spp"
-        row[o["spp"]] = " / ".join([*errors, f"{energy:.2f}"])
+        row[o["spp"]] = " / ".join(tables.number(o["ratios"][m][0], 3) if o["ratios"] else "1" for m in ("relmse_trimmed", "flip_ldr"))
         if o["spp"] == 8:
-            row["CPU-s"] = tables.number(o["quantities"]["cpu_total"][0], 2)
-    return tables.markdown(["sampler + filter", *budgets.values(), "CPU-s"], [[name, *(row.get(k, "") for k in (*budgets, "CPU-s"))] for name, row in rows.items()])
+            row["energy"], row["CPU-s"] = f"{o['quantities']['energy_ratio'][0]:.2f}", tables.number(o["quantities"]["cpu_total"][0], 2)
+    last = ("energy", "CPU-s")
+    return tables.markdown(["sampler + filter", *budgets.values(), *last], [[name, *(row.get(k, "") for k in (*budgets, *last))] for name, row in rows.items()])
 
 
 def needed(store, plan, methods, budgets):
@@ -211,10 +212,9 @@ def needed(store, plan, methods, budgets):
     for curve in store.json(plan, "statistics.json").get("needed", ()):
         name = short_name(f"{curve['sampler']} + {curve['filter']}")
         if name in methods:
-            found = {n["at"]: f"{n['bound']} {tables.number(n['spp'], 2)}".strip() for n in curve["needed"]}
-            rows.setdefault(curve["dump"], {})[name] = [found.get(b, "–") for b in budgets]
-    return tables.markdown(["recording", *(f"{m}: for {b}" for m in methods for b in budgets)],
-                           [[name, *(cell for m in methods for cell in row.get(m, ["–"] * len(budgets)))] for name, row in rows.items()])
+            found = {n["at"]: {"at most": "≤", "more than": ">"}.get(n["bound"], "") + tables.number(n["spp"], 2) for n in curve["needed"]}
+            rows.setdefault(curve["dump"], {})[name] = ", ".join(found.get(b, "–") for b in budgets)
+    return tables.markdown(["recording", *methods], [[name, *(row.get(m, "–") for m in methods)] for name, row in rows.items()])
 
 
 def chapters_of(full):

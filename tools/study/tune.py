@@ -145,12 +145,16 @@ def parts(store):
     return found
 
 
+NOT_RUN = "{{not run}}"
+
+
 def write(docs):
     store = pages.Kept(docs / "results/tuning")
     text = (pages.HERE / "templates/tuning.in").read_text(encoding="utf-8")
     filled = parts(store)
     for key in ("choices", "apart", "rivals", "full_choices", "full_apart"):
-        text = text.replace("{{" + key + "}}", filled.get(key, "**Not run yet.**"))
+        text = text.replace("{{" + key + "}}", filled.get(key, NOT_RUN))
+    text = "\n## ".join(part for part in text.split("\n## ") if NOT_RUN not in part).rstrip("\n") + "\n"
     for name in ("tuning", "tuning_full", "tuning_rivals", "tuning_apart"):
         if claims := store.claims(name):
             write_whole(store.folder / f"{name}_claims.csv", tables.claims_csv(claims))
