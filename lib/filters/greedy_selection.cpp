@@ -90,10 +90,8 @@ Filter greedy_selection_filter() {
                  {"level", "chosen scale; 0: the base image"}},
        .needs =
            [](const GreedySelectionOptions& options) {
-             return Needs{.film_positions = options.grid == GreedyGrid::kPixel ? Use::kNone
-                                            : options.grid == GreedyGrid::kSubpixel
-                                                ? Use::kRequired
-                                                : Use::kWhenRecorded};
+             return Needs{.film_positions =
+                              options.grid == GreedyGrid::kPixel ? Use::kNone : Use::kWhenRecorded};
            },
        .memory = {284, 2e6},
        .cost = 0.79,

@@ -8,8 +8,10 @@
 //
 // N: samples under the peak-normalised kernel of I_0 (s = 1), or their mean under that of I_s. Stop
 // maps are blurred with G(alpha sigma_s) * pixel filter, own weight at most 0.01, rounded, and only
-// open. Windows are cut and renormalised at the border. Grid `subpixel`: means of 4 x 4 cells per
-// pixel and the pixel filter at a quarter of a pixel; needs film positions spread over the pixel.
+// open. Windows are cut and renormalised at the border. Grid `subpixel`, the published one: means
+// of 4 x 4 cells per pixel, which are the pixel's where film positions were not recorded, and the
+// pixel filter at a quarter of a pixel.
+//
 // Reconstruction::level is the scale, 0 .. S: the filter's sigma, not 2^level.
 // Slow twin: tests/reference/greedy_selection_reference.h.
 #pragma once

@@ -69,10 +69,11 @@ void cell_means_of_row(const PieceStatistics& statistics, const SamplePool& pool
                        const std::array<double*, 3>& to) {
   const PieceSamples samples(pool);
   const int q = statistics.pieces_per_side;
+  const bool film = pool.recording().has_film();
   const std::ptrdiff_t row = std::ptrdiff_t{kCellsPerPixel} * (x1 - x0);
   for (int x = x0; x < x1; ++x) {
     CellSums cells;
-    for (int py = y * q; py < (y + 1) * q; ++py) {
+    for (int py = y * q; film && py < (y + 1) * q; ++py) {
       for (int px = x * q; px < (x + 1) * q; ++px) {
         samples.each(
             px, py, statistics.n(px, py),

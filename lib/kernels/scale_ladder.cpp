@@ -42,18 +42,17 @@ void add_change(const double* fine, const double* coarse, const double* fine_var
 
 }  // namespace
 
+bool uses_cells(GreedyGrid grid, const SamplePool& pool) {
+  return grid == GreedyGrid::kSubpixel ||
+         (grid == GreedyGrid::kAuto && pool.recording().has_film());
+}
+
 Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const SamplePool& pool,
                                     GreedyGrid grid, const VarianceOptions& options,
                                     double exposure, GuardCounts& guards, KeptImage* before) {
   const int q = statistics.pieces_per_side;
-  const bool film = pool.recording().has_film();
-  if (grid == GreedyGrid::kSubpixel && !film) {
-    return fail(ErrorCode::kData,
-                "{}: grid=subpixel needs film positions, which were not recorded: use pixel",
-                pool.recording().name());
-  }
   LadderBase base;
-  base.subpixel = grid != GreedyGrid::kPixel && film;
+  base.subpixel = uses_cells(grid, pool);
   SPOOL_ASSIGN(PieceEstimates pieces, estimate_pieces(statistics, options, exposure, guards));
   base.count = Plane(pieces.n.width(), pieces.n.height());
   parallel_rows(0, base.count.height(), [&](int y) {

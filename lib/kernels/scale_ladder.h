@@ -24,8 +24,9 @@ namespace spool {
 enum class GreedyGrid {
   kAuto,  // subpixel where film positions were recorded, else pixel
   kPixel,
-  kSubpixel,
+  kSubpixel,  // where film positions were not recorded, every cell has its pixel's mean
 };
+bool uses_cells(GreedyGrid grid, const SamplePool& pool);
 
 // What every scale is computed from, per pixel.
 struct LadderBase {
@@ -51,8 +52,7 @@ struct Scale {
 };
 
 // `before`, where not null: what was kept of fewer samples of the same pool, or nothing; it is used
-// up, and changes no bit. Error kData for an empty selection, or for the subpixel grid without film
-// positions.
+// up, and changes no bit. Error kData for an empty selection.
 Result<LadderBase> make_ladder_base(const PieceStatistics& statistics, const SamplePool& pool,
                                     GreedyGrid grid, const VarianceOptions& variance,
                                     double exposure, GuardCounts& guards,

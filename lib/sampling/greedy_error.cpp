@@ -41,10 +41,8 @@ Sampler greedy_error_sampler() {
        .views = {{"error.i", "relative error that more samples remove, iteration i"}},
        .needs =
            [](const GreedyErrorOptions& options) {
-             return Needs{.film_positions = options.grid == GreedyGrid::kPixel ? Use::kNone
-                                            : options.grid == GreedyGrid::kSubpixel
-                                                ? Use::kRequired
-                                                : Use::kWhenRecorded};
+             return Needs{.film_positions =
+                              options.grid == GreedyGrid::kPixel ? Use::kNone : Use::kWhenRecorded};
            },
        .memory = {260, 2e6},
        .cost = 4.8,

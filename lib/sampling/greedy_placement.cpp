@@ -146,7 +146,7 @@ CountImage hand_out_greedily(const GreedyErrorMap& map, const PieceStatistics& s
                              const SamplePool& pool, long long share, long long per_pixel,
                              std::uint64_t seed, const GreedyErrorOptions& options) {
   const Rectangle bounds = map.error.bounds();
-  const bool subpixel = options.grid != GreedyGrid::kPixel && pool.recording().has_film();
+  const bool subpixel = uses_cells(options.grid, pool);
   std::vector<OffsetDraw> draws;
   std::vector<int> reach;
   for (int s = 0; s <= options.scales; ++s) {

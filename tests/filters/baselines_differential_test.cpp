@@ -28,9 +28,9 @@ using testing::select_counts;
 
 TEST(GreedySelectionDifferential, ImagesVariancesAndScalesAgree) {
   for (const auto& [width, height] : test::twin_sizes()) {
-    for (const bool subpixel : {false, true}) {
-      const SamplePool pool =
-          make_pool(width, height, 8, noisy_picture(width, height, 7), {}, random_film(8));
+    for (const auto& [subpixel, film] : {std::pair{false, true}, {true, true}, {true, false}}) {
+      const SamplePool pool = make_pool(width, height, 8, noisy_picture(width, height, 7), {},
+                                        film ? random_film(8) : std::vector<FilmPosition>());
       const Selection selection =
           select_counts(pool, [](int x, int y) { return 4 + (3 * x + y) % 5; });
       GreedySelectionOptions options;

@@ -105,15 +105,6 @@ TEST(GreedySelection, FlatNoiseTakesTheLargestScale) {
   EXPECT_GT(largest, 1200);
 }
 
-TEST(GreedySelection, SubpixelGridNeedsFilmPositions) {
-  const SamplePool pool = make_pool(5, 5, 4, noisy_picture(5, 5, 1));
-  GreedySelectionOptions options;
-  options.grid = GreedyGrid::kSubpixel;
-  const auto result = reconstruct_greedy_selection(select_uniform(pool, 4), pool, options, {});
-  ASSERT_FALSE(result.has_value());
-  EXPECT_EQ(result.error().code, ErrorCode::kData);
-}
-
 TEST(WaveletShrinkage, LambdaZeroReturnsTheInput) {
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {33, 20}, {64, 48}}) {
     const SamplePool pool = make_pool(width, height, 4, noisy_picture(width, height, 5));

@@ -27,6 +27,16 @@ TEST(PixelBase, CellsWithoutSamplesTakeThePixelMeanAndEqualCellsChangeNothing) {
     EXPECT_NEAR(v, 2.0, 1e-15);
 }
 
+TEST(PixelBase, WithoutFilmPositionsEveryCellHasThePixelMean) {
+  const SamplePool pool = make_pool(4, 3, 5, noisy_picture(4, 3, 2));
+  const PieceStatistics statistics = select_uniform(pool, 5).statistics;
+  const RgbImage cells = cell_means(statistics, pool, statistics.mean);
+  for (int y = 0; y < 12; ++y) {
+    for (int x = 0; x < 16; ++x)
+      EXPECT_EQ(cells[1](x, y), statistics.mean[1](x / 4, y / 4));
+  }
+}
+
 TEST(PixelBase, BlocksGiveTheBitsOfTheWholeImage) {
   for (const auto& [width, height] :
        {std::pair{7, 70}, {2, 3}, {33, 32}, {1, 1}, {5, 34}, {66, 4}, {130, 35}}) {

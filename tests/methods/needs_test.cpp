@@ -121,7 +121,7 @@ TEST(Needs, FollowTheOptionsThatWereChosen) {
   };
   EXPECT_EQ(film("pixel"), Use::kNone);
   EXPECT_EQ(film("auto"), Use::kWhenRecorded);
-  EXPECT_EQ(film("subpixel"), Use::kRequired);
+  EXPECT_EQ(film("subpixel"), Use::kWhenRecorded);
   EXPECT_EQ(make_method(filters(), {"directional", "paper", {}})->needs.film_positions,
             Use::kWhenRecorded);
   EXPECT_EQ(find_method(filters(), "directional")->needs.film_positions, Use::kNone);

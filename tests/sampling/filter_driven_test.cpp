@@ -48,8 +48,8 @@ std::shared_ptr<const RecordedSamples> edge_recording(int width, int height, int
 
 TEST(GreedyError, ErrorsAndScalesAgreeWithTheSlowTwin) {
   for (const auto& [width, height] : test::twin_sizes()) {
-    for (const bool subpixel : {false, true}) {
-      const SamplePool pool = test::pool_of(edge_recording(width, height, 9, subpixel));
+    for (const auto& [subpixel, film] : {std::pair{false, false}, {true, true}, {true, false}}) {
+      const SamplePool pool = test::pool_of(edge_recording(width, height, 9, film));
       CountImage counts(width, height);
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x)
@@ -60,6 +60,7 @@ TEST(GreedyError, ErrorsAndScalesAgreeWithTheSlowTwin) {
       expose(statistics, pool, guards);
       GreedyErrorOptions options;
       options.scales = 3;
+      options.grid = subpixel ? GreedyGrid::kSubpixel : GreedyGrid::kPixel;
       const auto map = greedy_error_map(statistics, pool, 8.0, options, guards);
       ASSERT_TRUE(map.has_value());
       const double exposure = statistics.signal.exposure;
