@@ -1,154 +1,176 @@
 #include "lib/kernels/pair_filter.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
+#include <memory>
+#include <utility>
 
-#include "lib/core/exponential.h"
 #include "lib/core/parallel.h"
-#include "lib/core/vector_clones.h"
+#include "lib/core/rectangle.h"
+#include "lib/kernels/pair_rows.h"
 
 namespace spool {
 namespace {
 
-// A plane and its neighbour in rows that begin at the same piece: p, and q some pieces further.
-struct Row {
-  const float *p, *q;
+constexpr int kTileWidth = 64, kTileHeight = 32;
+
+// The part of an image that the windows of a tile read, 0 beyond the image: whole blocks.
+template <class T>
+Image<T> around(const Image<T>& image, const Rectangle& tile, int radius) {
+  const int blocks = (tile.width() + kPairBlock - 1) / kPairBlock * kPairBlock;
+  Image<T> part(blocks + 2 * radius, tile.height() + 2 * radius);
+  const int x0 = tile.x0 - radius, y0 = tile.y0 - radius;
+  const Rectangle inside =
+      intersect(image.bounds(), {x0, y0, x0 + part.width(), y0 + part.height()});
+  for (int y = inside.y0; y < inside.y1; ++y)
+    std::copy_n(&image(inside.x0, y), inside.width(), &part(inside.x0 - x0, y - y0));
+  return part;
+}
+
+template <class T>
+std::vector<Image<T>> all_around(const std::vector<Image<T>>& images, const Rectangle& tile,
+                                 int radius) {
+  std::vector<Image<T>> parts;
+  for (const Image<T>& image : images)
+    parts.push_back(around(image, tile, radius));
+  return parts;
+}
+
+// Of neighbours in a row of the window: their distance by where they are, and exp(-distance) for
+// every piece of a block.
+struct RowOfWindow {
+  int reach;
+  std::vector<float> spatial, factor;
 };
 
-Row row_of(const Image<float>& image, int x, int y, int dx, int dy) {
-  return {&image(x, y), &image(x + dx, y + dy)};
-}
-
-// passed[x]: all bits, and none where the test of one plane says no.
-SPOOL_VECTOR_CLONES
-void test_row(Row mean, Row half2, float kappa, int width, std::uint32_t* __restrict passed) {
-  for (int x = 0; x < width; ++x) {
-    const float d = mean.p[x] - mean.q[x];
-    const float own = kappa * half2.p[x], other = half2.q[x];
-    const float bound = half2.p[x] + (own < other ? own : other);
-    passed[x] &= d * d <= bound ? ~0u : 0u;
-  }
-}
-
-SPOOL_VECTOR_CLONES
-void add_feature_row(Row value, Row variance, int width, float* __restrict distance) {
-  for (int x = 0; x < width; ++x) {
-    const float d = value.p[x] - value.q[x], v = variance.p[x] + variance.q[x];
-    const float e = d * d - v;
-    distance[x] += (e > 0.0f ? e : 0.0f) / (1.0f + 2.0f * v);
-  }
-}
-
-SPOOL_VECTOR_CLONES
-void weights_of_row(const float* distance, const std::uint32_t* passed, const float* count,
-                    int width, float* __restrict weight) {
-  for (int x = 0; x < width; ++x) {
-    const float w = exp_negative(distance[x]) * count[x];
-    weight[x] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(w) & passed[x]);
-  }
-}
-
-SPOOL_VECTOR_CLONES
-void add_weights(const float* weight, int width, double* __restrict sum,
-                 double* __restrict squares) {
-  for (int x = 0; x < width; ++x) {
-    const auto w = static_cast<double>(weight[x]);
-    sum[x] += w;
-    squares[x] += w * w;
-  }
-}
-
-SPOOL_VECTOR_CLONES
-void add_values(const float* weight, const double* value, int width, double* __restrict sum) {
-  for (int x = 0; x < width; ++x)
-    sum[x] += static_cast<double>(weight[x]) * value[x];
-}
-
-class RowFilter {
+// One tile; pieces count from its corner.
+class TileFilter {
  public:
-  RowFilter(const std::vector<const Plane*>& values, const PairTest& test,
-            const PairFeatures& features, const Image<float>& count, const PairWindow& window)
-      : values_(values), test_(test), features_(features), count_(count), window_(window) {}
-
-  void run(int y, PairMeans& means) const {
-    const int r = window_.radius;
-    std::vector<float> distance(static_cast<std::size_t>(count_.width()));
-    std::vector<float> weight(distance);
-    std::vector<std::uint32_t> passed(distance.size());
-    for (int dy = std::max(-r, -y); dy <= std::min(r, count_.height() - 1 - y); ++dy) {
-      for (int dx = -r; dx <= r; ++dx) {
-        if (dx * dx + dy * dy > r * r) continue;
-        const int x0 = std::max(0, -dx), width = std::min(count_.width(), count_.width() - dx) - x0;
-        if (width <= 0) continue;
-        weigh({x0, y}, {dx, dy}, width, distance, passed, weight);
-        add_weights(weight.data(), width, &means.weight(x0, y), &means.weight2(x0, y));
-        for (std::size_t i = 0; i < values_.size(); ++i) {
-          add_values(weight.data(), &(*values_[i])(x0 + dx, y + dy), width, &means.value[i](x0, y));
-        }
-      }
-    }
-    finish(y, means);
+  TileFilter(const std::vector<const Plane*>& values, const PairTest& test,
+             const PairFeatures& features, const Image<float>& count, const PairWindow& window,
+             const Rectangle& tile)
+      : tile_(tile),
+        window_(window),
+        kappa_(static_cast<float>(test.kappa)),
+        mean_(all_around(test.mean, tile, window.radius)),
+        half2_(all_around(test.half2, tile, window.radius)),
+        feature_(all_around(features.value, tile, window.radius)),
+        variance_(all_around(features.variance, tile, window.radius)),
+        count_(around(count, tile, window.radius)) {
+    for (const Plane* value : values)
+      values_.push_back(around(*value, tile, window.radius));
+    const auto most = static_cast<std::size_t>(kPairBlock * (2 * window.radius + 1));
+    distance_.resize(most);
+    weight_.resize(most);
+    passed_.resize(most);
+    set_window();
   }
 
-  struct Place {
-    int x, y;
-  };
+  void run(PairMeans& means) {
+    for (int y = 0; y < tile_.height(); ++y) {
+      for (int x = 0; x < tile_.width(); x += kPairBlock)
+        run_block(x, y, means);
+    }
+  }
+
   struct Weight {
-    Place from;
+    int x, y;
     double weight;
   };
 
-  // Of one piece, not yet over their sum: those above 0.
-  std::vector<Weight> weights_of(Place at) const {
-    const int r = window_.radius;
-    std::vector<float> distance(1), weight(1);
-    std::vector<std::uint32_t> passed(1);
+  // Of the tile's corner, not yet over their sum: those above 0.
+  std::vector<Weight> weights_of_corner() {
     std::vector<Weight> weights;
-    for (int dy = -r; dy <= r; ++dy) {
-      for (int dx = -r; dx <= r; ++dx) {
-        const Place from{at.x + dx, at.y + dy};
-        if (dx * dx + dy * dy > r * r || !count_.bounds().contains(from.x, from.y)) continue;
-        weigh(at, {dx, dy}, 1, distance, passed, weight);
-        if (weight[0] > 0.0f) weights.push_back({from, weight[0]});
+    for (int dy = -window_.radius; dy <= window_.radius; ++dy) {
+      const int reach = weigh(0, 0, dy);
+      for (int i = 0; i <= 2 * reach; ++i) {
+        if (const float weight = weight_[static_cast<std::size_t>(i * kPairBlock)]; weight > 0.0f)
+          weights.push_back({tile_.x0 + i - reach, tile_.y0 + dy, weight});
       }
     }
     return weights;
   }
 
  private:
-  void weigh(Place at, Place to, int width, std::vector<float>& distance,
-             std::vector<std::uint32_t>& passed, std::vector<float>& weight) const {
-    const auto rows = [&](const Image<float>& image) {
-      return row_of(image, at.x, at.y, to.x, to.y);
-    };
-    const double spatial = (to.x * to.x + to.y * to.y) / (2.0 * window_.sigma * window_.sigma);
-    std::fill_n(distance.begin(), width, static_cast<float>(spatial));
-    std::fill_n(passed.begin(), width, ~0u);
-    if (to.x != 0 || to.y != 0) {
-      for (std::size_t k = 0; k < test_.mean.size(); ++k) {
-        test_row(rows(test_.mean[k]), rows(test_.half2[k]), static_cast<float>(test_.kappa), width,
-                 passed.data());
+  void set_window() {
+    const int r = window_.radius;
+    for (int dy = -r; dy <= r; ++dy) {
+      RowOfWindow row{0, {}, {}};
+      while ((row.reach + 1) * (row.reach + 1) + dy * dy <= r * r)
+        ++row.reach;
+      for (int dx = -row.reach; dx <= row.reach; ++dx) {
+        row.spatial.push_back(
+            static_cast<float>((dx * dx + dy * dy) / (2.0 * window_.sigma * window_.sigma)));
       }
-      for (std::size_t c = 0; c < features_.value.size(); ++c)
-        add_feature_row(rows(features_.value[c]), rows(features_.variance[c]), width,
-                        distance.data());
-    }
-    weights_of_row(distance.data(), passed.data(), rows(count_).q, width, weight.data());
-  }
-
-  static void finish(int y, PairMeans& means) {
-    for (Plane& value : means.value) {
-      for (int x = 0; x < value.width(); ++x)
-        value(x, y) = means.weight(x, y) > 0.0 ? value(x, y) / means.weight(x, y) : 0.0;
+      const int all = static_cast<int>(row.spatial.size());
+      row.factor.resize(row.spatial.size() * kPairBlock);
+      begin_row(row.spatial.data(), all, row.factor.data());
+      exponentials(row.factor.data(), all * kPairBlock);
+      window_rows_.push_back(std::move(row));
     }
   }
 
-  const std::vector<const Plane*>& values_;
-  const PairTest& test_;
-  const PairFeatures& features_;
-  const Image<float>& count_;
+  // weight_[i][l] of piece (x + l, y) and its neighbour i - reach further in row y + dy; returns
+  // the reach there.
+  int weigh(int x, int y, int dy) {
+    const int r = window_.radius;
+    const RowOfWindow& row = window_rows_[static_cast<std::size_t>(dy + r)];
+    const int reach = row.reach, neighbours = 2 * reach + 1;
+    const auto rows = [&](const Image<float>& image) {
+      return PairRow{&image(x + r, y + r), &image(x + r - reach, y + r + dy)};
+    };
+    std::fill_n(passed_.begin(), neighbours * kPairBlock, ~0u);
+    for (std::size_t k = 0; k < mean_.size(); ++k)
+      test_row(rows(mean_[k]), rows(half2_[k]), kappa_, neighbours, passed_.data());
+    const float* factor = row.factor.data();
+    if (!feature_.empty()) {
+      begin_row(row.spatial.data(), neighbours, distance_.data());
+      for (std::size_t c = 0; c < feature_.size(); ++c)
+        add_feature_row(rows(feature_[c]), rows(variance_[c]), neighbours, distance_.data());
+      if (dy == 0) std::fill_n(distance_.begin() + reach * kPairBlock, kPairBlock, 0.0f);
+      exponentials(distance_.data(), neighbours * kPairBlock);
+      factor = distance_.data();
+    }
+    if (dy == 0)
+      std::fill_n(passed_.begin() + reach * kPairBlock, kPairBlock, ~0u);  // the centre itself
+    weights_of_row(factor, passed_.data(), rows(count_).q, neighbours, weight_.data());
+    return reach;
+  }
+
+  void run_block(int x, int y, PairMeans& means) {
+    const int r = window_.radius;
+    double sum[kPairBlock] = {}, squares[kPairBlock] = {};
+    const auto sums = std::make_unique<double[][kPairBlock]>(values_.size());
+    for (int dy = -r; dy <= r; ++dy) {
+      const int reach = weigh(x, y, dy), neighbours = 2 * reach + 1;
+      add_weights(weight_.data(), neighbours, sum, squares);
+      for (std::size_t v = 0; v < values_.size(); v += kMostPairValues) {
+        const std::size_t count = std::min(kMostPairValues, values_.size() - v);
+        const double* from[kMostPairValues];
+        for (std::size_t i = 0; i < count; ++i)
+          from[i] = &values_[v + i](x + r - reach, y + r + dy);
+        add_values(weight_.data(), neighbours, from, count, &sums[v]);
+      }
+    }
+    for (int l = 0; l < kPairBlock && x + l < tile_.width(); ++l) {
+      const int to_x = tile_.x0 + x + l, to_y = tile_.y0 + y;
+      means.weight(to_x, to_y) = sum[l];
+      means.weight2(to_x, to_y) = squares[l];
+      for (std::size_t v = 0; v < values_.size(); ++v) {
+        means.value[v](to_x, to_y) = sum[l] > 0.0 ? sums[v][l] / sum[l] : 0.0;
+      }
+    }
+  }
+
+  Rectangle tile_;
   PairWindow window_;
+  float kappa_;
+  std::vector<Image<float>> mean_, half2_, feature_, variance_;  // a radius beyond the tile
+  Image<float> count_;
+  std::vector<Plane> values_;
+  std::vector<RowOfWindow> window_rows_;
+  std::vector<float> distance_, weight_;  // [neighbour][piece of the block]
+  std::vector<std::uint32_t> passed_;
 };
 
 }  // namespace
@@ -158,22 +180,29 @@ PairMeans pair_filter(const std::vector<const Plane*>& values, const PairTest& t
                       const PairWindow& window) {
   const auto zeros = [&] { return Plane(count.width(), count.height()); };
   PairMeans means{std::vector<Plane>(values.size(), zeros()), zeros(), zeros()};
-  const RowFilter filter(values, test, features, count, window);
-  parallel_rows(0, count.height(), [&](int y) { filter.run(y, means); });
+  const int across = (count.width() + kTileWidth - 1) / kTileWidth;
+  const int down = (count.height() + kTileHeight - 1) / kTileHeight;
+  parallel_for(
+      static_cast<std::size_t>(across) * static_cast<std::size_t>(down), [&](std::size_t i) {
+        const int x = static_cast<int>(i) % across * kTileWidth;
+        const int y = static_cast<int>(i) / across * kTileHeight;
+        const Rectangle tile = intersect(count.bounds(), {x, y, x + kTileWidth, y + kTileHeight});
+        TileFilter(values, test, features, count, window, tile).run(means);
+      });
   return means;
 }
 
 void add_pair_footprint(const RgbImage& values, const PairTest& test, const PairFeatures& features,
                         const Image<float>& count, const PairWindow& window, int x, int y,
                         double share, int q, Footprint& to) {
-  const std::vector<RowFilter::Weight> weights =
-      RowFilter({}, test, features, count, window).weights_of({x, y});
+  const std::vector<TileFilter::Weight> weights =
+      TileFilter({}, test, features, count, window, {x, y, x + 1, y + 1}).weights_of_corner();
   double sum = 0.0;
-  for (const auto& [from, weight] : weights)
-    sum += weight;
+  for (const TileFilter::Weight& neighbour : weights)
+    sum += neighbour.weight;
   if (weights.empty()) to.add(x / q, y / q, share, values, values[0].index(x, y));
-  for (const auto& [from, weight] : weights)
-    to.add(from.x / q, from.y / q, share * weight / sum, values, values[0].index(from.x, from.y));
+  for (const auto& [from_x, from_y, weight] : weights)
+    to.add(from_x / q, from_y / q, share * weight / sum, values, values[0].index(from_x, from_y));
 }
 
 }  // namespace spool

@@ -70,7 +70,6 @@ PriorityOrder<T>::PriorityOrder(const PriorityMaxima<T>& maxima, std::size_t exp
       if (image[i] > 0.0) sampled_.push_back(image[i]);
     }
   }
-  std::sort(sampled_.begin(), sampled_.end(), std::greater<>());
 }
 
 template <class T>
@@ -108,8 +107,14 @@ bool PriorityOrder<T>::gather() {
   batch_.clear();
   while (batch_.empty() && upper_ > 0.0) {
     const std::size_t per_sample = std::max<std::size_t>(entries_ / (sampled_.size() + 1), 1);
+    const auto used = static_cast<std::ptrdiff_t>(sampled_used_);
     sampled_used_ += std::max<std::size_t>(4 * expected_ / per_sample, 4);
-    const double lower = sampled_used_ < sampled_.size() ? sampled_[sampled_used_] : 0.0;
+    double lower = 0.0;
+    if (sampled_used_ < sampled_.size()) {
+      const auto cut = sampled_.begin() + static_cast<std::ptrdiff_t>(sampled_used_);
+      std::nth_element(sampled_.begin() + used, cut, sampled_.end(), std::greater<>());
+      lower = *cut;
+    }
     if (lower >= upper_) continue;  // many equal priorities
     const auto least = static_cast<T>(lower), most = static_cast<T>(upper_);
     parallel_for(row_end_.size(), [&](std::size_t r) {

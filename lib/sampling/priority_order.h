@@ -46,7 +46,7 @@ class PriorityOrder {
   const PriorityMaxima<T>& maxima_;
   std::size_t expected_;
   IsFree is_free_;
-  std::vector<double> sampled_;  // some priorities, falling: where to cut
+  std::vector<double> sampled_;  // some priorities: where to cut; the largest, used ones first
   std::size_t sampled_used_ = 0;
   double upper_;  // entries with priority > upper_ were gathered
   std::size_t entries_ = 0;
