@@ -253,7 +253,6 @@ def page(template, small, full):
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("beside_network", lambda: beside_network(full, NETWORK)),
                        ("needed", lambda: needed(full, NETWORK, ("`uniform` + `ensemble`", "`cross_halves` + `ensemble`"), (8, 16, 32))),
-                       ("asked", lambda: ", ".join(f"`{n}`" for n in full.json(NETWORK, "made.json"))),
                        ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:
             text = text.replace("{{" + name + "}}", made())
