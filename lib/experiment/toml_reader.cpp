@@ -1,9 +1,9 @@
 #include "lib/experiment/toml_reader.h"
 
-#include <charconv>
 #include <cstdint>
 
 #include "lib/core/option_table.h"
+#include "lib/core/percent_text.h"
 
 namespace spool {
 
@@ -21,19 +21,7 @@ std::vector<const toml::node*> values_of(const toml::node& node) {
 std::string file_of_text(const std::string& text) {
   constexpr std::string_view kScheme = "file:";
   if (!text.starts_with(kScheme)) return text;
-  std::string name;
-  for (std::size_t i = kScheme.size(); i < text.size(); ++i) {
-    unsigned byte = 0;
-    const char* digits = text.data() + i + 1;
-    if (text[i] == '%' && i + 2 < text.size() &&
-        std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2) {
-      name += static_cast<char>(byte);
-      i += 2;
-    } else {
-      name += text[i];
-    }
-  }
-  return name;
+  return percent_decoded(std::string_view(text).substr(kScheme.size()));
 }
 
 Result<std::string> TomlReader::text_of(const toml::node& node) const {

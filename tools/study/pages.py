@@ -125,7 +125,7 @@ def chapter_claims(store, full):
 
 
 def matrix(store, methods, plans, spp=8):
-    """Recording by method: relMSE over that of the baseline; after a stroke the energy, where it is 2 % off or more."""
+    """Recording by method: relMSE over that of the baseline; after a stroke the energy, where it is not 0.99 to 1.01."""
     rows = {}
     for plan in plans:
         statistics = store.results(plan)
