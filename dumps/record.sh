@@ -1,7 +1,7 @@
 #!/bin/sh
 # Records a scene with Blender's Cycles and packs it into one dump:
-#   dumps/record.sh NAME|FILE.blend [--size WxH] [--samples N] [--reference N] [--OPTION VALUE]... -o FILE.spool
-# NAME is a script of dumps/scenes. Further options go to dumps/cycles/record.py (--mode, --seed, --channels ...).
+#   dumps/record.sh NAME|FILE.py|FILE.blend [--size WxH] [--samples N] [--reference N] [--OPTION VALUE]... -o FILE.spool
+# NAME is a script of dumps/scenes, FILE.py one with build(find), which returns a scene. Further options go to dumps/cycles/record.py (--mode, --seed, --channels ...).
 # --recordings 4 makes four recordings of a quarter of the samples each, FILE_1.spool ..., which share the reference and are judged as a group by
 # `spool evaluate FILE_*.spool`. --compress goes to `spool pack`. dumps/verify tests the samples and keeps what it found in the dump (`spool info`
 # shows it); --no-verify leaves that out. The passes lie in FILE.spool.passes, and each goes when the dump takes it, so that the disk holds no

@@ -1,4 +1,5 @@
 """Command line of the recorder: plain values out, or one line and exit code 2."""
+import os
 import sys
 
 from dumps.cycles.batches import batch_plan
@@ -28,7 +29,8 @@ def script_arguments():
 
 def parse_options(arguments):
     parser = Parser(prog="record.py", description="Record every sample of a Cycles rendering.", epilog=EXIT_CODES)
-    parser.add_argument("--scene", help="a scene of dumps/scenes")
+    parser.add_argument("--scene", help="a scene of dumps/scenes, or a .py file with build(find), which returns a scene")
+    parser.add_argument("--files", action="append", default=[], metavar="FOLDER", help="where files of a .py scene lie, beside its own")
     parser.add_argument("--blend", help="a .blend file")
     parser.add_argument("-o", "--out", help="folder of the passes; an interrupted one is continued")
     parser.add_argument("--size", help="WxH or N (default: the scene's)")
@@ -70,6 +72,11 @@ def check_options(options):
         raise usage_failure("no folder for the passes: give -o FOLDER")
     if options.plan and not options.dry_run:
         raise usage_failure("--plan %s: only a dry run reads it: add --dry-run" % options.plan)
+    if options.files and not (options.scene or "").endswith(".py"):
+        raise usage_failure("--files %s: only a .py scene finds files there" % options.files[0])
+    for folder in options.files:
+        if not os.path.isdir(folder):
+            raise usage_failure("--files %s: no such folder" % folder)
     options.substitutes = pairs("--substitute", options.substitute)
     options.reference, options.auto = parse_reference(options.reference)
     for name, low, high in (("samples", 1, LARGEST), ("first", 0, LARGEST - 1), ("seed", 0, 2**31 - 1),

@@ -54,7 +54,7 @@ class Recorder:
     def __init__(self, options):
         self.options = options
         self.plan = plan_channels(options.channels, options.mode)
-        self.scene, self.identity = load_scene(options.scene, options.blend)
+        self.scene, self.identity = load_scene(options.scene, options.blend, options.files)
         changes = files.substitute(options.substitutes)
         files.require(self.identity["name"])
         own_size = prepare(self.scene, options.camera, options.frame, options.size)

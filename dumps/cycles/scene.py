@@ -1,12 +1,12 @@
 """The scene to record: from a .blend file or built by a script of dumps/scenes; its needs and hash."""
 import hashlib
-import importlib
+import importlib.util
 import os
 import sys
 
 import bpy
 
-from dumps.recording.failure import Failure, io_failure, scene_failure, usage_failure
+from dumps.recording.failure import Failure, io_failure, one_line, scene_failure, usage_failure
 
 SCENES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "scenes")
 
@@ -18,12 +18,13 @@ def scene_names():
     return sorted(f[:-3] for f in os.listdir(SCENES) if f.endswith(".py") and f[0] != "_")
 
 
-def load_scene(name, blend):
-    """Returns (scene, identity for the manifest: name and sha256)."""
+def load_scene(name, blend, folders=()):
+    """name: of dumps/scenes, or a .py file with build(find) -> scene, where find(file) is its path, beside the script or in one of `folders`.
+    Returns (scene, identity for the manifest: name and sha256)."""
     if name and blend:
         raise usage_failure("--scene and --blend are two scenes: give one")
     if name:
-        return _build(name)
+        return _build_file(os.path.abspath(name), folders) if name.endswith(".py") else _build(name)
     if blend:
         _open(blend)
     if not bpy.data.filepath:
@@ -36,18 +37,59 @@ def load_scene(name, blend):
 
 def _build(name):
     if name not in scene_names():
-        raise usage_failure("scene '%s' is unknown: use %s" % (name, ", ".join(scene_names())))
+        raise usage_failure("scene '%s' is unknown: use %s, or a .py file" % (name, ", ".join(scene_names())))
+    source = os.path.join(SCENES, name + ".py")
+    return _module(source).build(), {"name": name, "sha256": _digest([source])}
+
+
+def _build_file(source, folders):
+    if not os.path.isfile(source):
+        raise Failure(3, "%s: no such file" % source)
+    used = []
+
+    def find(name):
+        for folder in (os.path.dirname(source), *folders):
+            path = os.path.join(folder, name)
+            if os.path.isfile(path):
+                used.append(path)
+                return path
+        raise usage_failure("%s: its file '%s' is not there: give the folder with --files" % (source, name))
+
+    module = _module(source)
+    if not hasattr(module, "build"):
+        raise usage_failure("%s: has no function build(find) that returns a scene" % source)
+    try:
+        scene = module.build(find)
+    except (Failure, KeyboardInterrupt):
+        raise
+    except (Exception, SystemExit) as error:  # of somebody's script
+        raise scene_failure("%s: build() failed: %s: %s" % (source, type(error).__name__, one_line(error)))
+    if not isinstance(scene, bpy.types.Scene):
+        raise scene_failure("%s: build() returned no scene" % source)
+    return scene, {"name": os.path.basename(source), "sha256": _digest([source, *used])}
+
+
+def _module(source):
+    """Of a script, which finds the package `model` of dumps/scenes."""
     if SCENES not in sys.path:
         sys.path.insert(0, SCENES)
-    scene = importlib.import_module(name).build()
-    digest = hashlib.sha256()
-    sources = [os.path.join(SCENES, name + ".py")]
+    spec = importlib.util.spec_from_file_location("cycles_scene", source)
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        raise scene_failure("%s: cannot be loaded: %s: %s" % (source, type(error).__name__, one_line(error)))
+    return module
+
+
+def _digest(sources):
+    """Of a script, its files, and the package `model`."""
     model = os.path.join(SCENES, "model")
-    sources += [os.path.join(model, f) for f in sorted(os.listdir(model)) if f.endswith(".py")]
-    for source in sources:
+    digest = hashlib.sha256()
+    for source in [sources[0], *(os.path.join(model, f) for f in sorted(os.listdir(model)) if f.endswith(".py")), *sources[1:]]:
         with open(source, "rb") as stream:
             digest.update(stream.read())
-    return scene, {"name": name, "sha256": digest.hexdigest()}
+    return digest.hexdigest()
 
 
 def _open(blend):
