@@ -33,18 +33,19 @@ class Scene(NamedTuple):
 
 SMALL = {"scene_s": None, **{name: ROOT / f"dumps/tiny/{name}.spool" for name in (
     "balls", "caustic", "caustic_mitsuba", "chess", "fireflies", "mist", "table")}}  # chess_sequence redrawn is no sequence
-LARGE = {"scene_s_256": None, **{name: RECORDINGS / f"{name}.spool" for name in ("caustic_mitsuba_256", "cornell_box_picture")}}
+LARGE = {name: RECORDINGS / f"{name}.spool" for name in ("caustic_mitsuba_256", "cornell_box_picture")}
 FULL = {"side": 256, "samples": 256, "samplers": "uniform,multiscale"}
 PAPER = {"samplers": "uniform,multiscale:paper"}
 LOOP = {"samplers": "uniform,denoised_variance,filtered_halves,cross_halves"}
-OTHERS = {**FULL, "samplers": "uniform,mitchell,adaptive_wavelet,greedy_error,nl_means,denoised_variance,filtered_halves,cross_halves"}
+OTHERS = {"samples": 256, "samplers": "uniform,mitchell,adaptive_wavelet,greedy_error,nl_means,denoised_variance,filtered_halves,cross_halves"}
 SCENES = {
     **{name: Scene(source) for name, source in SMALL.items()},
     **{f"{name}, two samplers": Scene(source, count=60, samplers="uniform,multiscale") for name, source in SMALL.items()},
     **{f"{name}, filter in the loop": Scene(source, **LOOP) for name, source in SMALL.items()},
     "scene_s, paper": Scene(None, **PAPER), "caustic_mitsuba, paper": Scene(ROOT / "dumps/tiny/caustic_mitsuba.spool", **PAPER),
-    **{name: Scene(source, **FULL) for name, source in LARGE.items()},
-    **{f"{name}, other samplers": Scene(source, **OTHERS) for name, source in LARGE.items()}}
+    "scene_s_256": Scene(None, **FULL), **{name: Scene(source, **FULL) for name, source in LARGE.items()},
+    "scene_s, other samplers": Scene(None, **OTHERS),
+    **{f"{name}, other samplers": Scene(source, side=256, count=5, **OTHERS) for name, source in LARGE.items()}}
 
 
 def run(*arguments):
