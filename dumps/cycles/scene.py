@@ -62,7 +62,7 @@ def _build_file(source, folders):
         scene = module.build(find)
     except (Failure, KeyboardInterrupt):
         raise
-    except (Exception, SystemExit) as error:  # of somebody's script
+    except (Exception, SystemExit) as error:  # of a user's script
         raise scene_failure("%s: build() failed: %s: %s" % (source, type(error).__name__, one_line(error)))
     if not isinstance(scene, bpy.types.Scene):
         raise scene_failure("%s: build() returned no scene" % source)

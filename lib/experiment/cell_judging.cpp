@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <utility>
 
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/peak_memory.h"
-#include "lib/statistics/block_jump.h"
 #include "lib/statistics/joined_halves.h"
 
 namespace spool {
@@ -37,27 +35,6 @@ MetricTable mean_table(MetricTable a, const MetricTable& b) {
   a.failed = a.failed || b.failed;
   a.guards += b.guards;
   return a;
-}
-
-// How many pieces gave how many samples, as of a list of a whole pixel: a half of the recording
-// and a quarter of a pixel have lists that are shorter by as much.
-std::vector<std::pair<int, long long>> counts_of(const std::vector<SampledPart>& parts) {
-  std::map<int, long long> pieces;
-  for (const SampledPart& part : parts) {
-    const int q = part.pool.pieces_per_side();
-    const int scale = static_cast<int>(parts.size()) * q * q;
-    for (const int n : part.sampled.selection.statistics.n.pixels())
-      ++pieces[n * scale];
-  }
-  return {pieces.begin(), pieces.end()};
-}
-
-double mean_jump(const std::vector<SampledPart>& parts) {
-  constexpr int kBlock = 16;  // pixels: the side of the largest regions and dyadic blocks
-  double sum = 0.0;
-  for (const SampledPart& part : parts)
-    sum += block_jump(part.sampled.selection.statistics.n, kBlock * part.pool.pieces_per_side());
-  return sum / static_cast<double>(parts.size());
 }
 
 Result<void> judge_split(const MetricOptions& metrics, const SamplingRun& run,
@@ -137,8 +114,7 @@ void add_facts(const SamplingRun& run, CellResult& result) {
   result.pieces_per_side = pool.pieces_per_side();
   result.recorded_spp = recording.spp();
   result.recorded_kurtosis = run.kurtosis;
-  result.counts = counts_of(run.parts);
-  result.block_jump = mean_jump(run.parts);
+  result.density = run.density;
   result.sampling = run.time;
   result.cost_per_sample = recording.cost_per_sample();
 }

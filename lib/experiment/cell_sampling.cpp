@@ -7,6 +7,7 @@
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/experiment/peak_memory.h"
+#include "lib/experiment/sampling_density.h"
 #include "lib/sampling/spending.h"
 #include "lib/statistics/joined_halves.h"
 
@@ -102,7 +103,7 @@ Result<SamplingRun> sample_cell(const CellWork& work, const Cell& cell,
   if (options.decision_split) sampler = split_decisions(std::move(sampler));
   SPOOL_ASSIGN(const SamplingContext context, sampling_context(work, cell, sampler.needs, lane));
   if (lane.alone) reset_peak_memory();
-  SamplingRun run{{}, {}, kind, in_use.kurtosis()};
+  SamplingRun run{{}, {}, {}, kind, in_use.kurtosis()};
   std::vector<SamplePool> pools = {pool};
   if (kind == ReferenceKind::kCrossfit) pools = {pool.half(0), pool.half(1)};
   std::vector<StageTime> times;
@@ -122,6 +123,7 @@ Result<SamplingRun> sample_cell(const CellWork& work, const Cell& cell,
     if (splits(options, cell, kind))
       SPOOL_TRY(add_halves(run.parts.back(), sampler, context, options.fresh));
   }
+  run.density = density_of(run.parts);
   run.time = mean_time(times);
   return run;
 }

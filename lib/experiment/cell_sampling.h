@@ -2,11 +2,10 @@
 #pragma once
 
 #include <functional>
-#include <optional>
-#include <vector>
 
 #include "lib/experiment/experiment.h"
 #include "lib/experiment/recording_in_use.h"
+#include "lib/experiment/sampling_run.h"
 
 namespace spool {
 
@@ -16,22 +15,6 @@ struct CellLane {
   std::function<void(double)> report;  // share of the work on one cell
 
   CpuOf cpu() const { return alone ? CpuOf::kProcess : CpuOf::kThread; }
-};
-
-// One sampling run with what its cells are judged by.
-struct SampledPart {
-  SamplePool pool;
-  SamplingResult sampled;
-  JudgingReference reference;
-  std::optional<HalfSelections> halves;  // where fresh samples are asked for
-};
-
-// One part, or with crossfit the two halves of the recording, each judged by the other.
-struct SamplingRun {
-  std::vector<SampledPart> parts;
-  StageTime time;  // of one part
-  ReferenceKind kind;
-  double kurtosis;  // of the recording's samples
 };
 
 // What stays the same for all cells of an experiment.

@@ -68,6 +68,14 @@ struct ExperimentSources {
   std::function<int(const RecordedSamples&)> runs_at_once = {};
 };
 
+// Where a sampling run put its samples; the mean of its parts.
+struct SamplingDensity {
+  // Samples taken (of a list as long as a pixel's) and the number of pieces that gave so many.
+  std::vector<std::pair<int, long long>> counts;
+  double block_jump = 0.0;  // across multiples of 16 pixels (block_jump.h)
+  double edge_share = 0.0;  // edge_share.h, of the luminance of what judges
+};
+
 struct CellResult {
   Cell cell;
   std::optional<Error> error;  // present: nothing below holds
@@ -88,9 +96,7 @@ struct CellResult {
   std::optional<double> cost_per_sample;     // seconds, as recorded
   int recorded_spp = 0;                      // samples per pixel of the recording
   double recorded_kurtosis = 0.0;            // of its samples (sample_kurtosis.h)
-  // Samples taken (of a list as long as a pixel's) and the number of pieces that gave so many.
-  std::vector<std::pair<int, long long>> counts;
-  double block_jump = 0.0;  // of these across multiples of 16 pixels (block_jump.h)
+  SamplingDensity density;
   int threads = 0;
   bool alone = true;  // nothing else of the experiment ran meanwhile
   SamplingLog log;

@@ -15,7 +15,12 @@ const std::vector<std::string>& compared_metrics() {
 
 std::vector<std::string> claimed_metrics() {
   std::vector<std::string> names = compared_metrics();
-  names.emplace_back("block_jump");
+  names.insert(names.end(), density_quantities().begin(), density_quantities().end());
+  return names;
+}
+
+const std::vector<std::string>& density_quantities() {
+  static const std::vector<std::string> names = {"block_jump", "edge_share"};
   return names;
 }
 
@@ -36,7 +41,7 @@ double ResultRecord::number(std::size_t column) const {
 }
 
 ResultRecord record_of(const CellResult& result) {
-  return {result_fields(result), result.counts, result.halves};
+  return {result_fields(result), result.density.counts, result.halves};
 }
 
 }  // namespace spool

@@ -13,12 +13,14 @@ namespace spool {
 
 // Metrics that methods are ranked by.
 const std::vector<std::string>& compared_metrics();
-// Those that a claim may ask of: these and block_jump.
+// Those of where samples are.
+const std::vector<std::string>& density_quantities();
+// Those that a claim may ask of: all of these.
 std::vector<std::string> claimed_metrics();
 
 struct ResultRecord {
   std::vector<std::string> fields;                // as result_columns()
-  std::vector<std::pair<int, long long>> counts;  // as CellResult::counts; empty: not known
+  std::vector<std::pair<int, long long>> counts;  // as SamplingDensity::counts; empty: not known
 
   std::vector<MetricHalves> halves;  // as CellResult::halves
 

@@ -165,7 +165,11 @@ std::vector<ResultColumn> sample_columns() {
       number_column("block_jump",
                     "mean jump of the counts across multiples of 16 pixels / that elsewhere; above "
                     "1.2 the density shows blocks",
-                    [](const R& r) { return r.block_jump; }),
+                    [](const R& r) { return r.density.block_jump; }),
+      number_column("edge_share",
+                    "share of the samples above the smallest count within 2 pixels of the tenth of "
+                    "the pixels with the largest gradient; empty where all counts are equal",
+                    [](const R& r) { return r.density.edge_share; }),
   };
 }
 

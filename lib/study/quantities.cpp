@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lib/core/check.h"
+#include "lib/experiment/result_record.h"
 #include "lib/metrics/error_metrics.h"
 
 namespace spool {
@@ -12,13 +13,15 @@ std::vector<Quantity> make_quantities() {
   std::vector<Quantity> list;
   for (const MetricDescription& metric : metrics()) {
     const Range range = metric.better == Better::kHigher ? Range::kReal : Range::kPositive;
-    list.push_back({metric.name, range, true});
+    list.push_back({metric.name, range, true, true});
   }
   for (const char* name :
        {"seconds_total", kCpuTotal, "seconds_sampling", "seconds_filtering", "cpu_sampling",
         "cpu_filtering", "seconds_exchange", "seconds_reading", "seconds_judging",
-        "seconds_writing", "peak_memory_mb", kSamplesPerPixel, "efficiency", kBlockJump})
+        "seconds_writing", "peak_memory_mb", kSamplesPerPixel, "efficiency"})
     list.push_back({name});
+  for (const std::string& name : density_quantities())
+    list.push_back({name, Range::kPositive, false, true});
   for (const char* name : {"saturated_share", "mse_worst_share", "relmse_worst_share"})
     list.push_back({name, Range::kShare});
   for (const char* name :

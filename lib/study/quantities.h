@@ -13,6 +13,7 @@ struct Quantity {
   std::string name;
   Range range = Range::kPositive;
   bool is_metric = false;
+  bool is_claimed = false;  // by [[claim]]: a metric, or of the density
 };
 const std::vector<Quantity>& quantities();
 std::size_t quantity_index(const std::string& name);  // of one that is there
@@ -20,6 +21,5 @@ std::size_t quantity_index(const std::string& name);  // of one that is there
 // Processor seconds of sampling and filtering, and of rendering where the recording has them.
 inline constexpr const char* kCpuTotal = "cpu_total";
 inline constexpr const char* kSamplesPerPixel = "samples_per_pixel";
-inline constexpr const char* kBlockJump = "block_jump";  // of the counts
 
 }  // namespace spool

@@ -3,11 +3,9 @@
 Measures of a replay, one number per replicate:
   level_K          share of the samples of pops that a pop of level K took
   levels_3_4       of levels 3 and 4 together: the largest regions, of which the highest alone is often 0
-  near_edges       share of the adaptive samples within 2 pixels of the tenth of the pixels with the largest
-                   gradient of the reference's log luminance (their share of the image: edge_area)
   correlation      Pearson correlation of the count with the deviation of all recorded samples, over pixels
-  tile_jump        mean |difference of counts| across the borders of the sampler's tiles / elsewhere; block_jump of the results is
-                   that of multiples of 16 pixels
+  tile_jump        mean |difference of counts| across the borders of the sampler's tiles / elsewhere
+Results have block_jump and edge_share themselves.
 """
 import itertools
 import json
@@ -39,35 +37,16 @@ def jump(counts, step):
     return float(across.mean() / elsewhere.mean())
 
 
-def widened(mask, reach):
-    wide = np.zeros_like(mask)
-    padded = np.pad(mask, reach)
-    height, width = mask.shape
-    for dy in range(2 * reach + 1):
-        for dx in range(2 * reach + 1):
-            wide |= padded[dy:dy + height, dx:dx + width]
-    return wide
+def deviation_of(path):
+    """Of the samples of each pixel of a recording."""
+    with spool.open(path) as dump:
+        return (np.asarray(dump.read("radiance"), dtype=np.float64) @ LUMINANCE).std(axis=2)
 
 
-class Recording:
-    """What the measures need of a pool: deviation of its pixels, and where its edges are."""
-
-    def __init__(self, path):
-        with spool.open(path) as dump:
-            radiance = np.asarray(dump.read("radiance"), dtype=np.float64) @ LUMINANCE
-            reference = np.asarray(dump.pixel("reference"), dtype=np.float64) @ LUMINANCE
-        self.deviation = radiance.std(axis=2)
-        log = np.log(np.maximum(reference.reshape(self.deviation.shape), 1e-3))
-        gradient = np.hypot(*np.gradient(log))
-        self.edges = widened(gradient >= np.quantile(gradient, 0.9), 2)
-
-
-def measure(counts, log, recording, tile):
-    found = {"edge_area": float(recording.edges.mean())}
-    adaptive = counts - counts.min()
-    if adaptive.sum() > 0:
-        found["near_edges"] = float(adaptive[recording.edges].sum() / adaptive.sum())
-        found["correlation"] = float(np.corrcoef(counts.ravel(), recording.deviation.ravel())[0, 1])
+def measure(counts, log, deviation, tile):
+    found = {}
+    if counts.min() < counts.max():
+        found["correlation"] = float(np.corrcoef(counts.ravel(), deviation.ravel())[0, 1])
     popped = sum(log["samples_of_level"])
     for level, samples in enumerate(log["samples_of_level"]):
         if level and popped:
@@ -96,14 +75,14 @@ def densities(program, plan, folder):
     found = {}
     for path in plan["recordings"]:
         path = PLANS / path
-        recording = None
+        deviation = None
         for label, name, options in methods_of(plan, "sampler"):
             for spp, seed in itertools.product(plan["spp"], range(1, plan["replicates"] + 1)):
                 key = f"{path.stem}|{label}|{spp}|{seed}"
                 if key not in done:
-                    recording = recording or Recording(path)
+                    deviation = deviation_of(path) if deviation is None else deviation
                     counts, log = replay(program, path, name, options, spp, seed)
-                    done[key] = measure(counts, log, recording, options.get("tile"))
+                    done[key] = measure(counts, log, deviation, options.get("tile"))
                     write_whole(store, json.dumps(done))
                 for column, value in done[key].items():
                     if value is not None:

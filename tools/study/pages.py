@@ -24,7 +24,7 @@ HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]
 CLAIM = re.compile(r"\{\{(\w+;[^\n]*?;\s*\w+)\}\}")
 CHANGED = "2026-11-26T19:40"  # small plans that ran before are judged without the rule of replicates (decision 0155)
-DENSITY = {"levels_3_4": "samples of levels 3 and 4", "near_edges": "adaptive samples near edges", "correlation": "correlation with noise", "tile_jump": "jump at its tiles"}
+DENSITY = {"levels_3_4": "samples of levels 3 and 4", "correlation": "correlation with noise", "tile_jump": "jump at its tiles"}
 
 METHODS = {"uniform + directional": "uniform + directional", "multiscale:paper + directional:paper": "paper", "multiscale{update=epoch} + directional": "robust",
            "uniform + nl_means": "uniform + nl_means", "nl_means + nl_means": "nl_means", "greedy_error + greedy_selection": "greedy",
