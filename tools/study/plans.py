@@ -1,6 +1,7 @@
 """The plans of tools/plans, as they are and on recordings of full size, and the recordings that they name.
 
-A plan keeps its methods, budgets and claims at full size, and gets what tools/plans/full_size/PLAN.toml says in addition.
+A plan keeps its methods, budgets and claims at full size, and gets what tools/plans/full_size/PLAN.toml says in addition; what stands there
+under `instead` replaces it, and claims about samplers that are then not there go.
 """
 import itertools
 import json
@@ -37,16 +38,22 @@ def group_of(name):
 def full_plan(name, files):
     """The plan on these recordings of full size."""
     more = PLANS / "full_size" / f"{name}.toml"
-    plan = merged(read(PLANS / f"{name}.toml"), read(more) if more.exists() else {})
+    more = read(more) if more.exists() else {}
+    instead = more.pop("instead", {})
+    plan = {**merged(read(PLANS / f"{name}.toml"), more), **instead}
+    if "samplers" in instead:
+        plan["claim"] = [c for c in plan["claim"] if {c[side].partition(" + ")[0] for side in ("better", "than")} <= set(instead["samplers"])]
     groups = [group_of(Path(f).stem) for f in files]
     if any(groups):
         dumps = [{"file": str(f), "group": g} for f, g in zip(files, groups)]
         return {**{k: v for k, v in plan.items() if k != "recordings"}, "dump": dumps}
-    return {**plan, "recordings": [str(f) for f in files], "replicates": FULL["replicates"], "pictures": False}
+    return {**plan, "recordings": [str(f) for f in files], "replicates": more.get("replicates", FULL["replicates"]), "pictures": False}
 
 
 def full_recordings(name):
     """Names of the recordings of full size that the plan asks for, whether they are here or not."""
+    if name in FULL.get("only", {}):
+        return FULL["only"][name]
     own = [Path(path).stem for path in read(PLANS / f"{name}.toml")["recordings"]]
     own = [f"{r}_{i}" for r in own for i in range(1, FULL["groups"][r] + 1)] if own[0] in FULL["groups"] else own
     more = [] if name in FULL["alone"] else [*FULL["more"].get(name, []), *FULL["others"]]
