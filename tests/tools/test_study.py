@@ -214,6 +214,12 @@ def small_full(tmp_path, monkeypatch):
     return full_size.Store(PROGRAM, tmp_path / "scratch", tmp_path / "kept")
 
 
+def test_what_stands_under_instead_replaces_a_key_of_the_plan_and_claims_without_their_sampler_go(small_full, tmp_path):
+    (tmp_path / "plans/full_size/p.toml").write_text('replicates = 2\n[instead]\nspp = [2]\nsamplers = ["uniform"]\n')
+    plan = plans.full_plan("p", ["one.spool"])
+    assert (plan["replicates"], plan["spp"], plan["samplers"], plan["claim"]) == (2, [2], ["uniform"], []) and "instead" not in plan
+
+
 def test_full_size_is_measured_recording_by_recording_and_judged_together(small_full, tmp_path):
     assert small_full.measure("p", "one", density=False) and not small_full.measure("p", "one", density=False)
     assert not small_full.measure("p", "elsewhere", density=False)
