@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from tools.report import pixel_data
 from tools.report.pixel_data import footprints_of
 from tools.report.vocabulary import Vocabulary
 
@@ -46,3 +47,25 @@ def test_a_name_that_is_no_method_of_the_program_is_never_asked_for(program, tmp
 def test_a_filter_that_says_nothing_is_left_out(program, tmp_path):
     (tmp_path / "answer").write_text(json.dumps([{"footprint": None}]))
     assert told(program, "uniform", "box") == []
+
+
+def test_footprints_cost_a_share_of_what_the_results_did(monkeypatch):
+    asked = []
+    monkeypatch.setattr(pixel_data, "ask", lambda *_: [{}])
+    monkeypatch.setattr(pixel_data, "choose_pixels", lambda _: [(0, 0)])
+    monkeypatch.setattr(pixel_data, "recording_paths", lambda _: {"a": __file__})
+    used = [0.0]
+
+    def footprints(*words):
+        asked.append(words[4].filter)
+        used[0] += 0.2 if words[4].filter == "more" else float(words[4].rows[0]["cpu_sampling"] or 0)
+        return [{}]
+    monkeypatch.setattr(pixel_data, "footprints_of", footprints)
+    monkeypatch.setattr(pixel_data.resource, "getrusage", lambda _: SimpleNamespace(ru_utime=used[0]))
+    costs = {"dear": 30.0, "half": 0.45, "more": 0.1, "other": 0.2, "unknown": ""}
+    combinations = [SimpleNamespace(dump="a", sampler="uniform", filter=name, spp=8.0 if name == "other" else 16.0,
+                                    rows=[{"reference": "independent", "cpu_sampling": cost, "cpu_filtering": ""}]) for name, cost in costs.items()]
+    found = [SimpleNamespace(dump="a", combination=i, paths={}) for i in range(len(combinations))]
+    manifest = {"plan": {"seed": 1, "order": "disjoint"}}
+    answers = pixel_data.pixel_answers("program", found, combinations, manifest, OWN)
+    assert asked == ["half", "more", "unknown"] and sorted(answers["a"]["footprints"]) == [1, 2, 4]

@@ -136,6 +136,25 @@ def test_pictures_are_those_drawn_at_once(good, dump, tmp_path):
         assert (late / f"{name}.png").read_bytes() == (once / f"{name}.png").read_bytes(), name
 
 
+def test_picture_makes_the_flip_map_of_a_named_result_alone(good, dump, tmp_path):
+    good("evaluate", dump, "--spp", "4,8", "--samplers", "uniform", "--filters", "box", "--set", "metrics.perceptual=none", "-o", tmp_path / "out")
+    first, second = (tmp_path / f"out/scene_uniform_box_{spp}spp/flip.exr" for spp in (4, 8))
+    good("picture", tmp_path / "out", "--flip-map", "scene_uniform_box_4spp")
+    assert first.exists() and not second.exists() and not first.with_name("estimate.png").exists()
+    made = first.read_bytes()
+    good("report", tmp_path / "out", "-o", tmp_path / "r.html")
+    assert second.exists() and first.read_bytes() == made
+
+
+@pytest.mark.parametrize("where, name, code, words", [("out", "nowhere", 1, "there are no images of a result 'nowhere'"),
+                                                      ("out", "../out", 1, "there are no images of a result '../out'"),
+                                                      ("out/scene_uniform_box_4spp/estimate.exr", "x", 2, "is no folder of results")])
+def test_picture_has_no_flip_map_of_what_is_no_result(good, run, dump, tmp_path, where, name, code, words):
+    good("evaluate", dump, "--spp", "4", "--samplers", "uniform", "--filters", "box", "-o", tmp_path / "out")
+    done = run("picture", tmp_path / where, "--flip-map", name)
+    assert done.returncode == code and words in done.stderr
+
+
 def test_a_report_makes_the_flip_maps_that_no_metric_needed(good, dump, tmp_path):
     good("evaluate", dump, "--spp", 4, "--replicates", 2, "--set", "metrics.perceptual=none", "-o", "out")
     flip = tmp_path / "out" / "scene_uniform_box_4spp" / "flip.exr"

@@ -170,10 +170,18 @@ Result<std::size_t> draw_pictures(const fs::path& folder, const CommonOptions& c
   return folders.size();
 }
 
-Result<void> make_flip_maps(const fs::path& folder) {
-  std::vector<fs::path> folders = result_folders(folder);
-  std::error_code status;
-  std::erase_if(folders, [&](const fs::path& one) { return fs::exists(one / "flip.exr", status); });
+Result<void> make_flip_maps(const fs::path& folder, const std::vector<std::string>& names) {
+  const std::vector<fs::path> results = result_folders(folder);
+  std::vector<fs::path> folders;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(results, fs::path(name), &fs::path::filename);
+    if (found == results.end()) {
+      return fail(ErrorCode::kData, "{}: there are no images of a result '{}' in it",
+                  folder.string(), name);
+    }
+    std::error_code status;
+    if (!fs::exists(*found / "flip.exr", status)) folders.push_back(*found);
+  }
   Progress progress("FLIP maps", true);
   return make_all(folders, false, progress);
 }

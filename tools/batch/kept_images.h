@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "lib/core/error.h"
 #include "lib/image_io/exr_types.h"
@@ -23,7 +24,9 @@ void remove_pictures(const std::filesystem::path& folder, const std::string& ste
 // is none, or where the images of one do not belong together.
 Result<std::size_t> draw_pictures(const std::filesystem::path& folder, const CommonOptions& common);
 
-// Makes the FLIP maps that are not kept, because no metric of the plan needed them.
-Result<void> make_flip_maps(const std::filesystem::path& folder);
+// Makes the FLIP maps of these results in `folder`, by the names of their folders, that are not
+// kept. kData where one of them is no result.
+Result<void> make_flip_maps(const std::filesystem::path& folder,
+                            const std::vector<std::string>& names);
 
 }  // namespace spool::tools

@@ -24,6 +24,9 @@ void add_picture(Program& program) {
       ->needs(colour);
   verb.add_flag("--log", options.log, "of --false-colour: a logarithmic scale")->needs(colour);
   group_options(verb, "False colour", {"--false-colour", "--channel", "--range", "--log"});
+  repeatable(verb.add_option("--flip-map", options.flip_maps,
+                             "of a folder of results: make the map of this one, NAME/flip.exr, and "
+                             "draw nothing; several times"));
   add_layer(verb, options.layer, "", "of IMAGE");
   verb.add_option("-o,--output", options.output, "the picture of an image to write, NAME.png");
   add_common(verb, program.common, false, true);

@@ -6,6 +6,7 @@ filters that can say them come from the same sampler and filter, run once more.
 
 import json
 import re
+import resource
 import subprocess
 import time
 from pathlib import Path
@@ -19,6 +20,7 @@ MOST_SAMPLES = 256
 SECONDS = 300
 MOST_FOOTPRINTS = 8  # results of a recording, those of the largest budgets: each is sampled and filtered once more
 FOOTPRINT_SECONDS = 60  # for all of them; later ones are left out
+FOOTPRINT_SHARE, FOOTPRINT_CPU = 0.02, 0.8  # of the CPU seconds of all results, or so many, for those of all recordings
 METHOD = r"(\w+)(?::\w+)?(?:\{[^{}]*\})?"  # lib/methods/method_text.h, without a label
 LEAST_WEIGHT = 1e-3  # of the largest: smaller ones are not drawn
 JUDGED_APART = ("independent", "leave_selected_out")  # nothing is held out of the list
@@ -40,6 +42,7 @@ def pixel_answers(program, found, combinations, manifest, vocabulary):
     order = ["--order", "recorded"] if known == "recorded" else ["--evaluation-seed", str(known)]
     paths = recording_paths(manifest)
     answers, end = {}, time.monotonic() + FOOTPRINT_SECONDS
+    left = max(FOOTPRINT_CPU, FOOTPRINT_SHARE * sum(cpu_seconds(row) for c in combinations for row in c.rows))
     for dump in dict.fromkeys(entry.dump for entry in found):
         path = paths.get(Path(dump).name)
         rows = [row for c in combinations if c.dump == dump for row in c.rows]
@@ -50,13 +53,22 @@ def pixel_answers(program, found, combinations, manifest, vocabulary):
         if answer:
             footprints = {}
             of_dump = sorted((e for e in found if e.dump == dump), key=lambda e: -combinations[e.combination].spp)
-            for entry in of_dump[:MOST_FOOTPRINTS]:
-                if time.monotonic() < end:
+            for entry in of_dump:
+                cost = cpu_seconds(combinations[entry.combination].rows[0])
+                if len(footprints) < MOST_FOOTPRINTS and cost <= left and time.monotonic() < end:
+                    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
                     told = footprints_of(program, path, order, places, combinations[entry.combination], vocabulary)
+                    left -= resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before  # weights can cost more than the result did
                     if told:
                         footprints[entry.combination] = told
             answers[dump] = {"answers": answer, "footprints": footprints}
     return answers
+
+
+def cpu_seconds(row):
+    """Of sampling and filtering once; 0 where it is not known."""
+    values = [float(row.get(name) or 0.0) for name in ("cpu_sampling", "cpu_filtering")]
+    return sum(value for value in values if np.isfinite(value))
 
 
 def replay_order(manifest):

@@ -18,7 +18,7 @@ from tools.report.headline_data import headline_budget
 from tools.report.page import build_page
 from tools.report.pixel_data import pixel_answers
 from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
-from tools.report.result_images import find_images, first_results, pack_images
+from tools.report.result_images import find_images, first_results, pack_images, with_flip_maps
 from tools.report.results_table import choose_metric, read_results
 from tools.report.sections import quantities_html, run_html, summary_html
 from tools.report.statistics_file import read_statistics
@@ -40,7 +40,7 @@ def parse(arguments):
     parser.add_argument("--max-image-mb", type=float, default=40.0,
                         help="megabytes of images; beyond, crops and links to the EXRs (40)")
     parser.add_argument("--vocabulary", type=Path, help="meanings of columns as JSON")
-    parser.add_argument("--program", default="", help="the program spool, asked for the samples of single pixels")
+    parser.add_argument("--program", default="", help="the program spool, asked for samples of single pixels and FLIP maps")
     parser.add_argument("--title", default="")
     parser.add_argument("--served", action="store_true", help="for spool view: the page asks the program that serves it")
     parser.add_argument("--force", action="store_true", help="replace the report")
@@ -60,7 +60,7 @@ def make_report(options):
     labels = dump_names(dict.fromkeys(c.dump for c in combinations))
     labels.update({s["dump"]: s["group"] for s in statistics.scenes if s["group"]})
     all_found = find_images(options.folder, combinations)
-    found = first_results(all_found, combinations, statistics, metric)
+    found = with_flip_maps(first_results(all_found, combinations, statistics, metric), options.program)
     images = pack_images(found, options.output.resolve().parent, options.max_image_mb)
     if options.served:  # every pixel answers, and no file but the page is served
         images = images._replace(sets=[entry._replace(links={}) for entry in images.sets])

@@ -7,6 +7,7 @@ DUMP_reference.exr. Every result of a recording is cropped alike, so that pages 
 
 import math
 import os
+import subprocess
 from typing import NamedTuple
 from urllib.parse import quote
 
@@ -85,6 +86,23 @@ def first_results(found, combinations, statistics, metric):
         if place.get(combination.key, number[condition]) < FIRST_METHODS or combination.method == statistics.baseline:
             first.append(entry)
     return first
+
+
+def with_flip_maps(found, program):
+    """The maps that are not there are made; a result without one is shown without it."""
+    missing = [entry.paths["estimate"].parent for entry in found if "flip" not in entry.paths and "reference" in entry.paths]
+    if not missing or not program:
+        return found
+    words = [word for folder in missing for word in ("--flip-map", folder.name)]
+    try:
+        subprocess.run([program, "picture", *words, "--", str(missing[0].parent)], capture_output=True, check=False)
+    except OSError:
+        return found
+    for entry in found:
+        path = entry.paths["estimate"].with_name("flip.exr")
+        if path.is_file():
+            entry.paths["flip"] = path
+    return found
 
 
 def pack_images(found, page_folder, max_mb):

@@ -90,6 +90,11 @@ Result<void> validate(const PictureOptions& options) {
     return fail(ErrorCode::kUsage, "-o {}: pictures of results lie beside them: leave it out",
                 options.output.string());
   }
+  if (!options.flip_maps.empty()) {
+    return fail(ErrorCode::kUsage,
+                "--flip-map {}: {} is no folder of results: spool show draws the map of two images",
+                options.flip_maps.front(), options.image.string());
+  }
   if (options.output.empty()) {
     return fail(ErrorCode::kUsage, "{}: is no folder of results: name the picture, -o PICTURE.png",
                 options.image.string());
@@ -104,6 +109,7 @@ Result<void> validate(const PictureOptions& options) {
 
 Result<void> run_picture(const PictureOptions& options, const CommonOptions& common) {
   SPOOL_TRY(validate(options));
+  if (!options.flip_maps.empty()) return make_flip_maps(options.image, options.flip_maps);
   if (options.output.empty()) {
     SPOOL_ASSIGN(const std::size_t drawn, draw_pictures(options.image, common));
     if (!common.quiet) print_line(fmt::format("{}: {} results", options.image.string(), drawn));

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lib/image_io/layer_choice.h"
 #include "tools/terminal/console.h"
@@ -20,6 +21,7 @@ struct PictureOptions {
   std::string channel;  // of false colour; empty: the only one, else the luminance of R, G, B
   std::string range;    // "LOW,HIGH"; empty: smallest and largest value
   bool log = false;
+  std::vector<std::string> flip_maps;  // of a folder: of these results, and nothing drawn
   LayerChoice layer;
 };
 

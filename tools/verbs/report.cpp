@@ -10,7 +10,6 @@
 #include "lib/experiment/result_table.h"
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
-#include "tools/batch/kept_images.h"
 #include "tools/verbs/option_bounds.h"
 #include "tools/verbs/page_generator.h"
 
@@ -51,12 +50,11 @@ std::string vocabulary_json() {
 
 // What the report script is asked, and its answer.
 Result<std::string> make_report(const ReportOptions& options, std::vector<std::string> words) {
-  static_cast<void>(make_flip_maps(options.folder));  // without them, the page has none
   words.insert(words.end(),
                {"--output=" + options.output.string(), "--metric=" + options.metric,
                 "--title=" + options.title, fmt::format("--max-image-mb={}", options.max_image_mb),
                 "--vocabulary=/dev/stdin"});
-  // For the samples of single pixels, which the program reads (`spool pixel`).
+  // For samples of single pixels (`spool pixel`) and FLIP maps (`spool picture`).
   std::error_code status;
   const fs::path self = fs::read_symlink("/proc/self/exe", status);
   if (!status) words.push_back("--program=" + self.string());

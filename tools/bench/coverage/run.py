@@ -45,7 +45,7 @@ SCENES = {
     "scene_s, paper": Scene(None, **PAPER), "caustic_mitsuba, paper": Scene(ROOT / "dumps/tiny/caustic_mitsuba.spool", **PAPER),
     "scene_s_256": Scene(None, **FULL), **{name: Scene(source, **FULL) for name, source in LARGE.items()},
     "scene_s, other samplers": Scene(None, **OTHERS),
-    **{f"{name}, other samplers": Scene(source, side=256, count=5, **OTHERS) for name, source in LARGE.items()}}
+    **{f"{name}, other samplers": Scene(source, side=256, count=4, **OTHERS) for name, source in LARGE.items()}}
 
 
 def run(*arguments):
