@@ -152,7 +152,7 @@ def test_picture_makes_the_flip_map_of_a_named_result_alone(good, dump, tmp_path
 def test_picture_has_no_flip_map_of_what_is_no_result(good, run, dump, tmp_path, where, name, code, words):
     good("evaluate", dump, "--spp", "4", "--samplers", "uniform", "--filters", "box", "-o", tmp_path / "out")
     done = run("picture", tmp_path / where, "--flip-map", name)
-    assert done.returncode == code and words in done.stderr
+    assert done.code == code and words in done.err
 
 
 def test_a_report_makes_the_flip_maps_that_no_metric_needed(good, dump, tmp_path):
