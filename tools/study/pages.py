@@ -10,6 +10,7 @@ A template (templates/PAGE.in) contains sentences. In them
     {{PLAN; BETTER; THAN; METRIC; SAMPLES; VERDICT}}  is where a claim holds, and requires that its verdict is this one
 so a sentence that was written about a verdict cannot outlive it.
 """
+import itertools
 import json
 import re
 from pathlib import Path
@@ -150,10 +151,10 @@ def equal_time(store, methods, plan):
     return tables.markdown(["recording", "spp", *methods.values()], shown)
 
 
-def readings(store, plans):
+def readings(stores, plans):
     """The family of the preset paper by recording, at the largest budget: MSE over that of uniform + box of its shipped, best and worst member."""
     rows = []
-    for plan, shipped in plans.items():
+    for (plan, shipped), store in itertools.product(plans.items(), stores):
         conditions = [c for c in store.results(plan).get("conditions", ()) if c["metric"] == "mse"]
         for c in (c for c in conditions if c["spp"] == max(c["spp"] for c in conditions)):
             ratios = {tables.place({**c, **m})[3:]: m["ratio"][0] for m in c["ranking"]}
@@ -249,7 +250,7 @@ def page(template, small, full):
     """The text of a page, from what is kept of both sizes."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
     text = CLAIM.sub(lambda match: said(match, small, full), text)
-    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("readings", lambda: readings(small, READINGS)), ("rivals", lambda: rivals(small, full)),
+    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("readings", lambda: readings((full, small), READINGS)), ("rivals", lambda: rivals(small, full)),
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("beside_network", lambda: beside_network(full, NETWORK)),
                        ("needed", lambda: needed(full, NETWORK, ("`uniform` + `ensemble`", "`cross_halves` + `ensemble`"), (8, 16, 32))),
