@@ -7,7 +7,8 @@ A template (templates/PAGE.in) contains sentences. In them
     {{rivals}}                                        is the paper's statements, counted by preset and class of rival
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
     {{equal_time}}                                    is the same at equal processor time, of 64 x 64 pixels
-    {{PLAN; BETTER; THAN; METRIC; SAMPLES; VERDICT}}  is where a claim holds, and requires that its verdict is this one
+    {{PLAN; BETTER; THAN; METRIC; SAMPLES; VERDICT}}  is where a claim holds, and requires that its verdict is this one; "small PLAN": on
+                                                      recordings of 64 x 64 pixels, though it was run at full size
 so a sentence that was written about a verdict cannot outlive it.
 """
 import itertools
@@ -23,7 +24,7 @@ from tools.study.plans import FULL
 
 HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]
-CLAIM = re.compile(r"\{\{(\w+;[^\n]*?;\s*\w+)\}\}")
+CLAIM = re.compile(r"\{\{((?:small )?\w+;[^\n]*?;\s*\w+)\}\}")
 CHANGED = "2026-11-26T19:40"  # small plans that ran before are judged without the rule of replicates (decision 0155)
 DENSITY = {"levels_3_4": "samples of levels 3 and 4", "correlation": "correlation with noise", "tile_jump": "jump at its tiles"}
 
@@ -235,9 +236,10 @@ def place_text(claim, plan, store):
 
 
 def said(match, small, full):
-    """Of full size, where the plan was run so."""
+    """Of full size, where the plan was run so and the word small does not stand before it."""
     plan, better, than, metric, samples, verdict = (part.strip() for part in match.group(1).split(";"))
-    store = full if full.texts(plan) else small
+    of_small, plan = plan.startswith("small "), plan.removeprefix("small ")
+    store = full if full.texts(plan) and not of_small else small
     for claim in store.claims(plan):
         if (claim["better"], claim["than"], claim["metric"], claim["samples"]) == (better, than, metric, samples):
             if claim["verdict"] != verdict:
