@@ -124,6 +124,14 @@ def table(found, size, limit, where):
     return "\n".join(["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *rows(found, size, limit)])
 
 
+def summary(found, where):
+    """The most of every method but `cat`, over its run in memory."""
+    most = {way: max(ways[way]["cpu"] / ways["all"]["cpu"] for method, ways in found.items() if method != "cat" and way in ways)
+            for way in ("group", "ulimit") if any(way in ways for ways in found.values())}
+    said = [f"{most[way]:.2f} times the CPU time {name}" for way, name in (("group", "in a control group"), ("ulimit", "under `ulimit -v`")) if way in most]
+    return f"With the file {where}: at most {' and '.join(said)}."
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=Path)
@@ -146,7 +154,7 @@ def main():
             size = path.stat().st_size
             limit = size / options.times
             found = bench.measure(path, folder, limit, int(limit + idle), where == "on disk")
-            tables.append(table(found, size, limit, f"file {where}"))
+            tables.append(summary(found, where) if where == "in memory" else table(found, size, limit, f"file {where}"))
     text = "\n\n".join([
         "## A recording larger than memory",
         f"`tools/dev.sh bench memory`: {options.size}x{options.size} pixels with {options.samples} samples, {size / 1e9:.2f} GB of plain floats; "
