@@ -12,7 +12,7 @@ TEXT = """# How often the 95 % intervals hold the truth
 
 Written by `tools/dev.sh bench coverage`. Each scene was made 10 times (two samplers: 60 times): every sample drawn with replacement from a recording,
 whose mean is the exact reference; scene S anew. Each was evaluated
-as `spool evaluate` does it by default, 8 replicates, 4, 8, 16 of 64 samples: `uniform`, `mitchell`, `adaptive_wavelet`, `greedy_error`, `nl_means`,
+by default options, 8 replicates, 4, 8, 16 of 64 samples: `uniform`, `mitchell`, `adaptive_wavelet`, `greedy_error`, `nl_means`,
 `multiscale` with `box`; `uniform` and `multiscale`, the two samplers, with `directional`.{more} A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
 Its interval should hold the mean of the other recordings in 95 %: {held} of all do. Below 90 % lie {below} rows of {rows}; were every row at 95 %, chance alone would put
 {expected:.0f} there, as 4 to 60 intervals are few. Rows are *withheld* where most of their recordings have no verdict
