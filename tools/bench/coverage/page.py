@@ -21,7 +21,7 @@ spread between recordings assumed and not measured ([decision 155](decisions.md#
 
 {table}
 
-Single rows, and how many of their intervals lie below the truth: [rows.csv](results/coverage/rows.csv).
+Single rows: [rows.csv](results/coverage/rows.csv).
 
 *Itself*: `spool compare` of two recordings of one scene, every method and budget with itself, a family for MSE and one for relMSE: in how many something is
 claimed; 5 % may.
