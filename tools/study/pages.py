@@ -230,7 +230,7 @@ def place_text(claim, plan, store):
     more = [f"{counts[w]} {w}" for w in tables.ORDER[1:3] if counts.get(w)]
     compared = sum(counts.get(word, 0) for word in tables.ORDER[:3])
     ratios = sorted(p["ratio"][0] for p in claim["places"] if p["ratio"])
-    spread = f"; {tables.number(ratios[0], 2)} to {tables.number(ratios[-1], 2)}" if ratios else ""
+    spread = f"; {' to '.join(dict.fromkeys(tables.number(r, 2) for r in (ratios[0], ratios[-1])))}" if ratios else ""
     name = plan.split("_")[0].upper()
     return f"([{name}](results/{store.folder.name}/{plan}_claims.csv): {counts.get('holds', 0)} of {compared} hold{''.join(', ' + m for m in more)}{spread})"
 
