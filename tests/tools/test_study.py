@@ -113,7 +113,7 @@ def test_every_sentence_of_the_findings_names_a_claim():
 
 def test_the_verdict_of_the_readme_is_that_of_its_claims():
     claims = list(pages.CLAIM.finditer((ROOT / "README.md").read_text(encoding="utf-8")))
-    assert len(claims) == 7 and all(pages.said(claim, *stores()) for claim in claims)
+    assert len(claims) == 8 and all(pages.said(claim, *stores()) for claim in claims)
 
 
 def test_a_sentence_does_not_outlive_its_verdict(tmp_path, monkeypatch):
@@ -130,6 +130,14 @@ def test_a_sentence_does_not_outlive_its_verdict(tmp_path, monkeypatch):
     (tmp_path / "templates/p.in").write_text("Lower {{" + question.replace("uniform", "box") + "; holds}}.")
     with pytest.raises(pages.Changed, match="no such claim"):
         pages.page("p.in", small, full)
+    several = "{{u3_unseen_network; cross_halves + ensemble:oidn+twin_guides{energy=box}; uniform + oidn{energy=box}; relmse%s; own; holds}}"
+    (tmp_path / "templates/p.in").write_text(several % "")
+    with pytest.raises(pages.Changed, match="4 such claims"):
+        pages.page("p.in", small, full)
+    (tmp_path / "templates/p.in").write_text(several % " < 0.7")
+    assert "1 of 4 hold" in pages.page("p.in", small, full)
+    (tmp_path / "templates/p.in").write_text("{{small a14_sampler_readings; multiscale:paper+by_pass + box; uniform + box; mse; fresh; holds}}")
+    assert "results/experiments/a14" in pages.page("p.in", small, full)
 
 
 def test_what_is_kept_is_small():

@@ -8,7 +8,8 @@ A template (templates/PAGE.in) contains sentences. In them
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
     {{equal_time}}                                    is the same at equal processor time, of 64 x 64 pixels
     {{PLAN; BETTER; THAN; METRIC; SAMPLES; VERDICT}}  is where a claim holds, and requires that its verdict is this one; "small PLAN": on
-                                                      recordings of 64 x 64 pixels, though it was run at full size
+                                                      recordings of 64 x 64 pixels, though it was run at full size;
+                                                      "METRIC < 0.95": the one of several that has this bound
 so a sentence that was written about a verdict cannot outlive it.
 """
 import itertools
@@ -240,12 +241,14 @@ def said(match, small, full):
     plan, better, than, metric, samples, verdict = (part.strip() for part in match.group(1).split(";"))
     of_small, plan = plan.startswith("small "), plan.removeprefix("small ")
     store = full if full.texts(plan) and not of_small else small
-    for claim in store.claims(plan):
-        if (claim["better"], claim["than"], claim["metric"], claim["samples"]) == (better, than, metric, samples):
-            if claim["verdict"] != verdict:
-                raise Changed(f"{match.group(0)}: the verdict is now '{claim['verdict']}': write the sentence anew")
-            return place_text(claim, plan, store)
-    raise Changed(f"{match.group(0)}: no such claim is kept: write the sentence anew")
+    metric, _, below = (part.strip() for part in metric.partition("<"))
+    found = [c for c in store.claims(plan) if (c["better"], c["than"], c["metric"], c["samples"]) == (better, than, metric, samples)
+             and (not below or c["below"] == float(below))]
+    if len(found) != 1:
+        raise Changed(f"{match.group(0)}: {len(found) or 'no'} such claims are kept: write the sentence anew, or the bound behind the metric")
+    if found[0]["verdict"] != verdict:
+        raise Changed(f"{match.group(0)}: the verdict is now '{found[0]['verdict']}': write the sentence anew")
+    return place_text(found[0], plan, store)
 
 
 def page(template, small, full):
