@@ -6,7 +6,7 @@ import sys
 
 import bpy
 
-from dumps.recording.failure import Failure, io_failure, one_line, scene_failure, usage_failure
+from dumps.recording.failure import Failure, io_failure, scene_failure, usage_failure
 
 SCENES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "scenes")
 
@@ -63,7 +63,7 @@ def _build_file(source, folders):
     except (Failure, KeyboardInterrupt):
         raise
     except (Exception, SystemExit) as error:  # of a user's script
-        raise scene_failure("%s: build() failed: %s: %s" % (source, type(error).__name__, one_line(error)))
+        raise scene_failure("%s: build() failed: %s: %s" % (source, type(error).__name__, error))
     if not isinstance(scene, bpy.types.Scene):
         raise scene_failure("%s: build() returned no scene" % source)
     return scene, {"name": os.path.basename(source), "sha256": _digest([source, *used])}
@@ -78,7 +78,7 @@ def _module(source):
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
-        raise scene_failure("%s: cannot be loaded: %s: %s" % (source, type(error).__name__, one_line(error)))
+        raise scene_failure("%s: cannot be loaded: %s: %s" % (source, type(error).__name__, error))
     return module
 
 

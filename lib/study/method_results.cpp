@@ -164,7 +164,7 @@ Withheld MethodResults::withheld(const std::string& metric) const {
 Series MethodResults::series(std::size_t quantity) const {
   const Quantity& kind = quantities()[quantity];
   Series series{values[quantity], 0.0};
-  if (!kind.is_claimed) return series;
+  if (!kind.is_compared) return series;
   series.recordings = recordings;
   series.withheld = withheld(kind.name);
   series.taken = taken;

@@ -13,7 +13,7 @@ struct Quantity {
   std::string name;
   Range range = Range::kPositive;
   bool is_metric = false;
-  bool is_claimed = false;  // by [[claim]]: a metric, or of the density
+  bool is_compared = false;  // between methods: a metric, or of where samples are
 };
 const std::vector<Quantity>& quantities();
 std::size_t quantity_index(const std::string& name);  // of one that is there

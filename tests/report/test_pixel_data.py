@@ -49,23 +49,25 @@ def test_a_filter_that_says_nothing_is_left_out(program, tmp_path):
     assert told(program, "uniform", "box") == []
 
 
-def test_footprints_cost_a_share_of_what_the_results_did(monkeypatch):
-    asked = []
-    monkeypatch.setattr(pixel_data, "ask", lambda *_: [{}])
-    monkeypatch.setattr(pixel_data, "choose_pixels", lambda _: [(0, 0)])
-    monkeypatch.setattr(pixel_data, "recording_paths", lambda _: {"a": __file__})
-    used = [0.0]
+@pytest.mark.parametrize("recordings, asked_for", [(("a",), ["half", "more", "unknown"]), (("a", "b"), ["more", "other", "unknown"])])
+def test_footprints_cost_a_share_of_what_the_results_did_each_recording_alike(monkeypatch, recordings, asked_for):
+    asked, used = [], [0.0]
 
     def footprints(*words):
-        asked.append(words[4].filter)
-        used[0] += 0.2 if words[4].filter == "more" else float(words[4].rows[0]["cpu_sampling"] or 0)
+        combination = words[4]
+        asked.append((combination.dump, combination.filter))
+        used[0] += 0.2 if combination.filter == "more" else float(combination.rows[0]["cpu_sampling"] or 0)
         return [{}]
+    monkeypatch.setattr(pixel_data, "ask", lambda *_: [{}])
+    monkeypatch.setattr(pixel_data, "choose_pixels", lambda _: [(0, 0)])
+    monkeypatch.setattr(pixel_data, "recording_paths", lambda _: dict.fromkeys(recordings, __file__))
     monkeypatch.setattr(pixel_data, "footprints_of", footprints)
     monkeypatch.setattr(pixel_data.resource, "getrusage", lambda _: SimpleNamespace(ru_utime=used[0]))
-    costs = {"dear": 30.0, "half": 0.45, "more": 0.1, "other": 0.2, "unknown": ""}
-    combinations = [SimpleNamespace(dump="a", sampler="uniform", filter=name, spp=8.0 if name == "other" else 16.0,
-                                    rows=[{"reference": "independent", "cpu_sampling": cost, "cpu_filtering": ""}]) for name, cost in costs.items()]
-    found = [SimpleNamespace(dump="a", combination=i, paths={}) for i in range(len(combinations))]
-    manifest = {"plan": {"seed": 1, "order": "disjoint"}}
-    answers = pixel_data.pixel_answers("program", found, combinations, manifest, OWN)
-    assert asked == ["half", "more", "unknown"] and sorted(answers["a"]["footprints"]) == [1, 2, 4]
+    costs = {"dear": 9.0, "half": 0.45, "more": 0.1, "other": 0.16, "unknown": ""}
+    combinations = [SimpleNamespace(dump=dump, sampler="uniform", filter=name, spp=8.0 if name == "unknown" else 16.0,
+                                    rows=[{"reference": "independent", "cpu_sampling": cost, "cpu_filtering": ""}])
+                    for dump in recordings for name, cost in costs.items()]
+    found = [SimpleNamespace(dump=c.dump, combination=i, paths={}) for i, c in enumerate(combinations)]
+    answers = pixel_data.pixel_answers("program", found, combinations, {"plan": {"seed": 1, "order": "disjoint"}}, OWN)
+    assert asked == [(dump, name) for dump in recordings for name in asked_for]
+    assert all(len(answers[dump]["footprints"]) == len(asked_for) for dump in recordings)

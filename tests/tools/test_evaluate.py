@@ -139,7 +139,7 @@ def test_pictures_are_those_drawn_at_once(good, dump, tmp_path):
 def test_picture_makes_the_flip_map_of_a_named_result_alone(good, dump, tmp_path):
     good("evaluate", dump, "--spp", "4,8", "--samplers", "uniform", "--filters", "box", "--set", "metrics.perceptual=none", "-o", tmp_path / "out")
     first, second = (tmp_path / f"out/scene_uniform_box_{spp}spp/flip.exr" for spp in (4, 8))
-    good("picture", tmp_path / "out", "--flip-map", "scene_uniform_box_4spp")
+    good("picture", tmp_path / "out", "--flip-map", "scene_uniform_box_4spp", "--flip-map", "scene_uniform_box_4spp")
     assert first.exists() and not second.exists() and not first.with_name("estimate.png").exists()
     made = first.read_bytes()
     good("report", tmp_path / "out", "-o", tmp_path / "r.html")

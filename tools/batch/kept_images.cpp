@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -172,7 +173,7 @@ Result<std::size_t> draw_pictures(const fs::path& folder, const CommonOptions& c
 
 Result<void> make_flip_maps(const fs::path& folder, const std::vector<std::string>& names) {
   const std::vector<fs::path> results = result_folders(folder);
-  std::vector<fs::path> folders;
+  std::set<fs::path> folders;  // one may be named twice
   for (const std::string& name : names) {
     const auto found = std::ranges::find(results, fs::path(name), &fs::path::filename);
     if (found == results.end()) {
@@ -180,10 +181,10 @@ Result<void> make_flip_maps(const fs::path& folder, const std::vector<std::strin
                   folder.string(), name);
     }
     std::error_code status;
-    if (!fs::exists(*found / "flip.exr", status)) folders.push_back(*found);
+    if (!fs::exists(*found / "flip.exr", status)) folders.insert(*found);
   }
   Progress progress("FLIP maps", true);
-  return make_all(folders, false, progress);
+  return make_all({folders.begin(), folders.end()}, false, progress);
 }
 
 }  // namespace spool::tools

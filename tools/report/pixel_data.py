@@ -20,7 +20,7 @@ MOST_SAMPLES = 256
 SECONDS = 300
 MOST_FOOTPRINTS = 8  # results of a recording, those of the largest budgets: each is sampled and filtered once more
 FOOTPRINT_SECONDS = 60  # for all of them; later ones are left out
-FOOTPRINT_SHARE, FOOTPRINT_CPU = 0.02, 0.8  # of the CPU seconds of all results, or so many, for those of all recordings
+FOOTPRINT_SHARE, FOOTPRINT_CPU = 0.02, 0.8  # of the CPU seconds of all results, or so many, in equal parts for each recording
 METHOD = r"(\w+)(?::\w+)?(?:\{[^{}]*\})?"  # lib/methods/method_text.h, without a label
 LEAST_WEIGHT = 1e-3  # of the largest: smaller ones are not drawn
 JUDGED_APART = ("independent", "leave_selected_out")  # nothing is held out of the list
@@ -42,27 +42,37 @@ def pixel_answers(program, found, combinations, manifest, vocabulary):
     order = ["--order", "recorded"] if known == "recorded" else ["--evaluation-seed", str(known)]
     paths = recording_paths(manifest)
     answers, end = {}, time.monotonic() + FOOTPRINT_SECONDS
-    left = max(FOOTPRINT_CPU, FOOTPRINT_SHARE * sum(cpu_seconds(row) for c in combinations for row in c.rows))
-    for dump in dict.fromkeys(entry.dump for entry in found):
+    dumps = list(dict.fromkeys(entry.dump for entry in found))
+    seconds = max(FOOTPRINT_CPU, FOOTPRINT_SHARE * sum(cpu_seconds(row) for c in combinations for row in c.rows)) / max(len(dumps), 1)
+    for dump in dumps:
         path = paths.get(Path(dump).name)
         rows = [row for c in combinations if c.dump == dump for row in c.rows]
         if path is None or not Path(path).is_file() or any(row.get("reference") not in JUDGED_APART for row in rows):
             continue
-        places = choose_pixels([entry.paths for entry in found if entry.dump == dump])
+        of_dump = [entry for entry in found if entry.dump == dump]
+        places = choose_pixels([entry.paths for entry in of_dump])
         answer = ask(program, path, order, places)
         if answer:
-            footprints = {}
-            of_dump = sorted((e for e in found if e.dump == dump), key=lambda e: -combinations[e.combination].spp)
-            for entry in of_dump:
-                cost = cpu_seconds(combinations[entry.combination].rows[0])
-                if len(footprints) < MOST_FOOTPRINTS and cost <= left and time.monotonic() < end:
-                    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-                    told = footprints_of(program, path, order, places, combinations[entry.combination], vocabulary)
-                    left -= resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before  # weights can cost more than the result did
-                    if told:
-                        footprints[entry.combination] = told
-            answers[dump] = {"answers": answer, "footprints": footprints}
+            asked = {entry.combination: combinations[entry.combination] for entry in of_dump}
+            answers[dump] = {"answers": answer, "footprints": affordable_footprints(
+                asked, seconds, end, lambda c, path=path, places=places: footprints_of(program, path, order, places, c, vocabulary))}
     return answers
+
+
+def affordable_footprints(combinations, seconds, end, told_of):
+    """{index: [footprint]} of those of the largest budgets that so many CPU seconds allow, until `end`."""
+    footprints = {}
+    for index, combination in sorted(combinations.items(), key=lambda item: -item[1].spp):
+        if len(footprints) == MOST_FOOTPRINTS or time.monotonic() >= end:
+            break
+        if cpu_seconds(combination.rows[0]) > seconds:
+            continue
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        told = told_of(combination)
+        seconds -= resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before  # weights can cost more than the result did
+        if told:
+            footprints[index] = told
+    return footprints
 
 
 def cpu_seconds(row):

@@ -20,6 +20,7 @@ from tools.report.results_table import without_threads
 
 PICTURES = ("estimate", "reference", "squared_error", "density", "filter_size", "direction", "flip")
 COLOUR = {"estimate", "reference"}
+MAPS_AT_ONCE = 500  # names in one command line
 FIRST_METHODS = 10  # of many results: 256 of 128 x 128 pixels are a page of less than 8 MB
 SMALL_BYTES = 16e6  # of the EXR files of all results; in the page a third of it
 SMALLEST_CROP = 96  # pixels; below, results are left out instead
@@ -93,9 +94,10 @@ def with_flip_maps(found, program):
     missing = [entry.paths["estimate"].parent for entry in found if "flip" not in entry.paths and "reference" in entry.paths]
     if not missing or not program:
         return found
-    words = [word for folder in missing for word in ("--flip-map", folder.name)]
+    words = [f"--flip-map={folder.name}" for folder in missing]
     try:
-        subprocess.run([program, "picture", *words, "--", str(missing[0].parent)], capture_output=True, check=False)
+        for first in range(0, len(words), MAPS_AT_ONCE):
+            subprocess.run([program, "picture", *words[first:first + MAPS_AT_ONCE], "--", str(missing[0].parent)], capture_output=True, check=False)
     except OSError:
         return found
     for entry in found:

@@ -52,7 +52,7 @@ def full_plan(name, files):
 
 def full_recordings(name):
     """Names of the recordings of full size that the plan asks for, whether they are here or not."""
-    if name in FULL.get("only", {}):
+    if name in FULL["only"]:
         return FULL["only"][name]
     own = [Path(path).stem for path in read(PLANS / f"{name}.toml")["recordings"]]
     own = [f"{r}_{i}" for r in own for i in range(1, FULL["groups"][r] + 1)] if own[0] in FULL["groups"] else own

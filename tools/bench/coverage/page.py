@@ -15,7 +15,7 @@ whose mean is the exact reference; scene S anew. Each was evaluated
 by default options, 8 replicates, 4, 8, 16 of 64 samples: `uniform`, `mitchell`, `adaptive_wavelet`, `greedy_error`, `nl_means`,
 `multiscale` with `box`; `uniform` and `multiscale`, the two samplers, with `directional`.{more} A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
 Its interval should hold the mean of the other recordings in 95 %: {held} of all do. Below 90 % lie {below} rows of {rows}; were every row at 95 %, chance alone would put
-{expected:.0f} there, as 4 to 60 intervals are few. Rows are *withheld* where most of their recordings have no verdict
+{expected:.0f} there, as {fewest} to {most} intervals are few. Rows are *withheld* where most of their recordings have no verdict
 because few pixels carry the error ([decision 156](decisions.md#0156-what-a-verdict-may-stand-on)); "without halves" are the same results with the
 spread between recordings assumed and not measured ([decision 155](decisions.md#0155-the-spread-between-recordings-is-measured-on-halves-of-the-recording)), nothing withheld.
 
@@ -41,7 +41,7 @@ SCENES = ("scene", "side", "samples", "recordings", "measured", "rows", "held", 
           "itself_mse", "itself_relmse", "itself_mse_without", "itself_relmse_without")
 ROWS = ("scene", "quantity", "method", "spp", "intervals", "held", "too_low", "share", "share_without")
 MORE = """ *Filter in the loop*: `denoised_variance`, `filtered_halves`, `cross_halves` with `box`. Names in `_256` and `cornell_box_picture`: 256 x 256 pixels of 256
-samples, the two samplers; *other samplers*: all the others, of 256 samples (pictures of 256 x 256 pixels: made 4 times); `paper`: that preset."""
+samples, the two samplers; *other samplers*: all the others, of 256 samples (pictures of 256 x 256 pixels: made {fewest} times); `paper`: that preset."""
 ENOUGH = 0.9
 
 
@@ -94,10 +94,11 @@ def write(order):
               s["below_without"], percent(s["least_without"]), claimed(s, "_without")] for s in scenes]
     rows = [row for row in read("rows") if row["intervals"] and row["share"]]
     counted = [[int(row[c]) for c in ("intervals", "held", "too_low")] for row in rows]
+    made = [int(s["recordings"]) for s in scenes]
     low = [found for found in counted if share(found) < ENOUGH]
     write_whole(PAGE, TEXT.format(
         below=len(low), both=sum(0 < too_low < intervals - held for intervals, held, too_low in low), rows=len(counted),
         held=f"{100 * sum(found[1] for found in counted) / sum(found[0] for found in counted):.1f} %", expected=sum(by_chance(found[0]) for found in counted),
         least=percent(min(row["share"] for row in rows if "relmse" in row["quantity"] and row["method"] == "multiscale + box" and int(row["intervals"]) > 10)),
-        more=MORE if any("paper" in s["scene"] or s["side"] != "64" for s in scenes) else "",
+        fewest=min(made), most=max(made), more=MORE.format(fewest=min(made)) if any("paper" in s["scene"] or s["side"] != "64" for s in scenes) else "",
         table=markdown(["scene", "rows", "below 90 %", "withheld", "least, %", "itself", "without halves: below", "least, %", "itself"], table)))
