@@ -77,7 +77,7 @@ void cell_means_of_row(const PieceStatistics& statistics, const SamplePool& pool
       for (int px = x * q; px < (x + 1) * q; ++px) {
         samples.each(
             px, py, statistics.n(px, py),
-            [&](const FilmPosition& film, const Rgb& radiance) { cells.add(film, radiance); });
+            [&](const FilmPosition& at, const Rgb& radiance) { cells.add(at, radiance); });
       }
     }
     for (std::size_t c = 0; c < 3; ++c) {
