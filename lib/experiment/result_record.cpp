@@ -20,7 +20,8 @@ std::vector<std::string> claimed_metrics() {
 }
 
 const std::vector<std::string>& density_quantities() {
-  static const std::vector<std::string> names = {"block_jump", "edge_share"};
+  static const std::vector<std::string> names = {"block_jump", "edge_share",
+                                                 "region_area"};
   return names;
 }
 

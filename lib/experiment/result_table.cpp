@@ -148,6 +148,17 @@ std::vector<ResultColumn> cell_columns() {
   };
 }
 
+// The sampled regions of level k have 4^k pieces.
+double region_area(const CellResult& result) {
+  double samples = 0.0, area = 0.0, pieces = 4.0;
+  for (std::size_t k = 1; k < result.log.samples_of_level.size(); ++k, pieces *= 4.0) {
+    const auto taken = static_cast<double>(result.log.samples_of_level[k]);
+    samples += taken;
+    area += taken * pieces;
+  }
+  return quotient(area, samples);
+}
+
 std::vector<ResultColumn> sample_columns() {
   using R = CellResult;
   return {
@@ -170,6 +181,10 @@ std::vector<ResultColumn> sample_columns() {
                     "share of the samples above the smallest count within 2 pixels of the tenth of "
                     "the pixels with the largest gradient; empty where all counts are equal",
                     [](const R& r) { return r.density.edge_share; }),
+      number_column("region_area",
+                    "mean area, in pieces, of the regions of levels 1 and up that the sampler chose, "
+                    "over their samples; empty where it has no regions",
+                    region_area),
   };
 }
 

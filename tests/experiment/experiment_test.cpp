@@ -519,6 +519,19 @@ TEST(ResultTable, RowsHaveAFieldForEveryColumnAndQuoteWhatNeedsIt) {
   EXPECT_EQ(commas + 1, result_columns().size());
 }
 
+TEST(ResultTable, RegionAreaIsThatOfTheSamplesOfRegions) {
+  const auto area = [](std::vector<long long> samples_of_level) {
+    CellResult result;
+    result.metrics.values.resize(metrics().size());
+    result.log.samples_of_level = std::move(samples_of_level);
+    return result_fields(result)[column_index("region_area")];
+  };
+  EXPECT_EQ(area({900, 30, 0, 10}), "19");  // (30 x 4 + 10 x 64) / 40
+  EXPECT_EQ(area({0, 0, 7, 0}), "16");
+  EXPECT_EQ(area({900, 0, 0, 0}), "");
+  EXPECT_EQ(area({}), "");
+}
+
 TEST(ResultTable, JsonLinesHaveNumbersNullsAndEscapedText) {
   CellResult result;
   result.cell = {"a \"b\"\n", method("s"), method("f"), 2.5, 3};

@@ -279,6 +279,6 @@ def test_no_page_is_written_with_statistics_of_its_own():
     own = re.compile(r"\bsqrt\b|lgamma|\berf|T_QUANTILE|quantile\(|stdev|variance\(|scipy|import statistics\b|jackknife")
     tools = PLANS.parent
     for path in [*tools.glob("report/*.py"), *tools.glob("report/*.js"), *tools.glob("study/*.py")]:
-        if path.name not in ("density.py", "result_images.py", "figure_windows.py", "figure_comparison.py"):  # of images: quantiles, windows, contrasts
+        if path.name not in ("result_images.py", "figure_windows.py", "figure_comparison.py"):  # of images: quantiles, windows, contrasts
             found = own.search(path.read_text())
             assert not found, f"{path.name}: {found.group(0)}"

@@ -229,18 +229,18 @@ def test_what_stands_under_instead_replaces_a_key_of_the_plan_and_claims_without
 
 
 def test_full_size_is_measured_recording_by_recording_and_judged_together(small_full, tmp_path):
-    assert small_full.measure("p", "one", density=False) and not small_full.measure("p", "one", density=False)
-    assert not small_full.measure("p", "elsewhere", density=False)
+    assert small_full.measure("p", "one") and not small_full.measure("p", "one")
+    assert not small_full.measure("p", "elsewhere")
     store = pages.Kept(tmp_path / "kept")
     assert [p["dump"] for p in store.claims("p")[0]["places"]] == ["one"]
-    assert small_full.measure("p", "two", density=False)
+    assert small_full.measure("p", "two")
     texts = kept.unpack(tmp_path / "kept/p.tar.xz")
     statistics = json.loads(texts["statistics.json"])
     assert [p["dump"] for p in statistics["claims"][0]["places"]] == ["one", "two"]
     assert "after_results" not in statistics["claims"][0]
     assert {e["sampler"] for e in statistics["results"]} == {"uniform", "multiscale", "neyman"}
     assert {e["replicates"] for e in statistics["results"]} == {3} and str(tmp_path) not in texts["plan.toml"] + texts["statistics.json"]
-    assert small_full.measure("p", "one", density=False, again=True)
+    assert small_full.measure("p", "one", again=True)
     assert json.loads(kept.unpack(tmp_path / "kept/p.tar.xz")["statistics.json"])["claims"] == statistics["claims"]
 
 
@@ -250,17 +250,17 @@ def test_recordings_of_a_group_are_judged_together(small_full, tmp_path, monkeyp
     plan.write_text(PLAN.format("g").replace("replicates = 3", "replicates = 1"))
     assert plans.full_recordings("p") == ["g_1", "g_2"]
     for name in plans.full_recordings("p"):
-        assert small_full.measure("p", name, density=False) and not small_full.measure("p", name, density=False)
+        assert small_full.measure("p", name) and not small_full.measure("p", name)
     kept_of = pages.Kept(tmp_path / "kept")
     assert [p["dump"] for p in kept_of.claims("p")[0]["places"]] == ["g_1"], "a group has the name of its first recording"
     assert {e["replicates"] for e in kept_of.results("p")["results"]} == {2}
 
 
 def test_a_claim_that_is_added_later_is_marked(small_full, tmp_path):
-    small_full.measure("p", "one", density=False)
+    small_full.measure("p", "one")
     plan = tmp_path / "plans/p.toml"
     plan.write_text(plan.read_text().replace("claim = [", 'claim = [{ better = "uniform + gaussian", than = "uniform + box" },'))
-    assert not small_full.measure("p", "one", density=False)
+    assert not small_full.measure("p", "one")
     small_full.judge("p")
     marks = {c["better"]: c.get("after_results", False) for c in pages.Kept(tmp_path / "kept").claims("p")}
     assert marks == {"uniform + gaussian": True, "multiscale + box": False}

@@ -52,7 +52,7 @@ class Store:
             write_whole(self._hashes, json.dumps(known))
         return known[key]
 
-    def measure(self, plan, name, density, again=False):
+    def measure(self, plan, name, again=False):
         """False where the recording is not here, or nothing was to be done."""
         path = full_recording(self.program, name, self.scratch / "pools")
         if path is None:
@@ -71,22 +71,16 @@ class Store:
         by = kept.made_by(folder)
         made |= {"version": by["version"], "commit": commit(), "date": datetime.date.today().isoformat(), "described": by["described"],
                  "processor": by["machine"]["processor"], "hardware_threads": by["machine"]["threads"], "replicates": asked["replicates"]}
-        measured = {}
-        if density:
-            from tools.study.density import densities  # needs numpy
-            measured = densities(self.program, asked, folder)
-        self._add(plan, name, folder, made, measured)
+        self._add(plan, name, folder, made)
         return True
 
-    def _add(self, plan, name, folder, made, density):
+    def _add(self, plan, name, folder, made):
         """Lines kept of this recording give way to its cells; the whole is judged."""
         texts = kept.unpack(self.kept(plan))
         lines = [line for line in texts.get("kept.jsonl", "").splitlines(keepends=True) if json.loads(line)["dump"] != name]
         texts["kept.jsonl"] = "".join(lines)
         texts.update((f"cells/{cell.name}", kept.small_cell(cell.read_text(), group_of(name) is not None)) for cell in (folder / "cells").glob("*.json"))
         texts["made.json"] = json.dumps({**json.loads(texts.get("made.json", "{}")), name: made}, indent=1) + "\n"
-        if density:
-            texts["density.json"] = json.dumps(kept.short({**json.loads(texts.get("density.json", "{}")), **density}))
         if "claims.json" not in texts and not lines:
             texts["claims.json"] = (folder / "claims.json").read_text()
         self._judged(plan, texts)

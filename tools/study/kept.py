@@ -18,7 +18,7 @@ from pathlib import Path
 from tools.report.whole_file import write_whole
 
 QUANTITIES = ("mse", "relmse", "relmse_trimmed", "relmse_equal_energy", "energy_ratio", "flip_ldr", "ssim", "seconds_sampling",
-              "seconds_filtering", "cpu_sampling", "cpu_filtering", "saturated_share", "block_jump", "edge_share", "mse_half_pixels", "relmse_half_pixels")
+              "seconds_filtering", "cpu_sampling", "cpu_filtering", "saturated_share", "block_jump", "edge_share", "region_area", "mse_half_pixels", "relmse_half_pixels")
 FIELDS = (*QUANTITIES, "mse_fresh", "relmse_fresh", "energy_fresh", "samples_spent", "recorded_spp", "recorded_kurtosis", "width",
           "height", "reference", "error", "mse_worst_share", "relmse_worst_share", "mse_reference_noise", "relmse_reference_noise")
 HALVES = ("mse", "relmse", "mse_fresh", "relmse_fresh")

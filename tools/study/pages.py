@@ -27,7 +27,6 @@ HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]
 CLAIM = re.compile(r"\{\{((?:small )?\w+;[^\n]*?;\s*\w+)\}\}")
 CHANGED = "2026-11-26T19:40"  # small plans that ran before are judged without the rule of replicates (decision 0155)
-DENSITY = {"levels_3_4": "samples of levels 3 and 4", "correlation": "correlation with noise", "tile_jump": "jump at its tiles"}
 
 METHODS = {"uniform + directional": "uniform + directional", "multiscale:paper + directional:paper": "paper", "multiscale{update=epoch} + directional": "robust",
            "uniform + nl_means": "uniform + nl_means", "nl_means + nl_means": "nl_means", "greedy_error + greedy_selection": "greedy",
@@ -76,25 +75,13 @@ class Kept:
         return set().union(*(m.get("described", ()) for m in (made, *made.values()) if isinstance(m, dict)))
 
 
-def density_table(measured, measures):
-    """Least and most over the replicates; nothing is averaged."""
-    rows = []
-    for name, found in measured.items():
-        for key, values in found.items():
-            method, spp = key.rsplit("|", 1)
-            ranges = [sorted(values.get(m, [])) for m in measures]
-            rows.append([name, method, f"{float(spp):g}", *(f"{tables.number(v[0], 2)} to {tables.number(v[-1], 2)}" if v else "–" for v in ranges)])
-    return ["recording", "method", "spp", *(DENSITY[m] for m in measures)], rows
-
-
-def links_of(chapter, plan, store):
-    """Counted verdicts of a plan, each with its table: every place, cell and density."""
+def links_of(plan, store):
+    """Counted verdicts of a plan, each with its table: every place and cell."""
     if not store.texts(plan):
         return "not run"
     claims = store.claims(plan)
-    ends = {"_claims": bool(claims), "_density": "density" in chapter, "": True}
-    names = {"_claims": tables.summary(claims), "_density": "densities", "": "cells"}
-    return ", ".join(f"[{names[end]}](results/{store.folder.name}/{plan}{end}.csv)" for end in names if ends[end])
+    names = {**({"_claims": tables.summary(claims)} if claims else {}), "": "cells"}
+    return ", ".join(f"[{name}](results/{store.folder.name}/{plan}{end}.csv)" for end, name in names.items())
 
 
 def chapter_rows(chapter, small, full):
@@ -102,7 +89,7 @@ def chapter_rows(chapter, small, full):
     rows = []
     for i, plan in enumerate((*chapter["plans"], *(p for p in chapter.get("more", ()) if small.texts(p)))):
         rows.append([chapter["id"] if i == 0 else "", chapter["title"] if i == 0 else "", f"[{plan}](../tools/plans/{plan}.toml)",
-                     "" if chapter["plans"][0] in FULL["left_out"] else links_of(chapter, plan, full), links_of(chapter, plan, small)])
+                     "" if chapter["plans"][0] in FULL["left_out"] else links_of(plan, full), links_of(plan, small)])
     return rows
 
 
@@ -274,9 +261,6 @@ def write_csv(store, chapter):
         write_whole(store.folder / f"{plan}.csv", tables.results_csv(statistics))
         if statistics["claims"]:
             write_whole(store.folder / f"{plan}_claims.csv", tables.claims_csv(statistics["claims"]))
-        if "density" in chapter:
-            measured = store.json(plan, "density.json")
-            write_whole(store.folder / f"{plan}_density.csv", tables.as_csv(*density_table(measured, DENSITY)))
 
 
 def write(docs, full):

@@ -52,11 +52,7 @@ def run_small(arguments):
             folder = arguments.results / plan
             threads = () if "threads" in read(PLANS / f"{plan}.toml") else ("--threads", arguments.threads)
             kept.evaluate(arguments.program, PLANS / f"{plan}.toml", folder, *threads)
-            texts = kept.texts_of(folder)
-            if "density" in chapter:
-                from tools.study.density import densities  # needs numpy
-                texts["density.json"] = json.dumps(kept.short(densities(arguments.program, read(PLANS / f"{plan}.toml"), folder)))
-            kept.pack(arguments.output / f"results/experiments/{plan}.tar.xz", texts)
+            kept.pack(arguments.output / f"results/experiments/{plan}.tar.xz", kept.texts_of(folder))
 
 
 def run_full(arguments):
@@ -68,7 +64,7 @@ def run_full(arguments):
                 continue
             for name in full_size.full_recordings(plan):
                 if not arguments.recording or name in arguments.recording:
-                    if store.measure(plan, name, "density" in chapter, arguments.again):
+                    if store.measure(plan, name, arguments.again):
                         pages.write(arguments.output, True)  # the run may be stopped any time
 
 
