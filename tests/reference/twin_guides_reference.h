@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "lib/core/extend.h"
@@ -228,15 +229,15 @@ inline Plane open_limits(const SamplePool& pool, const CountImage& n, double uni
   return most > 0.0 ? heavy : Plane();
 }
 
-// The robust limit's geometric mean is at least half of the mean around.
-inline void raise_logarithms(Moments& m, const Plane& heavy, double sigma, double scene_luminance) {
+// The robust limit's geometric mean is at least twice the mean around.
+inline void raise_logarithms(Moments& m, double sigma, double scene_luminance) {
   Plane around = m.mean[0];
   for (std::size_t i = 0; i < around.size(); ++i)
     around[i] = luminance(m.mean[0][i], m.mean[1][i], m.mean[2][i]);
   around = blur(around, sigma);
   for (std::size_t i = 0; i < around.size(); ++i) {
-    const double least = std::log(std::max(around[i], 0.0) / 2.0 + 0.10 * scene_luminance);
-    m.log_luminance[i] += heavy[i] * std::max(0.0, least - m.log_luminance[i]);
+    const double least = std::log(std::max(around[i], 0.0) * 2.0 + 0.10 * scene_luminance);
+    m.log_luminance[i] = std::max(least, m.log_luminance[i]);
   }
 }
 
@@ -632,11 +633,17 @@ inline Planes return_agreed_light(Planes out, Planes taken, double sigma, double
     for (const Plane& group : taken)
       around.push_back(blur(group, reach));
     for (std::size_t i = 0; i < shape.size(); ++i) {
-      double light = INFINITY;
+      std::vector<double> groups;
       for (const Plane& group : around)
-        light = std::min(light, group[i]);
+        groups.push_back(group[i]);
+      std::sort(groups.begin(), groups.end());
+      double light = groups[0];
+      if (reach == sigma)
+        light = std::accumulate(groups.begin(), groups.end() - 1, 0.0) /
+                static_cast<double>(groups.size() - 1);
       if (light <= 0.0) continue;
       factor[i] += light / around_shape[i];
+      if (reach == sigma) continue;
       for (std::size_t k = 0; k < taken.size(); ++k)
         taken[k][i] *= 1.0 - light / around[k][i];
     }
@@ -657,7 +664,7 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane l
   const Plane heavy = open_limits(pool, n, scale.unit, options, limit);
   const NoisePool noise_pool{options.noise_pool, heavy};
   Moments m = moments(pool, n, limit, noise_pool, scale);
-  if (heavy.size() > 0) raise_logarithms(m, heavy, options.clamp_sigma, scale.mean);
+  raise_logarithms(m, options.clamp_sigma, scale.mean);
   Planes raw, raw_variance;
   for (const FeatureLayer& layer : pool.recording().features()) {
     GuardCounts guards;

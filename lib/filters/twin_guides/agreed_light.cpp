@@ -1,7 +1,6 @@
 #include "lib/filters/twin_guides/agreed_light.h"
 
 #include <algorithm>
-#include <array>
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/truncated_filter.h"
@@ -10,8 +9,8 @@
 namespace spool {
 namespace {
 
-constexpr double kFloor = 0.1;                // of the picture, in L: black does not shine
-constexpr std::array kReaches = {0.25, 1.0};  // of sigma, the shortest first
+constexpr double kFloor = 0.1;        // of the picture, in L: black does not shine
+constexpr double kShortReach = 0.25;  // of sigma
 
 Image<float> shape_of(const FloatRgb& out, float floor) {
   Image<float> shape(out[0].width(), out[0].height());
@@ -29,10 +28,15 @@ bool nothing_was_taken(const std::vector<Image<float>>& taken) {
   });
 }
 
+std::vector<Image<float>> blurred(const std::vector<Image<float>>& groups, const Taps& taps) {
+  std::vector<Image<float>> around(groups.size());
+  parallel_for(around.size(), [&](std::size_t k) { around[k] = convolve(groups[k], taps); });
+  return around;
+}
+
 // The light that all groups have around each piece; it is taken off them.
 Image<float> agreed_around(std::vector<Image<float>>& taken, const Taps& taps) {
-  std::vector<Image<float>> around(taken.size());
-  parallel_for(around.size(), [&](std::size_t k) { around[k] = convolve(taken[k], taps); });
+  const std::vector<Image<float>> around = blurred(taken, taps);
   Image<float> light = around[0];
   parallel_rows(0, light.height(), [&](int y) {
     for (std::size_t i = light.index(0, y); i < light.index(0, y + 1); ++i) {
@@ -46,6 +50,23 @@ Image<float> agreed_around(std::vector<Image<float>>& taken, const Taps& taps) {
   return light;
 }
 
+// The mean of all groups but the one that has most.
+Image<float> mean_of_others(const std::vector<Image<float>>& taken, const Taps& taps) {
+  const std::vector<Image<float>> around = blurred(taken, taps);
+  Image<float> light(around[0].width(), around[0].height());
+  parallel_rows(0, light.height(), [&](int y) {
+    for (std::size_t i = light.index(0, y); i < light.index(0, y + 1); ++i) {
+      float sum = 0.0f, most = 0.0f;
+      for (const Image<float>& group : around) {
+        sum += group[i];
+        most = std::max(most, group[i]);
+      }
+      light[i] = (sum - most) / static_cast<float>(around.size() - 1);
+    }
+  });
+  return light;
+}
+
 }  // namespace
 
 FloatRgb return_agreed_light(FloatRgb out, std::vector<Image<float>> taken, double sigma,
@@ -53,9 +74,9 @@ FloatRgb return_agreed_light(FloatRgb out, std::vector<Image<float>> taken, doub
   if (sigma <= 0.0 || taken.size() < 2 || nothing_was_taken(taken)) return out;
   const Image<float> shape = shape_of(out, static_cast<float>(kFloor * scale.mean));
   Image<float> factor(shape.width(), shape.height(), 1.0f);
-  for (const double part : kReaches) {
-    const Taps taps = four_sigma_taps(part * sigma);
-    const Image<float> light = agreed_around(taken, taps);
+  for (const bool wide : {false, true}) {
+    const Taps taps = four_sigma_taps(wide ? sigma : kShortReach * sigma);
+    const Image<float> light = wide ? mean_of_others(taken, taps) : agreed_around(taken, taps);
     const Image<float> around = convolve(shape, taps);
     parallel_rows(0, factor.height(), [&](int y) {
       for (std::size_t i = factor.index(0, y); i < factor.index(0, y + 1); ++i)

@@ -3,16 +3,17 @@
 //
 //   r_k   = luminance that the clamp took from the samples of group k = position mod m, mean;
 //           m = min(4, smallest n_p > 0)
-//   for s = sigma/4, sigma:
-//     light_s = min over k of G_s * r_k;   then r_k *= 1 - light_s / (G_s * r_k)
+//   s = sigma/4:  light_s = min over k of G_s * r_k;   then r_k *= 1 - light_s / (G_s * r_k)
+//   s = sigma:    light_s = mean over k of G_s * r_k without the largest
 //   out'  = out (1 + sum over s of light_s / (G_s * w)),   w = max(luminance(out), 0) + 0.1 L
 //
 // Every group has seen other samples, so what one of them lacks is not believed, and a single
 // sample changes nothing. Light returns to its neighbourhood, not to its pixel, in the shape of the
 // picture: what agrees within the short reach stays there (a lamp out of focus would shine
-// on all around it), and only the rest goes far. The least of four means is below the mean: some of
-// the light stays lost. Nothing happens with fewer than two groups. Why these reaches:
-// docs/decisions.md, 0125. Slow twin: tests/reference/twin_guides_reference.h.
+// on all around it), and only the rest goes far. The least of four means is below the mean, by half
+// where few samples carry the light; far away the mean of three is used, which is less biased and
+// does not show. Nothing happens with fewer than two groups. Why these reaches: docs/decisions.md,
+// 0125, 0168. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
 #include "lib/filters/twin_guides/sample_moments.h"

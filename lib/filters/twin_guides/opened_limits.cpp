@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostGroups = 4;
 constexpr double kHeavyBegins = 0.25;  // in units of the ratio at which tails are heavy
-constexpr float kShareOfMean = 0.5f;   // what the geometric mean of a window is at least
+constexpr float kMeans = 2.0f;         // of the mean around: the least geometric mean of a window
 
 // min(4, smallest count of a pixel that has samples).
 int groups_of_pixels(const CountImage& n, int q) {
@@ -106,8 +106,7 @@ OpenedLimits open_limits(Plane limits, const SamplePool& pool, const CountImage&
   return {std::move(limits), pieces_of_pixels(heavy, pool.pieces_per_side())};
 }
 
-void raise_logarithms(SampleMoments& moments, const Plane& heavy, double sigma,
-                      const RadianceScale& scale) {
+void raise_logarithms(SampleMoments& moments, double sigma, const RadianceScale& scale) {
   Image<float> around = moments.log_luminance;
   for (std::size_t i = 0; i < around.size(); ++i) {
     around[i] =
@@ -116,9 +115,8 @@ void raise_logarithms(SampleMoments& moments, const Plane& heavy, double sigma,
   around = convolve(around, four_sigma_taps(sigma));
   const auto floor = static_cast<float>(kLogFloor * scale.mean);
   for (std::size_t i = 0; i < around.size(); ++i) {
-    const float least = std::log(std::max(around[i], 0.0f) * kShareOfMean + floor);
-    const float raised = std::max(moments.log_luminance[i], least);
-    moments.log_luminance[i] += static_cast<float>(heavy[i]) * (raised - moments.log_luminance[i]);
+    const float least = std::log(std::max(around[i], 0.0f) * kMeans + floor);
+    moments.log_luminance[i] = std::max(moments.log_luminance[i], least);
   }
 }
 

@@ -69,8 +69,7 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
                   pool, n, options);
   const NoisePool noise_pool{options.noise_pool, opened.heavy};
   SampleMoments moments = sample_moments(pool, n, opened.limits, noise_pool, scale, result.guards);
-  if (opened.heavy.size() > 0)
-    raise_logarithms(moments, opened.heavy, options.clamp_sigma * pool.pieces_per_side(), scale);
+  raise_logarithms(moments, options.clamp_sigma * pool.pieces_per_side(), scale);
   SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
   GuideLevels finest = guide_levels(guide_sources(moments, features.clean), scale, options);
