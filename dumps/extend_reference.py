@@ -56,7 +56,7 @@ def refuse_other(path, dump, more_path, more):
         if said(dump.meta, name) != said(more.meta, name):
             raise scene_failure("%s: %s differs from that of %s: record the same scene in the same way" % (more_path, name, path))
     if told(dump.meta, "scene.sha256") is None:
-        raise scene_failure("%s: does not say which scene it is of (scene.sha256): only recordings of dumps/ are extended" % path)
+        raise scene_failure("%s: does not name the scene it is of (scene.sha256): only recordings of dumps/ are extended" % path)
     shared = [seed for seed in taken(more.meta) if seed in taken(dump.meta)]
     if shared:
         raise scene_failure("%s: its reference has samples of seed %s, as that of %s: record it with another --seed" % (

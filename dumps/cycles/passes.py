@@ -116,7 +116,7 @@ def plan_channels(names, mode):
     if unknown and unknown[0] in NOT_TOLD:
         raise usage_failure("channel '%s': %s" % (unknown[0], NOT_TOLD[unknown[0]]))
     if unknown and unknown[0] == "film":
-        raise usage_failure("channel 'film': Cycles tells no film position in mode %s: use --mode shift" % mode)
+        raise usage_failure("channel 'film': Cycles gives no film position in mode %s: use --mode shift" % mode)
     if unknown:
         raise usage_failure("channel '%s' is unknown: use %s" % (unknown[0], ", ".join(CHANNELS)))
     plan = {"radiance": CHANNELS["radiance"]}

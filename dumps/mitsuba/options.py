@@ -56,7 +56,7 @@ def check(options):
     if not options.out and not options.dry_run:
         raise usage_failure("no output: give -o FILE.spool")
     if options.plan and not options.dry_run:
-        raise usage_failure("--plan %s: says something of a --dry-run only: give both or neither" % options.plan)
+        raise usage_failure("--plan %s: applies to a --dry-run only: give both or neither" % options.plan)
     options.reference, options.auto = parse_reference(options.reference)
     for name, low, high in (("samples", 1, 65536), ("seed", 0, USER_LIMIT - 1),
                             ("chunk_lanes", 1, 1 << 28), ("block", 1, 1024), ("max_depth", -1, 1 << 30)):

@@ -13,8 +13,8 @@ def undefined(source, first, definitions):
 
 def missing_line(source, names):
     several = len(names) > 1
-    return "%s: uses the parameter%s %s and does not say what %s: give %s" % (
-        source, "s" if several else "", ", ".join(names), "they are" if several else "it is", " ".join("-D %s=VALUE" % name for name in names))
+    return "%s: uses the parameter%s %s without a value: give %s" % (
+        source, "s" if several else "", ", ".join(names), " ".join("-D %s=VALUE" % name for name in names))
 
 
 def unknown_line(source, names):

@@ -245,7 +245,7 @@ class PlanReader : private TomlReader {
       }
       if (mask.name.find_first_of(" =") != std::string::npos || mask.name.empty() ||
           mask.path.empty()) {
-        return refuse(*table, "a mask wants a name without spaces and a file");
+        return refuse(*table, "a mask requires a name without spaces and a file");
       }
       plan.experiment.masks.push_back(std::move(mask));
     }

@@ -32,7 +32,7 @@ FilterFunction given_image(RgbImage image, std::string name) {
              const FilterContext&) -> Result<Reconstruction> {
     if (pool.is_half()) {
       return fail(ErrorCode::kUsage,
-                  "{}: is the same for any samples: a sampler with it in its loop learns nothing, "
+                  "{}: is the same for any samples: a sampler with it in its loop gains nothing from it, "
                   "and crossfit and split decisions want an image of each half: put a filter there",
                   name);
     }

@@ -212,7 +212,7 @@ class HeaderScan {
       part.shape.level_mode = mode & 0x0F;
       part.shape.round_up = (mode & 0xF0) != 0;
       if (part.shape.tile_width == 0 || part.shape.tile_height == 0)
-        return refuse(attribute, "says that tiles are empty");
+        return refuse(attribute, "has empty tiles");
     } else if (attribute.name == "compression" && attribute.type == "compression") {
       part.shape.compression = number_at<std::uint8_t>(value, 0);
       if (part.shape.compression >= Imf::NUM_COMPRESSION_METHODS)

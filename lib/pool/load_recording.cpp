@@ -94,7 +94,7 @@ Result<RgbImage> pixel_image(const SpoolReader& reader, const char* layer) {
   RgbImage image = make_rgb(width, height);
   if (values.size() != 3 * image[0].size()) {
     return fail(ErrorCode::kData,
-                "{}: layer {} is not R, G, B: record it as formats/spool.md 10 says",
+                "{}: layer {} is not R, G, B: record it as in formats/spool.md, section 10",
                 reader.path().string(), layer);
   }
   for (std::size_t c = 0; c < 3; ++c) {

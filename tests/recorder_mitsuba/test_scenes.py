@@ -78,7 +78,7 @@ def test_undefined_parameters_are_named_all_at_once(load, tmp_path):
                                        '<shape type="sphere"><float name="radius" value="$radius"/></shape></scene>')
     ball = NEW % '<bsdf type="diffuse"><rgb name="reflectance" value="$r,$g,$wide"/></bsdf>'
     code, text = refusal(load, '<include filename="part.xml"/>' + ball, "3.0.0", definitions={"g": "1"})
-    assert code == 2 and "uses the parameters r, radius and does not say what they are: give -D r=VALUE -D radius=VALUE" in text
+    assert code == 2 and "uses the parameters r, radius without a value: give -D r=VALUE -D radius=VALUE" in text
 
 
 def test_integrators_that_give_features_alone_are_refused(load):

@@ -300,7 +300,7 @@ def test_an_image_is_a_filter(good, run, dump, tmp_path):
     good("reconstruct", dump, "--filter", "image:mine.exr", "-o", "i.exr")
     assert np.array_equal(exr.read(tmp_path / "i.exr")["G"], image[1])
     run("replay", dump, "--sampler", "filtered_halves", "--filter", "image:mine.exr", "--spp", 6, "-o",
-        "s.exr").failed_with(2, "image:mine.exr", "learns nothing")
+        "s.exr").failed_with(2, "image:mine.exr", "gains nothing from it")
     exr.write(tmp_path / "small.exr", {"Y": image[0, 1:]})
     run("reconstruct", dump, "--filter", "image:small.exr", "-o", "j.exr").failed_with(1, "24 x 19", "24 x 20")
 

@@ -61,7 +61,7 @@ void add_show(Program& program) {
          kExposure);
   within(verb.add_option(
              "--max-image-mb", options.settings.most_mb,
-             "megabytes of images in the page; larger ones are shrunk, and the page says so (40)"),
+             "megabytes of images in the page; larger ones are shrunk, and the page names them (40)"),
          kShownMb);
   verb.add_option("--title", options.settings.title, "heading of the page");
   add_output(verb, options.output,

@@ -25,7 +25,7 @@ void add_replay(Program& program) {
   add_output(verb, options.output, "the selection to write: channel n, and A.0 .. A.K");
   add_common(verb, program.common, true, true);
   verb.footer(
-      "A selection says how many samples of each piece were taken, always the first ones; a "
+      "A selection contains how many samples of each piece were taken, always the first ones; a "
       "sampler may know only those. Any image of counts made elsewhere is a selection too.\n"
       "Examples:\n"
       "  spool replay dumps/tiny/chess.spool --sampler multiscale --spp 8 -o n.exr\n"
@@ -62,7 +62,7 @@ void add_reconstruct(Program& program) {
                   "a folder for PNG pictures of the result and of the views");
   add_common(verb, program.common, true, true);
   verb.footer(
-      "A selection written by spool replay says in which order it took the samples; for others, "
+      "A selection written by spool replay contains the order of its samples; for others, "
       "--order and --seed do.\n"
       "Examples:\n"
       "  spool reconstruct dumps/tiny/chess.spool --filter box --spp 4 -o noisy.exr\n"
@@ -100,7 +100,7 @@ void add_pixel(Program& program) {
       verb.add_option("--spp", options.spp, "budget of the sampler, samples per pixel on average"),
       kBudget);
   verb.add_option("--filter", options.filter,
-                  "also: with which weights it makes the pixel, where it can say");
+                  "also: with which weights it makes the pixel, where the filter returns them");
   add_method(verb, options.method);
   add_common(verb, program.common, true, false);
   verb.footer(

@@ -77,7 +77,7 @@ void add_pack(Program& program) {
   group_options(verb, "Foreign files", {"--from", "--set", "--layer", "--part"});
   add_common(verb, program.common, true, true);
   verb.footer(
-      "docs/formats.md says what each foreign format holds and what is converted or dropped.\n"
+      "docs/formats.md lists what each foreign format holds and what is converted or dropped.\n"
       "Examples:\n"
       "  spool pack chess.passes -o chess.spool\n"
       "  spool pack machine1.passes machine2.passes --compress -o chess.spool\n"
@@ -105,7 +105,7 @@ void add_convert(Program& program) {
              "oidn: the folder");
   add_common(verb, program.common, true, true);
   verb.footer(
-      "What a format has no place for is refused or named; see docs/formats.md.\n"
+      "What a format has no place for is an error or named; see docs/formats.md.\n"
       "Examples:\n"
       "  spool convert dumps/tiny/chess.spool --to npz -o chess.npz\n"
       "  spool convert chess.spool --to oidn --set export.spp=1,2,4,8 -o oidn_set\n"

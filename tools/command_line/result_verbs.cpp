@@ -23,7 +23,7 @@ void add_parts_of_a_run(CLI::App& verb, EvaluateOptions& options) {
   verb.add_option(
           "--timing", options.timing,
           "shared: results of small pictures are made beside each other, on all processors, "
-          "and the column `timing` says so; exact: one after another (shared)")
+          "and is marked in the column `timing`; exact: one after another (shared)")
       ->check(CLI::IsMember({"shared", "exact"}));
   verb.add_option("--shard", options.shard,
                   "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
@@ -64,7 +64,7 @@ void add_evaluate(Program& program) {
       "evaluate", "every sampler with every filter at every budget: error, time, pictures");
   EvaluateOptions& options = program.evaluate;
   verb.add_option("FILES", options.files,
-                  "recordings; one PLAN.toml that says everything; or, with --statistics-only, "
+                  "recordings; one PLAN.toml that contains everything; or, with --statistics-only, "
                   "folders of results")
       ->required();
   verb.add_option("--samplers", options.samplers, "a,b:PRESET,LABEL=c{OPTION=VALUE} (uniform)");

@@ -194,7 +194,7 @@ const OptionTable<ImageOptions>& image_option_table() {
   using O = ImageOptions;
   static const OptionTable<O> table = [] {
     OptionTable<O> options = {interchange::text_option<O>(
-        "replicate", &O::replicate, "N", "what {replicate} of the name is; evaluate knows it")};
+        "replicate", &O::replicate, "N", "what {replicate} of the name is; evaluate fills it in")};
     append_options(options,
                    OptionTable<LayerChoice>{
                        interchange::text_option<LayerChoice>(
@@ -250,7 +250,7 @@ const SamplerList& known_samplers() {
     list.other_kind = filters().kind;
     list.other_names = names_of(filters());
     list.methods.push_back(method_with_argument(
-        "counts", "FILE.exr", "your own: an image that says how many samples each piece gets",
+        "counts", "FILE.exr", "your own: an image with the number of samples of each piece",
         OptionTable<NoOptions>{}, Needs{}, &make_counts_sampler));
     list.methods.push_back(method_with_argument(
         "exec", "COMMAND", "your own: a command that is asked for counts, round after round",

@@ -10,7 +10,6 @@
     tools/dev.sh experiments --full E4 --recording torus    that alone; with --again although it was measured
 """
 import argparse
-import json
 from pathlib import Path
 
 from tools.study import full_size, kept, pages

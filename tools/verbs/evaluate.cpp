@@ -131,7 +131,7 @@ Result<void> refuse_options_beside_plan(const EvaluateOptions& options) {
                                                 {"--baseline", !options.baseline.empty()}};
   for (const auto& [name, is_given] : given) {
     if (is_given) {
-      return fail(ErrorCode::kUsage, "{}: the plan {} says that: write it there", name,
+      return fail(ErrorCode::kUsage, "{}: belongs into the plan {}: write it there", name,
                   options.files.front().string());
     }
   }

@@ -53,7 +53,7 @@ void print_methods(const ListedMethods& list, const std::string& part, bool all)
                       method.by_description ? kByDescriptionMark : "", method.summary));
     if (method.by_description) print(fmt::format("  {}\n", kByDescription));
     if (!method.needs.empty()) print(fmt::format("  needs {}\n", fmt::join(method.needs, ", ")));
-    if (method.footprints) print("  says its weights: spool pixel --filter\n");
+    if (method.footprints) print("  returns its weights: spool pixel --filter\n");
     const Rows rows = option_rows(method.options, part, all);
     if (!rows.empty()) print(format_columns(rows, 100));
     const auto left_out = std::ranges::count_if(

@@ -75,7 +75,7 @@ void print_shape(const FootprintShape& shape) {
 // The largest weights, and how they lie around the pixel.
 void print_footprint(const PixelAnswer& pixel) {
   if (!pixel.footprint) {
-    print_line("footprint: this filter does not say its weights");
+    print_line("footprint: this filter returns no weights");
     return;
   }
   for (const FootprintShape& shape : pixel.footprint->shapes)

@@ -114,7 +114,7 @@ class Run {
     const char* message = nullptr;
     const int code = library_.get_device_error(device_.get(), &message);
     if (code == 0 && device_ != nullptr) return {};
-    return fail(ErrorCode::kData, "filter oidn: Open Image Denoise says: {}",
+    return fail(ErrorCode::kData, "filter oidn: Open Image Denoise: {}",
                 message == nullptr ? "no device" : message);
   }
 

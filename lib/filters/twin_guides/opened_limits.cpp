@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "lib/core/parallel.h"
@@ -14,7 +13,6 @@ namespace {
 
 constexpr int kMostGroups = 4;
 constexpr double kHeavyBegins = 0.25;  // in units of the ratio at which tails are heavy
-constexpr float kMeans = 2.0f;         // of the mean around: the least geometric mean of a window
 
 // min(4, smallest count of a pixel that has samples).
 int groups_of_pixels(const CountImage& n, int q) {
@@ -104,20 +102,6 @@ OpenedLimits open_limits(Plane limits, const SamplePool& pool, const CountImage&
   if (std::ranges::all_of(heavy.pixels(), [](double h) { return h == 0.0; }))
     return {std::move(limits), {}};
   return {std::move(limits), pieces_of_pixels(heavy, pool.pieces_per_side())};
-}
-
-void raise_logarithms(SampleMoments& moments, double sigma, const RadianceScale& scale) {
-  Image<float> around = moments.log_luminance;
-  for (std::size_t i = 0; i < around.size(); ++i) {
-    around[i] =
-        static_cast<float>(luminance(moments.mean[0][i], moments.mean[1][i], moments.mean[2][i]));
-  }
-  around = convolve(around, four_sigma_taps(sigma));
-  const auto floor = static_cast<float>(kLogFloor * scale.mean);
-  for (std::size_t i = 0; i < around.size(); ++i) {
-    const float least = std::log(std::max(around[i], 0.0f) * kMeans + floor);
-    moments.log_luminance[i] = std::max(moments.log_luminance[i], least);
-  }
 }
 
 }  // namespace spool

@@ -1,18 +1,15 @@
 // Light that every group of samples has is light before the filter, too: the clamp opens where
-// independent samples agree, and the robust limit is not below what is usual around.
+// independent samples agree.
 //
 //   r_k = mean over group k (agreed_light.h) of what is above T,   K = mean of what is not
 //   a   = min over k of G_s r_k / G_s K,    s = clamp_sigma
 //   h   = (a / heavy - 1/4) / (3/4) within 0 .. 1
 //   T'  = T (1 + opening h a)
-//   tl' = max(tl, log(2 max(G_s luminance(C), 0) + 0.10 L))
 //
 // A firefly is in one group, so it opens nothing. Where one sample in thirty carries the light all
 // groups lose alike, a tenth of what is kept and more; returned later (agreed_light.h) that light
 // comes in blotches, and half of it stays lost. Elsewhere h is 0: what the clamp takes there is
-// better lost. The mean of logarithms lies far below the mean wherever few samples carry the light,
-// and a limit made of it alone takes light that the clamp has left: docs/decisions.md, 0168. Slow
-// twin: tests/reference/twin_guides_reference.h.
+// better lost. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
 #include "lib/filters/twin_guides/sample_moments.h"
@@ -27,8 +24,5 @@ struct OpenedLimits {
 // `limits`: T.
 OpenedLimits open_limits(Plane limits, const SamplePool& pool, const CountImage& n,
                          const TwinGuidesOptions& options);
-
-// Raises the mean logarithms that the robust limit is made of, tl'; sigma in pieces.
-void raise_logarithms(SampleMoments& moments, double sigma, const RadianceScale& scale);
 
 }  // namespace spool

@@ -5,13 +5,30 @@
 #include <vector>
 
 #include "lib/filters/twin_guides/tile_planes.h"
+#include "lib/kernels/truncated_filter.h"
+#include "lib/pyramid/convolution.h"
 
 namespace spool {
 namespace {
 
 constexpr double kPerSample = 1.25;  // the limit opens with n, so that the estimate converges
+constexpr float kMeans = 2.0f;       // of the mean around: the least geometric mean of a window
 
 }  // namespace
+
+void raise_logarithms(SampleMoments& moments, double sigma, const RadianceScale& scale) {
+  Image<float> around = moments.log_luminance;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    around[i] =
+        static_cast<float>(luminance(moments.mean[0][i], moments.mean[1][i], moments.mean[2][i]));
+  }
+  around = convolve(around, four_sigma_taps(sigma));
+  const auto floor = static_cast<float>(kLogFloor * scale.mean);
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const float least = std::log(std::max(around[i], 0.0f) * kMeans + floor);
+    moments.log_luminance[i] = std::max(moments.log_luminance[i], least);
+  }
+}
 
 Image<float> robust_limits(const Lattice& lattice, const Rectangle& tile,
                            const WindowWeights& weights, const Image<float>& log_luminance,

@@ -8,6 +8,7 @@
 #include "lib/filters/twin_guides/coarser_inputs.h"
 #include "lib/filters/twin_guides/guides.h"
 #include "lib/filters/twin_guides/opened_limits.h"
+#include "lib/filters/twin_guides/robust_limit.h"
 #include "lib/filters/twin_guides/sample_moments.h"
 #include "lib/filters/twin_guides/scale_blend.h"
 #include "lib/filters/twin_guides/tiles.h"

@@ -69,7 +69,7 @@ OptionTable<O> sampling_options() {
                         "pieces per tile side, a multiple of 2^levels; 0: no tiles"),
       expert(choice_option<O, TileHalo>("tile_halo", &O::tile_halo,
                                         {{"frozen", TileHalo::kFrozen}, {"none", TileHalo::kNone}},
-                                        "what a tile sees of its neighbours")),
+                                        "what a tile uses of its neighbours")),
       expert(choice_option<O, BudgetBase>(
           "budget_base", &O::budget_base,
           {{"adaptive", BudgetBase::kAdaptive}, {"total", BudgetBase::kTotal}},
