@@ -19,5 +19,7 @@ struct MetricDescription {
 const std::vector<MetricDescription>& metrics();
 // Index into metrics(), or -1.
 int metric_index(std::string_view name);
+// What is better of a metric; of any other quantity, a time or a count, less.
+Better better_of(std::string_view quantity);
 
 }  // namespace spool

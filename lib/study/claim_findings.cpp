@@ -20,10 +20,7 @@ Comparison compared(const Claim& claim, const std::vector<MethodResults>& method
     return claim.fresh ? method.fresh_series(claim.metric)
                        : method.series(quantity_index(claim.metric));
   };
-  const int metric = metric_index(claim.metric);  // below 0: of the counts
-  return compare_paired(
-      series(*better), series(*than),
-      metric < 0 ? Better::kLower : metrics()[static_cast<std::size_t>(metric)].better);
+  return compare_paired(series(*better), series(*than), better_of(claim.metric));
 }
 
 }  // namespace

@@ -104,22 +104,18 @@ std::optional<WouldTell> would_tell(const PairVerdict& pair, const MethodResults
   return std::nullopt;
 }
 
-void add_against_baseline(RankedFinding& finding, const Plan& plan, const MethodResults& method,
-                          const MethodResults& baseline, const Condition& condition,
-                          const RankedMethod& ranked) {
-  const Verdict verdict = condition.ranking.between(ranked.method, *condition.baseline);
+void add_against_baseline(RankedFinding& finding, const Plan& plan,
+                          const std::vector<MethodResults>& methods, const Condition& condition,
+                          std::size_t method) {
+  const Verdict verdict = condition.ranking.between(method, *condition.baseline);
   finding.against_baseline = verdict;
-  const PairVerdict* pair = condition.ranking.pair(ranked.method, *condition.baseline);
-  if (!pair) {
-    const Interval ratio = withheld_ratio(method, baseline, condition.metric);
-    if (ratio.n == 0) return;
+  const PairVerdict* pair = condition.ranking.pair(method, *condition.baseline);
+  if (const Interval ratio = baseline_ratio(condition, methods, method); pair || ratio.n > 0)
     finding.ratio = ratio;
-    finding.baseline_withheld = baseline.withheld(condition.metric);
-    return;
-  }
-  finding.ratio = ratio_of(*pair, ranked.method);
-  if (verdict == Verdict::kUndecided && plan.replicates > 1)
-    finding.would_tell = would_tell(*pair, method, condition.spp);
+  if (!pair && finding.ratio)
+    finding.baseline_withheld = methods[*condition.baseline].withheld(condition.metric);
+  if (pair && verdict == Verdict::kUndecided && plan.replicates > 1)
+    finding.would_tell = would_tell(*pair, methods[method], condition.spp);
 }
 
 RankedFinding ranked_finding(const Plan& plan, const std::vector<MethodResults>& methods,
@@ -140,7 +136,7 @@ RankedFinding ranked_finding(const Plan& plan, const std::vector<MethodResults>&
       finding.p_against_best = pair->p;
   }
   if (condition.baseline && ranked.method != *condition.baseline)
-    add_against_baseline(finding, plan, method, methods[*condition.baseline], condition, ranked);
+    add_against_baseline(finding, plan, methods, condition, ranked.method);
   finding.energy = method.interval(quantity_index("energy_ratio"));
   if (finding.energy.high < 1.0 - kEnergyLoss) finding.loses_energy = 1.0 - finding.energy.mean;
   return finding;
@@ -163,8 +159,14 @@ Interval withheld_ratio(const MethodResults& method, const MethodResults& other,
   if (method.withheld(metric) == Withheld::kNo && other.withheld(metric) == Withheld::kNo)
     return {};
   const std::size_t quantity = quantity_index(metric);
-  const Better better = metrics()[static_cast<std::size_t>(metric_index(metric))].better;
-  return compare_paired(method.series(quantity), other.series(quantity), better).ratio();
+  return compare_paired(method.series(quantity), other.series(quantity), better_of(metric)).ratio();
+}
+
+Interval baseline_ratio(const Condition& condition, const std::vector<MethodResults>& methods,
+                        std::size_t method) {
+  const PairVerdict* pair = condition.ranking.pair(method, *condition.baseline);
+  return pair ? ratio_of(*pair, method)
+              : withheld_ratio(methods[method], methods[*condition.baseline], condition.metric);
 }
 
 std::optional<std::size_t> baseline_of(const Plan& plan,
@@ -192,12 +194,11 @@ std::optional<Condition> rank_condition(const Plan& plan, const std::vector<Meth
     }
   }
   if (!any) return std::nullopt;
-  const Better better = metrics()[static_cast<std::size_t>(metric_index(metric))].better;
   RankOptions options;
   options.range = quantities()[quantity].range;
   options.baseline = baseline_of(plan, methods);
   options.left_out = std::move(outside);
-  return Condition{metric, spp, rank_methods(series, better, options), options.baseline};
+  return Condition{metric, spp, rank_methods(series, better_of(metric), options), options.baseline};
 }
 
 ConditionFinding condition_finding(const Plan& plan, const PlanScene& scene,

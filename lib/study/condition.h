@@ -34,6 +34,10 @@ Interval ratio_of(const PairVerdict& pair, std::size_t method);
 Interval withheld_ratio(const MethodResults& method, const MethodResults& other,
                         const std::string& metric);
 
+// The ratio to the condition's baseline, which there must be: of their pair, else withheld_ratio.
+Interval baseline_ratio(const Condition& condition, const std::vector<MethodResults>& methods,
+                        std::size_t method);
+
 // How much more would separate a method and the baseline: replicates, or recordings where
 // replicates would repeat their samples.
 struct WouldTell {

@@ -92,10 +92,7 @@ class SceneStudy {
 
   MethodSummary::Against against_baseline(std::size_t budget, std::size_t method,
                                           const Condition& condition) const {
-    const std::vector<MethodResults>& methods = budgets_[budget];
-    const PairVerdict* pair = condition.ranking.pair(method, *condition.baseline);
-    return {pair ? ratio_of(*pair, method)
-                 : withheld_ratio(methods[method], methods[*condition.baseline], condition.metric),
+    return {baseline_ratio(condition, budgets_[budget], method),
             condition.ranking.between(method, *condition.baseline)};
   }
 
@@ -136,7 +133,7 @@ class SceneStudy {
 };
 
 // None where a scene does not have both.
-std::optional<OverallFinding::AgainstBaseline> against_baseline(
+std::optional<OverallFinding::AgainstBaseline> overall_against_baseline(
     const std::vector<SceneSummary>& scenes, std::size_t budget, std::size_t method,
     const std::string& metric) {
   std::vector<Interval> ratios;
@@ -178,7 +175,7 @@ void add_overall(std::vector<OverallFinding>& list, const Plan& plan,
       }
       if (!any) continue;
       for (const std::string& metric : compared_metrics()) {
-        if (const auto against = against_baseline(scenes, b, m, metric))
+        if (const auto against = overall_against_baseline(scenes, b, m, metric))
           found.against.emplace_back(metric, *against);
       }
       list.push_back(std::move(found));

@@ -55,11 +55,6 @@ Series series_of(const MethodResults& results, const std::string& metric) {
   return sum;
 }
 
-Better better_of(const std::string& metric) {
-  if (metric == kCpuTime) return Better::kLower;
-  return metrics()[static_cast<std::size_t>(metric_index(metric))].better;
-}
-
 // Distance from the best value: what may grow no further.
 double cost(double value, const std::string& metric) {
   if (better_of(metric) == Better::kHigher) return -value;
