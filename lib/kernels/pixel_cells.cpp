@@ -75,9 +75,8 @@ void cell_means_of_row(const PieceStatistics& statistics, const SamplePool& pool
     CellSums cells;
     for (int py = y * q; film && py < (y + 1) * q; ++py) {
       for (int px = x * q; px < (x + 1) * q; ++px) {
-        samples.each(
-            px, py, statistics.n(px, py),
-            [&](const FilmPosition& at, const Rgb& radiance) { cells.add(at, radiance); });
+        samples.each(px, py, statistics.n(px, py),
+                     [&](const FilmPosition& at, const Rgb& radiance) { cells.add(at, radiance); });
       }
     }
     for (std::size_t c = 0; c < 3; ++c) {
