@@ -33,7 +33,7 @@ namespace spool {
   X(kFeatureNotFinite, "feature_not_finite",                                                       \
     "a feature that is not finite, or beyond 1e15, counts as 0")                                   \
   X(kWantBeyondPool, "want_beyond_pool",                                                           \
-    "samples that a command requests beyond what is recorded go to the other pieces it names")        \
+    "samples that a command requests beyond what is recorded go to the other pieces it names")     \
   X(kSizeNotFinite, "size_not_finite", "a non-finite size criterion stops at its level")           \
   X(kSizeFactorClamped, "size_factor_clamped", "the factor of eq 9 is clamped to its range")       \
   X(kSizeFactorFallback, "size_factor_fallback",                                                   \

@@ -20,8 +20,7 @@ std::vector<std::string> claimed_metrics() {
 }
 
 const std::vector<std::string>& density_quantities() {
-  static const std::vector<std::string> names = {"block_jump", "edge_share",
-                                                 "region_area"};
+  static const std::vector<std::string> names = {"block_jump", "edge_share", "region_area"};
   return names;
 }
 

@@ -181,10 +181,11 @@ std::vector<ResultColumn> sample_columns() {
                     "share of the samples above the smallest count within 2 pixels of the tenth of "
                     "the pixels with the largest gradient; empty where all counts are equal",
                     [](const R& r) { return r.density.edge_share; }),
-      number_column("region_area",
-                    "mean area, in pieces, of the regions of levels 1 and up that the sampler chose, "
-                    "over their samples; empty where it has no regions",
-                    region_area),
+      number_column(
+          "region_area",
+          "mean area, in pieces, of the regions of levels 1 and up that the sampler chose, "
+          "over their samples; empty where it has no regions",
+          region_area),
   };
 }
 

@@ -31,10 +31,11 @@ FilterFunction given_image(RgbImage image, std::string name) {
              const Selection&, const SamplePool& pool,
              const FilterContext&) -> Result<Reconstruction> {
     if (pool.is_half()) {
-      return fail(ErrorCode::kUsage,
-                  "{}: is the same for any samples: a sampler with it in its loop gains nothing from it, "
-                  "and crossfit and split decisions want an image of each half: put a filter there",
-                  name);
+      return fail(
+          ErrorCode::kUsage,
+          "{}: is the same for any samples: a sampler with it in its loop gains nothing from it, "
+          "and crossfit and split decisions want an image of each half: put a filter there",
+          name);
     }
     return own_image(image, pool, name);
   };

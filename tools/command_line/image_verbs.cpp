@@ -59,10 +59,11 @@ void add_show(Program& program) {
              "--exposure", options.settings.exposure,
              "EV of all images at first (middle grey, of the reference or the first image)"),
          kExposure);
-  within(verb.add_option(
-             "--max-image-mb", options.settings.most_mb,
-             "megabytes of images in the page; larger ones are shrunk, and the page names them (40)"),
-         kShownMb);
+  within(
+      verb.add_option(
+          "--max-image-mb", options.settings.most_mb,
+          "megabytes of images in the page; larger ones are shrunk, and the page names them (40)"),
+      kShownMb);
   verb.add_option("--title", options.settings.title, "heading of the page");
   add_output(verb, options.output,
              "the HTML file, NAME.html; it needs no network and no other file");
