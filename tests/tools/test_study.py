@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from conftest import LONGEST_RUN, PROGRAM, WITH_OIDN
+from plan_methods import methods_of
 from tools.study import full_size, kept, pages, plans, tables
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -52,7 +53,7 @@ def test_a_group_is_of_recordings_with_a_number_and_no_other_of_that_name():
 
 @pytest.mark.parametrize("archive", FULL, ids=named(FULL))
 def test_what_is_kept_of_full_size_is_judged_by_the_program_as_the_page_says(archive, tmp_path):
-    folder = kept.unpacked(archive, tmp_path)
+    folder = kept.written(kept.unpack(archive), tmp_path)
     finished = subprocess.run([PROGRAM, "evaluate", "--statistics-only", folder, "-q"], text=True, capture_output=True,
                               timeout=LONGEST_RUN, env=WITH_OIDN)
     assert finished.returncode == 0, finished.stderr
@@ -134,9 +135,11 @@ def test_a_sentence_does_not_outlive_its_verdict(tmp_path, monkeypatch):
     (tmp_path / "templates/p.in").write_text(several % ("", "holds"))
     with pytest.raises(pages.Changed, match="4 such claims"):
         pages.page("p.in", small, full)
-    verdict = next(c["verdict"] for c in full.claims("u3_unseen_network") if c["below"] == 0.7)
-    (tmp_path / "templates/p.in").write_text(several % (" < 0.7", verdict))
-    assert "hold below 0.7" in pages.page("p.in", small, full)
+    claim = next(c for c in full.claims("u3_unseen_network") if c["below"] == 0.7)
+    (tmp_path / "templates/p.in").write_text(several % (" < 0.7", claim["verdict"]))
+    verdicts = [p["verdict"] for p in claim["places"] if p["verdict"] != "not compared"]
+    assert len(verdicts) == 4
+    assert f"{verdicts.count('holds')} of 4 hold below 0.7" in pages.page("p.in", small, full)
     (tmp_path / "templates/p.in").write_text("{{small a14_sampler_readings; multiscale:paper+by_pass + box; uniform + box; mse; fresh; holds}}")
     assert "results/experiments/a14" in pages.page("p.in", small, full)
 
@@ -270,7 +273,7 @@ def test_a_claim_that_is_added_later_is_marked(small_full, tmp_path):
 @pytest.mark.parametrize("name", sorted(p.stem for p in (ROOT / "tools/plans/full_size").glob("*.toml")))
 def test_a_plan_at_full_size_is_understood(name, tmp_path):
     plan = plans.full_plan(name, [ROOT / "dumps/tiny/table.spool"])
-    labels = {f"{s[0]} + {f[0]}" for s in plans.methods_of(plan, "sampler") for f in plans.methods_of(plan, "filter")}
+    labels = {f"{s[0]} + {f[0]}" for s in methods_of(plan, "sampler") for f in methods_of(plan, "filter")}
     assert {c[k] for c in plan.get("claim", ()) for k in ("better", "than")} <= labels
     (tmp_path / "plan.toml").write_text(plans.text_of(plan))
     evaluate(tmp_path / "plan.toml", "--dry-run")

@@ -1,6 +1,7 @@
 """The choice of options: verdicts of the program are counted, and nothing else."""
 from pathlib import Path
 
+from plan_methods import methods_of
 from tools.study import plans, tune
 
 BASE = "multiscale + directional"
@@ -43,7 +44,7 @@ def test_light_that_the_candidate_alone_loses_counts_against_it():
 def test_the_plans_ask_every_candidate_once_against_the_defaults():
     for name in ("tuning", "tuning_full"):
         plan = plans.read(plans.PLANS / f"{name}.toml")
-        labels = [f"{s[0]} + {f[0]}" for s in plans.methods_of(plan, "sampler") for f in plans.methods_of(plan, "filter")]
+        labels = [f"{s[0]} + {f[0]}" for s in methods_of(plan, "sampler") for f in methods_of(plan, "filter")]
         asked = [c["better"] for c in plan["claim"]]
         assert len({c["than"] for c in plan["claim"]}) == 1
         assert sorted([*asked, plan["claim"][0]["than"]]) == sorted(labels)
@@ -53,5 +54,5 @@ def test_the_choice_is_judged_on_recordings_that_never_choose():
     plan = tune.apart_plan(claim("multiscale{explore_fraction=0.4} + directional{analysis_channel=per_channel,levels=2}"))
     choosing = {Path(p).stem for p in plans.read(plans.PLANS / "tuning.toml")["recordings"]}
     assert not {Path(p).stem for p in plan["recordings"]} & choosing and plan["claim"][0]["than"] == BASE
-    labels = [f"{s[0]} + {f[0]}" for s in plans.methods_of(plan, "sampler") for f in plans.methods_of(plan, "filter")]
+    labels = [f"{s[0]} + {f[0]}" for s in methods_of(plan, "sampler") for f in methods_of(plan, "filter")]
     assert {BASE, plan["claim"][0]["better"]} <= set(labels)

@@ -123,11 +123,6 @@ def made_by(folder):
             "dumps": [{**d, "path": Path(d["path"]).name} for d in manifest["dumps"]]}
 
 
-def unpacked(path, folder):
-    """The folder as `spool evaluate --statistics-only` and `spool compare` take it."""
-    return written(unpack(path), folder)
-
-
 def written(texts, folder):
     """The folder, with these files in it."""
     for name, text in texts.items():

@@ -3,7 +3,6 @@
 A plan keeps its methods, budgets and claims at full size, and gets what tools/plans/full_size/PLAN.toml says in addition; what stands there
 under `instead` replaces it, and claims about samplers that are then not there go.
 """
-import itertools
 import json
 import os
 import subprocess
@@ -71,19 +70,6 @@ def _value(value):
 def text_of(plan):
     """As TOML."""
     return "".join(f"{key} = {_value(value)}\n" for key, value in plan.items())
-
-
-def methods_of(plan, kind):
-    """[(label as in the results, name with preset, {option: value})], sweeps written out; kind is sampler or filter."""
-    found = [(name, name, {}) for name in plan.get(kind + "s", [])]
-    for entry in plan.get(kind, []):
-        settings = {k: v if isinstance(v, list) else [v] for k, v in sorted(entry.items()) if k not in ("name", "preset")}
-        name = entry["name"] + (f":{entry['preset']}" if "preset" in entry else "")
-        for values in itertools.product(*settings.values()):
-            options = dict(zip(settings, values))
-            text = ",".join(f"{o}={v}" for o, v in options.items())
-            found.append((name + (f"{{{text}}}" if text else ""), name, options))
-    return found
 
 
 def make_recording(program, folder, name, made_by):

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "lib/core/parallel.h"
 #include "lib/filters/twin_guides/tile_planes.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
@@ -17,17 +18,20 @@ constexpr float kMeans = 2.0f;       // of the mean around: the least geometric 
 }  // namespace
 
 void raise_logarithms(SampleMoments& moments, double sigma, const RadianceScale& scale) {
-  Image<float> around = moments.log_luminance;
-  for (std::size_t i = 0; i < around.size(); ++i) {
-    around[i] =
-        static_cast<float>(luminance(moments.mean[0][i], moments.mean[1][i], moments.mean[2][i]));
-  }
+  Image<float> around(moments.log_luminance.width(), moments.log_luminance.height());
+  parallel_rows(0, around.height(), [&](int y) {
+    for (std::size_t i = around.index(0, y); i < around.index(0, y + 1); ++i)
+      around[i] =
+          static_cast<float>(luminance(moments.mean[0][i], moments.mean[1][i], moments.mean[2][i]));
+  });
   around = convolve(around, four_sigma_taps(sigma));
   const auto floor = static_cast<float>(kLogFloor * scale.mean);
-  for (std::size_t i = 0; i < around.size(); ++i) {
-    const float least = std::log(std::max(around[i], 0.0f) * kMeans + floor);
-    moments.log_luminance[i] = std::max(moments.log_luminance[i], least);
-  }
+  parallel_rows(0, around.height(), [&](int y) {
+    for (std::size_t i = around.index(0, y); i < around.index(0, y + 1); ++i) {
+      const float least = std::log(std::max(around[i], 0.0f) * kMeans + floor);
+      moments.log_luminance[i] = std::max(moments.log_luminance[i], least);
+    }
+  });
 }
 
 Image<float> robust_limits(const Lattice& lattice, const Rectangle& tile,
