@@ -10,6 +10,7 @@ import pytest
 
 from conftest import LONGEST_RUN, PROGRAM, WITH_OIDN
 from plan_methods import methods_of
+from results_comparison import cell_lines
 from tools.study import full_size, kept, pages, plans, tables
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -172,8 +173,7 @@ def evaluated(tmp_path_factory):
 def kept_lines(results):
     """Lines of results.jsonl with the counts and halves of their cells, which are found by their error."""
     cells = {}
-    for path in (results / "cells").glob("*.json"):
-        cell = json.loads(path.read_text())
+    for cell in map(json.loads, cell_lines(results)):
         cells.setdefault((cell["fields"]["mse"], cell["fields"]["ssim"]), cell)
     for line in (results / "results.jsonl").read_text().splitlines():
         row = json.loads(line)
@@ -288,11 +288,11 @@ def test_curves_are_drawn_of_the_methods_that_claims_name(tmp_path):
     from tools.study import plots
     statistics = pages.Kept(RESULTS / "experiments_full").json("e7_tiles", "statistics.json")
     curves = plots.curves_of(statistics)
-    assert list(curves) == ["scene_s_512"] and {spp for points in curves["scene_s_512"].values() for spp, _ in points} == {4, 16}
+    assert list(curves) == ["scene_s_512"] and {spp for points in curves["scene_s_512"].values() for spp, *_ in points} == {4, 16}
     statistics["claims"] = statistics["claims"][:1]
     assert set(plots.curves_of(statistics)["scene_s_512"]) == {statistics["claims"][0]["better"], statistics["claims"][0]["than"]}
-    plots.draw(curves, tmp_path / "c.svg")
-    assert (tmp_path / "c.svg").read_text().startswith("<?xml")
+    plots.draw_pages(curves, plots.METRIC, lambda after: tmp_path / f"c{after}", times=(False,))
+    assert (tmp_path / "c.svg").read_text().startswith("<?xml") and not (tmp_path / "c_time.svg").exists()
 
 
 class Made:

@@ -81,8 +81,8 @@ def panel(axes, methods, colour_of, width, over_time):
         places += xs
         lows += [m - bar for m, bar in zip(means, bars[0])]
         highs += [m + bar for m, bar in zip(means, bars[1])]
-        i = colour_of[method] % len(COLOURS)
-        axes.errorbar(xs, means, yerr=bars, color=COLOURS[i], marker=MARKERS[i], linestyle=DASHES[i], capsize=1.8,
+        turn, i = divmod(colour_of[method], len(COLOURS))  # the ninth has the colour of the first with another marker
+        axes.errorbar(xs, means, yerr=bars, color=COLOURS[i], marker=MARKERS[(i + turn) % 8], linestyle=DASHES[(i + 3 * turn) % 8], capsize=1.8,
                       elinewidth=0.7, label=method)
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -114,7 +114,7 @@ def legend(figure, handles, width):
     return 0.0
 
 
-def page(curves, metric, colour_of, output, column, over_time):
+def page(curves, metric, colour_of, output, column, over_time, **kinds):
     width = WIDTHS[column]
     across = min(len(curves), 3 if column == 2 and len(curves) != 4 else 1 if len(curves) < 4 else 2)
     down = -(-len(curves) // across)
@@ -139,12 +139,17 @@ def page(curves, metric, colour_of, output, column, over_time):
     height = (1.95 + titles) * down + below + 0.05
     figure.set_size_inches(width, height)
     figure.tight_layout(pad=0.3, h_pad=0.8, w_pad=0.8, rect=(0, (below + 0.03) / height, 1, 1))
-    return save(figure, output)
+    return save(figure, output, **kinds)
 
 
 def draw(path, place, column=0, font=""):
     """Files written; `place` gives the path of a page from what comes after its name."""
-    curves, metric = read(path)
+    return draw_pages(*read(path), place, column, font)
+
+
+def draw_pages(curves, metric, place, column=0, font="", times=(False, True), **kinds):
+    """As draw(), of what read() gives. `times`: over budget, over time, or both;
+    kinds=: as save()."""
     column = column or (1 if len(curves) == 1 else 2)
     colour_of = {}
     for methods in curves.values():
@@ -152,14 +157,14 @@ def draw(path, place, column=0, font=""):
             colour_of.setdefault(method, len(colour_of))
     written = []
     with pyplot.rc_context(style(font)):
-        for over_time in (False, True):
+        for over_time in times:
             shown = {scene: {m: [p for p in points if not over_time or p[4] > 0] for m, points in methods.items()}
                      for scene, methods in curves.items()}
             shown = {scene: {m: points for m, points in methods.items() if points} for scene, methods in shown.items()}
             shown = [(scene, methods) for scene, methods in shown.items() if methods]
             for start in range(0, len(shown), MOST_PANELS):
                 name = ("_time" if over_time else "") + (f"-{start // MOST_PANELS + 1}" if start else "")
-                written += page(dict(shown[start:start + MOST_PANELS]), metric, colour_of, place(name), column, over_time)
+                written += page(dict(shown[start:start + MOST_PANELS]), metric, colour_of, place(name), column, over_time, **kinds)
     return written
 
 

@@ -122,13 +122,13 @@ def tick_text(value, _=None):
     return f"$10^{{{exponent}}}$" if factor == "1" else rf"${factor}\cdot 10^{{{exponent}}}$"
 
 
-def save(figure, output):
-    """The figure as PDF, SVG and PNG, the same bytes each time."""
+def save(figure, output, kinds=("pdf", "svg", "png")):
+    """The figure as files of these kinds, the same bytes each time."""
     undated = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {"Software": None}}
     written = []
-    for kind, metadata in undated.items():
+    for kind in kinds:
         made = io.BytesIO()  # a full disk is then an error of this write, not of matplotlib's clean-up
-        figure.savefig(made, format=kind, metadata=metadata, dpi=300)
+        figure.savefig(made, format=kind, metadata=undated[kind], dpi=300)
         written.append(Path(f"{output}.{kind}"))
         written[-1].write_bytes(made.getvalue())
     pyplot.close(figure)

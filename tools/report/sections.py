@@ -37,7 +37,7 @@ def claims_html(statistics):
 def _claim(claim):
     limit = "" if claim["below"] == 1 else f" {number_text(claim['below'])} times"
     asked = (f"{claim['metric']} of {claim['better']} below{limit} that of {claim['than']}, {claim['samples']} samples"
-             + (f"; {claim['source']}" if claim.get("source") else ""))
+             + ("; {} threads against {}".format(*claim["threads"]) if "threads" in claim else "") + (f"; {claim['source']}" if claim.get("source") else ""))
     counts = ", ".join(f"{count} {verdict}" for verdict, count in claim["counts"].items())
     rows = "".join(
         f'<tr><th scope="row">{escape(os.path.splitext(os.path.basename(place["dump"]))[0])}</th>'
