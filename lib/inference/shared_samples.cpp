@@ -1,6 +1,7 @@
 #include "lib/inference/shared_samples.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "lib/core/check.h"
@@ -18,20 +19,19 @@ double correlation_of(double share, double rare) {
   return rare * share + (1.0 - rare) * share * share;
 }
 
-Shared of_a_piece(double taken, double rare, int replicates, Taking taking) {
+Shared of_a_piece(double taken, double rare, const ReplicatePairs& pairs, Taking taking) {
   if (taking == Taking::kOwnOrder) return {taken, correlation_of(taken, rare)};
   Shared sum;
-  for (int r = 0; r < replicates; ++r) {
-    for (int s = 0; s < r; ++s) {
-      const double apart = std::abs(radical_inverse(static_cast<unsigned>(r)) -
-                                    radical_inverse(static_cast<unsigned>(s)));
-      const double share = common_arc(taken, apart) / taken;
-      sum.samples += share;
-      sum.correlation += correlation_of(share, rare);
-    }
+  const auto steps = static_cast<double>(pairs.apart.size());
+  for (std::size_t i = 1; i < pairs.apart.size(); ++i) {
+    if (pairs.apart[i] == 0) continue;
+    const double share = common_arc(taken, static_cast<double>(i) / steps) / taken;
+    const auto count = static_cast<double>(pairs.apart[i]);
+    sum.samples += count * share;
+    sum.correlation += count * correlation_of(share, rare);
   }
-  const double pairs = 0.5 * replicates * (replicates - 1.0);
-  return {sum.samples / pairs, sum.correlation / pairs};
+  const double all = 0.5 * pairs.replicates * (pairs.replicates - 1.0);
+  return {sum.samples / all, sum.correlation / all};
 }
 
 }  // namespace
@@ -43,16 +43,33 @@ double rare_share(double kurtosis, double samples) {
   return std::isinf(of_the_mean) ? 1.0 : of_the_mean / (2.0 + of_the_mean);
 }
 
-Shared shared_by_replicates(const TakenSamples& taken, int replicates, Taking taking) {
+ReplicatePairs pairs_of(int replicates) {
+  SPOOL_CHECK_GE(replicates, 0);
+  const std::size_t steps = std::bit_ceil(static_cast<std::size_t>(std::max(1, replicates)));
+  std::vector<std::size_t> places;
+  for (int r = 0; r < replicates; ++r) {  // exact: a multiple of 1 / steps
+    const double share = radical_inverse(static_cast<unsigned>(r)) * static_cast<double>(steps);
+    places.push_back(static_cast<std::size_t>(share));
+  }
+  std::ranges::sort(places);
+  ReplicatePairs pairs{replicates, std::vector<long long>(steps, 0)};
+  for (std::size_t a = 0; a < places.size(); ++a) {
+    for (std::size_t b = a + 1; b < places.size(); ++b)
+      ++pairs.apart[places[b] - places[a]];
+  }
+  return pairs;
+}
+
+Shared shared_by_replicates(const TakenSamples& taken, const ReplicatePairs& pairs, Taking taking) {
   SPOOL_CHECK_GT(taken.recorded, 0.0);
   Shared mean;
-  if (replicates < 2) return mean;
+  if (pairs.replicates < 2) return mean;
   double all = 0.0;
   for (const auto& [count, pieces] : taken.counts) {
     if (count <= 0) continue;
     const auto weight = static_cast<double>(pieces);
     const Shared piece =
-        of_a_piece(std::min(1.0, count / taken.recorded), taken.rare, replicates, taking);
+        of_a_piece(std::min(1.0, count / taken.recorded), taken.rare, pairs, taking);
     mean.samples += weight * piece.samples;
     mean.correlation += weight * piece.correlation;
     all += weight;

@@ -41,10 +41,18 @@ struct Shared {
   double correlation = 0;  // of the squared errors of two replicates
 };
 
+// The pairs of a number of replicates, by how far apart they start on the ring: of a thousand there
+// are half a million, and 1024 distances.
+struct ReplicatePairs {
+  int replicates = 0;
+  std::vector<long long> apart;  // [distance in steps; as many steps as entries around the ring]
+};
+ReplicatePairs pairs_of(int replicates);
+
 // Means over pairs of replicates, and over the pieces that took any: what varies from recording to
 // recording are the errors of pixels, which an adaptive sampler makes more alike than the samples
 // it spends on them. Nothing for one replicate.
-Shared shared_by_replicates(const TakenSamples& taken, int replicates, Taking taking);
+Shared shared_by_replicates(const TakenSamples& taken, const ReplicatePairs& pairs, Taking taking);
 
 // The same as a mean over all pairs of replicates of several recordings, which share nothing with
 // each other; `replicates` of each.

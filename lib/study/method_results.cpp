@@ -96,18 +96,20 @@ void add_record(MethodResults& method, const Result<ResultRecord>& found) {
   }
   for (const MetricHalves& halves : found->halves)
     method.spread[halves.metric].halves.push_back(halves.difference);
+  method.shared_machine = method.shared_machine || found->text("timing") == "shared";
   method.reference = found->text("reference");
   method.biased = method.biased || method.reference.ends_with("(biased)");
 }
 
 // What the replicates have in common, and how alike that makes their metrics.
-void add_shared(MethodResults& method, const Plan& plan, const Shares& shares, double spp) {
+void add_shared(MethodResults& method, const Plan& plan, const ReplicatePairs& pairs,
+                const Shares& shares, double spp) {
   method.shared_known = shares.known();
   if (!shares.known()) return;
   const bool ring = plan.experiment.order == ReplicateOrder::kDisjoint;
   const auto shared_of = [&](const TakenSamples& taken) {
     const Shared shared =
-        shared_by_replicates(taken, plan.replicates, ring ? Taking::kOneAround : Taking::kOwnOrder);
+        shared_by_replicates(taken, pairs, ring ? Taking::kOneAround : Taking::kOwnOrder);
     return Shared{over_recordings(shared.samples, plan.replicates, method.recordings),
                   over_recordings(shared.correlation, plan.replicates, method.recordings)};
   };
@@ -226,10 +228,11 @@ SceneMethods read_scene(const Plan& plan, const PlanScene& scene, const StudySou
       add_record(found[at.threads][at.spp][m], record);
     }
   }
+  const ReplicatePairs pairs = pairs_of(plan.replicates);
   for (std::size_t t = 0; t < found.size(); ++t) {
     for (std::size_t b = 0; b < found[t].size(); ++b) {
       for (std::size_t m = 0; m < found[t][b].size(); ++m)
-        add_shared(found[t][b][m], plan, shares_of(t, b, m), plan.spp[b]);
+        add_shared(found[t][b][m], plan, pairs, shares_of(t, b, m), plan.spp[b]);
     }
   }
   return found;

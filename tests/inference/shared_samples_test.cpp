@@ -25,17 +25,19 @@ TEST(RadicalInverse, HalvesTheGapsInTurn) {
 }
 
 TEST(SharedByReplicates, IsNoneWhereReplicatesFitInBesideEachOther) {
-  EXPECT_EQ(shared_by_replicates(taken({{8, 100}}), 8, Taking::kOneAround).samples, 0.0);
-  EXPECT_EQ(shared_by_replicates(taken({{8, 100}}), 8, Taking::kOneAround).correlation, 0.0);
-  EXPECT_EQ(shared_by_replicates(taken({{8, 100}}), 1, Taking::kOwnOrder).samples, 0.0);
-  EXPECT_GT(shared_by_replicates(taken({{9, 100}}), 8, Taking::kOneAround).samples, 0.0);
+  EXPECT_EQ(shared_by_replicates(taken({{8, 100}}), pairs_of(8), Taking::kOneAround).samples, 0.0);
+  EXPECT_EQ(shared_by_replicates(taken({{8, 100}}), pairs_of(8), Taking::kOneAround).correlation,
+            0.0);
+  EXPECT_EQ(shared_by_replicates(taken({{8, 100}}), pairs_of(1), Taking::kOwnOrder).samples, 0.0);
+  EXPECT_GT(shared_by_replicates(taken({{9, 100}}), pairs_of(8), Taking::kOneAround).samples, 0.0);
 }
 
 TEST(SharedByReplicates, OfOwnOrdersIsTheShareTaken) {
-  EXPECT_DOUBLE_EQ(shared_by_replicates(taken({{16, 100}}), 8, Taking::kOwnOrder).samples, 0.25);
+  EXPECT_DOUBLE_EQ(shared_by_replicates(taken({{16, 100}}), pairs_of(8), Taking::kOwnOrder).samples,
+                   0.25);
   // Every pixel that was sampled counts once, however many samples it took.
   const TakenSamples several = taken({{0, 5}, {4, 3}, {64, 1}});
-  EXPECT_DOUBLE_EQ(shared_by_replicates(several, 8, Taking::kOwnOrder).samples,
+  EXPECT_DOUBLE_EQ(shared_by_replicates(several, pairs_of(8), Taking::kOwnOrder).samples,
                    (3 * 4.0 / 64 + 1.0) / 4.0);
 }
 
@@ -61,7 +63,7 @@ TEST(SharedByReplicates, OfARingAgreesWithCounting) {
         }
       }
       const auto with = [&, c = count, m = replicates](double rare) {
-        return shared_by_replicates(taken({{c, 7}}, rare), m, Taking::kOneAround);
+        return shared_by_replicates(taken({{c, 7}}, rare), pairs_of(m), Taking::kOneAround);
       };
       EXPECT_NEAR(with(1.0).samples, shared, 1e-12) << replicates << " of " << count;
       EXPECT_NEAR(with(1.0).correlation, shared, 1e-12) << replicates << " of " << count;
