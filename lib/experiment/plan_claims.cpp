@@ -14,6 +14,14 @@ bool has_fresh(const std::string& metric) {
 
 Result<void> set_claim(const TomlReader& toml, Claim& claim, std::string_view key,
                        const toml::node& value, const Plan& plan) {
+  if (key == "threads" || key == "than_threads") {
+    SPOOL_ASSIGN(const std::string text, toml.text_of(value));
+    SPOOL_ASSIGN(const int threads, toml.at(value, parse_integer(std::string(key), text, 1, 1024)));
+    if (std::ranges::find(plan.threads, threads) == plan.threads.end())
+      return toml.refuse(value, "threads {} is no number of threads of the plan", text);
+    (key == "threads" ? claim.threads : claim.than_threads) = threads;
+    return {};
+  }
   if (key == "spp") {
     for (const toml::node* budget : values_of(value)) {
       SPOOL_ASSIGN(const std::string text, toml.text_of(*budget));
@@ -45,10 +53,10 @@ Result<void> set_claim(const TomlReader& toml, Claim& claim, std::string_view ke
   } else if (key == "below") {
     SPOOL_ASSIGN(claim.below, toml.at(value, parse_number("below", text, 1e-6, 1e6)));
   } else {
-    return toml.refuse(
-        value, "{}",
-        unknown_name("key of a claim", key,
-                     {"text", "better", "than", "metric", "spp", "samples", "below", "source"}));
+    return toml.refuse(value, "{}",
+                       unknown_name("key of a claim", key,
+                                    {"text", "better", "than", "metric", "spp", "samples", "below",
+                                     "source", "threads", "than_threads"}));
   }
   return {};
 }
@@ -65,7 +73,11 @@ Result<void> read_claims(const TomlReader& toml, const toml::table& root, Plan& 
     Claim claim;
     for (const auto& [key, value] : *table)
       SPOOL_TRY(set_claim(toml, claim, key.str(), value, plan));
-    if (claim.better.empty() || claim.than.empty() || claim.better == claim.than) {
+    if ((claim.threads == 0) != (claim.than_threads == 0)) {
+      return toml.refuse(*table, "threads and than_threads: give both, or none");
+    }
+    if (claim.better.empty() || claim.than.empty() ||
+        (claim.better == claim.than && claim.threads == claim.than_threads)) {
       return toml.refuse(*table,
                          "a claim needs two methods: better = \"SAMPLER + FILTER\" and than");
     }

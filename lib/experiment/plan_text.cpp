@@ -79,6 +79,8 @@ toml::array claim_tables(const std::vector<Claim>& claims) {
                       {"than", claim.than},   {"metric", claim.metric},
                       {"below", claim.below}, {"samples", claim.fresh ? "fresh" : "own"}};
     if (!claim.spp.empty()) table.insert("spp", list_of(claim.spp));
+    if (claim.threads > 0) table.insert("threads", claim.threads);
+    if (claim.than_threads > 0) table.insert("than_threads", claim.than_threads);
     if (!claim.source.empty()) table.insert("source", claim.source);
     tables.push_back(table);
   }

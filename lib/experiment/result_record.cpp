@@ -16,7 +16,12 @@ const std::vector<std::string>& compared_metrics() {
 std::vector<std::string> claimed_metrics() {
   std::vector<std::string> names = compared_metrics();
   names.insert(names.end(), density_quantities().begin(), density_quantities().end());
+  names.insert(names.end(), {"seconds_sampling", "seconds_filtering", "seconds_total"});
   return names;
+}
+
+bool is_time(std::string_view metric) {
+  return metric.starts_with("seconds_");
 }
 
 const std::vector<std::string>& density_quantities() {

@@ -17,6 +17,8 @@ const std::vector<std::string>& compared_metrics();
 const std::vector<std::string>& density_quantities();
 // Those that a claim may ask of: all of these.
 std::vector<std::string> claimed_metrics();
+// Wall time: of that list, what depends on the machine.
+bool is_time(std::string_view metric);
 
 struct ResultRecord {
   std::vector<std::string> fields;                // as result_columns()

@@ -18,8 +18,9 @@ double p_of(const Comparison& comparison, double limit) {
 
 }  // namespace
 
-bool Claim::asks(double budget) const {
-  return spp.empty() || std::ranges::find(spp, budget) != spp.end();
+bool Claim::asks(double budget, int at_threads) const {
+  return (threads == 0 || threads == at_threads) &&
+         (spp.empty() || std::ranges::find(spp, budget) != spp.end());
 }
 
 std::string_view claim_verdict_name(ClaimVerdict verdict) {

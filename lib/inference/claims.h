@@ -16,12 +16,13 @@ struct Claim {
   std::string text;          // the question in words
   std::string better, than;  // "SAMPLER + FILTER", by their labels
   std::string metric = "relmse";
-  std::vector<double> spp;  // empty: all budgets
-  bool fresh = false;       // errors on samples that had no part in the counts
-  double below = 1.0;       // the ratio that better / than must lie below
-  std::string source;       // free: "LiuZheng, Figure 12"
+  std::vector<double> spp;            // empty: all budgets
+  bool fresh = false;                 // errors on samples that had no part in the counts
+  double below = 1.0;                 // the ratio that better / than must lie below
+  std::string source;                 // free: "LiuZheng, Figure 12"
+  int threads = 0, than_threads = 0;  // those of better and of than; 0: alike, at each number
 
-  bool asks(double budget) const;
+  bool asks(double budget, int at_threads) const;
   friend bool operator==(const Claim&, const Claim&) = default;
 };
 

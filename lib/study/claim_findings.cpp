@@ -12,10 +12,13 @@ const MethodResults* method_named(const std::vector<MethodResults>& methods,
   return found == methods.end() || found->one_image() ? nullptr : &*found;
 }
 
-Comparison compared(const Claim& claim, const std::vector<MethodResults>& methods) {
+// Times of a machine that other results shared are not compared.
+Comparison compared(const Claim& claim, const std::vector<MethodResults>& methods,
+                    const std::vector<MethodResults>& others) {
   const MethodResults* better = method_named(methods, claim.better);
-  const MethodResults* than = method_named(methods, claim.than);
+  const MethodResults* than = method_named(others, claim.than);
   if (!better || !than) return {};
+  if (is_time(claim.metric) && (better->shared_machine || than->shared_machine)) return {};
   const auto series = [&](const MethodResults& method) {
     return claim.fresh ? method.fresh_series(claim.metric)
                        : method.series(quantity_index(claim.metric));
@@ -25,20 +28,26 @@ Comparison compared(const Claim& claim, const std::vector<MethodResults>& method
 
 }  // namespace
 
-PlaceClaims claims_at(const Plan& plan, const StudyPlace& place,
-                      const std::vector<MethodResults>& methods) {
+PlaceClaims claims_at(const Plan& plan, const StudyPlace& place, std::size_t budget,
+                      const SceneMethods& methods) {
+  const auto with = [&](int threads) -> const std::vector<MethodResults>& {
+    const auto at = std::ranges::find(plan.threads, threads) - plan.threads.begin();
+    return methods[static_cast<std::size_t>(at)][budget];
+  };
   std::vector<Comparison> comparisons;
   std::vector<double> below;
   for (const Claim& claim : plan.claims) {
-    if (!claim.asks(place.spp)) continue;
-    comparisons.push_back(compared(claim, methods));
+    if (!claim.asks(place.spp, place.threads)) continue;
+    const int than = claim.than_threads > 0 ? claim.than_threads : place.threads;
+    comparisons.push_back(compared(claim, with(place.threads), with(than)));
     below.push_back(claim.below);
   }
   const std::vector<JudgedClaim> judged = judge_claims(comparisons, below);
   PlaceClaims found{place, {}};
   auto next = judged.begin();
   for (const Claim& claim : plan.claims)
-    found.judged.push_back(claim.asks(place.spp) ? std::optional(*next++) : std::nullopt);
+    found.judged.push_back(claim.asks(place.spp, place.threads) ? std::optional(*next++)
+                                                                : std::nullopt);
   return found;
 }
 

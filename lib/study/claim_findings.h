@@ -10,13 +10,13 @@
 
 namespace spool {
 
-// All claims at one place.
+// All claims at one place, of the plan's budget of this index.
 struct PlaceClaims {
   StudyPlace place;
   std::vector<std::optional<JudgedClaim>> judged;  // [claim of the plan]; none: it does not ask
 };
-PlaceClaims claims_at(const Plan& plan, const StudyPlace& place,
-                      const std::vector<MethodResults>& methods);
+PlaceClaims claims_at(const Plan& plan, const StudyPlace& place, std::size_t budget,
+                      const SceneMethods& methods);
 
 // One claim: its words, its verdict over all places, and the places.
 struct ClaimFinding {

@@ -33,6 +33,7 @@ struct MethodResults {
   int recordings = 1;                       // of the scene: as many replicates of each
   int done = 0, failed = 0;
   bool biased = false;
+  bool shared_machine = false;  // wall times are of one that other results shared
   bool made_elsewhere = false;  // the image
   std::string reference;
   TakenSamples taken;

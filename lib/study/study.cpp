@@ -50,11 +50,6 @@ class SceneStudy {
     }
   }
 
-  void add_claims(std::vector<PlaceClaims>& places) const {
-    for (std::size_t b = 0; b < budgets_.size(); ++b)
-      places.push_back(claims_at(plan_, place(b), budgets_[b]));
-  }
-
   void add_findings(Study& study) const {
     for (std::size_t b = 0; b < budgets_.size(); ++b) {
       const std::vector<std::size_t> results = add_results(study.results, b);
@@ -195,9 +190,14 @@ Study study_of(const Plan& plan, const StudySources& sources) {
   std::vector<std::vector<SceneSummary>> scenes(plan.threads.size());
   for (const PlanScene& scene : study.scenes) {
     SceneMethods methods = read_scene(plan, scene, sources);
+    for (const int threads : plan.threads) {
+      for (std::size_t b = 0; b < plan.spp.size(); ++b) {
+        const StudyPlace place{scene.recordings.front(), plan.spp[b], threads};
+        places.push_back(claims_at(plan, place, b, methods));
+      }
+    }
     for (std::size_t t = 0; t < plan.threads.size(); ++t) {
       const SceneStudy found(plan, scene, plan.threads[t], std::move(methods[t]));
-      found.add_claims(places);
       found.add_findings(study);
       if (study.scenes.size() > 1) scenes[t].push_back(found.summary());
     }

@@ -208,9 +208,16 @@ recordings = "a.spool"
 spp = [4, 8]
 samplers = ["uniform", "multiscale"]
 filters = "box"
+threads = [1, 2]
 [[claim]]
 better = "multiscale + box"
 than = "uniform + box"
+[[claim]]
+better = "multiscale + box"
+than = "multiscale + box"
+threads = 2
+than_threads = 1
+metric = "seconds_sampling"
 [[claim]]
 text = "own words"
 better = "multiscale + box"
@@ -223,11 +230,13 @@ source = "LiuZheng, Figure 12"
 )";
   const auto plan = parse(text);
   ASSERT_TRUE(plan.has_value()) << plan.error().message;
-  ASSERT_EQ(plan->claims.size(), 2u);
+  ASSERT_EQ(plan->claims.size(), 3u);
   EXPECT_EQ(plan->claims[0].metric, "relmse");
-  EXPECT_TRUE(plan->claims[0].asks(4) && plan->claims[0].asks(8));
-  EXPECT_FALSE(plan->claims[1].asks(4));
-  EXPECT_EQ(plan->claims[1].below, 1.1);
+  EXPECT_TRUE(plan->claims[0].asks(4, 1) && plan->claims[0].asks(8, 2));
+  EXPECT_FALSE(plan->claims[1].asks(4, 1));
+  EXPECT_TRUE(plan->claims[1].asks(4, 2));
+  EXPECT_FALSE(plan->claims[2].asks(4, 1));
+  EXPECT_EQ(plan->claims[2].below, 1.1);
   EXPECT_TRUE(plan->experiment.fresh);
   const auto again = parse(plan_text(*plan).c_str());
   ASSERT_TRUE(again.has_value()) << again.error().message;
@@ -248,6 +257,13 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
       {"[[claim]]\nbetter = 'uniform + bxo'",
        "plan.toml:6: unknown method of the plan 'uniform + bxo', did you mean 'uniform + box'?"},
       {"[[claim]]\nbetter = 'uniform + box'", "plan.toml:5: a claim needs two methods"},
+      {"threads = [1, 2]\n[[claim]]\nthreads = 3",
+       "plan.toml:7: threads 3 is no number of threads of the plan"},
+      {"threads = [1, 2]\n[[claim]]\nthreads = 2", "plan.toml:6: threads and than_threads"},
+      {"threads = [1, 2]\n[[claim]]\nthreads = 2\nthan_threads = 2\nbetter = 'uniform + box'\nthan "
+       "= "
+       "'uniform + box'",
+       "plan.toml:6: a claim needs two methods"},
       {"[[claim]]\nmetrik = 'mse'", "plan.toml:6: unknown key of a claim 'metrik'"},
       {"[[claim]]\nmetric = 'mes'", "plan.toml:6: unknown metric 'mes', did you mean 'mse'?"},
       {"[[claim]]\nspp = 5", "plan.toml:6: spp 5 is no budget of the plan"},

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from conftest import samples, write_dump
+from results_comparison import changed_cells
 
 PLAN = 'spp = [2, 4]\nreplicates = 4\npictures = false\nsamplers = ["uniform"]\nfilters = ["box", "gaussian"]\n'
 
@@ -132,3 +133,28 @@ def test_results_without_halves_say_that_the_spread_is_assumed(good, tmp_path, d
     assert "assumed from common samples" in text
     statistics, text = evaluate(good, tmp_path, f'recordings = ["{dump.name}"]\n' + PLAN, "measured")
     assert "assumed" not in text
+
+
+def test_a_claim_compares_times_over_threads(good, tmp_path):
+    """Two threads against one, of the same method; of a machine that other results shared it says nothing."""
+    made(tmp_path / "a.spool", 1)
+    plan = 'recordings = ["a.spool"]\nspp = [4]\nreplicates = 4\nthreads = [1, 2]\npictures = false\nsamplers = ["uniform"]\nfilters = ["box"]\n'
+    for below in (1.0, 0.6, 0.4):
+        plan += ('[[claim]]\nbetter = "uniform + box"\nthan = "uniform + box"\nthreads = 2\nthan_threads = 1\nmetric = "seconds_sampling"\n'
+                 f'below = {below}\ntext = "below {below}"\n')
+    evaluate(good, tmp_path, plan, "out", "--timing", "exact")
+    seconds = iter(range(10**6))
+
+    def timed(timing):
+        def change(cell):
+            long = int(cell["fields"]["threads_used"]) == 1
+            return {**cell, "fields": {**cell["fields"], "timing": timing, "seconds_sampling": str((2 if long else 1) * (1 + 1e-3 * (next(seconds) % 3)))}}
+        return change
+    changed_cells(tmp_path / "out", timed("alone"))
+    good("evaluate", "--statistics-only", "out")
+    claims = json.loads((tmp_path / "out" / "statistics.json").read_text())["claims"]
+    assert [(c["threads"], c["verdict"], len(c["places"])) for c in claims] == [([2, 1], "holds", 1), ([2, 1], "holds", 1), ([2, 1], "reversed", 1)]
+    assert claims[0]["places"][0]["threads"] == 2 and claims[0]["places"][0]["ratio"][0] == pytest.approx(0.5, rel=0.01)
+    changed_cells(tmp_path / "out", timed("shared"))
+    good("evaluate", "--statistics-only", "out")
+    assert {c["verdict"] for c in json.loads((tmp_path / "out" / "statistics.json").read_text())["claims"]} == {"not compared"}

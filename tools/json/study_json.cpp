@@ -199,12 +199,14 @@ ordered_json claim_place_json(const ClaimFinding::At& at, bool fresh) {
 }
 
 ordered_json question_json(const Claim& claim) {
-  return {{"text", claim.text},
-          {"better", claim.better},
-          {"than", claim.than},
-          {"metric", claim.metric},
-          {"samples", claim.fresh ? "fresh" : "own"},
-          {"below", claim.below}};
+  ordered_json question = {{"text", claim.text},
+                           {"better", claim.better},
+                           {"than", claim.than},
+                           {"metric", claim.metric},
+                           {"samples", claim.fresh ? "fresh" : "own"},
+                           {"below", claim.below}};
+  if (claim.threads > 0) question["threads"] = {claim.threads, claim.than_threads};
+  return question;
 }
 
 ordered_json claim_json(const ClaimFinding& finding) {
