@@ -25,20 +25,6 @@ constexpr std::size_t kLongestName = 255;  // of a file, on every usual file sys
 constexpr int kTries = 100;
 constexpr int kFolderTries = 200;  // of 5 ms: a rename takes microseconds
 
-std::string random_letters() {
-  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz234567";  // 5 bits each
-  std::array<unsigned char, kRandomLetters> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
-    for (std::size_t i = 0; i < bytes.size(); ++i)
-      bytes.at(i) = static_cast<unsigned char>(now >> (5 * i));
-  }
-  std::string text;
-  for (const unsigned char byte : bytes)
-    text += kLetters[byte % kLetters.size()];
-  return text;
-}
-
 fs::path temporary_name(const fs::path& target) {
   const std::string tail = std::string(kMark) + random_letters() + std::string(kSuffix);
   const std::string name = target.filename().string();
@@ -81,6 +67,20 @@ class FolderLock {
 };
 
 }  // namespace
+
+std::string random_letters() {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz234567";  // 5 bits each
+  std::array<unsigned char, kRandomLetters> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+      bytes.at(i) = static_cast<unsigned char>(now >> (5 * i));
+  }
+  std::string text;
+  for (const unsigned char byte : bytes)
+    text += kLetters[byte % kLetters.size()];
+  return text;
+}
 
 std::optional<TemporaryFile::Identity> TemporaryFile::identity_of(const fs::path& path) {
   struct stat info{};

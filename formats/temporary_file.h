@@ -10,12 +10,16 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "formats/file_handle.h"
 #include "formats/unfinished_files.h"
 #include "lib/core/error.h"
 
 namespace spool::format {
+
+// Eight, for a name that no other process gives.
+std::string random_letters();
 
 // What may stand in the target's place when the file is finished.
 enum class Replace {

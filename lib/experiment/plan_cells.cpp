@@ -1,6 +1,7 @@
 #include "lib/experiment/plan_cells.h"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <map>
 
@@ -98,6 +99,14 @@ std::uint64_t PlanCells::number(const Cell& cell) const {
 
 std::string cell_id(std::uint64_t number) {
   return fmt::format("{:016x}", number);
+}
+
+std::optional<std::uint64_t> cell_number(std::string_view id) {
+  std::uint64_t number = 0;
+  const char* end = id.data() + id.size();
+  if (id.size() != 16 || std::from_chars(id.data(), end, number, 16).ptr != end)
+    return std::nullopt;
+  return number;
 }
 
 std::string cell_id(const Cell& cell, const Plan& plan) {

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lib/core/option_table.h"
@@ -45,5 +47,7 @@ class PlanCells {
 // 16 hexadecimal digits of the number.
 std::string cell_id(std::uint64_t number);
 std::string cell_id(const Cell& cell, const Plan& plan);
+// The number of such a name; none when the text is none.
+std::optional<std::uint64_t> cell_number(std::string_view id);
 
 }  // namespace spool

@@ -1,12 +1,28 @@
 """Two folders of `spool evaluate` hold the same results, bit for bit, apart from times."""
 import csv
 
+from tools.study.kept import cells_in, cells_text
+
 TIMES = {"efficiency", "peak_memory_mb", "threads_used", "timing"}
 
 
 def rows_of(folder):
     with open(folder / "results.csv", newline="") as file:
         return list(csv.DictReader(file))
+
+
+def cell_lines(folder):
+    """The lines of its finished cells, whole ones."""
+    found = [line for file in sorted(folder.glob("cells/*.jsonl")) for line in file.read_text().splitlines(keepends=True)]
+    return [line for line in found if line.endswith("\n")]
+
+
+def changed_cells(folder, change):
+    """What `change` makes of each cell, in place of the folder's."""
+    cells = cells_in("".join(cell_lines(folder)))
+    for file in folder.glob("cells/*.jsonl"):
+        file.unlink()
+    (folder / "cells" / "changed.jsonl").write_text(cells_text({name: change(cell) for name, cell in cells.items()}))
 
 
 def is_timing(name):

@@ -4,6 +4,7 @@ import json
 import pytest
 
 from conftest import samples, write_dump
+from results_comparison import cell_lines, changed_cells
 
 PLAN = """
 recordings = ["scene.spool"]
@@ -29,11 +30,11 @@ def evaluate(good, dump, tmp_path):
 
 def change(tmp_path, folder, cells, factor):
     """As if a later program had made this: the errors of some cells times `factor`."""
-    for path in sorted((tmp_path / folder / "cells").iterdir()):
-        cell = json.loads(path.read_text())
+    def changed(cell):
         if cells(cell):
             cell["fields"]["relmse"] = repr(float(cell["fields"]["relmse"]) * factor)
-            path.write_text(json.dumps(cell))
+        return cell
+    changed_cells(tmp_path / folder, changed)
 
 
 def test_the_same_results_are_identical(good, evaluate):
@@ -64,10 +65,8 @@ def test_what_became_worse_sets_the_exit_code(run, good, evaluate, tmp_path):
 def test_failures_and_gaps_are_told(run, good, evaluate, tmp_path):
     a = evaluate("a")
     evaluate("b")
-    broken = sorted((tmp_path / "b" / "cells").iterdir())[0]
-    cell = json.loads(broken.read_text())
-    cell["fields"] = {"error": "broken on purpose"}
-    broken.write_text(json.dumps(cell))
+    first = min(json.loads(line)["cell"] for line in cell_lines(tmp_path / "b"))
+    changed_cells(tmp_path / "b", lambda cell: {**cell, "failed": 1, "fields": {"error": "broken on purpose"}} if cell["cell"] == first else cell)
     finished = run("compare", a, "b")
     assert finished.code == 1 and "failed now: scene" in finished.out
     evaluate("c", plan=PLAN.replace("[2, 4, 8]", "[2, 4]"))
@@ -153,11 +152,8 @@ def test_statistics_of_an_old_folder_are_computed_anew(run, good, evaluate, tmp_
     assert path.read_text() == whole and "gaussian" in table
     # A folder of an older program: own orders, no counts, no size of the recording.
     plan = tmp_path / a / "plan.toml"
-    for cell in (tmp_path / a / "cells").iterdir():
-        data = json.loads(cell.read_text())
-        data.pop("counts")
-        data["fields"].pop("recorded_spp")
-        cell.write_text(json.dumps(data))
+    changed_cells(tmp_path / a, lambda cell: {**{k: v for k, v in cell.items() if k != "counts"},
+                                              "fields": {k: v for k, v in cell["fields"].items() if k != "recorded_spp"}})
     good("evaluate", "--statistics-only", a)
     known = json.loads(path.read_text())["conditions"][-1]["about"]
     assert known["kind"] == "shared"  # the size is read from the recording

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from conftest import read_exr, samples, write_dump
-from results_comparison import assert_same_results, rows_of
+from results_comparison import assert_same_results, cell_lines, rows_of
 
 
 def test_every_cell_is_a_row_and_columns_are_the_listed_ones(good, dump, tmp_path):
@@ -46,8 +46,7 @@ def spread_of_halves(folder, metric):
     that the folder keeps: cells summed in windows of 2 x 2, freedom by the kurtosis of the cells."""
     rows = {(row["sampler"], row["filter"], row["replicate"]): row for row in rows_of(folder)}
     splits = []
-    for path in sorted((folder / "cells").glob("*.json")):
-        cell = json.loads(path.read_text())
+    for cell in map(json.loads, sorted(cell_lines(folder))):
         wanted = [rows["uniform", "box", r]["mse"] for r in ("0", "1")]
         if "halves" in cell and cell["fields"]["mse"] in wanted:
             kept = cell["halves"][metric]

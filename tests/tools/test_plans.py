@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from conftest import PROGRAM, samples, write_dump
-from results_comparison import assert_same_results, rows_of
+from results_comparison import assert_same_results, cell_lines, changed_cells, rows_of
+from tools.study.kept import checked
 
 KILLS = int(os.environ.get("SPOOL_KILLS", "5"))
 
@@ -194,18 +195,18 @@ def test_a_misspelt_key_is_named_with_its_line_and_the_nearest(run, plan):
 
 def test_nothing_finished_is_done_again(good, plan, tmp_path):
     good("evaluate", plan, "-o", "out", "--no-pictures")
-    cells = {p: p.stat().st_mtime_ns for p in (tmp_path / "out" / "cells").iterdir()}
+    cells = cell_lines(tmp_path / "out")
     assert len(cells) == CELLS
     first = (tmp_path / "out" / "results.csv").read_bytes()
     good("evaluate", plan, "-o", "out", "--no-pictures")
-    assert {p: p.stat().st_mtime_ns for p in cells} == cells
+    assert cell_lines(tmp_path / "out") == cells
     assert (tmp_path / "out" / "results.csv").read_bytes() == first
     plan.write_text(PLAN.replace("[2, 4]", "[2, 4, 8]"))
     good("evaluate", plan, "-o", "out", "--no-pictures")
-    assert {p: p.stat().st_mtime_ns for p in cells} == cells
+    assert set(cells) < set(cell_lines(tmp_path / "out"))
     assert len(rows_of(tmp_path / "out")) == CELLS * 3 // 2
     good("evaluate", plan, "-o", "out", "--no-pictures", "--force")
-    assert all(p.stat().st_mtime_ns != t for p, t in cells.items())
+    assert not set(cells) & set(cell_lines(tmp_path / "out"))  # other times
 
 
 def test_a_killed_run_goes_on_to_the_same_results(good, plan, tmp_path):
@@ -225,10 +226,10 @@ def test_a_killed_run_goes_on_to_the_same_results(good, plan, tmp_path):
         time.sleep(chance.uniform(0.0, 1.0) * whole)
         victim.kill()
         victim.wait()
-        kept = {p: p.stat().st_mtime_ns for p in folder.glob("cells/*.json")}
+        kept = cell_lines(folder)
         killed_within += 0 < len(kept) < CELLS
         good("evaluate", plan, "-o", folder, *pictures)
-        assert {p: p.stat().st_mtime_ns for p in kept} == kept, kill
+        assert set(kept) < set(cell_lines(folder)) or len(kept) == CELLS, kill
         assert_same_results(tmp_path / "whole", folder, images=not pictures)
     assert killed_within > 0
 
@@ -239,13 +240,13 @@ def test_an_interrupt_keeps_what_is_done_and_says_so(plan, good, tmp_path, numbe
     victim = subprocess.Popen([PROGRAM, "evaluate", plan, "-o", tmp_path / "out", "--no-pictures"],
                               stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
     deadline = time.monotonic() + 60
-    while len(list(tmp_path.glob("out/cells/*.json"))) < 3 and time.monotonic() < deadline:
+    while len(cell_lines(tmp_path / "out")) < 3 and time.monotonic() < deadline:
         time.sleep(0.02)
     victim.send_signal(number)
     message = victim.communicate(timeout=30)[1]
     assert victim.returncode == 128 + number
-    kept = list(tmp_path.glob("out/cells/*"))
-    assert len(kept) >= 3 and all(p.suffix == ".json" for p in kept)
+    kept = cell_lines(tmp_path / "out")
+    assert len(kept) >= 3 and len(list(tmp_path.glob("out/cells/*"))) == 1
     assert f"{len(kept)} of {CELLS * 250} results are kept" in message, message
     assert "the same command goes on" in message
 
@@ -289,38 +290,60 @@ def test_one_failed_cell_is_recorded_and_tried_again(good, run, plan, tmp_path):
 def test_a_damaged_cell_counts_as_missing(good, plan, tmp_path):
     good("evaluate", plan, "-o", "whole", "--no-pictures")
     good("evaluate", plan, "-o", "out", "--no-pictures")
-    cells = sorted((tmp_path / "out" / "cells").iterdir())
-    cells[0].write_text("")
-    cells[1].write_text(cells[1].read_text()[:100])
-    cells[2].unlink()
+    file, = (tmp_path / "out" / "cells").iterdir()
+    lines = file.read_text().splitlines(keepends=True)
+    one, two, three, cut = lines[:4]
+    damaged = [one[:100] + "\n", two.replace('"relmse":"', '"relmse":"1'), three.replace('"cell":"', '"cell":"f'), "\0" * 300 + "\n"]
+    file.write_text("".join(damaged + lines[4:]) + cut[:50])
     (tmp_path / "out" / "cells" / "0123.json.77.partial").write_text("rest of a killed run")
-    good("evaluate", plan, "-o", "out", "--no-pictures")
+    (tmp_path / "out" / "cells" / "~endless.jsonl").write_text("x" * (40 << 20))
+    told = good("evaluate", plan, "-o", "out", "--no-pictures").err
+    assert f"6 damaged results count as missing; the first: out/cells/{file.name}, line 1" in told
     assert_same_results(tmp_path / "whole", tmp_path / "out")
+    assert len(cell_lines(tmp_path / "out")) == CELLS + 4  # damaged ones and all
+
+
+def test_cells_of_an_earlier_version_go_on(good, run, plan, tmp_path):
+    """One file of each: cells/ID.json. What failed in one is tried again, what is none counts as missing."""
+    good("evaluate", plan, "-o", "whole", "--no-pictures")
+    shutil.copytree(tmp_path / "whole", tmp_path / "out")
+    file, = (tmp_path / "out" / "cells").iterdir()
+    for number, line in enumerate(file.read_text().splitlines()):
+        cell = json.loads(line)
+        old = {k: v for k, v in cell.items() if k not in ("crc32", "cell", "failed")}
+        if number == 0:
+            old["fields"] = {"error": "no such luck"}
+        (file.parent / (cell["cell"] + ".json")).write_text(json.dumps(old) if number != 1 else "{")
+    file.unlink()
+    run("evaluate", plan, "-o", "merged", "--merge", "--from", "out", "--no-pictures").failed_with(1, "results are missing")
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    assert len(cell_lines(tmp_path / "out")) == 2
+    assert_same_results(tmp_path / "whole", tmp_path / "out")
+    good("evaluate", plan, "-o", "merged", "--merge", "--from", "out", "--no-pictures")
+    assert_same_results(tmp_path / "whole", tmp_path / "merged")
 
 
 def test_a_cell_is_understood_or_missing(good, run, plan, tmp_path):
     """Numbers as numbers, keys of other programs and in any order are no damage; halves that are none are not measured."""
     good("evaluate", plan, "-o", "whole", "--no-pictures")
     shutil.copytree(tmp_path / "whole", tmp_path / "out")
-    for path in (tmp_path / "out" / "cells").iterdir():
-        cell = json.loads(path.read_text())
+    def another(cell):
         fields = {"other": [1, {"mse": "7"}], "nested": {"mse": "9"}, **dict(reversed(cell["fields"].items())), "samples_spent": int(cell["fields"]["samples_spent"])}
-        path.write_text(json.dumps({"more": [[], {"fields": {"mse": "3"}}], **{k: cell[k] for k in reversed(cell) if k != "fields"}, "fields": fields}, indent=2))
+        return {"more": [[], {"fields": {"mse": "3"}}], **{k: cell[k] for k in reversed(cell) if k != "fields"}, "fields": fields}
+    changed_cells(tmp_path / "out", another)
     good("evaluate", plan, "--merge", "-o", "out", "--no-pictures")
     assert_same_results(tmp_path / "whole", tmp_path / "out")
     assert (tmp_path / "out" / "statistics.json").read_bytes() == (tmp_path / "whole" / "statistics.json").read_bytes()
-    cells = sorted((tmp_path / "out" / "cells").iterdir())
-    cell = next(c for c in map(lambda p: json.loads(p.read_text()), cells) if "halves" in c)
+    halves = next(c["halves"] for c in map(json.loads, cell_lines(tmp_path / "out")) if "halves" in c)
     for wrong in ({"columns": 0}, {"columns": "4"}, {"cells": "1 2 x"}, {"cells": "nan"}, {"cells": 3}, {"columns": 10**9}):
-        for path in cells:
-            kept = json.loads(path.read_text())
-            if "halves" in kept:
-                kept["halves"] = {metric: {**entry, **wrong} for metric, entry in cell["halves"].items()}
-                path.write_text(json.dumps(kept))
+        damaged = {metric: {**entry, **wrong} for metric, entry in halves.items()}
+        changed_cells(tmp_path / "out", lambda cell: {**cell, "halves": damaged} if "halves" in cell else cell)
         good("evaluate", plan, "--merge", "-o", "out", "--no-pictures")
         assert_same_results(tmp_path / "whole", tmp_path / "out")
-    for text in ("{", "[]", "3", '{"fields": 3}', '{"fields": {"mse": "1"}} x', '{"fields": {}}\0', "[" * 100000):
-        cells[0].write_text(text)
+    first, *others = cell_lines(tmp_path / "out")
+    start = '"cell":"%s","failed":0,' % json.loads(first)["cell"]
+    for text in ("", "}", "3", '"fields": 3}', '"fields": {"mse": "1"}} x', '"fields": {}}\0', '"x":' + "[" * 100000):
+        (tmp_path / "out" / "cells" / "changed.jsonl").write_text(checked(start + text) + "".join(others))
         run("evaluate", plan, "--merge", "-o", "out", "--no-pictures").failed_with(1, "1 of 72 results are missing")
 
 

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
-#include <optional>
+#include <span>
 #include <unordered_map>
 
 #include "formats/bounded_json.h"
+#include "formats/crc32.h"
+#include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_table.h"
 
 namespace spool::tools {
@@ -16,6 +17,7 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr long long kMostCells = 4096;
+constexpr std::string_view kChecksum = R"({"crc32":")", kCell = R"("cell":")";
 
 std::string counts_text(const std::vector<std::pair<int, long long>>& counts) {
   std::string text;
@@ -44,10 +46,23 @@ std::optional<Number> next_number(std::string_view& text) {
   return number;
 }
 
-bool skip(std::string_view& text, char c) {
-  if (!text.starts_with(c)) return false;
-  text.remove_prefix(1);
+bool skip(std::string_view& text, std::string_view start) {
+  if (!text.starts_with(start)) return false;
+  text.remove_prefix(start.size());
   return true;
+}
+
+template <class Number>
+bool read_hexadecimal(std::string_view& text, std::size_t digits, Number& number) {
+  if (text.size() < digits) return false;
+  const char* end = text.data() + digits;
+  if (std::from_chars(text.data(), end, number, 16).ptr != end) return false;
+  text.remove_prefix(digits);
+  return true;
+}
+
+std::uint32_t checksum_of(std::string_view text) {
+  return format::crc32(std::as_bytes(std::span(text)));
 }
 
 std::optional<std::size_t> column_of(const std::string& name) {
@@ -138,9 +153,9 @@ class CellReader {
 std::vector<std::pair<int, long long>> counts_of(std::string_view text) {
   std::vector<std::pair<int, long long>> counts;
   while (!text.empty()) {
-    if (!counts.empty() && !skip(text, ' ')) return {};
+    if (!counts.empty() && !skip(text, " ")) return {};
     const auto samples = next_number<int>(text);
-    if (!samples || *samples < 0 || !skip(text, ':')) return {};
+    if (!samples || *samples < 0 || !skip(text, ":")) return {};
     const auto pieces = next_number<long long>(text);
     if (!pieces || *pieces <= 0) return {};
     counts.emplace_back(*samples, *pieces);
@@ -151,7 +166,7 @@ std::vector<std::pair<int, long long>> counts_of(std::string_view text) {
 bool read_halves(long long columns, std::string_view cells, std::string_view varying,
                  HalfDifference& difference) {
   while (!cells.empty()) {
-    if (!difference.cells.empty() && !skip(cells, ' ')) return false;
+    if (!difference.cells.empty() && !skip(cells, " ")) return false;
     const auto cell = next_number<double>(cells);
     if (!cell || !std::isfinite(*cell)) return false;
     difference.cells.push_back(*cell);
@@ -163,7 +178,7 @@ bool read_halves(long long columns, std::string_view cells, std::string_view var
   return true;
 }
 
-std::string cell_text(const ResultRecord& record) {
+std::string cell_line(std::uint64_t number, const ResultRecord& record) {
   ordered_json json = {{"version", SPOOL_VERSION}, {"fields", ordered_json::object()}};
   for (std::size_t i = 0; i < record.fields.size(); ++i) {
     const ResultColumn& column = result_columns()[i];
@@ -174,7 +189,23 @@ std::string cell_text(const ResultRecord& record) {
   if (!record.counts.empty()) json["counts"] = counts_text(record.counts);
   for (const MetricHalves& halves : record.halves)
     json["halves"][halves.metric] = halves_json(halves.difference);
-  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  const std::string rest =
+      fmt::format(R"({}{}","failed":{},)", kCell, cell_id(number), record.failed() ? 1 : 0) +
+      json.dump(-1, ' ', false, ordered_json::error_handler_t::replace).substr(1);
+  return fmt::format(R"({}{:08x}",)", kChecksum, checksum_of(rest)) + rest;
+}
+
+std::optional<CheckedLine> checked_line(std::string_view line) {
+  std::uint32_t checksum = 0;
+  if (!skip(line, kChecksum) || !read_hexadecimal(line, 8, checksum) || !skip(line, "\",") ||
+      checksum_of(line) != checksum)
+    return std::nullopt;
+  CheckedLine found;
+  if (!skip(line, kCell) || !read_hexadecimal(line, 16, found.number) ||
+      !skip(line, "\",\"failed\":") || line.empty())
+    return std::nullopt;
+  found.failed = line.front() != '0';
+  return found;
 }
 
 bool read_cell_text(std::string_view text, ResultRecord& record) {

@@ -2,6 +2,8 @@
 // of its halves.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,7 +13,17 @@
 
 namespace spool::tools {
 
-std::string cell_text(const ResultRecord& record);
+// As a line of JSON, without its end:
+// {"crc32":"1a2b3c4d","cell":"0123456789abcdef","failed":0,...}. The checksum is that of all behind
+// it, from "cell" on.
+std::string cell_line(std::uint64_t number, const ResultRecord& record);
+
+struct CheckedLine {
+  std::uint64_t number = 0;  // cell_id() of it is the cell's
+  bool failed = false;
+};
+// Nothing when its checksum is another.
+std::optional<CheckedLine> checked_line(std::string_view line);
 
 // Fills in all but the columns that say which cell it is; false when the text is no cell's. No tree
 // of values is made: a merge reads millions.

@@ -77,7 +77,7 @@ struct Listing {
 
 Result<Listing> list_cells(const RunRequest& request) {
   const Plan& plan = request.plan;
-  const CellStore store(request.folder);
+  SPOOL_ASSIGN(const CellStore store, CellStore::open(request.folder));
   Listing found;
   SPOOL_ASSIGN(const NamedCells named, name_cells(plan));
   SPOOL_ASSIGN(const std::vector<bool> chosen, chosen_cells(request, named));

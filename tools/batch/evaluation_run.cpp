@@ -80,12 +80,12 @@ double pixels_of(const std::string& dump) {
 class PlanRun {
  public:
   PlanRun(const RunRequest& request, const CommonOptions& common, NamedCells named,
-          std::vector<bool> chosen)
+          std::vector<bool> chosen, CellStore store)
       : request_(request),
         common_(common),
         named_(std::move(named)),
         chosen_(std::move(chosen)),
-        store_(request.folder),
+        store_(std::move(store)),
         pictures_(request.folder, request.plan.recordings),
         estimate_(std::vector<Cell>(), pixels_of) {}
 
@@ -146,12 +146,14 @@ class PlanRun {
       cell_of_.emplace(key_of(filled.emplace_back(with_filled_names(cell))), cell);
     run_cells(filled, request_.plan.experiment, sources, callbacks);
     SPOOL_TRY(written);
+    SPOOL_TRY(store_.sync());
     if (!stopped()) return {};
     return fail(ErrorCode::kData, "interrupted; {}", kept_text());
   }
 
   // What is there becomes results.csv, results.jsonl, statistics, sheets and the printed summary.
   Result<void> collect() {
+    SPOOL_ASSIGN(store_, CellStore::open(request_.folder));
     SPOOL_ASSIGN(ResultsWriter writer, ResultsWriter::create(request_.folder));
     std::vector<PicturedResult> pictured;
     std::size_t missing = 0;
@@ -193,6 +195,7 @@ class PlanRun {
 
   // The results of a shard are made later; its failures are printed now.
   Result<void> report_shard() {
+    SPOOL_ASSIGN(store_, CellStore::open(request_.folder));
     for (std::size_t i = 0; i < named_.size(); ++i) {
       if (!chosen_[i]) continue;
       if (const auto record = store_.read(named_.id(i), named_.cell(i))) {
@@ -333,7 +336,7 @@ class PlanRun {
 
 Result<void> write_statistics(const fs::path& folder, const Plan& plan, const CommonOptions& common,
                               bool wide) {
-  const CellStore store(folder);
+  SPOOL_ASSIGN(const CellStore store, CellStore::open(folder));
   return write_study(folder, study_of(plan, study_sources(store, plan)), common, wide);
 }
 
@@ -351,15 +354,19 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   const auto started = std::chrono::system_clock::now();
   SPOOL_ASSIGN(NamedCells named, name_cells(request.plan));
   SPOOL_TRY(check_dumps(request.plan));
-  SPOOL_TRY(prepare_folder(request, named, common.force));
+  SPOOL_ASSIGN(CellStore store, prepare_folder(request, named, common.force));
+  if (store.damaged() > 0) {
+    print_warning(fmt::format("{} damaged results count as missing; the first: {}", store.damaged(),
+                              store.first_damage()));
+  }
   SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps,
                identify_dumps(request.plan.recordings, request.folder));
   SPOOL_TRY(write_identities(dumps, request.folder));
-  if (!request.merge) SPOOL_TRY(register_claims(request.folder, request.plan));
+  if (!request.merge && store.empty()) SPOOL_TRY(register_claims(request.folder, request.plan));
   SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true, true));
-  SPOOL_TRY(merge_folders(request, dumps));
+  SPOOL_TRY(merge_folders(request, dumps, store));
   SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named));
-  PlanRun run(request, common, std::move(named), std::move(chosen));
+  PlanRun run(request, common, std::move(named), std::move(chosen), std::move(store));
   if (!request.merge) SPOOL_TRY(run.run());
   const std::string shard =
       request.shard ? fmt::format("{}/{}", request.shard->index, request.shard->count) : "";

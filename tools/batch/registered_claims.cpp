@@ -4,7 +4,6 @@
 #include <string>
 
 #include "lib/image_io/atomic_file.h"
-#include "tools/batch/cell_store.h"
 #include "tools/json/study_json.h"
 
 namespace spool::tools {
@@ -15,9 +14,6 @@ constexpr const char* kFile = "claims.json";
 }  // namespace
 
 Result<void> register_claims(const std::filesystem::path& folder, const Plan& plan) {
-  const bool has_results =
-      CellStore(folder).count_others([](const std::string&) { return false; }) > 0;
-  if (has_results) return {};
   return write_text_file(folder / kFile, questions_text(plan.claims), true, true);
 }
 

@@ -9,7 +9,7 @@
 
 namespace spool::tools {
 
-// Keeps the plan's claims where the folder has no finished result yet.
+// Keeps the plan's claims, of a folder without a finished result.
 Result<void> register_claims(const std::filesystem::path& folder, const Plan& plan);
 
 // Marks what claims.json does not hold.

@@ -76,7 +76,7 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
   SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps, known_dumps(path));
   for (const DumpIdentity& dump : dumps)
     folder.dumps[dump.path.filename().string()] = dump;
-  const CellStore store(path);
+  SPOOL_ASSIGN(const CellStore store, CellStore::open(path));
   const StudySources sources = study_sources(store, folder.plan);
   for (const PlanScene& scene : scenes_of(folder.plan)) {
     std::vector<std::string> files;

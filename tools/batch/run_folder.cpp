@@ -1,7 +1,6 @@
 #include "tools/batch/run_folder.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <iterator>
 #include <map>
@@ -10,7 +9,6 @@
 #include "formats/interchange/sha256.h"
 #include "formats/spool_reader.h"
 #include "formats/temporary_file.h"
-#include "tools/batch/cell_store.h"
 
 namespace spool::tools {
 
@@ -65,13 +63,11 @@ NamedCells::NamedCells(const Plan& plan) : cells_(plan), order_(cells_.size()) {
 }
 
 std::optional<std::size_t> NamedCells::find(const std::string& id) const {
-  std::uint64_t number = 0;
-  const char* end = id.data() + id.size();
-  if (id.size() != 16 || std::from_chars(id.data(), end, number, 16).ptr != end)
-    return std::nullopt;
+  const auto number = cell_number(id);
+  if (!number) return std::nullopt;
   const auto found =
-      std::ranges::lower_bound(order_, number, {}, [this](std::size_t i) { return numbers_[i]; });
-  if (found == order_.end() || numbers_[*found] != number) return std::nullopt;
+      std::ranges::lower_bound(order_, *number, {}, [this](std::size_t i) { return numbers_[i]; });
+  if (found == order_.end() || numbers_[*found] != *number) return std::nullopt;
   return *found;
 }
 
@@ -119,23 +115,23 @@ Result<void> check_dumps(const Plan& plan) {
   return {};
 }
 
-Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, bool force) {
+Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force) {
   const fs::path& folder = request.folder;
-  const CellStore store(folder);
   std::error_code status;
   const bool empty = !fs::exists(folder, status) || fs::is_empty(folder, status);
   const bool first = !request.shard && (!request.only || request.only->empty());
   if (force && first && !request.merge) {
-    SPOOL_TRY(store.remove_all());
+    SPOOL_TRY(CellStore::remove_all(folder));
     for (const char* name :
          {"dumps.json", "manifest.json", "results.csv", "results.jsonl", "statistics.json"})
       fs::remove(folder / name, status);
-  } else if (!empty && !store.has_any()) {
+  } else if (!empty && !CellStore::is_in(folder)) {
     return fail(ErrorCode::kUsage,
                 "{}: exists and holds no results that could be continued: choose another name or "
                 "give --force",
                 folder.string());
   }
+  SPOOL_ASSIGN(CellStore store, CellStore::open(folder));
   const std::size_t others =
       store.count_others([&](const std::string& id) { return named.find(id).has_value(); });
   if (others > 0 && !force) {
@@ -144,17 +140,17 @@ Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, 
                 "--force to start it anew",
                 folder.string(), others);
   }
-  SPOOL_TRY(store.create());
+  SPOOL_TRY(CellStore::create(folder));
   sweep(folder, is_part(request) ? kAgeBesideShards : std::chrono::seconds(0));
-  return {};
+  return store;
 }
 
-Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps) {
-  const CellStore store(request.folder);
+Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps,
+                           CellStore& store) {
   for (const fs::path& from : request.merge_from) {
     SPOOL_TRY(check_same_dumps(dumps, from));
-    SPOOL_ASSIGN(const std::size_t taken, store.take_from(CellStore(from)));
-    static_cast<void>(taken);
+    SPOOL_ASSIGN(const CellStore other, CellStore::open(from));
+    SPOOL_TRY(store.take_from(other));
     std::error_code status;
     for (const auto& entry : fs::directory_iterator(from, status)) {
       const std::string name = entry.path().filename().string();

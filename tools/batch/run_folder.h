@@ -8,6 +8,7 @@
 
 #include "lib/core/error.h"
 #include "lib/experiment/plan_cells.h"
+#include "tools/batch/cell_store.h"
 #include "tools/batch/dump_identity.h"
 #include "tools/batch/run_request.h"
 
@@ -40,9 +41,11 @@ Result<void> check_dumps(const Plan& plan);
 
 // A folder of ours is continued, unfinished files of killed runs removed; a strange one is not
 // touched (kUsage).
-Result<void> prepare_folder(const RunRequest& request, const NamedCells& named, bool force);
+Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force);
 
-// Copies cells and images of `request.merge_from`, which must come from the same recordings.
-Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps);
+// Copies cells and images of `request.merge_from`, which must come from the same recordings; the
+// cells into `store`, that of the request's folder.
+Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps,
+                           CellStore& store);
 
 }  // namespace spool::tools

@@ -74,7 +74,7 @@ Result<std::vector<bool>> chosen_cells(const RunRequest& request, const NamedCel
 Result<TasksLeft> tasks_left(const RunRequest& request) {
   SPOOL_ASSIGN(const NamedCells named, name_cells(request.plan));
   SPOOL_TRY(check_dumps(request.plan));
-  const CellStore store(request.folder);
+  SPOOL_ASSIGN(const CellStore store, CellStore::open(request.folder));
   std::vector<Cell> cells;
   std::vector<std::string> ids;
   for (std::size_t i = 0; i < named.size(); ++i) {

@@ -12,6 +12,8 @@ from tools.report.whole_file import write_whole
 from tools.study import kept
 from tools.study.plans import ROOT, full_plan, full_recording, full_recordings, group_of, text_of
 
+CELLS = "cells/kept.jsonl"
+
 
 def plan_hash(plan):
     """Of what the plan measures, whatever it claims."""
@@ -79,7 +81,10 @@ class Store:
         texts = kept.unpack(self.kept(plan))
         lines = [line for line in texts.get("kept.jsonl", "").splitlines(keepends=True) if json.loads(line)["dump"] != name]
         texts["kept.jsonl"] = "".join(lines)
-        texts.update((f"cells/{cell.name}", kept.small_cell(cell.read_text(), group_of(name) is not None)) for cell in (folder / "cells").glob("*.json"))
+        cells = kept.cells_in(texts.get(CELLS, ""))
+        for file in sorted((folder / "cells").glob("*.jsonl")):
+            cells |= {k: kept.small_cell(c, group_of(name) is not None) for k, c in kept.cells_in(file.read_text()).items()}
+        texts[CELLS] = kept.cells_text(cells)
         texts["made.json"] = json.dumps({**json.loads(texts.get("made.json", "{}")), name: made}, indent=1) + "\n"
         if "claims.json" not in texts and not lines:
             texts["claims.json"] = (folder / "claims.json").read_text()

@@ -13,6 +13,7 @@ import json
 import subprocess
 import sys
 import tarfile
+import zlib
 from pathlib import Path
 
 from tools.report.whole_file import write_whole
@@ -20,7 +21,7 @@ from tools.report.whole_file import write_whole
 QUANTITIES = ("mse", "relmse", "relmse_trimmed", "relmse_equal_energy", "energy_ratio", "flip_ldr", "ssim", "seconds_sampling",
               "seconds_filtering", "cpu_sampling", "cpu_filtering", "saturated_share", "block_jump", "edge_share", "region_area", "mse_half_pixels", "relmse_half_pixels")
 FIELDS = (*QUANTITIES, "mse_fresh", "relmse_fresh", "energy_fresh", "samples_spent", "recorded_spp", "recorded_kurtosis", "width",
-          "height", "reference", "error", "mse_worst_share", "relmse_worst_share", "mse_reference_noise", "relmse_reference_noise")
+          "height", "timing", "reference", "error", "mse_worst_share", "relmse_worst_share", "mse_reference_noise", "relmse_reference_noise")
 HALVES = ("mse", "relmse", "mse_fresh", "relmse_fresh")
 
 
@@ -66,15 +67,32 @@ def beside(statistics):
     return {"overall": overall, "needed": needed}
 
 
-def small_cell(text, of_group=False):
+def cells_in(text):
+    """{name: what is in it}, of a text of lines as cells/*.jsonl has them."""
+    return {cell["cell"]: cell for cell in map(json.loads, text.splitlines())}
+
+
+def cells_text(cells):
+    """Lines with their checksums."""
+    lines = []
+    for cell in cells.values():
+        ordered = {k: cell[k] for k in ("cell", "failed")} | {k: v for k, v in cell.items() if k != "crc32"}
+        lines.append(checked(json.dumps(ordered, separators=(",", ":"))[1:]))
+    return "".join(lines)
+
+
+def checked(rest):
+    """A line of cells/*.jsonl: its checksum, and what comes behind it."""
+    return f'{{"crc32":"{zlib.crc32(rest.encode()):08x}",{rest}\n'
+
+
+def small_cell(cell, of_group=False):
     """of_group: of a scene that was recorded several times; its intervals are those of the recordings, not of counts and halves."""
-    cell = json.loads(text)
-    kept = {"version": cell["version"], "fields": {k: v for k, v in cell["fields"].items() if k in FIELDS}}
+    kept = {**{k: cell[k] for k in ("cell", "failed", "version")}, "fields": {k: v for k, v in cell["fields"].items() if k in FIELDS}}
     if of_group:
-        return json.dumps(kept, separators=(",", ":"))
+        return kept
     halves = {k: v for k, v in cell.get("halves", {}).items() if k in HALVES}
-    return json.dumps({**kept, **({"counts": cell["counts"]} if "counts" in cell else {}), **({"halves": halves} if halves else {})},
-                      separators=(",", ":"))
+    return {**kept, **({"counts": cell["counts"]} if "counts" in cell else {}), **({"halves": halves} if halves else {})}
 
 
 def pack(path, texts):

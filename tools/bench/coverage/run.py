@@ -17,6 +17,7 @@ import numpy as np
 
 import spool
 from tools.bench.coverage import page
+from tools.study import kept
 from tools.study.plans import RECORDINGS, ROOT
 
 BUDGETS = "4,8,16"
@@ -80,12 +81,12 @@ def evaluated(scene, number, folder):
         shutil.rmtree(old, ignore_errors=True)
         shutil.copytree(results, old)
         (old / "statistics.json").unlink()
-        for cell in (old / "cells").glob("*.json"):
-            data = json.loads(cell.read_text())
-            data.pop("halves", None)
-            for name in [n for n in data["fields"] if n.endswith("half_pixels")]:
-                data["fields"].pop(name)
-            cell.write_text(json.dumps(data))
+        for file in (old / "cells").glob("*.jsonl"):
+            cells = kept.cells_in(file.read_text())
+            for cell in cells.values():
+                cell.pop("halves", None)
+                cell["fields"] = {k: v for k, v in cell["fields"].items() if not k.endswith("half_pixels")}
+            file.write_text(kept.cells_text(cells))
         run("evaluate", "--statistics-only", old, "-q")
     return results, old
 

@@ -36,6 +36,7 @@ def spread(executor: concurrent.futures.Executor, plan: Plan, place: str, force:
     left = collections.deque(_together(tasks))
     of, lost = done + sum(len(ids) for _, ids in left), []
     identity = _read(os.path.join(place, "dumps.json"))
+    lines = os.path.join(place, "cells", f"{secrets.token_hex(8)}.jsonl")
     running: dict[concurrent.futures.Future, int] = {}
     try:
         while left or running:
@@ -56,7 +57,7 @@ def spread(executor: concurrent.futures.Executor, plan: Plan, place: str, force:
                 except Exception as reason:  # of the executor: each has errors of its own for a worker that ended
                     lost.append((count, reason))
                     continue
-                _keep(place, files)
+                _keep(place, files, lines)
                 done += count
                 if progress is not None:
                     progress(done / of, done, of)
@@ -104,7 +105,8 @@ def _do(plan: Plan, identity: bytes, ids: list[str], threads: int) -> dict[str, 
             _run(plan, place, only=ids, threads=threads)
         except SpoolError:
             # Cells that failed are results, too; only what is not there is an error.
-            if not all(os.path.isfile(os.path.join(place, "cells", f"{name}.json")) for name in ids):
+            made = b"".join(_read(path) for path in _files(place) if path.endswith(".jsonl"))
+            if not all(f'"cell":"{name}"'.encode() in made for name in ids):
                 raise
         return {os.path.relpath(path, place): _read(path) for path in _files(place)}
 
@@ -116,12 +118,16 @@ def _files(place):
                 yield os.path.join(folder, name)
 
 
-def _keep(place, files):
-    """Pictures first: a cell counts as done when its file is there."""
-    for name, data in sorted(files.items(), key=lambda item: item[0].startswith("cells" + os.sep)):
+def _keep(place, files, lines):
+    """Pictures first: a cell counts as done when its line is in the file `lines`."""
+    cells = b""
+    for name, data in files.items():
         parts = name.split(os.sep)
         if os.path.isabs(name) or ".." in parts or len(parts) == 1 and name.endswith(_MAIN_FILES):
             raise SpoolError("data", f"{name}: a worker sent a file of this name, which is not one of a result")
+        if parts[0] == "cells":
+            cells += data
+            continue
         path = os.path.join(place, name)
         part = f"{path}.spool-{secrets.token_hex(6)}.partial"
         try:
@@ -135,6 +141,11 @@ def _keep(place, files):
             except OSError:
                 pass
             raise SpoolError("io", f"{path}: {reason.strerror}") from reason
+    try:
+        with open(lines, "ab") as file:
+            file.write(cells)
+    except OSError as reason:
+        raise SpoolError("io", f"{lines}: {reason.strerror}") from reason
 
 
 def _read(path):
