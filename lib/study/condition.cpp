@@ -91,7 +91,7 @@ std::vector<PairFinding> pairs_of(const Condition& condition) {
   return list;
 }
 
-std::optional<WouldTell> would_tell(const PairVerdict& pair, const MethodResults& method,
+std::optional<WouldDecide> would_decide(const PairVerdict& pair, const MethodResults& method,
                                     double spp) {
   constexpr double kMost = 10000.0;
   // The level that the family leaves to this pair.
@@ -99,8 +99,8 @@ std::optional<WouldTell> would_tell(const PairVerdict& pair, const MethodResults
   if (!(level > 0.0)) return std::nullopt;
   const MoreNeeded more = more_needed(pair.comparison, method.recordings, level);
   const double reach = method.recordings * method.taken.recorded / spp;
-  if (more.replicates <= std::min(kMost, reach)) return WouldTell{more.replicates, false};
-  if (more.recordings <= kMost) return WouldTell{more.recordings, true};
+  if (more.replicates <= std::min(kMost, reach)) return WouldDecide{more.replicates, false};
+  if (more.recordings <= kMost) return WouldDecide{more.recordings, true};
   return std::nullopt;
 }
 
@@ -115,7 +115,7 @@ void add_against_baseline(RankedFinding& finding, const Plan& plan,
   if (!pair && finding.ratio)
     finding.baseline_withheld = methods[*condition.baseline].withheld(condition.metric);
   if (pair && verdict == Verdict::kUndecided && plan.replicates > 1)
-    finding.would_tell = would_tell(*pair, methods[method], condition.spp);
+    finding.would_decide = would_decide(*pair, methods[method], condition.spp);
 }
 
 RankedFinding ranked_finding(const Plan& plan, const std::vector<MethodResults>& methods,

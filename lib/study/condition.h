@@ -40,7 +40,7 @@ Interval baseline_ratio(const Condition& condition, const std::vector<MethodResu
 
 // How much more would separate a method and the baseline: replicates, or recordings where
 // replicates would repeat their samples.
-struct WouldTell {
+struct WouldDecide {
   double count = 0;
   bool recordings = false;
 
@@ -60,7 +60,7 @@ struct RankedFinding {
   std::optional<Verdict> against_baseline;  // none: it is the baseline, or there is none
   std::optional<Interval> ratio;            // to the baseline
   Withheld baseline_withheld = Withheld::kNo;
-  std::optional<WouldTell> would_tell;
+  std::optional<WouldDecide> would_decide;
   Interval energy;
   std::optional<double> loses_energy;  // the share that is lost, where beyond the interval
 };

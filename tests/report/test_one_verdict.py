@@ -175,7 +175,7 @@ def check_report(folder, page):
             withheld = f"no verdict: {entry['withheld']}" if "withheld" in entry else ""
             assert plain(letters) == (withheld or entry["letters"] or ("" if entry["compared"] else "not compared"))
             assert plain(against.split("<small>")[0]) == entry.get("against_baseline", "")
-            more = [f"about {count:.2g} {unit}" for unit, count in entry.get("would_tell", {}).items()]
+            more = [f"about {count:.2g} {unit}" for unit, count in entry.get("would_decide", {}).items()]
             assert plain(against).count("would decide") == len(more)
             assert ("loses" in method) == ("loses_energy" in entry)
     check_sentences(plain(text.split('id="charts"')[0]), conditions)

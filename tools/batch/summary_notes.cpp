@@ -53,12 +53,12 @@ std::string fewest_text(const Fewest& fewest) {
 
 }  // namespace
 
-std::string would_tell_text(const ShownResults& shown) {
+std::string would_decide_text(const ShownResults& shown) {
   constexpr std::size_t kMost = 3;
   std::vector<std::pair<double, std::string>> found;
   for (const RankedResult& result : shown) {
-    if (!result.relmse || !result.relmse->would_tell) continue;
-    const WouldTell& more = *result.relmse->would_tell;
+    if (!result.relmse || !result.relmse->would_decide) continue;
+    const WouldDecide& more = *result.relmse->would_decide;
     found.emplace_back(more.recordings ? 1e6 + more.count : more.count,
                        fmt::format("{:.2g} {} for {} ({}, {:g} spp)", more.count, more.unit(),
                                    shown_method(result), shown_scene(result.place().recording),

@@ -10,7 +10,7 @@ namespace spool::tools {
 
 // The methods that more replicates or recordings would separate from the baseline, the cheapest
 // first.
-std::string would_tell_text(const ShownResults& shown);
+std::string would_decide_text(const ShownResults& shown);
 // How many have no verdict and why, and the result that stands on the fewest pixels.
 std::string support_text(const ShownResults& shown, bool wide);  // by MSE, too, where wide
 std::string losses_text(const ShownResults& shown);

@@ -37,7 +37,7 @@ const char* const kRules[][2] = {
      "Neither interval nor verdict: fewer than 3 pixels bear half of the error, those of "
      "independent replicates together (20 where halves are not measured; any number with three "
      "recordings), or, for relMSE, the relative variance of the reference is above 0.01."},
-    {"would_tell",
+    {"would_decide",
      "Where a method and the baseline are not separated: about how many replicates, or recordings "
      "where replicates would repeat their samples, separate a difference as measured in 80 % of "
      "attempts, by itself."},
@@ -89,7 +89,7 @@ ordered_json result_json(const MethodFinding& result) {
   return entry;
 }
 
-ordered_json would_tell_json(const WouldTell& more) {
+ordered_json would_decide_json(const WouldDecide& more) {
   return {{more.unit(), more.count}};
 }
 
@@ -110,7 +110,7 @@ ordered_json ranked_json(const Study& study, const RankedFinding& ranked) {
   if (ranked.ratio) entry["ratio"] = interval_json(*ranked.ratio);
   if (ranked.baseline_withheld != Withheld::kNo)
     entry["baseline_withheld"] = withheld_name(ranked.baseline_withheld);
-  if (ranked.would_tell) entry["would_tell"] = would_tell_json(*ranked.would_tell);
+  if (ranked.would_decide) entry["would_decide"] = would_decide_json(*ranked.would_decide);
   entry["energy"] = interval_json(ranked.energy);
   if (ranked.loses_energy) entry["loses_energy"] = *ranked.loses_energy;
   return entry;
@@ -232,7 +232,7 @@ ordered_json ranks_json(const RankedFinding& ranked) {
   if (ranked.ratio) entry["ratio"] = interval_json(*ranked.ratio);
   if (ranked.against_baseline) entry["against_baseline"] = verdict_name(*ranked.against_baseline);
   if (ranked.against_best) entry["against_best"] = verdict_name(*ranked.against_best);
-  if (ranked.would_tell) entry["would_tell"] = would_tell_json(*ranked.would_tell);
+  if (ranked.would_decide) entry["would_decide"] = would_decide_json(*ranked.would_decide);
   if (ranked.withheld != Withheld::kNo) entry["withheld"] = withheld_name(ranked.withheld);
   return entry;
 }

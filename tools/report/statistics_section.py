@@ -47,12 +47,12 @@ def _rank_row(entry):
             f'<th scope="row">{escape(_method(entry))}{note}</th>'
             f'<td class="number">{_interval(entry["value"])}</td>'
             f'<td class="number">{_interval(entry.get("ratio"))}</td>'
-            f'<td>{escape(entry.get("against_baseline", ""))}{_would_tell(entry)}</td>'
+            f'<td>{escape(entry.get("against_baseline", ""))}{_would_decide(entry)}</td>'
             f'<td class="number">{_interval(entry["energy"])}</td></tr>')
 
 
-def _would_tell(entry):
-    more = [f"about {number_text(count, 2)} {unit} would decide" for unit, count in entry.get("would_tell", {}).items()]
+def _would_decide(entry):
+    more = [f"about {number_text(count, 2)} {unit} would decide" for unit, count in entry.get("would_decide", {}).items()]
     return f"<small>{escape(more[0])}</small>" if more else ""
 
 
