@@ -47,23 +47,30 @@ Compared compared(const SamplePool& pool, int least) {
           scale};
 }
 
-void guides_agree(const GuideImages& guides, const reference::Guides& twin) {
+void guides_agree(const GuidePyramid& pyramid, const reference::Guides& twin) {
+  const int width = twin.value[0].width(), height = twin.value[0].height();
+  const TilePlanes guides = pyramid.guides({1, 0, 0, width, height}, {0, 0, width, height});
   for (std::size_t c = 0; c < kGuideChannels; ++c) {
-    for (std::size_t i = 0; i < twin.value[c].size(); ++i) {
-      ASSERT_NEAR(guides.value[c][i], twin.value[c][i], 5e-6) << c;
-      ASSERT_NEAR(guides.variance[c][i], twin.variance[c][i], 1e-5 * (1.0 + twin.variance[c][i]));
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const double variance = twin.variance[c](x, y);
+        ASSERT_NEAR(*guides.at(2 * c, x, y), twin.value[c](x, y), 5e-6) << c;
+        ASSERT_NEAR(*guides.at(2 * c + 1, x, y), variance, 1e-5 * (1.0 + variance));
+      }
     }
   }
 }
 
 // On one tile of a lattice that has others beside it.
-void weights_agree(const Lattice& lattice, const GuideImages& guides, const reference::Guides& twin,
-                   const FeatureImages& f, const TwinGuidesOptions& options) {
+void weights_agree(const Lattice& lattice, const GuidePyramid& pyramid,
+                   const reference::Guides& twin, const FeatureImages& f,
+                   const TwinGuidesOptions& options) {
   const Rectangle tile = {lattice.width / 3, 0, lattice.width, lattice.height / 2 + 1};
   if (intersect(tile, lattice.bounds()).empty()) return;
   const Rectangle inside = intersect(tile, lattice.bounds());
   const reference::Planes clean = to_double(f.value), clean_variance = to_double(f.variance);
-  const WindowWeights weights(lattice, inside, {options.radius, options.sigma}, guides, f, options);
+  const WindowWeights weights(lattice, inside, {options.radius, options.sigma}, pyramid, f,
+                              options);
   for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
     const auto [dx, dy] = weights.offsets()[o];
     for (int y = inside.y0; y < inside.y1; ++y) {
@@ -98,10 +105,10 @@ TEST(TwinGuidesDifferential, GuidesAndWeights) {
     GuidePyramid pyramid(guide_levels(sources, in.scale, options), in.scale, options);
     for (std::size_t k = 0; k < 3; ++k) {
       const reference::Guides twin = reference::guides(levels, k, in.scale, options);
-      const GuideImages guides = pyramid.take_guides();
-      guides_agree(guides, twin);
+      guides_agree(pyramid, twin);
       for (int lattice = 0; lattice < pyramid.step() * pyramid.step(); lattice += 3)
-        weights_agree(lattice_of(width, height, pyramid.step(), lattice), guides, twin, f, options);
+        weights_agree(lattice_of(width, height, pyramid.step(), lattice), pyramid, twin, f,
+                      options);
       pyramid.coarsen();
     }
   }

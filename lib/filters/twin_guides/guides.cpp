@@ -40,17 +40,17 @@ struct Level {
   }
 };
 
-void guide_of_pilot(const Level& level, float floor, Image<float>& value, Image<float>& variance) {
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    const float b = std::max(value[i], 0.0f) + floor;
-    value[i] = std::log(b);
-    variance[i] = std::min(level.noise_left() * variance[i] / (b * b), kLargestVariance);
+void guide_of_pilot(const Level& level, float floor, int width, float* value, float* variance) {
+  for (int x = 0; x < width; ++x) {
+    const float b = std::max(value[x], 0.0f) + floor;
+    value[x] = std::log(b);
+    variance[x] = std::min(level.noise_left() * variance[x] / (b * b), kLargestVariance);
   }
 }
 
-void guide_of_logarithms(const Level& level, Image<float>& variance) {
-  for (float& v : variance.pixels())
-    v = std::min(level.noise_left() * v, kLargestVariance);
+void guide_of_logarithms(const Level& level, int width, float* variance) {
+  for (int x = 0; x < width; ++x)
+    variance[x] = std::min(level.noise_left() * variance[x], kLargestVariance);
 }
 
 }  // namespace
@@ -84,9 +84,10 @@ GuideSources guide_sources(SampleMoments& moments, const FeatureImages& features
 GuideLevels guide_levels(const GuideSources& sources, const RadianceScale& scale,
                          const TwinGuidesOptions& options) {
   const double sigma = options.guide_sigma;
-  return {blurred(sources, sigma),
-          options.stretch > 0.0 ? blur_along(sources, 2.0 * sigma, options.stretch, scale.mean)
-                                : blurred(sources, 2.0 * sigma)};
+  return {std::make_shared<const GuideSources>(blurred(sources, sigma)),
+          std::make_shared<const GuideSources>(
+              options.stretch > 0.0 ? blur_along(sources, 2.0 * sigma, options.stretch, scale.mean)
+                                    : blurred(sources, 2.0 * sigma))};
 }
 
 GuidePyramid::GuidePyramid(GuideLevels finest, const RadianceScale& scale,
@@ -97,31 +98,32 @@ GuidePyramid::GuidePyramid(GuideLevels finest, const RadianceScale& scale,
       levels_(std::move(finest)) {}
 
 void GuidePyramid::coarsen() {
-  GuideSources coarser = blurred(levels_.coarse, std::numbers::sqrt3 * 2.0 * guide_sigma_, step_);
-  levels_ = {std::move(levels_.coarse), std::move(coarser)};
+  levels_.fine = std::move(levels_.coarse);
+  levels_.coarse = std::make_shared<const GuideSources>(
+      blurred(*levels_.fine, std::numbers::sqrt3 * 2.0 * guide_sigma_, step_));
   step_ *= 2;
 }
 
-GuideImages GuidePyramid::take_guides() {
+TilePlanes GuidePyramid::guides(const Lattice& lattice, const Rectangle& around) const {
   const auto floor = static_cast<float>(kPilotFloor * scene_luminance_);
-  GuideImages result{std::vector<Image<float>>(kGuideChannels),
-                     std::vector<Image<float>>(kGuideChannels)};
-  parallel_for(kGuideChannels, [&](std::size_t channel) {
-    const std::size_t level = channel / 6, c = channel % 6 / 2, kind = channel % 2;
-    const Level at{guide_sigma_ * step_ * (level == 0 ? 1.0 : 2.0), slack_};
-    Image<float> value =
-        level == 0 ? std::move(levels_.fine.mean[kind][c]) : levels_.coarse.mean[kind][c];
-    Image<float> variance =
-        level == 0 ? std::move(levels_.fine.variance[kind][c]) : levels_.coarse.variance[kind][c];
-    if (kind == 0) {
-      guide_of_pilot(at, floor, value, variance);
-    } else {
-      guide_of_logarithms(at, variance);
+  TilePlanes planes(around, 2 * kGuideChannels);
+  for (std::size_t channel = 0; channel < kGuideChannels; ++channel) {
+    const std::size_t c = channel % 6 / 2, kind = channel % 2;
+    const bool fine = channel < 6;
+    const GuideSources& level = fine ? *levels_.fine : *levels_.coarse;
+    const Level at{guide_sigma_ * step_ * (fine ? 1.0 : 2.0), slack_};
+    planes.copy_clamped(2 * channel, level.mean[kind][c], lattice);
+    planes.copy_clamped(2 * channel + 1, level.variance[kind][c], lattice);
+    for (int y = around.y0; y < around.y1; ++y) {
+      float* variance = planes.at(2 * channel + 1, around.x0, y);
+      if (kind == 0) {
+        guide_of_pilot(at, floor, around.width(), planes.at(2 * channel, around.x0, y), variance);
+      } else {
+        guide_of_logarithms(at, around.width(), variance);
+      }
     }
-    result.value[channel] = std::move(value);
-    result.variance[channel] = std::move(variance);
-  });
-  return result;
+  }
+  return planes;
 }
 
 }  // namespace spool

@@ -15,8 +15,11 @@
 // apart. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
+#include <memory>
+
 #include "lib/filters/twin_guides/feature_blend.h"
 #include "lib/filters/twin_guides/guide_sources.h"
+#include "lib/filters/twin_guides/tile_planes.h"
 
 namespace spool {
 
@@ -25,27 +28,24 @@ inline constexpr std::size_t kGuideChannels = 12;
 // Takes the moments of the logarithms along.
 GuideSources guide_sources(SampleMoments& moments, const FeatureImages& features);
 
-// [channel][y][x].
-struct GuideImages {
-  std::vector<Image<float>> value, variance;
-};
-
-// The sources on the two levels of the finest scale.
+// The sources on the two levels of the finest scale, shared by all that begins with them.
 struct GuideLevels {
-  GuideSources fine, coarse;
+  std::shared_ptr<const GuideSources> fine, coarse;
 };
 
 GuideLevels guide_levels(const GuideSources& sources, const RadianceScale& scale,
                          const TwinGuidesOptions& options);
 
-// Guides of one scale after the other, from the finest on. Its guides alone need the fine level.
+// Guides of one scale after the other, from the finest on. `finest.fine` may be missing where
+// coarsen() comes before the first guides.
 class GuidePyramid {
  public:
   GuidePyramid(GuideLevels finest, const RadianceScale& scale, const TwinGuidesOptions& options);
   int step() const { return step_; }  // between the taps of the scale, pieces
   void coarsen();
-  // Once on each scale: the finer level becomes the guides, so that memory holds it once.
-  GuideImages take_guides();
+  // Value and variance of each channel in turn, of the pieces of a lattice. Made for a tile at a
+  // time: the whole image's would take as much memory again as the levels.
+  TilePlanes guides(const Lattice& lattice, const Rectangle& around) const;
 
  private:
   double scene_luminance_, guide_sigma_, slack_;

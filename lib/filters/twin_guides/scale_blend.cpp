@@ -84,10 +84,9 @@ std::vector<Image<float>> guided_means(std::vector<Image<float>> terms, GuideLev
   GuidePyramid pyramid(std::move(finest), scale, options);
   while (pyramid.step() < kLastStep) {
     pyramid.coarsen();
-    const GuideImages guides = pyramid.take_guides();
     parallel_lattice_tiles(
         width, height, pyramid.step(), [&](const Lattice& lattice, const Rectangle& tile) {
-          const WindowWeights weights(lattice, tile, kWindow, guides, clean, options);
+          const WindowWeights weights(lattice, tile, kWindow, pyramid, clean, options);
           mean_on_tile(lattice, tile, weights, terms, means);
         });
     std::swap(terms, means);
@@ -112,13 +111,13 @@ void join_lattices(FloatRgb& out, const NoisePool& pool, GuideLevels finest,
   std::vector<Image<float>> means(from.size(), Image<float>(out[0].width(), out[0].height()));
   TwinGuidesOptions strict = options;
   strict.feature_gain *= kFeatureGainOfJoin;
-  const GuideImages guides = GuidePyramid(std::move(finest), scale, options).take_guides();
-  parallel_lattice_tiles(out[0].width(), out[0].height(), 1,
-                         [&](const Lattice& lattice, const Rectangle& tile) {
-                           if (!anywhere(pool.share, tile)) return;
-                           const WindowWeights weights(lattice, tile, kJoin, guides, clean, strict);
-                           mean_on_tile(lattice, tile, weights, from, means);
-                         });
+  const GuidePyramid pyramid(std::move(finest), scale, options);
+  parallel_lattice_tiles(
+      out[0].width(), out[0].height(), 1, [&](const Lattice& lattice, const Rectangle& tile) {
+        if (!anywhere(pool.share, tile)) return;
+        const WindowWeights weights(lattice, tile, kJoin, pyramid, clean, strict);
+        mean_on_tile(lattice, tile, weights, from, means);
+      });
   for (std::size_t c = 0; c < out.size(); ++c) {
     for (std::size_t i = 0; i < out[c].size(); ++i)
       out[c][i] += static_cast<float>(pool.share[i]) * (means[c][i] - out[c][i]);
@@ -137,11 +136,10 @@ FloatRgb blend_scales(const std::vector<ScaleImages>& scales, GuideLevels finest
                       const RadianceScale& scale, const TwinGuidesOptions& options) {
   FloatRgb out = scales.back().image;
   if (scales.size() == 1) return out;
-  GuideLevels coarse;
-  coarse.coarse = noise_pool.unused() ? std::move(finest.coarse) : finest.coarse;
   const std::vector<Image<float>> means =
       guided_means(terms_of(scales, static_cast<float>(kFloor * scale.mean), noise_pool),
-                   std::move(coarse), clean, scale, options);
+                   {nullptr, noise_pool.unused() ? std::move(finest.coarse) : finest.coarse}, clean,
+                   scale, options);
   const auto slack = static_cast<float>(options.detail_slack *
                                         (clean.value.empty() ? kSlackWithoutFeatures : 1.0));
   parallel_rows(0, out[0].height(), [&](int y) {

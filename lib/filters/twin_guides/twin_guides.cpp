@@ -33,12 +33,11 @@ std::vector<ScaleImages> fit_scales(ScaleInputs inputs, const CountImage& n, Gui
       pyramid.coarsen();
       fit.ridge *= kRidgeOfCoarser;
     }
-    const GuideImages guides = pyramid.take_guides();
     const bool last = k + 1 == options.scales;
     ScaleInputs next = last ? ScaleInputs{} : empty_inputs(width, height, inputs.features.size());
     scales.push_back(empty_images(width, height));
     const auto on_tile = [&](const Lattice& lattice, const Rectangle& tile) {
-      const WindowWeights weights(lattice, tile, {options.radius, options.sigma}, guides, clean,
+      const WindowWeights weights(lattice, tile, {options.radius, options.sigma}, pyramid, clean,
                                   options);
       const FitTable table(lattice, tile, options.radius, inputs);
       window_fit(lattice, tile, weights, table, inputs, clean, n, fit, scales.back());
@@ -100,7 +99,7 @@ Filter twin_guides_filter() {
        .options = twin_guides_option_table(),
        .presets = {{"robust", {}}, {"heavy_tails", heavy_tailed_twin_guides_options()}},
        .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
-       .memory = {574, 5e6},
+       .memory = {546, 5e6},
        .cost = 2.7,
        .run = reconstruct_twin_guides});
 }

@@ -145,7 +145,7 @@ std::size_t half_of_window(int radius) {
 }  // namespace
 
 WindowWeights::WindowWeights(const Lattice& lattice, const Rectangle& tile,
-                             const WindowShape& shape, const GuideImages& guides,
+                             const WindowShape& shape, const GuidePyramid& pyramid,
                              const FeatureImages& features, const TwinGuidesOptions& options)
     : radius_(shape.radius), planes_(before(tile, shape.radius), half_of_window(shape.radius) + 1) {
   const int r = shape.radius;
@@ -154,17 +154,12 @@ WindowWeights::WindowWeights(const Lattice& lattice, const Rectangle& tile,
       offsets_.push_back({dx, dy});
   }
   const Rectangle around = {tile.x0 - r, tile.y0 - r, tile.x1 + r, tile.y1 + r};
-  const auto planes_of = [&](const std::vector<Image<float>>& values,
-                             const std::vector<Image<float>>& variances) {
-    TilePlanes planes(around, 2 * values.size());
-    for (std::size_t c = 0; c < values.size(); ++c) {
-      planes.copy_clamped(2 * c, values[c], lattice);
-      planes.copy_clamped(2 * c + 1, variances[c], lattice);
-    }
-    return planes;
-  };
-  compute(tile, planes_of(guides.value, guides.variance),
-          planes_of(features.value, features.variance), features.value.size(), lattice.bounds(),
+  TilePlanes clean(around, 2 * features.value.size());
+  for (std::size_t c = 0; c < features.value.size(); ++c) {
+    clean.copy_clamped(2 * c, features.value[c], lattice);
+    clean.copy_clamped(2 * c + 1, features.variance[c], lattice);
+  }
+  compute(tile, pyramid.guides(lattice, around), clean, features.value.size(), lattice.bounds(),
           shape.sigma, options);
 }
 

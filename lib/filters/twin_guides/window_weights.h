@@ -26,7 +26,7 @@ struct WindowShape {
 class WindowWeights {
  public:
   WindowWeights(const Lattice& lattice, const Rectangle& tile, const WindowShape& shape,
-                const GuideImages& guides, const FeatureImages& features,
+                const GuidePyramid& pyramid, const FeatureImages& features,
                 const TwinGuidesOptions& options);
 
   // The window, row by row: offsets, and of each the row of weights of the pieces (x .., y) of the
