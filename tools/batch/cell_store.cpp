@@ -27,7 +27,7 @@ fs::path cells_of(const fs::path& folder) {
   return folder / "cells";
 }
 
-Result<void> failed_on(const fs::path& path, const std::error_code& status) {
+tl::unexpected<Error> failed_on(const fs::path& path, const std::error_code& status) {
   return fail(ErrorCode::kIo, "{}: {}", path.string(), status.message());
 }
 
@@ -54,11 +54,14 @@ Result<void> CellStore::remove_all(const fs::path& folder) {
 
 Result<CellStore> CellStore::open(const fs::path& folder) {
   CellStore store(folder);
+  if (folder.empty()) return store;
   std::error_code status;
   store.kept_ = KeptLines::read(folder / kKeptLines);
   std::vector<fs::path> paths;
   for (const auto& entry : fs::directory_iterator(cells_of(folder), status))
     paths.push_back(entry.path());
+  if (status && status != std::errc::no_such_file_or_directory)
+    return failed_on(cells_of(folder), status);
   std::ranges::sort(paths);
   for (const fs::path& path : paths) {
     const auto old = cell_number(path.stem().string());
