@@ -28,8 +28,8 @@ namespace spool::tools {
 
 class CellStore {
  public:
-  // Of what is there; a folder without cells, or none at all ("", too), is empty. kIo when a file of cells
-  // cannot be read.
+  // Of what is there; a folder without cells, or none at all ("", too), is empty. kIo when a file
+  // of cells cannot be read.
   static Result<CellStore> open(const std::filesystem::path& folder);
   // Whether cells were ever kept in it.
   static bool is_in(const std::filesystem::path& folder);
