@@ -179,7 +179,11 @@ bool read_halves(long long columns, std::string_view cells, std::string_view var
 }
 
 std::string cell_line(std::uint64_t number, const ResultRecord& record) {
-  ordered_json json = {{"version", SPOOL_VERSION}, {"fields", ordered_json::object()}};
+  ordered_json json;
+  if (const std::string& sampler = record.text("sampler"); !sampler.empty())
+    json["method"] = sampler + " + " + record.text("filter");
+  json["version"] = SPOOL_VERSION;
+  json["fields"] = ordered_json::object();
   for (std::size_t i = 0; i < record.fields.size(); ++i) {
     const ResultColumn& column = result_columns()[i];
     if (column.kind != ColumnKind::kCell && !record.fields[i].empty()) {

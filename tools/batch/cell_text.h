@@ -14,8 +14,8 @@
 namespace spool::tools {
 
 // As a line of JSON, without its end:
-// {"crc32":"1a2b3c4d","cell":"0123456789abcdef","failed":0,...}. The checksum is that of all behind
-// it, from "cell" on.
+// {"crc32":"1a2b3c4d","cell":"0123456789abcdef","failed":0,"method":"uniform + box",...}, the
+// method for people. The checksum is that of all behind it, from "cell" on.
 std::string cell_line(std::uint64_t number, const ResultRecord& record);
 
 struct CheckedLine {

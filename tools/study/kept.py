@@ -86,13 +86,23 @@ def checked(rest):
     return f'{{"crc32":"{zlib.crc32(rest.encode()):08x}",{rest}\n'
 
 
-def small_cell(cell, of_group=False):
-    """of_group: of a scene that was recorded several times; its intervals are those of the recordings, not of counts and halves."""
-    kept = {**{k: cell[k] for k in ("cell", "failed", "version")}, "fields": {k: v for k, v in cell["fields"].items() if k in FIELDS}}
+def small_cell(cell, of_group=False, claimed=True):
+    """of_group: of a scene that was recorded several times; its intervals are those of the recordings, not of counts and halves.
+    Halves, two digits of each, are kept of methods that a claim names."""
+    kept = {**{k: cell[k] for k in ("cell", "failed", "method", "version")},
+            "fields": {k: rounded(v, 6) for k, v in cell["fields"].items() if k in FIELDS}}
     if of_group:
         return kept
-    halves = {k: v for k, v in cell.get("halves", {}).items() if k in HALVES}
-    return {**kept, **({"counts": cell["counts"]} if "counts" in cell else {}), **({"halves": halves} if halves else {})}
+    halves = {k: {**v, "cells": " ".join(rounded(n, 2) for n in v["cells"].split())} for k, v in cell.get("halves", {}).items() if k in HALVES}
+    return {**kept, **({"counts": cell["counts"]} if "counts" in cell else {}), **({"halves": halves} if halves and claimed else {})}
+
+
+def rounded(text, digits):
+    """Of a number; other texts as they are."""
+    try:
+        return f"{float(text):.{digits}g}"
+    except ValueError:
+        return text
 
 
 def pack(path, texts):
