@@ -197,6 +197,23 @@ def test_lines_that_were_kept_are_judged_as_the_cells_were(evaluated, tmp_path):
     assert judged(tmp_path)["claims"][0]["places"][0]["ratio"] != json.loads((evaluated / "statistics.json").read_text())["claims"][0]["places"][0]["ratio"]
 
 
+def test_small_cells_are_judged_as_the_cells_were(evaluated, tmp_path):
+    for name in ("plan.toml", "claims.json"):
+        shutil.copy(evaluated / name, tmp_path)
+    whole = json.loads((evaluated / "statistics.json").read_text())["claims"]
+    named = {claim[side] for claim in whole for side in ("better", "than")}
+    cells = {k: kept.small_cell(c, claimed=c["method"] in named) for k, c in kept.cells_in("".join(cell_lines(evaluated))).items()}
+    (tmp_path / "cells").mkdir()
+    (tmp_path / "cells" / "kept.jsonl").write_text(kept.cells_text(cells))
+    found = judged(tmp_path)["claims"]
+    assert [c["counts"] for c in found] == [c["counts"] for c in whole]
+    for a, b in zip(found, whole):
+        for p, q in zip(a["places"], b["places"]):
+            assert p["ratio"] == pytest.approx(q["ratio"], rel=2e-3)
+    assert any("halves" in c for c in cells.values())
+    assert len(kept.cells_text(cells)) < 0.7 * sum(map(len, cell_lines(evaluated)))
+
+
 def test_lines_that_cannot_be_understood_count_as_missing(evaluated, tmp_path):
     shutil.copy(evaluated / "plan.toml", tmp_path)
     first = next(line for line in kept_lines(evaluated) if (line["sampler"], line["filter"], line["replicate"]) == ("uniform", "box", 0))
