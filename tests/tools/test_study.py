@@ -32,7 +32,9 @@ def evaluate(*arguments):
 
 def comparisons(claims):
     """{question and place: (verdict, ratio as printed)}"""
-    return {(c["better"], c["than"], c["metric"], c["samples"], tables.number(c["below"]), tables.recording(p["dump"]), tables.number(p["spp"]),
+    def than(claim):
+        return claim["than"] + (f", threads {claim['threads'][1]}" if "threads" in claim else "")
+    return {(c["better"], than(c), c["metric"], c["samples"], tables.number(c["below"]), tables.recording(p["dump"]), tables.number(p["spp"]),
              str(p["threads"])): (p["verdict"], [tables.number(kept.short(v)) for v in p["ratio"]]) for c in claims for p in c["places"]}
 
 

@@ -89,7 +89,8 @@ def claims_csv(claims):
               "withheld", "ratio", "low", "high", "p", "replicates"]
     rows = []
     for c in claims:
-        question = [c["better"], c["than"], c["metric"], c["samples"], number(c["below"]), int(c.get("after_results", False))]
+        than = c["than"] + (f", threads {c['threads'][1]}" if "threads" in c else "")
+        question = [c["better"], than, c["metric"], c["samples"], number(c["below"]), int(c.get("after_results", False))]
         for place in c["places"]:
             ratio = [number(v) for v in place["ratio"]] + [""] * (3 - len(place["ratio"]))
             rows.append([*question, recording(place["dump"]), number(place["spp"]), place["threads"], place["verdict"], place.get("withheld", ""), *ratio,
