@@ -92,7 +92,7 @@ std::vector<PairFinding> pairs_of(const Condition& condition) {
 }
 
 std::optional<WouldDecide> would_decide(const PairVerdict& pair, const MethodResults& method,
-                                    double spp) {
+                                        double spp) {
   constexpr double kMost = 10000.0;
   // The level that the family leaves to this pair.
   const double level = 0.05 * pair.comparison.p / pair.p;
