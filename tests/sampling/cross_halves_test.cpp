@@ -37,8 +37,6 @@ TEST(CrossHalves, CountsEqualThoseOfTheSlowTwin) {
         for (std::size_t h = 0; h < 2; ++h) {
           const SamplePool half = pool.half(static_cast<int>(h));
           const long long share = (budget + 1 - static_cast<long long>(h)) / 2;
-          const bool alone =
-              budget >= 4 * pieces && budget / 2 < 3 * pieces;  // the even one decides
           const long long least = !alone ? 2 * pieces : h == 0 ? share : pieces;
           const long long start =
               std::min(share, std::max(std::llround(0.5 * static_cast<double>(share)), least));
