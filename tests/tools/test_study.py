@@ -204,8 +204,8 @@ def test_small_cells_are_judged_as_the_cells_were(evaluated, tmp_path):
     for name in ("plan.toml", "claims.json"):
         shutil.copy(evaluated / name, tmp_path)
     whole = json.loads((evaluated / "statistics.json").read_text())["claims"]
-    named = {claim[side] for claim in whole for side in ("better", "than")}
-    cells = {k: kept.small_cell(c, claimed=c["method"] in named) for k, c in kept.cells_in("".join(cell_lines(evaluated))).items()}
+    claimed = kept.claimed_halves(whole)
+    cells = {k: kept.small_cell(c, claimed=claimed.get(c["method"], ())) for k, c in kept.cells_in("".join(cell_lines(evaluated))).items()}
     (tmp_path / "cells").mkdir()
     (tmp_path / "cells" / "kept.jsonl").write_text(kept.cells_text(cells))
     found = judged(tmp_path)["claims"]

@@ -82,9 +82,9 @@ class Store:
         lines = [line for line in texts.get("kept.jsonl", "").splitlines(keepends=True) if json.loads(line)["dump"] != name]
         texts["kept.jsonl"] = "".join(lines)
         cells = kept.cells_in(texts.get(CELLS, ""))
-        named = {claim[side] for claim in full_plan(plan, []).get("claim", ()) for side in ("better", "than")}
+        claimed = kept.claimed_halves(full_plan(plan, []).get("claim", ()))
         for file in sorted((folder / "cells").glob("*.jsonl")):
-            cells |= {k: kept.small_cell(c, group_of(name) is not None, c["method"] in named) for k, c in kept.cells_in(file.read_text()).items()}
+            cells |= {k: kept.small_cell(c, group_of(name) is not None, claimed.get(c["method"], ())) for k, c in kept.cells_in(file.read_text()).items()}
         texts[CELLS] = kept.cells_text(cells)
         texts["made.json"] = json.dumps({**json.loads(texts.get("made.json", "{}")), name: made}, indent=1) + "\n"
         if "claims.json" not in texts and not lines:

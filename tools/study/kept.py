@@ -86,15 +86,25 @@ def checked(rest):
     return f'{{"crc32":"{zlib.crc32(rest.encode()):08x}",{rest}\n'
 
 
-def small_cell(cell, of_group=False, claimed=True):
+def small_cell(cell, of_group=False, claimed=HALVES):
     """of_group: of a scene that was recorded several times; its intervals are those of the recordings, not of counts and halves.
-    Halves, two digits of each, are kept of methods that a claim names."""
+    `claimed`: metrics of which halves are kept, in the program's digits: of two methods that are alike the difference decides."""
     kept = {**{k: cell[k] for k in ("cell", "failed", "method", "version")},
             "fields": {k: rounded(v, 6) for k, v in cell["fields"].items() if k in FIELDS}}
     if of_group:
         return kept
-    halves = {k: {**v, "cells": " ".join(rounded(n, 2) for n in v["cells"].split())} for k, v in cell.get("halves", {}).items() if k in HALVES}
-    return {**kept, **({"counts": cell["counts"]} if "counts" in cell else {}), **({"halves": halves} if halves and claimed else {})}
+    halves = {k: v for k, v in cell.get("halves", {}).items() if k in claimed}
+    return {**kept, **({"counts": cell["counts"]} if "counts" in cell else {}), **({"halves": halves} if halves else {})}
+
+
+def claimed_halves(claims):
+    """{method: metrics of which a claim about it needs the halves}; fresh samples are judged where the method's own have few pixels, too."""
+    needed = {}
+    for claim in claims:
+        metric = claim.get("metric", "relmse")
+        for side in ("better", "than"):
+            needed.setdefault(claim[side], set()).update({metric, *([f"{metric}_fresh"] if claim.get("samples") == "fresh" else [])} & set(HALVES))
+    return needed
 
 
 def rounded(text, digits):
