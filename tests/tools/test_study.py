@@ -241,7 +241,7 @@ def small_full(tmp_path, monkeypatch):
     (tmp_path / "plans/p.toml").write_text(PLAN.format("pools/one.spool").replace("replicates = 3", "replicates = 8"))
     (tmp_path / "plans/full_size/p.toml").write_text('samplers = ["neyman"]\n')
     made = {name: ["scene_s", 16, 32, seed] for seed, name in enumerate(("one", "two"))}
-    monkeypatch.setattr(plans, "FULL", {**plans.FULL, "analytic": made, "others": ["two", "elsewhere"], "instead": {}, "replicates": 3})
+    monkeypatch.setattr(plans, "FULL", {**plans.FULL, "analytic": made, "recordings": ["one", "two", "elsewhere"], "replicates": 3})
     monkeypatch.setattr(plans, "PLANS", tmp_path / "plans")
     return full_size.Store(PROGRAM, tmp_path / "scratch", tmp_path / "kept")
 
@@ -266,6 +266,18 @@ def test_full_size_is_measured_recording_by_recording_and_judged_together(small_
     assert {e["replicates"] for e in statistics["results"]} == {3} and str(tmp_path) not in texts["plan.toml"] + texts["statistics.json"]
     assert small_full.measure("p", "one", again=True)
     assert json.loads(kept.unpack(tmp_path / "kept/p.tar.xz")["statistics.json"])["claims"] == statistics["claims"]
+
+
+def test_a_recording_that_is_no_longer_asked_for_goes(small_full, tmp_path, monkeypatch):
+    for name in ("one", "two"):
+        small_full.measure("p", name)
+    archive = tmp_path / "kept/p.tar.xz"
+    kept.pack(archive, {**kept.unpack(archive), "kept.jsonl": '{"dump":"one","sampler":"neyman","filter":"box","spp":2,"threads":0,"replicate":0,"mse":1}\n'})
+    monkeypatch.setattr(plans, "FULL", {**plans.FULL, "recordings": ["two"]})
+    small_full.judge("p")
+    texts = kept.unpack(archive)
+    assert list(json.loads(texts["made.json"])) == ["two"] and texts["kept.jsonl"] == ""
+    assert [p["dump"] for p in pages.Kept(tmp_path / "kept").claims("p")[0]["places"]] == ["two"]
 
 
 def test_recordings_of_a_group_are_judged_together(small_full, tmp_path, monkeypatch):

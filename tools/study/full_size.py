@@ -29,6 +29,11 @@ def commit():
         " changed" if git("status", "--porcelain", "--untracked-files=no", "--", "lib", "formats") else "")
 
 
+def lines_of(texts, wanted):
+    """Results of an older program, on the recordings that are wanted."""
+    return "".join(line for line in texts.get("kept.jsonl", "").splitlines(keepends=True) if wanted(json.loads(line)["dump"]))
+
+
 class Store:
     """Measures, and keeps what was measured."""
 
@@ -79,8 +84,7 @@ class Store:
     def _add(self, plan, name, folder, made):
         """Lines kept of this recording give way to its cells; the whole is judged."""
         texts = kept.unpack(self.kept(plan))
-        lines = [line for line in texts.get("kept.jsonl", "").splitlines(keepends=True) if json.loads(line)["dump"] != name]
-        texts["kept.jsonl"] = "".join(lines)
+        texts["kept.jsonl"] = lines = lines_of(texts, lambda dump: dump != name)
         cells = kept.cells_in(texts.get(CELLS, ""))
         claimed = kept.claimed_halves(full_plan(plan, []).get("claim", ()))
         for file in sorted((folder / "cells").glob("*.jsonl")):
@@ -98,7 +102,9 @@ class Store:
 
     def _judged(self, plan, texts):
         made = json.loads(texts["made.json"])
-        names = [n for n in full_recordings(plan) if n in made]
+        names = [n for n in full_recordings(plan) if n in made]  # what the plan no longer asks for goes
+        texts["kept.jsonl"] = lines_of(texts, names.__contains__)
+        texts["made.json"] = json.dumps({n: made[n] for n in names}, indent=1) + "\n"
         texts["plan.toml"] = text_of(full_plan(plan, [f"{n}.spool" for n in names]))
         folder = self.scratch / plan / "kept"
         shutil.rmtree(folder, ignore_errors=True)

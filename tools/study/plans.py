@@ -53,10 +53,11 @@ def full_recordings(name):
     """Names of the recordings of full size that the plan asks for, whether they are here or not."""
     if name in FULL["only"]:
         return FULL["only"][name]
+    if name not in FULL["alone"]:
+        return [*FULL["recordings"], *FULL["more"].get(name, [])]
     own = [Path(path).stem for path in read(PLANS / f"{name}.toml")["recordings"]]
     own = [f"{r}_{i}" for r in own for i in range(1, FULL["groups"][r] + 1)] if own[0] in FULL["groups"] else own
-    more = [] if name in FULL["alone"] else [*FULL["more"].get(name, []), *FULL["others"]]
-    return list(dict.fromkeys([*(FULL["instead"].get(r, r) for r in own), *more]))
+    return [FULL["instead"].get(r, r) for r in own]
 
 
 def _value(value):
