@@ -32,26 +32,28 @@ def measure(build, arguments):
 def table(rows, kind):
     """Costs as multiples of Open Image Denoise's."""
     one = next(r for r in rows if r["name"] == OIDN)
-    lines = [f"| {IMAGES[kind]} | {one['unit']} | times {one['name']} | relMSE | energy |", "|---|---|---|---|---|"]
+    lines = [f"| {IMAGES[kind]} | {one['unit']} | times {one['name']} | relMSE | MSE | energy |", "|---|---|---|---|---|---|"]
     for row in sorted((r for r in rows if r["kind"] == kind), key=lambda r: r["cost"]):
-        lines.append(f"| {row['name']} | {row['cost']:.3g} | {row['cost'] / one['cost']:.2g} | {row['relmse']:.3g} | {row['energy']:.3f} |")
+        lines.append(f"| {row['name']} | {row['cost']:.3g} | {row['cost'] / one['cost']:.2g} | {row['relmse']:.3g} | {row['mse']:.3g} | {row['energy']:.3f} |")
     return "\n".join(lines)
 
 
 def draw(rows, path):
-    """Error against cost, both logarithmic, every filter named."""
+    """Two errors against cost, all logarithmic, every filter named."""
     plt.rcParams["svg.fonttype"], plt.rcParams["svg.hashsalt"] = "path", "spool"
-    figure, axes = plt.subplots(figsize=(9, 6))
-    for row in (r for r in rows if r["kind"] in IMAGES):
-        ours = row["name"].startswith("spool")
-        axes.plot(row["cost"], row["relmse"], "s" if not ours else "o" if row["kind"] == "filter" else "D", color="#0072b2" if ours else "#d55e00",
-                  fillstyle="none" if row["kind"] == "pair" else "full")
-        label = row["name"].split(": ")[-1].replace("Open Image Denoise", "OIDN")
-        far = row["cost"] > 3  # its name stands to the left
-        axes.annotate(label, (row["cost"], row["relmse"]), textcoords="offset points", fontsize=8,
-                      xytext=(-6 if far else 6, -10 if ours else 3), ha="right" if far else "left")
-    axes.set(xscale="log", yscale="log", xlabel="CPU seconds per megapixel, one thread", ylabel="relMSE at 8 samples a pixel")
-    axes.grid(True, which="both", alpha=0.25)
+    figure, panels = plt.subplots(2, 1, figsize=(9, 11), sharex=True)
+    for axes, (metric, name) in zip(panels, (("relmse", "relMSE"), ("mse", "MSE"))):
+        for row in (r for r in rows if r["kind"] in IMAGES):
+            ours = row["name"].startswith("spool")
+            axes.plot(row["cost"], row[metric], "s" if not ours else "o" if row["kind"] == "filter" else "D", color="#0072b2" if ours else "#d55e00",
+                      fillstyle="none" if row["kind"] == "pair" else "full")
+            label = row["name"].split(": ")[-1].replace("Open Image Denoise", "OIDN")
+            far = row["cost"] > 3  # its name stands to the left
+            axes.annotate(label, (row["cost"], row[metric]), textcoords="offset points", fontsize=8,
+                          xytext=(-6 if far else 6, -10 if ours else 3), ha="right" if far else "left")
+        axes.set(xscale="log", yscale="log", ylabel=f"{name} at 8 samples a pixel")
+        axes.grid(True, which="both", alpha=0.25)
+    panels[-1].set_xlabel("CPU seconds per megapixel, one thread")
     figure.tight_layout()
     figure.savefig(path, metadata={"Date": None}, facecolor="white")
 
@@ -67,7 +69,7 @@ def main():
     found = measure(arguments.build.resolve(), arguments)
     RESULTS.mkdir(parents=True, exist_ok=True)
     with open(RESULTS / "peers.csv", "w", newline="") as stream:
-        writer = csv.DictWriter(stream, ["kind", "name", "cost", "unit", "relmse", "energy"])
+        writer = csv.DictWriter(stream, ["kind", "name", "cost", "unit", "relmse", "mse", "energy"])
         writer.writeheader()
         writer.writerows(found["rows"])
     draw(found["rows"], RESULTS / "peers.svg")

@@ -234,7 +234,7 @@ def main():
         for name, (seconds, given) in measured(groups, turns, longest).items():
             found = spool.metrics(np.asarray(given, float), reference, threads=1) if error else {}
             rows.append({"kind": kind, "name": name, "cost": seconds / per, "unit": unit,
-                         "relmse": found.get("relmse"), "energy": found.get("energy_ratio")})
+                         "relmse": found.get("relmse"), "mse": found.get("mse"), "energy": found.get("energy_ratio")})
 
     add("filter", {**filters_of_others(noisy, features, noise), **our_filters(recording)}, million, "CPU-s/MP", True)
     add("pair", our_pairs(recording), million, "CPU-s/MP", True)

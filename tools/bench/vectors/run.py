@@ -70,9 +70,11 @@ def measure(program, copy, folder, size, turns, wanted):
     paths = [(path, path.with_suffix(".exr")) for path in (plain, features)]
     for path, selection in paths:
         cpu_of([program, "replay", path, "--spp", 8, "--sampler", "multiscale", "--threads", 1, "-q", "--force", "-o", selection])
+    if cpu_of(command(program, OIDN, paths[0], folder / "a.exr")) is None:
+        sys.exit("vectors: no Open Image Denoise, of which all times are multiples: set SPOOL_OIDN to the folder of its library")
     listed = json.loads(subprocess.run([program, "list", "--json"], check=True, capture_output=True, text=True).stdout)
     methods = [f"{kind[:-1]}/{name}" for kind in ("samplers", "filters") for name in listed[kind] if name != "oidn"]
-    left = [(m, False) for m in methods + [OIDN] if re.search(wanted, m)] + [(m, True) for m in FEATURES_TOO if re.search(wanted, m)]
+    left = [(m, False) for m in methods + [OIDN] if m == OIDN or re.search(wanted, m)] + [(m, True) for m in FEATURES_TOO if m == OIDN or re.search(wanted, m)]
     found = {}
     for _ in range(turns):
         for method, with_features in left:
