@@ -229,18 +229,6 @@ inline Plane open_limits(const SamplePool& pool, const CountImage& n, double uni
   return most > 0.0 ? heavy : Plane();
 }
 
-// The robust limit's geometric mean is at least twice the mean around.
-inline void raise_logarithms(Moments& m, double sigma, double scene_luminance) {
-  Plane around = m.mean[0];
-  for (std::size_t i = 0; i < around.size(); ++i)
-    around[i] = luminance(m.mean[0][i], m.mean[1][i], m.mean[2][i]);
-  around = blur(around, sigma);
-  for (std::size_t i = 0; i < around.size(); ++i) {
-    const double least = std::log(std::max(around[i], 0.0) * 2.0 + 0.10 * scene_luminance);
-    m.log_luminance[i] = std::max(least, m.log_luminance[i]);
-  }
-}
-
 // --- guides --------------------------------------------------------------------------------------
 
 struct Guides {
@@ -491,14 +479,24 @@ std::array<double, 6> fit_at(int x, int y, int step, double ridge, const Inputs&
     logarithms += q.w * q.logarithm;
     window.push_back(q);
   });
-  const double top = std::max(options.limit, 1.25 * n) * std::exp(logarithms / total);
+  const auto luminance_of = [](const Neighbour& q) {
+    return luminance(q.colour[0], q.colour[1], q.colour[2]);
+  };
+  double mean = 0.0, deviations = 0.0;
+  for (const Neighbour& q : window)
+    mean += q.w * luminance_of(q) / total;
+  for (const Neighbour& q : window)
+    deviations += std::pow(q.w * (luminance_of(q) - mean), 2);
+  const double certain = mean - 2.0 * std::sqrt(deviations) / total;
+  const double top =
+      std::max(options.limit, 1.25 * n) * std::max(std::exp(logarithms / total), 3.0 * certain);
   std::array<double, 6> out{};
   for (std::size_t c = 0; c < 6; ++c) {
     std::vector<std::vector<double>> a(size, std::vector<double>(size));
     std::vector<double> b(size);
     double least = 0.0;
     for (const Neighbour& q : window) {
-      const double l = luminance(q.colour[0], q.colour[1], q.colour[2]);
+      const double l = luminance_of(q);
       const double value = q.colour[c] * (l > top ? top / l : 1.0);
       if (q.w > 0.0) least = std::min(least, value);
       for (std::size_t i = 0; i < size; ++i) {
@@ -664,7 +662,6 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane l
   const Plane heavy = open_limits(pool, n, scale.unit, options, limit);
   const NoisePool noise_pool{options.noise_pool, heavy};
   Moments m = moments(pool, n, limit, noise_pool, scale);
-  raise_logarithms(m, options.clamp_sigma, scale.mean);
   Planes raw, raw_variance;
   for (const FeatureLayer& layer : pool.recording().features()) {
     GuardCounts guards;

@@ -8,7 +8,6 @@
 #include "lib/filters/twin_guides/coarser_inputs.h"
 #include "lib/filters/twin_guides/guides.h"
 #include "lib/filters/twin_guides/opened_limits.h"
-#include "lib/filters/twin_guides/robust_limit.h"
 #include "lib/filters/twin_guides/sample_moments.h"
 #include "lib/filters/twin_guides/scale_blend.h"
 #include "lib/filters/twin_guides/tiles.h"
@@ -69,7 +68,6 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
                   pool, n, options);
   const NoisePool noise_pool{options.noise_pool, opened.heavy};
   SampleMoments moments = sample_moments(pool, n, opened.limits, noise_pool, scale, result.guards);
-  raise_logarithms(moments, options.clamp_sigma * pool.pieces_per_side(), scale);
   SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
   GuideLevels finest = guide_levels(guide_sources(moments, features.clean), scale, options);

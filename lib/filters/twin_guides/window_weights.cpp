@@ -134,6 +134,26 @@ SPOOL_VECTOR_WIDTHS(void add_rows(const std::vector<WeightedRow>& rows, int widt
                                   float* total),
                     sums_of<Vector>(rows, width, sum, total))
 
+template <class Vector>
+[[gnu::always_inline]] inline void deviations_of(const std::vector<WeightedRow>& rows, int width,
+                                                 const float* mean, float* __restrict sum) {
+  for (int x = 0; x < width; x += kFloats<Vector>) {
+    Vector s{}, m, w, v;
+    std::memcpy(&m, mean + x, sizeof(Vector));
+    for (const WeightedRow& row : rows) {
+      std::memcpy(&w, row.weight + x, sizeof(Vector));
+      std::memcpy(&v, row.value + x, sizeof(Vector));
+      const Vector d = w * (v - m);
+      s += d * d;
+    }
+    std::memcpy(sum + x, &s, sizeof(Vector));
+  }
+}
+
+SPOOL_VECTOR_WIDTHS(void add_deviations(const std::vector<WeightedRow>& rows, int width,
+                                        const float* mean, float* sum),
+                    deviations_of<Vector>(rows, width, mean, sum))
+
 Rectangle before(const Rectangle& tile, int radius) {
   return {tile.x0 - radius, tile.y0 - radius, tile.x1 + radius, tile.y1};
 }
@@ -206,13 +226,29 @@ const float* WindowWeights::row(std::size_t offset, int x, int y) const {
   return planes_.at(half - offset, x + dx, y + dy);
 }
 
+namespace {
+
+std::vector<WeightedRow> rows_of(const WindowWeights& weights, const TilePlanes& values,
+                                 std::size_t plane, int x, int y) {
+  std::vector<WeightedRow> rows;
+  rows.reserve(weights.offsets().size());
+  for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
+    const auto [dx, dy] = weights.offsets()[o];
+    rows.push_back({weights.row(o, x, y), values.at(plane, x + dx, y + dy)});
+  }
+  return rows;
+}
+
+}  // namespace
+
 void WindowWeights::sum(const TilePlanes& values, std::size_t plane, int x, int y, int width,
                         float* sum, float* total) const {
-  std::vector<WeightedRow> rows;
-  rows.reserve(offsets_.size());
-  for (std::size_t o = 0; o < offsets_.size(); ++o)
-    rows.push_back({row(o, x, y), values.at(plane, x + offsets_[o].dx, y + offsets_[o].dy)});
-  add_rows(rows, width, sum, total);
+  add_rows(rows_of(*this, values, plane, x, y), width, sum, total);
+}
+
+void WindowWeights::squared_deviations(const TilePlanes& values, std::size_t plane, int x, int y,
+                                       int width, const float* mean, float* sum) const {
+  add_deviations(rows_of(*this, values, plane, x, y), width, mean, sum);
 }
 
 }  // namespace spool

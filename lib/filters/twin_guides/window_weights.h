@@ -40,6 +40,9 @@ class WindowWeights {
   // sum w v and sum w over the windows of `width` pieces from (x, y) on, whole vectors of them.
   void sum(const TilePlanes& values, std::size_t plane, int x, int y, int width, float* sum,
            float* total) const;
+  // sum (w (v - mean))^2 of the same.
+  void squared_deviations(const TilePlanes& values, std::size_t plane, int x, int y, int width,
+                          const float* mean, float* sum) const;
 
  private:
   void compute(const Rectangle& tile, const TilePlanes& guides, const TilePlanes& features,
