@@ -13,7 +13,7 @@
 // on all around it), and only the rest goes far. The least of four means is below the mean, by half
 // where few samples carry the light; far away the mean of three is used, which is less biased and
 // does not show. Nothing happens with fewer than two groups. Why these reaches: docs/decisions.md,
-// 0125, 0168. Slow twin: tests/reference/twin_guides_reference.h.
+// 0125, 0170. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
 #include "lib/filters/twin_guides/sample_moments.h"
