@@ -39,22 +39,22 @@ def table(rows, kind):
 
 
 def draw(rows, path):
-    """Two errors against cost, all logarithmic, every filter named."""
+    """Two errors against cost, all logarithmic; every filter has a number, cheapest first, and its name beside the panels."""
     plt.rcParams["svg.fonttype"], plt.rcParams["svg.hashsalt"] = "path", "spool"
-    figure, panels = plt.subplots(2, 1, figsize=(9, 11), sharex=True)
+    figure, panels = plt.subplots(2, 1, figsize=(10, 9), sharex=True)
+    shown = sorted((r for r in rows if r["kind"] in IMAGES), key=lambda r: r["cost"])
     for axes, (metric, name) in zip(panels, (("relmse", "relMSE"), ("mse", "MSE"))):
-        for row in (r for r in rows if r["kind"] in IMAGES):
+        for i, row in enumerate(shown):
             ours = row["name"].startswith("spool")
             axes.plot(row["cost"], row[metric], "s" if not ours else "o" if row["kind"] == "filter" else "D", color="#0072b2" if ours else "#d55e00",
                       fillstyle="none" if row["kind"] == "pair" else "full")
-            label = row["name"].split(": ")[-1].replace("Open Image Denoise", "OIDN")
-            far = row["cost"] > 3  # its name stands to the left
-            axes.annotate(label, (row["cost"], row[metric]), textcoords="offset points", fontsize=8,
-                          xytext=(-6 if far else 6, -10 if ours else 3), ha="right" if far else "left")
+            axes.annotate(i + 1, (row["cost"], row[metric]), textcoords="offset points", fontsize=8, xytext=(0, 5 if i % 2 else -12), ha="center")
         axes.set(xscale="log", yscale="log", ylabel=f"{name} at 8 samples a pixel")
         axes.grid(True, which="both", alpha=0.25)
     panels[-1].set_xlabel("CPU seconds per megapixel, one thread")
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0, 0.72, 1))
+    names = "\n".join(f"{i + 1:2}  {row['name'].removeprefix('spool: ').replace('Open Image Denoise', 'OIDN')}" for i, row in enumerate(shown))
+    figure.text(0.73, 0.98, names, va="top", fontsize=9, linespacing=1.6)
     figure.savefig(path, metadata={"Date": None}, facecolor="white")
 
 
