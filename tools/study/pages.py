@@ -3,6 +3,7 @@
 A template (templates/PAGE.in) contains sentences. In them
     {{chapters}}                                      is a row for each chapter of chapters.toml
     {{older}}                                         is the plans of 64 x 64 pixels that an older program ran
+    {{without_halves}}                                is those of full size of which an older program's results are kept
     {{readings}}                                      is the preset paper as a family: its best, worst and shipped member
     {{rivals}}                                        is the paper's statements, counted by preset and class of rival
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
@@ -96,6 +97,11 @@ def chapter_rows(chapter, small, full):
 def older(store):
     """Small plans that an older program ran."""
     return ", ".join(dict.fromkeys(p.split("_")[0].upper() for c in CHAPTERS for p in c["plans"] if store.json(p, "made.json").get("started", CHANGED) < CHANGED))
+
+
+def without_halves(store):
+    """Plans of full size of which results of an older program are kept."""
+    return ", ".join(dict.fromkeys(p.split("_")[0].upper() for c in CHAPTERS for p in c["plans"] if store.texts(p).get("kept.jsonl")))
 
 
 def chapters_table(small, full):
@@ -243,7 +249,8 @@ def page(template, small, full):
     """The text of a page, from what is kept of both sizes."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
     text = CLAIM.sub(lambda match: said(match, small, full), text)
-    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("readings", lambda: readings((full, small), READINGS)), ("rivals", lambda: rivals(small, full)),
+    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("without_halves", lambda: without_halves(full)),
+                       ("readings", lambda: readings((full, small), READINGS)), ("rivals", lambda: rivals(small, full)),
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("beside_network", lambda: beside_network(full, NETWORK)),
                        ("needed", lambda: needed(full, NETWORK, ("`uniform` + `ensemble`", "`cross_halves` + `ensemble`"), (8, 16, 32))),
