@@ -487,9 +487,9 @@ std::array<double, 6> fit_at(int x, int y, int step, double ridge, const Inputs&
     mean += q.w * luminance_of(q) / total;
   for (const Neighbour& q : window)
     deviations += std::pow(q.w * (luminance_of(q) - mean), 2);
-  const double certain = mean - 2.0 * std::sqrt(deviations) / total;
+  const double bound = mean - 2.0 * std::sqrt(deviations) / total;
   const double top =
-      std::max(options.limit, 1.25 * n) * std::max(std::exp(logarithms / total), 3.0 * certain);
+      std::max(options.limit, 1.25 * n) * std::max(std::exp(logarithms / total), 3.0 * bound);
   std::array<double, 6> out{};
   for (std::size_t c = 0; c < 6; ++c) {
     std::vector<std::vector<double>> a(size, std::vector<double>(size));

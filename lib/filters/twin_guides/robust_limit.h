@@ -5,18 +5,18 @@
 //   top  = max(limit, 1.25 n_p) max(exp(sum w tl / sum w), 3 (m - 2 s))
 //
 // tl: mean logarithms of luminances. It lies far below the mean wherever few samples carry the
-// light; the mean less twice its error is light, and no single piece raises it above 0:
-// docs/decisions.md, 0170. Slow twin: tests/reference/twin_guides_reference.h.
+// light; no piece with less than half of the weight raises the lower bound of the mean above 0
+// alone: docs/decisions.md, 0170. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
-#include "lib/filters/twin_guides/scale_inputs.h"
+#include "lib/filters/twin_guides/fit_table.h"
 #include "lib/filters/twin_guides/window_weights.h"
 
 namespace spool {
 
 // top [y][x] from the tile's corner, in units.
 Image<float> robust_limits(const Lattice& lattice, const Rectangle& tile,
-                           const WindowWeights& weights, const ScaleInputs& inputs,
-                           const CountImage& n, double limit);
+                           const WindowWeights& weights, const FitTable& table,
+                           const Image<float>& log_luminance, const CountImage& n, double limit);
 
 }  // namespace spool

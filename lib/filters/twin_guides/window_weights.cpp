@@ -114,6 +114,17 @@ struct WeightedRow {
   const float *weight, *value;
 };
 
+std::vector<WeightedRow> weighted_rows(const WindowWeights& weights, const TilePlanes& values,
+                                       std::size_t plane, int x, int y) {
+  std::vector<WeightedRow> rows;
+  rows.reserve(weights.offsets().size());
+  for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
+    const auto [dx, dy] = weights.offsets()[o];
+    rows.push_back({weights.row(o, x, y), values.at(plane, x + dx, y + dy)});
+  }
+  return rows;
+}
+
 template <class Vector>
 [[gnu::always_inline]] inline void sums_of(const std::vector<WeightedRow>& rows, int width,
                                            float* __restrict sum, float* __restrict total) {
@@ -226,29 +237,14 @@ const float* WindowWeights::row(std::size_t offset, int x, int y) const {
   return planes_.at(half - offset, x + dx, y + dy);
 }
 
-namespace {
-
-std::vector<WeightedRow> rows_of(const WindowWeights& weights, const TilePlanes& values,
-                                 std::size_t plane, int x, int y) {
-  std::vector<WeightedRow> rows;
-  rows.reserve(weights.offsets().size());
-  for (std::size_t o = 0; o < weights.offsets().size(); ++o) {
-    const auto [dx, dy] = weights.offsets()[o];
-    rows.push_back({weights.row(o, x, y), values.at(plane, x + dx, y + dy)});
-  }
-  return rows;
-}
-
-}  // namespace
-
 void WindowWeights::sum(const TilePlanes& values, std::size_t plane, int x, int y, int width,
                         float* sum, float* total) const {
-  add_rows(rows_of(*this, values, plane, x, y), width, sum, total);
+  add_rows(weighted_rows(*this, values, plane, x, y), width, sum, total);
 }
 
 void WindowWeights::squared_deviations(const TilePlanes& values, std::size_t plane, int x, int y,
                                        int width, const float* mean, float* sum) const {
-  add_deviations(rows_of(*this, values, plane, x, y), width, mean, sum);
+  add_deviations(weighted_rows(*this, values, plane, x, y), width, mean, sum);
 }
 
 }  // namespace spool
