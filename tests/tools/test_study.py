@@ -272,11 +272,11 @@ def test_a_recording_that_is_no_longer_asked_for_goes(small_full, tmp_path, monk
     for name in ("one", "two"):
         small_full.measure("p", name)
     archive = tmp_path / "kept/p.tar.xz"
-    kept.pack(archive, {**kept.unpack(archive), "kept.jsonl": '{"dump":"one","sampler":"neyman","filter":"box","spp":2,"threads":0,"replicate":0,"mse":1}\n'})
+    kept.pack(archive, {**kept.unpack(archive), "figures.json": '[{"dump":"one"}]', "kept.jsonl": '{"dump":"one","sampler":"neyman","filter":"box","spp":2,"threads":0,"replicate":0,"mse":1}\n'})
     monkeypatch.setattr(plans, "FULL", {**plans.FULL, "recordings": ["two"]})
     small_full.judge("p")
     texts = kept.unpack(archive)
-    assert list(json.loads(texts["made.json"])) == ["two"] and texts["kept.jsonl"] == ""
+    assert list(json.loads(texts["made.json"])) == ["two"] and not {"kept.jsonl", "figures.json", "cells/one.jsonl"} & set(texts)
     assert [p["dump"] for p in pages.Kept(tmp_path / "kept").claims("p")[0]["places"]] == ["two"]
 
 

@@ -12,7 +12,7 @@ from tools.report.whole_file import write_whole
 from tools.study import kept
 from tools.study.plans import ROOT, full_plan, full_recording, full_recordings, group_of, text_of
 
-CELLS = "cells/kept.jsonl"
+CELLS = "cells/{}.jsonl"  # of a recording; "kept": of several
 
 
 def plan_hash(plan):
@@ -67,7 +67,7 @@ class Store:
         asked = full_plan(plan, [path])
         made = {"plan_sha256": plan_hash(asked), "samples_sha256": self.samples_hash(path)}
         before = self.made(plan).get(name, {})
-        if not again and made.items() <= before.items():
+        if not again and made.items() <= before.items() and not lines_of(kept.unpack(self.kept(plan)), name.__eq__):
             return False
         print(f"{plan} on {name}", flush=True)
         folder = self.scratch / plan / f"{name}-{made['plan_sha256']}-{made['samples_sha256'][:8]}"  # another plan is another folder
@@ -82,16 +82,17 @@ class Store:
         return True
 
     def _add(self, plan, name, folder, made):
-        """Lines kept of this recording give way to its cells; the whole is judged."""
+        """What is kept of this recording gives way to its cells; the whole is judged."""
         texts = kept.unpack(self.kept(plan))
-        texts["kept.jsonl"] = lines = lines_of(texts, lambda dump: dump != name)
-        cells = kept.cells_in(texts.get(CELLS, ""))
+        texts["kept.jsonl"] = lines_of(texts, lambda dump: dump != name and dump in full_recordings(plan))
         claimed = kept.claimed_halves(full_plan(plan, []).get("claim", ()))
+        cells = {}
         for file in sorted((folder / "cells").glob("*.jsonl")):
             cells |= {k: kept.small_cell(c, group_of(name) is not None, claimed.get(c["method"], ())) for k, c in kept.cells_in(file.read_text()).items()}
-        texts[CELLS] = kept.cells_text(cells)
+        others = kept.cells_in(texts.get(CELLS.format("kept"), ""))
+        texts |= {CELLS.format("kept"): kept.cells_text({k: c for k, c in others.items() if k not in cells}), CELLS.format(name): kept.cells_text(cells)}
         texts["made.json"] = json.dumps({**json.loads(texts.get("made.json", "{}")), name: made}, indent=1) + "\n"
-        if "claims.json" not in texts and not lines:
+        if "claims.json" not in texts and not texts["kept.jsonl"]:
             texts["claims.json"] = (folder / "claims.json").read_text()
         self._judged(plan, texts)
 
@@ -102,8 +103,14 @@ class Store:
 
     def _judged(self, plan, texts):
         made = json.loads(texts["made.json"])
-        names = [n for n in full_recordings(plan) if n in made]  # what the plan no longer asks for goes
+        names = [n for n in full_recordings(plan) if n in made]
+        if not names:
+            return
+        for name in (n for n in made if n not in names):  # a recording that the plan no longer names is dropped
+            texts.pop(CELLS.format(name), None)
         texts["kept.jsonl"] = lines_of(texts, names.__contains__)
+        old = [e for e in json.loads(texts.pop("figures.json", "[]")) if lines_of(texts, e["dump"].__eq__)]
+        texts |= {"figures.json": json.dumps(old)} if old else {}
         texts["made.json"] = json.dumps({n: made[n] for n in names}, indent=1) + "\n"
         texts["plan.toml"] = text_of(full_plan(plan, [f"{n}.spool" for n in names]))
         folder = self.scratch / plan / "kept"
@@ -111,4 +118,4 @@ class Store:
         kept.written(texts, folder)
         kept.judge(self.program, folder)
         texts["statistics.json"] = json.dumps(kept.trimmed(json.loads((folder / "statistics.json").read_text())), separators=(",", ":"))
-        kept.pack(self.kept(plan), texts)
+        kept.pack(self.kept(plan), {k: v for k, v in texts.items() if v})

@@ -68,7 +68,7 @@ class Kept:
         statistics = self.json(plan, "statistics.json")
         more = {tables.place(e): e["quantities"] for e in self.json(plan, "figures.json") or ()}
         for entry in statistics.get("results", ()):
-            entry["quantities"].update(more.get(tables.place(entry), {}))
+            entry["quantities"] = {**more.get(tables.place(entry), {}), **entry["quantities"]}
         return statistics
 
     def described(self, plan):
@@ -100,8 +100,8 @@ def older(store):
 
 
 def without_halves(store):
-    """Plans of full size of which results of an older program are kept."""
-    return ", ".join(dict.fromkeys(p.split("_")[0].upper() for c in CHAPTERS for p in c["plans"] if store.texts(p).get("kept.jsonl")))
+    """Chapters of full size with results of an older program."""
+    return ", ".join(c["id"] for c in CHAPTERS if any(store.texts(p).get("kept.jsonl") for p in c["plans"]))
 
 
 def chapters_table(small, full):

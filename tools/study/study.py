@@ -10,6 +10,7 @@
     tools/dev.sh experiments --full E4 --recording torus    that alone; with --again although it was measured
 """
 import argparse
+import sys
 from pathlib import Path
 
 from tools.study import full_size, kept, pages
@@ -54,6 +55,14 @@ def run_small(arguments):
             kept.pack(arguments.output / f"results/experiments/{plan}.tar.xz", kept.texts_of(folder))
 
 
+def write_so_far(output):
+    """The run may be stopped any time; a sentence whose verdict has changed is left to its end."""
+    try:
+        pages.write(output, True)
+    except pages.Changed as changed:
+        print(f"study: {changed}", file=sys.stderr, flush=True)
+
+
 def run_full(arguments):
     store = full_size.Store(arguments.program, arguments.results, arguments.output / "results/experiments_full", arguments.threads)
     for chapter in chosen(arguments, True):
@@ -64,7 +73,7 @@ def run_full(arguments):
             for name in full_size.full_recordings(plan):
                 if not arguments.recording or name in arguments.recording:
                     if store.measure(plan, name, arguments.again):
-                        pages.write(arguments.output, True)  # the run may be stopped any time
+                        write_so_far(arguments.output)
 
 
 def main():
