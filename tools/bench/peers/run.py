@@ -77,9 +77,9 @@ def main():
     replace_section("peers", "\n\n".join([
         "## Beside other programs",
         f"`tools/dev.sh bench peers`: {side} x {side} pixels of mirrored copies of `dumps/tiny/chess.spool`, 8 of 64 samples, one thread, the "
-        f"least CPU time of {found['turns']} turns in which every subject ran (what took longer than {arguments.longest:g} s: once). Compare ratios: seconds are those of one machine, which "
-        "others used, too. Peers get the mean image, and the noise where they ask for it; ours read the samples. In the figure discs are our filters of uniform samples, "
-        "squares those of others, empty diamonds a sampler and a filter of ours together.",
+        f"least CPU time of {found['turns']} turns in which every subject ran (what took longer than {arguments.longest:g} s: once). Compare ratios: seconds are those of one "
+        "machine. Peers get the mean image, and the noise where they ask for it; ours read the samples. In the figure discs are our filters of uniform samples, "
+        "squares those of others, empty diamonds a sampler and a filter of ours together; numbers are in the order of cost.",
         "![error against CPU time](results/peers/peers.svg)",
         *(table(found["rows"], kind) for kind in IMAGES),
         "Samplers, reading, packing and judging beside other programs: [peers.csv](results/peers/peers.csv)."]))
