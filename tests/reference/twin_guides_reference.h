@@ -455,7 +455,8 @@ Inputs coarser_inputs(const Inputs& in, int step, const TwinGuidesOptions& optio
 // units.
 template <class Weight>
 std::array<double, 6> fit_at(int x, int y, int step, double ridge, const Inputs& in, int n,
-                             const Planes& clean, const TwinGuidesOptions& options, Weight weight) {
+                             double heavy, const Planes& clean, const TwinGuidesOptions& options,
+                             Weight weight) {
   const std::size_t size = 3 + in.features.size();
   struct Neighbour {
     double w, logarithm;
@@ -487,7 +488,7 @@ std::array<double, 6> fit_at(int x, int y, int step, double ridge, const Inputs&
     mean += q.w * luminance_of(q) / total;
   for (const Neighbour& q : window)
     deviations += std::pow(q.w * (luminance_of(q) - mean), 2);
-  const double bound = mean - 2.0 * std::sqrt(deviations) / total;
+  const double bound = mean - (2.0 - 1.5 * heavy) * std::sqrt(deviations) / total;
   const double top =
       std::max(options.limit, 1.25 * n) * std::max(std::exp(logarithms / total), 3.0 * bound);
   std::array<double, 6> out{};
@@ -520,17 +521,18 @@ struct ScaleResult {
 };
 
 inline ScaleResult fit_scale(const Inputs& in, int step, double ridge, const CountImage& n,
-                             const Guides& g, const Planes& clean, const Planes& clean_variance,
-                             const TwinGuidesOptions& options) {
+                             const Plane& heavy, const Guides& g, const Planes& clean,
+                             const Planes& clean_variance, const TwinGuidesOptions& options) {
   const int width = n.width(), height = n.height();
   ScaleResult out{Planes(3, Plane(width, height)), Planes(3, Plane(width, height))};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const auto value =
-          fit_at(x, y, step, ridge, in, n(x, y), clean, options, [&](int qx, int qy) {
-            return window_weight(g, clean, clean_variance, options.sigma * step, options, x, y, qx,
-                                 qy);
-          });
+          fit_at(x, y, step, ridge, in, n(x, y), heavy.size() > 0 ? heavy(x, y) : 0.0, clean,
+                 options, [&](int qx, int qy) {
+                   return window_weight(g, clean, clean_variance, options.sigma * step, options, x,
+                                        y, qx, qy);
+                 });
       for (std::size_t c = 0; c < 3; ++c) {
         out.image[c](x, y) = value[c];
         out.noise[c](x, y) = value[c + 3];
@@ -684,7 +686,7 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane l
   Inputs in = finest_inputs(m, raw);
   for (int k = 0, step = 1; k < options.scales; ++k, step *= 2) {
     const Guides g = guides(levels, static_cast<std::size_t>(k), scale, options);
-    scales.push_back(fit_scale(in, step, options.ridge * std::pow(0.25, k), n, g, clean,
+    scales.push_back(fit_scale(in, step, options.ridge * std::pow(0.25, k), n, heavy, g, clean,
                                clean_variance, options));
     in = coarser_inputs(in, step, options, [&](int px, int py, int qx, int qy) {
       return window_weight(g, clean, clean_variance, options.sigma * step, options, px, py, qx, qy);

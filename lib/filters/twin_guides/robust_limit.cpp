@@ -12,8 +12,9 @@ namespace {
 constexpr double kPerSample = 1.25;  // the limit opens with n, so that the estimate converges
 constexpr double kMeans = 3.0;       // of the lower bound of the mean
 constexpr double kErrors = 2.0;      // standard errors from the mean to its lower bound
+constexpr double kErrorsOfHeavy = 0.5;
 
-enum Plane : std::size_t { kLogarithm, kLuminance, kPlanes };
+enum Values : std::size_t { kLogarithm, kLuminance, kPlanes };
 
 TilePlanes planes_of(const Lattice& lattice, const Rectangle& around, const FitTable& table,
                      const Image<float>& log_luminance) {
@@ -31,7 +32,8 @@ TilePlanes planes_of(const Lattice& lattice, const Rectangle& around, const FitT
 
 Image<float> robust_limits(const Lattice& lattice, const Rectangle& tile,
                            const WindowWeights& weights, const FitTable& table,
-                           const Image<float>& log_luminance, const CountImage& n, double limit) {
+                           const Image<float>& log_luminance, const CountImage& n,
+                           const Plane& heavy, double limit) {
   const int r = weights.radius();
   const TilePlanes planes = planes_of(lattice, {tile.x0 - r, tile.y0 - r, tile.x1 + r, tile.y1 + r},
                                       table, log_luminance);
@@ -47,11 +49,13 @@ Image<float> robust_limits(const Lattice& lattice, const Rectangle& tile,
     weights.squared_deviations(planes, kLuminance, tile.x0, y, width, mean.data(), squares.data());
     for (int x = 0; x < tile.width(); ++x) {
       const auto i = static_cast<std::size_t>(x);
-      const double bound = mean[i] - kErrors * std::sqrt(squares[i]) / total[i];
+      const int column = lattice.column(tile.x0 + x), row = lattice.row(y);
+      const double h = heavy.size() == 0 ? 0.0 : heavy(column, row);
+      const double errors = kErrors + h * (kErrorsOfHeavy - kErrors);
+      const double bound = mean[i] - errors * std::sqrt(squares[i]) / total[i];
       const double middle =
           std::max(std::exp(static_cast<double>(logarithm[i] / total[i])), kMeans * bound);
-      const double factor =
-          std::max(limit, kPerSample * n(lattice.column(tile.x0 + x), lattice.row(y)));
+      const double factor = std::max(limit, kPerSample * n(column, row));
       top(x, y - tile.y0) = static_cast<float>(factor * middle);
     }
   }

@@ -22,11 +22,11 @@ namespace {
 // The picture of every scale, the finest first.
 std::vector<ScaleImages> fit_scales(ScaleInputs inputs, const CountImage& n, GuideLevels finest,
                                     const FeatureImages& clean, const RadianceScale& scale,
-                                    const TwinGuidesOptions& options) {
+                                    const Plane& heavy, const TwinGuidesOptions& options) {
   const int width = n.width(), height = n.height();
   std::vector<ScaleImages> scales;
   GuidePyramid pyramid(std::move(finest), scale, options);
-  FitOptions fit{options.ridge, options.limit};
+  FitOptions fit{options.ridge, options.limit, heavy};
   for (int k = 0; k < options.scales; ++k) {
     if (k > 0) {
       pyramid.coarsen();
@@ -75,7 +75,7 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
   const std::vector<ScaleImages> scales =
       fit_scales(finest_inputs(std::move(moments), std::move(features.raw)), n,
                  {noise_pool.unused() ? std::move(finest.fine) : finest.fine, finest.coarse},
-                 features.clean, scale, options);
+                 features.clean, scale, opened.heavy, options);
   const FloatRgb blended = return_agreed_light(
       blend_scales(scales, std::move(finest), features.clean, noise_pool, scale, options),
       std::move(clamped_light), options.agreement, scale);

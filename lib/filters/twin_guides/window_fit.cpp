@@ -209,8 +209,8 @@ class TileFit {
 void window_fit(const Lattice& lattice, const Rectangle& tile, const WindowWeights& weights,
                 const FitTable& table, const ScaleInputs& inputs, const FeatureImages& clean,
                 const CountImage& n, const FitOptions& options, ScaleImages& to) {
-  const Image<float> tops =
-      robust_limits(lattice, tile, weights, table, inputs.log_luminance, n, options.limit);
+  const Image<float> tops = robust_limits(lattice, tile, weights, table, inputs.log_luminance, n,
+                                          options.heavy, options.limit);
   TileFit fit(weights, table, options.ridge);
   for (int y = tile.y0; y < tile.y1; ++y) {
     fit.begin_row(tile.x0, y);

@@ -22,6 +22,7 @@ namespace spool {
 struct FitOptions {
   double ridge;
   double limit;
+  const Plane& heavy;  // opened_limits.h
 };
 
 // Writes the tile's pieces of `to`. `table` holds the scale's `inputs` around the tile.
