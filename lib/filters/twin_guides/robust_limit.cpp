@@ -50,7 +50,7 @@ Image<float> robust_limits(const Lattice& lattice, const Rectangle& tile,
     for (int x = 0; x < tile.width(); ++x) {
       const auto i = static_cast<std::size_t>(x);
       const int column = lattice.column(tile.x0 + x), row = lattice.row(y);
-      const double h = heavy.size() == 0 ? 0.0 : heavy(column, row);
+      const double h = heavy.empty() ? 0.0 : heavy(column, row);
       const double errors = kErrors + h * (kErrorsOfHeavy - kErrors);
       const double bound = mean[i] - errors * std::sqrt(squares[i]) / total[i];
       const double middle =

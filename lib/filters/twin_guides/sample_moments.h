@@ -30,7 +30,7 @@ using FloatRgb = std::array<Image<float>, 3>;
 struct NoisePool {
   int radius = 0;      // the largest of the pool, pieces
   const Plane& share;  // [y][x] of pieces, 0 .. 1: how far the pool counts; empty: nowhere
-  bool unused() const { return radius == 0 || share.size() == 0; }
+  bool unused() const { return radius == 0 || share.empty(); }
 };
 
 struct SampleMoments {

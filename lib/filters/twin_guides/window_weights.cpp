@@ -170,7 +170,7 @@ Rectangle before(const Rectangle& tile, int radius) {
 }
 
 std::size_t half_of_window(int radius) {
-  return static_cast<std::size_t>(2 * radius * (radius + 1));
+  return 2 * static_cast<std::size_t>(radius) * static_cast<std::size_t>(radius + 1);
 }
 
 }  // namespace
