@@ -95,7 +95,7 @@ class Limits:
         if not group:
             return "A recording beyond memory was not measured here: no control group."
         return (f"The last recording has {size / 1e9:.1f} GB and was read by a process that could have {limit / 1e9:.2f} GB in "
-                "all, the cache of the file included (control group).")
+                "all, the cache of the file included (control group); most of its own memory are blocks that it keeps.")
 
     def refusal(self, path, pixels):
         done = run([self.spool, "replay", path, "--sampler", "multiscale", "--spp", 1, "--force", "-o", self.folder / "no.exr"],
