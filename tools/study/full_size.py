@@ -29,9 +29,9 @@ def commit():
         " changed" if git("status", "--porcelain", "--untracked-files=no", "--", "lib", "formats") else "")
 
 
-def lines_of(texts, wanted):
-    """Results of an older program, on the recordings that are wanted."""
-    return "".join(line for line in texts.get("kept.jsonl", "").splitlines(keepends=True) if wanted(json.loads(line)["dump"]))
+def lines_of(texts, names):
+    """Results of an older program on these recordings."""
+    return "".join(line for line in texts.get("kept.jsonl", "").splitlines(keepends=True) if json.loads(line)["dump"] in names)
 
 
 class Store:
@@ -67,7 +67,7 @@ class Store:
         asked = full_plan(plan, [path])
         made = {"plan_sha256": plan_hash(asked), "samples_sha256": self.samples_hash(path)}
         before = self.made(plan).get(name, {})
-        if not again and made.items() <= before.items() and not lines_of(kept.unpack(self.kept(plan)), name.__eq__):
+        if not again and made.items() <= before.items() and not lines_of(kept.unpack(self.kept(plan)), {name}):
             return False
         print(f"{plan} on {name}", flush=True)
         folder = self.scratch / plan / f"{name}-{made['plan_sha256']}-{made['samples_sha256'][:8]}"  # another plan is another folder
@@ -84,7 +84,7 @@ class Store:
     def _add(self, plan, name, folder, made):
         """What is kept of this recording gives way to its cells; the whole is judged."""
         texts = kept.unpack(self.kept(plan))
-        texts["kept.jsonl"] = lines_of(texts, lambda dump: dump != name and dump in full_recordings(plan))
+        texts["kept.jsonl"] = lines_of(texts, {*full_recordings(plan)} - {name})
         claimed = kept.claimed_halves(full_plan(plan, []).get("claim", ()))
         cells = {}
         for file in sorted((folder / "cells").glob("*.jsonl")):
@@ -108,9 +108,10 @@ class Store:
             return
         for name in (n for n in made if n not in names):  # a recording that the plan no longer names is dropped
             texts.pop(CELLS.format(name), None)
-        texts["kept.jsonl"] = lines_of(texts, names.__contains__)
-        old = [e for e in json.loads(texts.pop("figures.json", "[]")) if lines_of(texts, e["dump"].__eq__)]
-        texts |= {"figures.json": json.dumps(old)} if old else {}
+        texts["kept.jsonl"] = lines = lines_of(texts, names)
+        older = {json.loads(line)["dump"] for line in lines.splitlines()}
+        figures = [e for e in json.loads(texts.pop("figures.json", "[]")) if e["dump"] in older]
+        texts |= {"figures.json": json.dumps(figures)} if figures else {}
         texts["made.json"] = json.dumps({n: made[n] for n in names}, indent=1) + "\n"
         texts["plan.toml"] = text_of(full_plan(plan, [f"{n}.spool" for n in names]))
         folder = self.scratch / plan / "kept"

@@ -43,13 +43,13 @@ template <class Body>
 void parallel_lattice_tiles(int width, int height, int step, Body&& body) {
   const Tiling largest((width + step - 1) / step, (height + step - 1) / step);
   const int lattices = step * step;
-  parallel_for(static_cast<std::size_t>(lattices) * static_cast<std::size_t>(largest.count()),
-               [&](std::size_t i) {
-                 const int job = static_cast<int>(i);
-                 const Lattice lattice = lattice_of(width, height, step, job % lattices);
-                 const Rectangle tile = intersect(largest.tile(job / lattices), lattice.bounds());
-                 if (!tile.empty()) body(lattice, tile);
-               });
+  const auto jobs = static_cast<std::size_t>(lattices) * static_cast<std::size_t>(largest.count());
+  parallel_for(jobs, [&](std::size_t i) {
+    const int job = static_cast<int>(i);
+    const Lattice lattice = lattice_of(width, height, step, job % lattices);
+    const Rectangle tile = intersect(largest.tile(job / lattices), lattice.bounds());
+    if (!tile.empty()) body(lattice, tile);
+  });
 }
 
 }  // namespace spool
