@@ -36,6 +36,7 @@ Filter box_filter() {
        .summary = "mean of each pixel's samples, no filter",
        .needs = [](const auto&) { return Needs{.signal = false, .variance = false}; },
        .memory = {188, 2e6},
+       .memory_of_means = {{81, 2e6}},
        .cost = 0.013,
        .footprints = true,
        .run = reconstruct_box});

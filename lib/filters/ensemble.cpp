@@ -237,6 +237,12 @@ class Ensemble {
   EnsembleOptions options_;
 };
 
+// One part works at a time.
+void add_part(WorkingMemory& memory, const WorkingMemory& part) {
+  memory.per_pixel = std::max(memory.per_pixel, part.per_pixel);
+  memory.fixed += part.fixed;
+}
+
 Needs needs_of(const std::vector<ReadyFilter>& parts, bool halves) {
   Needs needs{.signal = false, .variance = false, .samples = false};
   for (const ReadyFilter& part : parts) {
@@ -268,14 +274,15 @@ ReadyFilter ensemble(std::vector<ReadyFilter> parts, const EnsembleOptions& opti
   const bool halves = options.weights == EnsembleWeights::kHalves;
   // Their images stay while the next part works; 24 bytes a pixel each.
   const double kept = 24.0 * static_cast<double>(parts.size()) * (halves ? 3.0 : 1.0);
-  WorkingMemory memory;
+  WorkingMemory memory, of_means;
   for (const ReadyFilter& part : parts) {
-    memory.per_pixel = std::max(memory.per_pixel, part.memory.per_pixel);
-    memory.fixed += part.memory.fixed;
+    add_part(memory, part.memory);
+    add_part(of_means, part.memory_of_means.value_or(part.memory));
   }
-  memory.per_pixel += kept + (halves ? kWeightsMemory : 0.0);
+  for (WorkingMemory* all : {&memory, &of_means})
+    all->per_pixel += kept + (halves ? kWeightsMemory : 0.0);
   Needs needs = needs_of(parts, halves);
-  return {Ensemble(std::move(parts), options), std::move(needs), memory};
+  return {Ensemble(std::move(parts), options), std::move(needs), memory, of_means};
 }
 
 std::vector<Plane> cross_fitted_weights(std::span<const HalfImages> parts, const HalfImages& means,

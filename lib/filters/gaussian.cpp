@@ -54,6 +54,7 @@ Filter gaussian_filter() {
            },
        .needs = [](const auto&) { return Needs{.signal = false, .variance = false}; },
        .memory = {188, 2e6},
+       .memory_of_means = {{81, 2e6}},
        .cost = 0.025,
        .footprints = true,
        .run = reconstruct_gaussian});

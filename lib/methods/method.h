@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -50,7 +51,8 @@ template <class Function>
 struct Ready {
   Function run;
   Needs needs;
-  WorkingMemory memory = kUnmeasuredMemory;  // its own; a filter in its loop takes more
+  WorkingMemory memory = kUnmeasuredMemory;           // its own; a filter in its loop takes more
+  std::optional<WorkingMemory> memory_of_means = {};  // where it gets means alone (Needs::variance)
   // Error kUsage where a library of others that it runs is missing; empty: it runs none.
   std::function<Result<void>()> installed = nullptr;
 
@@ -117,6 +119,7 @@ struct MethodParts {
   std::vector<ViewDescription> views = {};
   std::function<Needs(const Options&)> needs = nullptr;  // none: nothing but samples
   WorkingMemory memory = kUnmeasuredMemory;
+  std::optional<WorkingMemory> memory_of_means = {};
   double cost = kUnmeasuredCost;
   bool footprints = false;
   typename WithOptions<Function, Options>::Type run = nullptr;
@@ -163,7 +166,7 @@ Method<Function> make_value(MethodParts<Function, Options> parts) {
     SPOOL_ASSIGN(const Options start, parts.chosen(preset));
     SPOOL_ASSIGN(const Options options, with_options(parts.options, start, set));
     return Ready<Function>{WithOptions<Function, Options>::bind(parts.run, options),
-                           parts.needs_of(options), parts.memory};
+                           parts.needs_of(options), parts.memory, parts.memory_of_means};
   };
   return method;
 }

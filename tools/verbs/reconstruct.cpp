@@ -40,9 +40,6 @@ Result<CountImage> uniform_counts(const SamplePool& pool, int spp) {
   return n;
 }
 
-// A filter that gets means alone and makes no variance.
-constexpr WorkingMemory kMeansMemory = {81, 2e6};
-
 // Means do where it is not.
 bool variance_is_wanted(const ReconstructOptions& options, const Needs& needs) {
   return options.variance || needs.variance || !options.views.empty();
@@ -61,10 +58,10 @@ Result<Input> load_input(const ReconstructOptions& options,
   const PoolOptions pool_options =
       selection ? selection->pool.value_or(options.pool) : options.pool;
   const int pieces = pool_options.pieces_per_side;
-  const Demands filter = demands_of(methods.filters[0]);
+  Demands filter = demands_of(methods.filters[0]);
   const bool means = !variance_is_wanted(options, filter.needs);
-  const WorkingMemory own =
-      filtering_memory(means ? Demands{filter.needs, kMeansMemory} : filter, pieces);
+  if (means) filter.memory = methods.filters[0].ready.memory_of_means.value_or(filter.memory);
+  const WorkingMemory own = filtering_memory(filter, pieces);
   const WorkingMemory work = with_views(own, known, views, pieces);
   MeansPass pass(options.spp, pool_options.holdout);
   SPOOL_ASSIGN(const auto recording, load(methods.rules, work, film_for({}, {filter}, pieces),

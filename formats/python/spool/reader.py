@@ -13,6 +13,8 @@ from .error import SpoolError
 from .geometry import Geometry, groups_of
 from .record_file import RecordFile
 
+_STRIP = 4  # rows that are interleaved at once: what is written stays in a core's cache
+
 
 def open(path):
     """Opens a complete file; SpoolError when it is NAME.partial, or anything is not as the specification says."""
@@ -83,8 +85,9 @@ class Dump:
                 s0, s1 = max(begin, first), min(begin + block.shape[3], first + count)
                 part = block[channels, cy0 - ty0:cy1 - ty0, cx0 - tx0:cx1 - tx0, s0 - begin:s1 - begin]
                 target = out[cy0 - y0:cy1 - y0, cx0 - x0:cx1 - x0, s0 - first:s1 - first]
-                for number, plane in enumerate(part):  # long runs, where a transposed copy goes three values at a time
-                    target[..., number] = plane
+                for y in range(0, part.shape[1], _STRIP):
+                    for number, plane in enumerate(part):  # long runs, where a transposed copy goes three values at a time
+                        target[y:y + _STRIP, ..., number] = plane[y:y + _STRIP]
         return out
 
     def pixel(self, layer):

@@ -69,20 +69,28 @@ Image<float> mean_of_others(const std::vector<Image<float>>& taken, const Taps& 
 
 }  // namespace
 
-FloatRgb return_agreed_light(FloatRgb out, std::vector<Image<float>> taken, double sigma,
+AgreedLight agreed_light(std::vector<Image<float>> taken, double sigma) {
+  if (sigma <= 0.0 || taken.size() < 2 || nothing_was_taken(taken)) return {};
+  AgreedLight agreed;
+  agreed.near = agreed_around(taken, four_sigma_taps(kShortReach * sigma));
+  agreed.far = mean_of_others(taken, four_sigma_taps(sigma));
+  return agreed;
+}
+
+FloatRgb return_agreed_light(FloatRgb out, const AgreedLight& agreed, double sigma,
                              const RadianceScale& scale) {
-  if (sigma <= 0.0 || taken.size() < 2 || nothing_was_taken(taken)) return out;
+  if (agreed.near.empty()) return out;
   const Image<float> shape = shape_of(out, static_cast<float>(kFloor * scale.mean));
   Image<float> factor(shape.width(), shape.height(), 1.0f);
-  for (const bool wide : {false, true}) {
-    const Taps taps = four_sigma_taps(wide ? sigma : kShortReach * sigma);
-    const Image<float> light = wide ? mean_of_others(taken, taps) : agreed_around(taken, taps);
-    const Image<float> around = convolve(shape, taps);
+  const auto add = [&](const Image<float>& light, double reach) {
+    const Image<float> around = convolve(shape, four_sigma_taps(reach));
     parallel_rows(0, factor.height(), [&](int y) {
       for (std::size_t i = factor.index(0, y); i < factor.index(0, y + 1); ++i)
         factor[i] += light[i] / around[i];
     });
-  }
+  };
+  add(agreed.near, kShortReach * sigma);
+  add(agreed.far, sigma);
   parallel_rows(0, factor.height(), [&](int y) {
     for (std::size_t i = factor.index(0, y); i < factor.index(0, y + 1); ++i) {
       for (Image<float>& channel : out)

@@ -20,8 +20,14 @@
 
 namespace spool {
 
+struct AgreedLight {
+  Image<float> near, far;  // light_s of s = sigma/4 and of s = sigma; empty: nothing comes back
+};
+
 // `taken`: SampleMoments::clamped_light. sigma in pieces; 0: nothing is given back.
-FloatRgb return_agreed_light(FloatRgb out, std::vector<Image<float>> taken, double sigma,
+AgreedLight agreed_light(std::vector<Image<float>> taken, double sigma);
+
+FloatRgb return_agreed_light(FloatRgb out, const AgreedLight& agreed, double sigma,
                              const RadianceScale& scale);
 
 }  // namespace spool

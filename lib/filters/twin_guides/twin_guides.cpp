@@ -63,22 +63,23 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
   for (const std::int32_t k : n.pixels())
     result.guards.add(Guard::kEmptyPiece, k == 0 ? 1 : 0);
   const RadianceScale scale = radiance_scale(statistics, result.guards);
-  const OpenedLimits opened =
+  OpenedLimits opened =
       open_limits(sample_limits(pool, n, scale.mean / scale.unit, {.sigma = options.clamp_sigma}),
                   pool, n, options);
   const NoisePool noise_pool{options.noise_pool, opened.heavy};
   SampleMoments moments = sample_moments(pool, n, opened.limits, noise_pool, scale, result.guards);
+  opened.limits = {};
   SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
   GuideLevels finest = guide_levels(guide_sources(moments, features.clean), scale, options);
-  std::vector<Image<float>> clamped_light = std::move(moments.clamped_light);
+  const AgreedLight agreed = agreed_light(std::move(moments.clamped_light), options.agreement);
   const std::vector<ScaleImages> scales =
       fit_scales(finest_inputs(std::move(moments), std::move(features.raw)), n,
                  {noise_pool.unused() ? std::move(finest.fine) : finest.fine, finest.coarse},
                  features.clean, scale, opened.heavy, options);
   const FloatRgb blended = return_agreed_light(
-      blend_scales(scales, std::move(finest), features.clean, noise_pool, scale, options),
-      std::move(clamped_light), options.agreement, scale);
+      blend_scales(scales, std::move(finest), features.clean, noise_pool, scale, options), agreed,
+      options.agreement, scale);
 
   RgbImage image = make_rgb(n.width(), n.height());
   for (std::size_t c = 0; c < 3; ++c) {
@@ -96,8 +97,12 @@ Filter twin_guides_filter() {
            "local regression on position and features, weights from two guides of the samples",
        .options = twin_guides_option_table(),
        .presets = {{"robust", {}}, {"heavy_tails", heavy_tailed_twin_guides_options()}},
-       .needs = [](const auto&) { return Needs{.features = Use::kWhenRecorded}; },
+       .needs =
+           [](const auto&) {
+             return Needs{.features = Use::kWhenRecorded, .signal = false, .variance = false};
+           },
        .memory = {546, 5e6},
+       .memory_of_means = {{482, 5e6}},
        .cost = 2.7,
        .run = reconstruct_twin_guides});
 }

@@ -6,7 +6,7 @@
 // all threads. Default presets unless all are wanted:
 // updating after every region, as `paper` does, is not meant for large images. heap_per_pixel:
 // bytes on the heap at the worst moment of the call, with all that the method reads (for a filter
-// the statistics and the attenuation) and without the mapped recording.
+// the statistics that it needs and the attenuation) and without the mapped recording.
 #include <charconv>
 #include <cstdio>
 #include <optional>
@@ -73,6 +73,12 @@ void measure_sampler(benchmark::State& state, Subject& subject, const ReadySampl
           [&] { return sample(*subject.pool, subject.budget, context); });
 }
 
+// What `spool reconstruct` gives a filter that needs no more.
+Selection means_alone(const Selection& selection) {
+  const PieceStatistics& all = selection.statistics;
+  return {.statistics = means_of(all.pieces_per_side, all.n, all.mean), .attenuation = {}};
+}
+
 void measure_filter(benchmark::State& state, Subject& subject, const ReadyFilter& filter,
                     int threads) {
   if (!subject.selection) {
@@ -86,9 +92,12 @@ void measure_filter(benchmark::State& state, Subject& subject, const ReadyFilter
     subject.selection = std::move(sampled->selection);
   }
   const auto& reference = subject.pool->recording().reference();
-  const FilterContext context{nullptr, reference ? &*reference : nullptr, {}};
-  measure(state, subject, threads, subject.heap_before_selection,
-          [&] { return filter(*subject.selection, *subject.pool, context); });
+  FilterContext context{nullptr, reference ? &*reference : nullptr, {}};
+  context.variance = filter.needs.variance;
+  const long long before = filter.needs.variance ? subject.heap_before_selection : heap_bytes();
+  const Selection means = filter.needs.variance ? Selection{} : means_alone(*subject.selection);
+  const Selection& given = filter.needs.variance ? *subject.selection : means;
+  measure(state, subject, threads, before, [&] { return filter(given, *subject.pool, context); });
 }
 
 // One benchmark for each preset of each entry and each number of threads.
