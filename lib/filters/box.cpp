@@ -34,7 +34,8 @@ Filter box_filter() {
   return make_value<FilterFunction, BoxOptions>(
       {.name = "box",
        .summary = "mean of each pixel's samples, no filter",
-       .needs = [](const auto&) { return Needs{.signal = false, .variance = false}; },
+       .needs =
+           [](const auto&) { return Needs{.signal = false, .variance = false, .pool = false}; },
        .memory = {188, 2e6},
        .memory_of_means = {{81, 2e6}},
        .cost = 0.013,

@@ -244,17 +244,19 @@ void add_part(WorkingMemory& memory, const WorkingMemory& part) {
 }
 
 Needs needs_of(const std::vector<ReadyFilter>& parts, bool halves) {
-  Needs needs{.signal = false, .variance = false, .samples = false};
+  Needs needs{.signal = false, .variance = false, .pool = false, .samples = false};
   for (const ReadyFilter& part : parts) {
     needs.features = std::max(needs.features, part.needs.features);
     needs.film_positions = std::max(needs.film_positions, part.needs.film_positions);
     needs.reference = needs.reference || part.needs.reference;
     needs.signal = needs.signal || part.needs.signal;
     needs.variance = needs.variance || part.needs.variance;
+    needs.pool = needs.pool || part.needs.pool;
     needs.samples = needs.samples || part.needs.samples;
   }
   needs.signal = needs.signal || halves;
   needs.variance = needs.variance || halves;
+  needs.pool = needs.pool || halves;
   return needs;
 }
 

@@ -52,7 +52,8 @@ Filter gaussian_filter() {
                number_option("sigma", &O::sigma, 0.0, 64.0,
                              "standard deviation in pixels; 0 is the box filter"),
            },
-       .needs = [](const auto&) { return Needs{.signal = false, .variance = false}; },
+       .needs =
+           [](const auto&) { return Needs{.signal = false, .variance = false, .pool = false}; },
        .memory = {188, 2e6},
        .memory_of_means = {{81, 2e6}},
        .cost = 0.025,

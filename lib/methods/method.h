@@ -36,6 +36,7 @@ struct Needs {
   std::string loop_filter = {};     // that filter's name; empty: the filter of the image
   bool signal = true;               // false: no analysis signal but the mean that exposes it
   bool variance = true;  // false: means alone where the image's variance is not asked for
+  bool pool = true;      // false: a filter that reads the selection's statistics alone
   bool samples = true;   // false: an image made elsewhere, the same for any samples
   friend bool operator==(const Needs&, const Needs&) = default;
 };

@@ -123,7 +123,7 @@ TEST(Ensemble, NeedsWhatItsPartsNeedAndHoldsTheirImages) {
                                      part({.reference = true, .variance = false}, 300)},
                                     {});
   EXPECT_EQ(both.needs.features, Use::kWhenRecorded);
-  EXPECT_TRUE(both.needs.reference && both.needs.signal && both.needs.variance);
+  EXPECT_TRUE(both.needs.reference && both.needs.signal && both.needs.variance && both.needs.pool);
   EXPECT_EQ(both.memory.per_pixel, 300 + 48);
   EXPECT_EQ(both.memory.fixed, 2e6);
 }

@@ -64,11 +64,12 @@ Result<Input> load_input(const ReconstructOptions& options,
   const WorkingMemory own = filtering_memory(filter, pieces);
   const WorkingMemory work = with_views(own, known, views, pieces);
   MeansPass pass(options.spp, pool_options.holdout);
+  const bool one_pass = means && !selection && !filter.needs.pool;
   SPOOL_ASSIGN(const auto recording, load(methods.rules, work, film_for({}, {filter}, pieces),
-                                          means && !selection ? &pass : nullptr));
+                                          one_pass ? &pass : nullptr));
   SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, pool_options));
   SelectionFile all;
-  if (!selection && means) {
+  if (one_pass) {
     if (auto statistics = std::move(pass).taken(pool))
       return Input{
           recording, std::move(pool), {.statistics = std::move(*statistics), .attenuation = {}}};
