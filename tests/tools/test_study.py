@@ -320,9 +320,9 @@ def test_curves_are_drawn_of_the_methods_that_claims_name(tmp_path):
     from tools.study import plots
     statistics = pages.Kept(RESULTS / "experiments_full").json("e7_tiles", "statistics.json")
     curves = plots.curves_of(statistics)
-    assert list(curves) == ["scene_s_512"] and {spp for points in curves["scene_s_512"].values() for spp, *_ in points} == {4, 16}
+    assert list(curves) == ["scene_s"] and {spp for points in curves["scene_s"].values() for spp, *_ in points} == {4, 16}
     statistics["claims"] = statistics["claims"][:1]
-    assert set(plots.curves_of(statistics)["scene_s_512"]) == {statistics["claims"][0]["better"], statistics["claims"][0]["than"]}
+    assert set(plots.curves_of(statistics)["scene_s"]) == {statistics["claims"][0]["better"], statistics["claims"][0]["than"]}
     plots.draw_pages(curves, plots.METRIC, lambda after: tmp_path / f"c{after}", times=(False,))
     assert (tmp_path / "c.svg").read_text().startswith("<?xml") and not (tmp_path / "c_time.svg").exists()
 

@@ -3,7 +3,6 @@
 A template (templates/PAGE.in) contains sentences. In them
     {{chapters}}                                      is a row for each chapter of chapters.toml
     {{older}}                                         is the plans of 64 x 64 pixels that an older program ran
-    {{without_halves}}                                is those of full size of which an older program's results are kept
     {{readings}}                                      is the preset paper as a family: its best, worst and shipped member
     {{rivals}}                                        is the paper's statements, counted by preset and class of rival
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
@@ -97,11 +96,6 @@ def chapter_rows(chapter, small, full):
 def older(store):
     """Small plans that an older program ran."""
     return ", ".join(dict.fromkeys(p.split("_")[0].upper() for c in CHAPTERS for p in c["plans"] if store.json(p, "made.json").get("started", CHANGED) < CHANGED))
-
-
-def without_halves(store):
-    """Chapters of full size with results of an older program."""
-    return ", ".join(c["id"] for c in CHAPTERS if any(store.texts(p).get("kept.jsonl") for p in c["plans"]))
 
 
 def chapters_table(small, full):
@@ -249,7 +243,7 @@ def page(template, small, full):
     """The text of a page, from what is kept of both sizes."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
     text = CLAIM.sub(lambda match: said(match, small, full), text)
-    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)), ("without_halves", lambda: without_halves(full)),
+    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)),
                        ("readings", lambda: readings((full, small), READINGS)), ("rivals", lambda: rivals(small, full)),
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("beside_network", lambda: beside_network(full, NETWORK)),
