@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <mutex>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -99,7 +100,11 @@ class PlanRun {
       estimate_.learn(cell, record);
     learnt_.clear();
     Progress progress("evaluate", common_.quiet);
-    const InterruptNote note([this] { return kept_text(); });
+    const InterruptNote note([this] {
+      // Until the process ends: no line follows the count. A disk that hangs does not hold it up.
+      static_cast<void>(keeping_.try_lock_for(std::chrono::seconds(1)));
+      return kept_text();
+    });
     const int pieces = request_.plan.experiment.pieces_per_side;
     SPOOL_ASSIGN(const PlanDemands methods,
                  demands_of(request_.plan.samplers, request_.plan.filters));
@@ -260,8 +265,11 @@ class PlanRun {
     // Tasks of an executor may share their machine.
     if (request_.only && !request_.exact_timing) result.alone = false;
     const ResultRecord record = record_of(result);
-    SPOOL_TRY(store_.write(id_of_.at(key_of(cell)), record));
-    ++done_;
+    {
+      const std::scoped_lock lock(keeping_);
+      SPOOL_TRY(store_.write(id_of_.at(key_of(cell)), record));
+      ++done_;
+    }
     best_.add(cell, record.number("relmse"));
     estimate_.learn(cell, record);
     estimate_.finished(cell);
@@ -323,6 +331,7 @@ class PlanRun {
   std::unordered_map<std::string, Cell> cell_of_;       // by its key with file names filled in
   std::vector<std::pair<Cell, ResultRecord>> learnt_;
   std::atomic<std::size_t> done_ = 0;
+  std::timed_mutex keeping_;      // a line on the disk, and its count
   std::atomic<int> at_once_ = 1;  // sampling runs beside each other
   std::size_t wanted_ = 0;
   std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0;
