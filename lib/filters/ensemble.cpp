@@ -275,14 +275,15 @@ ReadyFilter ensemble(std::vector<ReadyFilter> parts, const EnsembleOptions& opti
   SPOOL_CHECK_LE(parts.size(), kMostEnsembleParts);
   const bool halves = options.weights == EnsembleWeights::kHalves;
   // Their images stay while the next part works; 24 bytes a pixel each.
-  const double kept = 24.0 * static_cast<double>(parts.size()) * (halves ? 3.0 : 1.0);
+  const double kept = 24.0 * static_cast<double>(parts.size()) * (halves ? 3.0 : 1.0) +
+                      (halves ? kWeightsMemory : 0.0);
   WorkingMemory memory, of_means;
   for (const ReadyFilter& part : parts) {
     add_part(memory, part.memory);
     add_part(of_means, part.memory_of_means.value_or(part.memory));
   }
-  for (WorkingMemory* all : {&memory, &of_means})
-    all->per_pixel += kept + (halves ? kWeightsMemory : 0.0);
+  memory.per_pixel += kept;
+  of_means.per_pixel += kept;
   Needs needs = needs_of(parts, halves);
   return {Ensemble(std::move(parts), options), std::move(needs), memory, of_means};
 }

@@ -82,6 +82,7 @@ TEST(FilterList, FiltersThatNeedNoVarianceMakeTheSameImageOfMeansAlone) {
     EXPECT_EQ(a->image, b->image) << entry.name;
     EXPECT_EQ(a->variance.has_value(), entry.name != "twin_guides");  // which never makes one
     EXPECT_FALSE(b->variance.has_value()) << entry.name;
+    EXPECT_EQ(filter->needs.pool, entry.name == "twin_guides");
     EXPECT_EQ(a->guards[Guard::kEmptyPiece], b->guards[Guard::kEmptyPiece]);
   }
   EXPECT_EQ(without, (std::set<std::string>{"box", "gaussian", "twin_guides"}));

@@ -289,7 +289,7 @@ def test_recordings_of_a_group_are_judged_together(small_full, tmp_path, monkeyp
         assert small_full.measure("p", name) and not small_full.measure("p", name)
     kept_of = pages.Kept(tmp_path / "kept")
     assert [p["dump"] for p in kept_of.claims("p")[0]["places"]] == ["g_1"], "a group has the name of its first recording"
-    assert {e["replicates"] for e in kept_of.results("p")["results"]} == {2}
+    assert {e["replicates"] for e in kept_of.json("p", "statistics.json")["results"]} == {2}
 
 
 def test_a_claim_that_is_added_later_is_marked(small_full, tmp_path):

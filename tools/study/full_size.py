@@ -108,10 +108,8 @@ class Store:
             return
         for name in (n for n in made if n not in names):  # a recording that the plan no longer names is dropped
             texts.pop(CELLS.format(name), None)
-        texts["kept.jsonl"] = lines = lines_of(texts, names)
-        older = {json.loads(line)["dump"] for line in lines.splitlines()}
-        figures = [e for e in json.loads(texts.pop("figures.json", "[]")) if e["dump"] in older]
-        texts |= {"figures.json": json.dumps(figures)} if figures else {}
+        texts["kept.jsonl"] = lines_of(texts, names)
+        texts.pop("figures.json", None)  # means that an earlier version kept beside lines
         texts["made.json"] = json.dumps({n: made[n] for n in names}, indent=1) + "\n"
         texts["plan.toml"] = text_of(full_plan(plan, [f"{n}.spool" for n in names]))
         folder = self.scratch / plan / "kept"

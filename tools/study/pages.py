@@ -62,14 +62,6 @@ class Kept:
     def claims(self, plan):
         return self.json(plan, "statistics.json").get("claims", [])
 
-    def results(self, plan):
-        """statistics.json; with means that an older program kept without the values of replicates (figures.json)."""
-        statistics = self.json(plan, "statistics.json")
-        more = {tables.place(e): e["quantities"] for e in self.json(plan, "figures.json") or ()}
-        for entry in statistics.get("results", ()):
-            entry["quantities"] = {**more.get(tables.place(entry), {}), **entry["quantities"]}
-        return statistics
-
     def described(self, plan):
         made = self.json(plan, "made.json")
         return set().union(*(m.get("described", ()) for m in (made, *made.values()) if isinstance(m, dict)))
@@ -118,7 +110,7 @@ def matrix(store, methods, plans, spp=8):
     """Recording by method: relMSE over that of the baseline; after a stroke the energy, where it is not 0.99 to 1.01."""
     rows = {}
     for plan in plans:
-        statistics = store.results(plan)
+        statistics = store.json(plan, "statistics.json")
         ratios = {tables.place({**c, **m}): m["ratio"][0] for c in statistics.get("conditions", ()) if c["metric"] == "relmse" for m in c["ranking"]}
         for entry in statistics.get("results", ()):
             where = tables.place(entry)
@@ -144,7 +136,7 @@ def readings(stores, plans):
     """The family of the preset paper by recording, at the largest budget: MSE over that of uniform + box of its shipped, best and worst member."""
     rows = []
     for (plan, shipped), store in itertools.product(plans.items(), stores):
-        conditions = [c for c in store.results(plan).get("conditions", ()) if c["metric"] == "mse"]
+        conditions = [c for c in store.json(plan, "statistics.json").get("conditions", ()) if c["metric"] == "mse"]
         for c in (c for c in conditions if c["spp"] == max(c["spp"] for c in conditions)):
             ratios = {tables.place({**c, **m})[3:]: m["ratio"][0] for m in c["ranking"]}
             family = sorted((ratio, "+".join(p for part in m for p in part.split("+")[1:]) or "shipped") for m, ratio in ratios.items()
@@ -257,7 +249,7 @@ def page(template, small, full):
 def write_csv(store, chapter):
     """The long tables of a chapter."""
     for plan in (*chapter["plans"], *chapter.get("more", ())):
-        statistics = store.results(plan)
+        statistics = store.json(plan, "statistics.json")
         if not statistics:
             continue
         write_whole(store.folder / f"{plan}.csv", tables.results_csv(statistics))

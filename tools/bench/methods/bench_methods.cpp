@@ -93,10 +93,11 @@ void measure_filter(benchmark::State& state, Subject& subject, const ReadyFilter
   }
   const auto& reference = subject.pool->recording().reference();
   FilterContext context{nullptr, reference ? &*reference : nullptr, {}};
-  context.variance = filter.needs.variance;
-  const long long before = filter.needs.variance ? subject.heap_before_selection : heap_bytes();
-  const Selection means = filter.needs.variance ? Selection{} : means_alone(*subject.selection);
-  const Selection& given = filter.needs.variance ? *subject.selection : means;
+  const bool whole = filter.needs.variance;
+  context.variance = whole;
+  const long long before = whole ? subject.heap_before_selection : heap_bytes();
+  const Selection means = whole ? Selection{} : means_alone(*subject.selection);
+  const Selection& given = whole ? *subject.selection : means;
   measure(state, subject, threads, before, [&] { return filter(given, *subject.pool, context); });
 }
 
