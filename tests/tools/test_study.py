@@ -148,6 +148,10 @@ def test_a_sentence_does_not_outlive_its_verdict(tmp_path, monkeypatch):
     assert "results/experiments/a14" in pages.page("p.in", small, full)
 
 
+def test_no_path_of_a_machine_is_kept():
+    assert not [(path.name, found) for path in EVERY for text in kept.unpack(path).values() for found in re.findall(r'"(?:/|file:)[^"]*"', text)]
+
+
 def test_what_is_kept_is_small():
     sizes = {p: p.stat().st_size for p in RESULTS.rglob("*") if p.is_file()}
     assert sum(size for p, size in sizes.items() if p.suffix == ".xz") <= MOST_BYTES

@@ -158,7 +158,7 @@ def made_by(folder):
     plan = manifest["plan"]
     described = sorted({m["name"] for kind in ("samplers", "filters") for m in plan[kind] if m.get("by_description")})
     return {"version": manifest["version"], "started": manifest["started"], "machine": manifest["machine"], "described": described,
-            "dumps": [{**d, "path": Path(d["path"]).name} for d in manifest["dumps"]]}
+            "dumps": [{"path": Path(d["path"]).name, "bytes": d["bytes"], "index_sha256": d["index_sha256"]} for d in manifest["dumps"]]}
 
 
 def written(texts, folder):
