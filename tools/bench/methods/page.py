@@ -48,15 +48,18 @@ def judged(kind, kept, names):
 
 
 def growth_rows(kept):
-    """CPU microseconds of a pixel at each size, and the power of the number of pixels that the time grows with; first the heading."""
+    """CPU microseconds of a pixel at each size, how many times faster two threads are there, and the power of the number of pixels
+    that the time grows with; first the heading."""
     sizes = sorted({size for size, _ in kept})
-    rows = [["kind", "method", *map(str, sizes), "growth"]]
+    rows = [["kind", "method", *map(str, sizes), *(f"2 threads at {size}" for size in sizes), "growth"]]
     for name in dict.fromkeys(method for methods in kept.values() for method in methods):
         pixel = {size: 1e6 * at["cpu"] / size ** 2 for size in sizes if (at := of(kept, size, 1, name))}
         if pixel:
             least, most = min(pixel), max(s for s in pixel if s < LARGE or s == min(pixel))
             growth = f"{1 + math.log(pixel[most] / pixel[least]) / math.log((most / least) ** 2):.2f}" if most > least else ""
-            rows.append([*name.split("/"), *(f"{pixel[size]:.3f}" if size in pixel else "" for size in sizes), growth])
+            faster = [(of(kept, size, 1, name), of(kept, size, 2, name)) for size in sizes]
+            rows.append([*name.split("/"), *(f"{pixel[size]:.3f}" if size in pixel else "" for size in sizes),
+                         *(f"{one['wall'] / two['wall']:.2f}" if one and two else "" for one, two in faster), growth])
     return rows
 
 
@@ -70,10 +73,10 @@ def page(kept):
     names = list(dict.fromkeys(method for methods in kept.values() for method in methods))
     sizes = sorted({size for size, _ in kept})
     text = [f"## Every method in the library\n\n`tools/dev.sh bench methods`: CPU seconds a megapixel of one thread at {JUDGED}x{JUDGED} pixels, {BUDGET} samples a pixel of 64 (of 16 at {LARGE}), scene S; filters",
-            f"get the selection of `multiscale`, samplers with a loop have `directional` in it. The call alone, the recording loaded. {machine()}. A bold figure misses its target: the seconds",
+            f"get that of `multiscale`; in the loop of a sampler runs `directional`, below `twin_guides`. The call alone, the recording loaded. {machine()}. A bold figure misses its target: the seconds",
             f"named, {BYTES} bytes a pixel beside the mapped recording (for a filter with all that it reads), {TWO_THREADS} times faster on two threads (methods",
             f"above {LONG:g} s; empty: not measured). A star: the method needs features, and ran on mirrored copies of `dumps/tiny/chess.spool`, which has them. Growth: the power of the",
-            f"number of pixels that the time grows with to 2048x2048 ([sizes.csv](results/speed/sizes.csv): {', '.join(map(str, sizes))} pixels a side).", ""]
+            f"number of pixels that the time grows with to 2048x2048 ([sizes.csv](results/speed/sizes.csv): {', '.join(map(str, sizes))} pixels a side, one and two threads).", ""]
     kinds = {kind: [name for name in names if name.startswith(kind + "/")] for kind in ("sampler", "filter")}
     for kind, methods in kinds.items():
         text += [judged(kind, kept, methods), ""]

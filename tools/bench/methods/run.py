@@ -2,9 +2,8 @@
 
 Scene S with 64 samples a pixel at each size (16 at 4096), budget 8 spp; the recordings are made once, in the build folder (18 GB
 for all sizes). Methods that need features run on copies of a small recording that has some. In the library; tools/dev.sh bench vectors
-has the whole commands. Sizes and numbers of threads take turns,
-and of the turns the least counts: what else a machine does only ever adds. A method is left out at a size where a run
-would take longer than --longest, by the size before. What was measured is kept in methods.json of the build
+has the whole commands. Sizes and numbers of threads take turns, and of the turns the least counts: what else a machine does only ever
+adds. A method is left out at a size where a run would take longer than --longest, by the size before. What was measured is kept in methods.json of the build
 folder; tables are written into docs/speed.md, unless they shall only be printed.
 """
 import argparse
@@ -19,7 +18,8 @@ from tools.bench.methods.mosaic import write_mosaic
 from tools.bench.methods.page import LARGE, growth_rows, page
 from tools.bench.speed_page import PAGE, replace_section
 
-BUDGET, JUDGED = 8, 512                        # JUDGED: pixels along a side of the picture of the table
+BUDGET = 8
+WARMED = 5.0                                   # seconds; a longer run maps the recording's pages at no cost that counts
 SAMPLES, LARGE_SAMPLES = 64, 16
 FEATURES = Path("dumps/tiny/chess.spool")      # for methods that require features, which scene S has not
 
@@ -61,23 +61,27 @@ class Methods:
             key: value if isinstance(value, (str, bool)) else min(value, before.get(key, value)) for key, value in now.items()}
         keep(self.results, self.kept)
 
-    def affordable(self, method, size, sizes):
-        """False where a smaller picture says that a run would take too long; that is kept, too."""
+    def expected(self, method, size, sizes):
+        """Seconds of a run, by a smaller picture; 0 where there is none."""
         smaller = [s for s in sizes if s < size and method in self.kept.get((s, 1), {})]
         found = self.kept[max(smaller), 1][method] if smaller else {}
-        expected = found.get("cpu", found.get("expected", 0)) * (size / max(smaller)) ** 2 if smaller else 0
+        return found.get("cpu", found.get("expected", 0)) * (size / max(smaller)) ** 2 if smaller else 0
+
+    def affordable(self, method, size, sizes):
+        """False where a run would take too long; that is kept, too."""
+        expected = self.expected(method, size, sizes)
         if expected > self.longest:
             self.kept.setdefault((size, 1), {})[method] = {"expected": expected}
         return expected <= self.longest
 
-    def library(self, size, threads, methods, features):
-        """One process; the methods that were refused without features."""
+    def library(self, size, threads, methods, features, warm):
+        """One process; the methods that were refused without features. warm: a run before the clock's maps the recording's pages."""
         if not methods:
             return []
         which = "^(" + "|".join(map(re.escape, methods)) + ")/t"
         done = subprocess.run([self.program(), self.recording(size, features), f"--spp={BUDGET}", f"--threads={threads}", "--benchmark_min_time=0.2",
-                               "--benchmark_min_warmup_time=0.01",  # pages of the recording are mapped before the clock runs
-                               f"--benchmark_filter={which}", "--benchmark_format=json"], check=True, stdout=subprocess.PIPE, text=True)
+                               *(["--benchmark_min_warmup_time=0.01"] if warm else []), f"--benchmark_filter={which}", "--benchmark_format=json"],
+                              check=True, stdout=subprocess.PIPE, text=True)
         refused = []
         for run in json.loads(done.stdout)["benchmarks"]:
             method = "/".join(run["name"].split("/")[:2])
@@ -91,9 +95,11 @@ class Methods:
     def measure(self, size, sizes):
         say = lambda what: print(f"{size}: {what}", file=sys.stderr, flush=True)
         methods = [m for m in self.names if self.wanted.search(m) and self.affordable(m, size, sizes)]
-        for threads in range(1, 1 + (self.threads if size == JUDGED else 1)):
+        quick = [m for m in methods if self.expected(m, size, sizes) < WARMED]
+        for threads in range(1, 1 + self.threads):
             say(f"threads {threads}")
-            self.library(size, threads, self.library(size, threads, methods, False), True)
+            for chosen, warm in ((quick, True), ([m for m in methods if m not in quick], False)):
+                self.library(size, threads, self.library(size, threads, chosen, False, warm), True, warm)
 
 
 def read_kept(path):
