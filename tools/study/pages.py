@@ -2,7 +2,6 @@
 
 A template (templates/PAGE.in) contains sentences. In them
     {{chapters}}                                      is a row for each chapter of chapters.toml
-    {{older}}                                         is the plans of 64 x 64 pixels that an older program ran
     {{readings}}                                      is the preset paper as a family: its best, worst and shipped member
     {{rivals}}                                        is the paper's statements, counted by preset and class of rival
     {{matrix}}                                        is whole methods by recordings: relMSE to uniform + box, energy
@@ -26,7 +25,6 @@ from tools.study.plans import FULL
 HERE = Path(__file__).parent
 CHAPTERS = tomllib.loads((HERE / "chapters.toml").read_text(encoding="utf-8"))["chapter"]
 CLAIM = re.compile(r"\{\{((?:small )?\w+;[^\n]*?;\s*\w+)\}\}")
-CHANGED = "2026-11-26T19:40"  # small plans that ran before are judged without the rule of replicates (decision 0155)
 
 METHODS = {"uniform + directional": "uniform + directional", "multiscale:paper + directional:paper": "paper", "multiscale{update=epoch} + directional": "robust",
            "uniform + nl_means": "uniform + nl_means", "nl_means + nl_means": "nl_means", "greedy_error + greedy_selection": "greedy",
@@ -83,11 +81,6 @@ def chapter_rows(chapter, small, full):
         rows.append([chapter["id"] if i == 0 else "", chapter["title"] if i == 0 else "", f"[{plan}](../tools/plans/{plan}.toml)",
                      "" if chapter["plans"][0] in FULL["left_out"] else links_of(plan, full), links_of(plan, small)])
     return rows
-
-
-def older(store):
-    """Small plans that an older program ran."""
-    return ", ".join(dict.fromkeys(p.split("_")[0].upper() for c in CHAPTERS for p in c["plans"] if store.json(p, "made.json").get("started", CHANGED) < CHANGED))
 
 
 def chapters_table(small, full):
@@ -235,7 +228,7 @@ def page(template, small, full):
     """The text of a page, from what is kept of both sizes."""
     text = (HERE / "templates" / template).read_text(encoding="utf-8")
     text = CLAIM.sub(lambda match: said(match, small, full), text)
-    for name, made in (("chapters", lambda: chapters_table(small, full)), ("older", lambda: older(small)),
+    for name, made in (("chapters", lambda: chapters_table(small, full)),
                        ("readings", lambda: readings((full, small), READINGS)), ("rivals", lambda: rivals(small, full)),
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("beside_network", lambda: beside_network(full, NETWORK)),
