@@ -15,6 +15,17 @@ namespace {
 // again.
 constexpr int kBlockRows = 32, kBlockColumns = 64, kReach = 2;
 
+// Taps of the pixel filter on cells of a quarter pixel: distances (i + 1/2 - 10) / 4, i = 0 .. 19,
+// sum 1; the first belongs to the cell 10 before the pixel's centre.
+Taps cell_filter_taps() {
+  Taps taps{-10, {}};
+  for (int i = 0; i < 20; ++i) {
+    const double d = (i + 0.5 - 10.0) / kCellsPerPixel;
+    taps.values.push_back(std::max(0.0, std::exp(-2.0 * d * d) - std::exp(-8.0)));
+  }
+  return scaled(taps, 1.0 / tap_sum(taps));
+}
+
 // The cell at offset m from the centre line of pixel i is cell 4 i + 2 + m.
 int first_cell(int i, const Taps& taps) {
   return i * kCellsPerPixel + kCellsPerPixel / 2 + taps.first;
@@ -80,7 +91,7 @@ void filter_across_rows(const double* rows, int first, int width, int height, in
     to[x] /= inside;
 }
 
-// filter_cells(cell_means(..)) of the pixels of `block`.
+// filtered_cell_means() of the pixels of `block`.
 void filter_block(const PieceStatistics& statistics, const SamplePool& pool,
                   const RgbImage& pixel_mean, const Rectangle& block, const Taps& taps,
                   RgbImage& out) {
@@ -123,41 +134,6 @@ void filter_blocks(const PieceStatistics& statistics, const SamplePool& pool,
 }
 
 }  // namespace
-
-Taps cell_filter_taps() {
-  Taps taps{-10, {}};
-  for (int i = 0; i < 20; ++i) {
-    const double d = (i + 0.5 - 10.0) / kCellsPerPixel;
-    taps.values.push_back(std::max(0.0, std::exp(-2.0 * d * d) - std::exp(-8.0)));
-  }
-  return scaled(taps, 1.0 / tap_sum(taps));
-}
-
-RgbImage cell_means(const PieceStatistics& statistics, const SamplePool& pool,
-                    const RgbImage& pixel_mean) {
-  const int width = pixel_mean[0].width(), height = pixel_mean[0].height();
-  RgbImage cells = make_rgb(kCellsPerPixel * width, kCellsPerPixel * height);
-  parallel_rows(0, height, [&](int y) {
-    const int row = y * kCellsPerPixel;
-    cell_means_of_row(
-        statistics, pool, pixel_mean, y, 0, width,
-        {cells[0].row(row).data(), cells[1].row(row).data(), cells[2].row(row).data()});
-  });
-  return cells;
-}
-
-Plane filter_cells(const Plane& cells) {
-  const int width = cells.width() / kCellsPerPixel, height = cells.height() / kCellsPerPixel;
-  const Taps taps = cell_filter_taps();
-  Plane rows(width, cells.height()), out(width, height);
-  parallel_rows(0, cells.height(), [&](int y) {
-    filter_along_row(cells.row(y).data(), 0, width, 0, width, width, taps, rows.row(y).data());
-  });
-  parallel_rows(0, height, [&](int y) {
-    filter_across_rows(rows.row(0).data(), 0, width, height, y, taps, out.row(y).data());
-  });
-  return out;
-}
 
 RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool& pool,
                              const RgbImage& pixel_mean) {

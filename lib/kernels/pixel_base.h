@@ -9,17 +9,8 @@
 
 namespace spool {
 
-// Taps of the pixel filter on cells of a quarter pixel: distances (i + 1/2 - 10) / 4, i = 0 .. 19,
-// sum 1; the first belongs to the cell 10 before the pixel's centre.
-Taps cell_filter_taps();
-
-// Means of the samples of each cell [c][4 height][4 width]; an empty cell takes its pixel's mean.
-RgbImage cell_means(const PieceStatistics& statistics, const SamplePool& pool,
-                    const RgbImage& pixel_mean);
-
-// Cells filtered with cell_filter_taps, one value per pixel; windows cut and renormalised.
-Plane filter_cells(const Plane& cells);
-// filter_cells(cell_means(..)) of each channel, to the bit, without an image of cells.
+// The cells of pixel_cells.h under the pixel filter, one value per pixel, without an image of
+// cells; windows are cut at the border and renormalised.
 RgbImage filtered_cell_means(const PieceStatistics& statistics, const SamplePool& pool,
                              const RgbImage& pixel_mean);
 // Makes `filtered`, the filtered_cell_means() of the counts `before`, those of `statistics`, to the

@@ -9,13 +9,13 @@
 #include "lib/filters/nl_means.h"
 #include "lib/filters/wavelet_transform.h"
 #include "lib/kernels/piece_estimates.h"
-#include "lib/kernels/pixel_base.h"
 #include "tests/filters/small_pools.h"
 #include "tests/reference/greedy_selection_reference.h"
 #include "tests/reference/multistage_reference.h"
 #include "tests/reference/nl_means_reference.h"
 #include "tests/reference/test_images.h"
 #include "tests/reference/wavelet_transform_reference.h"
+#include "tests/support/cell_means.h"
 #include "tests/support/sizes.h"
 
 namespace spool {
@@ -46,7 +46,7 @@ TEST(GreedySelectionDifferential, ImagesVariancesAndScalesAgree) {
       Plane n(width, height);
       for (std::size_t i = 0; i < n.size(); ++i)
         n[i] = statistics.n[i];
-      const RgbImage cells = cell_means(statistics, pool, statistics.mean);
+      const RgbImage cells = test::cell_means(statistics, pool, statistics.mean);
       const auto expected =
           reference::greedy_selection(pieces->mean, pieces->variance, n,
                                       subpixel ? &cells : nullptr, 6, options.gamma, options.alpha);

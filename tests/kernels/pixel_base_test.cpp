@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/filters/small_pools.h"
+#include "tests/reference/greedy_selection_reference.h"
+#include "tests/support/cell_means.h"
 
 namespace spool {
 namespace {
@@ -17,35 +19,41 @@ TEST(PixelBase, CellsWithoutSamplesTakeThePixelMeanAndEqualCellsChangeNothing) {
   const SamplePool pool = make_pool(4, 3, 5, noisy_picture(4, 3, 2), {}, random_film(5));
   const Selection selection = select_uniform(pool, 5);
   const RgbImage flat = {Plane(4, 3, 2.0), Plane(4, 3, 2.0), Plane(4, 3, 2.0)};
-  const RgbImage cells = cell_means(selection.statistics, pool, flat);
+  const RgbImage cells = test::cell_means(selection.statistics, pool, flat);
   int taken_from_mean = 0;
   for (const double v : cells[0].pixels())
     taken_from_mean += v == 2.0 ? 1 : 0;
   EXPECT_GE(taken_from_mean, 4 * 3 * 11);  // at most 5 of 16 cells of a pixel have a sample
-  const Plane filtered = filter_cells(Plane(16, 12, 2.0));
-  for (const double v : filtered.pixels())
+  const SamplePool even =
+      make_pool(4, 3, 5, [](int, int, int) { return Rgb{2.0f, 2.0f, 2.0f}; }, {}, random_film(5));
+  const RgbImage filtered = filtered_cell_means(select_uniform(even, 5).statistics, even, flat);
+  for (const double v : filtered[0].pixels())
     EXPECT_NEAR(v, 2.0, 1e-15);
 }
 
 TEST(PixelBase, WithoutFilmPositionsEveryCellHasThePixelMean) {
   const SamplePool pool = make_pool(4, 3, 5, noisy_picture(4, 3, 2));
   const PieceStatistics statistics = select_uniform(pool, 5).statistics;
-  const RgbImage cells = cell_means(statistics, pool, statistics.mean);
+  const RgbImage cells = test::cell_means(statistics, pool, statistics.mean);
   for (int y = 0; y < 12; ++y) {
     for (int x = 0; x < 16; ++x)
       EXPECT_EQ(cells[1](x, y), statistics.mean[1](x / 4, y / 4));
   }
 }
 
-TEST(PixelBase, BlocksGiveTheBitsOfTheWholeImage) {
+TEST(PixelBase, BlocksGiveThePixelFilterOfTheWholeImage) {
   for (const auto& [width, height] :
        {std::pair{7, 70}, {2, 3}, {33, 32}, {1, 1}, {5, 34}, {66, 4}, {130, 35}}) {
     const SamplePool pool =
         make_pool(width, height, 5, noisy_picture(width, height, 2), {}, random_film(5));
     const PieceStatistics statistics = select_uniform(pool, 4).statistics;
-    const RgbImage cells = cell_means(statistics, pool, statistics.mean);
-    EXPECT_EQ(filtered_cell_means(statistics, pool, statistics.mean),
-              (RgbImage{filter_cells(cells[0]), filter_cells(cells[1]), filter_cells(cells[2])}));
+    const RgbImage cells = test::cell_means(statistics, pool, statistics.mean);
+    const RgbImage filtered = filtered_cell_means(statistics, pool, statistics.mean);
+    const RgbImage expected = reference::greedy_base(statistics.mean, &cells);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t i = 0; i < filtered[c].size(); ++i)
+        ASSERT_NEAR(filtered[c][i], expected[c][i], 1e-13) << width << "x" << height;
+    }
   }
 }
 

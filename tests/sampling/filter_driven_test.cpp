@@ -14,6 +14,7 @@
 #include "tests/reference/greedy_error_reference.h"
 #include "tests/reference/nl_means_reference.h"
 #include "tests/sampling/multiscale_cases.h"
+#include "tests/support/cell_means.h"
 #include "tests/support/sizes.h"
 
 namespace spool {
@@ -68,7 +69,7 @@ TEST(GreedyError, ErrorsAndScalesAgreeWithTheSlowTwin) {
       Plane n(width, height);
       for (std::size_t i = 0; i < n.size(); ++i)
         n[i] = counts[i];
-      const RgbImage cells = cell_means(statistics, pool, statistics.mean);
+      const RgbImage cells = test::cell_means(statistics, pool, statistics.mean);
       const auto expected =
           reference::greedy_error(pieces->mean, pieces->variance, n, subpixel ? &cells : nullptr,
                                   exposure, 8.0, 3, options.gamma, options.alpha);
