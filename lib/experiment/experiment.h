@@ -114,7 +114,7 @@ struct CellImages {
 
 // No two of them are called at the same time.
 struct ExperimentCallbacks {
-  // After each cell; `images` is null when the cell failed. May change the result that is kept.
+  // After each cell, whose result is the callback's own; `images` is null when the cell failed.
   std::function<void(CellResult&, const CellImages* images)> finished;
   // Cells done (the current one in part) of all: 0 .. 1.
   std::function<void(double)> progress;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <exception>
 #include <mutex>
-#include <utility>
 
 #include "lib/core/parallel.h"
 #include "lib/core/worker_threads.h"
@@ -38,9 +37,7 @@ class Runner {
         work_{options, sources, callbacks.cancelled ? &is_cancelled_ : nullptr},
         recording_(sources.load) {}
 
-  using Keep = std::function<void(std::size_t cell, CellResult&&)>;
-
-  void run(const Keep& keep) {
+  void run() {
     const std::vector<WorkGroup> groups = work_groups(cells_);
     for (std::size_t begin = 0; begin < groups.size() && !cancelled();) {
       const int at_once = runs_at_once(groups[begin]);
@@ -50,11 +47,11 @@ class Runner {
         ++end;
       }
       if (at_once == 1) {
-        run_group(groups[begin], {true, [&](double share) { report(share); }}, keep);
+        run_group(groups[begin], {true, [&](double share) { report(share); }});
       } else {
         // All of one recording, which runs_at_once() has loaded.
         for_each_on_threads(end - begin, at_once, [&](std::size_t i) {
-          if (!cancelled()) run_group(groups[begin + i], {false, [](double) {}}, keep);
+          if (!cancelled()) run_group(groups[begin + i], {false, [](double) {}});
         });
       }
       begin = end;
@@ -69,7 +66,7 @@ class Runner {
     return recording ? std::max(sources_.runs_at_once(**recording), 1) : 1;
   }
 
-  void run_group(const WorkGroup& group, const CellLane& lane, const Keep& keep) {
+  void run_group(const WorkGroup& group, const CellLane& lane) {
     const Cell& first = group.first();
     const ThreadLimit limit(first.threads);
     const Result<ReadySampler> sampler = guarded([&] { return sources_.sampler(first.sampler); });
@@ -82,13 +79,12 @@ class Runner {
     for (const std::size_t i : group.members) {
       if (cancelled()) return;
       if (by_filter && i != group.members.front()) sampling = sample(cells_[i]);
-      CellResult result = made(cells_[i], sampling, lane);
+      run_cell(cells_[i], sampling, lane);
       report_finished();
-      if (keep) keep(i, std::move(result));
     }
   }
 
-  CellResult made(const Cell& cell, const Result<SamplingRun>& sampling, const CellLane& lane) {
+  void run_cell(const Cell& cell, const Result<SamplingRun>& sampling, const CellLane& lane) {
     CellResult result;
     result.cell = cell;
     result.alone = lane.alone;
@@ -101,7 +97,6 @@ class Runner {
       result.error = outcome.error();
       finish(result, nullptr);
     }
-    return result;
   }
 
   void finish(CellResult& result, const CellImages* images) {
@@ -143,24 +138,9 @@ class Runner {
 
 }  // namespace
 
-std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
-                                       const ExperimentOptions& options,
-                                       const ExperimentSources& sources,
-                                       const ExperimentCallbacks& callbacks) {
-  std::vector<std::optional<CellResult>> results(cells.size());
-  Runner(cells, options, sources, callbacks).run([&](std::size_t cell, CellResult&& result) {
-    results[cell] = std::move(result);
-  });
-  std::vector<CellResult> finished;
-  for (std::optional<CellResult>& result : results) {
-    if (result) finished.push_back(std::move(*result));
-  }
-  return finished;
-}
-
 void run_cells(const std::vector<Cell>& cells, const ExperimentOptions& options,
                const ExperimentSources& sources, const ExperimentCallbacks& callbacks) {
-  Runner(cells, options, sources, callbacks).run({});
+  Runner(cells, options, sources, callbacks).run();
 }
 
 }  // namespace spool

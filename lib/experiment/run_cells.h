@@ -7,12 +7,7 @@
 
 namespace spool {
 
-// Results in the order of `cells`; shorter (finished cells only) when cancelled.
-std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
-                                       const ExperimentOptions& options,
-                                       const ExperimentSources& sources,
-                                       const ExperimentCallbacks& callbacks = {});
-// The same without keeping results: memory does not grow with the number of cells.
+// Results are handed over and not kept: memory does not grow with the number of cells.
 void run_cells(const std::vector<Cell>& cells, const ExperimentOptions& options,
                const ExperimentSources& sources, const ExperimentCallbacks& callbacks);
 

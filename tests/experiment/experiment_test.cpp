@@ -1,11 +1,14 @@
 #include "lib/experiment/run_cells.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <mutex>
 #include <new>
+#include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -70,6 +73,26 @@ struct Laboratory {
 
 MethodChoice method(const std::string& name) {
   return {name, "", {}};
+}
+
+// Results in the order of `cells`; shorter (finished cells only) when cancelled.
+std::vector<CellResult> run_experiment(const std::vector<Cell>& cells,
+                                       const ExperimentOptions& options,
+                                       const ExperimentSources& sources,
+                                       ExperimentCallbacks callbacks = {}) {
+  std::vector<std::optional<CellResult>> results(cells.size());
+  const auto finished = callbacks.finished;
+  callbacks.finished = [&](CellResult& result, const CellImages* images) {
+    if (finished) finished(result, images);
+    const auto at = std::ranges::find(cells, result.cell) - cells.begin();
+    results[static_cast<std::size_t>(at)] = result;
+  };
+  run_cells(cells, options, sources, callbacks);
+  std::vector<CellResult> in_order;
+  for (std::optional<CellResult>& result : results) {
+    if (result) in_order.push_back(std::move(*result));
+  }
+  return in_order;
 }
 
 std::string value_of(const CellResult& result, const std::string& column) {
@@ -312,25 +335,17 @@ TEST(Experiment, AFailedCellIsKeptAndTheOthersGoOn) {
   EXPECT_EQ(value_of(results[0], "error"), "broken on purpose");
 }
 
-TEST(Experiment, RunningWithoutKeepingHandsOverTheSameResults) {
+TEST(Experiment, CellsRunOnTheThreadsThatTheyAskFor) {
   Laboratory laboratory;
   const auto cells =
       all_cells({"one"}, {method("uniform")}, {method("mean"), method("zero")}, {4}, 2, {1, 2});
-  ASSERT_EQ(cells.size(), 8u);
-  const auto kept = run_experiment(cells, {}, laboratory.sources());
-  std::vector<double> handed;
-  run_cells(cells, {}, laboratory.sources(),
-            {.finished = [&](CellResult& result,
-                             const CellImages*) { handed.push_back(result.metrics["mse"].value); },
-             .progress = {},
-             .cancelled = {}});
-  ASSERT_EQ(handed.size(), kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    EXPECT_EQ(handed[i], kept[i].metrics["mse"].value);
-    EXPECT_EQ(kept[i].threads, kept[i].cell.threads);
-    EXPECT_EQ(value_of(kept[i], "threads"), std::to_string(cells[i].threads));
+  const auto results = run_experiment(cells, {}, laboratory.sources());
+  ASSERT_EQ(results.size(), 8u);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].threads, cells[i].threads);
+    EXPECT_EQ(value_of(results[i], "threads"), std::to_string(cells[i].threads));
   }
-  EXPECT_EQ(kept[0].metrics["mse"].value, kept[2].metrics["mse"].value);
+  EXPECT_EQ(results[0].metrics["mse"].value, results[2].metrics["mse"].value);
 }
 
 TEST(Experiment, RepeatsChangeTimesOnly) {
