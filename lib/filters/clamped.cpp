@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lib/core/parallel.h"
+#include "lib/kernels/piece_estimates.h"
 
 namespace spool {
 namespace {
@@ -49,11 +50,7 @@ std::optional<BrightSample> brightest(const SamplePool& pool, const CountImage& 
 
 Result<Reconstruction> reconstruct_clamped(const Selection& selection, const SamplePool& pool,
                                            const ClampedOptions& options, const FilterContext&) {
-  const auto counts = selection.statistics.n.pixels();
-  if (std::ranges::none_of(counts, [](std::int32_t n) { return n > 0; })) {
-    return fail(ErrorCode::kData,
-                "selection: no piece has a sample: raise the budget or check the counts");
-  }
+  SPOOL_TRY(check_any_sample(selection.statistics.n));
   Reconstruction result;
   GuardCounts counted_below;  // empty pieces
   const RgbImage mean = pixel_means(selection.statistics, counted_below);

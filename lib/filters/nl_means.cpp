@@ -10,10 +10,6 @@
 namespace spool {
 namespace {
 
-bool any_sample(const CountImage& n) {
-  return std::any_of(n.pixels().begin(), n.pixels().end(), [](std::int32_t k) { return k > 0; });
-}
-
 GuidedTargets guided_by(const SampleHalf& half, const SampleHalf& other) {
   const RgbImage& mean = half.image.mean;
   return {{&mean[0], &mean[1], &mean[2]}, &other.image};
@@ -65,11 +61,8 @@ Result<Reconstruction> reconstruct_nl_means(const Selection& selection, const Sa
                                             const NlMeansOptions& options,
                                             const FilterContext& context) {
   const PieceStatistics& statistics = selection.statistics;
+  SPOOL_TRY(check_any_sample(statistics.n));
   Reconstruction result;
-  if (!any_sample(statistics.n)) {
-    return fail(ErrorCode::kData,
-                "selection: no piece has a sample: raise the budget or check the counts");
-  }
   for (const std::int32_t n : statistics.n.pixels())
     result.guards.add(Guard::kEmptyPiece, n == 0 ? 1 : 0);
   const double exposure = analysis_exposure(statistics, result.guards);

@@ -8,13 +8,6 @@
 namespace spool {
 namespace {
 
-Result<void> check_any_sample(const CountImage& n) {
-  if (std::any_of(n.pixels().begin(), n.pixels().end(), [](std::int32_t k) { return k > 0; }))
-    return {};
-  return fail(ErrorCode::kData,
-              "selection: no piece has a sample: raise the budget or check the counts");
-}
-
 // Fills the empty pieces of one more image whose empty pieces are counted already.
 Plane fill_uncounted(Plane pieces, const PieceStatistics& statistics) {
   GuardCounts counted_elsewhere;
@@ -30,6 +23,13 @@ Plane scaled(const Plane& plane, double factor) {
 }
 
 }  // namespace
+
+Result<void> check_any_sample(const CountImage& n) {
+  if (std::any_of(n.pixels().begin(), n.pixels().end(), [](std::int32_t k) { return k > 0; }))
+    return {};
+  return fail(ErrorCode::kData,
+              "selection: no piece has a sample: raise the budget or check the counts");
+}
 
 Result<ChannelEstimates> estimate_channel(const PieceStatistics& statistics, std::size_t channel,
                                           const VarianceOptions& options, double exposure,

@@ -23,7 +23,10 @@ struct ChannelEstimates {
   Plane mean, variance;  // as above
 };
 
-// Error kData when no piece has a sample. `exposure` brings radiance to the scale of the variance's
+// Error kData when no piece has a sample.
+Result<void> check_any_sample(const CountImage& n);
+
+// The same error. `exposure` brings radiance to the scale of the variance's
 // floor (VarianceOptions::scale).
 Result<PieceEstimates> estimate_pieces(const PieceStatistics& statistics,
                                        const VarianceOptions& options, double exposure,

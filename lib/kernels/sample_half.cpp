@@ -99,12 +99,8 @@ void take_up_to(const CountImage& n, const SamplePool& pool, HalfSums& half) {
 
 Result<SampleHalf> sample_half(const HalfSums& half, const PieceStatistics& statistics,
                                HalfVariance variance, double exposure) {
+  SPOOL_TRY(check_any_sample(half.n));
   SampleHalf result{half.n, {}};
-  if (std::all_of(half.n.pixels().begin(), half.n.pixels().end(),
-                  [](std::int32_t n) { return n == 0; })) {
-    return fail(ErrorCode::kData,
-                "selection: no piece has a sample: raise the budget or check the counts");
-  }
   for (std::size_t c = 0; c < 3; ++c) {
     SPOOL_ASSIGN(ChannelEstimates channel,
                  variance == HalfVariance::kBoth

@@ -92,11 +92,7 @@ Result<Reconstruction> reconstruct_oidn(const Selection& selection, const Sample
                                         const OidnOptions& options, const FilterContext&) {
   SPOOL_ASSIGN(const auto library, open_oidn());
   const PieceStatistics& statistics = selection.statistics;
-  const auto counts = statistics.n.pixels();
-  if (std::ranges::none_of(counts, [](std::int32_t n) { return n > 0; })) {
-    return fail(ErrorCode::kData,
-                "selection: no piece has a sample: raise the budget or check the counts");
-  }
+  SPOOL_TRY(check_any_sample(statistics.n));
   Reconstruction result;
   const RgbImage mean = pixel_means(statistics, result.guards);
   const int width = mean[0].width(), height = mean[0].height();

@@ -1,6 +1,5 @@
 #include "lib/filters/twin_guides/twin_guides.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "lib/filters/twin_guides/agreed_light.h"
@@ -55,10 +54,7 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
                                                const FilterContext&) {
   const PieceStatistics& statistics = selection.statistics;
   const CountImage& n = statistics.n;
-  if (std::none_of(n.pixels().begin(), n.pixels().end(), [](std::int32_t k) { return k > 0; })) {
-    return fail(ErrorCode::kData,
-                "selection: no piece has a sample: raise the budget or check the counts");
-  }
+  SPOOL_TRY(check_any_sample(n));
   Reconstruction result;
   for (const std::int32_t k : n.pixels())
     result.guards.add(Guard::kEmptyPiece, k == 0 ? 1 : 0);
