@@ -32,19 +32,6 @@ void filter_tiles(
                });
 }
 
-RgbImage filter_with_guide(const RgbImage& target, const HalfImage& guide,
-                           const PatchFilterOptions& options) {
-  RgbImage out = make_rgb(target[0].width(), target[0].height());
-  const GuidedTargets guided = {{&target[0], &target[1], &target[2]}, &guide};
-  filter_tiles({&guided, 1}, options, [&](const Rectangle& tile, const auto& filtered) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (int y = tile.y0; y < tile.y1; ++y)
-        std::copy_n(filtered[0][c].row(y - tile.y0).data(), tile.width(), &out[c](tile.x0, y));
-    }
-  });
-  return out;
-}
-
 OptionTable<PatchFilterOptions> patch_filter_option_table() {
   using O = PatchFilterOptions;
   return {

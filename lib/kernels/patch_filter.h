@@ -30,7 +30,4 @@ void filter_tiles(std::span<const GuidedTargets> guided, const PatchFilterOption
                   const std::function<void(const Rectangle& tile,
                                            std::span<const std::vector<Plane>> filtered)>& use);
 
-RgbImage filter_with_guide(const RgbImage& target, const HalfImage& guide,
-                           const PatchFilterOptions& options);
-
 }  // namespace spool
