@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "lib/core/parallel.h"
-
 namespace spool {
 namespace {
 
@@ -93,23 +91,6 @@ AnalysisEstimates estimate_analysis(const PieceStatistics& statistics,
       statistics);
   estimates.mean = fill_uncounted(std::move(mean), statistics);
   return estimates;
-}
-
-Plane average_pieces(const Plane& pieces, int pieces_per_side) {
-  const int q = pieces_per_side;
-  if (q == 1) return pieces;
-  Plane pixels(pieces.width() / q, pieces.height() / q);
-  parallel_rows(0, pixels.height(), [&](int y) {
-    for (int x = 0; x < pixels.width(); ++x) {
-      double sum = 0.0;
-      for (int j = 0; j < q; ++j) {
-        for (int i = 0; i < q; ++i)
-          sum += pieces(x * q + i, y * q + j);
-      }
-      pixels(x, y) = sum / (q * q);
-    }
-  });
-  return pixels;
 }
 
 Plane average_piece_variance(const Plane& pieces, int pieces_per_side) {

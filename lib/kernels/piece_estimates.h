@@ -53,8 +53,8 @@ AnalysisEstimates estimate_analysis(const PieceStatistics& statistics,
 // Exposure of the statistics' signal by the rule above.
 double analysis_exposure(const PieceStatistics& statistics, GuardCounts& guards);
 
-// Pixels from pieces: means of q x q values; for variances also divided by q^2.
-Plane average_pieces(const Plane& pieces, int pieces_per_side);
+// Pixels from pieces, as average_pieces() of one plane (piece_statistics.h); variances are also
+// divided by q^2.
 RgbImage average_pieces(RgbImage pieces, int pieces_per_side);
 Plane average_piece_variance(const Plane& pieces, int pieces_per_side);
 RgbImage average_piece_variance(RgbImage pieces, int pieces_per_side);

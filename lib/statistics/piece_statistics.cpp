@@ -280,23 +280,29 @@ Plane fill_empty_pieces(Plane pieces, const CountImage& n, int pieces_per_side,
   return pieces;
 }
 
+Plane average_pieces(const Plane& pieces, int pieces_per_side) {
+  const int q = pieces_per_side;
+  if (q == 1) return pieces;
+  Plane pixels(pieces.width() / q, pieces.height() / q);
+  parallel_rows(0, pixels.height(), [&](int y) {
+    for (int x = 0; x < pixels.width(); ++x) {
+      double sum = 0.0;
+      for (int j = 0; j < q; ++j) {
+        for (int i = 0; i < q; ++i)
+          sum += pieces(x * q + i, y * q + j);
+      }
+      pixels(x, y) = sum / (q * q);
+    }
+  });
+  return pixels;
+}
+
 Plane pieces_to_pixels(const Plane& pieces, const CountImage& n, int pieces_per_side,
                        GuardCounts& guards) {
   const int q = pieces_per_side;
   Plane filled = fill_empty_pieces(pieces, n, q, guards);
   if (q == 1) return filled;
-  Plane pixels(pieces.width() / q, pieces.height() / q);
-  for (int y = 0; y < pixels.height(); ++y) {
-    for (int x = 0; x < pixels.width(); ++x) {
-      double sum = 0.0;
-      for (int j = 0; j < q; ++j) {
-        for (int i = 0; i < q; ++i)
-          sum += filled(x * q + i, y * q + j);
-      }
-      pixels(x, y) = sum / (q * q);
-    }
-  }
-  return pixels;
+  return average_pieces(filled, q);
 }
 
 RgbImage pixel_means(const PieceStatistics& statistics, GuardCounts& guards) {

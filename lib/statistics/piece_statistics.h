@@ -86,5 +86,7 @@ Plane pieces_to_pixels(const Plane& pieces, const CountImage& n, int pieces_per_
 // `pieces` with those of n = 0 filled as above.
 Plane fill_empty_pieces(Plane pieces, const CountImage& n, int pieces_per_side,
                         GuardCounts& guards);
+// Pixels as the means of their pieces, all of which count.
+Plane average_pieces(const Plane& pieces, int pieces_per_side);
 
 }  // namespace spool
