@@ -5,6 +5,7 @@
 
 #include "lib/filters/twin_guides/feature_fit.h"
 #include "lib/filters/twin_guides/tiles.h"
+#include "lib/kernels/pair_features.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/statistics/feature_statistics.h"
@@ -13,13 +14,6 @@ namespace spool {
 namespace {
 
 constexpr double kLargestFeature = 4.0;  // albedos and normals beyond are no surface's
-
-Image<float> to_float(const Plane& plane) {
-  Image<float> image(plane.width(), plane.height());
-  for (std::size_t i = 0; i < plane.size(); ++i)
-    image[i] = static_cast<float>(plane[i]);
-  return image;
-}
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lib/core/parallel.h"
+#include "lib/kernels/pair_features.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/statistics/grown_variance.h"
@@ -77,13 +78,6 @@ Moments moments_of(const SamplePool& pool, const CountImage& n, Value value, Use
     }
   });
   return moments;
-}
-
-Image<float> to_float(const Plane& plane) {
-  Image<float> image(plane.width(), plane.height());
-  for (std::size_t i = 0; i < plane.size(); ++i)
-    image[i] = static_cast<float>(plane[i]);
-  return image;
 }
 
 class Filling {
