@@ -137,6 +137,30 @@ void sums_of_sixteen(const double* from, std::ptrdiff_t stride, std::ptrdiff_t t
   }
 }
 
+// Other numbers of terms: four a sweep.
+SPOOL_VECTOR_CLONES
+void sum_of_shifted_rows(const double* from, std::ptrdiff_t s, int terms, int width,
+                         double* __restrict out) {
+  int i = 1;
+  if (terms >= 4) {
+    for (int x = 0; x < width; ++x)
+      out[x] = from[x] + from[x + s] + from[x + 2 * s] + from[x + 3 * s];
+    i = 4;
+  } else {
+    std::copy_n(from, width, out);
+  }
+  for (; i + 4 <= terms; i += 4) {
+    const double* f = from + i * s;
+    for (int x = 0; x < width; ++x)
+      out[x] = out[x] + f[x] + f[x + s] + f[x + 2 * s] + f[x + 3 * s];
+  }
+  for (; i < terms; ++i) {
+    const double* f = from + i * s;
+    for (int x = 0; x < width; ++x)
+      out[x] += f[x];
+  }
+}
+
 }  // namespace
 
 void weighted_sums(const double* from, std::ptrdiff_t stride, std::ptrdiff_t term_stride,
@@ -174,35 +198,6 @@ void weighted_sum_of_rows(const double* const* sources, const double* weights, s
 void weighted_sum_of_rows(const float* const* sources, const float* weights, std::size_t terms,
                           int width, float* __restrict out) {
   weighted_sum(sources, weights, terms, width, out);
-}
-
-SPOOL_VECTOR_CLONES
-void sum_of_shifted_rows(const double* from, std::ptrdiff_t stride, int terms, int width,
-                         double* __restrict out) {
-  const std::ptrdiff_t s = stride;
-  if (terms == 2) {
-    for (int x = 0; x < width; ++x)
-      out[x] = from[x] + from[x + s];
-    return;
-  }
-  int i = 1;
-  if (terms >= 4) {
-    for (int x = 0; x < width; ++x)
-      out[x] = from[x] + from[x + s] + from[x + 2 * s] + from[x + 3 * s];
-    i = 4;
-  } else {
-    std::copy_n(from, width, out);
-  }
-  for (; i + 4 <= terms; i += 4) {
-    const double* f = from + i * s;
-    for (int x = 0; x < width; ++x)
-      out[x] = out[x] + f[x] + f[x + s] + f[x + 2 * s] + f[x + 3 * s];
-  }
-  for (; i < terms; ++i) {
-    const double* f = from + i * s;
-    for (int x = 0; x < width; ++x)
-      out[x] += f[x];
-  }
 }
 
 }  // namespace spool

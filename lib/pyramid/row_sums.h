@@ -27,8 +27,4 @@ void weighted_sums(const float* from, std::ptrdiff_t stride, std::ptrdiff_t term
 void plain_sums(const double* from, std::ptrdiff_t stride, std::ptrdiff_t term_stride, int terms,
                 int rows, int width, double* __restrict out, std::ptrdiff_t out_stride);
 
-// out[x] = sum over i < terms of from[x + i * stride]; terms >= 1.
-void sum_of_shifted_rows(const double* from, std::ptrdiff_t stride, int terms, int width,
-                         double* __restrict out);
-
 }  // namespace spool

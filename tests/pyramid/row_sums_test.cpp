@@ -72,19 +72,6 @@ TEST_P(RowSums, OfManyRowsAreThoseOfEachRow) {
   }
 }
 
-TEST_P(RowSums, OfShiftedRowsAreThoseOfThePlainLoop) {
-  const int terms = GetParam();
-  std::vector<double> out(65, -1.0);
-  sum_of_shifted_rows(from_.data(), kStride, terms, 64, out.data());
-  for (std::size_t x = 0; x < 64; ++x) {
-    double sum = from_[x];
-    for (int i = 1; i < terms; ++i)
-      sum += from_[x + static_cast<std::size_t>(i * kStride)];
-    ASSERT_EQ(out[x], sum) << x;
-  }
-  EXPECT_EQ(out[64], -1.0);
-}
-
 INSTANTIATE_TEST_SUITE_P(Terms, RowSums, testing::Values(1, 2, 3, 4, 5, 8, 13, 16, 17, 31, 33));
 
 }  // namespace
