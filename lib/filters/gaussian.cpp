@@ -2,6 +2,7 @@
 
 #include "lib/core/extend.h"
 #include "lib/filters/box.h"
+#include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
 
 namespace spool {
@@ -32,9 +33,7 @@ Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const Sa
   const Taps taps = gaussian_taps(options.sigma);
   for (const auto& [x, y] : wanted_pixels(context))
     context.footprints->add(footprint_of(taps, x, y, result.image));
-  Taps squares = taps;
-  for (double& tap : squares.values)
-    tap *= tap;
+  const Taps squares = squared_taps(taps);
   for (std::size_t c = 0; c < 3; ++c) {
     result.image[c] = convolve(result.image[c], taps);
     if (result.variance) (*result.variance)[c] = convolve((*result.variance)[c], squares);
