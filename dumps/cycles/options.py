@@ -4,7 +4,7 @@ import sys
 
 from dumps.cycles.batches import batch_plan
 from dumps.cycles.passes import CHANNELS, DEFAULT
-from dumps.recording.command_line import Parser, pairs
+from dumps.recording.command_line import Parser, pairs, parse_size
 from dumps.recording.failure import usage_failure
 from dumps.recording.recordings import check as check_recordings
 from dumps.recording.recordings import check_name
@@ -66,7 +66,7 @@ def parse_options(arguments):
 
 
 def check_options(options):
-    options.size = parse_size(options.size) if options.size else None
+    options.size = parse_size(options.size, 4, LARGEST) if options.size else None
     options.channels = [c for c in options.channels.split(",") if c]
     if not options.out and not options.dry_run:
         raise usage_failure("no folder for the passes: give -o FOLDER")
@@ -101,14 +101,3 @@ def check_options(options):
             options.reference)[1] != options.reference:
         raise usage_failure("--reference %d does not split into equal batches: use a multiple of %d" %
                             (options.reference, batch_plan(options.reference)[0]))
-
-
-def parse_size(text):
-    parts = text.lower().split("x")
-    try:
-        width, height = (int(p) for p in (parts * 2)[:2])
-        if len(parts) > 2 or not (4 <= width <= LARGEST and 4 <= height <= LARGEST):
-            raise ValueError
-    except ValueError:
-        raise usage_failure("--size '%s' is no size: use WxH or N, 4 to %d" % (text, LARGEST))
-    return width, height

@@ -4,7 +4,7 @@ import os
 
 from dumps.mitsuba.channels import DEFAULT, LAYERS
 from dumps.mitsuba.seeds import USER_LIMIT
-from dumps.recording.command_line import Parser, pairs
+from dumps.recording.command_line import Parser, pairs, parse_size
 from dumps.recording.failure import usage_failure
 from dumps.recording.recordings import check as check_recordings
 from dumps.recording.recordings import check_name, names
@@ -77,17 +77,6 @@ def check(options):
     for folder in options.files:
         if not os.path.isdir(folder):
             raise usage_failure("--files %s: no such folder" % folder)
-    options.size = parse_size(options.size) if options.size else None
+    options.size = parse_size(options.size, 1, 65536) if options.size else None
     options.definitions = pairs("-D", options.defines)
     options.substitutes = pairs("--substitute", options.substitute)
-
-
-def parse_size(text):
-    try:
-        values = [int(part) for part in text.lower().split("x")]
-        width, height = (values * 2)[:2]
-        if len(values) > 2 or min(width, height) < 1 or max(width, height) > 65536:
-            raise ValueError
-    except ValueError:
-        raise usage_failure("--size '%s' is no size: use WxH or N" % text)
-    return width, height

@@ -18,3 +18,15 @@ def pairs(option, texts):
         if "=" not in text or text.startswith("="):
             raise usage_failure("%s %s: write NAME=VALUE" % (option, text))
     return dict(text.partition("=")[::2] for text in texts)
+
+
+def parse_size(text, least, most):
+    """(width, height) of "WxH" or "N", each within the bounds."""
+    parts = text.lower().split("x")
+    try:
+        width, height = (int(part) for part in (parts * 2)[:2])
+        if len(parts) > 2 or not (least <= width <= most and least <= height <= most):
+            raise ValueError
+    except ValueError:
+        raise usage_failure("--size '%s' is no size: use WxH or N, %d to %d" % (text, least, most))
+    return width, height
