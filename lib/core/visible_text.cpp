@@ -1,5 +1,6 @@
 #include "lib/core/visible_text.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -62,6 +63,12 @@ std::string visible_text(std::string_view text, bool keep_lines) {
     text.remove_prefix(next.bytes == 0 ? 1 : next.bytes);
   }
   return shown;
+}
+
+std::string printable_ascii(std::string_view text) {
+  std::string line(text);
+  std::replace_if(line.begin(), line.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return line;
 }
 
 std::string shell_quoted(std::string_view text) {

@@ -11,6 +11,9 @@ namespace spool {
 // is one line of valid UTF-8. `keep_lines` lets '\n' pass, for text of several lines of our own.
 std::string visible_text(std::string_view text, bool keep_lines = false);
 
+// As printable ASCII: every other byte becomes '?'.
+std::string printable_ascii(std::string_view text);
+
 // As a shell takes it for one word: in single quotes where it needs them.
 std::string shell_word(std::string_view text);
 std::string shell_quoted(std::string_view text);  // always: 'it'\''s'

@@ -8,6 +8,7 @@
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/scratch_file.h"
 #include "lib/core/random.h"
+#include "lib/core/visible_text.h"
 #include "lib/exchange/dump_layers.h"
 #include "lib/image_io/colour_space.h"
 #include "lib/image_io/deep_exr_file.h"
@@ -374,7 +375,7 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
     plan.record.converted = {"the samples of each pixel were shuffled"};
     for (const ExrChannel& channel : header.channels)
       if (std::string_view("RGBZ").find(channel.name) == std::string::npos)
-        plan.record.dropped.push_back(shown(channel.name));
+        plan.record.dropped.push_back(printable_ascii(channel.name));
   }
   std::vector<std::string> notes = plan.record.converted;
   if (!plan.record.dropped.empty())

@@ -5,6 +5,7 @@
 #include "formats/bounded_json.h"
 #include "formats/interchange/export_file.h"
 #include "formats/interchange/scratch_file.h"
+#include "lib/core/visible_text.h"
 
 namespace spool::exchange {
 
@@ -35,12 +36,6 @@ interchange::ElementType element_type(PixelType type) {
   return type == PixelType::kHalf    ? interchange::ElementType::kFloat16
          : type == PixelType::kFloat ? interchange::ElementType::kFloat32
                                      : interchange::ElementType::kUint32;
-}
-
-std::string shown(std::string_view name) {
-  std::string text(name);
-  std::replace_if(text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
 }
 
 Result<void> require_complete(const format::SpoolReader& dump) {
@@ -113,7 +108,8 @@ Result<std::optional<ToldDump>> told_dump(const ExrAttributes& attributes,
                                  scope.is_string() ? scope.get<std::string>() : "");
     if (!given.is_string() || known == kScopes.end()) return refuse("spoolChannels");
     auto [layer, component] = split_channel(given.get<std::string>());
-    if (layer.empty() || component.empty() || shown(layer + component) != layer + component)
+    if (layer.empty() || component.empty() ||
+        printable_ascii(layer + component) != layer + component)
       return refuse("spoolChannels");
     told.channels.push_back(
         {std::move(layer), std::move(component), static_cast<Scope>(known - kScopes.begin())});
@@ -179,7 +175,7 @@ Result<void> read_pixel_layers(const std::filesystem::path& path, uint64_t& end,
       layer.components.push_back(split_channel(image.planes[last++].name).second);
     if (layer_name.empty())
       return fail(ErrorCode::kData, "{}: channel {} has no layer: name it LAYER.COMPONENT",
-                  path.string(), shown(image.planes[first].name));
+                  path.string(), printable_ascii(image.planes[first].name));
     const size_t bytes = bytes_per_value(image.planes[first].type);
     const size_t channels = last - first;
     std::vector<std::byte> values(pixels * channels * bytes);

@@ -61,7 +61,4 @@ Result<void> write_pixel_layers(const format::SpoolReader& dump, ScratchLayers& 
 Result<void> read_pixel_layers(const std::filesystem::path& path, uint64_t& end,
                                format::FileHandle& scratch, interchange::DumpPlan& plan);
 
-// A foreign name as a message may show it: printable ASCII.
-std::string shown(std::string_view name);
-
 }  // namespace spool::exchange

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "formats/interchange/layer_names.h"
+#include "lib/core/visible_text.h"
 #include "lib/image_io/foreign_picture.h"
 
 namespace spool::exchange {
@@ -266,7 +267,7 @@ class Mapper {
     for (size_t p = 0; p < parts_.size(); ++p)
       for (size_t c = 0; c < parts_[p].channels.size(); ++c)
         if (std::find(used.begin(), used.end(), ForeignChannel{p, c}) == used.end())
-          mapping_.dropped.push_back(shown(parts_[p].channels[c].name));
+          mapping_.dropped.push_back(printable_ascii(parts_[p].channels[c].name));
     if (const std::string unused = unused_channels(parts_, layers_, used); !unused.empty())
       mapping_.notes.push_back(
           fmt::format("not taken over: {} (--set import.map=OURS=LAYER takes a layer)", unused));

@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfPartType.h>
 
+#include "lib/core/visible_text.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_geometry.h"
 #include "lib/image_io/exr_header_scan.h"
@@ -93,7 +94,7 @@ Result<DeepExrReader> DeepExrReader::open(const std::filesystem::path& path,
     const Imf::Header& header = state->input.header(0);
     if (!header.hasType() || header.type() != Imf::DEEPSCANLINE)
       return fail(ErrorCode::kData, "{}: part 0 is '{}': deep scanlines are needed", name,
-                  header.hasType() ? exr::one_line(header.type()) : "flat");
+                  header.hasType() ? printable_ascii(header.type()) : "flat");
     SPOOL_ASSIGN(const exr::Window window, exr::checked_window(name, header, limits.max_pixels));
     // The table of samples alone takes four bytes a pixel, before any of them is read.
     const auto pixels =
@@ -111,7 +112,7 @@ Result<DeepExrReader> DeepExrReader::open(const std::filesystem::path& path,
     return DeepExrReader(std::move(state));
   } catch (const std::exception& error) {
     return fail(ErrorCode::kDamage, "{}: the EXR is cut or damaged ({})", name,
-                exr::one_line(error.what()));
+                printable_ascii(error.what()));
   }
 }
 
@@ -124,7 +125,7 @@ Result<DeepRow> DeepExrReader::read_row(int y) {
     return state_->read(y);
   } catch (const std::exception& error) {
     return fail(ErrorCode::kDamage, "{}: the EXR is cut or damaged in row {} ({})", state_->name, y,
-                exr::one_line(error.what()));
+                printable_ascii(error.what()));
   }
 }
 
@@ -179,7 +180,7 @@ Result<DeepExrWriter> DeepExrWriter::create(const std::filesystem::path& path,
     state->output.emplace(state->stream, state->imf_header());
   } catch (const std::exception& error) {
     return fail(ErrorCode::kIo, "{}: cannot be written ({}): nothing was changed", path.string(),
-                exr::one_line(error.what()));
+                printable_ascii(error.what()));
   }
   return DeepExrWriter(std::move(state));
 }
@@ -190,7 +191,7 @@ Result<void> DeepExrWriter::write_row(const std::vector<std::vector<std::byte>>&
     return {};
   } catch (const std::exception& error) {
     return fail(ErrorCode::kIo, "{}: cannot be written ({}): free some space",
-                state_->file.temporary_path().string(), exr::one_line(error.what()));
+                state_->file.temporary_path().string(), printable_ascii(error.what()));
   }
 }
 
@@ -199,7 +200,7 @@ Result<void> DeepExrWriter::finish() {
     state_->output.reset();
   } catch (const std::exception& error) {
     return fail(ErrorCode::kIo, "{}: cannot be written ({}): free some space",
-                state_->file.temporary_path().string(), exr::one_line(error.what()));
+                state_->file.temporary_path().string(), printable_ascii(error.what()));
   }
   SPOOL_TRY(state_->stream.finished());
   return state_->file.commit();

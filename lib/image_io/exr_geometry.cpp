@@ -101,10 +101,4 @@ Imf::PixelType imf_type(PixelType type) {
   return type == PixelType::kHalf ? Imf::HALF : (type == PixelType::kUint ? Imf::UINT : Imf::FLOAT);
 }
 
-std::string one_line(std::string_view text) {
-  std::string line(text);
-  std::replace_if(line.begin(), line.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return line;
-}
-
 }  // namespace spool::exr

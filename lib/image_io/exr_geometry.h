@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <OpenEXR/ImfHeader.h>
@@ -42,8 +41,5 @@ void read_attributes(const Imf::Header& header, ExrAttributes& attributes);
 void write_attributes(const ExrAttributes& attributes, Imf::Header& header);
 
 Imf::PixelType imf_type(PixelType type);
-
-// Printable ASCII: what a file or a library says may be anything.
-std::string one_line(std::string_view text);
 
 }  // namespace spool::exr

@@ -14,6 +14,7 @@
 #include <OpenEXR/ImfCompression.h>
 
 #include "formats/other_kinds.h"
+#include "lib/core/visible_text.h"
 #include "lib/image_io/exr_chunks.h"
 #include "lib/image_io/exr_geometry.h"
 
@@ -245,7 +246,7 @@ class HeaderScan {
       if (type < 0 || type > 2)
         return fail(ErrorCode::kData,
                     "{}: channel {} has type {}, which is unknown here: save it as half or float",
-                    name_, one_line(value.substr(at, end - at)), type);
+                    name_, printable_ascii(value.substr(at, end - at)), type);
       bytes += type == 1 ? 2 : 4;  // HALF is 1
       at = end + 17;
     }
@@ -281,7 +282,7 @@ class HeaderScan {
 
   tl::unexpected<Error> refuse(const Attribute& attribute, std::string_view what) const {
     return fail(ErrorCode::kDamage, "{}: attribute {} {}: the EXR is cut or damaged", name_,
-                one_line(attribute.name), what);
+                printable_ascii(attribute.name), what);
   }
   tl::unexpected<Error> cut() const {
     return fail(ErrorCode::kDamage, "{}: the EXR is cut or damaged (its header ends at byte {})",

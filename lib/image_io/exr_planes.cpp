@@ -6,6 +6,7 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfOutputFile.h>
 
+#include "lib/core/visible_text.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_geometry.h"
 #include "lib/image_io/exr_output.h"
@@ -63,7 +64,7 @@ Result<void> write_exr_planes(const std::filesystem::path& path, const ExrPlanes
   } catch (const std::exception& error) {
     SPOOL_TRY(stream.finished());
     return fail(ErrorCode::kIo, "{}: cannot be written ({}): nothing was changed", path.string(),
-                exr::one_line(error.what()));
+                printable_ascii(error.what()));
   }
   SPOOL_TRY(stream.finished());
   return file.commit();

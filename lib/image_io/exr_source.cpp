@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 
+#include "lib/core/visible_text.h"
 #include "lib/image_io/exr_geometry.h"
 #include "lib/image_io/exr_header_scan.h"
 
@@ -74,7 +75,7 @@ Result<ExrPart> part_of(const std::string& name, const Imf::Header& header) {
 
 tl::unexpected<Error> damaged(const std::string& name, const std::exception& error) {
   return fail(ErrorCode::kDamage, "{}: the EXR is cut or damaged ({})", name,
-              exr::one_line(error.what()));
+              printable_ascii(error.what()));
 }
 
 }  // namespace

@@ -22,6 +22,10 @@ TEST(VisibleText, ShowsBytesThatAreNoCharacters) {
             "\\xc0\\x80 \\xed\\xa0\\x80 \\xf4\\x90\\x80\\x80 \\xe2\\x82");
 }
 
+TEST(VisibleText, AsAsciiHasAMarkForEveryOtherByte) {
+  EXPECT_EQ(printable_ascii("a ~\t\x7f\u00f6"), "a ~" + std::string(4, '?'));
+}
+
 // Every text of three bytes out of those where the rules change.
 TEST(VisibleText, IsAlwaysOneLineOfUtf8WithoutControls) {
   const std::string bytes = std::string(
