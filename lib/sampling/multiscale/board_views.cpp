@@ -35,14 +35,6 @@ void for_each_image(const MultiscaleOptions& options, std::string_view suffix, V
   }
 }
 
-template <class Image>
-void paste_area(const Board& board, const Image& from, Plane& to) {
-  for (int y = board.area.y0; y < board.area.y1; ++y) {
-    for (int x = board.area.x0; x < board.area.x1; ++x)
-      to(x + board.window.x0, y + board.window.y0) = static_cast<double>(from(x, y));
-  }
-}
-
 }  // namespace
 
 BoardViews::BoardViews(const Views* wanted, std::string_view suffix, int width, int height,

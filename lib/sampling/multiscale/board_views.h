@@ -15,6 +15,15 @@
 
 namespace spool {
 
+// Copies the area of a board, an image of which is `from`, to where it lies in the grid.
+template <class T>
+void paste_area(const Board& board, const Image<T>& from, Plane& to) {
+  for (int y = board.area.y0; y < board.area.y1; ++y) {
+    for (int x = board.area.x0; x < board.area.x1; ++x)
+      to(x + board.window.x0, y + board.window.y0) = static_cast<double>(from(x, y));
+  }
+}
+
 // The views of one moment, for boards that cover the grid. Empty of images when none is asked for.
 class BoardViews {
  public:

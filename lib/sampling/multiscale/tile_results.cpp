@@ -31,13 +31,6 @@ Plane mean_attenuation(AnalysedBoard<T>& board, std::size_t k) {
   return mean;
 }
 
-void copy_area(const Board& board, const Plane& from, Plane& to) {
-  for (int y = board.area.y0; y < board.area.y1; ++y) {
-    for (int x = board.area.x0; x < board.area.x1; ++x)
-      to(x + board.window.x0, y + board.window.y0) = from(x, y);
-  }
-}
-
 }  // namespace
 
 TileResults::TileResults(std::size_t tiles, const Rectangle& grid, const Views* wanted,
@@ -63,7 +56,7 @@ void TileResults::add(std::size_t t, AnalysedBoard<T> board, BoardLog log) {
     if (logs_.size() == 1) {
       attenuation_[k] = std::move(mean);
     } else {
-      copy_area(board, mean, attenuation_[k]);
+      paste_area(board, mean, attenuation_[k]);
     }
   }
   logs_[t] = std::move(log);
