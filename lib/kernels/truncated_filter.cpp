@@ -161,13 +161,6 @@ Taps peak_normalised(const Taps& taps) {
   return scaled(taps, 1.0 / taps.values[static_cast<std::size_t>(-taps.first)]);
 }
 
-double tap_sum(const Taps& taps) {
-  double sum = 0.0;
-  for (const double tap : taps.values)
-    sum += tap;
-  return sum;
-}
-
 Taps floor_gaussian_taps(double sigma) {
   return gaussian_of_radius(sigma, static_cast<int>(std::floor(3.0 * sigma)));
 }

@@ -42,7 +42,6 @@ Plane truncated_variance(const Plane& v, const Taps& taps, const Taps& squares);
 Taps squared_taps(const Taps& taps);
 Taps convolved_taps(const Taps& a, const Taps& b);
 Taps peak_normalised(const Taps& taps);  // divided by the tap at offset 0
-double tap_sum(const Taps& taps);
 
 // Gaussian cut at radius floor(3 sigma), sum 1 [RousselleKnausZwicker11].
 Taps floor_gaussian_taps(double sigma);

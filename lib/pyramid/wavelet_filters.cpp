@@ -17,13 +17,6 @@ Taps symmetric(const std::vector<double>& half) {
   return taps;
 }
 
-double sum_of(const Taps& taps) {
-  double sum = 0.0;
-  for (const double value : taps.values)
-    sum += value;
-  return sum;
-}
-
 // The orthogonal filter with three vanishing moments in closed form [Daubechies88], DC gain 1,
 // placed so that its centroid is nearest offset 0.
 Taps db3_analysis() {
@@ -49,8 +42,8 @@ FilterPair long_analysis_pair(WaveletFilter filter) {
                                        -0.016864118442875, 0.026748757410810}),
                             symmetric({1.115087052456994, 0.591271763114250, -0.057543526228500,
                                        -0.091271763114250})};
-      return {scaled(pair.analysis, 1.0 / sum_of(pair.analysis)),
-              scaled(pair.synthesis, 2.0 / sum_of(pair.synthesis))};
+      return {scaled(pair.analysis, 1.0 / tap_sum(pair.analysis)),
+              scaled(pair.synthesis, 2.0 / tap_sum(pair.synthesis))};
     }
     case WaveletFilter::kDb3: {
       const Taps analysis = db3_analysis();
@@ -74,6 +67,13 @@ Taps scaled(const Taps& taps, double factor) {
   for (double& value : result.values)
     value *= factor;
   return result;
+}
+
+double tap_sum(const Taps& taps) {
+  double sum = 0.0;
+  for (const double tap : taps.values)
+    sum += tap;
+  return sum;
 }
 
 FilterPair filter_pair(WaveletFilter filter, FilterRoles roles) {

@@ -38,6 +38,7 @@ FilterPair filter_pair_at(WaveletFilter filter, FilterRoles roles, int k);
 
 Taps mirrored(const Taps& taps);  // offset m -> -m
 Taps scaled(const Taps& taps, double factor);
+double tap_sum(const Taps& taps);
 
 // Gaussian of standard deviation sigma >= 0, cut at radius ceil(3 sigma), normalised to sum 1.
 Taps gaussian_taps(double sigma);
