@@ -25,15 +25,6 @@ CountImage samples_of_pixels(const CountImage& n, int q) {
   return of_pixel;
 }
 
-// min(4, smallest count of a pixel that has samples).
-int number_of_groups(const CountImage& n) {
-  int groups = kMostGroups;
-  for (const std::int32_t count : n.pixels()) {
-    if (count > 0) groups = std::min(groups, count);
-  }
-  return groups;
-}
-
 // visit(luminance) for the samples taken of pixel (x, y), in the order of their positions.
 template <class Visit>
 void visit_luminances(const SamplePool& pool, const CountImage& n, int x, int y, Visit&& visit) {
@@ -104,6 +95,14 @@ std::uint64_t samples_above(const SamplePool& pool, const CountImage& n, const P
 }
 
 }  // namespace
+
+int number_of_groups(const CountImage& n) {
+  int groups = kMostGroups;
+  for (const std::int32_t count : n.pixels()) {
+    if (count > 0) groups = std::min(groups, count);
+  }
+  return groups;
+}
 
 Plane sample_limits(const SamplePool& pool, const CountImage& n, double unit,
                     const SampleClampOptions& options) {

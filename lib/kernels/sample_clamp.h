@@ -29,6 +29,9 @@ struct SampleClampOptions {
   double floor = 0.005;  // allowed everywhere, in units of the scene's luminance
 };
 
+// m: min(4, smallest count of one that has samples), of pixels or of pieces.
+int number_of_groups(const CountImage& n);
+
 // T [y][x] of pixels, radiance units, from the first n(x, y) samples of every piece; a pixel
 // without samples takes part with its neighbours' values. `unit` is the scene's luminance, > 0.
 Plane sample_limits(const SamplePool& pool, const CountImage& n, double unit,

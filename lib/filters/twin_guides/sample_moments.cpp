@@ -7,6 +7,7 @@
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/pair_features.h"
+#include "lib/kernels/sample_clamp.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
 #include "lib/statistics/grown_variance.h"
@@ -34,15 +35,6 @@ double in_units(double value, const RadianceScale& scale) {
 
 double luminance_of(const Rgb& x) {
   return luminance(x[0], x[1], x[2]);
-}
-
-// min(4, smallest count of a piece that has samples).
-int groups_of(const CountImage& n) {
-  int groups = 4;
-  for (const std::int32_t count : n.pixels()) {
-    if (count > 0) groups = std::min(groups, count);
-  }
-  return groups;
 }
 
 // What a sample counts in the difference of n samples' halves; parity 0: even positions.
@@ -138,7 +130,7 @@ SampleMoments sample_moments(const SamplePool& pool, const CountImage& n, const 
                   in_units(x[2] * factor, scale)};
   };
   RgbImage difference = make_rgb(n.width(), n.height());
-  const int groups = groups_of(n);
+  const int groups = number_of_groups(n);
   result.clamped_light.assign(static_cast<std::size_t>(groups),
                               Image<float>(n.width(), n.height()));
   const auto add_difference = [&](std::size_t piece, int i, const Rgb& x, const Triple& values) {
