@@ -98,8 +98,7 @@ Plane collapse(const Pyramid& pyramid, const PyramidOptions& options) {
   return result;
 }
 
-void update_pyramid(Pyramid& pyramid, const Rectangle& changed, const PyramidOptions& options,
-                    std::vector<Rectangle>* coarse_boxes, std::vector<Rectangle>* detail_boxes) {
+void update_pyramid(Pyramid& pyramid, const Rectangle& changed, const PyramidOptions& options) {
   check_options(options);
   SPOOL_CHECK_EQ(pyramid.coarse.size(), static_cast<std::size_t>(options.levels) + 1);
   SPOOL_CHECK_EQ(pyramid.detail.size(), static_cast<std::size_t>(options.levels));
@@ -111,8 +110,6 @@ void update_pyramid(Pyramid& pyramid, const Rectangle& changed, const PyramidOpt
     subtract_prediction(pyramid.coarse[i], pyramid.coarse[i + 1], options, k, detail[i],
                         pyramid.detail[i]);
   }
-  if (coarse_boxes != nullptr) *coarse_boxes = std::move(coarse);
-  if (detail_boxes != nullptr) *detail_boxes = std::move(detail);
 }
 
 void pyramid_influence(const Rectangle& changed, const Rectangle& bounds,

@@ -57,13 +57,11 @@ void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const 
 Plane collapse(const Pyramid& pyramid, const PyramidOptions& options);
 
 // After pyramid.coarse[0] was changed inside `changed`: recomputes what depends on it and nothing
-// else. The boxes, if asked for, are what was recomputed: K + 1 coarse (the first is `changed`) and
-// K detail ones.
-void update_pyramid(Pyramid& pyramid, const Rectangle& changed, const PyramidOptions& options,
-                    std::vector<Rectangle>* coarse_boxes = nullptr,
-                    std::vector<Rectangle>* detail_boxes = nullptr);
+// else.
+void update_pyramid(Pyramid& pyramid, const Rectangle& changed, const PyramidOptions& options);
 
-// Those boxes alone, for an image of size `bounds`.
+// What that recomputes of an image of size `bounds`: K + 1 coarse boxes (the first is `changed`)
+// and K detail ones.
 void pyramid_influence(const Rectangle& changed, const Rectangle& bounds,
                        const PyramidOptions& options, std::vector<Rectangle>& coarse_boxes,
                        std::vector<Rectangle>& detail_boxes);
