@@ -6,11 +6,11 @@ LOG_SECONDS = 60.0
 
 
 class Progress:
-    """On stderr. `enabled` False: silent."""
+    """On stderr."""
 
-    def __init__(self, label, total, enabled=True):
-        self.label, self.total, self.enabled = label, total, enabled
-        self.shown = enabled and sys.stderr.isatty()
+    def __init__(self, label, total):
+        self.label, self.total = label, total
+        self.shown = sys.stderr.isatty()
         self.start, self.done = time.monotonic(), 0
         self.last = 0.0 if self.shown else self.start
 
@@ -18,7 +18,7 @@ class Progress:
         self.done += 1
         now = time.monotonic()
         passed = now - self.last
-        if not self.enabled or (passed < 0.2 and self.done < self.total if self.shown else passed < LOG_SECONDS):
+        if passed < 0.2 and self.done < self.total if self.shown else passed < LOG_SECONDS:
             return
         self.last = now
         left = (now - self.start) / self.done * (self.total - self.done)

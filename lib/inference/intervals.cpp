@@ -118,7 +118,7 @@ MeanError mean_error(std::span<const double> values, double correlation,
   return found;
 }
 
-Interval mean_interval(const Series& series, Range range, double level) {
+Interval mean_interval(const Series& series, Range range) {
   Interval interval;
   interval.logarithmic = range == Range::kPositive && all_positive(series.values);
   HalfVariance between = half_variance(series.halves);
@@ -135,7 +135,7 @@ Interval mean_interval(const Series& series, Range range, double level) {
   if (found.n >= 2 && series.withheld == Withheld::kNo) {
     interval.standard_error = found.standard_error;
     interval.freedom = found.freedom;
-    reach = student_quantile(0.5 + 0.5 * level, interval.freedom) * found.standard_error;
+    reach = student_quantile(0.975, interval.freedom) * found.standard_error;
   }
   finish(interval, reach, range);
   return interval;

@@ -65,7 +65,7 @@ struct Interval {
 
 // Of the finite values. Ends are cut to `range`, which loses nothing that may be true; none where
 // the series has its interval withheld.
-Interval mean_interval(const Series& series, Range range = Range::kReal, double level = 0.95);
+Interval mean_interval(const Series& series, Range range = Range::kReal);
 
 // Of one value known with a standard error of its own (from blocks of pixels), normally
 // distributed.

@@ -9,6 +9,8 @@ namespace {
 using Items = std::vector<std::size_t>;  // ascending
 using Adjacency = std::vector<std::vector<bool>>;
 
+constexpr std::size_t kMostGroups = 20000;  // there may be exponentially many
+
 Items neighbours_in(const Adjacency& alike, std::size_t item, const Items& items) {
   Items found;
   for (const std::size_t other : items) {
@@ -20,7 +22,7 @@ Items neighbours_in(const Adjacency& alike, std::size_t item, const Items& items
 // Maximal cliques by Bron and Kerbosch's search with a pivot [BronKerbosch73].
 class Cliques {
  public:
-  Cliques(const Adjacency& alike, std::size_t most) : alike_(alike), most_(most) {}
+  explicit Cliques(const Adjacency& alike) : alike_(alike) {}
 
   std::vector<Items> all() {
     Items every(alike_.size());
@@ -31,7 +33,7 @@ class Cliques {
 
  private:
   void extend(const Items& clique, Items open, Items closed) {
-    if (found_.size() > most_) return;
+    if (found_.size() > kMostGroups) return;
     if (open.empty() && closed.empty()) {
       found_.push_back(clique);
       std::ranges::sort(found_.back());
@@ -61,7 +63,6 @@ class Cliques {
   }
 
   const Adjacency& alike_;
-  std::size_t most_;
   std::vector<Items> found_;
 };
 
@@ -97,16 +98,15 @@ std::string letter(std::size_t index) {
 }  // namespace
 
 std::vector<std::string> letter_groups(std::size_t count,
-                                       const std::function<bool(std::size_t, std::size_t)>& apart,
-                                       std::size_t most_groups) {
+                                       const std::function<bool(std::size_t, std::size_t)>& apart) {
   Adjacency alike(count, std::vector<bool>(count, false));
   for (std::size_t j = 0; j < count; ++j) {
     for (std::size_t i = 0; i < j; ++i)
       alike[i][j] = alike[j][i] = !apart(i, j);
   }
   std::vector<std::string> letters(count);
-  std::vector<Items> groups = Cliques(alike, most_groups).all();
-  if (groups.size() > most_groups) return letters;
+  std::vector<Items> groups = Cliques(alike).all();
+  if (groups.size() > kMostGroups) return letters;
   drop_redundant(groups, count);
   std::ranges::sort(groups);
   for (std::size_t g = 0; g < groups.size(); ++g) {

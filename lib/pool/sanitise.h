@@ -20,9 +20,7 @@ using Rgb = std::array<float, 3>;
 // A finite sample beyond this magnitude is taken for a renderer's accident, like an infinite one.
 inline constexpr float kLargestRadiance = 1e15f;
 
-// Shares of non-finite samples above which loading is worth a warning and above which it is
-// refused.
-inline constexpr double kNonFiniteWarning = 1e-4;
+// Share of non-finite samples above which loading is refused.
 inline constexpr double kNonFiniteError = 1e-2;
 
 enum class NonFiniteRule { kReject, kZero, kError };

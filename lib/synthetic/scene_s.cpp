@@ -142,9 +142,8 @@ AnalyticScene scene_s(int width, int height, const SceneSOptions& options) {
   return analytic;
 }
 
-RecordedSamples make_scene_s(int width, int height, int spp, std::uint64_t seed,
-                             const SceneSOptions& options) {
-  return make_recording(scene_s(width, height, options), spp, seed);
+RecordedSamples make_scene_s(int width, int height, int spp, std::uint64_t seed) {
+  return make_recording(scene_s(width, height), spp, seed);
 }
 
 }  // namespace spool

@@ -18,8 +18,7 @@ struct SceneSOptions {
 
 AnalyticScene scene_s(int width, int height, const SceneSOptions& options = {});
 
-// A recording in memory with film positions and the exact reference.
-RecordedSamples make_scene_s(int width, int height, int spp, std::uint64_t seed,
-                             const SceneSOptions& options = {});
+// A recording of it in memory with film positions and the exact reference.
+RecordedSamples make_scene_s(int width, int height, int spp, std::uint64_t seed);
 
 }  // namespace spool

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "formats/bounded_json.h"
+#include "lib/core/visible_text.h"
 #include "lib/experiment/experiment.h"
 #include "lib/image_io/atomic_file.h"
 #include "tools/methods/external_methods.h"
@@ -24,10 +25,7 @@ std::string quoted(const std::string& word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+%@";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word)
-    text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
+  return shell_quoted(word);
 }
 
 // The words of this process's command line, as the system keeps them; empty where it does not.
