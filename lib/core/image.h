@@ -5,6 +5,7 @@
 // distinct threads.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -70,6 +71,25 @@ using RgbImage = std::array<Plane, 3>;
 
 inline RgbImage make_rgb(int width, int height, double fill = 0.0) {
   return {Plane(width, height, fill), Plane(width, height, fill), Plane(width, height, fill)};
+}
+
+// The part of `image` that lies in `box`; empty where either is.
+template <class T>
+Image<T> cropped(const Image<T>& image, const Rectangle& box) {
+  if (image.empty()) return {};
+  Image<T> part(std::max(box.width(), 0), std::max(box.height(), 0));
+  if (part.empty()) return part;
+  for (int y = 0; y < part.height(); ++y)
+    std::copy_n(&image(box.x0, box.y0 + y), part.width(), part.row(y).data());
+  return part;
+}
+
+// Copies `part` to where `box` lies in `image`.
+template <class T>
+void paste(const Image<T>& part, const Rectangle& box, Image<T>& image) {
+  if (part.empty()) return;
+  for (int y = 0; y < part.height(); ++y)
+    std::copy_n(part.row(y).data(), part.width(), &image(box.x0, box.y0 + y));
 }
 
 // Luminance weights of linear Rec.709 primaries.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
@@ -82,6 +83,20 @@ TEST(Image, IsRowMajor) {
   EXPECT_EQ(image(2, 1), 5.0);
   EXPECT_EQ(image.row(1)[0], 3.0);
   EXPECT_EQ(image.index(1, 1), 4u);
+}
+
+TEST(Image, PartsAreCutOutAndPastedToWhereTheyWere) {
+  Plane image(4, 3), other(4, 3, -1.0);
+  std::iota(image.pixels().begin(), image.pixels().end(), 0.0);
+  const Rectangle box{1, 1, 3, 3};
+  const Plane part = cropped(image, box);
+  EXPECT_EQ(part.bounds(), (Rectangle{0, 0, 2, 2}));
+  EXPECT_EQ(part(1, 1), 10.0);
+  paste(part, box, other);
+  EXPECT_EQ(cropped(other, box), part);
+  EXPECT_EQ(std::ranges::count(other.pixels(), -1.0), 8);
+  EXPECT_TRUE(cropped(image, {4, 1, 2, 3}).empty());
+  EXPECT_TRUE(cropped(Plane(), box).empty());
 }
 
 TEST(Guards, NamesAreUniqueAndCountsAddUp) {

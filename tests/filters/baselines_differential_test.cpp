@@ -1,5 +1,4 @@
 // The baselines against their slow twins.
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -68,10 +67,8 @@ RgbImage filtered_by_tiles(const RgbImage& target, const HalfImage& guide,
   RgbImage out = make_rgb(target[0].width(), target[0].height());
   const GuidedTargets guided = {{&target[0], &target[1], &target[2]}, &guide};
   filter_tiles({&guided, 1}, options, [&](const Rectangle& tile, const auto& filtered) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (int y = tile.y0; y < tile.y1; ++y)
-        std::ranges::copy(filtered[0][c].row(y - tile.y0), &out[c](tile.x0, y));
-    }
+    for (std::size_t c = 0; c < 3; ++c)
+      paste(filtered[0][c], tile, out[c]);
   });
   return out;
 }

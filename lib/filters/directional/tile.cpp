@@ -8,17 +8,6 @@
 namespace spool {
 namespace {
 
-template <class T>
-Image<T> cropped(const Image<T>& image, const Rectangle& box) {
-  if (image.empty()) return {};
-  Image<T> result(box.width(), box.height());
-  for (int y = box.y0; y < box.y1; ++y) {
-    for (int x = box.x0; x < box.x1; ++x)
-      result(x - box.x0, y - box.y0) = image(x, y);
-  }
-  return result;
-}
-
 std::vector<int> cut_axis(int begin, int end, int side, int least) {
   std::vector<int> cuts;
   for (int at = begin; at < end; at += side)
@@ -26,15 +15,6 @@ std::vector<int> cut_axis(int begin, int end, int side, int least) {
   if (cuts.size() > 1 && end - cuts.back() < least) cuts.pop_back();
   cuts.push_back(end);
   return cuts;
-}
-
-// Copies `part` to where `box` lies in `image`, both of the same type.
-template <class T>
-void paste(const Image<T>& part, const Rectangle& box, Image<T>& image) {
-  for (int y = 0; y < part.height(); ++y) {
-    for (int x = 0; x < part.width(); ++x)
-      image(box.x0 + x, box.y0 + y) = part(x, y);
-  }
 }
 
 Tile crop(const Tile& whole, const Rectangle& box) {

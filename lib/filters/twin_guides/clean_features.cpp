@@ -1,6 +1,5 @@
 #include "lib/filters/twin_guides/clean_features.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "lib/filters/twin_guides/feature_fit.h"
@@ -47,12 +46,8 @@ CleanFeatures clean_features(FeatureImages raw) {
   parallel_tiles(width, height, [&](const Rectangle& tile) {
     const Blend blend = feature_fit(tile, raw, {});
     for (std::size_t c = 0; c < raw.value.size(); ++c) {
-      for (int y = tile.y0; y < tile.y1; ++y) {
-        std::copy_n(blend.mean[c].row(y - tile.y0).data(), tile.width(),
-                    &clean.value[c](tile.x0, y));
-        std::copy_n(blend.variance[c].row(y - tile.y0).data(), tile.width(),
-                    &clean.variance[c](tile.x0, y));
-      }
+      paste(blend.mean[c], tile, clean.value[c]);
+      paste(blend.variance[c], tile, clean.variance[c]);
     }
   });
   return {std::move(raw.value), std::move(clean)};

@@ -67,12 +67,8 @@ GuideSources guide_sources(SampleMoments& moments, const FeatureImages& features
   parallel_tiles(width, height, [&](const Rectangle& tile) {
     const Blend blend = feature_blend(tile, means, variances, features, kPilot);
     for (std::size_t c = 0; c < 3; ++c) {
-      for (int y = tile.y0; y < tile.y1; ++y) {
-        std::copy_n(blend.mean[c].row(y - tile.y0).data(), tile.width(),
-                    &sources.mean[0][c](tile.x0, y));
-        std::copy_n(blend.variance[c].row(y - tile.y0).data(), tile.width(),
-                    &sources.variance[0][c](tile.x0, y));
-      }
+      paste(blend.mean[c], tile, sources.mean[0][c]);
+      paste(blend.variance[c], tile, sources.variance[0][c]);
     }
   });
   moments.variance = {};

@@ -9,16 +9,6 @@ namespace spool {
 namespace {
 
 template <class T>
-Image<T> cut(const Image<T>& image, const Rectangle& box) {
-  Image<T> part(box.width(), box.height());
-  for (int y = 0; y < part.height(); ++y) {
-    const auto row = image.row(box.y0 + y).subspan(static_cast<std::size_t>(box.x0));
-    std::copy_n(row.begin(), part.width(), part.row(y).begin());
-  }
-  return part;
-}
-
-template <class T>
 AnalysedBoard<T> empty_board(const Rectangle& window, const Rectangle& area, std::size_t scalars) {
   AnalysedBoard<T> board;
   board.window = window;
@@ -96,8 +86,8 @@ AnalysedBoard<T> cut_board(const AnalysedBoard<T>& whole, const Rectangle& windo
   for (std::size_t i = 0; i < board.scalars.size(); ++i) {
     ScalarAnalysis<T>& scalar = board.scalars[i];
     const ScalarAnalysis<T>& from = whole.scalars[i];
-    scalar.pyramid.coarse[0] = cut(from.pyramid.coarse[0], window);
-    scalar.contrast = cut(from.contrast, window);
+    scalar.pyramid.coarse[0] = cropped(from.pyramid.coarse[0], window);
+    scalar.contrast = cropped(from.contrast, window);
   }
   for (int y = board.area.y0; y < board.area.y1; ++y) {
     for (int x = board.area.x0; x < board.area.x1; ++x) {

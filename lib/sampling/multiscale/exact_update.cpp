@@ -1,6 +1,5 @@
 #include "lib/sampling/multiscale/exact_update.h"
 
-#include <algorithm>
 #include <optional>
 
 #include "lib/pyramid/region_mean.h"
@@ -10,18 +9,6 @@
 #include "lib/sampling/priority_maxima.h"
 
 namespace spool {
-namespace {
-
-Plane copy_box(const Plane& image, const Rectangle& box) {
-  Plane copy(std::max(box.width(), 0), std::max(box.height(), 0));
-  for (int y = 0; y < copy.height(); ++y) {
-    for (int x = 0; x < copy.width(); ++x)
-      copy(x, y) = image(box.x0 + x, box.y0 + y);
-  }
-  return copy;
-}
-
-}  // namespace
 
 BeforeStep remember(const ExactBoard& board, const Rectangle& changed,
                     const MultiscaleOptions& options) {
@@ -37,7 +24,7 @@ BeforeStep remember(const ExactBoard& board, const Rectangle& changed,
   for (const ScalarAnalysis<double>& scalar : board.scalars) {
     std::vector<Plane>& coarse = step.coarse.emplace_back();
     for (std::size_t k = 0; k < count; ++k)
-      coarse.push_back(copy_box(scalar.pyramid.coarse[k], step.attenuation_boxes[k]));
+      coarse.push_back(cropped(scalar.pyramid.coarse[k], step.attenuation_boxes[k]));
   }
   return step;
 }
