@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from conftest import LONGEST_RUN, PROGRAM, WITH_OIDN
-from tools.study.plans import make_recordings
+from tools.study.plans import make_recording, make_recordings
 
 ROOT = Path(__file__).resolve().parents[2]
 MADE_ELSEWHERE = {"counts", "ensemble", "exec", "image", "oidn", "python"}  # need a file, a command, a library or other filters
@@ -24,8 +24,9 @@ def plans(tmp_path_factory):
         (tree / "tools/plans" / plan.name).write_text(plan.read_text())
     make_recordings(PROGRAM, tree / "tools/plans/pools")
     asked = {name for plan in PLANS for name in tomllib.loads(plan.read_text()).get("recordings", ()) if "/" not in name}
+    long = make_recording(PROGRAM, tree, "long", ("scene_s", 16, 1024, 1))
     for name in asked:  # recordings of full size, which are made elsewhere: a small one stands for each
-        (tree / "tools/plans" / name).symlink_to(ROOT / "dumps/tiny/chess.spool")
+        (tree / "tools/plans" / name).symlink_to(long if name.endswith("_long") else ROOT / "dumps/tiny/chess.spool")
     return tree / "tools/plans"
 
 
