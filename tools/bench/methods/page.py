@@ -80,9 +80,9 @@ def page(kept):
     sizes = sorted({size for size, _ in kept})
     text = [f"## Every method in the library\n\n`tools/dev.sh bench methods`: CPU seconds a megapixel of one thread at {JUDGED}x{JUDGED} pixels, {BUDGET} samples a pixel of 64 (of 16 at {LARGE}), scene S; filters",
             f"get that of `multiscale`; in the loop of a sampler runs `directional`, below `twin_guides`. The call alone, the recording loaded. {machine()}. A bold figure misses its target: the seconds",
-            f"named (set where the command of Open Image Denoise takes {OIDN}; here it takes {oidn(kept):.2f}), {BYTES} bytes a pixel beside the mapped recording (for a filter with all that it reads), {TWO_THREADS} times faster on two threads (methods",
-            f"above {LONG:g} s; empty: not measured). A star: the method needs features, and ran on mirrored copies of `dumps/tiny/chess.spool`, which has them. Growth: the power of the",
-            f"number of pixels that the time grows with to 2048x2048 ([sizes.csv](results/speed/sizes.csv): {', '.join(map(str, sizes))} pixels a side, and two threads to 2048).", ""]
+            f"named (if the command of Open Image Denoise takes {OIDN}; here {oidn(kept):.2f}), {BYTES} bytes a pixel beside the mapped recording (for a filter with all that it reads), {TWO_THREADS} times faster on two threads (methods",
+            f"above {LONG:g} s). A star: the method needs features, and ran on mirrored copies of `dumps/tiny/chess.spool`. Growth: the power of the",
+            f"number of pixels that the time grows with to 2048x2048 ([sizes.csv](results/speed/sizes.csv): {', '.join(map(str, sizes))} pixels a side, what takes minutes left out; two threads to 2048).", ""]
     kinds = {kind: [name for name in names if name.startswith(kind + "/")] for kind in ("sampler", "filter")}
     for kind, methods in kinds.items():
         text += [judged(kind, kept, methods), ""]
