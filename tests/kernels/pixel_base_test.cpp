@@ -57,6 +57,25 @@ TEST(PixelBase, BlocksGiveThePixelFilterOfTheWholeImage) {
   }
 }
 
+// Where blocks begin decides no bit: a part of the picture, cut elsewhere into blocks, has the
+// same.
+TEST(PixelBase, BlocksGiveTheSameBitsWhereverTheyBegin) {
+  constexpr int kWidth = 150, kHeight = 80, kX = 23, kY = 13, kBorder = 3;
+  const auto picture = noisy_picture(kWidth, kHeight, 2);
+  const auto filtered = [&](int x0, int y0) {
+    const SamplePool pool = make_pool(
+        kWidth - x0, kHeight - y0, 5,
+        [&](int x, int y, int s) { return picture(x + x0, y + y0, s); }, {}, random_film(5));
+    const PieceStatistics statistics = select_uniform(pool, 4).statistics;
+    return filtered_cell_means(statistics, pool, statistics.mean);
+  };
+  const RgbImage whole = filtered(0, 0), part = filtered(kX, kY);
+  for (int y = kBorder; y < kHeight - kY; ++y) {
+    for (int x = kBorder; x < kWidth - kX; ++x)
+      ASSERT_EQ(part[1](x, y), whole[1](x + kX, y + kY)) << x << ", " << y;
+  }
+}
+
 TEST(PixelBase, MoreSamplesOfSomePixelsGiveTheBitsOfAllAnew) {
   for (const auto& [width, height] : {std::pair{150, 70}, {3, 2}, {64, 33}}) {
     const SamplePool pool =

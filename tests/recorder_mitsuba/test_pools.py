@@ -171,7 +171,7 @@ def test_the_list_has_what_experiments_need():
     full = {pool["scene"] for pool in found if pool["size"] == [256, 256] and (pool["samples"], pool["reference"]) == (256, 4096)}
     assert scenes <= full
     assert sum(pool["size"] == [512, 512] for pool in found) >= 2
-    assert any(pool["samples"] // pool.get("recordings", 1) == 1024 for pool in found)
+    assert any(pool["samples"] // pool.get("recordings", 1) == 1024 and pool["size"] == [128, 128] for pool in found)
     assert any("sequence" in pool["arguments"] for pool in found)
     assert sum("source" in pool for pool in found) >= 3
     for pool in found:
