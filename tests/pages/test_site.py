@@ -54,4 +54,5 @@ def test_pictures_of_the_pages_are_in_it(site):
     assert "multiscale is below uniform in MSE" in (site / "docs/results/claims.html").read_text(encoding="utf-8")
     curves = (site / "docs/results/curves.html").read_text(encoding="utf-8")
     drawn = re.findall(r'src="(curves/[^"]+\.svg)"', curves)
-    assert len(drawn) > 10 and all((site / "docs/results" / file).is_file() for file in drawn)
+    cells = re.findall(r'href="(cells/[^"]+\.csv)"', curves)
+    assert len(drawn) > 10 and len(cells) > 40 and all((site / "docs/results" / file).is_file() for file in drawn + cells)

@@ -66,12 +66,12 @@ class Kept:
 
 
 def links_of(plan, store):
-    """Counted verdicts of a plan, each with its table: every place and cell."""
+    """Counted verdicts of a plan with the table of every place, and what is kept of its results."""
     if not store.texts(plan):
         return "not run"
     claims = store.claims(plan)
-    names = {**({"_claims": tables.summary(claims)} if claims else {}), "": "cells"}
-    return ", ".join(f"[{name}](results/{store.folder.name}/{plan}{end}.csv)" for end, name in names.items())
+    names = {**({"_claims.csv": tables.summary(claims)} if claims else {}), ".tar.xz": "results"}
+    return ", ".join(f"[{name}](results/{store.folder.name}/{plan}{end})" for end, name in names.items())
 
 
 def chapter_rows(chapter, small, full):
@@ -240,14 +240,10 @@ def page(template, small, full):
 
 
 def write_csv(store, chapter):
-    """The long tables of a chapter."""
+    """Every place of a chapter's claims."""
     for plan in (*chapter["plans"], *chapter.get("more", ())):
-        statistics = store.json(plan, "statistics.json")
-        if not statistics:
-            continue
-        write_whole(store.folder / f"{plan}.csv", tables.results_csv(statistics))
-        if statistics["claims"]:
-            write_whole(store.folder / f"{plan}_claims.csv", tables.claims_csv(statistics["claims"]))
+        if store.claims(plan):
+            write_whole(store.folder / f"{plan}_claims.csv", tables.claims_csv(store.claims(plan)))
 
 
 def write(docs, full):

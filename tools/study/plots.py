@@ -1,7 +1,8 @@
-"""Error over budget for every plan of several budgets, drawn when the site is built: plots.py FOLDER.
+"""Curves and long tables of every plan, made when the site is built: plots.py FOLDER.
 
-Writes FOLDER/curves/PLAN.svg and the pages curves.md and claims.md beside that folder from docs/results/experiments[_full]: a panel for each
-recording, a line for each method that a claim names, with its 95 % interval, as statistics.json has them; and every claim with its verdict.
+Writes FOLDER/curves/PLAN.svg, FOLDER/cells/PLAN.csv and the pages curves.md and claims.md beside them from docs/results/experiments[_full]: of a
+plan with several budgets a panel for each recording, a line for each method that a claim names, with its 95 % interval, as statistics.json has
+them; every cell; every claim with its verdict.
 """
 import math
 import sys
@@ -30,13 +31,17 @@ def curves_of(statistics):
 
 def main():
     folder = Path(sys.argv[1])
-    (folder / "curves").mkdir(parents=True, exist_ok=True)
-    blocks = ["# Curves of the experiments", "relMSE over samples per pixel with 95 % intervals, of the methods that the claims of a plan name."]
+    for name in ("curves", "cells"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+    blocks = ["# Curves of the experiments", "relMSE over samples per pixel with 95 % intervals, of the methods that the claims of a plan name; every cell of each plan."]
     for name, title in (("experiments", "64 x 64 pixels"), ("experiments_full", "Full size")):
         store = pages.Kept(ROOT / "docs/results" / name)
         blocks.append(f"## {title}")
-        for plan in sorted(p.name.split(".")[0] for p in store.folder.glob("*.tar.xz")):
+        plans = sorted(p.name.split(".")[0] for p in store.folder.glob("*.tar.xz"))
+        blocks.append("Cells: " + ", ".join(f"[{plan}](cells/{name}_{plan}.csv)" for plan in plans))
+        for plan in plans:
             statistics = store.json(plan, "statistics.json")
+            (folder / "cells" / f"{name}_{plan}.csv").write_text(tables.results_csv(statistics), encoding="utf-8")
             curves = curves_of(statistics)
             if len({e["spp"] for e in statistics["results"]}) > 1 and curves:
                 made = draw_pages(curves, METRIC, lambda after, at=f"{name}_{plan}": folder / "curves" / f"{at}{after}", times=(False,), kinds=("svg",))
