@@ -49,11 +49,23 @@ std::string value_text(const Interval& interval, const char* format) {
   return text + fmt::format(" [{:.3g}, {:.3g}]", interval.low, interval.high);
 }
 
+namespace {
+
+// An end that is not 1 does not read 1: it would not agree with the verdict beside it.
+std::string ratio_end(double end) {
+  std::string text;
+  for (int digits = 2; digits <= 6 && (text.empty() || (text == "1" && end != 1.0)); ++digits)
+    text = fmt::format("{:.{}g}", end, digits);
+  return text;
+}
+
+}  // namespace
+
 std::string ratio_text(const Interval& ratio) {
   if (!std::isfinite(ratio.mean)) return "-";
   const std::string mean = fmt::format("{:.3g}", ratio.mean);
   if (!has_ends(ratio)) return mean;
-  return mean + fmt::format(" [{:.2g}, {:.2g}]", ratio.low, ratio.high);
+  return mean + fmt::format(" [{}, {}]", ratio_end(ratio.low), ratio_end(ratio.high));
 }
 
 }  // namespace spool::tools

@@ -203,7 +203,7 @@ def place_text(claim, plan, store):
     more = [f"{counts[w]} {w}" for w in tables.ORDER[1:3] if counts.get(w)]
     compared = sum(counts.get(word, 0) for word in tables.ORDER[:3])
     ratios = sorted(p["ratio"][0] for p in claim["places"] if p["ratio"] and p["verdict"] in tables.ORDER[:3])
-    spread = f"; {' to '.join(dict.fromkeys(tables.number(r, 2) for r in (ratios[0], ratios[-1])))}" if ratios else ""
+    spread = f"; {' to '.join(dict.fromkeys(tables.number(r, 3 if 0.9 < r < 1.1 else 2) for r in (ratios[0], ratios[-1])))}" if ratios else ""
     name = plan.split("_")[0].upper()
     bound = "" if claim["below"] == 1 else f" below {claim['below']:g}"
     return f"([{name}](results/{store.folder.name}/{plan}_claims.csv): {counts.get('holds', 0)} of {compared} hold{bound}{''.join(', ' + m for m in more)}{spread})"

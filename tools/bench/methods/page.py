@@ -57,13 +57,13 @@ def growth_rows(kept):
     """CPU microseconds of a pixel at each size, how many times faster two threads are there, and the power of the number of pixels
     that the time grows with; first the heading."""
     sizes = sorted({size for size, _ in kept})
-    rows = [["kind", "method", *map(str, sizes), *(f"2 threads at {size}" for size in sizes if size < LARGE), "growth"]]
+    rows = [["kind", "method", *map(str, sizes), *(f"2 threads at {size}" for size in sizes), "growth"]]
     for name in dict.fromkeys(method for methods in kept.values() for method in methods):
         pixel = {size: 1e6 * at["cpu"] / size ** 2 for size in sizes if (at := of(kept, size, 1, name))}
         if pixel:
             least, most = min(pixel), max(s for s in pixel if s < LARGE or s == min(pixel))
             growth = f"{1 + math.log(pixel[most] / pixel[least]) / math.log((most / least) ** 2):.2f}" if most > least else ""
-            faster = [(of(kept, size, 1, name), of(kept, size, 2, name)) for size in sizes if size < LARGE]
+            faster = [(of(kept, size, 1, name), of(kept, size, 2, name)) for size in sizes]
             rows.append([*name.split("/"), *(f"{pixel[size]:.3f}" if size in pixel else "" for size in sizes),
                          *(f"{one['wall'] / two['wall']:.2f}" if one and two else "" for one, two in faster), growth])
     return rows
@@ -82,7 +82,7 @@ def page(kept):
             f"get that of `multiscale`; in the loop of a sampler runs `directional`, below `twin_guides`. The call alone, the recording loaded. {machine()}. A bold figure misses its target: the seconds",
             f"named (if the command of Open Image Denoise takes {OIDN}; here {oidn(kept):.2f}), {BYTES} bytes a pixel beside the mapped recording (for a filter with all that it reads), {TWO_THREADS} times faster on two threads (methods",
             f"above {LONG:g} s). A star: the method needs features, and ran on mirrored copies of `dumps/tiny/chess.spool`. Growth: the power of the",
-            f"number of pixels that the time grows with to 2048x2048 ([sizes.csv](results/speed/sizes.csv): {', '.join(map(str, sizes))} pixels a side, what takes minutes left out; two threads to 2048).", ""]
+            f"number of pixels that the time grows with to 2048x2048 ([sizes.csv](results/speed/sizes.csv): {', '.join(map(str, sizes))} pixels a side, one thread and two).", ""]
     kinds = {kind: [name for name in names if name.startswith(kind + "/")] for kind in ("sampler", "filter")}
     for kind, methods in kinds.items():
         text += [judged(kind, kept, methods), ""]

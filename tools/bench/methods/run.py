@@ -105,7 +105,7 @@ class Methods:
         say = lambda what: print(f"{size}: {what}", file=sys.stderr, flush=True)
         methods = [m for m in self.names if self.wanted.search(m) and self.affordable(m, size, sizes)]
         quick = [m for m in methods if self.expected(m, size, sizes) < WARMED]
-        for threads in range(1, 1 + (self.threads if size < LARGE else 1)):
+        for threads in self.threads:
             say(f"threads {threads}")
             for chosen, warm in ((quick, True), ([m for m in methods if m not in quick], False)):
                 self.library(size, threads, self.library(size, threads, chosen, False, warm), True, warm)
@@ -124,7 +124,7 @@ def main():
     parser.add_argument("build", type=Path)
     parser.add_argument("--sizes", default="512,1024,2048,4096", help="pixels along a side")
     parser.add_argument("--turns", type=int, default=1)
-    parser.add_argument("--threads", type=int, default=2, help="1: on a machine that others use, two say nothing")
+    parser.add_argument("--threads", default="1,2", help="1: on a machine that others use, two say nothing")
     parser.add_argument("--longest", type=float, default=60, help="seconds; what would take longer at a size is left out there")
     parser.add_argument("--methods", default=".*", help="a regular expression, e.g. filter/")
     parser.add_argument("--print", action="store_true", help="leave docs/speed.md alone")
@@ -139,7 +139,7 @@ def main():
         kept = {kind: {m: found for m, found in methods.items() if kind[0] not in sizes or not re.search(options.methods, m)}
                 for kind, methods in kept.items()}
     if not options.kept:
-        bench = Methods(options.build.resolve(), options.longest, options.methods, options.threads, kept)
+        bench = Methods(options.build.resolve(), options.longest, options.methods, [int(n) for n in options.threads.split(",")], kept)
         bench.yardstick()
         for _ in range(options.turns):
             for size in sizes:
