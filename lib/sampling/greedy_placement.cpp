@@ -68,20 +68,29 @@ class Offer {
   const CountImage& n_;
 };
 
-// The nearest pixel within `reach` that can give a sample: rings of growing Chebyshev radius,
-// inside a ring the smallest Euclidean distance, then the lowest index.
-bool give_nearby(Offer& offer, int x, int y, int reach, const Rectangle& bounds) {
+// Offsets of Chebyshev radius 1, 2, .. reach; inside a ring the smallest Euclidean distance first,
+// then the lowest index.
+using Rings = std::vector<std::vector<std::array<int, 3>>>;  // squared distance, dy, dx
+
+Rings rings_within(int reach) {
+  Rings rings(static_cast<std::size_t>(reach));
   for (int radius = 1; radius <= reach; ++radius) {
-    std::vector<std::array<int, 3>> ring;  // squared distance, y, x
+    auto& ring = rings[static_cast<std::size_t>(radius - 1)];
     for (int dy = -radius; dy <= radius; ++dy) {
       const bool edge = std::abs(dy) == radius;
-      for (int dx = -radius; dx <= radius; dx += edge ? 1 : 2 * radius) {
-        if (bounds.contains(x + dx, y + dy)) ring.push_back({dx * dx + dy * dy, y + dy, x + dx});
-      }
+      for (int dx = -radius; dx <= radius; dx += edge ? 1 : 2 * radius)
+        ring.push_back({dx * dx + dy * dy, dy, dx});
     }
     std::sort(ring.begin(), ring.end());
-    for (const auto& [distance, py, px] : ring) {
-      if (offer.give(px, py)) return true;
+  }
+  return rings;
+}
+
+// The nearest pixel that can give a sample.
+bool give_nearby(Offer& offer, int x, int y, const Rings& rings, const Rectangle& bounds) {
+  for (const auto& ring : rings) {
+    for (const auto& [distance, dy, dx] : ring) {
+      if (bounds.contains(x + dx, y + dy) && offer.give(x + dx, y + dy)) return true;
     }
   }
   return false;
@@ -96,7 +105,8 @@ struct Target {
 // A sample for pixel (x, y) is drawn from the kernel of its scale.
 struct Wish {
   const OffsetDraw* draw = nullptr;
-  int x = 0, y = 0, reach = 1;
+  const Rings* rings = nullptr;
+  int x = 0, y = 0;
   std::uint64_t seed = 0;
   Target first;  // to be tried
 
@@ -116,7 +126,7 @@ bool place_sample(Offer& offer, const Wish& wish, const Rectangle& bounds) {
     if (attempt > 0) target = wish.target(target.draws, bounds);
     if (offer.give(target.x, target.y)) return true;
   }
-  return offer.give(wish.x, wish.y) || give_nearby(offer, wish.x, wish.y, wish.reach, bounds);
+  return offer.give(wish.x, wish.y) || give_nearby(offer, wish.x, wish.y, *wish.rings, bounds);
 }
 
 // The `wanted` pixels of largest error, the largest first, of equal ones the first of the image.
@@ -148,12 +158,12 @@ CountImage hand_out_greedily(const GreedyErrorMap& map, const PieceStatistics& s
   const Rectangle bounds = map.error.bounds();
   const bool subpixel = uses_cells(options.grid, pool);
   std::vector<OffsetDraw> draws;
-  std::vector<int> reach;
+  std::vector<Rings> rings;
   for (int s = 0; s <= options.scales; ++s) {
     const double sigma = s == 0 ? 0.0 : greedy_sampling_scale(s);
     const Taps gaussian = s == 0 ? Taps{0, {1.0}} : floor_gaussian_taps(sigma);
     draws.emplace_back(compose_with_base(gaussian, subpixel).taps);
-    reach.push_back(std::max(1, static_cast<int>(3.0 * sigma)));
+    rings.push_back(rings_within(std::max(1, static_cast<int>(3.0 * sigma))));
   }
   const auto wanted = std::min<long long>((share + per_pixel - 1) / per_pixel,
                                           static_cast<long long>(map.error.size()));
@@ -162,8 +172,11 @@ CountImage hand_out_greedily(const GreedyErrorMap& map, const PieceStatistics& s
   const auto wish_of = [&](long long i) {
     const std::size_t p = order[static_cast<std::size_t>(i / per_pixel)];
     const auto scale = static_cast<std::size_t>(map.scale[p]);
-    Wish wish{&draws[scale], static_cast<int>(p) % bounds.x1, static_cast<int>(p) / bounds.x1,
-              reach[scale],  mix(seed, p, i % per_pixel),     {}};
+    Wish wish{.draw = &draws[scale],
+              .rings = &rings[scale],
+              .x = static_cast<int>(p) % bounds.x1,
+              .y = static_cast<int>(p) / bounds.x1,
+              .seed = mix(seed, p, i % per_pixel)};
     wish.first = wish.target(0, bounds);
     return wish;
   };
