@@ -102,10 +102,7 @@ require_packages() {
 setup() {
   case "${1:-all}" in
     build) require_packages "${build_packages[@]}" ;;
-    report)
-      require_packages "${build_packages[@]}" "${report_packages[@]}"
-      fetch_report_assets
-      ;;
+    report) require_packages "${build_packages[@]}" "${report_packages[@]}"; fetch_report_assets ;;
     test) require_packages "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"; setup_python ;;
     lint)
       require_packages "${build_packages[@]}" "${lint_packages[@]}" "${python_packages[@]}"
@@ -611,27 +608,11 @@ lint() {
 }
 
 case "${1:-help}" in
-  setup) shift; setup "$@" ;;
-  build) shift; build "$@" ;;
-  test) shift; test_all "$@" ;;
-  demo) shift; demo "$@" ;;
-  record) shift; record "$@" ;;
-  docs) docs ;;
-  package) shift; package "$@" ;;
-  wheel) shift; wheel "$@" ;;
+  setup | build | demo | record | docs | package | wheel | bench | experiments | tune | hard | endure | trust | bits | mutate | strangers | lint | lock)
+    "$@" ;;
+  test) test_all "${@:2}" ;;
+  trap) trap_floating_point "${@:2}" ;;
   addon) exec python3 dumps/cycles/addon_zip.py ${2:+-o "$2"} ;;
-  bench) shift; bench "$@" ;;
-  experiments) shift; experiments "$@" ;;
-  tune) shift; tune "$@" ;;
-  hard) shift; hard "$@" ;;
-  endure) shift; endure "$@" ;;
-  trust) shift; trust "$@" ;;
-  trap) shift; trap_floating_point "$@" ;;
-  bits) shift; bits "$@" ;;
-  mutate) shift; mutate "$@" ;;
-  strangers) strangers ;;
-  lint) shift; lint "$@" ;;
-  lock) shift; lock "$@" ;;
   clean) rm -rf build demo-output ;;
   help | -h | --help) usage ;;
   *) usage >&2; die "unknown verb '$1'" ;;

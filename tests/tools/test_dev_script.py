@@ -11,8 +11,13 @@ TEXT = SCRIPT.read_text()
 CASES = TEXT[TEXT.rindex('case "${1:-help}" in'):]
 
 
+def verbs_of_cases():
+    return {verb for names in re.findall(r"^  (\w[\w |]*)\)", CASES, re.M) for verb in names.split(" | ")}
+
+
 def test_every_verb_calls_a_function_that_is_defined():
-    called = set(re.findall(r"^  \w+\) shift; (\w+) ", CASES, re.M))
+    functions = re.search(r"^  (\w[\w |]*)\)\n    \"\$@\" ;;", CASES, re.M)[1].split(" | ")
+    called = {*functions, *re.findall(r"^  \w+\) (\w+) \"\$\{@:2\}\"", CASES, re.M)}
     defined = set(re.findall(r"^(\w+)\(\) \{", TEXT, re.M))
     assert len(called) > 8 and called <= defined
 
@@ -20,7 +25,7 @@ def test_every_verb_calls_a_function_that_is_defined():
 def test_every_verb_of_the_usage_is_a_case():
     usage = subprocess.run([SCRIPT, "help"], capture_output=True, text=True, check=True).stdout
     verbs = set(re.findall(r"^  (\w+) ", usage, re.M))
-    assert len(verbs) > 10 and verbs <= set(re.findall(r"^  (\w+)\) ", CASES, re.M))
+    assert len(verbs) > 10 and verbs <= verbs_of_cases()
 
 
 LOCKS = [*TREE.glob("tools/requirements/*.txt"), TREE / "dumps/mitsuba/requirements.txt"]
