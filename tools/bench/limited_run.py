@@ -3,6 +3,7 @@ import contextlib
 import os
 import resource
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -67,3 +68,11 @@ def run(command, group=None, addresses=None, environment=None):
     told = process.stderr.read().strip().splitlines()
     return {"code": process.returncode, "told": told[-1] if told else "", "wall": time.monotonic() - began,
             "cpu": used.ru_utime + used.ru_stime, **most}
+
+
+def run_or_end(subject, command, group=None, addresses=None):
+    """As run(); the script ends where the command fails."""
+    found = run(command, group, addresses)
+    if found["code"] != 0:
+        sys.exit(f"{subject}: {' '.join(map(str, command))}: exit code {found['code']}: {found['told']}")
+    return found
