@@ -23,20 +23,15 @@ import tomllib
 sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..")))
 sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-from dumps.pool_run import Pace, run_pool
+from dumps.pool_run import Pace, cache, run_pool
 from dumps.recording.command_line import Parser
-from dumps.recording.failure import Failure, io_failure, module_failure, usage_failure
+from dumps.recording.failure import guarded, io_failure, module_failure, scene_failure, usage_failure
 from dumps.recording.progress import duration
 from dumps.recording.progress import size as size_text
 from dumps.recording.recordings import names
 
 PATH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "POOLS.toml")
 BYTES = {"Cycles": 90, "Mitsuba": 100}       # a sample and pixel, at the peak: passes or chunks, and the recording beside them
-
-
-def cache(variable, name):
-    default = os.path.join(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache")), "spool", name)
-    return os.path.abspath(os.environ.get(variable, default))
 
 
 def read_pools(path):
@@ -159,40 +154,32 @@ def parse():
 
 def main():
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        options = parse()
-        pools = read_pools(options.pools)
-        folder, scenes = cache("SPOOL_RECORDINGS", "recordings"), cache("SPOOL_SCENES", "scenes")
-        chosen = list(pools) if options.all else options.record or options.pin or []
-        for name in chosen:
-            if name not in pools:
-                raise usage_failure("'%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
-        if options.names:
-            print("\n".join(pools))
-        elif options.table:
-            table(pools)
-        elif options.pin:
-            need_reader()
-            absent = [(path, name) for name in chosen for path in files_of(pools[name], folder) if not os.path.exists(path)]
-            if absent:
-                raise usage_failure("%s: no such recording: --record %s" % absent[0])
-            from dumps.pool_pins import pin
-            pin(options.pools, {name: files_of(pools[name], folder) for name in chosen})
-        elif chosen:
-            os.nice(10)
-            failed = record([pools[name] for name in chosen], folder, scenes)
-            if failed:
-                raise Failure(1, "not recorded, or not what POOLS.toml says: %s" % ", ".join(failed))
-        else:
-            show(pools, folder, scenes)
-    except Failure as failure:
-        print("pools: %s" % failure, file=sys.stderr)
-        return failure.code
-    except KeyboardInterrupt:
-        print("stopped: run the same command again to go on", file=sys.stderr)
-        return 3
-    return 0
+    options = parse()
+    pools = read_pools(options.pools)
+    folder, scenes = map(os.path.abspath, (cache("SPOOL_RECORDINGS", "recordings"), cache("SPOOL_SCENES", "scenes")))
+    chosen = list(pools) if options.all else options.record or options.pin or []
+    for name in chosen:
+        if name not in pools:
+            raise usage_failure("'%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
+    if options.names:
+        print("\n".join(pools))
+    elif options.table:
+        table(pools)
+    elif options.pin:
+        need_reader()
+        absent = [(path, name) for name in chosen for path in files_of(pools[name], folder) if not os.path.exists(path)]
+        if absent:
+            raise usage_failure("%s: no such recording: --record %s" % absent[0])
+        from dumps.pool_pins import pin
+        pin(options.pools, {name: files_of(pools[name], folder) for name in chosen})
+    elif chosen:
+        os.nice(10)
+        failed = record([pools[name] for name in chosen], folder, scenes)
+        if failed:
+            raise scene_failure("not recorded, or not what POOLS.toml says: %s" % ", ".join(failed))
+    else:
+        show(pools, folder, scenes)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(guarded(main, "pools", resumable=True))

@@ -27,21 +27,30 @@ def keep_or_drop(folder, options):
     return None
 
 
-def fold(folder, options):
-    """Welford's recurrence in double, in the order of the batches, as in formats/pass_folder.cpp: the same bits. Without numpy the batches stay."""
-    batches = folder.entries["reference"]
-    if not numpy or len(batches) < 2 or options.first_batch:
-        return
+def batch_image(folder, index):
+    return numpy.frombuffer(folder.batch(index), "<f4").astype(numpy.float64)
+
+
+def mean_and_variance(folder, indices):
+    """Of batches, and of that mean: Welford's recurrence in double, in this order, as in formats/pass_folder.cpp: the same bits."""
     mean, squares = 0.0, 0.0
-    for count, index in enumerate(sorted(batches), 1):
-        image = numpy.frombuffer(folder.batch(index), "<f4").astype(numpy.float64)
+    for count, index in enumerate(indices, 1):
+        image = batch_image(folder, index)
         delta = image - mean
         mean = mean + delta / count
         squares = squares + delta * (image - mean)
+    return mean, squares / (count - 1) / count
+
+
+def fold(folder, options):
+    """Without numpy the batches stay."""
+    batches = folder.entries["reference"]
+    if not numpy or len(batches) < 2 or options.first_batch:
+        return
     lines = [batches[index] for index in sorted(batches)]
     samples = lines[0]["samples"]
     entry = {"seed": lines[0]["seed"], "folded_seeds": [line["seed"] for line in lines], "sample_index": lines[0]["sample_index"],
              "samples": samples * len(lines), "wish": wish_of(options), "seconds": sum(line["seconds"] for line in lines),
              "cpu_seconds": len(lines) * statistics.median(line["cpu_seconds"] for line in lines)}
-    data = numpy.concatenate([mean, squares / (len(lines) - 1) / len(lines)]).astype("<f4")
+    data = numpy.concatenate(mean_and_variance(folder, sorted(batches))).astype("<f4")
     folder.replace("reference", [(data.tobytes(), entry)], "reference_folded_%d.f32")

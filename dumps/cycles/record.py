@@ -44,7 +44,7 @@ from dumps.cycles.settings import (
     recorded_settings,
     select_samples,
 )
-from dumps.recording.failure import Failure, io_failure, one_line, usage_failure
+from dumps.recording.failure import guarded, io_failure, usage_failure
 from dumps.recording.progress import Progress, duration
 
 
@@ -251,28 +251,18 @@ def silence_blender():
     return out
 
 
-def main():
-    out = sys.stdout
-    try:
-        options = parse_options(script_arguments())
-        out = silence_blender()
-        stop = Stop()
-        recorder = Recorder(options)
-        for change in recorder.identity.get("changes", []):
-            print("%s: %s" % (recorder.identity["name"], change), file=sys.stderr, flush=True)
-        print(dry_run(recorder, options) if options.dry_run else record(recorder, options, stop), file=out)
-        code = 0
-    except Failure as failure:
-        print("record: %s" % failure, file=sys.stderr)
-        code = failure.code
-    except OSError as error:
-        print(one_line("record: %s: %s" % (error.filename, error.strerror)), file=sys.stderr)
-        code = 3
-    out.flush()
-    sys.stderr.flush()
-    # Blender 3.4 may crash while it unloads Cycles after all is done; the code must be ours.
-    os._exit(code)
+def run():
+    options = parse_options(script_arguments())
+    out = silence_blender()
+    stop = Stop()
+    recorder = Recorder(options)
+    for change in recorder.identity.get("changes", []):
+        print("%s: %s" % (recorder.identity["name"], change), file=sys.stderr, flush=True)
+    print(dry_run(recorder, options) if options.dry_run else record(recorder, options, stop), file=out, flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    code = guarded(run, "record")
+    sys.stderr.flush()
+    # Blender 3.4 may crash while it unloads Cycles after all is done; the code must be ours.
+    os._exit(code)

@@ -3,11 +3,7 @@
 It begins with batches of 8 samples. When there are 128, neighbours become one batch, the mean of two, and the next ones are
 rendered of that size: the folder does not grow with the reference. A batch that begins with sample s has the seed of number s / 8.
 """
-try:
-    import numpy
-except ImportError:
-    numpy = None
-
+from dumps.cycles.folded import batch_image, mean_and_variance, numpy
 from dumps.cycles.seeds import reference_seed
 from dumps.recording.failure import usage_failure
 from dumps.recording.progress import Progress
@@ -29,7 +25,7 @@ def record_until_it_suffices(folder, recorder, options, stopped):
     progress = Progress("reference", options.reference // size)
     while True:
         done = len(entries) * size
-        judged = _judged(folder, recorder, done, size) if judged_at(done) else None
+        judged = _judged(folder, done, size) if judged_at(done) else None
         if done >= options.reference or judged and judged["denominator_noise"] <= DENOMINATOR:
             progress.close()
             return outcome(judged, options.reference)
@@ -44,20 +40,9 @@ def record_until_it_suffices(folder, recorder, options, stopped):
         progress.step()
 
 
-def _image(folder, index):
-    return numpy.frombuffer(folder.batch(index), "<f4").astype(numpy.float64)
-
-
-def _judged(folder, recorder, samples, size):
-    """Welford's recurrence over the batches, in their order."""
-    count, mean, m2 = samples // size, 0.0, 0.0
-    for index in range(count):
-        image = _image(folder, index)
-        delta = image - mean
-        mean = mean + delta / (index + 1)
-        m2 = m2 + delta * (image - mean)
+def _judged(folder, samples, size):
     return {"samples": samples, "samples_least": samples, "samples_most": samples,
-            "denominator_noise": denominator_noise(mean, m2 / (count - 1) / count)}
+            "denominator_noise": denominator_noise(*mean_and_variance(folder, range(samples // size)))}
 
 
 def _join(folder, size):
@@ -66,7 +51,7 @@ def _join(folder, size):
     joined = []
     for index in range(len(entries) // 2):
         pair = entries[2 * index], entries[2 * index + 1]
-        image = (_image(folder, 2 * index) + _image(folder, 2 * index + 1)) / 2
+        image = (batch_image(folder, 2 * index) + batch_image(folder, 2 * index + 1)) / 2
         more = {key: pair[0][key] + pair[1][key] for key in ("seconds", "cpu_seconds")}
         joined.append((image.astype("<f4").tobytes(), {"seed": pair[0]["seed"], "sample_index": 2 * size, "samples": 2 * size, **more}))
     folder.replace("reference", joined, "reference_of_%d_%%05d.f32" % (2 * size))
