@@ -23,8 +23,9 @@ def interval_text(interval, digits=4):
             f"{number_text(interval.high, digits)}]")
 
 
-def factor_text(interval):
-    return interval_text(interval, 3)
+def known_text(interval):
+    """To three digits; empty where the mean is not known."""
+    return "" if math.isnan(interval.mean) else interval_text(interval, 3)
 
 
 def count_text(count, noun):

@@ -121,7 +121,7 @@ def pack_images(found, page_folder, max_mb):
             if path not in stored:
                 packed[name] = _pack(name, path, crops[entry.dump], sizes[entry.dump])
         cost = sum(p.size for p in packed.values() if p)
-        links = {name: _link(path, page_folder) for name, path in entry.paths.items()}
+        links = {name: quote(os.path.relpath(path, page_folder)) for name, path in entry.paths.items()}
         if total + cost > budget:
             left_out += 1
             sets[entry.combination] = PictureSet(entry.combination, {}, links)
@@ -198,16 +198,8 @@ def _pack(name, path, crop, size):
     return pack_half(crop.of(image), stretch=name == "squared_error")
 
 
-def _link(path, page_folder):
-    return quote(os.path.relpath(path, page_folder))
-
-
-def exposure_of(packed_reference):
-    """EV that brings the log-average luminance to middle grey, in half steps."""
-    return exposure_and_mean(packed_reference.values)
-
-
 def exposure_and_mean(image):
+    """EV that brings the log-average luminance to middle grey, in half steps; and the mean luminance."""
     luminance = image @ np.array([0.2126, 0.7152, 0.0722])
     luminance = luminance[np.isfinite(luminance)]
     if luminance.size == 0:

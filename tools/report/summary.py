@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from tools.report.headline_data import best_is_alone
 from tools.report.metric_names import metric_name
-from tools.report.number_text import count_text, factor_text, interval_text, list_text, number_text
+from tools.report.number_text import count_text, interval_text, list_text, number_text
 from tools.report.statistics_file import interval_of
 
 SATURATION_LIMIT = 0.01
@@ -139,7 +139,7 @@ def _against_baseline(entry, baseline):
         return f"; it is not separated from {baseline}"
     if math.isnan(ratio.mean):
         return f"; it is lower than {baseline} by a ratio that is not resolved"
-    return f"; it has {factor_text(ratio)} times the error of {baseline}"
+    return f"; it has {interval_text(ratio, 3)} times the error of {baseline}"
 
 
 class Verdict(NamedTuple):
