@@ -3,7 +3,6 @@
 const verdictWords = ['better', 'worse', 'undecided', 'identical'];
 const opposite = {better: 'worse', worse: 'better'};
 
-
 // {mean, low, high, verdict} of a combination against the method `baseline` in the same condition; null where unknown.
 function ratioTo(condition, index, baseline) {
   const c = report.combinations[index];
@@ -47,7 +46,7 @@ function startHeadline(area) {
     element('div', {class: 'controls'},
       select('Samples per pixel', budgets.map(String), budgets.indexOf(hero.spp), (i) => { hero.spp = budgets[i]; draw(); }),
       baselines.length > 1 ? select('Relative to', baselines, 0, (i) => { hero.baseline = baselines[i]; draw(); }) : null,
-      exportButtons('headline')),
+      exportButtons()),
     element('div', {class: 'hero'}, element('div', {}, holder, note), element('figure', {}, title, chart)), strip);
   function draw() {
     holder.replaceChildren(headlineTable(draw));
@@ -131,7 +130,5 @@ function drawHeroChart(target) {
   const names = new Set([...ownFirst(rankedMethods(hero.dump, hero.spp)).slice(0, 5), hero.baseline]);
   const points = report.combinations.filter((c) => c.dump === hero.dump && names.has(methodOf(c)) &&
     isPositive(interval(c, report.metric).mean));
-  target.hidden = points.length === 0;
-  if (points.length > 0) drawChart(target, points, {x: budgetOf, title: 'samples per pixel', ticks: budgetTicks(points),
-    dodge: true, metric: report.metric, height: 300});
+  drawChart(target, points, {x: budgetOf, title: 'samples per pixel', ticks: budgetTicks(points), dodge: true, metric: report.metric, height: 300});
 }

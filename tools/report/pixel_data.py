@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.report.exr_image import read_exr, rgb
+from tools.report.number_text import in_digits
 
 MOST_PIXELS = 12  # of a recording
 MOST_SAMPLES = 256
@@ -121,18 +122,9 @@ def ask(program, path, order, places, samples=("--samples", str(MOST_SAMPLES))):
     words += [word for x, y in places for word in ("--at", f"{x},{y}")]
     try:
         done = subprocess.run([*words, "--", path], capture_output=True, timeout=SECONDS, check=False)
-        return [_short(pixel) for pixel in json.loads(done.stdout)] if done.returncode == 0 else []
+        return in_digits(json.loads(done.stdout), 5) if done.returncode == 0 else []  # more than is shown
     except (OSError, ValueError, subprocess.TimeoutExpired):
         return []
-
-
-def _short(value):
-    """Five digits of every number: more than is shown."""
-    if isinstance(value, dict):
-        return {key: _short(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_short(item) for item in value]
-    return float(f"{value:.5g}") if isinstance(value, float) else value
 
 
 def choose_pixels(path_sets):

@@ -169,11 +169,15 @@ def _window(size, share, error):
         return Crop((size[0] - width) // 2, (size[1] - height) // 2, width, height)
     finite = np.where(np.isfinite(error), error, 0.0).astype(np.float64)
     capped = np.clip(finite, 0.0, np.quantile(finite, 0.99))
-    columns = np.pad(np.cumsum(np.cumsum(capped, 0), 1), ((1, 0), (1, 0)))
-    sums = (columns[height:, width:] - columns[:-height, width:] - columns[height:, :-width]
-            + columns[:-height, :-width])
+    sums = window_sums(capped, width, height)
     y, x = np.unravel_index(np.argmax(sums), sums.shape)
     return Crop(int(x), int(y), width, height)
+
+
+def window_sums(image, width, height):
+    """Of every window of that size."""
+    sums = np.pad(np.cumsum(np.cumsum(image, 0), 1), ((1, 0), (1, 0)))
+    return sums[height:, width:] - sums[:-height, width:] - sums[height:, :-width] + sums[:-height, :-width]
 
 
 def _in_turn(found):

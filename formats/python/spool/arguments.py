@@ -20,10 +20,6 @@ def whole(name: str, value, bits: int = 32) -> int:
     return int(value)
 
 
-def seed(value) -> int:
-    return whole("seed", value, 64)
-
-
 def number(name: str, value) -> float:
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise wrong(name, value, "no number")
