@@ -136,21 +136,12 @@ def choose_pixels(path_sets):
     first, last = (relative_error(rgb(read_exr(paths["estimate"])), reference) for paths in (path_sets[0], path_sets[-1]))
     height, width = first.shape
     places, apart = [], max(2, min(width, height) // 10)
-
-    def take(score, count):
+    for score in [first] * 4 + [np.abs(first - last)] * 4:
         score = score.copy()
         for x, y in places:
             score[max(0, y - apart):y + apart + 1, max(0, x - apart):x + apart + 1] = -1.0
-        for _ in range(count):
-            y, x = np.unravel_index(np.argmax(score), score.shape)
-            if score[y, x] < 0.0:
-                return
+        y, x = np.unravel_index(np.argmax(score), score.shape)
+        if score[y, x] >= 0.0:
             places.append((int(x), int(y)))
-            score[max(0, y - apart):y + apart + 1, max(0, x - apart):x + apart + 1] = -1.0
-
-    take(first, 4)
-    take(np.abs(first - last), 4)
-    for fy in (1, 3):
-        for fx in (1, 3):
-            places.append((fx * width // 4, fy * height // 4))
+    places += [(fx * width // 4, fy * height // 4) for fy in (1, 3) for fx in (1, 3)]
     return list(dict.fromkeys(places))[:MOST_PIXELS]

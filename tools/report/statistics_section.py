@@ -69,11 +69,9 @@ def _equal_time(curves, labels, baseline):
             rows.append(f'<tr><th scope="row">{escape(labels[curve["dump"]])}</th><td>{escape(name_of(curve))}</td>'
                         f'<td class="number">{number_text(at["at"])}</td>'
                         f'<td class="number">{number_text(at["seconds"] or 0.0, 3)}</td><td class="number">{escape(found)}</td></tr>')
-    if not rows:
-        return ""
-    return (f"<details><summary>Error in the processor time of {escape(baseline)}</summary><p>Sampling, filtering and, where "
-            "recorded, rendering; read from the budgets measured and never beyond them: too slow or too fast there.</p>"
-            + scrolled_table("equal-time", ("recording", "method", "its spp", "CPU seconds", "ratio of the error"), rows) + "</details>")
+    return _folded(f"Error in the processor time of {escape(baseline)}", "<p>Sampling, filtering and, where "
+                   "recorded, rendering; read from the budgets measured and never beyond them: too slow or too fast there.</p>",
+                   "equal-time", ("recording", "method", "its spp", "CPU seconds", "ratio of the error"), rows)
 
 
 def _needed(curves, labels, baseline):
@@ -84,17 +82,17 @@ def _needed(curves, labels, baseline):
             + _interval([n["spp"], n["low"], n["high"]] if n["low"] is not None else [n["spp"]]) for n in curve.get("needed") or [])
         if cells:
             rows.append(f'<tr><th scope="row">{escape(labels[curve["dump"]])}</th><td>{escape(name_of(curve))}</td><td>{escape(cells)}</td></tr>')
-    if not rows:
-        return ""
-    return (f"<details><summary>Samples per pixel needed for the error of {escape(baseline)}</summary>"
-            + scrolled_table("needed", ("recording", "method", "for the error at, it takes"), rows) + "</details>")
+    return _folded(f"Samples per pixel needed for the error of {escape(baseline)}", "", "needed", ("recording", "method", "for the error at, it takes"), rows)
 
 
 def _slopes(curves, labels):
     rows = [f'<tr><th scope="row">{escape(labels[c["dump"]])}</th><td>{escape(name_of(c))}</td>'
             f'<td class="number">{_interval(c["slope"])}</td></tr>' for c in curves]
-    if not rows:
-        return ""
-    return ("<details><summary>Slope of the error over the budget</summary><p>Logarithm of the error "
-            "against logarithm of the samples; without a filter it is -1 where samples are independent.</p>"
-            + scrolled_table("slopes", ("recording", "method", "slope"), rows) + "</details>")
+    return _folded("Slope of the error over the budget", "<p>Logarithm of the error "
+                   "against logarithm of the samples; without a filter it is -1 where samples are independent.</p>",
+                   "slopes", ("recording", "method", "slope"), rows)
+
+
+def _folded(title, about, kind, heads, rows):
+    """A table that can be opened; empty without rows."""
+    return f"<details><summary>{title}</summary>{about}{scrolled_table(kind, heads, rows)}</details>" if rows else ""

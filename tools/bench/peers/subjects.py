@@ -106,12 +106,16 @@ def our_pairs(recording):
     return {f"spool: {sampler} + {filter}": (lambda pair=(sampler, filter): both(*pair)) for sampler, filter in pairs}
 
 
+def write_hdf5(path, samples):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("radiance", data=samples, chunks=(64, 64, samples.shape[2], 3), fletcher32=True)
+
+
 def files_of(radiance, folder):
     """The same samples in three formats with a checksum on every chunk."""
     flat = np.ascontiguousarray(radiance)
     spool.write(folder / "a.spool", flat, sample_order="exchangeable")
-    with h5py.File(folder / "a.h5", "w") as file:
-        file.create_dataset("radiance", data=flat, chunks=(64, 64, flat.shape[2], 3), fletcher32=True)
+    write_hdf5(folder / "a.h5", flat)
     store = zarr.create_array(folder / "a.zarr", shape=flat.shape, chunks=(64, 64, flat.shape[2], 3), dtype="f4", filters=None,
                               compressors=[zarr.codecs.Crc32cCodec()])
     store[:] = flat
@@ -171,15 +175,11 @@ def packers(radiance, folder, program):
     np.savez(folder / "p.npz", radiance=flat, meta=np.array(json.dumps({"layout": "HWSC"})))
     pack = [program, "pack", folder / "p.npz", "--from", "npz", "-q", "--force", "-o", folder / "p.spool"]
 
-    def to_hdf5(data):
-        with h5py.File(folder / "p.h5", "w") as file:
-            file.create_dataset("radiance", data=data, chunks=(64, 64, flat.shape[2], 3), fletcher32=True)
-
     return {
         "spool pack --from npz, whole command": lambda: subprocess.run(pack, check=True),
         "spool pack --from npz --compress, whole command": lambda: subprocess.run([*pack, "--compress"], check=True),
         "numpy: load the npz": lambda: np.load(folder / "p.npz")["radiance"],
-        "numpy: load the npz, h5py: write, fletcher32": lambda: to_hdf5(np.load(folder / "p.npz")["radiance"]),
+        "numpy: load the npz, h5py: write, fletcher32": lambda: write_hdf5(folder / "p.h5", np.load(folder / "p.npz")["radiance"]),
     }
 
 
