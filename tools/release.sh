@@ -46,5 +46,5 @@ cat "$folder/SHA256SUMS"
 cat <<TEXT
 
 To publish:  git tag -a v$version -F $folder/NOTES.txt && git push origin v$version
-             python3 -m twine upload $folder/*.whl        (an account of PyPI; the wheel was installed from an index of this machine)
+             python3 -m twine upload $folder/*.whl        (an account of PyPI; the wheel was installed by its name from a folder that has it alone)
 TEXT

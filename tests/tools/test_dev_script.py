@@ -39,8 +39,7 @@ def test_pip_installs_nothing_without_a_hash():
     calls = re.findall(r"pip (?:install|wheel|download)[^\n]*", TEXT)
     assert len(calls) == 3
     for call in calls:
-        assert "--require-hashes" in call or "--no-index" in call or "--no-deps --no-build-isolation" in call or \
-            '--no-deps --index-url "http://127.0.0.1:' in call, call  # the index of this machine, of the one wheel
+        assert "--require-hashes" in call or "--no-deps --no-index" in call or "--no-deps --no-build-isolation" in call, call
     used = re.findall(r"(?:setup_venv|install_locked) .*", TEXT.replace("\\\n", " "))
     assert {file.stem for file in LOCKS} - {"requirements"} <= set(" ".join(used).split())
 
