@@ -147,7 +147,6 @@ def parse():
     parser.add_argument("--all", action="store_true", help="record all")
     parser.add_argument("--pin", nargs="+", metavar="NAME")
     parser.add_argument("--table", action="store_true", help="what is pinned, as Markdown")
-    parser.add_argument("--names", action="store_true")
     parser.add_argument("--pools", default=PATH, help="another list")
     return parser.parse_args()
 
@@ -161,9 +160,7 @@ def main():
     for name in chosen:
         if name not in pools:
             raise usage_failure("'%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
-    if options.names:
-        print("\n".join(pools))
-    elif options.table:
+    if options.table:
         table(pools)
     elif options.pin:
         need_reader()
