@@ -10,7 +10,6 @@ They lie in $SPOOL_RECORDINGS (~/.cache/spool/recordings). Scenes by others are 
 (~/.cache/spool/scenes): a clone of each repository under its own name. Stop at any time; the same command goes on.
 Exit codes: 0 done, 1 a recording failed or is not what POOLS.toml says, 2 wrong use, 3 the system refused.
 """
-import fcntl
 import os
 import shutil
 import signal
@@ -29,6 +28,7 @@ from dumps.recording.failure import guarded, io_failure, module_failure, scene_f
 from dumps.recording.progress import duration
 from dumps.recording.progress import size as size_text
 from dumps.recording.recordings import names
+from dumps.recording.whole_files import lock
 
 PATH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "POOLS.toml")
 BYTES = {"Cycles": 90, "Mitsuba": 100}       # a sample and pixel, at the peak: passes or chunks, and the recording beside them
@@ -112,11 +112,7 @@ def record(chosen, folder, scenes):
     """Names of the pools that failed."""
     need_reader()
     os.makedirs(folder, exist_ok=True)
-    lock = open(os.path.join(folder, ".lock"), "w")
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        raise usage_failure("%s: another run records here" % folder)
+    kept = lock(folder, "another run records here")  # noqa: F841 - until this function ends
     failed, left = [], []
     for pool in chosen:
         missing = missing_source(pool, scenes)
