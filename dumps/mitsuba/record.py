@@ -30,8 +30,7 @@ from dumps.recording.failure import guarded, io_failure, scene_failure, usage_fa
 from dumps.recording.progress import Progress
 from dumps.recording.progress import size as size_text
 from dumps.recording.recordings import names, next_step
-from dumps.recording.reference_need import outcome
-from dumps.recording.reference_price import reference_hint
+from dumps.recording.reference_need import outcome, reference_hint
 from dumps.verify import shared_numbers
 from dumps.verify.finding import line, summary
 

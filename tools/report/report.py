@@ -14,7 +14,6 @@ from tools.report.aggregate import aggregate
 from tools.report.described import Described
 from tools.report.failure import IO, USAGE, Failure, guarded
 from tools.report.file_names import dump_names
-from tools.report.headline_data import headline_budget
 from tools.report.page import build_page
 from tools.report.pixel_data import pixel_answers
 from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
@@ -74,8 +73,7 @@ def make_report(options):
     ranks = statistics_html(statistics, labels, metric)
     sections = [
         ("summary", "Results",
-         summary_html(summarise(combinations, statistics, metric, labels), statistics, metric,
-                      headline_budget(statistics, metric))
+         summary_html(summarise(combinations, statistics, metric, labels), statistics, metric, statistics.largest_budget(metric))
          + described.note()),
         ("charts", "Error, time and budget", biased + '<div id="chart-area"></div>'),
         *([("statistics", "Ranks and differences", biased + ranks)] if ranks else []),

@@ -8,12 +8,13 @@ import math
 from tools.report.aggregate import RATIO_METRICS, TIMES
 from tools.report.figure_methods import own_methods
 from tools.report.figure_windows import choose_windows
-from tools.report.headline_data import headline_budget, headline_conditions
 from tools.report.metric_names import metric_name
 from tools.report.result_images import exposure_and_mean
-from tools.report.statistics_file import Interval, interval_of
+from tools.report.statistics_file import Interval, best_is_alone, interval_of
 
 QUANTITIES_LAST = TIMES + ("samples_per_pixel", "saturated_share", "efficiency")
+WORDS = ("better", "worse", "undecided", "identical")
+MOST_PAIRS = 60000  # in the page; beyond, only ratios to the baseline
 OWN_MEANINGS = {
     "samples_per_pixel": "samples taken, per pixel",
     "mse_ratio": "mse / mse of the baseline at the same budget",
@@ -50,11 +51,24 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names, metric) for c in combinations],
         # For the charts only: the recording after the last one.
         "overall": [_overall(entry, len(dumps), samplers, filters, names, metric) for entry in statistics.overall],
-        "budget": headline_budget(statistics, metric),
-        "conditions": headline_conditions(statistics, metric, combinations, dumps),
+        "budget": statistics.largest_budget(metric),
+        "conditions": _conditions(statistics.of_metric(metric), {c.key: i for i, c in enumerate(combinations)}, dumps),
         "pixels": [{"dump": dumps.index(dump), **answers} for dump, answers in pixels.items()],
         "pictures": _pictures(images, combinations, dumps),
     }
+
+
+def _conditions(conditions, index, dumps):
+    """[{dump, spp, field: places of combinations, best first, alone: the first is separated from all others, pairs}]"""
+    with_pairs = sum(len(c.get("pairs") or []) for c in conditions) <= MOST_PAIRS
+    return [{"dump": dumps.index(c["dump"]), "spp": c["spp"],
+             "field": [index[c["dump"], c["spp"], e["sampler"], e["filter"]] for e in c["ranking"]], "alone": best_is_alone(c["ranking"]),
+             "pairs": [_pair(*pair) for pair in c.get("pairs") or []] if with_pairs else []} for c in conditions]
+
+
+def _pair(a, b, ratio, low, high, _, verdict):
+    short = [None if n != n else float(f"{n:.5g}") for n in interval_of([ratio, low, high])]
+    return [a, b, *short, WORDS.index(verdict) if verdict in WORDS else 2]
 
 
 def _combination(c, dump, samplers, filters, names, metric):

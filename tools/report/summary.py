@@ -4,10 +4,9 @@ import math
 from collections import Counter
 from typing import NamedTuple
 
-from tools.report.headline_data import best_is_alone
 from tools.report.metric_names import metric_name
 from tools.report.number_text import count_text, interval_text, list_text, number_text
-from tools.report.statistics_file import interval_of
+from tools.report.statistics_file import best_is_alone, interval_of
 
 SATURATION_LIMIT = 0.01
 LONGEST_LIST = 6
