@@ -53,9 +53,8 @@ function hoverText(c) {
   const lines = [methodOf(c), `${c.spp} spp${c.replicates ? `, ${c.replicates} replicates` : ''}`];
   for (const name of [shown.metric, 'energy_ratio', 'seconds_total']) {
     if (!quantityIndex.has(name)) continue;
-    const {mean, low, high} = interval(c, name);
-    lines.push(`${name} ${numberText(mean)}` +
-      (Number.isFinite(low) ? ` [${numberText(low)}, ${numberText(high)}]` : ''));
+    const value = interval(c, name);
+    lines.push(`${name} ${numberText(value.mean)}${boundsText(value)}`);
   }
   const [letters, against] = c.ranks[shown.metric] ?? ['', ''];
   if (letters) lines.push(`group ${letters}`);

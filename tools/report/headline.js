@@ -105,9 +105,8 @@ function headlineCell(condition, name) {
   const value = interval(c, report.metric), letters = (c.ranks[report.metric] ?? [''])[0];
   const mean = ratio?.verdict === 'baseline' ? '1' : numberText(ratio?.mean ?? NaN, 3) || '-';
   const told = ratio && (ratio.verdict === 'better' || ratio.verdict === 'worse');
-  const bounds = (i) => (Number.isFinite(i.low) ? ` [${numberText(i.low, 3)}, ${numberText(i.high, 3)}]` : '');
-  const words = [`${metricText(report.metric)} ${numberText(value.mean)}${bounds(value)}`];
-  if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${bounds(ratio)}: ${ratio.verdict} than ${hero.baseline}`.replace(
+  const words = [`${metricText(report.metric)} ${numberText(value.mean)}${boundsText(value, 3)}`];
+  if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${boundsText(ratio, 3)}: ${ratio.verdict} than ${hero.baseline}`.replace(
     'undecided than', 'not separated from'));
   if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);
   return element('td', {class: `number ${ratio?.verdict ?? ''}`, title: words.join('\n'), 'data-ratio': ratio ? ratio.mean : '',

@@ -15,17 +15,17 @@ def convert(array, dtype, what):
     if array.dtype.kind == "f" and dtype.kind == "f":
         with np.errstate(over="ignore"):
             result = array.astype(dtype)
-        _refuse(np.isfinite(array) & ~np.isfinite(result), array, what, f"does not fit {dtype.name}")
+        _refuse(np.isfinite(array) & ~np.isfinite(result), array, what, dtype)
         return result
     if array.dtype.kind in "bui" and dtype.kind == "u":
         if array.dtype.kind != "b":
-            _refuse((array < 0) | (array > np.iinfo(dtype).max), array, what, f"does not fit {dtype.name}")
+            _refuse((array < 0) | (array > np.iinfo(dtype).max), array, what, dtype)
         return array.astype(dtype)
     raise SpoolError("usage", f"{what}: {array.dtype} is not {dtype.name}: convert it with astype")
 
 
-def _refuse(bad, array, what, why):
+def _refuse(bad, array, what, dtype):
     if bad.any():
         bad, array = np.atleast_1d(bad), np.atleast_1d(array)
         where = tuple(int(axis[0]) for axis in np.nonzero(bad))
-        raise SpoolError("usage", f"{what}: {array[where]} at {list(where)} {why}: choose a wider dtype")
+        raise SpoolError("usage", f"{what}: {array[where]} at {list(where)} does not fit {dtype.name}: choose a wider dtype")
