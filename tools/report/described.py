@@ -17,22 +17,14 @@ class Described:
         self._names = {kind: {str(m.get("name")) for m in methods} for kind, methods in described.items()}
         self._labels = {kind: {str(m.get("label")) for m in methods} for kind, methods in described.items()}
 
-    def sampler(self, label):
-        return self._marked(label, "samplers")
-
-    def filter(self, label):
-        return self._marked(label, "filters")
-
-    def mark(self, combinations):
-        """The names of combinations, once nothing looks for their files any more."""
+    def mark(self, combinations, statistics):
+        """Their names, once nothing looks for files of combinations any more."""
         for c in combinations:
-            c.sampler, c.filter = self.sampler(c.sampler), self.filter(c.filter)
-
-    def mark_statistics(self, statistics):
+            c.sampler, c.filter = self._marked(c.sampler, c.filter)
         for entry in statistics.methods():
-            entry["sampler"], entry["filter"] = self.sampler(entry["sampler"]), self.filter(entry["filter"])
+            entry["sampler"], entry["filter"] = self._marked(entry["sampler"], entry["filter"])
         sampler, _, filter_ = statistics.baseline.partition(" + ")
-        statistics.baseline = f"{self.sampler(sampler)} + {self.filter(filter_)}"
+        statistics.baseline = " + ".join(self._marked(sampler, filter_))
 
     def note(self):
         """What the mark means, beside every table that names such methods."""
@@ -41,6 +33,7 @@ class Described:
             return ""
         return f"<p>[R] {escape(', '.join(names))}: re-implementation by description, not from the primary text.</p>"
 
-    def _marked(self, label, kind):
-        named = re.split(r"[:{ ]", label, maxsplit=1)[0] in self._names[kind]
-        return label + MARK if named or label in self._labels[kind] else label
+    def _marked(self, *labels):
+        """Of a sampler and a filter."""
+        return [label + MARK if re.split(r"[:{ ]", label, maxsplit=1)[0] in self._names[kind] or label in self._labels[kind] else label
+                for label, kind in zip(labels, ("samplers", "filters"))]

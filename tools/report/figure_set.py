@@ -36,9 +36,7 @@ class FigureSet:
         self.labels = dump_names(dict.fromkeys(c.dump for c in combinations))
         self.labels.update({s["dump"]: s["group"] for s in self.statistics.scenes if s["group"]})
         found = find_images(options.folder, combinations)
-        described = Described(read_manifest(options.folder))
-        described.mark(combinations)
-        described.mark_statistics(self.statistics)
+        Described(read_manifest(options.folder)).mark(combinations, self.statistics)
         self.images = {combinations[entry.combination].key: entry.paths for entry in found}
         ranked = self.statistics.of_metric(self.metric)
         self.budget = options.spp or self.statistics.largest_budget(self.metric)

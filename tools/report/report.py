@@ -65,8 +65,7 @@ def make_report(options):
         images = images._replace(sets=[entry._replace(links={}) for entry in images.sets])
     pixels = {} if options.served else pixel_answers(options.program, found, combinations, manifest, vocabulary)
     described = Described(manifest)
-    described.mark(combinations)
-    described.mark_statistics(statistics)
+    described.mark(combinations, statistics)
     names = quantity_names(combinations, table.metrics)
     title = options.title or f"Spool report: {', '.join(list(labels.values())[:4])}"
     biased = BIASED if is_biased(combinations) else ""
