@@ -21,7 +21,6 @@ from dumps.cycles.batches import batch_plan
 from dumps.cycles.camera import ShiftedCamera
 from dumps.cycles.engine import Renderer
 from dumps.cycles.estimate import dry_run
-from dumps.cycles.folded import fold, keep_or_drop
 from dumps.cycles.options import parse_options, script_arguments
 from dumps.cycles.overrides import overridden
 from dumps.cycles.pass_folder import PassFolder
@@ -34,7 +33,7 @@ from dumps.cycles.passes import (
     planes_of,
     switch_passes,
 )
-from dumps.cycles.reference import FIRST, record_until_it_suffices
+from dumps.cycles.reference import FIRST, fold, keep_or_drop, record_until_it_suffices
 from dumps.cycles.scene import aspect_change, find_needs, load_scene, prepare, scene_reach
 from dumps.cycles.seeds import film_position, pool_seed, reference_seed
 from dumps.cycles.settings import (

@@ -18,9 +18,8 @@ import numpy as np
 
 from dumps.mitsuba.channels import chosen_layers
 from dumps.mitsuba.chunks import FORMAT, Chunks
-from dumps.mitsuba.finish import Parts, finish
 from dumps.mitsuba.options import parse
-from dumps.mitsuba.output import layer_types, samples_of, stored
+from dumps.mitsuba.output import Parts, finish, layer_types, samples_of, stored
 from dumps.mitsuba.plan import Cut, describe
 from dumps.mitsuba.reference import add_chunk, begun_or_empty, is_left_out, judged, left_out, told_of
 from dumps.mitsuba.scene import Wishes, load_scene
