@@ -8,7 +8,6 @@ Needs Python 3.9, numpy and matplotlib. Errors are one line on stderr; exit code
 import argparse
 import re
 import shutil
-import sys
 from pathlib import Path
 
 from tools.report.failure import USAGE, Failure, guarded
@@ -52,7 +51,3 @@ def make_figures(options):
         line = next((line for line in str(error).splitlines() if line.startswith("!")), "LaTeX failed")
         raise Failure(f"--font {options.font}: {line[:120]}: give methods and recordings plain labels, or leave --font out",
                       USAGE) from error
-
-
-if __name__ == "__main__":
-    sys.exit(main())

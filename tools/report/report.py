@@ -7,7 +7,6 @@ exit codes are those of spool: 1 data unusable, 2 wrong use, 3 input or output f
 """
 
 import argparse
-import sys
 from pathlib import Path
 
 from tools.report.aggregate import aggregate
@@ -114,7 +113,3 @@ def images_html(images, written):
         notes.append(f"{images.left_out} of {len(images.sets)} results have links to their EXR files "
                      "only: raise --max-image-mb to embed them.")
     return "".join(f"<p>{note}</p>" for note in notes) + '<div id="image-area"></div>'
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -114,7 +114,3 @@ def numbers_html(said):
         for name, budget, statistics in images)
     table = f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
     return f"<details{'' if len(images) > 12 else ' open'}><summary>Numbers</summary>{table}</details>"
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -6,8 +6,7 @@ it names stand for themselves.
 
 import json
 
-from tools.report.failure import IO, Failure
-from tools.report.regular_file import open_regular
+from tools.report.failure import IO, Failure, open_regular
 
 
 class Vocabulary:
