@@ -33,14 +33,11 @@ def cache(variable, name):
     return os.environ.get(variable) or os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "spool", name)
 
 
-def arguments_of(pool):
-    """Of the recorder: the scene, and what its samples depend on. `{scenes}` stands for the folder of scenes by others."""
-    return [pool["scene"], *pool["arguments"], "--size", "%dx%d" % tuple(pool["size"]), "--samples", str(pool["samples"]),
-            *(["--recordings", str(pool["recordings"])] if "recordings" in pool else []), "--reference", str(pool["reference"])]
-
-
 def command_of(pool, out, scenes):
-    command = [os.path.join(ROOT, RECORDERS[pool["renderer"]]), *(text.replace("{scenes}", scenes) for text in arguments_of(pool)), "-o", out]
+    """The recorder with the scene and what its samples depend on. `{scenes}` stands for the folder of scenes by others."""
+    arguments = [pool["scene"], *pool["arguments"], "--size", "%dx%d" % tuple(pool["size"]), "--samples", str(pool["samples"]),
+                 *(["--recordings", str(pool["recordings"])] if "recordings" in pool else []), "--reference", str(pool["reference"])]
+    command = [os.path.join(ROOT, RECORDERS[pool["renderer"]]), *(text.replace("{scenes}", scenes) for text in arguments), "-o", out]
     if pool["renderer"] == "Cycles":
         return [*command, "--compress"]
     pinned = ["--scene-sha256", pool["scene_sha256"]] if "scene_sha256" in pool else []

@@ -196,7 +196,7 @@ def record(recorder, options, stop):
     return "%s: %s, %dx%d, %d passes (%d kept), reference %d x %d spp (%d kept), %s%s%s" % (
         options.out, recorder.identity["name"], recorder.width, recorder.height, options.samples,
         kept["pass"], recorder.batches, recorder.batch_spp, kept["reference"],
-        duration(time.monotonic() - start), file_note(recorder.renderer),
+        duration(time.monotonic() - start), "; pixels by EXR: " + recorder.renderer.why_file if recorder.renderer.why_file else "",
         more_note(folder, (passes,) if options.auto or options.fold else (passes, reference)))
 
 
@@ -234,10 +234,6 @@ def more_note(folder, jobs):
     more = ["%d %s" % (count, "passes" if kind == "pass" else "batches") for kind, _, wanted in jobs
             for count in [len(set(folder.entries[kind]) - set(wanted))] if count]
     return "; the folder holds %s more, and spool pack takes them too" % " and ".join(more) if more else ""
-
-
-def file_note(renderer):
-    return "; pixels by EXR: " + renderer.why_file if renderer.why_file else ""
 
 
 def silence_blender():

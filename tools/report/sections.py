@@ -24,17 +24,13 @@ def summary_html(sentences, statistics, metric, budget):
     rest = [s for s in sentences if s.kind != "scope" and s not in first]
     more = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in rest)
     table = _verdict_table(statistics, metric)
-    return (f'{claims_html(statistics)}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>{scopes}'
+    return (f'{"".join(map(_claim, statistics.claims))}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>{scopes}'
             f"<details><summary>Every verdict in words, and {escape(metric_name(metric))} at every budget</summary>"
             f"<ul>{more}</ul>{table}</details>{HOW_TO_READ}")
 
 
-def claims_html(statistics):
-    """The plan's questions with the verdicts that statistics.json has; each opens on the places it was asked at."""
-    return "".join(_claim(claim) for claim in statistics.claims)
-
-
 def _claim(claim):
+    """A question of the plan with the verdict that statistics.json has; opens on the places it was asked at."""
     limit = "" if claim["below"] == 1 else f" {number_text(claim['below'])} times"
     asked = (f"{claim['metric']} of {claim['better']} below{limit} that of {claim['than']}, {claim['samples']} samples"
              + ("; {} threads against {}".format(*claim["threads"]) if "threads" in claim else "") + (f"; {claim['source']}" if claim.get("source") else ""))
