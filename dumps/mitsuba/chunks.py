@@ -125,9 +125,7 @@ class Chunks:
 
     def load_reference(self):
         path = os.path.join(self.folder, "reference.npz")
-        if not os.path.exists(path):
-            return None
-        return self._read(path)
+        return self._read(path) if os.path.exists(path) else None
 
     def mark_named(self):
         """The files of this recording get their names from now on: a run that is stopped then may replace those that have one."""

@@ -123,14 +123,14 @@ def files_of(radiance, folder):
     return flat.nbytes
 
 
-def read_spool(path):
+def read_spool(path, *corners):
     with spool.open(path) as dump:
-        return np.asarray(dump.read("radiance"))
+        return np.asarray(dump.read("radiance", *corners))
 
 
-def read_hdf5(path):
+def read_hdf5(path, region=slice(None)):
     with h5py.File(path) as file:
-        return file["radiance"][:]
+        return file["radiance"][region]
 
 
 def readers(folder, program):
@@ -154,16 +154,9 @@ def readers(folder, program):
 
 def region_readers(folder):
     """64 x 64 pixels across four blocks, all samples."""
-    def of_spool():
-        with spool.open(folder / "a.spool") as dump:
-            return np.asarray(dump.read("radiance", 32, 32, 96, 96))
-
-    def of_hdf5():
-        with h5py.File(folder / "a.h5") as file:
-            return file["radiance"][32:96, 32:96]
-
+    of_hdf5 = lambda: read_hdf5(folder / "a.h5", np.s_[32:96, 32:96])
     times = 20  # a region is read in milliseconds
-    runs = {"h5py: region, fletcher32": of_hdf5, "spool in Python: region, CRC-32": of_spool,
+    runs = {"h5py: region, fletcher32": of_hdf5, "spool in Python: region, CRC-32": lambda: read_spool(folder / "a.spool", 32, 32, 96, 96),
             "zarr: region, crc32c": lambda: zarr.open_array(folder / "a.zarr", mode="r")[32:96, 32:96]}
     assert all(np.array_equal(np.asarray(run()).reshape(-1), of_hdf5().reshape(-1)) for run in runs.values())
     return {name: (lambda run=run: [run() for _ in range(times)]) for name, run in runs.items()}, times
