@@ -22,7 +22,6 @@ from dumps.cycles.camera import ShiftedCamera
 from dumps.cycles.engine import Renderer
 from dumps.cycles.estimate import dry_run
 from dumps.cycles.options import parse_options, script_arguments
-from dumps.cycles.overrides import overridden
 from dumps.cycles.pass_folder import PassFolder
 from dumps.cycles.passes import (
     CHANNELS,
@@ -39,6 +38,7 @@ from dumps.cycles.seeds import film_position, pool_seed, reference_seed
 from dumps.cycles.settings import (
     apply_settings,
     longest_sequence,
+    overridden,
     power_of_two,
     recorded_settings,
     select_samples,

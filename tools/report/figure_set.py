@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from tools.report.aggregate import aggregate
-from tools.report.described import Described
+from tools.report.aggregate import Described, aggregate
 from tools.report.draw_curves import draw
 from tools.report.failure import USAGE, Failure
 from tools.report.figure_captions import comparison_caption, curves_caption, environment, table_caption

@@ -9,8 +9,7 @@ exit codes are those of spool: 1 data unusable, 2 wrong use, 3 input or output f
 import argparse
 from pathlib import Path
 
-from tools.report.aggregate import aggregate
-from tools.report.described import Described
+from tools.report.aggregate import Described, aggregate
 from tools.report.failure import IO, USAGE, Failure, guarded
 from tools.report.file_names import dump_names
 from tools.report.page import build_page
