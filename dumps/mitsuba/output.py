@@ -39,7 +39,8 @@ def layer_types(layers, half, largest=0.0, depth_fits=False):
     return {name: narrow.get(name, LAYERS[name][0]) for name in layers}
 
 
-def metadata(options, mi, recordable, tracer, cut, seconds, first_chunk=0):
+def metadata(options, parts, seconds, first_chunk):
+    mi, recordable, tracer, cut = parts.mi, parts.recordable, parts.tracer, parts.cut
     return {"renderer": {"name": "Mitsuba", "version": mi.__version__, "variant": mi.variant()},
             "scene": {"name": recordable.name, "sha256": recordable.digest, "shapes": recordable.shapes[:4096],
                       "changes": recordable.changes},
@@ -59,12 +60,14 @@ def samples_of(options):
     return options.samples // options.recordings
 
 
-def write_file(path, options, meta, tracer, layers, chunks, cut, reference, first_chunk=0):
-    """path: in the folder of the chunks. meta: of metadata(); reference: the state of reference.py, or None."""
+def write_file(path, options, parts, number, meta, reference):
+    """path: in the folder of the chunks. meta: beside that of metadata(); reference: the state of reference.py, or None."""
+    tracer, layers, chunks, cut = parts.tracer, parts.layers, parts.chunks, parts.cut
+    first_chunk = number * len(cut.parts)
     own = range(first_chunk, first_chunk + len(cut.parts))
     types = layer_types(layers, options.half, *half_ranges(layers, chunks, own) if options.half else ())
     file_layers = {name: (types[name], LAYERS[name][1]) for name in layers}
-    meta = {**meta, "channels": {name: MEANINGS[name] for name in layers}}
+    meta = {**metadata(options, parts, sum(map(chunks.seconds, own)), first_chunk), **meta, "channels": {name: MEANINGS[name] for name in layers}}
     if reference is not None:
         file_layers["reference"] = file_layers["reference_variance"] = ("f4", "RGB", "pixel")
         meta["reference"] = told_of(reference)
@@ -103,7 +106,7 @@ def finish(options, parts, numbers, reference):
         path = chunks.whole_name(number)
         group = group_meta(options.out, options.recordings, number, made_of)
         if not chunks.is_whole(number):
-            remark = _write(path, options, parts, number, {"random_numbers": numbers, **group}, reference)
+            remark = write_file(path, options, parts, number, {"random_numbers": numbers, **group}, reference)
             if remark and number == 0:
                 print(remark, file=sys.stderr)
         done.append((path, [] if options.no_verify else _tested(path)))
@@ -115,14 +118,6 @@ def finish(options, parts, numbers, reference):
         os.replace(path, out)
     chunks.remove()
     return [(out, findings) for out, (_, findings) in zip(outs, done)]
-
-
-def _write(path, options, parts, number, meta, reference):
-    chunks, cut = parts.chunks, parts.cut
-    first = number * len(cut.parts)
-    seconds = sum(chunks.seconds(first + index) for index in range(len(cut.parts)))
-    meta = {**metadata(options, parts.mi, parts.recordable, parts.tracer, cut, seconds, first), **meta}
-    return write_file(path, options, meta, parts.tracer, parts.layers, chunks, cut, reference, first)
 
 
 def _tested(path):
