@@ -1,6 +1,6 @@
 """Figures and tables for a paper from the folder that `spool evaluate` wrote.
 
-usage: figure.py DIR -o FOLDER [--metric relmse] [--spp 8] [--recording NAME]... [--method "sampler + filter"]...
+usage: run.py figure DIR -o FOLDER [--metric relmse] [--spp 8] [--recording NAME]... [--method "sampler + filter"]...
        [--crops [RECORDING:]X,Y,W,H]... [--column 1|2] [--font latex[:PACKAGE]] [--force]
 Needs Python 3.9, numpy and matplotlib. Errors are one line on stderr; exit codes are those of spool.
 """

@@ -1,7 +1,7 @@
 """The page of `spool view`, whose pictures the program computes on request.
 
-usage: live_page.py [--title TEXT]    prints the page
-       live_page.py --facts DIR       prints what a folder of results says of its recordings and methods, as JSON
+usage: run.py live_page [--title TEXT]    prints the page
+       run.py live_page --facts DIR       prints what a folder of results says of its recordings and methods, as JSON
 """
 
 import argparse

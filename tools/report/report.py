@@ -1,6 +1,6 @@
 """One HTML file from the folder that `spool evaluate` wrote: sentences, charts, table, images.
 
-usage: report.py DIR -o report.html [--metric relmse] [--max-image-mb 40] [--vocabulary FILE]
+usage: run.py report DIR -o report.html [--metric relmse] [--max-image-mb 40] [--vocabulary FILE]
                  [--title TEXT] [--force]
 Needs Python 3.9 and numpy; everything the page needs is in the page. Errors are one line on stderr;
 exit codes are those of spool: 1 data unusable, 2 wrong use, 3 input or output failed.

@@ -1,6 +1,6 @@
 """The page of `spool show`: images beside each other, by the report's viewer.
 
-usage: show_page.py    reads what the program made of the images (tools/show/shown_images.h) from stdin, prints the page
+usage: run.py show_page    reads what the program made of the images (tools/show/shown_images.h) from stdin, prints the page
 """
 
 import json
