@@ -18,12 +18,12 @@ import tomllib
 sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..")))
 sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
+from dumps.pool_run import RECORDERS, cache
 from dumps.recording.failure import one_line
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PATH = os.path.join(HERE, "CATALOG.toml")
 MEASURED = ("bytes", "sha256", "size", "samples", "seconds")
-RECORDERS = {"Cycles": "dumps/record.sh", "Mitsuba": "dumps/mitsuba/record.py"}
 
 
 def catalogue():
@@ -39,9 +39,7 @@ def small_command(entry):
 
 def full_arguments(entry, full, more):
     """What is not said in `more` is as the catalogue says. `{scenes}` is where dumps/pools.py looks for scenes by others."""
-    cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    scenes = os.environ.get("SPOOL_SCENES") or os.path.join(cache, "spool", "scenes")
-    entry = {**entry, "arguments": [text.replace("{scenes}", scenes) for text in entry["arguments"]]}
+    entry = {**entry, "arguments": [text.replace("{scenes}", cache("SPOOL_SCENES", "scenes")) for text in entry["arguments"]]}
     out = [RECORDERS[entry["renderer"]], *entry["arguments"], *more]
     for option, value in full.items():
         if "--" + option not in more:

@@ -14,7 +14,7 @@ sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..")))
 sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
 from dumps.recording.command_line import Parser
-from dumps.recording.failure import Failure, module_failure, one_line, scene_failure
+from dumps.recording.failure import guarded, module_failure, scene_failure
 
 try:
     import spool
@@ -94,19 +94,12 @@ def main():
     parser = Parser(description=__doc__.split("\n")[0])
     parser.add_argument("dump")
     parser.add_argument("more", help="a recording of the same scene with another seed")
-    try:
-        options = parser.parse_args()
-        reference, found = extend(options.dump, options.more)
-    except (Failure, spool.SpoolError) as failure:
-        print("extend_reference: %s" % failure, file=sys.stderr)
-        return failure.code
-    except OSError as error:
-        print(one_line("extend_reference: %s: %s" % (error.filename, error.strerror)), file=sys.stderr)
-        return 3
+    options = parser.parse_args()
+    reference, found = extend(options.dump, options.more)
     print("%s: a reference of %d samples, noise of relMSE's denominator %.2g" % (
         options.dump, reference["samples"], reference["denominator_noise"]))
     return 0 if found["holds"] else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(guarded(main, "extend_reference"))

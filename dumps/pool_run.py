@@ -9,6 +9,7 @@ from dumps.pool_pins import differences
 from dumps.recording.progress import duration
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), ".."))
+RECORDERS = {"Cycles": "dumps/record.sh", "Mitsuba": "dumps/mitsuba/record.py"}
 _STEP = re.compile(r"^(pool|passes|reference) (\d+) of (\d+), ")
 
 
@@ -27,23 +28,20 @@ class Pace:
         return (sum(self.seconds) - done) * pace
 
 
-def recorder_of(pool):
-    return os.path.join("dumps", "record.sh") if pool["renderer"] == "Cycles" else os.path.join("dumps", "mitsuba", "record.py")
-
-
-def arguments_of(pool):
-    """Of the recorder: the scene, and what its samples depend on. `{scenes}` stands for the folder of scenes by others."""
-    return [pool["scene"], *pool["arguments"], "--size", "%dx%d" % tuple(pool["size"]), "--samples", str(pool["samples"]),
-            *(["--recordings", str(pool["recordings"])] if "recordings" in pool else []), "--reference", str(pool["reference"])]
+def cache(variable, name):
+    """What the user chose, or a path in the cache."""
+    return os.environ.get(variable) or os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "spool", name)
 
 
 def command_of(pool, out, scenes):
-    python = os.environ.get("SPOOL_MITSUBA_PYTHON", os.path.join(
-        os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache")), "spool", "mitsuba-venv", "bin", "python"))
-    command = [os.path.join(ROOT, recorder_of(pool)), *(text.replace("{scenes}", scenes) for text in arguments_of(pool)), "-o", out]
+    """The recorder with the scene and what its samples depend on. `{scenes}` stands for the folder of scenes by others."""
+    arguments = [pool["scene"], *pool["arguments"], "--size", "%dx%d" % tuple(pool["size"]), "--samples", str(pool["samples"]),
+                 *(["--recordings", str(pool["recordings"])] if "recordings" in pool else []), "--reference", str(pool["reference"])]
+    command = [os.path.join(ROOT, RECORDERS[pool["renderer"]]), *(text.replace("{scenes}", scenes) for text in arguments), "-o", out]
     if pool["renderer"] == "Cycles":
         return [*command, "--compress"]
-    return [python, *command, *(["--scene-sha256", pool["scene_sha256"]] if "scene_sha256" in pool else [])]
+    pinned = ["--scene-sha256", pool["scene_sha256"]] if "scene_sha256" in pool else []
+    return [cache("SPOOL_MITSUBA_PYTHON", "mitsuba-venv/bin/python"), *command, *pinned]
 
 
 def share_done(pool, label, done, total):

@@ -10,7 +10,6 @@ They lie in $SPOOL_RECORDINGS (~/.cache/spool/recordings). Scenes by others are 
 (~/.cache/spool/scenes): a clone of each repository under its own name. Stop at any time; the same command goes on.
 Exit codes: 0 done, 1 a recording failed or is not what POOLS.toml says, 2 wrong use, 3 the system refused.
 """
-import fcntl
 import os
 import shutil
 import signal
@@ -23,20 +22,16 @@ import tomllib
 sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..")))
 sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-from dumps.pool_run import Pace, run_pool
+from dumps.pool_run import Pace, cache, run_pool
 from dumps.recording.command_line import Parser
-from dumps.recording.failure import Failure, io_failure, module_failure, usage_failure
+from dumps.recording.failure import guarded, io_failure, module_failure, scene_failure, usage_failure
 from dumps.recording.progress import duration
 from dumps.recording.progress import size as size_text
 from dumps.recording.recordings import names
+from dumps.recording.whole_files import lock
 
 PATH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "POOLS.toml")
 BYTES = {"Cycles": 90, "Mitsuba": 100}       # a sample and pixel, at the peak: passes or chunks, and the recording beside them
-
-
-def cache(variable, name):
-    default = os.path.join(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache")), "spool", name)
-    return os.path.abspath(os.environ.get(variable, default))
 
 
 def read_pools(path):
@@ -117,11 +112,7 @@ def record(chosen, folder, scenes):
     """Names of the pools that failed."""
     need_reader()
     os.makedirs(folder, exist_ok=True)
-    lock = open(os.path.join(folder, ".lock"), "w")
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        raise usage_failure("%s: another run records here" % folder)
+    kept = lock(folder, "another run records here")  # noqa: F841 - until this function ends
     failed, left = [], []
     for pool in chosen:
         missing = missing_source(pool, scenes)
@@ -152,47 +143,36 @@ def parse():
     parser.add_argument("--all", action="store_true", help="record all")
     parser.add_argument("--pin", nargs="+", metavar="NAME")
     parser.add_argument("--table", action="store_true", help="what is pinned, as Markdown")
-    parser.add_argument("--names", action="store_true")
     parser.add_argument("--pools", default=PATH, help="another list")
     return parser.parse_args()
 
 
 def main():
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        options = parse()
-        pools = read_pools(options.pools)
-        folder, scenes = cache("SPOOL_RECORDINGS", "recordings"), cache("SPOOL_SCENES", "scenes")
-        chosen = list(pools) if options.all else options.record or options.pin or []
-        for name in chosen:
-            if name not in pools:
-                raise usage_failure("'%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
-        if options.names:
-            print("\n".join(pools))
-        elif options.table:
-            table(pools)
-        elif options.pin:
-            need_reader()
-            absent = [(path, name) for name in chosen for path in files_of(pools[name], folder) if not os.path.exists(path)]
-            if absent:
-                raise usage_failure("%s: no such recording: --record %s" % absent[0])
-            from dumps.pool_pins import pin
-            pin(options.pools, {name: files_of(pools[name], folder) for name in chosen})
-        elif chosen:
-            os.nice(10)
-            failed = record([pools[name] for name in chosen], folder, scenes)
-            if failed:
-                raise Failure(1, "not recorded, or not what POOLS.toml says: %s" % ", ".join(failed))
-        else:
-            show(pools, folder, scenes)
-    except Failure as failure:
-        print("pools: %s" % failure, file=sys.stderr)
-        return failure.code
-    except KeyboardInterrupt:
-        print("stopped: run the same command again to go on", file=sys.stderr)
-        return 3
-    return 0
+    options = parse()
+    pools = read_pools(options.pools)
+    folder, scenes = map(os.path.abspath, (cache("SPOOL_RECORDINGS", "recordings"), cache("SPOOL_SCENES", "scenes")))
+    chosen = list(pools) if options.all else options.record or options.pin or []
+    for name in chosen:
+        if name not in pools:
+            raise usage_failure("'%s' is not in %s: use %s" % (name, options.pools, ", ".join(pools)))
+    if options.table:
+        table(pools)
+    elif options.pin:
+        need_reader()
+        absent = [(path, name) for name in chosen for path in files_of(pools[name], folder) if not os.path.exists(path)]
+        if absent:
+            raise usage_failure("%s: no such recording: --record %s" % absent[0])
+        from dumps.pool_pins import pin
+        pin(options.pools, {name: files_of(pools[name], folder) for name in chosen})
+    elif chosen:
+        os.nice(10)
+        failed = record([pools[name] for name in chosen], folder, scenes)
+        if failed:
+            raise scene_failure("not recorded, or not what POOLS.toml says: %s" % ", ".join(failed))
+    else:
+        show(pools, folder, scenes)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(guarded(main, "pools", resumable=True))

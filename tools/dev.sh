@@ -102,10 +102,7 @@ require_packages() {
 setup() {
   case "${1:-all}" in
     build) require_packages "${build_packages[@]}" ;;
-    report)
-      require_packages "${build_packages[@]}" "${report_packages[@]}"
-      fetch_report_assets
-      ;;
+    report) require_packages "${build_packages[@]}" "${report_packages[@]}"; fetch_report_assets ;;
     test) require_packages "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"; setup_python ;;
     lint)
       require_packages "${build_packages[@]}" "${lint_packages[@]}" "${python_packages[@]}"
@@ -304,29 +301,14 @@ package() {
   [[ "${1:-}" != --clean-root ]] || { require_packages mmdebstrap; tools/package/clean_root.sh build/release/packages; }
 }
 
-# Installs a wheel as from PyPI, by name, from an index of this machine that has it alone.
-serve_index() {  # WHEEL VENV
-  local index="$2/index/simple/spool-lab" server port=""
-  mkdir -p "$index" && cp "$1" "$index"
-  (cd "$2/index" && exec python3 -u -m http.server --bind 127.0.0.1 0 >"$2/index.log" 2>&1) &
-  server=$!
-  for _ in $(seq 100); do
-    port="$(sed -n 's/.* port \([0-9]*\).*/\1/p' "$2/index.log" 2>/dev/null)"
-    [[ -z "$port" ]] || break
-    sleep 0.1
-  done
-  "$2/bin/python" -m pip install -q --no-deps --index-url "http://127.0.0.1:$port/simple" spool-lab >&2 ||
-    { kill "$server"; die "$1 cannot be installed from an index"; }
-  kill "$server"
-}
-
 # In a Python that has nothing: the newest wheel, an evaluation and its report.
 try_wheel() {  # PYTHON FOLDER
   local wheel
   wheel="$(find build/wheels -name '*.whl' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2)"
   "$1" -m venv "$2"
   install_locked "$2/bin/python" package
-  serve_index "$wheel" "$2"
+  mkdir "$2/index" && cp "$wheel" "$2/index"
+  "$2/bin/python" -m pip install -q --no-deps --no-index --find-links "$2/index" spool-lab >&2  # by its name, as from PyPI
   "$2/bin/spool" evaluate dumps/tiny/chess.spool --samplers uniform --spp 4 --replicates 2 -q -o "$2/results"
   "$2/bin/spool" report "$2/results" -o "$2/report.html" >&2
   "$2/bin/python" -I -c 'import sys, spool; assert len(spool.results(sys.argv[1]).rows) == 2 and spool.samplers() and spool.example().spp == 16' "$2/results" >&2
@@ -611,27 +593,11 @@ lint() {
 }
 
 case "${1:-help}" in
-  setup) shift; setup "$@" ;;
-  build) shift; build "$@" ;;
-  test) shift; test_all "$@" ;;
-  demo) shift; demo "$@" ;;
-  record) shift; record "$@" ;;
-  docs) docs ;;
-  package) shift; package "$@" ;;
-  wheel) shift; wheel "$@" ;;
+  setup | build | demo | record | docs | package | wheel | bench | experiments | tune | hard | endure | trust | bits | mutate | strangers | lint | lock)
+    "$@" ;;
+  test) test_all "${@:2}" ;;
+  trap) trap_floating_point "${@:2}" ;;
   addon) exec python3 dumps/cycles/addon_zip.py ${2:+-o "$2"} ;;
-  bench) shift; bench "$@" ;;
-  experiments) shift; experiments "$@" ;;
-  tune) shift; tune "$@" ;;
-  hard) shift; hard "$@" ;;
-  endure) shift; endure "$@" ;;
-  trust) shift; trust "$@" ;;
-  trap) shift; trap_floating_point "$@" ;;
-  bits) shift; bits "$@" ;;
-  mutate) shift; mutate "$@" ;;
-  strangers) strangers ;;
-  lint) shift; lint "$@" ;;
-  lock) shift; lock "$@" ;;
   clean) rm -rf build demo-output ;;
   help | -h | --help) usage ;;
   *) usage >&2; die "unknown verb '$1'" ;;

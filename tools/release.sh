@@ -29,14 +29,12 @@ tools/dev.sh package >/dev/null
 cp build/release/packages/*.deb "$folder"
 say "Blender add-on"
 tools/dev.sh addon "$folder/spool_recorder-$version.zip" >/dev/null
-if [[ -f pyproject.toml ]]; then
-  say "wheel"
-  tools/dev.sh wheel
-  for file in build/wheels/*-"$version"-*.whl; do
-    [[ "$file" -nt "$folder/spool-$version.tar.gz" ]] && cp "$file" "$folder"
-  done
-  compgen -G "$folder/*.whl" >/dev/null || die "tools/dev.sh wheel made no wheel of version $version"
-fi
+say "wheel"
+tools/dev.sh wheel
+for file in build/wheels/*-"$version"-*.whl; do
+  [[ "$file" -nt "$folder/spool-$version.tar.gz" ]] && cp "$file" "$folder"
+done
+compgen -G "$folder/*.whl" >/dev/null || die "tools/dev.sh wheel made no wheel of version $version"
 printf '%s\n' "$section" >"$folder/NOTES.txt"
 (cd "$folder" && sha256sum -- *spool* >SHA256SUMS)
 git diff --quiet HEAD || die "making the files changed the tree: see git status"
@@ -46,5 +44,5 @@ cat "$folder/SHA256SUMS"
 cat <<TEXT
 
 To publish:  git tag -a v$version -F $folder/NOTES.txt && git push origin v$version
-             python3 -m twine upload $folder/*.whl        (an account of PyPI; the wheel was installed from an index of this machine)
+             python3 -m twine upload $folder/*.whl        (an account of PyPI; the wheel was installed by its name from a folder that has it alone)
 TEXT

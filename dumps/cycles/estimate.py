@@ -7,7 +7,7 @@ from dumps.cycles.batches import batch_plan
 from dumps.cycles.passes import channel_names, describe_channels
 from dumps.cycles.scene import find_needs
 from dumps.recording.progress import duration, size
-from dumps.recording.reference_price import reference_hint
+from dumps.recording.reference_need import reference_hint
 
 
 def dry_run(recorder, options):

@@ -1,14 +1,11 @@
 """Command line of the recorder: plain values out, or one line and exit code 2."""
-import os
 import sys
 
 from dumps.cycles.batches import batch_plan
 from dumps.cycles.passes import CHANNELS, DEFAULT
-from dumps.recording.command_line import Parser, pairs, parse_size
+from dumps.recording.command_line import Parser, take_shared
 from dumps.recording.failure import usage_failure
-from dumps.recording.recordings import check as check_recordings
 from dumps.recording.recordings import check_name
-from dumps.recording.reference_need import parse_reference
 
 MODES = {
     "iid": "independent samples, a new seed per pass (film position unknown)",
@@ -66,7 +63,6 @@ def parse_options(arguments):
 
 
 def check_options(options):
-    options.size = parse_size(options.size, 4, LARGEST) if options.size else None
     options.channels = [c for c in options.channels.split(",") if c]
     if not options.out and not options.dry_run:
         raise usage_failure("no folder for the passes: give -o FOLDER")
@@ -74,11 +70,7 @@ def check_options(options):
         raise usage_failure("--plan %s: only a dry run reads it: add --dry-run" % options.plan)
     if options.files and not (options.scene or "").endswith(".py"):
         raise usage_failure("--files %s: only a .py scene finds files there" % options.files[0])
-    for folder in options.files:
-        if not os.path.isdir(folder):
-            raise usage_failure("--files %s: no such folder" % folder)
-    options.substitutes = pairs("--substitute", options.substitute)
-    options.reference, options.auto = parse_reference(options.reference)
+    take_shared(options, 4)
     for name, low, high in (("samples", 1, LARGEST), ("first", 0, LARGEST - 1), ("seed", 0, 2**31 - 1),
                             ("first_batch", 0, 2**20), ("threads", 0, 1024)):
         value = getattr(options, name)
@@ -87,7 +79,6 @@ def check_options(options):
                                 (name.replace("_", "-"), value, low, high))
     if options.first + options.samples > LARGEST:
         raise usage_failure("--first + --samples is more than %d" % LARGEST)
-    check_recordings(options.recordings, options.samples)
     for name in (options.scene, options.blend, options.out):
         check_name(name)
     if options.mode == "sequence" and options.recordings > 1:

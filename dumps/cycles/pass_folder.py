@@ -8,12 +8,8 @@ import json
 import os
 import zlib
 
-try:
-    import fcntl
-except ImportError:                        # not on this system: two recorders at once go unnoticed
-    fcntl = None
-
 from dumps.cycles import packed_pass
+from dumps.recording import whole_files
 from dumps.recording.failure import Failure, io_failure, usage_failure
 
 # a full disk, a full quota, a limit on the size of files
@@ -31,7 +27,7 @@ class PassFolder:
         self.entries = {kind: {} for kind in FILES}
         try:
             os.makedirs(path, exist_ok=True)
-            self._lock()
+            self.lock = whole_files.lock(path, "another recorder is writing here")
             self._open_manifest(recording)
             self._open_log()
         except OSError as error:
@@ -44,7 +40,7 @@ class PassFolder:
         """data: float32 [channel][y][x]. entry: what the log keeps besides index, file and crc32."""
         line = self._write_file(kind, index, FILES[kind] % index, data, entry)
         try:
-            _write_synced(self._name("passes.jsonl"), "ab", (json.dumps(line) + "\n").encode())
+            whole_files.write_synced(self._name("passes.jsonl"), "ab", lambda stream: stream.write((json.dumps(line) + "\n").encode()))
         except OSError as error:
             raise io_failure("%s: %s%s" % (self._name("passes.jsonl"), error.strerror, hint_of(error)))
         self.entries[kind][index] = line
@@ -67,14 +63,7 @@ class PassFolder:
     def _write_file(self, kind, index, name, data, entry):
         """Returns its line for the log."""
         data, codec = packed_pass.pack(data, *self.size)
-        temporary = self._name(name + ".partial")
-        try:
-            _write_synced(temporary, "wb", data)
-            os.replace(temporary, self._name(name))
-        except OSError as error:
-            if os.path.exists(temporary):
-                os.remove(temporary)
-            raise io_failure("%s: %s%s" % (self._name(name), error.strerror, hint_of(error)))
+        self._save(name, data)
         return dict(kind=kind, index=index, file=name, crc32=zlib.crc32(data), **codec, **entry)
 
     def remove(self, kind, indices):
@@ -84,25 +73,15 @@ class PassFolder:
     def _write_log(self, files):
         """The log of what is there, in one step; then the files go that it no longer names."""
         lines = [json.dumps(line) + "\n" for entries in self.entries.values() for line in entries.values()]
-        name = self._name("passes.jsonl")
-        try:
-            _write_synced(name + ".partial", "wb", "".join(lines).encode())
-            os.replace(name + ".partial", name)
-            for file in files:
-                os.remove(self._name(file))
-        except OSError as error:
-            raise io_failure("%s: %s%s" % (error.filename or name, error.strerror, hint_of(error)))
+        self._save("passes.jsonl", "".join(lines).encode())
+        for file in files:
+            os.remove(self._name(file))
+
+    def _save(self, name, data):
+        whole_files.save(self._name(name), lambda stream: stream.write(data), hint_of)
 
     def _name(self, name):
         return os.path.join(self.path, name)
-
-    def _lock(self):
-        self.lock = open(self._name(".lock"), "w")
-        if fcntl:
-            try:
-                fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise usage_failure("%s: another recorder is writing here" % self.path)
 
     def _open_manifest(self, recording):
         name = self._name("manifest.json")
@@ -110,9 +89,7 @@ class PassFolder:
         recording = json.loads(json.dumps(recording))
         if not os.path.exists(name):
             manifest = {"format": FORMAT, "version": VERSION, "recording": recording}
-            _write_synced(name + ".partial", "wb", (json.dumps(manifest, indent=1) + "\n").encode())
-            os.replace(name + ".partial", name)
-            return
+            return self._save("manifest.json", (json.dumps(manifest, indent=1) + "\n").encode())
         try:
             with open(name, "rb") as stream:
                 manifest = json.load(stream)
@@ -173,10 +150,3 @@ def first_difference(old, new, path=""):
         elif a != b:
             return "%s%s: %s there, %s here" % (path, key, json.dumps(a), json.dumps(b))
     return ""
-
-
-def _write_synced(name, mode, data):
-    with open(name, mode) as stream:
-        stream.write(data)
-        stream.flush()
-        os.fsync(stream.fileno())

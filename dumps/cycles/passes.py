@@ -5,6 +5,7 @@ components interleaved, bottom row first, as the engine keeps them.
 """
 import struct
 from array import array
+from collections import namedtuple
 
 try:
     import numpy
@@ -17,16 +18,10 @@ NOTHING = 1e9          # Cycles writes 1e10 as the depth of rays that hit nothin
 LARGEST_HALF = 65504.0
 
 
-class Channel:
-    """components: names after the dot. sources: the render passes wanted, by their names before 5.0.
-    space: of vectors, `world` or `camera`. index_zero: Cycles writes the pass for sample index 0
-    alone, so it exists in mode `shift` only. mix: {source: flat array, RGB} -> flat array."""
-
-    def __init__(self, components, sources, note, space=None, index_zero=False, dtype="f16", mix=None):
-        self.components, self.sources, self.note, self.space = components, sources, note, space
-        self.index_zero, self.dtype, self.mix = index_zero, dtype, mix
-
-
+# components: names after the dot. sources: the render passes wanted, by their names before 5.0.
+# space: of vectors, `world` or `camera`. index_zero: Cycles writes the pass for sample index 0
+# alone, so it exists in mode `shift` only. mix: {source: flat array, RGB} -> flat array.
+Channel = namedtuple("Channel", "components sources note space index_zero dtype mix", defaults=(None, False, "f16", None))
 LIGHT = ("Diff", "Gloss", "Trans")
 BLACK = (0.0, 0.0, 0.0)
 

@@ -21,9 +21,7 @@ from dumps.cycles.batches import batch_plan
 from dumps.cycles.camera import ShiftedCamera
 from dumps.cycles.engine import Renderer
 from dumps.cycles.estimate import dry_run
-from dumps.cycles.folded import fold, keep_or_drop
 from dumps.cycles.options import parse_options, script_arguments
-from dumps.cycles.overrides import overridden
 from dumps.cycles.pass_folder import PassFolder
 from dumps.cycles.passes import (
     CHANNELS,
@@ -34,17 +32,18 @@ from dumps.cycles.passes import (
     planes_of,
     switch_passes,
 )
-from dumps.cycles.reference import FIRST, record_until_it_suffices
+from dumps.cycles.reference import FIRST, fold, keep_or_drop, record_until_it_suffices
 from dumps.cycles.scene import aspect_change, find_needs, load_scene, prepare, scene_reach
 from dumps.cycles.seeds import film_position, pool_seed, reference_seed
 from dumps.cycles.settings import (
     apply_settings,
     longest_sequence,
+    overridden,
     power_of_two,
     recorded_settings,
     select_samples,
 )
-from dumps.recording.failure import Failure, io_failure, one_line, usage_failure
+from dumps.recording.failure import guarded, io_failure, usage_failure
 from dumps.recording.progress import Progress, duration
 
 
@@ -197,7 +196,7 @@ def record(recorder, options, stop):
     return "%s: %s, %dx%d, %d passes (%d kept), reference %d x %d spp (%d kept), %s%s%s" % (
         options.out, recorder.identity["name"], recorder.width, recorder.height, options.samples,
         kept["pass"], recorder.batches, recorder.batch_spp, kept["reference"],
-        duration(time.monotonic() - start), file_note(recorder.renderer),
+        duration(time.monotonic() - start), "; pixels by EXR: " + recorder.renderer.why_file if recorder.renderer.why_file else "",
         more_note(folder, (passes,) if options.auto or options.fold else (passes, reference)))
 
 
@@ -237,10 +236,6 @@ def more_note(folder, jobs):
     return "; the folder holds %s more, and spool pack takes them too" % " and ".join(more) if more else ""
 
 
-def file_note(renderer):
-    return "; pixels by EXR: " + renderer.why_file if renderer.why_file else ""
-
-
 def silence_blender():
     """Blender prints a line per step on file descriptor 1; returns a stream to what it was."""
     sys.stdout.flush()
@@ -251,28 +246,18 @@ def silence_blender():
     return out
 
 
-def main():
-    out = sys.stdout
-    try:
-        options = parse_options(script_arguments())
-        out = silence_blender()
-        stop = Stop()
-        recorder = Recorder(options)
-        for change in recorder.identity.get("changes", []):
-            print("%s: %s" % (recorder.identity["name"], change), file=sys.stderr, flush=True)
-        print(dry_run(recorder, options) if options.dry_run else record(recorder, options, stop), file=out)
-        code = 0
-    except Failure as failure:
-        print("record: %s" % failure, file=sys.stderr)
-        code = failure.code
-    except OSError as error:
-        print(one_line("record: %s: %s" % (error.filename, error.strerror)), file=sys.stderr)
-        code = 3
-    out.flush()
-    sys.stderr.flush()
-    # Blender 3.4 may crash while it unloads Cycles after all is done; the code must be ours.
-    os._exit(code)
+def run():
+    options = parse_options(script_arguments())
+    out = silence_blender()
+    stop = Stop()
+    recorder = Recorder(options)
+    for change in recorder.identity.get("changes", []):
+        print("%s: %s" % (recorder.identity["name"], change), file=sys.stderr, flush=True)
+    print(dry_run(recorder, options) if options.dry_run else record(recorder, options, stop), file=out, flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    code = guarded(run, "record")
+    sys.stderr.flush()
+    # Blender 3.4 may crash while it unloads Cycles after all is done; the code must be ours.
+    os._exit(code)

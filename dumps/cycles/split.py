@@ -12,7 +12,7 @@ import sys
 
 sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
 
-from dumps.recording.failure import Failure, one_line, scene_failure
+from dumps.recording.failure import guarded, scene_failure
 from dumps.recording.recordings import group_meta
 
 
@@ -42,17 +42,5 @@ def split(folder, count, name):
             stream.writelines(json.dumps(line) + "\n" for line in own)
 
 
-def main():
-    try:
-        split(sys.argv[1], int(sys.argv[2]), sys.argv[3])
-    except Failure as failure:
-        print("split: %s" % failure, file=sys.stderr)
-        return failure.code
-    except OSError as error:
-        print(one_line("split: %s: %s" % (error.filename, error.strerror)), file=sys.stderr)
-        return 3
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(guarded(lambda: split(sys.argv[1], int(sys.argv[2]), sys.argv[3]), "split"))

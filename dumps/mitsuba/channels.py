@@ -1,5 +1,7 @@
 """Layers of a Mitsuba recording: what they are called in the file, their type, and what uses them."""
 
+from dumps.recording.failure import scene_failure, usage_failure
+
 # layer: (dtype in the file, components, always available)
 LAYERS = {
     "radiance": ("f4", "RGB"),
@@ -60,12 +62,10 @@ def chosen_layers(wanted, recordable):
     named = [name for name in wanted.split(",") if name]
     unknown = [name for name in named if name not in (*LAYERS, NEEDED, "all")]
     if unknown:
-        from dumps.recording.failure import usage_failure
         raise usage_failure("unknown channel '%s': choose from %s" % (unknown[0], ", ".join(LAYERS)))
     available = dict(lens=recordable.has_lens, time=recordable.shutter_time > 0, direct=recordable.direct is not None)
     missing = [name for name in named if not available.get(name, True)]
     if missing and "all" not in named:
-        from dumps.recording.failure import scene_failure
         raise scene_failure("%s: %s: leave out `%s`%s" % (recordable.name, NOT_THERE[missing[0]], missing[0],
                                                           " or give --integrator path" if missing[0] == "direct" else ""))
     names = LAYERS if "all" in named else [*named, *(("lens", "time") if NEEDED in named else ())]

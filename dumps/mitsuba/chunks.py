@@ -4,7 +4,6 @@ A chunk is some samples of every pixel, each layer compressed as a block of a fi
 file will. It is written under another name, flushed and renamed, so that a run killed at any moment loses the chunk it was rendering and
 nothing else.
 """
-import fcntl
 import json
 import os
 import shutil
@@ -14,6 +13,7 @@ from math import prod
 
 import numpy as np
 
+from dumps.recording import whole_files
 from dumps.recording.failure import io_failure, usage_failure
 from spool import SpoolError, chunk_codec
 from spool.record_layout import FILTER_SHUFFLE
@@ -29,7 +29,7 @@ class Chunks:
         path = os.path.join(folder, "plan.json")
         try:
             os.makedirs(folder, exist_ok=True)
-            self._lock(os.path.join(folder, ".lock"))
+            self.lock = whole_files.lock(folder, "another recorder is writing here")
             if os.path.exists(path):
                 found = self._plan(path)
                 different = sorted(key for key in set(found) | set(plan) if found.get(key) != plan.get(key))
@@ -47,14 +47,6 @@ class Chunks:
                 return json.load(stream)
             except ValueError:
                 raise io_failure("%s: damaged: remove the folder and run the same command again" % path)
-
-    def _lock(self, path):
-        """Held as long as this process lives: two recorders would write over each other."""
-        self.lock = open(path, "w")
-        try:
-            fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise usage_failure("%s: another recorder is writing here" % self.folder)
 
     def has(self, index):
         return os.path.exists(self._name(index))
@@ -133,9 +125,7 @@ class Chunks:
 
     def load_reference(self):
         path = os.path.join(self.folder, "reference.npz")
-        if not os.path.exists(path):
-            return None
-        return self._read(path)
+        return self._read(path) if os.path.exists(path) else None
 
     def mark_named(self):
         """The files of this recording get their names from now on: a run that is stopped then may replace those that have one."""
@@ -162,15 +152,5 @@ class Chunks:
         return os.path.join(self.folder, "chunk_%05d.npz" % index)
 
     def _save(self, name, write):
-        path = os.path.join(self.folder, name)
-        try:
-            with open(path + ".writing", "wb") as stream:
-                write(stream)
-                stream.flush()
-                os.fsync(stream.fileno())
-            os.replace(path + ".writing", path)
-        except OSError as error:
-            if os.path.exists(path + ".writing"):
-                os.remove(path + ".writing")
-            raise io_failure("%s: %s: make room and run the same command again, it goes on where it stopped"
-                             % (path, error.strerror))
+        whole_files.save(os.path.join(self.folder, name), write,
+                         lambda error: ": make room and run the same command again, it goes on where it stopped")

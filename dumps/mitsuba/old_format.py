@@ -7,6 +7,7 @@ they are and are refused by name, unless the user substitutes them.
 """
 import os
 import xml.etree.ElementTree as ElementTree
+from collections import namedtuple
 
 from dumps.mitsuba.old_colours import colours
 from dumps.mitsuba.old_media import boundary, medium, numbers
@@ -17,15 +18,11 @@ KNOWN = {"scene", "sensor", "emitter", "lookat", "integrator", "sampler", "film"
          "medium", "phase", "volume", "spectrum", "rgb", "srgb", "blackbody", "transform", "translate", "rotate", "scale",
          "matrix", "float", "integer", "boolean", "string", "point", "vector", "ref", "default", "include", "alias", "path",
          "subsurface"}
+Rewritten = namedtuple("Rewritten", "text changes lost files")
 INTEGRATORS = {"path", "volpath", "volpathmis", "direct"}        # that Mitsuba 3 has, too, and that have samples of a pixel
 NEAREST = {("bsdf", "roughdiffuse"): "diffuse", ("bsdf", "ward"): "roughconductor", ("sensor", "perspective_rdist"): "perspective",
            ("film", "ldrfilm"): "hdrfilm", ("film", "mfilm"): "hdrfilm", ("film", "tiledhdrfilm"): "hdrfilm",
            ("film", "exrfilm"): "hdrfilm", ("film", "pngfilm"): "hdrfilm", ("texture", "vertexcolors"): "mesh_attribute"}
-
-
-class Rewritten:
-    def __init__(self, text, changes, lost, files):
-        self.text, self.changes, self.lost, self.files = text, changes, lost, files
 
 
 def is_old(path):

@@ -4,11 +4,9 @@ import os
 
 from dumps.mitsuba.channels import DEFAULT, LAYERS
 from dumps.mitsuba.seeds import USER_LIMIT
-from dumps.recording.command_line import Parser, pairs, parse_size
+from dumps.recording.command_line import Parser, pairs, take_shared
 from dumps.recording.failure import usage_failure
-from dumps.recording.recordings import check as check_recordings
 from dumps.recording.recordings import check_name, names
-from dumps.recording.reference_need import parse_reference
 
 EXIT_CODES = """exit codes: 0 recorded, 1 the scene cannot be recorded or its samples fail their tests, 2 wrong use,
 3 the operating system or the renderer refused, or the run was stopped"""
@@ -57,13 +55,12 @@ def check(options):
         raise usage_failure("no output: give -o FILE.spool")
     if options.plan and not options.dry_run:
         raise usage_failure("--plan %s: applies to a --dry-run only: give both or neither" % options.plan)
-    options.reference, options.auto = parse_reference(options.reference)
+    take_shared(options, 1)
     for name, low, high in (("samples", 1, 65536), ("seed", 0, USER_LIMIT - 1),
                             ("chunk_lanes", 1, 1 << 28), ("block", 1, 1024), ("max_depth", -1, 1 << 30)):
         value = getattr(options, name)
         if value is not None and not low <= value <= high:
             raise usage_failure("--%s %d is outside %d .. %d" % (name.replace("_", "-"), value, low, high))
-    check_recordings(options.recordings, options.samples)
     check_name(options.scene)
     check_name(options.out)
     begun = options.out and os.path.exists(os.path.join(options.out + ".recording", "named"))
@@ -74,9 +71,4 @@ def check(options):
             raise usage_failure("%s.partial: exists, another recording runs or was cut: recover or remove it" % path)
     if options.channels is None:
         options.channels = ",".join(name for name in DEFAULT.split(",") if name != "film" or not options.half)
-    for folder in options.files:
-        if not os.path.isdir(folder):
-            raise usage_failure("--files %s: no such folder" % folder)
-    options.size = parse_size(options.size, 1, 65536) if options.size else None
     options.definitions = pairs("-D", options.defines)
-    options.substitutes = pairs("--substitute", options.substitute)

@@ -1,12 +1,20 @@
-"""The finished recording as one file: layers, their types and meanings, and all that says how it came about."""
+"""From the chunks of a recording to its files: layers, their types and meanings, all that says how it came about; tested, and only then named."""
+import os
+import sys
+from collections import namedtuple
+
 import numpy as np
 
 import spool
 from dumps.mitsuba.channels import LAYERS, MEANINGS
 from dumps.mitsuba.reference import told_of, variance_of_mean
 from dumps.mitsuba.seeds import chunk_seed
+from dumps.recording.failure import usage_failure
 from dumps.recording.progress import Progress
+from dumps.recording.recordings import group_meta, names
 
+# What a recording is made of. chunks: of all recordings, one after the other; cut: how one of them is cut.
+Parts = namedtuple("Parts", "mi recordable tracer layers chunks cut")
 LARGEST_HALF, SMALLEST_HALF = 65504.0, 2.0 ** -14    # with 11 bits of precision
 
 
@@ -31,7 +39,8 @@ def layer_types(layers, half, largest=0.0, depth_fits=False):
     return {name: narrow.get(name, LAYERS[name][0]) for name in layers}
 
 
-def metadata(options, mi, recordable, tracer, cut, seconds, first_chunk=0):
+def metadata(options, parts, seconds, first_chunk):
+    mi, recordable, tracer, cut = parts.mi, parts.recordable, parts.tracer, parts.cut
     return {"renderer": {"name": "Mitsuba", "version": mi.__version__, "variant": mi.variant()},
             "scene": {"name": recordable.name, "sha256": recordable.digest, "shapes": recordable.shapes[:4096],
                       "changes": recordable.changes},
@@ -51,12 +60,14 @@ def samples_of(options):
     return options.samples // options.recordings
 
 
-def write_file(path, options, meta, tracer, layers, chunks, cut, reference, first_chunk=0):
-    """path: in the folder of the chunks. meta: of metadata(); reference: the state of reference.py, or None."""
+def write_file(path, options, parts, number, meta, reference):
+    """path: in the folder of the chunks. meta: beside that of metadata(); reference: the state of reference.py, or None."""
+    tracer, layers, chunks, cut = parts.tracer, parts.layers, parts.chunks, parts.cut
+    first_chunk = number * len(cut.parts)
     own = range(first_chunk, first_chunk + len(cut.parts))
     types = layer_types(layers, options.half, *half_ranges(layers, chunks, own) if options.half else ())
     file_layers = {name: (types[name], LAYERS[name][1]) for name in layers}
-    meta = {**meta, "channels": {name: MEANINGS[name] for name in layers}}
+    meta = {**metadata(options, parts, sum(map(chunks.seconds, own)), first_chunk), **meta, "channels": {name: MEANINGS[name] for name in layers}}
     if reference is not None:
         file_layers["reference"] = file_layers["reference_variance"] = ("f4", "RGB", "pixel")
         meta["reference"] = told_of(reference)
@@ -84,3 +95,33 @@ def write_file(path, options, meta, tracer, layers, chunks, cut, reference, firs
     if options.half and types["radiance"] != "f2":
         return "--half: a sample exceeds %g: the radiance is kept in 32 bits" % LARGEST_HALF
     return None
+
+
+def finish(options, parts, numbers, reference):
+    """[(file, findings)]; findings are empty where no test was wanted. numbers: counts for the claim on random numbers."""
+    chunks, outs, done = parts.chunks, names(options.out, options.recordings), []
+    chunks.save_numbers(numbers, [options.reference, options.auto])
+    made_of = [parts.recordable.digest, options.seed, options.samples, options.reference, parts.mi.variant(), parts.mi.__version__]
+    for number in range(len(outs)):
+        path = chunks.whole_name(number)
+        group = group_meta(options.out, options.recordings, number, made_of)
+        if not chunks.is_whole(number):
+            remark = write_file(path, options, parts, number, {"random_numbers": numbers, **group}, reference)
+            if remark and number == 0:
+                print(remark, file=sys.stderr)
+        done.append((path, [] if options.no_verify else _tested(path)))
+    there = [out for out in outs if os.path.lexists(out)]
+    if there and not options.force and not chunks.is_named():
+        raise usage_failure("%s: appeared during the recording: move it away and run the same command again" % there[0])
+    chunks.mark_named()
+    for out, (path, _) in zip(outs, done):
+        os.replace(path, out)
+    chunks.remove()
+    return [(out, findings) for out, (_, findings) in zip(outs, done)]
+
+
+def _tested(path):
+    from dumps.verify.verify import keep_verification, verify
+    found = verify(path)
+    keep_verification(path, found)
+    return found["findings"]

@@ -6,8 +6,7 @@ from dumps.mitsuba.seeds import SPARE, chunk_seed
 from dumps.recording.plan_layers import unread
 from dumps.recording.progress import duration
 from dumps.recording.progress import size as size_text
-from dumps.recording.reference_need import LEAST
-from dumps.recording.reference_price import reference_hint
+from dumps.recording.reference_need import LEAST, reference_hint
 
 TRIAL_SECONDS = 5.0        # of the trace that the estimate comes from
 REFERENCE_BYTES = 24       # a pixel: mean and variance of three channels

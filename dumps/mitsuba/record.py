@@ -18,20 +18,18 @@ import numpy as np
 
 from dumps.mitsuba.channels import chosen_layers
 from dumps.mitsuba.chunks import FORMAT, Chunks
-from dumps.mitsuba.finish import Parts, finish
 from dumps.mitsuba.options import parse
-from dumps.mitsuba.output import layer_types, samples_of, stored
+from dumps.mitsuba.output import Parts, finish, layer_types, samples_of, stored
 from dumps.mitsuba.plan import Cut, describe
 from dumps.mitsuba.reference import add_chunk, begun_or_empty, is_left_out, judged, left_out, told_of
 from dumps.mitsuba.scene import Wishes, load_scene
 from dumps.mitsuba.seeds import CHUNK_LIMIT, SPARE, chunk_seed
 from dumps.mitsuba.variant import choose_variant
-from dumps.recording.failure import Failure, scene_failure, usage_failure
+from dumps.recording.failure import guarded, io_failure, scene_failure, usage_failure
 from dumps.recording.progress import Progress
 from dumps.recording.progress import size as size_text
 from dumps.recording.recordings import names, next_step
-from dumps.recording.reference_need import outcome
-from dumps.recording.reference_price import reference_hint
+from dumps.recording.reference_need import outcome, reference_hint
 from dumps.verify import shared_numbers
 from dumps.verify.finding import line, summary
 
@@ -50,7 +48,7 @@ def open_tracer(options):
             raise usage_failure("--variant %s: use one of %s" % (variant, ", ".join(usable)))
         mi.set_variant(variant)
     except ImportError as error:
-        raise Failure(3, "Mitsuba does not start (%s): pip install -r dumps/mitsuba/requirements.txt, and apt-get "
+        raise io_failure("Mitsuba does not start (%s): pip install -r dumps/mitsuba/requirements.txt, and apt-get "
                          "install libatomic1 libllvm19" % error)
     mi.set_log_level(mi.LogLevel.Error)
     recordable = load_scene(mi, options.scene, Wishes(options.size, options.integrator, options.max_depth,
@@ -176,24 +174,6 @@ def run(arguments):
     print(next_step(names(options.out, options.recordings)))
 
 
-def main():
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        run(sys.argv[1:])
-    except Failure as failure:
-        print(failure, file=sys.stderr)
-        return failure.code
-    except KeyboardInterrupt:
-        print("stopped: run the same command again to go on", file=sys.stderr)
-        return 3
-    except Exception as error:
-        code = getattr(error, "code", None)  # SpoolError carries the exit code of the program
-        if not isinstance(code, int):
-            raise
-        print(error, file=sys.stderr)
-        return code
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    sys.exit(guarded(lambda: run(sys.argv[1:]), resumable=True))

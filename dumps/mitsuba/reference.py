@@ -10,17 +10,15 @@ from dumps.recording.reference_need import DENOMINATOR, denominator_noise, judge
 
 
 def empty_reference(height, width):
-    return {"count": np.zeros((height, width, 1)), "mean": np.zeros((height, width, 3)),
-            "m2": np.zeros((height, width, 3)), "chunks": np.int64(0), "nonfinite": np.int64(0),
-            "seconds": np.float64(0)}
+    return {"count": np.zeros((height, width, 1)), "mean": np.zeros((height, width, 3)), "m2": np.zeros((height, width, 3)),
+            **dict.fromkeys(("chunks", "nonfinite", "looked_at", "repeated", "left_out"), np.int64(0)), "seconds": np.float64(0)}
 
 
 def begun_or_empty(stored, samples, parts, height, width):
     """(state to go on from, whether what was stored is of no use); stored: a state or None; parts: of Cut, for `samples`."""
     cut = np.array([samples, parts[0][1], parts[0][2][1]])                    # samples in all, in a chunk, rows in a chunk
     bands = sum(first == 0 for first, _, _ in parts)
-    empty = {**empty_reference(height, width), "looked_at": np.int64(0), "repeated": np.int64(0), "cut": cut,
-             "ended": np.zeros(bands, bool), "left_out": np.int64(0)}
+    empty = {**empty_reference(height, width), "cut": cut, "ended": np.zeros(bands, bool)}
     if stored is None:
         return empty, False
     done = int(stored["chunks"])           # are the samples there those of the first parts?

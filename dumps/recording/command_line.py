@@ -4,6 +4,8 @@ import os
 import sys
 
 from dumps.recording.failure import usage_failure
+from dumps.recording.recordings import check as check_recordings
+from dumps.recording.reference_need import parse_reference
 
 
 class Parser(argparse.ArgumentParser):
@@ -11,6 +13,17 @@ class Parser(argparse.ArgumentParser):
         dashed = [text for text in sys.argv[1:] if text.startswith("-") and os.path.exists(text)]
         more = "is %s a name? write ./%s" % (dashed[0], dashed[0]) if dashed else "--help lists the options"
         raise usage_failure("%s (%s)" % (message, more))
+
+
+def take_shared(options, least):
+    """Of both recorders: texts become values. least: pixels along a side."""
+    for folder in options.files:
+        if not os.path.isdir(folder):
+            raise usage_failure("--files %s: no such folder" % folder)
+    options.size = parse_size(options.size, least, 65536) if options.size else None
+    options.substitutes = pairs("--substitute", options.substitute)
+    options.reference, options.auto = parse_reference(options.reference)
+    check_recordings(options.recordings, options.samples)
 
 
 def pairs(option, texts):

@@ -31,6 +31,26 @@ def io_failure(message):
     return Failure(3, message)
 
 
+def guarded(work, name="", resumable=False):
+    """The exit code that `work` returns (None: 0), or that of its failure, which becomes one line. name: of the program, before it.
+    resumable: an interrupted command goes on when it is given again."""
+    before = name + ": " if name else ""
+    try:
+        return work() or 0
+    except KeyboardInterrupt:
+        if not resumable:
+            raise
+        line, code = "stopped: run the same command again to go on", 3
+    except OSError as error:
+        line, code = one_line("%s%s: %s" % (before, error.filename, error.strerror)), 3
+    except Exception as error:
+        line, code = "%s%s" % (before, error), getattr(error, "code", None)
+        if not isinstance(code, int):          # neither a Failure nor a SpoolError
+            raise
+    print(line, file=sys.stderr)
+    return code
+
+
 def module_failure(error, purpose, script):
     """error: the ImportError of a module of Debian's Python that the Python at work lacks."""
     return io_failure("%s has no %s, which %s: apt-get install python3-numpy python3-zstandard and run /usr/bin/python3 %s" % (

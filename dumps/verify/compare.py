@@ -17,7 +17,7 @@ sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
 sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
 import spool
-from dumps.recording.failure import one_line
+from dumps.recording.failure import guarded, scene_failure
 from dumps.verify.reference_agreement import LUMINANCE
 
 BLOCK = 8                # pixels along a side; pixels that are clearly different are few and lie together
@@ -27,11 +27,11 @@ def compare(first, second):
     """{figure: value}; where two are given, of the first and of the second recording."""
     with spool.open(first) as a, spool.open(second) as b:
         if (a.width, a.height) != (b.width, b.height):
-            raise ValueError("%s has %dx%d pixels, %s has %dx%d: record both at one size" % (
+            raise scene_failure("%s has %dx%d pixels, %s has %dx%d: record both at one size" % (
                 first, a.width, a.height, second, b.width, b.height))
         for name, dump in ((first, a), (second, b)):
             if "reference_variance" not in dump.layers:
-                raise ValueError("%s: no reference with its variance: record one (--reference 4096)" % name)
+                raise scene_failure("%s: no reference with its variance: record one (--reference 4096)" % name)
         pictures = [dump.pixel("reference").astype(float) @ LUMINANCE for dump in (a, b)]
         errors = [dump.pixel("reference_variance").astype(float) @ LUMINANCE ** 2 for dump in (a, b)]
         samples = [np.nan_to_num(dump.read("radiance").astype(float)) @ LUMINANCE for dump in (a, b)]
@@ -99,17 +99,9 @@ def main():
     parser.add_argument("second")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    try:
-        found = compare(options.first, options.second)
-    except spool.SpoolError as error:
-        print(error, file=sys.stderr)
-        return error.code
-    except ValueError as error:
-        print(one_line(error), file=sys.stderr)
-        return 1
+    found = compare(options.first, options.second)
     print(json.dumps(found, indent=1) if options.json else "\n".join(told((options.first, options.second), found)))
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(guarded(main))

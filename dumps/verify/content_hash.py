@@ -13,6 +13,7 @@ sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
 sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
 import spool
+from dumps.recording.failure import guarded
 
 
 def content_hash(path):
@@ -30,14 +31,10 @@ def main():
     if len(sys.argv) < 2 or sys.argv[1] in ("-h", "--help"):
         print(__doc__)
         return 0 if len(sys.argv) > 1 else 2
-    try:
-        for path in sys.argv[1:]:
-            print("%s  %s" % (content_hash(path), path))
-    except spool.SpoolError as error:
-        print(error, file=sys.stderr)
-        return error.code
+    for path in sys.argv[1:]:
+        print("%s  %s" % (content_hash(path), path))
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(guarded(main))

@@ -21,12 +21,12 @@ LEAST_BITS = 64          # of evidence that two equal images are no chance; 6553
 
 
 def residuals(radiance):
-    """[pixel][s] tone-mapped luminance, mean 0 and variance 1 per pixel; constant pixels are left out."""
+    """([y][x][s] tone-mapped luminance, mean 0 and variance 1 per pixel, 0 where a pixel is constant; [y][x] where it is not)"""
     value = np.maximum(radiance.astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722]), 0)
-    value = (value / (1 + value)).reshape(-1, radiance.shape[2])
-    value = value - value.mean(axis=1, keepdims=True)
-    sigma = np.sqrt((value ** 2).sum(axis=1) / (value.shape[1] - 1))
-    return value[sigma > 1e-6] / sigma[sigma > 1e-6, None]
+    value = value / (1 + value)
+    value = value - value.mean(axis=2, keepdims=True)
+    sigma = np.sqrt((value ** 2).sum(axis=2, keepdims=True) / (value.shape[2] - 1))
+    return np.where(sigma > 1e-6, value / np.maximum(sigma, 1e-6), 0), sigma[..., 0] > 1e-6
 
 
 # Both statistics are sums over entries of the Gram matrix of the samples, which a permutation only reorders: a permutation costs the
@@ -92,7 +92,8 @@ def independence_findings(radiance, claimed, level):
     count = radiance.shape[2]
     if count < 8:
         return [finding("independence", None, "%d samples" % count, "at least 8")]
-    e = residuals(radiance)
+    e, noisy = residuals(radiance)
+    e = e[noisy]
     if not len(e):
         return [finding("independence", None, "every pixel is constant", "noise to look at")]
     if len(e) > 4096:  # they see correlations of 1e-3
@@ -114,12 +115,8 @@ def neighbour_finding(radiance, shared_film, level):
     height, width, count, _ = radiance.shape
     if width < 2 or count < 8:
         return finding("neighbour correlation", None, "%dx%d, %d samples" % (width, height, count), "more of them")
-    value = np.maximum(radiance.astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722]), 0)
-    value = value / (1 + value)
-    value = value - value.mean(axis=2, keepdims=True)
-    sigma = np.sqrt((value ** 2).sum(axis=2, keepdims=True) / (count - 1))
-    e = np.where(sigma > 1e-6, value / np.maximum(sigma, 1e-6), 0)
-    both = (sigma[:, 1:, 0] > 1e-6) & (sigma[:, :-1, 0] > 1e-6)
+    e, noisy = residuals(radiance)
+    both = noisy[:, 1:] & noisy[:, :-1]
     if not both.any():
         return finding("neighbour correlation", None, "no noisy neighbours", "noise to look at")
     products = (e[:, 1:] * e[:, :-1])[both].mean(axis=0)  # [s]

@@ -10,6 +10,7 @@ import json
 import os
 import sys
 from argparse import RawDescriptionHelpFormatter
+from types import SimpleNamespace
 
 sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
 sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
@@ -51,12 +52,14 @@ def verify(path):
         radiance = dump.read("radiance", x0, y0, x0 + side_x, y0 + side_y)
         finite = np.where(np.isfinite(radiance), radiance, 0)
         film = dump.layers.get("film")
-        whole = (side_x, side_y) == (dump.width, dump.height)
+        # Of pixel layers the same part.
+        part = SimpleNamespace(layers=dump.layers, meta=dump.meta, sample_order=dump.sample_order,
+                               pixel=lambda layer: dump.pixel(layer)[y0:y0 + side_y, x0:x0 + side_x])
         tests = (lambda: radiance_findings(radiance) + [repetition_finding(finite, dump.sample_order == "exchangeable")],
                  lambda: independence_findings(finite, dump.sample_order == "exchangeable", level),
                  lambda: [neighbour_finding(finite, film is not None and film.scope == "pass", level)],
                  lambda: film_findings(dump, (x0, y0, x0 + side_x, y0 + side_y), level),
-                 lambda: reference_findings(dump if whole else _Window(dump, x0, y0, side_x, side_y), finite, level),
+                 lambda: reference_findings(part, finite, level),
                  lambda: shared_number_findings(dump.meta) + feature_findings(dump) + picture_findings(finite))
         found = []
         progress = Progress("verification", len(tests))
@@ -66,17 +69,6 @@ def verify(path):
         progress.close()
         return {"findings": found, "window": [x0, y0, x0 + side_x, y0 + side_y], "significance": SIGNIFICANCE,
                 "holds": all(entry["holds"] is not False for entry in found)}
-
-
-class _Window:
-    """The pixel layers of a part of a recording."""
-
-    def __init__(self, dump, x0, y0, width, height):
-        self.layers, self.meta, self.sample_order, self._dump = dump.layers, dump.meta, dump.sample_order, dump
-        self._slice = np.s_[y0:y0 + height, x0:x0 + width]
-
-    def pixel(self, layer):
-        return self._dump.pixel(layer)[self._slice]
 
 
 def keep_verification(path, verification, out=None, force=False):

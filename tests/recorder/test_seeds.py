@@ -4,6 +4,7 @@ from array import array
 import pytest
 
 from dumps.cycles import options, pass_folder, passes, seeds
+from dumps.recording import whole_files
 from dumps.recording.failure import Failure
 
 
@@ -84,13 +85,13 @@ def test_two_recorders_in_one_folder_are_refused(tmp_path):
 def test_a_full_disk_is_one_line_and_leaves_no_half_pass(tmp_path, monkeypatch):
     folder = pass_folder.PassFolder(str(tmp_path), {"width": 1, "height": 1})
     folder.add("pass", 0, b"abcd", {})
-    written = pass_folder._write_synced
+    written = whole_files.write_synced
 
-    def full(name, mode, data):
-        written(name, mode, data[:2])
+    def full(name, mode, write):
+        written(name, mode, lambda stream: stream.write(b"ef"))
         raise OSError(28, "No space left on device", name)
 
-    monkeypatch.setattr(pass_folder, "_write_synced", full)
+    monkeypatch.setattr(whole_files, "write_synced", full)
     with pytest.raises(Failure, match="No space left.*free some space") as caught:
         folder.add("pass", 1, b"efgh", {})
     assert caught.value.code == 3

@@ -181,7 +181,7 @@ def test_links_are_replaced_and_never_followed(small_folder, tmp_path, capsys):
 @pytest.mark.parametrize("bytes_left", [0, 100, 5000, 30000])
 def test_a_full_disk_leaves_nothing_half(small_folder, tmp_path, bytes_left):
     """A limit of file size gives the failed write of a full disk."""
-    command = [sys.executable, Path(figure.__file__), small_folder, "-o", tmp_path / "f"]
+    command = [sys.executable, Path(figure.__file__).with_name("run.py"), "figure", small_folder, "-o", tmp_path / "f"]
     def limited():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_left, bytes_left))
@@ -194,7 +194,7 @@ def test_a_full_disk_leaves_nothing_half(small_folder, tmp_path, bytes_left):
 @pytest.mark.parametrize("by_program", [True, False])
 def test_an_interrupt_leaves_nothing_half(made_folder, tmp_path, by_program):
     """The program kills the script when it is interrupted; the script alone may be killed, too."""
-    verb = [PROGRAM, "figure"] if by_program else [sys.executable, Path(figure.__file__)]
+    verb = [PROGRAM, "figure"] if by_program else [sys.executable, Path(figure.__file__).with_name("run.py"), "figure"]
     running = subprocess.Popen([*verb, made_folder, "-o", tmp_path / "f"], stderr=subprocess.DEVNULL,
                                env={**os.environ, "SPOOL_PYTHON": sys.executable})
     wait_until(lambda: list(tmp_path.glob("f/.figure.*.partial")) or running.poll() is not None)

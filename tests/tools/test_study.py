@@ -35,7 +35,7 @@ def comparisons(claims):
     def than(claim):
         return claim["than"] + (f", threads {claim['threads'][1]}" if "threads" in claim else "")
     return {(c["better"], than(c), c["metric"], c["samples"], tables.number(c["below"]), tables.recording(p["dump"]), tables.number(p["spp"]),
-             str(p["threads"])): (p["verdict"], [tables.number(kept.short(v)) for v in p["ratio"]]) for c in claims for p in c["places"]}
+             str(p["threads"])): (p["verdict"], [tables.number(kept.in_digits(v, kept.DIGITS)) for v in p["ratio"]]) for c in claims for p in c["places"]}
 
 
 def printed(path):

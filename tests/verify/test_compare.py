@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 
+from dumps.recording.failure import Failure
 from dumps.verify import compare
 import spool
 
@@ -41,5 +42,5 @@ def test_a_brighter_scene_is_told(tmp_path):
 
 @pytest.mark.parametrize("other, words", [({"size": 16}, "record both at one size"), ({"reference": False}, "no reference")])
 def test_what_cannot_be_compared_is_refused(tmp_path, other, words):
-    with pytest.raises(ValueError, match=words):
+    with pytest.raises(Failure, match=words):
         compare.compare(recording(tmp_path / "a"), recording(tmp_path / "b", **other))

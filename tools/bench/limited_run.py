@@ -3,6 +3,8 @@ import contextlib
 import os
 import resource
 import subprocess
+import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -42,9 +44,9 @@ def status(process, name, file="status"):
     return 0
 
 
-def run(command, group=None, addresses=None, environment=None):
+def run(command, group=None, addresses=None, environment=None, watched=lambda: 0):
     """Exit code, last line of standard error, wall and CPU seconds; at its most the resident bytes (its own, of libraries and of
-    mapped files), those besides files, and the bytes that it read."""
+    mapped files), those besides files, the bytes that it read, and what `watched` gives meanwhile."""
     def enter():
         if group:
             (group / "cgroup.procs").write_text(str(os.getpid()), encoding="ascii")
@@ -52,18 +54,29 @@ def run(command, group=None, addresses=None, environment=None):
             resource.setrlimit(resource.RLIMIT_AS, (addresses, addresses))
 
     began = time.monotonic()
-    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=enter,
+    errors = tempfile.TemporaryFile("w+")
+    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=errors, preexec_fn=enter,
                                env={**os.environ, **(environment or {})})
-    most = {"resident": 0, "anonymous": 0, "read": 0}
+    most = {"resident": 0, "anonymous": 0, "read": 0, "watched": 0}
     while True:
         ended, code, used = os.wait4(process.pid, os.WNOHANG)
         if ended:
             break
         now = {"resident": 1024 * status(process.pid, "VmHWM"), "anonymous": 1024 * status(process.pid, "RssAnon"),
-               "read": status(process.pid, "rchar", "io")}
+               "read": status(process.pid, "rchar", "io"), "watched": watched()}
         most = {key: max(value, now[key]) for key, value in most.items()}
         time.sleep(0.005)
     process.returncode = os.waitstatus_to_exitcode(code)
-    told = process.stderr.read().strip().splitlines()
+    with errors:
+        errors.seek(0)
+        told = errors.read().strip().splitlines()
     return {"code": process.returncode, "told": told[-1] if told else "", "wall": time.monotonic() - began,
             "cpu": used.ru_utime + used.ru_stime, **most}
+
+
+def run_or_end(subject, command, group=None, addresses=None, **more):
+    """As run(); the script ends where the command fails."""
+    found = run(command, group, addresses, **more)
+    if found["code"] != 0:
+        sys.exit(f"{subject}: {' '.join(map(str, command))}: exit code {found['code']}: {found['told']}")
+    return found

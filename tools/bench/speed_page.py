@@ -1,9 +1,29 @@
 """Sections of docs/speed.md that a command writes: each stands between two marker comments, so that
 every measurement can be repeated without touching what people wrote around it."""
 
+import argparse
 from pathlib import Path
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "speed.md"
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "speed.md"
+
+
+def parser_of(about, pages="docs/speed.md"):
+    """Of a command that publishes a section: the folder of the build, and --print."""
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=Path)
+    parser.add_argument("--print", action="store_true", help=f"leave {pages} alone")
+    return parser
+
+
+def publish(name, text, options, page=PAGE):
+    print(text)
+    if not options.print:
+        replace_section(name, text, page)
+
+
+def turns_text(turns):
+    return f"{turns} turn{'s' if turns > 1 else ''}"
 
 
 def replace_section(name, markdown, page=PAGE):

@@ -4,6 +4,7 @@ A header and the source of its stem are one file here. So an interface must not 
 implements it: the list includes every implementation, and each of them includes the interface.
 """
 
+import graphlib
 import re
 from pathlib import Path
 
@@ -48,34 +49,15 @@ def forbidden(includes, table):
 
 
 def circles(includes):
-    """Groups of stems that include each other, each named once."""
+    """The first circle of stems that include each other, as a way from one to the next."""
     graph = {}
     for path, included in includes.items():
-        graph.setdefault(stem_of(path), set()).update(stem_of(other) for other in included)
-    # Tarjan's strongly connected components.
-    index, low, stack, found = {}, {}, [], []
-
-    def visit(node):
-        index[node] = low[node] = len(index)
-        stack.append(node)
-        for other in sorted(graph.get(node, ())):
-            if other not in index:
-                visit(other)
-                low[node] = min(low[node], low[other])
-            elif other in stack:
-                low[node] = min(low[node], index[other])
-        if low[node] == index[node]:
-            group = []
-            while not group or group[-1] != node:
-                group.append(stack.pop())
-            if len(group) > 1:
-                found.append(sorted(group))
-
-    for node in sorted(graph):
-        if node not in index:
-            visit(node)
-    for group in found:
-        yield f"{group[0]}: includes itself by way of {', '.join(group[1:])}"
+        graph.setdefault(stem_of(path), set()).update({stem_of(other) for other in included} - {stem_of(path)})
+    try:
+        graphlib.TopologicalSorter(graph).prepare()
+    except graphlib.CycleError as error:
+        first, *way = reversed(error.args[1])
+        yield f"{first}: includes itself by way of {', '.join(way[:-1])}"
 
 
 def check():

@@ -3,11 +3,14 @@
 A combination is a scene, a budget, a sampler and a filter.
 """
 
+import re
 from collections import defaultdict
+from html import escape
 from pathlib import PurePath
 
 from tools.report.statistics_file import Interval, interval_of
 
+MARK = " [R]"  # of methods that are no originals, wherever the page names them
 RATIO_METRICS = ("mse", "relmse")
 TIMES = ("seconds_total", "seconds_sampling", "seconds_filtering", "cpu_sampling", "cpu_filtering",
          "seconds_reading", "seconds_judging", "seconds_writing", "peak_memory_mb")
@@ -72,3 +75,36 @@ def guard_counts(text):
         name, _, count = part.rpartition("=")
         if name and count.isdigit():
             yield name, int(count)
+
+
+class Described:
+    """Methods that the manifest calls re-implementations by description."""
+
+    def __init__(self, manifest):
+        plan = manifest.get("plan")
+        plan = plan if isinstance(plan, dict) else {}
+        described = {kind: [m for m in plan.get(kind) or [] if isinstance(m, dict) and m.get("by_description")]
+                     for kind in ("samplers", "filters")}
+        self._names = {kind: {str(m.get("name")) for m in methods} for kind, methods in described.items()}
+        self._labels = {kind: {str(m.get("label")) for m in methods} for kind, methods in described.items()}
+
+    def mark(self, combinations, statistics):
+        """Their names, once nothing looks for files of combinations any more."""
+        for c in combinations:
+            c.sampler, c.filter = self._marked(c.sampler, c.filter)
+        for entry in statistics.methods():
+            entry["sampler"], entry["filter"] = self._marked(entry["sampler"], entry["filter"])
+        sampler, _, filter_ = statistics.baseline.partition(" + ")
+        statistics.baseline = " + ".join(self._marked(sampler, filter_))
+
+    def note(self):
+        """What the mark means, beside every table that names such methods."""
+        names = sorted(self._names["samplers"] | self._names["filters"])
+        if not names:
+            return ""
+        return f"<p>[R] {escape(', '.join(names))}: re-implementation by description, not from the primary text.</p>"
+
+    def _marked(self, *labels):
+        """Of a sampler and a filter."""
+        return [label + MARK if re.split(r"[:{ ]", label, maxsplit=1)[0] in self._names[kind] or label in self._labels[kind] else label
+                for label, kind in zip(labels, ("samplers", "filters"))]

@@ -29,30 +29,25 @@ ASSETS = (
 
 
 def cache_folder():
-    chosen = os.environ.get("SPOOL_REPORT_ASSETS")
-    if chosen:
-        return Path(chosen)
     cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(cache) / "spool" / "report-assets"
+    return Path(os.environ.get("SPOOL_REPORT_ASSETS") or Path(cache) / "spool" / "report-assets")
 
 
-def pinned_hashes(path=HERE / "assets.sha256"):
+def pinned_hashes():
     """{file: sha256}"""
-    lines = path.read_text(encoding="ascii").splitlines()
+    lines = (HERE / "assets.sha256").read_text(encoding="ascii").splitlines()
     return {name.strip(): digest for digest, name in (line.split(None, 1) for line in lines if line)}
 
 
-def load_asset(file, folder=None, pinned=None):
-    path = (folder or cache_folder()) / file
+def load_asset(file):
+    path = cache_folder() / file
     if not path.exists() and (HERE / "assets" / file).exists():
         path = HERE / "assets" / file  # beside an installed program
     try:
         data = path.read_bytes()
-    except FileNotFoundError as error:
-        raise Failure(f"{path}: not there: {FETCH}", 3) from error
     except OSError as error:
-        raise Failure(f"{path}: {error.strerror}: {FETCH}", 3) from error
-    if hashlib.sha256(data).hexdigest() != (pinned or pinned_hashes())[file]:
-        raise Failure(f"{path}: not the file that was pinned (sha256 differs): delete it and "
-                      f"{FETCH}", 3)
+        what = "not there" if isinstance(error, FileNotFoundError) else error.strerror
+        raise Failure(f"{path}: {what}: {FETCH}", 3) from error
+    if hashlib.sha256(data).hexdigest() != pinned_hashes()[file]:
+        raise Failure(f"{path}: not the file that was pinned (sha256 differs): delete it and {FETCH}", 3)
     return data.decode("utf-8")

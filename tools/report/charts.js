@@ -53,9 +53,8 @@ function hoverText(c) {
   const lines = [methodOf(c), `${c.spp} spp${c.replicates ? `, ${c.replicates} replicates` : ''}`];
   for (const name of [shown.metric, 'energy_ratio', 'seconds_total']) {
     if (!quantityIndex.has(name)) continue;
-    const {mean, low, high} = interval(c, name);
-    lines.push(`${name} ${numberText(mean)}` +
-      (Number.isFinite(low) ? ` [${numberText(low)}, ${numberText(high)}]` : ''));
+    const value = interval(c, name);
+    lines.push(`${name} ${numberText(value.mean)}${boundsText(value)}`);
   }
   const [letters, against] = c.ranks[shown.metric] ?? ['', ''];
   if (letters) lines.push(`group ${letters}`);
@@ -104,6 +103,8 @@ function frontTrace(combinations, {x, metric}) {
 
 // axes: {x, title, unit, ticks, dodge, front, metric, height}
 function drawChart(target, combinations, axes) {
+  target.hidden = combinations.length === 0;
+  if (target.hidden) return;
   const narrow = target.clientWidth < 560;
   const style = getComputedStyle(document.documentElement);
   const ink = style.getPropertyValue('--text-colour').trim(), grid = style.getPropertyValue('--rule').trim();
@@ -143,7 +144,7 @@ function startCharts(area) {
   const note = element('p', {class: 'note', 'aria-live': 'polite'});
   let inView = false, all = false;
   const allButton = element('button', {type: 'button', onclick: () => { all = true; draw(); }});
-  area.append(filterControls(true), note, allButton,
+  area.append(filterControls(), note, allButton,
     element('div', {class: 'charts'},
       element('figure', {}, heading('Error against time', pareto, 'error_time'), pareto),
       element('figure', {}, heading('Error against samples per pixel', budget, 'error_budget'), budget)));
@@ -164,16 +165,8 @@ function startCharts(area) {
         ` Drawn are the first ${mostLines} methods of the table above and the baseline, of ${names.size}.`) + (shown.dump < report.dumps.length ? '' :
         ' Geometric means over the recordings, which are taken as given.') + (hidden === 0 ? '' :
         ` Not drawn, for they have no value above zero: ${hidden} of ${known.length}.`);
-    for (const [target, points] of [[pareto, timed], [budget, drawable]]) {
-      target.hidden = points.length === 0;
-    }
-    if (timed.length > 0) {
-      drawChart(pareto, timed, {x: (c) => interval(c, 'seconds_total'), title: 'time', unit: ' s', front: true, metric: shown.metric});
-    }
-    if (drawable.length > 0) {
-      drawChart(budget, drawable, {x: budgetOf, title: 'samples per pixel', ticks: budgetTicks(drawable), dodge: true,
-        metric: shown.metric});
-    }
+    drawChart(pareto, timed, {x: (c) => interval(c, 'seconds_total'), title: 'time', unit: ' s', front: true, metric: shown.metric});
+    drawChart(budget, drawable, {x: budgetOf, title: 'samples per pixel', ticks: budgetTicks(drawable), dodge: true, metric: shown.metric});
   };
   listeners.push(draw);
   darkQuery.addEventListener('change', draw);
@@ -187,7 +180,7 @@ function startCharts(area) {
 starts['chart-area'] = startCharts;
 
 // Recording, metric, samplers and filters, for charts and table alike.
-function filterControls(withDump) {
+function filterControls() {
   const chips = (title, names, chosen, mark) => {
     const group = element('fieldset', {class: 'chips'}, element('legend', {}, title));
     names.forEach((name, i) => {
@@ -214,8 +207,8 @@ function filterControls(withDump) {
   };
   const symbolText = ['●', '■', '◆', '✚', '✖', '▲', '▼', '★', '⬟', '⬢', '⧗', '⋈'];
   return element('div', {class: 'controls'},
-    withDump ? select('Recording', report.overall.length > 0 ?
-      [...report.dumps, 'all: geometric mean'] : report.dumps, shown.dump, (i) => { shown.dump = i; changed(); }) : null,
+    select('Recording', report.overall.length > 0 ? [...report.dumps, 'all: geometric mean'] : report.dumps, shown.dump,
+      (i) => { shown.dump = i; changed(); }),
     select('Error', report.metrics.map(metricText), report.metrics.indexOf(shown.metric),
       (i) => { shown.metric = report.metrics[i]; changed(); }),
     chips('Samplers', report.samplers, shown.samplers, swatch),

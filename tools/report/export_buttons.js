@@ -6,6 +6,7 @@ function saveText(name, type, text) {
 }
 
 const csvField = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+const csvText = (rows) => rows.map((row) => row.map(csvField).join(',')).join('\n') + '\n';
 const latexText = (text) => text.replace(/[\\{}$&#_%~^]/g, (c) => ({'\\': '\\textbackslash{}', '~': '\\textasciitilde{}',
   '^': '\\textasciicircum{}'}[c] ?? `\\${c}`));
 
@@ -17,9 +18,6 @@ function latexTable(head, rows) {
       (text, i) => (bold.has(i) ? `\\textbf{${latexText(text)}}` : latexText(text))))), '\\bottomrule', '\\end{tabular}', ''].join('\n');
 }
 
-const boundsText = ({mean, low, high}) => numberText(mean, 3) +
-  (Number.isFinite(low) && low !== high ? ` [${numberText(low, 3)}, ${numberText(high, 3)}]` : '');
-
 // The headline's values and ratios. Bold: the first of its ranking, where the file separates it from every other.
 function headlineRows() {
   const conditions = report.conditions.filter((c) => c.spp === hero.spp);
@@ -30,7 +28,8 @@ function headlineRows() {
       const index = condition.field.find((k) => methodOf(report.combinations[k]) === name);
       if (index === undefined) return '';
       if (condition.alone && condition.field[0] === index) bold.add(i + 1);
-      return boundsText(interval(report.combinations[index], report.metric));
+      const value = interval(report.combinations[index], report.metric);
+      return numberText(value.mean, 3) + (value.low === value.high ? '' : boundsText(value, 3));
     });
     return {texts: [name, ...texts], bold};
   });
@@ -38,16 +37,13 @@ function headlineRows() {
 }
 
 function exportButtons() {
-  const button = (text, onclick) => element('button', {type: 'button', onclick}, text);
+  const button = (text, name, type, made) => element('button', {type: 'button', onclick: () => {
+    const {head, rows} = headlineRows();
+    saveText(name, type, made(head, rows));
+  }}, text);
   return element('span', {class: 'buttons', role: 'group', 'aria-label': 'Save the table'},
-    button('CSV', () => {
-      const {head, rows} = headlineRows();
-      saveText('headline.csv', 'text/csv', [head, ...rows.map((r) => r.texts)].map((r) => r.map(csvField).join(',')).join('\n') + '\n');
-    }),
-    button('LaTeX', () => {
-      const {head, rows} = headlineRows();
-      saveText('headline.tex', 'text/plain', latexTable(head, rows));
-    }));
+    button('CSV', 'headline.csv', 'text/csv', (head, rows) => csvText([head, ...rows.map((r) => r.texts)])),
+    button('LaTeX', 'headline.tex', 'text/plain', latexTable));
 }
 
 // Plotly draws its charts as SVG: the same, as a file.
@@ -66,5 +62,5 @@ function allResultsCsv() {
       const {mean, low, high} = interval(c, q.name);
       return [number(mean), number(low), number(high)];
     })]);
-  return [head, ...rows].map((row) => row.map(csvField).join(',')).join('\n') + '\n';
+  return csvText([head, ...rows]);
 }

@@ -1,5 +1,7 @@
-"""The one exception of report and figures: a line for the user and an exit code."""
+"""The one exception of report and figures, a line for the user and an exit code; and files of a folder from elsewhere, opened."""
 
+import os
+import stat
 import sys
 from pathlib import Path
 
@@ -43,3 +45,16 @@ def _place_of(error):
     while frame.tb_next is not None:
         frame = frame.tb_next
     return f"{Path(frame.tb_frame.f_code.co_filename).name}, line {frame.tb_lineno}"
+
+
+def open_regular(path, **how):
+    """A text file for reading: a FIFO or a device in its place is not waited for."""
+    return open(path, encoding="utf-8", opener=_opened, **how)
+
+
+def _opened(path, flags):
+    handle = os.open(path, flags | os.O_NONBLOCK)  # a FIFO without a writer must not hang us
+    if stat.S_ISREG(os.fstat(handle).st_mode):
+        return handle
+    os.close(handle)
+    raise Failure(f"{path}: is no regular file: delete it", IO)

@@ -1,6 +1,6 @@
 """Figures and tables for a paper from the folder that `spool evaluate` wrote.
 
-usage: figure.py DIR -o FOLDER [--metric relmse] [--spp 8] [--recording NAME]... [--method "sampler + filter"]...
+usage: run.py figure DIR -o FOLDER [--metric relmse] [--spp 8] [--recording NAME]... [--method "sampler + filter"]...
        [--crops [RECORDING:]X,Y,W,H]... [--column 1|2] [--font latex[:PACKAGE]] [--force]
 Needs Python 3.9, numpy and matplotlib. Errors are one line on stderr; exit codes are those of spool.
 """
@@ -8,7 +8,6 @@ Needs Python 3.9, numpy and matplotlib. Errors are one line on stderr; exit code
 import argparse
 import re
 import shutil
-import sys
 from pathlib import Path
 
 from tools.report.failure import USAGE, Failure, guarded
@@ -52,7 +51,3 @@ def make_figures(options):
         line = next((line for line in str(error).splitlines() if line.startswith("!")), "LaTeX failed")
         raise Failure(f"--font {options.font}: {line[:120]}: give methods and recordings plain labels, or leave --font out",
                       USAGE) from error
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """captions.tex: every figure as an environment with the caption that its numbers need."""
 
-from tools.report.described import MARK
+from tools.report.aggregate import MARK
 from tools.report.figure_text import breakable, latex
 from tools.report.metric_names import metric_name
 from tools.report.number_text import list_text

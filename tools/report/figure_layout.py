@@ -35,26 +35,22 @@ class Layout(NamedTuple):
 def lay_out(width, height, tiles, aspect, shapes, with_maps, head, foot):
     """The layout with the largest windows; one row where they do not become too small by it. `aspect`: width by height of
     the picture; `shapes`: those of the windows; `head`, `foot`: inches of text above and below a row."""
+    def largest(rows, even, beside):
+        layouts = (_at(step / 100, beside, width, tiles, aspect, shapes, with_maps) for step in range(int(100 * LARGEST), 19, -1))
+        return next((layout for layout in layouts if layout and len(layout.rows) <= rows and layout.is_even() >= even
+                     and len(layout.rows) * (head + layout.row(foot)) <= height), None)
+
     candidates = []
     for even in (True, False):
         for rows in range(1, tiles + 2):
             for beside in (False,) if with_maps else (False, True):
-                found = _largest(rows, even, beside, width, height, tiles, aspect, shapes, with_maps, head, foot)
+                found = largest(rows, even, beside)
                 if found and found.size >= SMALLEST:
                     return found
                 if found:
                     candidates.append(found)
     return max(candidates, key=lambda layout: layout.size, default=None) or _at(
         0.2, False, width, tiles, aspect, shapes, with_maps)
-
-
-def _largest(rows, even, beside, width, height, tiles, aspect, shapes, with_maps, head, foot):
-    for step in range(int(100 * LARGEST), 19, -1):
-        layout = _at(step / 100, beside, width, tiles, aspect, shapes, with_maps)
-        if (layout and len(layout.rows) <= rows and layout.is_even() >= even
-                and len(layout.rows) * (head + layout.row(foot)) <= height):
-            return layout
-    return None
 
 
 def _at(size, beside, width, tiles, aspect, shapes, with_maps):

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from tools.report.aggregate import aggregate
-from tools.report.described import Described
+from tools.report.aggregate import Described, aggregate
 from tools.report.draw_curves import draw
 from tools.report.failure import USAGE, Failure
 from tools.report.figure_captions import comparison_caption, curves_caption, environment, table_caption
@@ -14,11 +13,10 @@ from tools.report.figure_tables import curves_csv, latex_tables, markdown_table
 from tools.report.figure_text import significant
 from tools.report.figure_windows import asked_windows
 from tools.report.file_names import dump_names, file_name_of, numbered
-from tools.report.headline_data import best_is_alone
 from tools.report.metric_names import metric_name
 from tools.report.result_images import find_images
 from tools.report.results_table import choose_metric, read_results
-from tools.report.statistics_file import interval_of, read_statistics
+from tools.report.statistics_file import best_is_alone, interval_of, read_statistics
 from tools.report.summary import name_of
 from tools.report.vocabulary import read_manifest
 
@@ -37,12 +35,10 @@ class FigureSet:
         self.labels = dump_names(dict.fromkeys(c.dump for c in combinations))
         self.labels.update({s["dump"]: s["group"] for s in self.statistics.scenes if s["group"]})
         found = find_images(options.folder, combinations)
-        described = Described(read_manifest(options.folder))
-        described.mark(combinations)
-        described.mark_statistics(self.statistics)
+        Described(read_manifest(options.folder)).mark(combinations, self.statistics)
         self.images = {combinations[entry.combination].key: entry.paths for entry in found}
         ranked = self.statistics.of_metric(self.metric)
-        self.budget = options.spp or max((c["spp"] for c in ranked), default=0.0)
+        self.budget = options.spp or self.statistics.largest_budget(self.metric)
         self.conditions = [c for c in ranked if c["spp"] == self.budget]
         if not self.conditions:
             budgets = ", ".join(f"{b:g}" for b in sorted({c["spp"] for c in ranked}))

@@ -6,9 +6,8 @@ import io
 from typing import NamedTuple
 
 from tools.report.figure_text import breakable, latex, printable, significant
-from tools.report.headline_data import best_is_alone
 from tools.report.metric_names import metric_name
-from tools.report.statistics_file import Interval, interval_of
+from tools.report.statistics_file import Interval, best_is_alone, interval_of
 from tools.report.summary import late_text, name_of, verdict_text
 
 MOST_LINES = 34  # of a table that fits into a column
@@ -70,6 +69,13 @@ def parts_of(rows, name):
     return [part for part in parts if part]
 
 
+def framed(caption, columns, lines):
+    """A table of these columns, as lines of LaTeX."""
+    return [r"\begin{table}", rf"\caption{{{caption}}}", r"\smallskip\footnotesize", r"\setlength{\tabcolsep}{3pt}",
+            r"\begin{tabularx}{\linewidth}{@{}>{\raggedright\arraybackslash}" + columns + "@{}}", r"\toprule", *lines,
+            r"\bottomrule", r"\end{tabularx}", r"\end{table}", ""]
+
+
 def latex_tables(statistics, metric, labels, baseline, captions):
     """One table for each recording, of several parts where it has many rows. `captions`: of a scene and its part."""
     text = [r"% needs \usepackage{booktabs,tabularx}", ""]
@@ -78,18 +84,14 @@ def latex_tables(statistics, metric, labels, baseline, captions):
                  for c in conditions for row in rows_of(c)]
         parts = parts_of(lines, lambda line: line[1].method)
         for i, part in enumerate(parts):
-            text += [r"\begin{table}", rf"\caption{{{captions(dump, i, len(parts))}}}", r"\smallskip\footnotesize",
-                     r"\setlength{\tabcolsep}{3pt}",
-                     r"\begin{tabularx}{\linewidth}{@{}>{\raggedright\arraybackslash}Xrrl@{}}", r"\toprule",
-                     rf"& {latex(metric_name(metric))} & {'ratio' if baseline else ''} & \\"]
-            shown = None
+            inside, shown = [rf"& {latex(metric_name(metric))} & {'ratio' if baseline else ''} & \\"], None
             for budget, row in part:
-                text += [r"\midrule", budget] if budget != shown else []
+                inside += [r"\midrule", budget] if budget != shown else []
                 shown = budget
-                text.append(" & ".join([breakable(row.method), latex_interval(row.value, row.bold), latex_interval(row.ratio),
+                inside.append(" & ".join([breakable(row.method), latex_interval(row.value, row.bold), latex_interval(row.ratio),
                                         latex(row.letters) + "".join(LATEX_MARKS[m] for m in row.marks())])
-                            + r" \\[2pt]")
-            text += [r"\bottomrule", r"\end{tabularx}", r"\end{table}", ""]
+                              + r" \\[2pt]")
+            text += framed(captions(dump, i, len(parts)), "Xrrl", inside)
     return "\n".join([*text, *claims_table(statistics.claims, labels)])
 
 
@@ -106,14 +108,11 @@ def claim_rows(claims, labels):
 def claims_table(claims, labels):
     text = []
     for part in parts_of(claim_rows(claims, labels), lambda row: row[0] or row[1]):
-        text += [r"\begin{table}", r"\caption{Claims of the plan and what the results say of them. Ratio: error of the "
-                 r"method that is claimed to be better over that of the other; sub- and superscript: ends of its 95\,\% "
-                 r"interval.}", r"\smallskip\footnotesize", r"\setlength{\tabcolsep}{3pt}",
-                 r"\begin{tabularx}{\linewidth}{@{}>{\raggedright\arraybackslash}Xlr@{}}", r"\toprule",
-                 r"claim & verdict & ratio \\", r"\midrule"]
-        text += [rf"{breakable(claim) if claim else chr(92) + 'quad ' + breakable(where)} & {latex(verdict)} & "
+        lines = [rf"{breakable(claim) if claim else chr(92) + 'quad ' + breakable(where)} & {latex(verdict)} & "
                  rf"{latex_interval(ratio)} \\[2pt]" for claim, where, verdict, ratio in part]
-        text += [r"\bottomrule", r"\end{tabularx}", r"\end{table}", ""]
+        text += framed(r"Claims of the plan and what the results say of them. Ratio: error of the method that is claimed to be better over "
+                       r"that of the other; sub- and superscript: ends of its 95\,\% interval.", "Xlr",
+                       [r"claim & verdict & ratio \\", r"\midrule", *lines])
     return text
 
 

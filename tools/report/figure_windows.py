@@ -4,7 +4,7 @@ recognises."""
 import numpy as np
 
 from tools.report.failure import USAGE, Failure
-from tools.report.result_images import Crop, tone_mapped
+from tools.report.result_images import Crop, tone_mapped, window_sums
 
 MOST_WINDOWS = 4
 ENOUGH_CONTRAST = 0.25  # standard deviation of three channels together
@@ -70,5 +70,4 @@ def choose_windows(images, reference, exposure, count=2):
 
 def _mean(image, side):
     """Of every square window of that side."""
-    sums = np.pad(np.cumsum(np.cumsum(image, 0), 1), ((1, 0), (1, 0)))
-    return (sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]) / side ** 2
+    return window_sums(image, side, side) / side ** 2

@@ -3,7 +3,6 @@
 const verdictWords = ['better', 'worse', 'undecided', 'identical'];
 const opposite = {better: 'worse', worse: 'better'};
 
-
 // {mean, low, high, verdict} of a combination against the method `baseline` in the same condition; null where unknown.
 function ratioTo(condition, index, baseline) {
   const c = report.combinations[index];
@@ -47,7 +46,7 @@ function startHeadline(area) {
     element('div', {class: 'controls'},
       select('Samples per pixel', budgets.map(String), budgets.indexOf(hero.spp), (i) => { hero.spp = budgets[i]; draw(); }),
       baselines.length > 1 ? select('Relative to', baselines, 0, (i) => { hero.baseline = baselines[i]; draw(); }) : null,
-      exportButtons('headline')),
+      exportButtons()),
     element('div', {class: 'hero'}, element('div', {}, holder, note), element('figure', {}, title, chart)), strip);
   function draw() {
     holder.replaceChildren(headlineTable(draw));
@@ -106,9 +105,8 @@ function headlineCell(condition, name) {
   const value = interval(c, report.metric), letters = (c.ranks[report.metric] ?? [''])[0];
   const mean = ratio?.verdict === 'baseline' ? '1' : numberText(ratio?.mean ?? NaN, 3) || '-';
   const told = ratio && (ratio.verdict === 'better' || ratio.verdict === 'worse');
-  const bounds = (i) => (Number.isFinite(i.low) ? ` [${numberText(i.low, 3)}, ${numberText(i.high, 3)}]` : '');
-  const words = [`${metricText(report.metric)} ${numberText(value.mean)}${bounds(value)}`];
-  if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${bounds(ratio)}: ${ratio.verdict} than ${hero.baseline}`.replace(
+  const words = [`${metricText(report.metric)} ${numberText(value.mean)}${boundsText(value, 3)}`];
+  if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${boundsText(ratio, 3)}: ${ratio.verdict} than ${hero.baseline}`.replace(
     'undecided than', 'not separated from'));
   if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);
   return element('td', {class: `number ${ratio?.verdict ?? ''}`, title: words.join('\n'), 'data-ratio': ratio ? ratio.mean : '',
@@ -131,7 +129,5 @@ function drawHeroChart(target) {
   const names = new Set([...ownFirst(rankedMethods(hero.dump, hero.spp)).slice(0, 5), hero.baseline]);
   const points = report.combinations.filter((c) => c.dump === hero.dump && names.has(methodOf(c)) &&
     isPositive(interval(c, report.metric).mean));
-  target.hidden = points.length === 0;
-  if (points.length > 0) drawChart(target, points, {x: budgetOf, title: 'samples per pixel', ticks: budgetTicks(points),
-    dodge: true, metric: report.metric, height: 300});
+  drawChart(target, points, {x: budgetOf, title: 'samples per pixel', ticks: budgetTicks(points), dodge: true, metric: report.metric, height: 300});
 }

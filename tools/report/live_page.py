@@ -1,29 +1,22 @@
 """The page of `spool view`, whose pictures the program computes on request.
 
-usage: live_page.py [--title TEXT]    prints the page
-       live_page.py --facts DIR       prints what a folder of results says of its recordings and methods, as JSON
+usage: run.py live_page [--title TEXT]    prints the page
+       run.py live_page --facts DIR       prints what a folder of results says of its recordings and methods, as JSON
 """
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
 from tools.report.failure import guarded
 
 
 def main(arguments=None):
-    return guarded(lambda: _main(arguments))
-
-
-def _main(arguments):
     parser = argparse.ArgumentParser(prog="spool view", description=__doc__.split("\n", 1)[0])
     parser.add_argument("--title", default="")
     parser.add_argument("--facts", type=Path)
     options = parser.parse_args(arguments)
-    if not options.facts:
-        return page(options.title)
-    return json.dumps(facts(options.facts))
+    return guarded(lambda: json.dumps(facts(options.facts)) if options.facts else page(options.title))
 
 
 def page(title):
@@ -53,7 +46,3 @@ def facts(folder):
              if Path(dump).name in paths and Path(paths[Path(dump).name]).is_file()]
     return {"recordings": found if order is not None else [],
             "seed": order if isinstance(order, int) else None}
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -23,8 +23,18 @@ def interval_text(interval, digits=4):
             f"{number_text(interval.high, digits)}]")
 
 
-def factor_text(interval):
-    return interval_text(interval, 3)
+def known_text(interval):
+    """To three digits; empty where the mean is not known."""
+    return "" if math.isnan(interval.mean) else interval_text(interval, 3)
+
+
+def in_digits(value, digits):
+    """What JSON holds, with so many significant digits of every number that is not whole."""
+    if isinstance(value, dict):
+        return {key: in_digits(item, digits) for key, item in value.items()}
+    if isinstance(value, list):
+        return [in_digits(item, digits) for item in value]
+    return float(f"{value:.{digits}g}") if isinstance(value, float) else value
 
 
 def count_text(count, noun):

@@ -62,6 +62,13 @@ def build_page(title, sections, data, packed, served=False, viewer_only=False):
         f"{images}{tags}</body>\n</html>\n")
 
 
+def scrolled_table(kind, heads, rows, caption=""):
+    """A table of this class ("": none) that scrolls by itself; `heads`, `caption` and `rows` are HTML."""
+    named = f' class="{kind}"' if kind else ""
+    head = "".join(f'<th scope="col">{text}</th>' for text in heads)
+    return f'<div class="scroll" tabindex="0"><table{named}>{caption}<thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
+
+
 def _hash(script):
     return base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.report.exr_image import read_exr, rgb
+from tools.report.number_text import in_digits
 
 MOST_PIXELS = 12  # of a recording
 MOST_SAMPLES = 256
@@ -121,18 +122,9 @@ def ask(program, path, order, places, samples=("--samples", str(MOST_SAMPLES))):
     words += [word for x, y in places for word in ("--at", f"{x},{y}")]
     try:
         done = subprocess.run([*words, "--", path], capture_output=True, timeout=SECONDS, check=False)
-        return [_short(pixel) for pixel in json.loads(done.stdout)] if done.returncode == 0 else []
+        return in_digits(json.loads(done.stdout), 5) if done.returncode == 0 else []  # more than is shown
     except (OSError, ValueError, subprocess.TimeoutExpired):
         return []
-
-
-def _short(value):
-    """Five digits of every number: more than is shown."""
-    if isinstance(value, dict):
-        return {key: _short(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_short(item) for item in value]
-    return float(f"{value:.5g}") if isinstance(value, float) else value
 
 
 def choose_pixels(path_sets):
@@ -144,21 +136,12 @@ def choose_pixels(path_sets):
     first, last = (relative_error(rgb(read_exr(paths["estimate"])), reference) for paths in (path_sets[0], path_sets[-1]))
     height, width = first.shape
     places, apart = [], max(2, min(width, height) // 10)
-
-    def take(score, count):
+    for score in [first] * 4 + [np.abs(first - last)] * 4:
         score = score.copy()
         for x, y in places:
             score[max(0, y - apart):y + apart + 1, max(0, x - apart):x + apart + 1] = -1.0
-        for _ in range(count):
-            y, x = np.unravel_index(np.argmax(score), score.shape)
-            if score[y, x] < 0.0:
-                return
+        y, x = np.unravel_index(np.argmax(score), score.shape)
+        if score[y, x] >= 0.0:
             places.append((int(x), int(y)))
-            score[max(0, y - apart):y + apart + 1, max(0, x - apart):x + apart + 1] = -1.0
-
-    take(first, 4)
-    take(np.abs(first - last), 4)
-    for fy in (1, 3):
-        for fx in (1, 3):
-            places.append((fx * width // 4, fy * height // 4))
+    places += [(fx * width // 4, fy * height // 4) for fy in (1, 3) for fx in (1, 3)]
     return list(dict.fromkeys(places))[:MOST_PIXELS]

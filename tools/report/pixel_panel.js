@@ -93,12 +93,12 @@ function sampleStrip({samples}, taken, exposure) {
   return canvas;
 }
 
-function pixelLayout(xTitle, yTitle, more) {
+function pixelLayout(xTitle, yTitle, more = {}) {
   const style = getComputedStyle(document.documentElement), grid = style.getPropertyValue('--rule').trim();
   const axis = {gridcolor: grid, linecolor: grid, zeroline: false, automargin: true};
   return {height: 260, margin: {l: 10, r: 10, t: 8, b: 10}, paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)',
     font: {color: style.getPropertyValue('--text-colour').trim(), size: 12}, showlegend: false, bargap: 0.05,
-    xaxis: {...axis, type: 'log', title: {text: xTitle}}, yaxis: {...axis, title: {text: yTitle}}, ...more};
+    xaxis: {...axis, type: 'log', title: {text: xTitle}}, yaxis: {...axis, title: {text: yTitle}, ...more}};
 }
 const pixelConfig = {responsive: true, displayModeBar: false, showSendToCloud: false, plotlyServerURL: ''};
 
@@ -119,8 +119,7 @@ function drawRunning(target, {mean, low, high}, taken, truth) {
   });
   const ends = mean.filter((_, i) => i >= 1).concat(Number.isFinite(truth) ? [truth] : []);
   const top = 1.6 * Math.max(...ends, high[Math.min(7, last - 1)] ?? 0);
-  Plotly.newPlot(target, lines, pixelLayout('samples', 'luminance', {yaxis: {...pixelLayout('', '').yaxis, range: [0, top],
-    title: {text: 'luminance'}}, shapes: []}), pixelConfig);
+  Plotly.newPlot(target, lines, pixelLayout('samples', 'luminance', {range: [0, top]}), pixelConfig);
 }
 
 function drawHistogram(target, {histogram: {edges, counts, not_positive: zero}}) {

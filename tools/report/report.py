@@ -1,20 +1,17 @@
 """One HTML file from the folder that `spool evaluate` wrote: sentences, charts, table, images.
 
-usage: report.py DIR -o report.html [--metric relmse] [--max-image-mb 40] [--vocabulary FILE]
+usage: run.py report DIR -o report.html [--metric relmse] [--max-image-mb 40] [--vocabulary FILE]
                  [--title TEXT] [--force]
 Needs Python 3.9 and numpy; everything the page needs is in the page. Errors are one line on stderr;
 exit codes are those of spool: 1 data unusable, 2 wrong use, 3 input or output failed.
 """
 
 import argparse
-import sys
 from pathlib import Path
 
-from tools.report.aggregate import aggregate
-from tools.report.described import Described
+from tools.report.aggregate import Described, aggregate
 from tools.report.failure import IO, USAGE, Failure, guarded
 from tools.report.file_names import dump_names
-from tools.report.headline_data import headline_budget
 from tools.report.page import build_page
 from tools.report.pixel_data import pixel_answers
 from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
@@ -66,16 +63,14 @@ def make_report(options):
         images = images._replace(sets=[entry._replace(links={}) for entry in images.sets])
     pixels = {} if options.served else pixel_answers(options.program, found, combinations, manifest, vocabulary)
     described = Described(manifest)
-    described.mark(combinations)
-    described.mark_statistics(statistics)
+    described.mark(combinations, statistics)
     names = quantity_names(combinations, table.metrics)
     title = options.title or f"Spool report: {', '.join(list(labels.values())[:4])}"
     biased = BIASED if is_biased(combinations) else ""
     ranks = statistics_html(statistics, labels, metric)
     sections = [
         ("summary", "Results",
-         summary_html(summarise(combinations, statistics, metric, labels), statistics, metric,
-                      headline_budget(statistics, metric))
+         summary_html(summarise(combinations, statistics, metric, labels), statistics, metric, statistics.largest_budget(metric))
          + described.note()),
         ("charts", "Error, time and budget", biased + '<div id="chart-area"></div>'),
         *([("statistics", "Ranks and differences", biased + ranks)] if ranks else []),
@@ -117,7 +112,3 @@ def images_html(images, written):
         notes.append(f"{images.left_out} of {len(images.sets)} results have links to their EXR files "
                      "only: raise --max-image-mb to embed them.")
     return "".join(f"<p>{note}</p>" for note in notes) + '<div id="image-area"></div>'
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -41,6 +41,8 @@ function numberText(value, digits = 4) {
   return String(Number(value.toPrecision(digits)));
 }
 
+const boundsText = ({low, high}, digits = 4) => (Number.isFinite(low) ? ` [${numberText(low, digits)}, ${numberText(high, digits)}]` : '');
+
 // element('td', {class: 'x', onclick: f}, 'text', child): text never becomes markup.
 function element(tag, attributes = {}, ...children) {
   const node = document.createElement(tag);

@@ -8,12 +8,13 @@ import math
 from tools.report.aggregate import RATIO_METRICS, TIMES
 from tools.report.figure_methods import own_methods
 from tools.report.figure_windows import choose_windows
-from tools.report.headline_data import headline_budget, headline_conditions
 from tools.report.metric_names import metric_name
-from tools.report.result_images import exposure_of
-from tools.report.statistics_file import Interval, interval_of
+from tools.report.result_images import exposure_and_mean
+from tools.report.statistics_file import Interval, best_is_alone, interval_of
 
 QUANTITIES_LAST = TIMES + ("samples_per_pixel", "saturated_share", "efficiency")
+WORDS = ("better", "worse", "undecided", "identical")
+MOST_PAIRS = 60000  # in the page; beyond, only ratios to the baseline
 OWN_MEANINGS = {
     "samples_per_pixel": "samples taken, per pixel",
     "mse_ratio": "mse / mse of the baseline at the same budget",
@@ -44,36 +45,43 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "names": {name: metric_name(name) for name in metrics},
         "baseline": statistics.baseline,
         "metrics": [name for name in names if name in metrics],
-        "quantities": [{"name": name,
-                        "meaning": OWN_MEANINGS.get(name) or vocabulary.meaning(name),
-                        "better": _better(name, metrics, vocabulary)} for name in names],
+        "quantities": [{"name": name, "meaning": OWN_MEANINGS.get(name) or vocabulary.meaning(name)} for name in names],
         # What the user added, which is what a page opens on.
         "own": list(own),
         "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names, metric) for c in combinations],
         # For the charts only: the recording after the last one.
         "overall": [_overall(entry, len(dumps), samplers, filters, names, metric) for entry in statistics.overall],
-        "budget": headline_budget(statistics, metric),
-        "conditions": headline_conditions(statistics, metric, combinations, dumps),
+        "budget": statistics.largest_budget(metric),
+        "conditions": _conditions(statistics.of_metric(metric), {c.key: i for i, c in enumerate(combinations)}, dumps),
         "pixels": [{"dump": dumps.index(dump), **answers} for dump, answers in pixels.items()],
         "pictures": _pictures(images, combinations, dumps),
     }
+
+
+def _conditions(conditions, index, dumps):
+    """[{dump, spp, field: places of combinations, best first, alone: the first is separated from all others, pairs}]"""
+    with_pairs = sum(len(c.get("pairs") or []) for c in conditions) <= MOST_PAIRS
+    return [{"dump": dumps.index(c["dump"]), "spp": c["spp"],
+             "field": [index[c["dump"], c["spp"], e["sampler"], e["filter"]] for e in c["ranking"]], "alone": best_is_alone(c["ranking"]),
+             "pairs": [_pair(*pair) for pair in c.get("pairs") or []] if with_pairs else []} for c in conditions]
+
+
+def _pair(a, b, ratio, low, high, _, verdict):
+    short = [None if n != n else float(f"{n:.5g}") for n in interval_of([ratio, low, high])]
+    return [a, b, *short, WORDS.index(verdict) if verdict in WORDS else 2]
 
 
 def _combination(c, dump, samplers, filters, names, metric):
     return {"dump": dump, "sampler": samplers.index(c.sampler), "filter": filters.index(c.filter),
             "spp": c.spp, "replicates": c.replicates, "failed": len(c.failures),
             "values": [_interval(c.quantity(name)) for name in names],
-            "loses": _loss(c),
+            # Share of the energy that the file calls lost; 0 where it does not.
+            "loses": next((_short(e["loses_energy"]) for e in c.ranks.values() if "loses_energy" in e), 0),
             # Of each number of threads there is one; its name alone would not say it.
             "baseline": metric in c.ranks and "against_baseline" not in c.ranks[metric],
             # By metric: letters of its group, and the verdict against the baseline.
             "ranks": {metric: [entry["letters"], entry.get("against_baseline", "")]
                       for metric, entry in c.ranks.items()}}
-
-
-def _loss(combination):
-    """Share of the energy that the file calls lost; 0 where it does not."""
-    return next((_short(e["loses_energy"]) for e in combination.ranks.values() if "loses_energy" in e), 0)
 
 
 def _overall(entry, dump, samplers, filters, names, metric):
@@ -85,12 +93,6 @@ def _overall(entry, dump, samplers, filters, names, metric):
             "spp": entry["spp"], "replicates": 0, "failed": 0, "ranks": {}, "loses": 0,
             "against": [said.get(word, 0) for word in ("better", "worse", "undecided")] if said else None,
             "values": [_interval(found.get(name, Interval())) for name in names]}
-
-
-def _better(name, metrics, vocabulary):
-    if name == "efficiency":
-        return "higher"
-    return vocabulary.better(name) if name in metrics else "lower"
 
 
 def _interval(interval):
@@ -127,7 +129,7 @@ def _pictures(images, combinations, dumps):
         guide = entry.images.get("reference", entry.images.get("estimate"))
         if dump in scenes or guide is None:
             continue
-        exposure, mean = exposure_of(images.packed[guide])
+        exposure, mean = exposure_and_mean(images.packed[guide].values)
         crop, (width, height) = images.crops.get(dump), images.sizes[dump]
         scenes[dump] = {"dump": dumps.index(dump), "exposure": exposure, "mean": mean,
                         "width": width, "height": height, "crop": list(crop) if crop else None,

@@ -121,7 +121,7 @@ def pack_images(found, page_folder, max_mb):
             if path not in stored:
                 packed[name] = _pack(name, path, crops[entry.dump], sizes[entry.dump])
         cost = sum(p.size for p in packed.values() if p)
-        links = {name: _link(path, page_folder) for name, path in entry.paths.items()}
+        links = {name: quote(os.path.relpath(path, page_folder)) for name, path in entry.paths.items()}
         if total + cost > budget:
             left_out += 1
             sets[entry.combination] = PictureSet(entry.combination, {}, links)
@@ -169,11 +169,15 @@ def _window(size, share, error):
         return Crop((size[0] - width) // 2, (size[1] - height) // 2, width, height)
     finite = np.where(np.isfinite(error), error, 0.0).astype(np.float64)
     capped = np.clip(finite, 0.0, np.quantile(finite, 0.99))
-    columns = np.pad(np.cumsum(np.cumsum(capped, 0), 1), ((1, 0), (1, 0)))
-    sums = (columns[height:, width:] - columns[:-height, width:] - columns[height:, :-width]
-            + columns[:-height, :-width])
+    sums = window_sums(capped, width, height)
     y, x = np.unravel_index(np.argmax(sums), sums.shape)
     return Crop(int(x), int(y), width, height)
+
+
+def window_sums(image, width, height):
+    """Of every window of that size."""
+    sums = np.pad(np.cumsum(np.cumsum(image, 0), 1), ((1, 0), (1, 0)))
+    return sums[height:, width:] - sums[:-height, width:] - sums[height:, :-width] + sums[:-height, :-width]
 
 
 def _in_turn(found):
@@ -198,16 +202,8 @@ def _pack(name, path, crop, size):
     return pack_half(crop.of(image), stretch=name == "squared_error")
 
 
-def _link(path, page_folder):
-    return quote(os.path.relpath(path, page_folder))
-
-
-def exposure_of(packed_reference):
-    """EV that brings the log-average luminance to middle grey, in half steps."""
-    return exposure_and_mean(packed_reference.values)
-
-
 def exposure_and_mean(image):
+    """EV that brings the log-average luminance to middle grey, in half steps; and the mean luminance."""
     luminance = image @ np.array([0.2126, 0.7152, 0.0722])
     luminance = luminance[np.isfinite(luminance)]
     if luminance.size == 0:

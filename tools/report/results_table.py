@@ -9,8 +9,7 @@ import math
 import re
 from typing import NamedTuple
 
-from tools.report.failure import USAGE, Failure
-from tools.report.regular_file import open_regular
+from tools.report.failure import USAGE, Failure, open_regular
 
 COUNTED = {"spp": 1e-9, "replicate": 0.0, "threads": 0.0}  # of the key: numbers, and the least they may be
 KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")

@@ -4,7 +4,7 @@ Packages are looked for beside this one, in the tree and where it is installed, 
 which may hold files of any name.
 """
 
-import runpy
+import importlib
 import sys
 from pathlib import Path
 
@@ -14,7 +14,7 @@ if __name__ == "__main__":
     sys.dont_write_bytecode = True
     sys.path[:1] = [str(ROOT), str(ROOT / "formats" / "python")]
     try:
-        runpy.run_module(f"tools.report.{sys.argv.pop(1)}", run_name="__main__", alter_sys=True)
+        sys.exit(importlib.import_module(f"tools.report.{sys.argv.pop(1)}").main())
     except ImportError as error:  # of numpy or matplotlib
         print(error, file=sys.stderr)
         sys.exit(20)  # not an exit code of spool: another Python may do

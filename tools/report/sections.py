@@ -1,13 +1,13 @@
 """The parts of a report that are words and small tables, as HTML."""
 
 import math
-import os
 from collections import Counter, defaultdict
 from html import escape
+from pathlib import PurePath
 
 from tools.report.metric_names import metric_name
-from tools.report.number_text import interval_text, number_text
-from tools.report.page import licences_html
+from tools.report.number_text import interval_text, known_text, number_text
+from tools.report.page import licences_html, scrolled_table
 from tools.report.statistics_file import interval_of
 from tools.report.summary import late_text, leading, verdict_text, verdicts
 
@@ -24,35 +24,24 @@ def summary_html(sentences, statistics, metric, budget):
     rest = [s for s in sentences if s.kind != "scope" and s not in first]
     more = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in rest)
     table = _verdict_table(statistics, metric)
-    return (f'{claims_html(statistics)}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>{scopes}'
+    return (f'{"".join(map(_claim, statistics.claims))}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>{scopes}'
             f"<details><summary>Every verdict in words, and {escape(metric_name(metric))} at every budget</summary>"
             f"<ul>{more}</ul>{table}</details>{HOW_TO_READ}")
 
 
-def claims_html(statistics):
-    """The plan's questions with the verdicts that statistics.json has; each opens on the places it was asked at."""
-    return "".join(_claim(claim) for claim in statistics.claims)
-
-
 def _claim(claim):
+    """A question of the plan with the verdict that statistics.json has; opens on the places it was asked at."""
     limit = "" if claim["below"] == 1 else f" {number_text(claim['below'])} times"
     asked = (f"{claim['metric']} of {claim['better']} below{limit} that of {claim['than']}, {claim['samples']} samples"
              + ("; {} threads against {}".format(*claim["threads"]) if "threads" in claim else "") + (f"; {claim['source']}" if claim.get("source") else ""))
     counts = ", ".join(f"{count} {verdict}" for verdict, count in claim["counts"].items())
-    rows = "".join(
-        f'<tr><th scope="row">{escape(os.path.splitext(os.path.basename(place["dump"]))[0])}</th>'
-        f'<td class="number">{place["spp"]:g}</td><td class="number">{_ratio_text(place)}</td>'
-        f'<td>{escape(verdict_text(place))}</td></tr>'
-        for place in claim["places"])
+    rows = (f'<tr><th scope="row">{escape(PurePath(place["dump"]).stem)}</th>'
+            f'<td class="number">{place["spp"]:g}</td><td class="number">{known_text(interval_of(place.get("ratio")))}</td>'
+            f'<td>{escape(verdict_text(place))}</td></tr>'
+            for place in claim["places"])
     return (f'<details class="claim {escape(claim["verdict"].replace(" ", "-"))}"><summary><b>{escape(claim["verdict"])}</b> '
             f"{escape(claim['text'])}{late_text(claim)} <small>{escape(counts)}</small></summary><p>{escape(asked)}</p>"
-            '<div class="scroll" tabindex="0"><table><thead><tr><th scope="col">recording</th><th scope="col">spp</th>'
-            f'<th scope="col">ratio</th><th scope="col">verdict</th></tr></thead><tbody>{rows}</tbody></table></div></details>')
-
-
-def _ratio_text(place):
-    found = interval_of(place.get("ratio"))
-    return "" if math.isnan(found.mean) else interval_text(found, 3)
+            f'{scrolled_table("", ("recording", "spp", "ratio", "verdict"), rows)}</details>')
 
 
 HOW_TO_READ = (
@@ -72,7 +61,6 @@ def _verdict_table(statistics, metric):
         return ""
     methods = list(dict.fromkeys(method for method, _ in table))
     budgets = sorted({spp for _, spp in table})
-    head = "".join(f'<th scope="col">{spp:g} spp</th>' for spp in budgets)
     rows = []
     for method in methods[:LONGEST_VERDICTS]:
         cells = "".join(_verdict_cell(table.get((method, spp))) for spp in budgets)
@@ -83,9 +71,7 @@ def _verdict_table(statistics, metric):
             f"geometric mean over {dumps} scenes with its interval; below it, on how many the method is "
             "better, worse or undecided")
     return (f"<p>{escape(metric_name(metric))} relative to {escape(statistics.baseline)} at the same budget: {over}.</p>"
-            '<div class="scroll" tabindex="0"><table class="verdicts"><thead><tr>'
-            f'<th scope="col">method</th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
-            f"</div>{more}")
+            f'{scrolled_table("verdicts", ("method", *(f"{spp:g} spp" for spp in budgets)), rows)}{more}')
 
 
 def _verdict_cell(verdict):
@@ -110,24 +96,19 @@ def guards_html(combinations, labels, vocabulary):
             if name not in worst or count > worst[name][0]:
                 worst[name] = (count, c)
     excluded = sum(row.get("excluded_image", 0) or 0 for c in combinations for row in c.rows)
-    parts = []
-    if excluded > 0:
-        parts.append(f'<p class="warning">{excluded:,.0f} pixels of images are not finite and were '
-                     "left out of every error: those results count as failed.</p>")
-    if not totals:
-        return "".join(parts)
-    parts.append("<details><summary>Samples and pixels that were clamped, rejected or replaced</summary><p>Every clamp, floor and early-out that caught something, counted over all "
-                 'replicates.</p><div class="scroll" tabindex="0"><table class="guards"><thead>'
-                 '<tr><th scope="col">guard</th><th scope="col">count</th><th scope="col">in '
-                 'combinations</th><th scope="col">most in</th></tr></thead><tbody>')
+    warning = ("" if excluded <= 0 else f'<p class="warning">{excluded:,.0f} pixels of images are not finite and were '
+               "left out of every error: those results count as failed.</p>")
+    rows = []
     for name, total in totals.most_common():
         count, c = worst[name]
         meaning = vocabulary.guard_meaning(name)
-        parts.append(
+        rows.append(
             f'<tr><th scope="row">{escape(name)}<small>{escape(meaning)}</small></th>'
             f"<td>{total:,.0f}</td><td>{len(caught[name])} of {len(combinations)}</td>"
             f"<td>{escape(c.method)}, {escape(labels[c.dump])}, {c.spp:g} spp: {count:,.0f}</td></tr>")
-    return "".join(parts) + "</tbody></table></div></details>"
+    return warning + ("" if not rows else "<details><summary>Samples and pixels that were clamped, rejected or replaced</summary>"
+                      "<p>Every clamp, floor and early-out that caught something, counted over all replicates.</p>"
+                      f'{scrolled_table("guards", ("guard", "count", "in combinations", "most in"), rows)}</details>')
 
 
 def run_html(manifest, combinations, labels, vocabulary):
@@ -156,10 +137,8 @@ def run_html(manifest, combinations, labels, vocabulary):
         digest = _text(known.get("index_sha256") or known.get("sha256")) or "not recorded"  # the second of an older program
         body.append(f'<tr><th scope="row">{escape(label)}</th><td>{escape(dump)}</td><td>{size}</td>'
                     f"<td>{_known(row.get('holdout'))}</td><td><code>{escape(digest)}</code></td></tr>")
-    return (f'<dl class="run">{html}</dl><div class="scroll" tabindex="0"><table><caption>Recordings'
-            '</caption><thead><tr><th scope="col">name</th><th scope="col">file</th><th scope="col">'
-            'pixels</th><th scope="col">held out</th><th scope="col">hash of its index</th></tr></thead><tbody>'
-            f'{"".join(body)}</tbody></table></div>{guards_html(combinations, labels, vocabulary)}{licences_html()}')
+    table = scrolled_table("", ("name", "file", "pixels", "held out", "hash of its index"), body, "<caption>Recordings</caption>")
+    return f'<dl class="run">{html}</dl>{table}{guards_html(combinations, labels, vocabulary)}{licences_html()}'
 
 
 def _known(value):
@@ -184,5 +163,3 @@ def quantities_html(names, vocabulary, own):
     items = "".join(f"<dt>{escape(name)}</dt><dd>{escape(own.get(name) or vocabulary.meaning(name))}"
                     "</dd>" for name in names if own.get(name) or vocabulary.meaning(name))
     return f"<details><summary>What the columns mean</summary><dl>{items}</dl></details>" if items else ""
-
-

@@ -1,6 +1,6 @@
 """The page of `spool show`: images beside each other, by the report's viewer.
 
-usage: show_page.py    reads what the program made of the images (tools/show/shown_images.h) from stdin, prints the page
+usage: run.py show_page    reads what the program made of the images (tools/show/shown_images.h) from stdin, prints the page
 """
 
 import json
@@ -114,7 +114,3 @@ def numbers_html(said):
         for name, budget, statistics in images)
     table = f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
     return f"<details{'' if len(images) > 12 else ' open'}><summary>Numbers</summary>{table}</details>"
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -26,6 +26,12 @@ def interval_of(numbers):
     return Interval(*numbers) if len(numbers) in (1, 3) else Interval()
 
 
+def best_is_alone(ranking):
+    """Whether the file separates the first of a ranking from every other: only then it may be printed as the best."""
+    others = [entry for entry in ranking[1:] if entry["compared"]]
+    return bool(others) and ranking[0]["compared"] and all(e.get("against_best") == "worse" for e in others)
+
+
 class Statistics:
     def __init__(self, data):
         self.rules = data.get("rules", {})
@@ -48,6 +54,10 @@ class Statistics:
 
     def of_metric(self, metric):
         return [c for c in self.conditions if c["metric"] == metric]
+
+    def largest_budget(self, metric):
+        """What is shown first."""
+        return max((c["spp"] for c in self.of_metric(metric)), default=0.0)
 
     def methods(self):
         """Every entry that names a sampler and a filter."""

@@ -4,10 +4,9 @@ import math
 from collections import Counter
 from typing import NamedTuple
 
-from tools.report.headline_data import best_is_alone
 from tools.report.metric_names import metric_name
-from tools.report.number_text import count_text, factor_text, interval_text, list_text, number_text
-from tools.report.statistics_file import interval_of
+from tools.report.number_text import count_text, interval_text, list_text, number_text
+from tools.report.statistics_file import best_is_alone, interval_of
 
 SATURATION_LIMIT = 0.01
 LONGEST_LIST = 6
@@ -27,8 +26,7 @@ def summarise(combinations, statistics, metric, labels):
     for condition in statistics.of_metric(metric):
         sentences.append(best_of(condition, metric, labels, statistics.baseline)._replace(spp=condition["spp"]))
     sentences += energy(combinations, labels)
-    sentences += cautions(combinations, metric, labels) + support(statistics, metric, labels)
-    return sentences
+    return [*sentences, *cautions(combinations, metric, labels), *support(statistics, metric, labels)]
 
 
 def leading(sentences, statistics, metric, budget):
@@ -139,7 +137,7 @@ def _against_baseline(entry, baseline):
         return f"; it is not separated from {baseline}"
     if math.isnan(ratio.mean):
         return f"; it is lower than {baseline} by a ratio that is not resolved"
-    return f"; it has {factor_text(ratio)} times the error of {baseline}"
+    return f"; it has {interval_text(ratio, 3)} times the error of {baseline}"
 
 
 class Verdict(NamedTuple):
@@ -188,19 +186,17 @@ FEW_PIXELS = 0.2  # of the error in the worst 0.1 % of the pixels: remarked
 
 def support(statistics, metric, labels):
     """Errors that stand on few pixels, and verdicts that are withheld for what they stand on."""
-    sentences = []
     known = [(interval_of(r.get("quantities", {}).get(f"{metric}_half_pixels")).mean,
               interval_of(r["quantities"].get(f"{metric}_worst_share")).mean, r) for r in statistics.results if r.get("quantities")]
     few = [entry for entry in known if entry[1] >= FEW_PIXELS]
     if few:
         half, share, worst = min(few, key=lambda entry: entry[0])
-        sentences.append(Sentence(
+        yield Sentence(
             f"{count_text(len(few), 'result')} stand on few pixels: of {name_of(worst)} on {labels[worst['dump']]} at "
-            f"{worst['spp']:g} spp, {max(1.0, half):.0f} pixels bear half of the {metric_name(metric)}, the worst 0.1 % {100 * share:.0f} %.", "warning"))
+            f"{worst['spp']:g} spp, {max(1.0, half):.0f} pixels bear half of the {metric_name(metric)}, the worst 0.1 % {100 * share:.0f} %.", "warning")
     reasons = Counter(e["withheld"] for c in statistics.of_metric(metric) for e in c["ranking"] if "withheld" in e)
     for reason, count in reasons.items():
-        sentences.append(Sentence(f"{count_text(count, 'result')} without verdict on {metric_name(metric)}: {reason}.", "warning"))
-    return sentences
+        yield Sentence(f"{count_text(count, 'result')} without verdict on {metric_name(metric)}: {reason}.", "warning")
 
 
 def is_biased(combinations):
@@ -208,36 +204,34 @@ def is_biased(combinations):
 
 
 def cautions(combinations, metric, labels):
-    sentences = []
     if is_biased(combinations):
-        sentences.append(Sentence(
+        yield Sentence(
             "Judged by the pool that the images were made of: every error here is too small, and by "
-            "a different factor for each method. Do not compare methods by it.", "warning"))
+            "a different factor for each method. Do not compare methods by it.", "warning")
     saturated = [c for c in combinations if c.quantity("saturated_share").mean > SATURATION_LIMIT]
     if saturated:
         worst = max(saturated, key=lambda c: c.quantity("saturated_share").mean)
-        sentences.append(Sentence(
+        yield Sentence(
             f"{count_text(len(saturated), 'combination')} ran out of recorded samples in more than "
             f"{100 * SATURATION_LIMIT:g} % of the pieces (most: {worst.method} on "
             f"{labels[worst.dump]} at {worst.spp:g} spp, "
             f"{100 * worst.quantity('saturated_share').mean:.1f} %): a longer recording may change "
-            "their order.", "warning"))
+            "their order.", "warning")
     short = [c for c in combinations if c.quantity("samples_per_pixel").mean < 0.999 * c.spp]
     if short:
-        sentences.append(Sentence(
+        yield Sentence(
             f"{count_text(len(short), 'combination')} spent less than the budget, first "
             f"{short[0].method} on {labels[short[0].dump]}: "
             f"{number_text(short[0].quantity('samples_per_pixel').mean)} of {short[0].spp:g} "
-            "samples per pixel.", "warning"))
+            "samples per pixel.", "warning")
     unresolved = [c for c in combinations if c.quantity(metric).low <= 0.0]
     if unresolved:
-        sentences.append(Sentence(
+        yield Sentence(
             f"{count_text(len(unresolved), 'combination')} have a {metric_name(metric)} whose interval reaches "
-            "zero: the error is not resolved.", "warning"))
+            "zero: the error is not resolved.", "warning")
     alike = sum(c.one_image and c.replicates > 1 for c in combinations)
     if alike:
-        sentences.append(Sentence(
+        yield Sentence(
             f"The replicates of {count_text(alike, 'combination')} are one image: "
             "their intervals are those of its blocks of pixels, and they are not compared.",
-            "warning"))
-    return sentences
+            "warning")

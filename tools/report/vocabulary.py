@@ -1,4 +1,4 @@
-"""What the columns mean and which way is better, as `spool` says it, and what was recorded of a run.
+"""What the columns mean, as `spool` says it, and what was recorded of a run.
 
 The program hands its own list over (`--vocabulary`), so that meanings are written down once. Without
 it names stand for themselves.
@@ -6,8 +6,7 @@ it names stand for themselves.
 
 import json
 
-from tools.report.failure import IO, Failure
-from tools.report.regular_file import open_regular
+from tools.report.failure import IO, Failure, open_regular
 
 
 class Vocabulary:
@@ -27,15 +26,6 @@ class Vocabulary:
 
     def guard_meaning(self, guard):
         return str(self._guards.get(guard, {}).get("protects", ""))
-
-    def better(self, metric):
-        """"lower", "higher" or "one" """
-        known = self._metrics.get(metric, {}).get("better")
-        if known in ("lower", "higher", "one"):
-            return known
-        if metric.startswith("energy_ratio"):
-            return "one"
-        return "higher" if metric.startswith(("psnr", "ssim", "ms_ssim")) else "lower"
 
 
 def _by_name(entries):

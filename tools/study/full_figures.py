@@ -35,10 +35,15 @@ from tools.study.plans import FULL, ROOT, full_recording
 plt.switch_backend("Agg")
 FOLDER = ROOT / "docs/images/full_size"
 SAMPLERS = ("mitchell", "adaptive_wavelet", "greedy_error", "nl_means", "multiscale", "multiscale:paper", "neyman")
-DIRECTIONS = (("box", "no filter"), ("directional{anisotropy=none}", "isotropic"),
-              ("directional{anisotropy=bank,bank_levels=3}", "bank, three stages"), ("directional", "directional"))
-METHODS = (("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "wavelet_shrinkage"),
-           ("greedy_error", "greedy_selection"), ("nl_means", "nl_means"), ("multiscale:paper", "directional:paper"), ("multiscale", "directional"))
+PAPER = {("multiscale:paper", "directional:paper"): "paper"}  # methods as {(sampler, filter): title}
+DIRECTIONS = {("multiscale", f): f"multiscale,\n{title}" for f, title in (
+    ("box", "no filter"), ("directional{anisotropy=none}", "isotropic"), ("directional{anisotropy=bank,bank_levels=3}", "bank, three stages"),
+    ("directional", "directional"))} | PAPER
+METHODS = {(s, f): f"{s} +\n{f}" for s, f in (
+    ("uniform", "box"), ("mitchell", "multistage"), ("adaptive_wavelet", "wavelet_shrinkage"), ("greedy_error", "greedy_selection"),
+    ("nl_means", "nl_means"))} | PAPER | {("multiscale", "directional"): "multiscale +\ndirectional"}
+TILES = {"multiscale": "no tiles", **{f"multiscale{{parallel=tiles,tile={t}}}": f"tiles of {t}" for t in (64, 16)},
+         "multiscale:paper{tile=64}": "paper, tiles of 64"}
 FRAMES = ("#e69f00", "#56b4e9")
 
 
@@ -108,36 +113,23 @@ class Pictures:
         axis.set_title(title, fontsize=10)
 
 
-def colour_bar(figure, image, axes, label):
-    figure.colorbar(image, ax=axes, orientation="vertical", shrink=0.8, aspect=25, pad=0.01).set_label(label, fontsize=9)
-
-
-def densities(p):
-    """Figure 9."""
-    figure, axes = grid(2, 4, [p.aspect] * 2)
-    p.photo(axes[0][0], p.reference, "reference")
-    for axis, sampler in zip(axes.flat[1:], SAMPLERS):
-        density = p.density(axis, p.samples(sampler), sampler)
-    colour_bar(figure, density, list(axes.flat), "samples of a pixel")
-    return figure
-
-
-def tiles(p):
-    """Figures 11c to 11f."""
-    settings = [("multiscale", "no tiles"), *((f"multiscale{{parallel=tiles,tile={t}}}", f"tiles of {t}") for t in (64, 16)),
-                ("multiscale:paper{tile=64}", "paper, tiles of 64")]
-    figure, axes = grid(1, 4, [p.aspect])
-    for axis, (sampler, title) in zip(axes.flat, settings):
+def densities(p, rows, titles):
+    """Samples of samplers, {sampler: title}; behind the reference where there is room for one more."""
+    figure, axes = grid(rows, 4, [p.aspect] * rows)
+    places = list(axes.flat)
+    if len(titles) < len(places):
+        p.photo(places[0], p.reference, "reference")
+    for axis, (sampler, title) in zip(places[-len(titles):], titles.items()):
         density = p.density(axis, p.samples(sampler), title)
-    colour_bar(figure, density, list(axes.flat), "samples of a pixel")
+    figure.colorbar(density, ax=places, orientation="vertical", shrink=0.8, aspect=25, pad=0.01).set_label("samples of a pixel", fontsize=9)
     return figure
 
 
-def beside(p, methods, titles, crops):
+def beside(p, methods, crops):
     images = [p.image(*method) for method in methods]
     crops = crops or choose_windows(images, p.reference, p.exposure)
     figure, axes = grid(1 + len(crops), len(images) + 1, [p.aspect] + [1.0] * len(crops), width=1.5 * (len(images) + 1), bar=0.0)
-    for column, (image, title) in enumerate(zip([*images, p.reference], [*titles, "reference"])):
+    for column, (image, title) in enumerate(zip([*images, p.reference], [*methods.values(), "reference"])):
         p.photo(axes[0][column], image, title)
         for row, (x, y, width, height) in enumerate(crops):
             axes[0][column].add_patch(Rectangle((x - 0.5, y - 0.5), width, height, fill=False, edgecolor=FRAMES[row % 2], linewidth=1.2))
@@ -152,18 +144,9 @@ def beside(p, methods, titles, crops):
     return figure
 
 
-def directions(p, crops):
-    return beside(p, [*(("multiscale", f) for f, _ in DIRECTIONS), ("multiscale:paper", "directional:paper")],
-                  [*(f"multiscale,\n{title}" for _, title in DIRECTIONS), "paper"], crops)
-
-
-def every_method(p, crops):
-    return beside(p, METHODS, ["paper" if s == "multiscale:paper" else f"{s} +\n{f}" for s, f in METHODS], crops)
-
-
 # name: (samples per pixel, whether it has crops, what draws it)
-FIGURES = {"e4": (8, True, directions), "e5": (16, False, densities), "e8": (8, False, tiles),
-           "e9": (8, True, every_method)}
+FIGURES = {"e4": (8, True, lambda p, crops: beside(p, DIRECTIONS, crops)), "e5": (16, False, lambda p: densities(p, 2, {s: s for s in SAMPLERS})),
+           "e8": (8, False, lambda p: densities(p, 1, TILES)), "e9": (8, True, lambda p, crops: beside(p, METHODS, crops))}
 
 
 def main():

@@ -16,22 +16,15 @@ import tarfile
 import zlib
 from pathlib import Path
 
+from tools.report.number_text import in_digits
 from tools.report.whole_file import write_whole
 
 QUANTITIES = ("mse", "relmse", "relmse_trimmed", "relmse_equal_energy", "energy_ratio", "flip_ldr", "ssim", "seconds_sampling",
               "seconds_filtering", "cpu_sampling", "cpu_filtering", "saturated_share", "block_jump", "edge_share", "region_area", "mse_half_pixels", "relmse_half_pixels")
 FIELDS = (*QUANTITIES, "mse_fresh", "relmse_fresh", "energy_fresh", "samples_spent", "recorded_spp", "recorded_kurtosis", "width",
           "height", "timing", "reference", "error", "mse_worst_share", "relmse_worst_share", "mse_reference_noise", "relmse_reference_noise")
+DIGITS = 6
 HALVES = ("mse", "relmse", "mse_fresh", "relmse_fresh")
-
-
-def short(value):
-    """Six digits, in what JSON holds."""
-    if isinstance(value, float):
-        return float(f"{value:.6g}")
-    if isinstance(value, list):
-        return [short(v) for v in value]
-    return {k: short(v) for k, v in value.items()} if isinstance(value, dict) else value
 
 
 def evaluate(program, plan, folder, *more):
@@ -53,7 +46,7 @@ def trimmed(statistics):
                "ranking": [{k: m[k] for k in ("sampler", "filter", "ratio")} for m in c["ranking"] if m.get("ratio")]}
               for c in statistics["conditions"] if c["metric"] in ("mse", "relmse")]
     claims = [{**c, "places": [{**p, "dump": Path(p["dump"]).stem} for p in c["places"]]} for c in statistics["claims"]]
-    return short({"version": statistics["version"], "claims": claims, "results": results, "conditions": ratios, **beside(statistics)})
+    return in_digits({"version": statistics["version"], "claims": claims, "results": results, "conditions": ratios, **beside(statistics)}, DIGITS)
 
 
 def beside(statistics):
@@ -90,7 +83,7 @@ def small_cell(cell, of_group=False, claimed=HALVES):
     """of_group: of a scene that was recorded several times; its intervals are those of the recordings, not of counts and halves.
     `claimed`: metrics of which halves are kept, in the program's digits: of two methods that are alike the difference decides."""
     kept = {**{k: cell[k] for k in ("cell", "failed", "method", "version")},
-            "fields": {k: rounded(v, 6) for k, v in cell["fields"].items() if k in FIELDS}}
+            "fields": {k: rounded(v, DIGITS) for k, v in cell["fields"].items() if k in FIELDS}}
     if of_group:
         return kept
     halves = {k: v for k, v in cell.get("halves", {}).items() if k in claimed}
@@ -136,8 +129,8 @@ def unpack(path):
 
 
 def curves_of(statistics):
-    return short([{"dump": Path(c["dump"]).stem, **{k: c[k] for k in ("threads", "sampler", "filter", "equal_time")}}
-                  for c in statistics["curves"] if c["metric"] == "relmse" and c.get("equal_time")])
+    return in_digits([{"dump": Path(c["dump"]).stem, **{k: c[k] for k in ("threads", "sampler", "filter", "equal_time")}}
+                  for c in statistics["curves"] if c["metric"] == "relmse" and c.get("equal_time")], DIGITS)
 
 
 def texts_of(folder):

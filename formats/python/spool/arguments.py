@@ -20,10 +20,6 @@ def whole(name: str, value, bits: int = 32) -> int:
     return int(value)
 
 
-def seed(value) -> int:
-    return whole("seed", value, 64)
-
-
 def number(name: str, value) -> float:
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise wrong(name, value, "no number")
@@ -127,3 +123,28 @@ def wrong(name: str, value, what: str) -> SpoolError:
 def _short(of) -> str:
     line = " ".join(str(of).split())
     return line if len(line) <= 80 else line[:77] + "..."
+
+
+def convert(array, dtype, what):
+    """Arrays of the caller as those of a layer, without a value that silently becomes another: equal dtypes pass bit for bit; wider floats are
+    rounded, and a finite value that would become infinite is refused; integers and booleans pass into u32 where they fit."""
+    array = np.asarray(array)
+    if array.dtype == dtype:
+        return array
+    if array.dtype.kind == "f" and dtype.kind == "f":
+        with np.errstate(over="ignore"):
+            result = array.astype(dtype)
+        _refuse(np.isfinite(array) & ~np.isfinite(result), array, what, dtype)
+        return result
+    if array.dtype.kind in "bui" and dtype.kind == "u":
+        if array.dtype.kind != "b":
+            _refuse((array < 0) | (array > np.iinfo(dtype).max), array, what, dtype)
+        return array.astype(dtype)
+    raise SpoolError("usage", f"{what}: {array.dtype} is not {dtype.name}: convert it with astype")
+
+
+def _refuse(bad, array, what, dtype):
+    if bad.any():
+        bad, array = np.atleast_1d(bad), np.atleast_1d(array)
+        where = tuple(int(axis[0]) for axis in np.nonzero(bad))
+        raise SpoolError("usage", f"{what}: {array[where]} at {list(where)} does not fit {dtype.name}: choose a wider dtype")

@@ -1,9 +1,12 @@
-"""The one exception of this package: one line "FILE: what (where): what to do".
+"""The one exception of this package: one line "FILE: what (where): what to do"; and the opening of files, which is refused with it.
 
 `kind` is the class of failure in section 7 of the specification, or one of this package: "usage" (unknown layer, range
 outside the image, target exists), "absent" (a block that was never recorded), "missing_package", "data" (it can be read
 and not used). `code` is the exit code of the program `spool` for it.
 """
+import os
+import stat
+
 DATA, USAGE, IO, DAMAGE = 1, 2, 3, 4
 
 CODE_OF_KIND = {"not_spool": DATA, "unsupported": DATA, "invalid": DATA, "absent": DATA, "data": DATA, "usage": USAGE,
@@ -41,3 +44,16 @@ class SpoolError(Exception):
     @property
     def code(self):
         return CODE_OF_KIND[self.kind]
+
+
+def open_regular(path, mode="rb", **how):
+    """As the built-in open, of a file on disk alone: a FIFO without a writer is not waited for."""
+    return open(path, mode, opener=_opened, **how)
+
+
+def _opened(path, flags):
+    handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+    if stat.S_ISREG(os.fstat(handle).st_mode):
+        return handle
+    os.close(handle)
+    raise SpoolError("io", f"{path}: not a regular file: check the path")

@@ -15,8 +15,7 @@ import zlib
 
 import numpy as np
 
-from .error import SpoolError
-from .regular_file import open_regular
+from .error import SpoolError, open_regular
 
 MAGIC = 20000630
 NOT_FLAT_SCANLINES = 0x200 | 0x800 | 0x1000  # tiled, deep, multi-part

@@ -134,11 +134,6 @@ class Dump:
         return list(zip(entries["group"].tolist(), entries["tile"].tolist(), entries["sample_begin"].tolist()))
 
     @property
-    def compressed(self):
-        """True when some record is stored compressed."""
-        return bool(self._records.entries["codec"].any())
-
-    @property
     def index(self):
         """Entries of all records but the index, as the file holds them."""
         return self._records.entries

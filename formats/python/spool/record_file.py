@@ -13,8 +13,7 @@ import numpy as np
 from . import chunk_codec
 from . import record_layout as layout
 from .arguments import path as path_of
-from .error import ADVICE, SpoolError
-from .regular_file import open_regular
+from .error import ADVICE, SpoolError, open_regular
 
 try:
     from ._core import crc32  # of the package with the library: several times as fast

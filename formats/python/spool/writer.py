@@ -10,9 +10,8 @@ import numpy as np
 from . import channel, chunk_codec
 from . import meta as meta_json
 from . import record_layout as layout
-from .arguments import choice, flag, text, whole, wrong
+from .arguments import choice, convert, flag, text, whole, wrong
 from .arguments import path as path_of
-from .conversion import convert
 from .error import SpoolError
 from .geometry import Geometry, groups_of
 from .partial_file import PartialFile

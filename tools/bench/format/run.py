@@ -4,25 +4,19 @@
 memory, with the samples of recordings stacked on top of each other; then the 6.4 GB of 4096 x 4096 pixels with 64 half
 samples. CPU time, the least of some turns that take turns. Writes docs/format_speed.md and its table, unless it shall only print.
 """
-import argparse
-import csv
 import json
 import os
 import subprocess
 import tempfile
 from pathlib import Path
 
-from tools.bench.speed_page import replace_section
-
-ROOT = Path(__file__).resolve().parents[3]
+from tools.bench.methods.page import lines
+from tools.bench.speed_page import ROOT, parser_of, publish
+from tools.report.whole_file import write_whole
+from tools.study.tables import as_csv
 
 RECORDINGS = ["balls", "caustic", "chess", "table"]  # Cycles; the same layers in each
 READS, WRITES, OPENS_MS, BLOCK_MS, RSS_MB = 3.0, 5.0, 50.0, 2.0, 1024  # targets
-
-
-def table(rows):
-    head, *body = rows
-    return "\n".join(["| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *body]])
 
 
 def rate(bytes_, seconds):
@@ -63,16 +57,14 @@ def verdicts(runs, large):
                                                 f"{large['block_mapped_ms']:.3f} ms mapped"],
                 large["block_read_ms"] <= BLOCK_MS),
             row("memory for all of that", "1 GiB", [f"{large['peak_rss_mb']} MiB"], large["peak_rss_mb"] < RSS_MB)]
-    return table(rows)
+    return lines(rows)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=Path)
+    parser = parser_of(__doc__, "docs/format_speed.md")
     parser.add_argument("recordings", nargs="*", type=Path)
     parser.add_argument("--turns", type=int, default=5)
     parser.add_argument("--copies", type=int, default=8, help="how often the recordings are stacked: more than fits a cache")
-    parser.add_argument("--print", action="store_true", help="leave docs/format_speed.md alone")
     chosen = parser.parse_args()
     programs = chosen.build / "tools" / "bench" / "format"
     recordings = chosen.recordings or [ROOT / "dumps" / "tiny" / f"{name}.spool" for name in RECORDINGS]
@@ -88,12 +80,10 @@ def main():
     names = ", ".join(path.stem for path in recordings)
     text = (f"Recordings {names}, stacked {chosen.copies} times: {runs[0]['count'] / 1e6:.1f} million samples. "
             f"{chosen.turns} turns.\n\n{verdicts(runs, large)}\n\nEvery rate: [format_speed.csv](results/format_speed.csv).")
-    print(text)
+    publish("format", text, chosen, ROOT / "docs" / "format_speed.md")
     header = ["samples", "kind", "write GB/s", "write x deep EXR", "read GB/s", "read x deep EXR", "bytes a sample", "bytes of deep EXR"]
     if not chosen.print:
-        with open(ROOT / "docs/results/format_speed.csv", "w", newline="", encoding="utf-8") as stream:
-            csv.writer(stream, lineterminator="\n").writerows([header, *(row for run in runs for row in times(run))])
-        replace_section("format", text, ROOT / "docs" / "format_speed.md")
+        write_whole(ROOT / "docs/results/format_speed.csv", as_csv(header, (row for run in runs for row in times(run))))
 
 
 if __name__ == "__main__":

@@ -4,19 +4,16 @@ Each row is a process of its own: CPU seconds, and the most memory it held itsel
 mapped from its file is not counted, as the system can take it back). Recordings of noise over edges are made in the build folder and removed: 4 GB of disk at once. As root on Linux, the recording that is larger than
 memory is read inside a control group whose limit it exceeds. Writes the table of docs/limits.md, unless it shall only print.
 """
-import argparse
 import os
 import sys
-from pathlib import Path
 
 import numpy as np
 
 import spool
-from tools.bench.limited_run import control_group, run
-from tools.bench.speed_page import replace_section
+from tools.bench.limited_run import control_group, run, run_or_end
+from tools.bench.speed_page import ROOT, parser_of, publish
 from tools.study.tables import markdown
 
-ROOT = Path(__file__).resolve().parents[3]
 MB = 1e6
 
 
@@ -26,9 +23,8 @@ class Limits:
         self.folder.mkdir(exist_ok=True)
         self.rows = []
 
-    def add(self, what, verb, result, pixels, samples):
-        if result["code"] != 0:
-            sys.exit(f"limits: {what}, {verb}: exit code {result['code']}: {result['told']}")
+    def add(self, what, verb, words, pixels, samples, group=None):
+        result = run_or_end("limits", [self.spool, *words, "-q", "--force"], group)
         cpu, own = result["cpu"], result["anonymous"]
         row = (what, verb, f"{cpu:.2f}", f"{cpu / samples * 1e9:.0f}", f"{own / MB:.0f}", f"{own / pixels:.0f}")
         self.rows.append(row)
@@ -56,14 +52,12 @@ class Limits:
     def replay(self, what, path, pixels, budget):
         """Image of sample counts, made with `multiscale`."""
         selection = self.folder / "selection.exr"
-        self.add(what, "`replay`, multiscale", run([self.spool, "replay", path, "--sampler", "multiscale", "--spp", budget, "-q",
-                                                    "--force", "-o", selection]), pixels, pixels * budget)
+        self.add(what, "`replay`, multiscale", ["replay", path, "--sampler", "multiscale", "--spp", budget, "-o", selection], pixels, pixels * budget)
         return selection
 
     def reconstruct(self, what, path, selection, filter, pixels, budget):
-        self.add(what, f"`reconstruct`, {filter}",
-                 run([self.spool, "reconstruct", path, "--selection", selection, "--filter", filter, "-q", "--force", "-o",
-                      self.folder / "i.exr"]), pixels, pixels * budget)
+        self.add(what, f"`reconstruct`, {filter}", ["reconstruct", path, "--selection", selection, "--filter", filter, "-o", self.folder / "i.exr"],
+                 pixels, pixels * budget)
 
     def measure(self, width, height, spp, budget):
         path, what = self.recording(width, height, spp), f"{width}x{height}, {budget} of {spp}"
@@ -89,8 +83,8 @@ class Limits:
         what, size = f"{width}x{height}, all of {spp}, in {limit / MB:.0f} MB", path.stat().st_size
         with control_group(limit) as group:
             if group:
-                self.add(what, "`reconstruct`, box", run([self.spool, "reconstruct", path, "--filter", "box", "-q", "--force", "-o",
-                                                          self.folder / "i.exr"], group), width * height, width * height * spp)
+                self.add(what, "`reconstruct`, box", ["reconstruct", path, "--filter", "box", "-o", self.folder / "i.exr"],
+                         width * height, width * height * spp, group)
         path.unlink()
         if not group:
             return "A recording beyond memory was not measured here: no control group."
@@ -107,10 +101,8 @@ class Limits:
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=Path)
+    parser = parser_of(__doc__, "docs/limits.md")
     parser.add_argument("--largest", type=int, default=4096, help="pixels along the side of the largest square")
-    parser.add_argument("--print", action="store_true", help="leave docs/limits.md alone")
     options = parser.parse_args()
     limits = Limits(options.build)
     side = options.largest
@@ -124,10 +116,7 @@ def main():
     limits.measure_channels(side // 4)
     told.insert(0, limits.beyond_memory(side // 4, side // 4, 1024, side * side // 16 * 9800))
     head = ("recording", "step", "CPU-s", "ns a sample", "own memory, MB", "bytes a pixel")
-    text = "\n\n".join([markdown(head, limits.rows), *told])
-    print(text)
-    if not options.print:
-        replace_section("limits", text, ROOT / "docs" / "limits.md")
+    publish("limits", "\n\n".join([markdown(head, limits.rows), *told]), options, ROOT / "docs" / "limits.md")
 
 
 if __name__ == "__main__":

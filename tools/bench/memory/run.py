@@ -5,7 +5,6 @@ group of that limit (as root on Linux; the cache of the file counts there), and 
 Once with the file in a file system of memory, which costs nothing but copying, and once from the disk with nothing of it in
 the cache. Images must be the same bytes. Writes a section of docs/speed.md, unless it shall only print.
 """
-import argparse
 import contextlib
 import os
 import subprocess
@@ -16,10 +15,9 @@ from pathlib import Path
 import numpy as np
 
 import spool
-from tools.bench.limited_run import control_group, run, status
-from tools.bench.speed_page import replace_section
-
-ROOT = Path(__file__).resolve().parents[3]
+from tools.bench.limited_run import control_group, run_or_end, status
+from tools.bench.speed_page import parser_of, publish, turns_text
+from tools.study.tables import markdown
 
 METHODS = {"uniform": "replay", "multiscale{tile=64}": "replay", "box": "reconstruct", "gaussian": "reconstruct", "directional": "reconstruct"}
 MB = 1e6
@@ -37,13 +35,6 @@ def write_recording(path, side, samples):
             writer.write_passes(begin, {"radiance": (mean * noise).astype("f4")})
 
 
-def measured(command, group=None, addresses=None):
-    found = run(command, group, addresses)
-    if found["code"] != 0:
-        sys.exit(f"memory: {' '.join(map(str, command))}: exit code {found['code']}: {found['told']}")
-    return {key: found[key] for key in ("wall", "cpu", "resident", "read")}
-
-
 def forget(path):
     """Out of the cache, so that a control group pays for what it reads."""
     with open(path, "rb") as stream:
@@ -53,7 +44,7 @@ def forget(path):
 
 def least(turns):
     """Of some runs the least time and the most memory."""
-    return {key: (max if key in ("resident", "read") else min)(turn[key] for turn in turns) for key in turns[0]}
+    return {key: of(turn[key] for turn in turns) for key, of in (("wall", min), ("cpu", min), ("resident", max), ("read", max))}
 
 
 class Bench:
@@ -88,7 +79,8 @@ class Bench:
                         if cold:
                             forget(path)
                         out = folder / "image.exr"
-                        runs[way].append(measured(["cat", path] if method == "cat" else self.command(path, method, out), group, limited))
+                        command = ["cat", path] if method == "cat" else self.command(path, method, out)
+                        runs[way].append(run_or_end("memory", command, group, limited))
                     if method != "cat":
                         images[way] = out.read_bytes()
             if len(set(images.values())) > 1:
@@ -114,14 +106,14 @@ def rows(found, size, limit):
             now = ways[way]
             held = f"{now['resident'] / MB:.0f}"
             cells += [f"{told(now['cpu'] / base['cpu'])}, {told(now['wall'] / base['wall'])}", held if now["resident"] <= limit else f"**{held}**", f"{now['read'] / size:.2f}"]
-        lines.append("| " + " | ".join(cells) + " |")
+        lines.append(cells)
     return lines
 
 
 def table(found, size, limit, where):
     head = [where, "in memory: CPU-s, wall s", "control group: times CPU, times wall", "MB resident", "times file read",
             "`ulimit -v`: times CPU, times wall", "MB resident", "times file read"]
-    return "\n".join(["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *rows(found, size, limit)])
+    return markdown(head, rows(found, size, limit))
 
 
 def summary(found, where):
@@ -133,15 +125,13 @@ def summary(found, where):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=Path)
+    parser = parser_of(__doc__)
     parser.add_argument("--size", type=int, default=384, help="pixels a side")
     parser.add_argument("--samples", type=int, default=1024, help="a pixel")
     parser.add_argument("--times", type=float, default=8, help="bytes of samples in bytes that a process may hold")
     parser.add_argument("--taken", type=float, default=0.5, help="share of the samples that a method takes")
     parser.add_argument("--turns", type=int, default=2)
     parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--print", action="store_true", help="leave docs/speed.md alone")
     options = parser.parse_args()
     bench = Bench(options)
     idle = bench.addresses()
@@ -161,11 +151,9 @@ def main():
         f"a process may have {limit / MB:.0f} MB, {options.times:g} times less: in a control group, where the cache of the file counts, or as "
         f"`ulimit -v` on top of the {idle / MB:.0f} MB of addresses that the program takes before it does anything. A method takes "
         f"{options.taken:g} of the samples, {options.threads} thread{'s' if options.threads > 1 else ''}; images are the same bytes in every case. Resident "
-        f"memory is that of the program, its libraries and what it maps, at its most. The least time of {options.turns} turn{'s' if options.turns > 1 else ''}; bold: beyond {SECONDS:g} times the run in memory.",
+        f"memory is that of the program, its libraries and what it maps, at its most. The least time of {turns_text(options.turns)}; bold: beyond {SECONDS:g} times the run in memory.",
         *tables])
-    print(text)
-    if not options.print:
-        replace_section("memory", text)
+    publish("memory", text, options)
 
 
 if __name__ == "__main__":

@@ -2,17 +2,15 @@
 
 Run by the Python that has the programs of others (tools/bench/peers).
 """
-import csv
 import json
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from tools.bench.speed_page import replace_section
-from tools.study.tables import markdown
+from tools.bench.speed_page import ROOT, replace_section
+from tools.study.tables import as_csv, markdown
 
-ROOT = Path(__file__).resolve().parents[3]
 TABLE = ROOT / "docs" / "results" / "metric_checks.csv"
 RECORDINGS = ["chess", "table", "caustic", "mist"]
 METRICS = ["mse", "rmse", "psnr_tm", "ssim", "ms_ssim", "flip_ldr", "flip_hdr", "relmse", "relmse_trimmed", "mae", "relmae",
@@ -122,8 +120,7 @@ def compare(program):
                 difference = abs(ours[metric] - float(theirs[metric]))
                 worst[metric] = max(worst.get(metric, 0.0), difference)
                 rows.append([name, metric, BY.get(metric, "numpy").replace("`", ""), f"{ours[metric]:.9g}", f"{theirs[metric]:.9g}", f"{difference:.1e}"])
-    with open(TABLE, "w", newline="", encoding="utf-8") as stream:
-        csv.writer(stream, lineterminator="\n").writerows([["image", "metric", "independent", "spool", "other", "difference"], *rows])
+    TABLE.write_text(as_csv(["image", "metric", "independent", "spool", "other", "difference"], rows), encoding="utf-8")
     table = (f"With scikit-image {skimage.__version__}, flip-evaluator {version('flip-evaluator')}:\n\n" +
              markdown(["metric", "independent", "largest difference"], [[f"`{m}`", BY.get(m, "numpy"), f"{worst[m]:.1e}"] for m in METRICS]))
     replace_section("metrics", table, ROOT / "docs" / "metric_checks.md")

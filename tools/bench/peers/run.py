@@ -8,9 +8,9 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from tools.bench.speed_page import replace_section
+from tools.bench.speed_page import ROOT, replace_section
+from tools.study.tables import markdown
 
-ROOT = Path(__file__).resolve().parents[3]
 plt.switch_backend("svg")
 RESULTS = ROOT / "docs" / "results" / "peers"
 IMAGES = {"filter": "filter of 8 uniform samples", "pair": "sampler and filter, 8 of 64 samples"}  # kinds that give an image, which has an error
@@ -32,10 +32,9 @@ def measure(build, arguments):
 def table(rows, kind):
     """Costs as multiples of Open Image Denoise's."""
     one = next(r for r in rows if r["name"] == OIDN)
-    lines = [f"| {IMAGES[kind]} | {one['unit']} | times {one['name']} | relMSE | MSE | energy |", "|---|---|---|---|---|---|"]
-    for row in sorted((r for r in rows if r["kind"] == kind), key=lambda r: r["cost"]):
-        lines.append(f"| {row['name']} | {row['cost']:.3g} | {row['cost'] / one['cost']:.2g} | {row['relmse']:.3g} | {row['mse']:.3g} | {row['energy']:.3f} |")
-    return "\n".join(lines)
+    return markdown([IMAGES[kind], one["unit"], f"times {one['name']}", "relMSE", "MSE", "energy"],
+                    [[r["name"], f"{r['cost']:.3g}", f"{r['cost'] / one['cost']:.2g}", f"{r['relmse']:.3g}", f"{r['mse']:.3g}", f"{r['energy']:.3f}"]
+                     for r in sorted((r for r in rows if r["kind"] == kind), key=lambda r: r["cost"])])
 
 
 def draw(rows, path):

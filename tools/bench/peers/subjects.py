@@ -106,12 +106,16 @@ def our_pairs(recording):
     return {f"spool: {sampler} + {filter}": (lambda pair=(sampler, filter): both(*pair)) for sampler, filter in pairs}
 
 
+def write_hdf5(path, samples):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("radiance", data=samples, chunks=(64, 64, samples.shape[2], 3), fletcher32=True)
+
+
 def files_of(radiance, folder):
     """The same samples in three formats with a checksum on every chunk."""
     flat = np.ascontiguousarray(radiance)
     spool.write(folder / "a.spool", flat, sample_order="exchangeable")
-    with h5py.File(folder / "a.h5", "w") as file:
-        file.create_dataset("radiance", data=flat, chunks=(64, 64, flat.shape[2], 3), fletcher32=True)
+    write_hdf5(folder / "a.h5", flat)
     store = zarr.create_array(folder / "a.zarr", shape=flat.shape, chunks=(64, 64, flat.shape[2], 3), dtype="f4", filters=None,
                               compressors=[zarr.codecs.Crc32cCodec()])
     store[:] = flat
@@ -119,14 +123,14 @@ def files_of(radiance, folder):
     return flat.nbytes
 
 
-def read_spool(path):
+def read_spool(path, *corners):
     with spool.open(path) as dump:
-        return np.asarray(dump.read("radiance"))
+        return np.asarray(dump.read("radiance", *corners))
 
 
-def read_hdf5(path):
+def read_hdf5(path, region=slice(None)):
     with h5py.File(path) as file:
-        return file["radiance"][:]
+        return file["radiance"][region]
 
 
 def readers(folder, program):
@@ -150,16 +154,9 @@ def readers(folder, program):
 
 def region_readers(folder):
     """64 x 64 pixels across four blocks, all samples."""
-    def of_spool():
-        with spool.open(folder / "a.spool") as dump:
-            return np.asarray(dump.read("radiance", 32, 32, 96, 96))
-
-    def of_hdf5():
-        with h5py.File(folder / "a.h5") as file:
-            return file["radiance"][32:96, 32:96]
-
+    of_hdf5 = lambda: read_hdf5(folder / "a.h5", np.s_[32:96, 32:96])
     times = 20  # a region is read in milliseconds
-    runs = {"h5py: region, fletcher32": of_hdf5, "spool in Python: region, CRC-32": of_spool,
+    runs = {"h5py: region, fletcher32": of_hdf5, "spool in Python: region, CRC-32": lambda: read_spool(folder / "a.spool", 32, 32, 96, 96),
             "zarr: region, crc32c": lambda: zarr.open_array(folder / "a.zarr", mode="r")[32:96, 32:96]}
     assert all(np.array_equal(np.asarray(run()).reshape(-1), of_hdf5().reshape(-1)) for run in runs.values())
     return {name: (lambda run=run: [run() for _ in range(times)]) for name, run in runs.items()}, times
@@ -171,15 +168,11 @@ def packers(radiance, folder, program):
     np.savez(folder / "p.npz", radiance=flat, meta=np.array(json.dumps({"layout": "HWSC"})))
     pack = [program, "pack", folder / "p.npz", "--from", "npz", "-q", "--force", "-o", folder / "p.spool"]
 
-    def to_hdf5(data):
-        with h5py.File(folder / "p.h5", "w") as file:
-            file.create_dataset("radiance", data=data, chunks=(64, 64, flat.shape[2], 3), fletcher32=True)
-
     return {
         "spool pack --from npz, whole command": lambda: subprocess.run(pack, check=True),
         "spool pack --from npz --compress, whole command": lambda: subprocess.run([*pack, "--compress"], check=True),
         "numpy: load the npz": lambda: np.load(folder / "p.npz")["radiance"],
-        "numpy: load the npz, h5py: write, fletcher32": lambda: to_hdf5(np.load(folder / "p.npz")["radiance"]),
+        "numpy: load the npz, h5py: write, fletcher32": lambda: write_hdf5(folder / "p.h5", np.load(folder / "p.npz")["radiance"]),
     }
 
 

@@ -10,12 +10,13 @@ a busy machine it is the figure to believe. disk: the most that the recording to
 """
 import argparse
 import os
-import resource
 import statistics
-import subprocess
 import sys
 import tempfile
-import time
+
+sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..", "..")))
+
+from tools.bench.limited_run import run_or_end
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 DUMPS = os.path.join(HERE, "..", "..", "..", "dumps")
@@ -50,18 +51,8 @@ def held(folder):
 
 def timed(command, folder):
     """(wall, CPU) seconds of one process and its children, and the most that the folder held against what it holds in the end."""
-    before, start, most = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic(), 0
-    with tempfile.TemporaryFile("w+") as told:
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=told)
-        while process.poll() is None:
-            most = max(most, held(folder))
-            time.sleep(0.01)
-        wall = time.monotonic() - start
-        told.seek(0)
-        if process.returncode != 0:
-            sys.exit("%s: ended with %d: %s" % (command[0], process.returncode, told.read().strip().splitlines()[-1:]))
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, most / max(held(folder), 1)
+    found = run_or_end("overhead", command, watched=lambda: held(folder))
+    return found["wall"], found["cpu"], found["watched"] / max(held(folder), 1)
 
 
 def main():

@@ -5,19 +5,19 @@ AVX2 (lib/core/vector_clones.h), all methods in turns, the least CPU time of eac
 and SPOOL_OIDN.
 Results go to docs/results/speed/vectors.csv, and a section of docs/speed.md, unless it shall only print.
 """
-import argparse
-import csv
 import json
-import os
 import re
 import struct
 import subprocess
 import sys
 from pathlib import Path
 
+from tools.bench.limited_run import run
 from tools.bench.methods.mosaic import write_mosaic
-from tools.bench.methods.page import machine
-from tools.bench.speed_page import PAGE, replace_section
+from tools.bench.methods.page import lines, machine
+from tools.bench.speed_page import PAGE, parser_of, publish
+from tools.report.whole_file import write_whole
+from tools.study.tables import as_csv
 
 FEATURES = Path("dumps/tiny/chess.spool")
 TEST = b"\xf6\x40\x08\x04"                      # testb $4, 8(%rax): GCC's question for x86-64-v4 in a resolver; with 0 the answer is no
@@ -49,9 +49,8 @@ def without_avx512(program, copy):
 
 
 def cpu_of(words):
-    process = subprocess.Popen([str(word) for word in words], stderr=subprocess.DEVNULL)
-    _, status, used = os.wait4(process.pid, 0)
-    return used.ru_utime + used.ru_stime if status == 0 else None
+    found = run(words)
+    return found["cpu"] if found["code"] == 0 else None
 
 
 def command(program, method, paths, out):
@@ -90,7 +89,7 @@ def measure(program, copy, folder, size, turns, wanted):
 
 
 def page(found, size, turns):
-    rows = [["method", "CPU-s/MP", "times Open Image Denoise", "with AVX2 alone"], ["---"] * 4]
+    rows = [["method", "CPU-s/MP", "times Open Image Denoise", "with AVX2 alone"]]
     for (method, features), times in sorted(found.items(), key=lambda item: item[1][0]):
         shown = [f"{seconds / least:.2f}" for seconds, least in zip(times, found[OIDN, features])]
         if float(shown[0]) < LEAST:
@@ -101,29 +100,24 @@ def page(found, size, turns):
         f"`tools/dev.sh bench vectors`: whole commands at {size}x{size} pixels of scene S, 8 of 64 samples, one thread, with the clones for AVX-512 and with those for AVX2, "
         f"on {machine()}, the least of {turns} turns in which every method ran; the images are the same bytes. A star: on a picture with features "
         f"(`dumps/tiny/chess.spool`, mirrored), which Open Image Denoise got, too. What takes less than {LEAST} of it: "
-        "[vectors.csv](results/speed/vectors.csv).", "\n".join("| " + " | ".join(row) + " |" for row in rows)])
+        "[vectors.csv](results/speed/vectors.csv).", lines(rows)])
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=Path)
+    parser = parser_of(__doc__, "docs/")
     parser.add_argument("--turns", type=int, default=2)
     parser.add_argument("--size", type=int, default=512)
     parser.add_argument("--methods", default=".*", help="a regular expression, e.g. filter/")
-    parser.add_argument("--print", action="store_true", help="leave docs/ alone")
     options = parser.parse_args()
     program, folder = options.build.resolve() / "spool", options.build.resolve() / "vectors"
     folder.mkdir(exist_ok=True)
     copy = folder / "spool"
     without_avx512(program, copy)
     found = measure(program, copy, folder, options.size, options.turns, options.methods)
-    text = page(found, options.size, options.turns)
-    print(text)
+    publish("vectors", page(found, options.size, options.turns), options)
     if not options.print:
-        replace_section("vectors", text)
-        with open(PAGE.parent / "results/speed/vectors.csv", "w", newline="", encoding="utf-8") as stream:
-            csv.writer(stream, lineterminator="\n").writerows([("method", "features", "with AVX-512, CPU-s", "without, CPU-s"), *(
-                (method, int(features), f"{whole:.3f}", f"{without:.3f}") for (method, features), (whole, without) in found.items())])
+        write_whole(PAGE.parent / "results/speed/vectors.csv", as_csv(("method", "features", "with AVX-512, CPU-s", "without, CPU-s"), (
+            (method, int(features), f"{whole:.3f}", f"{without:.3f}") for (method, features), (whole, without) in found.items())))
 
 
 if __name__ == "__main__":

@@ -15,14 +15,12 @@ from .channel import Channel, Layer
 from .check import Report, check
 from .error import DAMAGE, DATA, IO, USAGE, SpoolError
 from .evaluation import Results, evaluate, results
-from .images import Image
-from .judging import metrics
-from .method_lists import filters, samplers
+from .images import Image, metrics
 from .own_methods import Method, Statistics, filter, sampler  # noqa: A004 - read as spool.filter
 from .recordings import Dump, Recording, example, open, recording, synth  # noqa: A004 - spool.open is the name a user expects
 from .save import write
 from .showing import Page, show, view
-from .steps import Reconstruction, Selection, reconstruct, replay
+from .steps import Reconstruction, Selection, filters, reconstruct, replay, samplers
 from .writer import Writer
 
 __all__ = ["Channel", "DAMAGE", "DATA", "Dump", "IO", "Image", "Layer", "Method", "Page", "Reconstruction", "Recording", "Report",

@@ -13,12 +13,11 @@ from collections.abc import Callable
 from . import _core
 from .arguments import flag, path, text, wrong
 from .cells import results_html
-from .error import SpoolError
+from .error import SpoolError, open_regular
 from .executors import Plan, spread
 from .own_methods import Method, failure_shown
 from .plan_text import plan_text
 from .recordings import Dump, Recording, recording_of
-from .regular_file import open_regular
 from .save import write
 
 

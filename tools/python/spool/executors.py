@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import collections
 import concurrent.futures
+import contextlib
 import os
 import secrets
 import tempfile
@@ -136,10 +137,8 @@ def _keep(place, files, lines):
                 file.write(data)
             os.replace(part, path)
         except OSError as reason:
-            try:
+            with contextlib.suppress(OSError):
                 os.unlink(part)
-            except OSError:
-                pass
             raise SpoolError("io", f"{path}: {reason.strerror}") from reason
     try:
         with open(lines, "ab") as file:

@@ -119,8 +119,7 @@ def sampler(function: Callable | None = None, *, init_spp: int | None = None, ro
     variances. `moments`: also moments of the samples transformed with these lambda, as (x^lambda - 1) / lambda. Further
     parameters with defaults are options. `label`: its name in tables, else the function's.
     """
-    def make(of):
-        return Method(of, "sampler", init_spp, rounds, features, moments, label)
+    make = lambda of: Method(of, "sampler", init_spp, rounds, features, moments, label)
     return make if function is None else make(function)
 
 
@@ -130,8 +129,7 @@ def filter(function: Callable | None = None, *, features: bool = False, moments:
 
     `features`, `label` and further parameters as of a sampler; `clamp` and `energy` are options of every filter.
     """
-    def make(of):
-        return Method(of, "filter", None, 1, features, moments, label)
+    make = lambda of: Method(of, "filter", None, 1, features, moments, label)
     return make if function is None else make(function)
 
 

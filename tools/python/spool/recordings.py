@@ -12,7 +12,6 @@ import numpy as np
 from . import _core, reader
 from .arguments import array, choice, flag, image_size, note_axes, option_text, text, whole, wrong
 from .arguments import path as path_of
-from .arguments import seed as seed_of
 from .cells import recording_html
 from .error import SpoolError
 from .record_layout import MAX_SPP
@@ -101,7 +100,7 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     for key in ("reference", "reference_variance"):
         if key in arrays:
             _want_shape(name, key, arrays[key], (*shape[:2], 3))
-    held = {key: _image(values, key) if key.startswith("reference") else _planes(values, key) for key, values in arrays.items()}
+    held = {key: _frozen(values, np.float64, key) if key.startswith("reference") else _planes(values, key) for key, values in arrays.items()}
     source = _core.Source(name, held["radiance"], held.get("film"),
                           [(key, components, held[key]) for key, components in FEATURES.items() if key in held],
                           held.get("reference"), held.get("reference_variance"), sample_order == "exchangeable")
@@ -121,7 +120,7 @@ def recording_of(samples: Samples) -> Dump | Recording:
 def synth(scene: str, *, width: int = 128, height: int = 128, spp: int = 64, seed: int = 1,
           path: str | os.PathLike | None = None, compress: bool = False, force: bool = False, **options) -> Dump:
     """An analytic scene, sampled, with its exact reference. Without a path the file goes with the Recording."""
-    sizes = whole("width", width), whole("height", height), whole("spp", spp), seed_of(seed)
+    sizes = whole("width", width), whole("height", height), whole("spp", spp), whole("seed", seed, 64)
     folder = None if path is not None else tempfile.TemporaryDirectory(prefix="spool-")
     place = os.path.join(folder.name, "synth.spool") if folder else text("path", path_of("path", path))
     _core.synth(text("scene", scene), *sizes, place, [f"{key}={option_text(value)}" for key, value in options.items()],
@@ -141,10 +140,6 @@ def _planes(values, key):
         if lost.any():
             raise SpoolError("data", f"{key}: {given[lost][0]} is too large for float32: scale the samples")
     return planes
-
-
-def _image(values, key):
-    return _frozen(values, np.float64, key)
 
 
 def _frozen(values, kind, key):

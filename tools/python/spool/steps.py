@@ -1,4 +1,4 @@
-"""The two steps: samples are taken, and an image is made of them."""
+"""The two steps: samples are taken, and an image is made of them; and what methods there are."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
@@ -8,7 +8,6 @@ import numpy as np
 
 from . import _core
 from .arguments import array, choice, flag, image_size, mapping, number, option_text, text, texts, wrong
-from .arguments import seed as seed_of
 from .arguments import whole as whole_number
 from .cells import density_html, reconstruction_html
 from .error import SpoolError
@@ -118,6 +117,16 @@ def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filt
                           made.guards(), made.seconds(), made.views())
 
 
+def samplers() -> dict[str, dict]:
+    """{name: {"summary", "presets", "options": {name: (default, allowed, meaning)}, "views": {name: meaning}}}"""
+    return {entry.pop("name"): entry for entry in _core.samplers()}
+
+
+def filters() -> dict[str, dict]:
+    """As samplers()."""
+    return {entry.pop("name"): entry for entry in _core.filters()}
+
+
 def settings(part, options, pool):
     """["PART.OPTION=VALUE"] as the program's --set takes them."""
     return [f"{part}.{key}={option_text(value)}" for key, value in options.items()] + [
@@ -125,7 +134,8 @@ def settings(part, options, pool):
 
 
 def _pool(order, seed, holdout, pieces):
-    return choice("order", order, ("recorded", "shuffled")) == "shuffled", seed_of(seed), whole_number("holdout", holdout), whole_number("pieces", pieces)
+    return (choice("order", order, ("recorded", "shuffled")) == "shuffled", whole_number("seed", seed, 64), whole_number("holdout", holdout),
+            whole_number("pieces", pieces))
 
 
 def _counts(selection):
