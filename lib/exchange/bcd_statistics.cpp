@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/interchange/scratch_file.h"
 #include "formats/spool_reader.h"
+#include "formats/temporary_file.h"
 #include "lib/core/image.h"
 #include "lib/image_io/counts_exr.h"
 #include "lib/image_io/exr_image.h"
@@ -160,7 +160,7 @@ Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
     return std::filesystem::path(base.string() + suffix);
   };
   for (const char* suffix : {".exr", "_cov.exr", "_hist.exr"})
-    SPOOL_TRY(interchange::refuse_existing_target(named(suffix), options.force));
+    SPOOL_TRY(format::refuse_existing_target(named(suffix), options.force));
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   const format::DumpHeader& header = dump.header();
   const int width = static_cast<int>(header.width), height = static_cast<int>(header.height);
