@@ -25,7 +25,6 @@
 #include "tools/batch/evaluation_pictures.h"
 #include "tools/batch/evaluation_summary.h"
 #include "tools/batch/given_images.h"
-#include "tools/batch/registered_claims.h"
 #include "tools/batch/results_writer.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_manifest.h"
