@@ -9,7 +9,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdint>
-#include <string>
 #include <string_view>
 #include <thread>
 #include <utility>

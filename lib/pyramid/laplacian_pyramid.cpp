@@ -1,7 +1,5 @@
 #include "lib/pyramid/laplacian_pyramid.h"
 
-#include "lib/pyramid/convolution.h"
-
 namespace spool {
 namespace {
 

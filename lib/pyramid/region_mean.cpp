@@ -1,7 +1,6 @@
 #include "lib/pyramid/region_mean.h"
 
 #include <algorithm>
-#include <memory>
 
 #include "lib/pyramid/row_loop.h"
 #include "lib/pyramid/row_sums.h"

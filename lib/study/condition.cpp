@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "lib/experiment/baseline.h"
-
 namespace spool {
 namespace {
 
@@ -173,7 +171,9 @@ std::optional<std::size_t> baseline_of(const Plan& plan,
                                        const std::vector<MethodResults>& methods) {
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const bool named = methods[m].name() == plan.baseline;
-    if (plan.baseline.empty() ? is_baseline(methods[m].sampler, methods[m].filter) : named)
+    if (plan.baseline.empty() ? methods[m].sampler.name == kBaselineSampler &&
+                                    methods[m].filter.name == kBaselineFilter
+                              : named)
       return m;
   }
   return std::nullopt;

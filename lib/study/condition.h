@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lib/experiment/plan_cells.h"
@@ -19,7 +20,11 @@ struct Condition {
   std::optional<std::size_t> baseline;
 };
 
-// The plan's, else uniform + box, where it is among the methods.
+// The pair of methods that every other is compared with: the same number of samples everywhere, and
+// their mean.
+inline constexpr std::string_view kBaselineSampler = "uniform";
+inline constexpr std::string_view kBaselineFilter = "box";
+// The plan's, else that pair, where it is among the methods.
 std::optional<std::size_t> baseline_of(const Plan& plan, const std::vector<MethodResults>& methods);
 
 // None where no method has a value.
