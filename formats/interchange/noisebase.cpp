@@ -1,6 +1,7 @@
 #include "formats/interchange/noisebase.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -130,6 +131,16 @@ Result<void> check_shape(const std::string& file, const Source& source, const Ta
   return {};
 }
 
+// Linear R, G, B of one stored sample; `exposure`: lowest and highest natural logarithm.
+std::array<float, 3> decode_rgbe(std::array<uint8_t, 4> rgbe, std::array<float, 2> exposure) {
+  const float step = (static_cast<float>(rgbe[3]) + 1.0f) / 256.0f;
+  const float scale = std::exp(exposure[0] + step * (exposure[1] - exposure[0]));
+  std::array<float, 3> rgb{};
+  for (size_t c = 0; c < 3; ++c)
+    rgb[c] = static_cast<float>(rgbe[c]) / 255.0f * scale;
+  return rgb;
+}
+
 // One chunk into the scratch file, as rows of [s][y][x][c].
 Result<void> put_chunk(const Source& source, const Taken& taken, std::span<const std::byte> chunk,
                        const std::array<uint64_t, 3>& begin, const Size& size,
@@ -240,15 +251,6 @@ Result<std::vector<std::pair<Source, Taken>>> take_sources(const ZarrZip& zip, c
 }
 
 }  // namespace
-
-std::array<float, 3> decode_rgbe(std::array<uint8_t, 4> rgbe, std::array<float, 2> exposure) {
-  const float step = (static_cast<float>(rgbe[3]) + 1.0f) / 256.0f;
-  const float scale = std::exp(exposure[0] + step * (exposure[1] - exposure[0]));
-  std::array<float, 3> rgb{};
-  for (size_t c = 0; c < 3; ++c)
-    rgb[c] = static_cast<float>(rgbe[c]) / 255.0f * scale;
-  return rgb;
-}
 
 Result<ImportReport> import_noisebase(const std::filesystem::path& in,
                                       const std::filesystem::path& out,

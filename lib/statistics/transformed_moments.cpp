@@ -20,11 +20,11 @@ double from_middle(float film, int pieces_per_side) {
   return u - std::floor(u) - 0.5;
 }
 
-}  // namespace
-
 double transformed_sample(double x, double lambda) {
   return lambda == 1.0 ? x : (power(std::max(x, 0.0), lambda) - 1.0) / lambda;
 }
+
+}  // namespace
 
 TransformedMoments transformed_moments(const SamplePool& pool, const CountImage& n, double unit,
                                        double lambda, HighestMoment highest) {

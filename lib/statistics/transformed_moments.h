@@ -12,8 +12,6 @@
 
 namespace spool {
 
-double transformed_sample(double x, double lambda);
-
 struct TransformedMoments {
   RgbImage mean, m2, m3;  // [c][y][x]: mean of T, sums of (T - mean)^2 and (T - mean)^3
   RgbImage m4;            // of (T - mean)^4, where asked for

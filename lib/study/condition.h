@@ -31,14 +31,6 @@ std::optional<std::size_t> baseline_of(const Plan& plan, const std::vector<Metho
 std::optional<Condition> rank_condition(const Plan& plan, const std::vector<MethodResults>& methods,
                                         const std::string& metric, double spp);
 
-// Of `method` to the other of the pair; nothing where errors were not compared by logarithms.
-Interval ratio_of(const PairVerdict& pair, std::size_t method);
-
-// Of two methods of which one has its verdict withheld: the ratio without an interval; else
-// nothing.
-Interval withheld_ratio(const MethodResults& method, const MethodResults& other,
-                        const std::string& metric);
-
 // The ratio to the condition's baseline, which there must be: of their pair, else withheld_ratio.
 Interval baseline_ratio(const Condition& condition, const std::vector<MethodResults>& methods,
                         std::size_t method);

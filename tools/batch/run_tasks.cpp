@@ -35,8 +35,8 @@ double loop_cost(const Cell& cell) {
   return kLoopCalls * (named ? named->cost : filter_cost(cell));
 }
 
-}  // namespace
-
+// Costs are CPU seconds of a machine of docs/speed.md, from Method::cost and the pictures' sizes;
+// the same on every machine that has the recordings. kIo where a recording cannot be read.
 Result<std::vector<PlannedRun>> costed_runs(const Plan& plan, const std::vector<Cell>& cells) {
   std::map<std::string, double> megapixels;
   for (const std::string& dump : plan.recordings) {
@@ -52,6 +52,8 @@ Result<std::vector<PlannedRun>> costed_runs(const Plan& plan, const std::vector<
   }
   return runs;
 }
+
+}  // namespace
 
 Result<std::vector<bool>> chosen_cells(const RunRequest& request, const NamedCells& named) {
   std::vector<bool> chosen(named.size(), !is_part(request));
