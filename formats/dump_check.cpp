@@ -3,7 +3,6 @@
 #include "formats/dump_geometry.h"
 #include "formats/header_rules.h"
 #include "formats/open_dump.h"
-#include "formats/record_scan.h"
 
 namespace spool::format {
 

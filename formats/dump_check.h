@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/damage.h"
+#include "formats/record_scan.h"
 #include "lib/core/error.h"
 
 namespace spool::format {

@@ -9,7 +9,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdint>
-#include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -129,6 +128,17 @@ Result<void> TemporaryFile::publish(Replace replace) {
     }
     return rename_file(path(), target_, replace != Replace::kNothing);
   });
+}
+
+Result<FileHandle> open_scratch_file(const fs::path& out) {
+  SPOOL_ASSIGN(TemporaryFile made, TemporaryFile::create(out));
+  return std::move(made.file());  // its name goes with `made`: it lives as long as it is open
+}
+
+Result<void> refuse_existing_target(const fs::path& out, bool force) {
+  std::error_code ignored;
+  if (force || !fs::exists(out, ignored)) return {};
+  return fail(ErrorCode::kUsage, "{}: exists: choose another name or use --force", out.string());
 }
 
 std::size_t sweep_temporary_files(const fs::path& folder, std::chrono::seconds age) {

@@ -54,6 +54,13 @@ class TemporaryFile {
   UnfinishedFile unfinished_;  // after file_: removed while the lock is still held
 };
 
+// A file without a name beside the target: where importers and exporters lay out what does not fit
+// memory. It is gone when it is closed, even if the process is killed.
+Result<FileHandle> open_scratch_file(const std::filesystem::path& out);
+
+// kUsage when `out` exists and `force` is not set: asked before hours of unpacking.
+Result<void> refuse_existing_target(const std::filesystem::path& out, bool force);
+
 // Removes the temporary files in `folder` whose writers are gone: those without a lock and
 // unchanged for `age`. Where locks do not work, none. Returns how many.
 std::size_t sweep_temporary_files(const std::filesystem::path& folder,

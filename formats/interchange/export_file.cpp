@@ -101,9 +101,7 @@ Result<void> write_tile(const SpoolReader& dump, const LayerInfo& layer, DataTyp
 
 Result<void> write_whole_file(const std::filesystem::path& out, bool force,
                               const std::function<Result<void>(format::FileHandle&)>& fill) {
-  std::error_code ignored;
-  if (!force && std::filesystem::exists(out, ignored))
-    return fail(ErrorCode::kUsage, "{}: exists: choose another name or use --force", out.string());
+  SPOOL_TRY(format::refuse_existing_target(out, force));
   SPOOL_ASSIGN(format::TemporaryFile file, format::TemporaryFile::create(out));
   SPOOL_TRY(fill(file.file()));
   SPOOL_TRY(file.publish(force ? format::Replace::kWhatWasHere : format::Replace::kNothing));

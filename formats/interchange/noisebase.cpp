@@ -1,14 +1,16 @@
 #include "formats/interchange/noisebase.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
 #include "formats/byte_io.h"
 #include "formats/checked_math.h"
+#include "formats/interchange/layer_names.h"
 #include "formats/interchange/npz_members.h"
-#include "formats/interchange/scratch_file.h"
 #include "formats/interchange/zarr_array.h"
+#include "formats/temporary_file.h"
 
 namespace spool::interchange {
 namespace {
@@ -129,6 +131,16 @@ Result<void> check_shape(const std::string& file, const Source& source, const Ta
   return {};
 }
 
+// Linear R, G, B of one stored sample; `exposure`: lowest and highest natural logarithm.
+std::array<float, 3> decode_rgbe(std::array<uint8_t, 4> rgbe, std::array<float, 2> exposure) {
+  const float step = (static_cast<float>(rgbe[3]) + 1.0f) / 256.0f;
+  const float scale = std::exp(exposure[0] + step * (exposure[1] - exposure[0]));
+  std::array<float, 3> rgb{};
+  for (size_t c = 0; c < 3; ++c)
+    rgb[c] = static_cast<float>(rgbe[c]) / 255.0f * scale;
+  return rgb;
+}
+
 // One chunk into the scratch file, as rows of [s][y][x][c].
 Result<void> put_chunk(const Source& source, const Taken& taken, std::span<const std::byte> chunk,
                        const std::array<uint64_t, 3>& begin, const Size& size,
@@ -200,14 +212,10 @@ Result<std::array<float, 2>> read_exposure(const ZarrZip& zip, std::optional<uin
 
 ForeignLayer layer_of(const Source& source, const Size& size, uint64_t offset,
                       const FileHandle& scratch) {
-  const bool position = std::strcmp(source.ours, "position") == 0 ||
-                        std::strcmp(source.ours, "motion") == 0 ||
-                        std::strcmp(source.ours, "normal") == 0;
-  ForeignLayer layer{
-      source.ours,
-      position ? std::vector<std::string>{"X", "Y", "Z"} : std::vector<std::string>{"R", "G", "B"},
-      source.per_sample ? Scope::kSample : Scope::kPixel,
-      {}};
+  ForeignLayer layer{source.ours,
+                     find_layer_name(source.ours)->components,
+                     source.per_sample ? Scope::kSample : Scope::kPixel,
+                     {}};
   layer.array.file = &scratch;
   layer.array.offset = offset;
   layer.array.type =
@@ -244,19 +252,10 @@ Result<std::vector<std::pair<Source, Taken>>> take_sources(const ZarrZip& zip, c
 
 }  // namespace
 
-std::array<float, 3> decode_rgbe(std::array<uint8_t, 4> rgbe, std::array<float, 2> exposure) {
-  const float step = (static_cast<float>(rgbe[3]) + 1.0f) / 256.0f;
-  const float scale = std::exp(exposure[0] + step * (exposure[1] - exposure[0]));
-  std::array<float, 3> rgb{};
-  for (size_t c = 0; c < 3; ++c)
-    rgb[c] = static_cast<float>(rgbe[c]) / 255.0f * scale;
-  return rgb;
-}
-
 Result<ImportReport> import_noisebase(const std::filesystem::path& in,
                                       const std::filesystem::path& out,
                                       const NoisebaseImportOptions& options) {
-  SPOOL_TRY(refuse_existing_target(out, options.force));
+  SPOOL_TRY(format::refuse_existing_target(out, options.force));
   SPOOL_ASSIGN(const ZarrZip zip, ZarrZip::open(in, options.expansion));
   const std::string name = in.string();
   if (!zip.has("color") || !zip.has("exposure"))
@@ -270,7 +269,7 @@ Result<ImportReport> import_noisebase(const std::filesystem::path& in,
                 shape_text(colour.array.shape));
   SPOOL_ASSIGN(const auto exposure, read_exposure(zip, options.frame));
   SPOOL_ASSIGN(const auto sources, take_sources(zip, size, options));
-  SPOOL_ASSIGN(FileHandle scratch, open_scratch_file(out));
+  SPOOL_ASSIGN(FileHandle scratch, format::open_scratch_file(out));
   DumpPlan plan;
   uint64_t offset = 0;
   for (const auto& [source, taken] : sources) {

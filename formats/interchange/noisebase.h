@@ -6,7 +6,6 @@
 // frame is taken.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -25,9 +24,6 @@ struct NoisebaseImportOptions : ImportOptions {
 Result<ImportReport> import_noisebase(const std::filesystem::path& in,
                                       const std::filesystem::path& out,
                                       const NoisebaseImportOptions& options = {});
-
-// Linear R, G, B of one stored sample; `exposure`: lowest and highest natural logarithm.
-std::array<float, 3> decode_rgbe(std::array<uint8_t, 4> rgbe, std::array<float, 2> exposure);
 
 ImportFormat noisebase_format();
 

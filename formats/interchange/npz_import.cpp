@@ -7,7 +7,7 @@
 
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/npz_members.h"
-#include "formats/interchange/scratch_file.h"
+#include "formats/temporary_file.h"
 
 namespace spool::interchange {
 namespace {
@@ -166,7 +166,7 @@ Result<FileHandle> locate(const FileHandle& file, const std::vector<NpzMember>& 
   for (const NpzMember& member : members) {
     if (member.layer == "meta") continue;
     if (member.zip.deflated && inflated_at.empty()) {
-      SPOOL_ASSIGN(inflated, open_scratch_file(out));
+      SPOOL_ASSIGN(inflated, format::open_scratch_file(out));
     }
     if (member.zip.deflated) inflated_at[member.layer] = end;
     const auto keep = [&](std::span<const std::byte> piece) -> Result<void> {
@@ -246,7 +246,7 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
                                 const NpzImportOptions& options) {
   const std::string name = in.string();
   SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
-  SPOOL_TRY(refuse_existing_target(out, options.force));
+  SPOOL_TRY(format::refuse_existing_target(out, options.force));
   SPOOL_ASSIGN(std::vector<NpzMember> members, read_npz_members(file));
   const auto named = [&](std::string_view layer) {
     return std::find_if(members.begin(), members.end(),

@@ -124,6 +124,10 @@ format::DataType stored_type(ElementType type) {
   return format::DataType::kFloat32;
 }
 
+uint64_t SampleArray::bytes() const {
+  return element_bytes(type) * width * height * samples * stride();
+}
+
 Result<void> read_box(const SampleArray& array, const SampleBox& box, std::vector<std::byte>& out) {
   out.resize(element_bytes(array.type) * array.stride() * (box.y1 - box.y0) * (box.x1 - box.x0) *
              (box.s1 - box.s0));

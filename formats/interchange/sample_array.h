@@ -33,6 +33,7 @@ struct SampleArray {
   uint32_t skipped = 0;  // values that follow the components of each sample and are not wanted
 
   uint32_t stride() const { return components + skipped; }
+  uint64_t bytes() const;  // of all elements
 };
 
 // Half-open ranges.

@@ -4,13 +4,12 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 
 #include "formats/byte_io.h"
 #include "formats/interchange/layer_names.h"
 #include "formats/interchange/sbmc_tile.h"
-#include "formats/interchange/scratch_file.h"
+#include "formats/temporary_file.h"
 
 namespace spool::interchange {
 namespace {
@@ -150,8 +149,7 @@ struct Laid {
     layer.array.height = header.height;
     layer.array.samples = scope == Scope::kSample ? header.spp : 1;
     layer.array.components = static_cast<uint32_t>(layer.components.size());
-    bytes +=
-        uint64_t{4} * header.width * header.height * layer.array.samples * layer.array.components;
+    bytes += layer.array.bytes();
     layers.push_back(std::move(layer));
     return layers.back();
   }
@@ -303,7 +301,7 @@ void describe(const SbmcHeader& header, float scale, DumpPlan& plan) {
 
 Result<ImportReport> import_sbmc(const std::filesystem::path& in, const std::filesystem::path& out,
                                  const SbmcImportOptions& options) {
-  SPOOL_TRY(refuse_existing_target(out, options.force));
+  SPOOL_TRY(format::refuse_existing_target(out, options.force));
   SPOOL_ASSIGN(const auto files, tile_files(in));
   SPOOL_ASSIGN(const SbmcHeader header, check_set(in, files));
   SbmcScale scale = options.scale.value_or(SbmcScale::kRaw);
@@ -318,7 +316,7 @@ Result<ImportReport> import_sbmc(const std::filesystem::path& in, const std::fil
   for (const auto& file : files)
     source_bytes += std::filesystem::file_size(file, unreadable);
   SPOOL_TRY(options.expansion.check(in.string(), stored_bytes(laid.layers), source_bytes));
-  SPOOL_ASSIGN(FileHandle scratch, open_scratch_file(out));
+  SPOOL_ASSIGN(FileHandle scratch, format::open_scratch_file(out));
   DumpPlan plan;
   for (const std::filesystem::path& file : files) {
     SPOOL_ASSIGN(ForeignFile identity, unpack_tile(file, distance, laid, scratch));

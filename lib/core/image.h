@@ -99,4 +99,12 @@ inline double luminance(double r, double g, double b) {
   return kLuminanceWeights[0] * r + kLuminanceWeights[1] * g + kLuminanceWeights[2] * b;
 }
 
+// Whole numbers of pieces - counts, levels - as numbers to calculate and to draw with.
+inline Plane as_plane(const CountImage& counts) {
+  Plane plane(counts.width(), counts.height());
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    plane[i] = counts[i];
+  return plane;
+}
+
 }  // namespace spool

@@ -6,8 +6,6 @@
 #pragma once
 
 #include <functional>
-#include <initializer_list>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>

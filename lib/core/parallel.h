@@ -9,6 +9,8 @@
 #include <functional>
 #include <memory>
 
+#include "lib/core/rectangle.h"
+
 namespace spool {
 
 // Limits the threads of every parallel loop while it lives; 0 means all the machine has.
@@ -78,6 +80,20 @@ void parallel_for(std::size_t n, const Body& body) {
     return;
   }
   parallel_range(std::size_t{0}, n, body);
+}
+
+// body(tile) for tiles of `width` x `height` that cover `bounds`; at its right and lower edge they
+// are smaller.
+template <class Body>
+void parallel_tiles(const Rectangle& bounds, int width, int height, const Body& body) {
+  const int across = (bounds.width() + width - 1) / width;
+  const int down = (bounds.height() + height - 1) / height;
+  parallel_for(static_cast<std::size_t>(across) * static_cast<std::size_t>(down),
+               [&](std::size_t i) {
+                 const int x = bounds.x0 + static_cast<int>(i) % across * width;
+                 const int y = bounds.y0 + static_cast<int>(i) / across * height;
+                 body(intersect({x, y, x + width, y + height}, bounds));
+               });
 }
 
 // body(y) for y = begin .. end-1.

@@ -19,7 +19,6 @@
 // Slow twin: tests/reference/directional_filter_bank_reference.h.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "lib/core/extend.h"

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
-#include "formats/interchange/scratch_file.h"
 #include "formats/spool_reader.h"
+#include "formats/temporary_file.h"
 #include "lib/core/image.h"
 #include "lib/image_io/counts_exr.h"
 #include "lib/image_io/exr_image.h"
@@ -35,6 +36,23 @@ struct Images {
     histogram.assign(3 * kBcdBins + 1, Plane(width, height));
   }
 };
+
+// Adds one sample of one component to its histogram: two neighbouring bins share a weight of 1.
+// The component is taken to the power 1/2.2 and divided by 2.5; what lies beyond 1 goes to the last
+// two bins.
+void add_to_histogram(double value, std::span<double, kBcdBins> bins) {
+  const double scaled =
+      std::min(std::pow(std::max(value, 0.0), 1.0 / kGamma) / kMaxValue, kSaturation);
+  const double place = scaled * kLastLinear;
+  const auto bin = static_cast<int>(std::floor(place));
+  if (bin < kLastLinear) {
+    bins[static_cast<size_t>(bin)] += 1.0 - (place - bin);
+    bins[static_cast<size_t>(bin) + 1] += place - bin;
+  } else {
+    bins[kLastLinear] += kSaturation - scaled;
+    bins[kLastLinear + 1] += scaled - 1.0;
+  }
+}
 
 // samples[c * stride + s], s < n
 void add_pixel(std::span<const float> samples, size_t stride, uint32_t n, int x, int y,
@@ -135,20 +153,6 @@ bool is_grey(const RgbImage& rgb) {
 
 }  // namespace
 
-void add_to_histogram(double value, std::span<double, kBcdBins> bins) {
-  const double scaled =
-      std::min(std::pow(std::max(value, 0.0), 1.0 / kGamma) / kMaxValue, kSaturation);
-  const double place = scaled * kLastLinear;
-  const auto bin = static_cast<int>(std::floor(place));
-  if (bin < kLastLinear) {
-    bins[static_cast<size_t>(bin)] += 1.0 - (place - bin);
-    bins[static_cast<size_t>(bin) + 1] += place - bin;
-  } else {
-    bins[kLastLinear] += kSaturation - scaled;
-    bins[kLastLinear + 1] += scaled - 1.0;
-  }
-}
-
 Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
                                            const std::filesystem::path& out,
                                            const BcdStatisticsOptions& options) {
@@ -160,7 +164,7 @@ Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
     return std::filesystem::path(base.string() + suffix);
   };
   for (const char* suffix : {".exr", "_cov.exr", "_hist.exr"})
-    SPOOL_TRY(interchange::refuse_existing_target(named(suffix), options.force));
+    SPOOL_TRY(format::refuse_existing_target(named(suffix), options.force));
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   const format::DumpHeader& header = dump.header();
   const int width = static_cast<int>(header.width), height = static_cast<int>(header.height);

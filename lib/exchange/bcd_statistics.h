@@ -5,7 +5,6 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <string>
 
 #include "formats/interchange/export_format.h"
@@ -27,10 +26,5 @@ Result<interchange::ExportReport> export_bcd_statistics(const std::filesystem::p
 interchange::ExportFormat bcd_statistics_target();
 
 inline constexpr int kBcdBins = 20;
-
-// Adds one sample of one component to its histogram: two neighbouring bins share a weight of 1.
-// The component is taken to the power 1/2.2 and divided by 2.5; what lies beyond 1 goes to the last
-// two bins.
-void add_to_histogram(double value, std::span<double, kBcdBins> bins);
 
 }  // namespace spool::exchange

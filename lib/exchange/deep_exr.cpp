@@ -6,7 +6,7 @@
 #include "formats/byte_io.h"
 #include "formats/half_float.h"
 #include "formats/interchange/layer_names.h"
-#include "formats/interchange/scratch_file.h"
+#include "formats/temporary_file.h"
 #include "lib/core/random.h"
 #include "lib/core/visible_text.h"
 #include "lib/exchange/dump_layers.h"
@@ -61,17 +61,17 @@ Result<std::vector<std::byte>> row_of(const ScratchLayers& scratch, const Scratc
   return row;
 }
 
-}  // namespace
-
-std::filesystem::path pixel_file_of(const std::filesystem::path& deep) {
-  std::filesystem::path name = deep;
-  return name.replace_extension(".pixel.exr");
+// "a/b.exr" -> "a/b.pixel.exr"
+std::filesystem::path pixel_file_of(std::filesystem::path deep) {
+  return deep.replace_extension(".pixel.exr");
 }
+
+}  // namespace
 
 Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
                                      const std::filesystem::path& out,
                                      const interchange::ExportOptions& options) {
-  SPOOL_TRY(interchange::refuse_existing_target(out, options.force));
+  SPOOL_TRY(format::refuse_existing_target(out, options.force));
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   SPOOL_TRY(require_complete(dump));
   const format::DumpHeader& header = dump.header();
@@ -282,8 +282,7 @@ uint64_t lay_out(DeepInput& input, const FileHandle& scratch) {
     array.height = pass ? 1 : static_cast<uint32_t>(input.reader.header().height);
     array.samples = input.spp;
     array.components = static_cast<uint32_t>(wanted.channels.size());
-    end += interchange::element_bytes(array.type) * array.width * array.height * array.samples *
-           array.components;
+    end += array.bytes();
   }
   return end;
 }
@@ -335,7 +334,7 @@ Result<void> check_foreign(const std::filesystem::path& path) {
 Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
                                      const std::filesystem::path& out,
                                      const DeepImportOptions& options) {
-  SPOOL_TRY(interchange::refuse_existing_target(out, options.force));
+  SPOOL_TRY(format::refuse_existing_target(out, options.force));
   SPOOL_ASSIGN(DeepExrReader reader, DeepExrReader::open(in));
   const std::string name = in.string();
   SPOOL_ASSIGN(auto told, told_dump(reader.header().attributes, name));
@@ -351,7 +350,7 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
   SPOOL_TRY(plan_channels(input));
   SPOOL_ASSIGN(const FileHandle file, FileHandle::open(in, format::OpenMode::kRead));
   SPOOL_ASSIGN(const uint64_t source_bytes, file.size());
-  SPOOL_ASSIGN(FileHandle scratch, interchange::open_scratch_file(out));
+  SPOOL_ASSIGN(FileHandle scratch, format::open_scratch_file(out));
   SPOOL_ASSIGN(uint64_t end, read_rows(input, options.expansion, source_bytes, scratch));
   DumpPlan plan;
   plan.width = static_cast<uint32_t>(header.width);

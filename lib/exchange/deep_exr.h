@@ -32,9 +32,6 @@ Result<interchange::ExportReport> export_deep_exr(const std::filesystem::path& i
                                                   const std::filesystem::path& out,
                                                   const interchange::ExportOptions& options = {});
 
-// "a/b.exr" -> "a/b.pixel.exr"
-std::filesystem::path pixel_file_of(const std::filesystem::path& deep);
-
 interchange::ImportFormat deep_exr_format();
 interchange::ExportFormat deep_exr_target();
 

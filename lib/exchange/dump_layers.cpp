@@ -4,7 +4,7 @@
 
 #include "formats/bounded_json.h"
 #include "formats/interchange/export_file.h"
-#include "formats/interchange/scratch_file.h"
+#include "formats/temporary_file.h"
 #include "lib/core/visible_text.h"
 
 namespace spool::exchange {
@@ -47,7 +47,7 @@ Result<void> require_complete(const format::SpoolReader& dump) {
 Result<ScratchLayers> unpack_layers(const format::SpoolReader& dump,
                                     const std::filesystem::path& out) {
   ScratchLayers scratch;
-  SPOOL_ASSIGN(scratch.file, interchange::open_scratch_file(out));
+  SPOOL_ASSIGN(scratch.file, format::open_scratch_file(out));
   uint64_t end = 0;
   for (const LayerInfo& layer : dump.layers()) {
     SPOOL_TRY(interchange::write_layer(dump, layer, layer.type, end, scratch.file));

@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "formats/interchange/scratch_file.h"
+#include "formats/temporary_file.h"
 #include "lib/exchange/numbered_files.h"
 #include "lib/exchange/sample_image.h"
 #include "lib/image_io/foreign_picture.h"
@@ -35,8 +35,7 @@ uint64_t plan_layers(const ExrMapping& mapping, DumpPlan& plan) {
     layer.array.height = plan.height;
     layer.array.samples = plan.spp;
     layer.array.components = static_cast<uint32_t>(mapped.planes.size());
-    end += interchange::element_bytes(layer.array.type) * plan.width * plan.height * plan.spp *
-           mapped.planes.size();
+    end += layer.array.bytes();
     plan.layers.push_back(std::move(layer));
   }
   return end;
@@ -76,8 +75,7 @@ Result<void> plan_pass_layers(const ToldDump& told, const std::vector<ExrAttribu
     layer.array.offset = end;
     layer.array.samples = plan.spp;
     layer.array.components = static_cast<uint32_t>(layer.components.size());
-    if (values.size() !=
-        interchange::element_bytes(layer.array.type) * plan.spp * layer.array.components)
+    if (values.size() != layer.array.bytes())
       return fail(ErrorCode::kData, "{}: {} changes its type: was an attribute edited?", in,
                   layer.name);
     SPOOL_TRY(scratch.write_at(end, values));
@@ -122,7 +120,7 @@ Result<std::vector<ExrAttributes>> read_images(const std::filesystem::path& in,
 Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
                                        const std::filesystem::path& out,
                                        const ExrFolderImportOptions& options) {
-  SPOOL_TRY(interchange::refuse_existing_target(out, options.force));
+  SPOOL_TRY(format::refuse_existing_target(out, options.force));
   SPOOL_ASSIGN(const NumberedFiles numbered, numbered_files(in, kPixelFile));
   const std::vector<std::filesystem::path>& files = numbered.paths;
   SPOOL_ASSIGN(const std::vector<ExrPart> first, parts_of(files[0]));
@@ -141,7 +139,7 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   for (const auto& file : files)
     source_bytes += std::filesystem::file_size(file, unreadable);
   SPOOL_TRY(options.expansion.check(in.string(), end, source_bytes));
-  SPOOL_ASSIGN(FileHandle scratch, interchange::open_scratch_file(out));
+  SPOOL_ASSIGN(FileHandle scratch, format::open_scratch_file(out));
   SPOOL_ASSIGN(const auto attributes, read_images(in, files, first, mapping, scratch, plan));
   if (told) SPOOL_TRY(plan_pass_layers(*told, attributes, in.string(), end, scratch, plan));
   std::error_code ignored;

@@ -51,8 +51,6 @@
 // its line and the nearest known name.
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>

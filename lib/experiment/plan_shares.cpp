@@ -20,8 +20,8 @@ struct Load {
   std::vector<std::string> dumps;  // in the order of the runs
   std::map<std::string, double> of_dump;
 
-  explicit Load(const std::vector<SamplingRun>& runs) {
-    for (const SamplingRun& run : runs) {
+  explicit Load(const std::vector<PlannedRun>& runs) {
+    for (const PlannedRun& run : runs) {
       total += run.cost;
       largest = std::max(largest, run.cost);
       if (of_dump.emplace(run.dump, 0.0).second) dumps.push_back(run.dump);
@@ -50,8 +50,8 @@ std::map<std::string, Interval> intervals(const Load& load, int shares, int slac
 
 }  // namespace
 
-std::vector<SamplingRun> sampling_runs(const std::vector<Cell>& cells) {
-  std::vector<SamplingRun> runs;
+std::vector<PlannedRun> sampling_runs(const std::vector<Cell>& cells) {
+  std::vector<PlannedRun> runs;
   std::map<std::string, std::size_t> known;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const auto [place, fresh] = known.try_emplace(sampling_key(cells[i]), runs.size());
@@ -61,7 +61,7 @@ std::vector<SamplingRun> sampling_runs(const std::vector<Cell>& cells) {
   return runs;
 }
 
-std::vector<int> balanced_shares(const std::vector<SamplingRun>& runs, int shares) {
+std::vector<int> balanced_shares(const std::vector<PlannedRun>& runs, int shares) {
   SPOOL_CHECK_GT(shares, 0);
   const Load load(runs);
   std::vector<std::size_t> order(runs.size());

@@ -1,5 +1,6 @@
 #include "lib/experiment/plan_text.h"
 
+#include <filesystem>
 #include <sstream>
 
 #include <toml++/toml.h>

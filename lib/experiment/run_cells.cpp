@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <exception>
 #include <mutex>
+#include <string>
+#include <unordered_map>
 
 #include "lib/core/parallel.h"
 #include "lib/core/worker_threads.h"
 #include "lib/experiment/cell_judging.h"
 #include "lib/experiment/cell_sampling.h"
 #include "lib/experiment/recording_in_use.h"
-#include "lib/experiment/work_groups.h"
 
 namespace spool {
 namespace {
@@ -24,6 +25,30 @@ std::invoke_result_t<Work> guarded(Work&& work) {
   } catch (const std::exception& error) {
     return fail(ErrorCode::kData, "{}", error.what());
   }
+}
+
+// Cells of one sampling run, in the order of the work.
+struct WorkGroup {
+  const std::vector<Cell>* cells;
+  std::vector<std::size_t> members;
+
+  const Cell& first() const { return (*cells)[members.front()]; }
+  const std::string& dump() const { return first().dump; }
+};
+
+// Those that share a recording side by side; otherwise as they came. They point into `cells`.
+std::vector<WorkGroup> work_groups(const std::vector<Cell>& cells) {
+  std::vector<WorkGroup> groups;
+  std::unordered_map<std::string, std::size_t> group_of, dumps;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const auto [at, fresh] = group_of.try_emplace(sampling_key(cells[i]), groups.size());
+    if (fresh) groups.push_back({&cells, {}});
+    groups[at->second].members.push_back(i);
+    dumps.try_emplace(cells[i].dump, i);
+  }
+  std::ranges::stable_sort(groups, {},
+                           [&](const WorkGroup& group) { return dumps.at(group.dump()); });
+  return groups;
 }
 
 class Runner {

@@ -37,8 +37,6 @@ void add_half(const HalfShare& share, const HalfShare& other, const PatchFilterO
   }
 }
 
-}  // namespace
-
 OptionTable<NlMeansOptions> nl_means_option_table() {
   using O = NlMeansOptions;
   OptionTable<O> table;
@@ -47,6 +45,7 @@ OptionTable<NlMeansOptions> nl_means_option_table() {
   return table;
 }
 
+// robust; paper: kappa = 0.45, and the variance of a half by its own samples.
 const Presets<NlMeansOptions>& nl_means_presets() {
   static const Presets<NlMeansOptions> presets = [] {
     NlMeansOptions paper;
@@ -98,6 +97,8 @@ Result<Reconstruction> reconstruct_nl_means(const Selection& selection, const Sa
   }
   return result;
 }
+
+}  // namespace
 
 Filter nl_means_filter() {
   return make_value<FilterFunction, NlMeansOptions>(

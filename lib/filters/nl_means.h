@@ -17,14 +17,6 @@ struct NlMeansOptions {
   HalfVariance var_mode = HalfVariance::kBoth;
 };
 
-OptionTable<NlMeansOptions> nl_means_option_table();
-// robust; paper: kappa = 0.45, and the variance of a half by its own samples.
-const Presets<NlMeansOptions>& nl_means_presets();
-
-Result<Reconstruction> reconstruct_nl_means(const Selection& selection, const SamplePool& pool,
-                                            const NlMeansOptions& options,
-                                            const FilterContext& context);
-
 Filter nl_means_filter();
 
 }  // namespace spool

@@ -54,8 +54,6 @@ void add_channel(const Plane& kept, const RgbImage& mean, std::size_t c, int lev
   }
 }
 
-}  // namespace
-
 OptionTable<WaveletShrinkageOptions> wavelet_shrinkage_option_table() {
   using O = WaveletShrinkageOptions;
   return {
@@ -64,6 +62,8 @@ OptionTable<WaveletShrinkageOptions> wavelet_shrinkage_option_table() {
                        "threshold in standard deviations of a coefficient; 0 changes nothing"),
   };
 }
+
+}  // namespace
 
 Result<Reconstruction> reconstruct_wavelet_shrinkage(const Selection& selection, const SamplePool&,
                                                      const WaveletShrinkageOptions& options,

@@ -22,8 +22,6 @@ struct WaveletShrinkageOptions {
   double lambda = 1.0;
 };
 
-OptionTable<WaveletShrinkageOptions> wavelet_shrinkage_option_table();
-
 Result<Reconstruction> reconstruct_wavelet_shrinkage(const Selection& selection,
                                                      const SamplePool& pool,
                                                      const WaveletShrinkageOptions& options,

@@ -103,33 +103,42 @@ void join_line_transposed(std::vector<double>& line, std::vector<double>& out, c
 }
 
 // line_step on every row of the w x h corner, or on every column.
+enum class Lines { kRows, kColumns };
+
 template <class Step>
-void over_rows(Plane& image, int w, int h, Step&& line_step) {
-  parallel_rows(0, h, [&](int y) {
-    std::vector<double> line(static_cast<std::size_t>(w)), out(line.size());
-    for (int x = 0; x < w; ++x)
-      line[static_cast<std::size_t>(x)] = image(x, y);
+void over_lines(Plane& image, int w, int h, Lines lines, Step&& line_step) {
+  const bool rows = lines == Lines::kRows;
+  const int length = rows ? w : h;
+  parallel_rows(0, rows ? h : w, [&](int at) {
+    const auto pixel = [&](int i) -> double& { return rows ? image(i, at) : image(at, i); };
+    std::vector<double> line(static_cast<std::size_t>(length)), out(line.size());
+    for (int i = 0; i < length; ++i)
+      line[static_cast<std::size_t>(i)] = pixel(i);
     line_step(line, out);
-    for (int x = 0; x < w; ++x)
-      image(x, y) = line[static_cast<std::size_t>(x)];
+    for (int i = 0; i < length; ++i)
+      pixel(i) = line[static_cast<std::size_t>(i)];
   });
 }
 
-template <class Step>
-void over_columns(Plane& image, int w, int h, Step&& line_step) {
-  parallel_rows(0, w, [&](int x) {
-    std::vector<double> line(static_cast<std::size_t>(h)), out(line.size());
-    for (int y = 0; y < h; ++y)
-      line[static_cast<std::size_t>(y)] = image(x, y);
-    line_step(line, out);
-    for (int y = 0; y < h; ++y)
-      image(x, y) = line[static_cast<std::size_t>(y)];
-  });
-}
+// line_step(line, out, bank) on rows, then on columns, of each level from the finest on; or the
+// other way round, last first.
+enum class Order { kFinestFirst, kFinestLast };
 
-void check_sides(const Plane& image, int levels) {
+template <class Step>
+void over_levels(Plane& image, int levels, Order order, Step&& line_step) {
   SPOOL_CHECK_EQ(image.width() % (1 << levels), 0);
   SPOOL_CHECK_EQ(image.height() % (1 << levels), 0);
+  const Bank bank = cdf97_bank();
+  const auto step = [&](std::vector<double>& line, std::vector<double>& out) {
+    line_step(line, out, bank);
+  };
+  const bool first = order == Order::kFinestFirst;
+  for (int i = 0; i < levels; ++i) {
+    const int l = first ? i : levels - 1 - i;
+    const int w = image.width() >> l, h = image.height() >> l;
+    over_lines(image, w, h, first ? Lines::kRows : Lines::kColumns, step);
+    over_lines(image, w, h, first ? Lines::kColumns : Lines::kRows, step);
+  }
 }
 
 }  // namespace
@@ -146,55 +155,22 @@ Plane padded_for_transform(const Plane& image, int levels) {
 }
 
 void forward_transform(Plane& image, int levels, TransformOf of) {
-  check_sides(image, levels);
-  const Bank bank = cdf97_bank();
-  for (int l = 0; l < levels; ++l) {
-    const int w = image.width() >> l, h = image.height() >> l;
-    const auto split = [&](std::vector<double>& line, std::vector<double>& out) {
-      split_line(line, out, bank, of);
-    };
-    over_rows(image, w, h, split);
-    over_columns(image, w, h, split);
-  }
+  over_levels(image, levels, Order::kFinestFirst,
+              [&](std::vector<double>& line, std::vector<double>& out, const Bank& bank) {
+                split_line(line, out, bank, of);
+              });
 }
 
 void inverse_transform(Plane& image, int levels) {
-  check_sides(image, levels);
-  const Bank bank = cdf97_bank();
-  for (int l = levels - 1; l >= 0; --l) {
-    const int w = image.width() >> l, h = image.height() >> l;
-    const auto join = [&](std::vector<double>& line, std::vector<double>& out) {
-      join_line(line, out, bank);
-    };
-    over_columns(image, w, h, join);
-    over_rows(image, w, h, join);
-  }
+  over_levels(image, levels, Order::kFinestLast, join_line);
 }
 
 void transposed_forward_transform(Plane& image, int levels) {
-  check_sides(image, levels);
-  const Bank bank = cdf97_bank();
-  for (int l = levels - 1; l >= 0; --l) {
-    const int w = image.width() >> l, h = image.height() >> l;
-    const auto split = [&](std::vector<double>& line, std::vector<double>& out) {
-      split_line_transposed(line, out, bank);
-    };
-    over_columns(image, w, h, split);
-    over_rows(image, w, h, split);
-  }
+  over_levels(image, levels, Order::kFinestLast, split_line_transposed);
 }
 
 void transposed_inverse_transform(Plane& image, int levels) {
-  check_sides(image, levels);
-  const Bank bank = cdf97_bank();
-  for (int l = 0; l < levels; ++l) {
-    const int w = image.width() >> l, h = image.height() >> l;
-    const auto join = [&](std::vector<double>& line, std::vector<double>& out) {
-      join_line_transposed(line, out, bank);
-    };
-    over_rows(image, w, h, join);
-    over_columns(image, w, h, join);
-  }
+  over_levels(image, levels, Order::kFinestFirst, join_line_transposed);
 }
 
 }  // namespace spool

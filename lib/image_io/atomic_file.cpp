@@ -33,13 +33,9 @@ Result<void> AtomicFile::commit() {
 
 Result<void> write_text_file(const std::filesystem::path& target, std::string_view text,
                              bool overwrite, bool shared) {
-  SPOOL_TRY(refuse_existing(target, overwrite));
-  SPOOL_ASSIGN(format::TemporaryFile file, format::TemporaryFile::create(target));
+  SPOOL_ASSIGN(AtomicFile file, AtomicFile::create(target, overwrite, shared));
   SPOOL_TRY(file.file().write_at(0, std::as_bytes(std::span(text))));
-  using format::Replace;
-  return file.publish(shared      ? Replace::kAnything
-                      : overwrite ? Replace::kWhatWasHere
-                                  : Replace::kNothing);
+  return file.commit();
 }
 
 }  // namespace spool

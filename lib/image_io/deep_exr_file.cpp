@@ -1,6 +1,5 @@
 #include "lib/image_io/deep_exr_file.h"
 
-#include <cstring>
 #include <exception>
 #include <optional>
 

@@ -5,7 +5,6 @@
 // Features, parts of a picture, mattes and counts are taken only where the user names them.
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 

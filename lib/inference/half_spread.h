@@ -11,7 +11,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
 #include "lib/inference/shared_samples.h"

@@ -10,7 +10,6 @@
 // says how much of either there is. docs/coverage.md counts what the intervals made of it hold.
 #pragma once
 
-#include <span>
 #include <utility>
 #include <vector>
 

@@ -15,7 +15,6 @@
 #pragma once
 
 #include "lib/kernels/pair_filter.h"
-#include "lib/statistics/film_covariance.h"
 #include "lib/statistics/transformed_moments.h"
 
 namespace spool {

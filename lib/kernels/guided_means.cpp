@@ -215,17 +215,11 @@ void guided_means(
   std::vector<Kernel> kernels;
   for (const GuidedTarget& target : targets)
     kernels.emplace_back(target.scale, guide.width);
-  const int across = (guide.width + kTileWidth - 1) / kTileWidth;
-  const int down = (guide.height + kTileHeight - 1) / kTileHeight;
-  parallel_for(static_cast<std::size_t>(across) * static_cast<std::size_t>(down),
-               [&](std::size_t i) {
-                 const int x0 = static_cast<int>(i) % across * kTileWidth;
-                 const int y0 = static_cast<int>(i) / across * kTileHeight;
-                 const Rectangle tile = intersect({x0, y0, x0 + kTileWidth, y0 + kTileHeight},
-                                                  {0, 0, guide.width, guide.height});
-                 Tile sums(guide, images, targets, kernels, tile);
-                 use(tile, sums.run());
-               });
+  parallel_tiles({0, 0, guide.width, guide.height}, kTileWidth, kTileHeight,
+                 [&](const Rectangle& tile) {
+                   Tile sums(guide, images, targets, kernels, tile);
+                   use(tile, sums.run());
+                 });
 }
 
 }  // namespace spool

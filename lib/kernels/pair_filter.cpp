@@ -180,15 +180,9 @@ PairMeans pair_filter(const std::vector<const Plane*>& values, const PairTest& t
                       const PairWindow& window) {
   const auto zeros = [&] { return Plane(count.width(), count.height()); };
   PairMeans means{std::vector<Plane>(values.size(), zeros()), zeros(), zeros()};
-  const int across = (count.width() + kTileWidth - 1) / kTileWidth;
-  const int down = (count.height() + kTileHeight - 1) / kTileHeight;
-  parallel_for(
-      static_cast<std::size_t>(across) * static_cast<std::size_t>(down), [&](std::size_t i) {
-        const int x = static_cast<int>(i) % across * kTileWidth;
-        const int y = static_cast<int>(i) / across * kTileHeight;
-        const Rectangle tile = intersect(count.bounds(), {x, y, x + kTileWidth, y + kTileHeight});
-        TileFilter(values, test, features, count, window, tile).run(means);
-      });
+  parallel_tiles(count.bounds(), kTileWidth, kTileHeight, [&](const Rectangle& tile) {
+    TileFilter(values, test, features, count, window, tile).run(means);
+  });
   return means;
 }
 

@@ -122,13 +122,7 @@ template <class Wanted>
 void filter_blocks(const PieceStatistics& statistics, const SamplePool& pool,
                    const RgbImage& pixel_mean, const Wanted& wanted, RgbImage& out) {
   const Taps taps = cell_filter_taps();
-  const Rectangle bounds = out[0].bounds();
-  const int across = (bounds.x1 + kBlockColumns - 1) / kBlockColumns;
-  const int down = (bounds.y1 + kBlockRows - 1) / kBlockRows;
-  parallel_for(static_cast<std::size_t>(across) * down, [&](std::size_t i) {
-    const int x0 = static_cast<int>(i) % across * kBlockColumns;
-    const int y0 = static_cast<int>(i) / across * kBlockRows;
-    const Rectangle block = intersect({x0, y0, x0 + kBlockColumns, y0 + kBlockRows}, bounds);
+  parallel_tiles(out[0].bounds(), kBlockColumns, kBlockRows, [&](const Rectangle& block) {
     if (wanted(block)) filter_block(statistics, pool, pixel_mean, block, taps, out);
   });
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "lib/core/parallel.h"
 #include "lib/core/vector_clones.h"

@@ -1,9 +1,7 @@
 // Energy in parts of the image that people point at: sum of the estimate / sum of the reference.
 #pragma once
 
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "lib/core/error.h"
 #include "lib/metrics/error_metrics.h"

@@ -6,7 +6,6 @@
 // values by blocks; a value belongs to the block of its window's centre.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>

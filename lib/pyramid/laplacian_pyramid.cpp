@@ -1,7 +1,5 @@
 #include "lib/pyramid/laplacian_pyramid.h"
 
-#include "lib/pyramid/convolution.h"
-
 namespace spool {
 namespace {
 
@@ -28,6 +26,13 @@ void check_options(const PyramidOptions& options) {
   SPOOL_CHECK_LE(options.levels, 8);
 }
 
+// f_{k+1} from f_k on `box` [LiuZheng (1)-(3)]. The output has the size of the input.
+void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const Rectangle& box,
+                 Plane& coarse) {
+  convolve_box(fine, pair_of(options, k).analysis, pyramid_dilation(k), options.extension, box,
+               coarse);
+}
+
 }  // namespace
 
 int pyramid_dilation(int k) {
@@ -41,13 +46,6 @@ Taps analysis_taps(const PyramidOptions& options, int k) {
 Taps prediction_taps(const PyramidOptions& options, int k) {
   const Taps g = pair_of(options, k).synthesis;
   return options.detail == LaplacianDetail::kCycleSpun ? scaled(g, 0.5) : g;
-}
-
-// [LiuZheng (1)-(3)]
-void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const Rectangle& box,
-                 Plane& coarse) {
-  convolve_box(fine, pair_of(options, k).analysis, pyramid_dilation(k), options.extension, box,
-               coarse);
 }
 
 Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options) {

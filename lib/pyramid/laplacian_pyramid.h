@@ -49,10 +49,6 @@ Pyramid build_pyramid(const Plane& f0, const PyramidOptions& options);
 // build_pyramid into storage that exists; f0 may be pyramid.coarse[0] itself.
 void rebuild_pyramid(Pyramid& pyramid, const Plane& f0, const PyramidOptions& options);
 
-// One step of it on `box`: f_{k+1} from f_k. The output has the size of the input.
-void coarsen_box(const Plane& fine, const PyramidOptions& options, int k, const Rectangle& box,
-                 Plane& coarse);
-
 // f_0 from f_K and the details.
 Plane collapse(const Pyramid& pyramid, const PyramidOptions& options);
 

@@ -1,7 +1,6 @@
 #include "lib/pyramid/region_mean.h"
 
 #include <algorithm>
-#include <memory>
 
 #include "lib/pyramid/row_loop.h"
 #include "lib/pyramid/row_sums.h"
@@ -101,7 +100,7 @@ Rectangle region(int x, int y, int level, const Rectangle& bounds) {
 
 Plane region_sum(const Plane& image, int level) {
   Plane out(image.width(), image.height());
-  region_sum_box(image, level, image.bounds(), out);
+  sum_and_finish(image, level, image.bounds(), out, [](int, double*) {});
   return out;
 }
 
@@ -109,10 +108,6 @@ Plane region_mean(const Plane& image, int level) {
   Plane out(image.width(), image.height());
   region_mean_box(image, level, image.bounds(), out);
   return out;
-}
-
-void region_sum_box(const Plane& image, int level, const Rectangle& box, Plane& out) {
-  sum_and_finish(image, level, box, out, [](int, double*) {});
 }
 
 void region_mean_box(const Plane& image, int level, const Rectangle& box, Plane& out) {

@@ -20,7 +20,6 @@ Plane region_sum(const Plane& image, int level);
 Plane region_mean(const Plane& image, int level);
 
 // The same on `box` of `out` (same size as `image`, another plane).
-void region_sum_box(const Plane& image, int level, const Rectangle& box, Plane& out);
 void region_mean_box(const Plane& image, int level, const Rectangle& box, Plane& out);
 
 // All (x, y) whose region meets `changed`.

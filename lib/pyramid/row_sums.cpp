@@ -1,6 +1,7 @@
 #include "lib/pyramid/row_sums.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "lib/core/vector_clones.h"
@@ -59,26 +60,17 @@ SPOOL_VECTOR_CLONES void weighted_sum(const T* const* sources, const T* weights,
   }
 }
 
-// Three and five terms in one sweep over a block of rows; other numbers row by row.
-template <class T>
-SPOOL_VECTOR_CLONES void sums_of_three(const T* from, std::ptrdiff_t stride, std::ptrdiff_t t,
-                                       const T* weights, int rows, int width, T* __restrict out,
-                                       std::ptrdiff_t out_stride) {
-  const T wa = weights[0], wb = weights[1], wc = weights[2];
+// A number of terms that is known before, three or five, in one sweep over a block of rows; other
+// numbers row by row.
+template <class T, std::size_t... Terms>
+SPOOL_VECTOR_CLONES void sums_of(std::index_sequence<Terms...>, const T* from,
+                                 std::ptrdiff_t stride, std::ptrdiff_t t, const T* weights,
+                                 int rows, int width, T* __restrict out,
+                                 std::ptrdiff_t out_stride) {
+  const T w[] = {weights[Terms]...};
   for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
     for (int x = 0; x < width; ++x)
-      out[x] = wa * from[x] + wb * from[x + t] + wc * from[x + 2 * t];
-  }
-}
-template <class T>
-SPOOL_VECTOR_CLONES void sums_of_five(const T* from, std::ptrdiff_t stride, std::ptrdiff_t t,
-                                      const T* weights, int rows, int width, T* __restrict out,
-                                      std::ptrdiff_t out_stride) {
-  const T wa = weights[0], wb = weights[1], wc = weights[2], wd = weights[3], we = weights[4];
-  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
-    for (int x = 0; x < width; ++x)
-      out[x] = wa * from[x] + wb * from[x + t] + wc * from[x + 2 * t] + wd * from[x + 3 * t] +
-               we * from[x + 4 * t];
+      out[x] = (... + (w[Terms] * from[x + static_cast<std::ptrdiff_t>(Terms) * t]));
   }
 }
 
@@ -87,9 +79,11 @@ void weighted_block(const T* from, std::ptrdiff_t stride, std::ptrdiff_t term_st
                     const T* weights, std::size_t terms, int rows, int width, T* __restrict out,
                     std::ptrdiff_t out_stride) {
   if (terms == 3)
-    return sums_of_three(from, stride, term_stride, weights, rows, width, out, out_stride);
+    return sums_of(std::make_index_sequence<3>(), from, stride, term_stride, weights, rows, width,
+                   out, out_stride);
   if (terms == 5)
-    return sums_of_five(from, stride, term_stride, weights, rows, width, out, out_stride);
+    return sums_of(std::make_index_sequence<5>(), from, stride, term_stride, weights, rows, width,
+                   out, out_stride);
   std::vector<const T*> sources(terms);
   for (int r = 0; r < rows; ++r) {
     for (std::size_t i = 0; i < terms; ++i)
@@ -98,42 +92,14 @@ void weighted_block(const T* from, std::ptrdiff_t stride, std::ptrdiff_t term_st
   }
 }
 
-SPOOL_VECTOR_CLONES
-void sums_of_two(const double* from, std::ptrdiff_t stride, std::ptrdiff_t t, int rows, int width,
-                 double* __restrict out, std::ptrdiff_t out_stride) {
+// The same without weights.
+template <std::size_t... Terms>
+SPOOL_VECTOR_CLONES void plain_sums_of(std::index_sequence<Terms...>, const double* from,
+                                       std::ptrdiff_t stride, std::ptrdiff_t t, int rows, int width,
+                                       double* __restrict out, std::ptrdiff_t out_stride) {
   for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
     for (int x = 0; x < width; ++x)
-      out[x] = from[x] + from[x + t];
-  }
-}
-SPOOL_VECTOR_CLONES
-void sums_of_four(const double* from, std::ptrdiff_t stride, std::ptrdiff_t t, int rows, int width,
-                  double* __restrict out, std::ptrdiff_t out_stride) {
-  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
-    for (int x = 0; x < width; ++x)
-      out[x] = from[x] + from[x + t] + from[x + 2 * t] + from[x + 3 * t];
-  }
-}
-SPOOL_VECTOR_CLONES
-void sums_of_eight(const double* from, std::ptrdiff_t stride, std::ptrdiff_t t, int rows, int width,
-                   double* __restrict out, std::ptrdiff_t out_stride) {
-  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
-    for (int x = 0; x < width; ++x) {
-      out[x] = from[x] + from[x + t] + from[x + 2 * t] + from[x + 3 * t] + from[x + 4 * t] +
-               from[x + 5 * t] + from[x + 6 * t] + from[x + 7 * t];
-    }
-  }
-}
-SPOOL_VECTOR_CLONES
-void sums_of_sixteen(const double* from, std::ptrdiff_t stride, std::ptrdiff_t t, int rows,
-                     int width, double* __restrict out, std::ptrdiff_t out_stride) {
-  for (int r = 0; r < rows; ++r, from += stride, out += out_stride) {
-    for (int x = 0; x < width; ++x) {
-      out[x] = from[x] + from[x + t] + from[x + 2 * t] + from[x + 3 * t] + from[x + 4 * t] +
-               from[x + 5 * t] + from[x + 6 * t] + from[x + 7 * t] + from[x + 8 * t] +
-               from[x + 9 * t] + from[x + 10 * t] + from[x + 11 * t] + from[x + 12 * t] +
-               from[x + 13 * t] + from[x + 14 * t] + from[x + 15 * t];
-    }
+      out[x] = (... + from[x + static_cast<std::ptrdiff_t>(Terms) * t]);
   }
 }
 
@@ -176,15 +142,18 @@ void weighted_sums(const float* from, std::ptrdiff_t stride, std::ptrdiff_t term
 
 void plain_sums(const double* from, std::ptrdiff_t stride, std::ptrdiff_t term_stride, int terms,
                 int rows, int width, double* __restrict out, std::ptrdiff_t out_stride) {
+  const auto sum = [&](auto count) {
+    plain_sums_of(count, from, stride, term_stride, rows, width, out, out_stride);
+  };
   switch (terms) {
     case 2:
-      return sums_of_two(from, stride, term_stride, rows, width, out, out_stride);
+      return sum(std::make_index_sequence<2>());
     case 4:
-      return sums_of_four(from, stride, term_stride, rows, width, out, out_stride);
+      return sum(std::make_index_sequence<4>());
     case 8:
-      return sums_of_eight(from, stride, term_stride, rows, width, out, out_stride);
+      return sum(std::make_index_sequence<8>());
     case 16:
-      return sums_of_sixteen(from, stride, term_stride, rows, width, out, out_stride);
+      return sum(std::make_index_sequence<16>());
     default:
       for (int r = 0; r < rows; ++r)
         sum_of_shifted_rows(from + r * stride, term_stride, terms, width, out + r * out_stride);

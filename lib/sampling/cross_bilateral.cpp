@@ -10,8 +10,6 @@ namespace {
 
 constexpr double kRelativeFloor = 1e-2;  // in squared units of the exposed radiance
 
-}  // namespace
-
 const OptionTable<CrossBilateralSamplingOptions>& cross_bilateral_sampling_option_table() {
   using O = CrossBilateralSamplingOptions;
   static const OptionTable<O> table = [] {
@@ -24,6 +22,8 @@ const OptionTable<CrossBilateralSamplingOptions>& cross_bilateral_sampling_optio
   }();
   return table;
 }
+
+}  // namespace
 
 Result<Plane> cross_bilateral_density(const PieceStatistics& statistics, const SamplePool& pool,
                                       const CrossBilateralOptions& options, GuardCounts& guards) {

@@ -22,8 +22,6 @@ struct CrossBilateralSamplingOptions {
   CrossBilateralSamplingOptions() { filter.risk_scale = 4.0; }
 };
 
-const OptionTable<CrossBilateralSamplingOptions>& cross_bilateral_sampling_option_table();
-
 // Errors: those of cross_bilateral().
 Result<SamplingResult> sample_cross_bilateral(const SamplePool& pool, long long budget,
                                               const CrossBilateralSamplingOptions& options,

@@ -37,8 +37,6 @@ CountImage hand_out_limited(const Plane& error, const CountImage& n, const Sampl
   return extra;
 }
 
-}  // namespace
-
 const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
   using O = NlMeansSamplingOptions;
   static const OptionTable<O> table = [] {
@@ -54,6 +52,8 @@ const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table() {
   }();
   return table;
 }
+
+}  // namespace
 
 Result<Plane> nl_means_error(const std::array<HalfSums, 2>& halves,
                              const PieceStatistics& statistics,

@@ -27,8 +27,6 @@ struct NlMeansSamplingOptions {
   HalfVariance var_mode = HalfVariance::kBoth;
 };
 
-const OptionTable<NlMeansSamplingOptions>& nl_means_sampling_option_table();
-
 Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
                                        const NlMeansSamplingOptions& options,
                                        const SamplingContext& context);

@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "lib/pool/first_pass.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/statistics/piece_statistics.h"
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "lib/experiment/baseline.h"
-
 namespace spool {
 namespace {
 
@@ -142,8 +140,7 @@ RankedFinding ranked_finding(const Plan& plan, const std::vector<MethodResults>&
   return finding;
 }
 
-}  // namespace
-
+// Of `method` to the other of the pair; nothing where errors were not compared by logarithms.
 Interval ratio_of(const PairVerdict& pair, std::size_t method) {
   Interval ratio = pair.comparison.ratio();
   if (pair.a == method) return ratio;
@@ -154,6 +151,8 @@ Interval ratio_of(const PairVerdict& pair, std::size_t method) {
   return ratio;
 }
 
+// Of two methods of which one has its verdict withheld: the ratio without an interval; else
+// nothing.
 Interval withheld_ratio(const MethodResults& method, const MethodResults& other,
                         const std::string& metric) {
   if (method.withheld(metric) == Withheld::kNo && other.withheld(metric) == Withheld::kNo)
@@ -161,6 +160,8 @@ Interval withheld_ratio(const MethodResults& method, const MethodResults& other,
   const std::size_t quantity = quantity_index(metric);
   return compare_paired(method.series(quantity), other.series(quantity), better_of(metric)).ratio();
 }
+
+}  // namespace
 
 Interval baseline_ratio(const Condition& condition, const std::vector<MethodResults>& methods,
                         std::size_t method) {
@@ -173,7 +174,9 @@ std::optional<std::size_t> baseline_of(const Plan& plan,
                                        const std::vector<MethodResults>& methods) {
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const bool named = methods[m].name() == plan.baseline;
-    if (plan.baseline.empty() ? is_baseline(methods[m].sampler, methods[m].filter) : named)
+    if (plan.baseline.empty() ? methods[m].sampler.name == kBaselineSampler &&
+                                    methods[m].filter.name == kBaselineFilter
+                              : named)
       return m;
   }
   return std::nullopt;

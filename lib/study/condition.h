@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lib/experiment/plan_cells.h"
@@ -19,20 +20,16 @@ struct Condition {
   std::optional<std::size_t> baseline;
 };
 
-// The plan's, else uniform + box, where it is among the methods.
+// The pair of methods that every other is compared with: the same number of samples everywhere, and
+// their mean.
+inline constexpr std::string_view kBaselineSampler = "uniform";
+inline constexpr std::string_view kBaselineFilter = "box";
+// The plan's, else that pair, where it is among the methods.
 std::optional<std::size_t> baseline_of(const Plan& plan, const std::vector<MethodResults>& methods);
 
 // None where no method has a value.
 std::optional<Condition> rank_condition(const Plan& plan, const std::vector<MethodResults>& methods,
                                         const std::string& metric, double spp);
-
-// Of `method` to the other of the pair; nothing where errors were not compared by logarithms.
-Interval ratio_of(const PairVerdict& pair, std::size_t method);
-
-// Of two methods of which one has its verdict withheld: the ratio without an interval; else
-// nothing.
-Interval withheld_ratio(const MethodResults& method, const MethodResults& other,
-                        const std::string& metric);
 
 // The ratio to the condition's baseline, which there must be: of their pair, else withheld_ratio.
 Interval baseline_ratio(const Condition& condition, const std::vector<MethodResults>& methods,

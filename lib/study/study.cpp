@@ -5,8 +5,6 @@
 #include <map>
 #include <optional>
 
-#include "lib/experiment/baseline.h"
-
 namespace spool {
 namespace {
 

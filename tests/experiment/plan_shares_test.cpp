@@ -22,12 +22,12 @@ std::vector<Cell> cells_of(int recordings, int samplers, int filters, int replic
   return all_cells(dumps, sampling, filtering, {4, 8, 16}, replicates);
 }
 
-std::vector<SamplingRun> costed(const std::vector<Cell>& cells, unsigned seed) {
+std::vector<PlannedRun> costed(const std::vector<Cell>& cells, unsigned seed) {
   std::mt19937 random(seed);
   std::lognormal_distribution<double> cost(0.0, 1.0);
   auto runs = sampling_runs(cells);
   std::map<std::string, double> of_recording;
-  for (SamplingRun& run : runs) {
+  for (PlannedRun& run : runs) {
     const double size = of_recording.try_emplace(run.dump, cost(random)).first->second;
     run.cost = size * cost(random);
   }
@@ -39,7 +39,7 @@ TEST(PlanShares, RunsHoldEveryCellOnceAndOneSetOfSamples) {
   const auto runs = sampling_runs(cells);
   EXPECT_EQ(runs.size(), 2u * 3 * 3 * 2);
   std::set<std::size_t> seen;
-  for (const SamplingRun& run : runs) {
+  for (const PlannedRun& run : runs) {
     EXPECT_EQ(run.cells.size(), 4u);
     for (const std::size_t i : run.cells) {
       EXPECT_TRUE(seen.insert(i).second);
@@ -75,7 +75,7 @@ TEST(PlanShares, TheLargestIsNearTheBestThatIsPossible) {
 
 TEST(PlanShares, ARecordingStaysOnFewShares) {
   auto runs = sampling_runs(cells_of(20, 8, 2, 4));
-  for (SamplingRun& run : runs)
+  for (PlannedRun& run : runs)
     run.cost = 1.0;
   const auto share_of = balanced_shares(runs, 10);
   std::map<std::string, std::set<int>> shares_of;

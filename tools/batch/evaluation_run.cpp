@@ -25,7 +25,6 @@
 #include "tools/batch/evaluation_pictures.h"
 #include "tools/batch/evaluation_summary.h"
 #include "tools/batch/given_images.h"
-#include "tools/batch/registered_claims.h"
 #include "tools/batch/results_writer.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_manifest.h"
@@ -377,9 +376,7 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named));
   PlanRun run(request, common, std::move(named), std::move(chosen), std::move(store));
   if (!request.merge) SPOOL_TRY(run.run());
-  const std::string shard =
-      request.shard ? fmt::format("{}/{}", request.shard->index, request.shard->count) : "";
-  SPOOL_TRY(write_manifest(request.folder, {dumps, started, &request.plan, shard}));
+  SPOOL_TRY(write_manifest(request, dumps, started));
   return is_part(request) ? run.report_shard() : run.collect();
 }
 

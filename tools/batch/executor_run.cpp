@@ -1,11 +1,6 @@
 #include "tools/batch/executor_run.h"
 
-#include <sys/wait.h>
-#include <unistd.h>
-#include <cerrno>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -23,7 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr int kNoPackage = 20;
 constexpr int kWasWorker = 21;  // a process of MPI that worked for another one
-constexpr int kNotFound = 127;
 
 // Not from the current folder, which may hold files of any name; from beside the program where it
 // was built.
@@ -46,36 +40,6 @@ std::string built_package() {
   return fs::exists(beside / "spool" / "on_workers.py", status) ? beside.string() : "";
 }
 
-struct Ended {
-  int exit_code = kNotFound;
-  std::string said;  // the last line
-};
-
-// What it prints as errors, how far it is above all, goes where this program's does.
-Ended run_python(std::vector<std::string> words) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::tmpfile(), std::fclose);
-  Ended ended;
-  pid_t child = 0;
-  if (!out || spawn_watched(std::move(words), {-1, fileno(out.get()), STDERR_FILENO}, 0, nullptr,
-                            child) != 0)
-    return ended;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  forget_watched(child);
-  ended.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  std::rewind(out.get());
-  std::string line;
-  for (int c = std::fgetc(out.get()); c != EOF; c = std::fgetc(out.get())) {
-    if (c != '\n') {
-      line += static_cast<char>(c);
-    } else {
-      ended.said = std::exchange(line, {});
-    }
-  }
-  return ended;
-}
-
 }  // namespace
 
 Result<bool> run_on_workers(const RunRequest& request, const std::string& executor,
@@ -83,8 +47,7 @@ Result<bool> run_on_workers(const RunRequest& request, const std::string& execut
   SPOOL_ASSIGN(const ExchangeFolder scratch, ExchangeFolder::create());
   const fs::path plan = scratch / "plan.toml";
   SPOOL_TRY(write_text_file(plan, plan_text(request.plan), true));
-  std::vector<std::string> words = {"",
-                                    "-c",
+  std::vector<std::string> words = {"-c",
                                     fmt::format(kStart, kNoPackage, kWasWorker),
                                     built_package(),
                                     plan.string(),
@@ -97,25 +60,22 @@ Result<bool> run_on_workers(const RunRequest& request, const std::string& execut
     return fmt::format("results that arrived are kept in {}: the same command goes on from there",
                        request.folder.string());
   });
-  Ended ended;
-  for (const std::string& python : python_interpreters()) {
-    words.front() = python;
-    ended = run_python(words);
-    if (ended.exit_code != kNotFound && ended.exit_code != kNoPackage) break;
-  }
-  if (ended.exit_code == 0 || ended.exit_code == kWasWorker) return ended.exit_code == 0;
-  if (ended.exit_code == kNotFound || ended.exit_code == kNoPackage) {
+  // What it prints as errors is how far it is above all.
+  const PythonRun run = run_python(std::move(words), kNoPackage, "", PythonErrors::kPrinted);
+  if (run.exit_code == 0 || run.exit_code == kWasWorker) return run.exit_code == 0;
+  if (run.exit_code == kPythonNotFound || run.exit_code == kNoPackage) {
     return fail(
         ErrorCode::kUsage,
         "--executor {}: {} has no package spool with its workers: pip install spool-lab, or "
         "let SPOOL_PYTHON name the interpreter that has it",
-        executor, words.front());
+        executor, run.python);
   }
-  const bool known = ended.exit_code <= 4 && !ended.said.empty();
+  const std::string said = run.out.substr(run.out.find_last_of('\n') + 1);
+  const bool known = run.exit_code <= 4 && !said.empty();
   return fail(
-      known ? static_cast<ErrorCode>(ended.exit_code) : ErrorCode::kData, "{}",
-      known ? ended.said
-            : fmt::format("--executor {}: Python ended with code {}", executor, ended.exit_code));
+      known ? static_cast<ErrorCode>(run.exit_code) : ErrorCode::kData, "{}",
+      known ? said
+            : fmt::format("--executor {}: Python ended with code {}", executor, run.exit_code));
 }
 
 }  // namespace spool::tools

@@ -85,12 +85,13 @@ ReadyFilter writing_filter(const std::string& pattern, const std::string& replic
           Needs{.features = Use::kWhenRecorded}};
 }
 
-}  // namespace
-
+// Names in DIR, to be filled in; with {sampler} where the plan has several.
 std::string input_names(const Plan& plan) {
   return plan.samplers.size() > 1 ? "{recording}_{sampler}_{spp}_{replicate}.exr"
                                   : "{recording}_{spp}_{replicate}.exr";
 }
+
+}  // namespace
 
 Result<void> export_inputs(const RunRequest& request, const CommonOptions& common) {
   const Plan plan = plan_of_inputs(request.plan);

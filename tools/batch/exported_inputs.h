@@ -10,9 +10,6 @@
 
 namespace spool::tools {
 
-// Names in DIR, to be filled in; with {sampler} where the plan has several.
-std::string input_names(const Plan& plan);
-
 // Inputs that are there stay. kUsage where `request.inputs` holds those of another plan, kData
 // where a sampler failed.
 Result<void> export_inputs(const RunRequest& request, const CommonOptions& common);

@@ -5,7 +5,6 @@
 #include <optional>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "lib/core/worker_threads.h"
 #include "lib/image_io/exr_image.h"

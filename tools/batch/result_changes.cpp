@@ -4,10 +4,9 @@
 #include <cmath>
 
 #include "lib/experiment/plan_cells.h"
-#include "lib/experiment/plan_reader.h"
 #include "tools/batch/cell_store.h"
+#include "tools/batch/run_folder.h"
 #include "tools/batch/study_sources.h"
-#include "tools/methods/external_methods.h"
 #include "tools/methods/method_settings.h"
 
 namespace spool::tools {
@@ -65,14 +64,7 @@ double cost(double value, const std::string& metric) {
 
 Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
   ResultFolder folder{path, {}, {}, {}};
-  std::error_code status;
-  if (!fs::is_regular_file(path / "plan.toml", status)) {
-    return fail(ErrorCode::kIo,
-                "{}: no plan.toml in it: give a folder that spool evaluate -o wrote",
-                path.string());
-  }
-  SPOOL_ASSIGN(folder.plan,
-               read_plan(path / "plan.toml", {known_samplers(), known_filters(), true}));
+  SPOOL_ASSIGN(folder.plan, kept_plan(path));
   SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps, known_dumps(path));
   for (const DumpIdentity& dump : dumps)
     folder.dumps[dump.path.filename().string()] = dump;

@@ -9,6 +9,8 @@
 #include "formats/interchange/sha256.h"
 #include "formats/spool_reader.h"
 #include "formats/temporary_file.h"
+#include "lib/experiment/plan_reader.h"
+#include "tools/methods/external_methods.h"
 
 namespace spool::tools {
 
@@ -76,6 +78,16 @@ std::optional<std::size_t> NamedCells::twice() const {
       std::ranges::adjacent_find(order_, {}, [this](std::size_t i) { return numbers_[i]; });
   if (found == order_.end()) return std::nullopt;
   return std::max(*found, *std::next(found));
+}
+
+Result<Plan> kept_plan(const fs::path& folder) {
+  std::error_code status;
+  if (!fs::is_regular_file(folder / "plan.toml", status)) {
+    return fail(ErrorCode::kIo,
+                "{}: no plan.toml in it: give a folder that spool evaluate -o wrote",
+                folder.string());
+  }
+  return read_plan(folder / "plan.toml", {known_samplers(), known_filters(), true});
 }
 
 Result<NamedCells> name_cells(const Plan& plan) {

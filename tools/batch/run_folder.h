@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ class NamedCells {
   std::vector<std::uint64_t> numbers_;
   std::vector<std::size_t> order_;  // of the cells by their numbers
 };
+
+// The plan whose results lie in a folder; kIo where it is not what spool evaluate wrote.
+Result<Plan> kept_plan(const std::filesystem::path& folder);
 
 // kUsage when two cells would have one name.
 Result<NamedCells> name_cells(const Plan& plan);

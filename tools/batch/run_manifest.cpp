@@ -142,40 +142,38 @@ ordered_json earlier_runs(const std::filesystem::path& folder) {
 
 }  // namespace
 
-Result<void> write_manifest(const std::filesystem::path& folder, const RunManifest& run) {
+Result<void> write_manifest(const RunRequest& request, const std::vector<DumpIdentity>& dumps,
+                            std::chrono::system_clock::time_point started) {
   using std::chrono::system_clock;
-  const std::chrono::duration<double> taken = system_clock::now() - run.started;
-  ordered_json manifest = {
-      {"command", command_line()},
-      {"version", "spool " SPOOL_VERSION},
-      {"machine", machine()},
-      {"started",
-       fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(system_clock::to_time_t(run.started)))},
-      {"seconds", taken.count()},
-      {"dumps", ordered_json::array()}};
-  for (const DumpIdentity& dump : run.dumps) {
+  const std::chrono::duration<double> taken = system_clock::now() - started;
+  ordered_json manifest = {{"command", command_line()},
+                           {"version", "spool " SPOOL_VERSION},
+                           {"machine", machine()},
+                           {"started", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                                                   fmt::gmtime(system_clock::to_time_t(started)))},
+                           {"seconds", taken.count()},
+                           {"dumps", ordered_json::array()}};
+  for (const DumpIdentity& dump : dumps) {
     manifest["dumps"].push_back({{"path", dump.name},
                                  {"file", dump.path.string()},  // from wherever it is looked for
                                  {"bytes", dump.bytes},
                                  {"index_sha256", dump.index_sha256}});
   }
-  manifest["runs"] = earlier_runs(folder);
+  manifest["runs"] = earlier_runs(request.folder);
   manifest["runs"].push_back({{"started", manifest["started"]},
                               {"seconds", manifest["seconds"]},
                               {"command", manifest["command"]}});
-  if (run.plan) manifest["plan"] = plan_json(*run.plan);
+  manifest["plan"] = plan_json(request.plan);
   std::string name = "manifest.json";
-  if (run.shard.empty()) {
-    if (ordered_json shards = read_shards(folder); !shards.empty()) manifest["shards"] = shards;
-  } else {
-    manifest["shard"] = run.shard;
-    const std::size_t slash = run.shard.find('/');
-    name = fmt::format("manifest-shard-{}-of-{}.json", run.shard.substr(0, slash),
-                       run.shard.substr(slash + 1));
+  if (const std::optional<Shard>& shard = request.shard) {
+    manifest["shard"] = fmt::format("{}/{}", shard->index, shard->count);
+    name = fmt::format("manifest-shard-{}-of-{}.json", shard->index, shard->count);
+  } else if (ordered_json shards = read_shards(request.folder); !shards.empty()) {
+    manifest["shards"] = shards;
   }
   return write_text_file(
-      folder / name, manifest.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n",
-      true, true);
+      request.folder / name,
+      manifest.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n", true, true);
 }
 
 }  // namespace spool::tools

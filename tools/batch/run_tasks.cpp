@@ -35,16 +35,16 @@ double loop_cost(const Cell& cell) {
   return kLoopCalls * (named ? named->cost : filter_cost(cell));
 }
 
-}  // namespace
-
-Result<std::vector<SamplingRun>> costed_runs(const Plan& plan, const std::vector<Cell>& cells) {
+// Costs are CPU seconds of a machine of docs/speed.md, from Method::cost and the pictures' sizes;
+// the same on every machine that has the recordings. kIo where a recording cannot be read.
+Result<std::vector<PlannedRun>> costed_runs(const Plan& plan, const std::vector<Cell>& cells) {
   std::map<std::string, double> megapixels;
   for (const std::string& dump : plan.recordings) {
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
     megapixels[dump] = 1e-6 * reader.header().width * reader.header().height;
   }
-  std::vector<SamplingRun> runs = sampling_runs(cells);
-  for (SamplingRun& run : runs) {
+  std::vector<PlannedRun> runs = sampling_runs(cells);
+  for (PlannedRun& run : runs) {
     double cost = sampler_cost(cells[run.cells.front()]);
     for (const std::size_t i : run.cells)
       cost += filter_cost(cells[i]) + loop_cost(cells[i]) + kJudging;
@@ -52,6 +52,8 @@ Result<std::vector<SamplingRun>> costed_runs(const Plan& plan, const std::vector
   }
   return runs;
 }
+
+}  // namespace
 
 Result<std::vector<bool>> chosen_cells(const RunRequest& request, const NamedCells& named) {
   std::vector<bool> chosen(named.size(), !is_part(request));
@@ -61,8 +63,7 @@ Result<std::vector<bool>> chosen_cells(const RunRequest& request, const NamedCel
     chosen[*found] = true;
   }
   if (!request.shard) return chosen;
-  SPOOL_ASSIGN(const std::vector<SamplingRun> runs,
-               costed_runs(request.plan, request.plan.cells()));
+  SPOOL_ASSIGN(const std::vector<PlannedRun> runs, costed_runs(request.plan, request.plan.cells()));
   const std::vector<int> shares = balanced_shares(runs, request.shard->count);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     for (const std::size_t cell : runs[i].cells)
@@ -83,9 +84,9 @@ Result<TasksLeft> tasks_left(const RunRequest& request) {
     cells.push_back(named.cell(i));
     ids.push_back(named.id(i));
   }
-  SPOOL_ASSIGN(const std::vector<SamplingRun> runs, costed_runs(request.plan, cells));
+  SPOOL_ASSIGN(const std::vector<PlannedRun> runs, costed_runs(request.plan, cells));
   TasksLeft found{{}, named.size() - cells.size(), std::ranges::max(request.plan.threads)};
-  for (const SamplingRun& run : runs) {
+  for (const PlannedRun& run : runs) {
     RunTask task{run.dump, {}, run.cost};
     for (const std::size_t cell : run.cells)
       task.ids.push_back(ids[cell]);

@@ -12,10 +12,6 @@
 
 namespace spool::tools {
 
-// Costs are CPU seconds of a machine of docs/speed.md, from Method::cost and the pictures' sizes;
-// the same on every machine that has the recordings. kIo where a recording cannot be read.
-Result<std::vector<SamplingRun>> costed_runs(const Plan& plan, const std::vector<Cell>& cells);
-
 // Which of the plan's cells are done: those of the share, or of `request.only`. kUsage where `only`
 // names a cell that the plan does not have.
 Result<std::vector<bool>> chosen_cells(const RunRequest& request, const NamedCells& named);

@@ -59,4 +59,7 @@ std::string metrics_text(const std::filesystem::path& image, const std::filesyst
                          const std::vector<std::pair<std::string, MetricValue>>& values,
                          const MetricTable& table);
 
+struct Comparisons;
+std::string comparisons_text(const Comparisons& comparisons);
+
 }  // namespace spool::tools

@@ -9,13 +9,15 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json option_json(const ListedOption& option) {
-  return {{"name", option.name}, {"allowed", option.allowed}, {"help", option.help}};
-}
-
-void add_defaults(ordered_json& entry, const ListedOption& option) {
-  for (const auto& [preset, value] : option.defaults)
-    entry["defaults"][preset] = value;
+ordered_json options_json(const std::vector<ListedOption>& options, bool with_expert) {
+  ordered_json list = ordered_json::array();
+  for (const ListedOption& option : options) {
+    list.push_back({{"name", option.name}, {"allowed", option.allowed}, {"help", option.help}});
+    if (with_expert) list.back()["expert"] = option.expert;
+    for (const auto& [preset, value] : option.defaults)
+      list.back()["defaults"][preset] = value;
+  }
+  return list;
 }
 
 ordered_json readings_json(const std::vector<Reading>& readings) {
@@ -30,12 +32,6 @@ ordered_json readings_json(const std::vector<Reading>& readings) {
 std::string methods_text(const ListedMethods& methods) {
   ordered_json list = ordered_json::array();
   for (const ListedMethod& method : methods) {
-    ordered_json options = ordered_json::array();
-    for (const ListedOption& option : method.options) {
-      options.push_back(option_json(option));
-      options.back()["expert"] = option.expert;
-      add_defaults(options.back(), option);
-    }
     list.push_back({{"name", method.name},
                     {"summary", method.summary},
                     {"argument", method.argument},
@@ -44,7 +40,7 @@ std::string methods_text(const ListedMethods& methods) {
                     {"footprints", method.footprints},
                     {"presets", method.presets},
                     {"readings", readings_json(method.readings)},
-                    {"options", options}});
+                    {"options", options_json(method.options, true)}});
   }
   return json_text(list);
 }
@@ -52,12 +48,9 @@ std::string methods_text(const ListedMethods& methods) {
 std::string formats_text(const ListedMethods& formats) {
   ordered_json list = ordered_json::array();
   for (const ListedMethod& format : formats) {
-    ordered_json options = ordered_json::array();
-    for (const ListedOption& option : format.options) {
-      options.push_back(option_json(option));
-      add_defaults(options.back(), option);
-    }
-    list.push_back({{"name", format.name}, {"summary", format.summary}, {"options", options}});
+    list.push_back({{"name", format.name},
+                    {"summary", format.summary},
+                    {"options", options_json(format.options, false)}});
   }
   return json_text(list);
 }

@@ -1,5 +1,6 @@
 #include "tools/json/study_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <ostream>
@@ -7,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/bounded_json.h"
+#include "lib/image_io/atomic_file.h"
 #include "tools/json/json_text.h"
 #include "tools/methods/external_methods.h"
 
@@ -14,6 +16,8 @@ namespace spool::tools {
 namespace {
 
 using nlohmann::ordered_json;
+
+constexpr const char* kClaims = "claims.json";
 
 const char* const kRules[][2] = {
     {"mean",
@@ -251,6 +255,13 @@ std::string indented(const ordered_json& value, int depth) {
   return text;
 }
 
+// What a claim asks, as claims.json holds it.
+std::string question_of(const Claim& claim) {
+  ordered_json question = question_json(claim);
+  if (!claim.spp.empty()) question["spp"] = claim.spp;
+  return dense_text(question, -1);
+}
+
 }  // namespace
 
 void write_statistics(std::ostream& out, const Study& study) {
@@ -311,27 +322,20 @@ std::vector<KeptClaim> kept_claims(const std::filesystem::path& statistics_file)
   return claims;
 }
 
-std::string question_of(const Claim& claim) {
-  ordered_json question = question_json(claim);
-  if (!claim.spp.empty()) question["spp"] = claim.spp;
-  return dense_text(question, -1);
+Result<void> register_claims(const std::filesystem::path& folder, const Plan& plan) {
+  ordered_json questions = ordered_json::array();
+  for (const Claim& claim : plan.claims)
+    questions.push_back(question_of(claim));
+  return write_text_file(folder / kClaims, questions.dump(1) + "\n", true, true);
 }
 
-std::string questions_text(const std::vector<Claim>& claims) {
-  ordered_json list = ordered_json::array();
-  for (const Claim& claim : claims)
-    list.push_back(question_of(claim));
-  return list.dump(1) + "\n";
-}
-
-std::set<std::string> kept_questions(const std::filesystem::path& claims_file) {
-  std::set<std::string> known;
-  const auto kept = format::parse_json_file<ordered_json>(claims_file);
-  if (!kept.is_array()) return known;
-  for (const ordered_json& question : kept) {
-    if (question.is_string()) known.insert(question.get<std::string>());
+void mark_late_claims(const std::filesystem::path& folder, std::vector<ClaimFinding>& claims) {
+  const auto kept = format::parse_json_file<ordered_json>(folder / kClaims);
+  for (ClaimFinding& finding : claims) {
+    const ordered_json question = question_of(finding.claim);
+    finding.after_results =
+        !kept.is_array() || std::find(kept.begin(), kept.end(), question) == kept.end();
   }
-  return known;
 }
 
 }  // namespace spool::tools

@@ -15,7 +15,6 @@
 
 #include <filesystem>
 #include <iosfwd>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -36,9 +35,9 @@ struct KeptClaim {
 };
 std::vector<KeptClaim> kept_claims(const std::filesystem::path& statistics_file);
 
-// What a claim asks, as claims.json holds it; and the whole of that file.
-std::string question_of(const Claim& claim);
-std::string questions_text(const std::vector<Claim>& claims);
-std::set<std::string> kept_questions(const std::filesystem::path& claims_file);
+// FOLDER/claims.json, which claims of a plan were there before its first result: keeps the plan's
+// claims, of a folder without a finished result; marks what the file does not hold.
+Result<void> register_claims(const std::filesystem::path& folder, const Plan& plan);
+void mark_late_claims(const std::filesystem::path& folder, std::vector<ClaimFinding>& claims);
 
 }  // namespace spool::tools

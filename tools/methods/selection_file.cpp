@@ -133,10 +133,7 @@ Plane exact_attenuation(const ExrFile& file, const std::string& part, std::size_
 
 void add_selection(ExrFile& file, const std::string& part, const Selection& selection) {
   const CountImage& n = selection.statistics.n;
-  Plane counts(n.width(), n.height());
-  for (std::size_t i = 0; i < n.size(); ++i)
-    counts[i] = n[i];
-  file.channels.push_back({part + "n", PixelType::kUint, std::move(counts)});
+  file.channels.push_back({part + "n", PixelType::kUint, as_plane(n)});
   for (std::size_t l = 0; l < selection.attenuation.size(); ++l)
     add_attenuation(file, part, l, selection.attenuation[l]);
   file.number_attributes[fmt::format("spool.{}exposure", part)] =

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "lib/core/as_plane.h"
 #include "lib/core/option_table.h"
 #include "lib/image_io/picture.h"
 #include "lib/image_io/png_writer.h"

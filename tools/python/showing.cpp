@@ -16,7 +16,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/core/as_plane.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/foreign_picture.h"

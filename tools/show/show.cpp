@@ -75,8 +75,7 @@ bool is_page_name(const fs::path& path) {
   return path.extension() == ".html" || path.extension() == ".htm";
 }
 
-}  // namespace
-
+// "X,Y,WIDTH,HEIGHT" in whole numbers.
 Result<ShownCrop> parse_crop(const std::string& text) {
   ShownCrop crop;
   const std::array<int*, 4> parts = {&crop.x, &crop.y, &crop.width, &crop.height};
@@ -92,6 +91,8 @@ Result<ShownCrop> parse_crop(const std::string& text) {
   }
   return crop;
 }
+
+}  // namespace
 
 Result<void> validate(const ShowOptions& options) {
   if (!is_page_name(options.output)) {

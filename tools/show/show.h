@@ -18,9 +18,6 @@ struct ShowOptions {
   ShowSettings settings;
 };
 
-// "X,Y,WIDTH,HEIGHT" in whole numbers.
-Result<ShownCrop> parse_crop(const std::string& text);
-
 Result<void> validate(const ShowOptions& options);
 Result<void> run_show(const ShowOptions& options, const CommonOptions& common);
 

@@ -8,7 +8,7 @@
 
 #include "lib/core/visible_text.h"
 #include "tools/batch/result_changes.h"
-#include "tools/json/compare_json.h"
+#include "tools/json/answers_json.h"
 #include "tools/json/study_json.h"
 #include "tools/methods/method_settings.h"
 #include "tools/verbs/option_bounds.h"

@@ -10,6 +10,7 @@
 #include "tools/batch/evaluation_run.h"
 #include "tools/batch/executor_run.h"
 #include "tools/batch/exported_inputs.h"
+#include "tools/batch/run_folder.h"
 #include "tools/methods/external_methods.h"
 #include "tools/verbs/dump_meta.h"
 #include "tools/verbs/mask_files.h"
@@ -160,14 +161,7 @@ Result<void> check_sweep(const Plan& plan, const CommonOptions& common) {
 
 Result<void> compute_statistics(const EvaluateOptions& options, const CommonOptions& common) {
   for (const auto& folder : options.files) {
-    std::error_code status;
-    if (!std::filesystem::is_regular_file(folder / "plan.toml", status)) {
-      return fail(ErrorCode::kIo,
-                  "{}: no plan.toml in it: give a folder that spool evaluate -o wrote",
-                  folder.string());
-    }
-    SPOOL_ASSIGN(Plan plan,
-                 read_plan(folder / "plan.toml", {known_samplers(), known_filters(), true}));
+    SPOOL_ASSIGN(Plan plan, kept_plan(folder));
     SPOOL_TRY(choose_baseline(plan, options));
     SPOOL_TRY(write_statistics(folder, plan, common, options.wide));
   }

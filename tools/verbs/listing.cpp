@@ -17,6 +17,12 @@ ListedOption listed(const OptionDescription& option) {
   return {option.name, option.allowed, option.help, option.expert, false, {}};
 }
 
+ListedOption listed_with_default(const OptionDescription& option) {
+  ListedOption with_default = listed(option);
+  with_default.defaults = {{"default", option.value}};
+  return with_default;
+}
+
 // Options of a method with one default per preset.
 template <class Function>
 std::vector<ListedOption> options_of(const Method<Function>& entry) {
@@ -63,10 +69,8 @@ ListedMethods listed_formats(const Formats& formats) {
   ListedMethods list;
   for (const auto& format : formats) {
     list.push_back({format.name, format.summary, {}});
-    for (const OptionDescription& option : format.describe()) {
-      list.back().options.push_back(listed(option));
-      list.back().options.back().defaults = {{"default", option.value}};
-    }
+    for (const OptionDescription& option : format.describe())
+      list.back().options.push_back(listed_with_default(option));
   }
   return list;
 }
@@ -110,10 +114,8 @@ ListedMethods listed_samplers() {
 
 std::vector<ListedOption> options_of_every_filter() {
   std::vector<ListedOption> options;
-  for (const OptionDescription& option : stage_options()) {
-    options.push_back(listed(option));
-    options.back().defaults = {{"default", option.value}};
-  }
+  for (const OptionDescription& option : stage_options())
+    options.push_back(listed_with_default(option));
   return options;
 }
 

@@ -4,6 +4,9 @@
 
 namespace spool::tools {
 
+namespace {
+
+// A single channel, or the mean of R, G and B.
 Result<Plane> read_mask(const std::string& path) {
   SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(path, kNoLayerOption));
   const RgbImage& rgb = picture.rgb;
@@ -12,6 +15,8 @@ Result<Plane> read_mask(const std::string& path) {
     mask[i] = (rgb[0][i] + rgb[1][i] + rgb[2][i]) / 3.0;
   return mask;
 }
+
+}  // namespace
 
 Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts) {
   std::vector<EnergyMask> masks;

@@ -9,8 +9,6 @@
 
 namespace spool::tools {
 
-// A single channel, or the mean of R, G and B.
-Result<Plane> read_mask(const std::string& path);
 // "NAME=FILE"; kUsage for other texts.
 Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts);
 

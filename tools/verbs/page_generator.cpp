@@ -1,11 +1,11 @@
 #include "tools/verbs/page_generator.h"
 
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -58,33 +58,32 @@ std::string contents(std::FILE* file) {
   return text;
 }
 
-struct Finished {
-  int exit_code = 0;
-  std::string out, err;
-};
-
-// Runs a program found on the path; `input` becomes its standard input.
-std::optional<Finished> run_program(std::vector<std::string> words, const std::string& input) {
+PythonRun run_program(std::vector<std::string> words, const std::string& input,
+                      PythonErrors errors) {
   const TemporaryFile in(std::tmpfile(), std::fclose), out(std::tmpfile(), std::fclose),
       err(std::tmpfile(), std::fclose);
-  if (!in || !out || !err) return std::nullopt;
-  if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size()) return std::nullopt;
+  PythonRun run{words.front()};
+  if (!in || !out || !err) return run;
+  if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size()) return run;
   std::rewind(in.get());
-  const Streams streams{fileno(in.get()), fileno(out.get()), fileno(err.get())};
+  const Streams streams{fileno(in.get()), fileno(out.get()),
+                        errors == PythonErrors::kKept ? fileno(err.get()) : STDERR_FILENO};
   pid_t child = 0;
-  const bool started = spawn_watched(std::move(words), streams, 0, nullptr, child) == 0;
+  if (spawn_watched(std::move(words), streams, 0, nullptr, child) != 0) return run;
   int status = 0;
-  if (!started || waitpid(child, &status, 0) != child) return std::nullopt;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
   forget_watched(child);
-  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-  return Finished{code, contents(out.get()), contents(err.get())};
+  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  run.out = contents(out.get());
+  run.err = contents(err.get());
+  return run;
 }
 
-constexpr int kNotFound = 127;
 constexpr int kNoNumpy = 20;  // tools/report/run.py
 
 // The generator ends with one line; a traceback's last line says most.
-Error error_of(const Finished& finished) {
+Error error_of(const PythonRun& finished) {
   const std::string line = finished.err.substr(finished.err.find_last_of('\n') + 1);
   const bool known = finished.exit_code >= 1 && finished.exit_code <= 3;
   return {known ? static_cast<ErrorCode>(finished.exit_code) : ErrorCode::kData,
@@ -92,39 +91,45 @@ Error error_of(const Finished& finished) {
                        : line};
 }
 
-}  // namespace
-
-// SPOOL_PYTHON alone where it is set. Another Python before the system's on the path often lacks
-// the system's numpy.
+// To be tried one after the other: SPOOL_PYTHON alone where it is set. Another Python before the
+// system's on the path often lacks the system's numpy.
 std::vector<std::string> python_interpreters() {
   const std::string chosen = from_environment("SPOOL_PYTHON");
   if (!chosen.empty()) return {chosen};
   return {"python3", "/usr/bin/python3"};
 }
 
+}  // namespace
+
+PythonRun run_python(std::vector<std::string> arguments, int lacks, const std::string& input,
+                     PythonErrors errors) {
+  arguments.insert(arguments.begin(), "");
+  PythonRun run;
+  for (const std::string& python : python_interpreters()) {
+    arguments.front() = python;
+    run = run_program(arguments, input, errors);
+    if (run.exit_code != kPythonNotFound && run.exit_code != lacks) break;
+  }
+  return run;
+}
+
 Result<std::string> run_generator(const std::string& script, std::vector<std::string> arguments,
                                   const std::string& input, const GeneratorNeeds& needs) {
   SPOOL_ASSIGN(const fs::path runner, find_runner());
-  arguments.insert(arguments.begin(), {"", runner.string(), script});
-  std::optional<Finished> finished;
-  for (const std::string& python : python_interpreters()) {
-    arguments.front() = python;
-    finished = run_program(arguments, input);
-    if (finished && finished->exit_code != kNotFound && finished->exit_code != kNoNumpy) break;
-  }
-  if (!finished || finished->exit_code == kNotFound || finished->exit_code == kNoNumpy) {
+  arguments.insert(arguments.begin(), {runner.string(), script});
+  const PythonRun run = run_python(std::move(arguments), kNoNumpy, input, PythonErrors::kKept);
+  if (run.exit_code == kPythonNotFound || run.exit_code == kNoNumpy) {
     const bool wheel = runner.string().find("-packages/") != std::string::npos;
     return fail(ErrorCode::kUsage,
                 "{}: {}: {} needs Python 3.9 or newer with {} ({}); SPOOL_PYTHON names another "
                 "interpreter",
-                arguments.front(),
-                finished && finished->exit_code == kNoNumpy ? "has no " + needs.packages
-                                                            : "cannot be started",
+                run.python,
+                run.exit_code == kNoNumpy ? "has no " + needs.packages : "cannot be started",
                 needs.verb, needs.packages,
                 wheel ? "pip install 'spool-lab[figures]'" : "apt-get install " + needs.debian);
   }
-  if (finished->exit_code != 0) return tl::unexpected<Error>(error_of(*finished));
-  return finished->out;
+  if (run.exit_code != 0) return tl::unexpected<Error>(error_of(run));
+  return run.out;
 }
 
 }  // namespace spool::tools

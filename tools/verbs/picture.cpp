@@ -3,7 +3,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <vector>
 
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/foreign_picture.h"

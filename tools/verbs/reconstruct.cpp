@@ -101,12 +101,7 @@ ExrFile image_file(Reconstruction& result, bool layers, bool last) {
       add(std::string("variance.") + "RGB"[c], (*result.variance)[c]);
     }
   }
-  if (result.level) {
-    Plane level(result.level->width(), result.level->height());
-    for (std::size_t i = 0; i < level.size(); ++i)
-      level[i] = (*result.level)[i];
-    add("filter.level", level);
-  }
+  if (result.level) add("filter.level", as_plane(*result.level));
   if (result.dominant_direction) add("filter.angle", *result.dominant_direction);
   return file;
 }

@@ -5,7 +5,6 @@
 #include <set>
 #include <utility>
 
-#include "lib/core/as_plane.h"
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/png_writer.h"

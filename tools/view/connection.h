@@ -10,7 +10,6 @@
 #include <boost/beast.hpp>
 
 #include "tools/view/answers.h"
-#include "tools/view/request_target.h"
 
 namespace spool::tools {
 
@@ -21,6 +20,13 @@ struct Service {
   int port = 0;
 
   bool is_this_server(std::string_view host) const;
+};
+
+// What the address of a request says: "/TOKEN/name?parameter=value&...".
+struct RequestTarget {
+  std::string token;
+  std::string name;        // as sent: no name that is served needs an escape
+  std::string parameters;  // what follows the question mark, as sent
 };
 
 // All but the making of the answer runs on the thread of the socket's executor.

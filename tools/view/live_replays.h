@@ -6,11 +6,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lib/core/error.h"
@@ -21,7 +23,6 @@
 #include "lib/sampling/sampler.h"
 #include "tools/verbs/one_replay.h"
 #include "tools/verbs/pixel_answer.h"
-#include "tools/view/bounded_cache.h"
 
 namespace spool::tools {
 
@@ -58,6 +59,44 @@ struct ReplayKey {
 struct Turn {
   std::string page;
   long long number = 0;
+};
+
+// The values used last, by key, as many as fit into so many bytes.
+// Not safe by itself for several threads.
+template <class Value>
+class BoundedCache {
+ public:
+  explicit BoundedCache(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+
+  // Null where it is not kept; otherwise it is the last one used from now on.
+  std::shared_ptr<const Value> find(const std::string& key) {
+    for (auto at = entries_.begin(); at != entries_.end(); ++at) {
+      if (at->key != key) continue;
+      entries_.splice(entries_.begin(), entries_, at);
+      return entries_.front().value;
+    }
+    return nullptr;
+  }
+  // What alone is larger than the cache is not kept.
+  void insert(std::string key, std::shared_ptr<const Value> value, std::size_t bytes) {
+    if (bytes > most_bytes_) return;
+    entries_.push_front({std::move(key), std::move(value), bytes});
+    bytes_ += bytes;
+    while (bytes_ > most_bytes_) {
+      bytes_ -= entries_.back().bytes;
+      entries_.pop_back();
+    }
+  }
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  struct Entry {
+    std::string key;
+    std::shared_ptr<const Value> value;
+    std::size_t bytes;
+  };
+  std::list<Entry> entries_;  // the last one used first
+  std::size_t most_bytes_, bytes_ = 0;
 };
 
 class LiveReplays {

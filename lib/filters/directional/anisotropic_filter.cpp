@@ -145,6 +145,34 @@ void filter_run(const PaddedInput<T>& input, const FilterWidths<T>& widths,
   }
 }
 
+// By how much the variance grows when `mean` was filtered with taps x taps before: its neighbours
+// are then no longer independent. Exact for the round filter of size 2^level over even variance;
+// 1 for taps of length 1.
+double correlation_factor(const Taps& taps, int level, double sigma, const FilterOptions& options) {
+  if (taps.values.size() == 1 || level == 0) return 1.0;
+  const int reach = static_cast<int>(taps.values.size());
+  const int radius = filter_radius(level);
+  const int middle = radius + reach;
+  Plane kernel(2 * middle + 1, 2 * middle + 1);
+  kernel(middle, middle) = 1.0;
+  const std::vector<double> any_direction = {0.0};
+  for (const FilterOffset& o : filter_offsets(level, any_direction, options.window)) {
+    const double omega = std::exp(-0.5 * o.squared_distance / (sigma * sigma));
+    kernel(middle + o.dx, middle + o.dy) = omega;
+    kernel(middle - o.dx, middle - o.dy) = omega;
+  }
+  const auto squares = [](const Plane& plane) {
+    double sum = 0.0;
+    for (const double v : plane.pixels())
+      sum += v * v;
+    return sum;
+  };
+  double tap_squares = 0.0;
+  for (const double tap : taps.values)
+    tap_squares += tap * tap;
+  return squares(convolve(kernel, taps)) / (squares(kernel) * tap_squares * tap_squares);
+}
+
 }  // namespace
 
 template <class T>
@@ -184,31 +212,6 @@ void filter_in_place(const CountImage& n, const CountImage& level, const FilterW
   });
   for (const GuardCounts& row : caught)
     guards += row;
-}
-
-double correlation_factor(const Taps& taps, int level, double sigma, const FilterOptions& options) {
-  if (taps.values.size() == 1 || level == 0) return 1.0;
-  const int reach = static_cast<int>(taps.values.size());
-  const int radius = filter_radius(level);
-  const int middle = radius + reach;
-  Plane kernel(2 * middle + 1, 2 * middle + 1);
-  kernel(middle, middle) = 1.0;
-  const std::vector<double> any_direction = {0.0};
-  for (const FilterOffset& o : filter_offsets(level, any_direction, options.window)) {
-    const double omega = std::exp(-0.5 * o.squared_distance / (sigma * sigma));
-    kernel(middle + o.dx, middle + o.dy) = omega;
-    kernel(middle - o.dx, middle - o.dy) = omega;
-  }
-  const auto squares = [](const Plane& plane) {
-    double sum = 0.0;
-    for (const double v : plane.pixels())
-      sum += v * v;
-    return sum;
-  };
-  double tap_squares = 0.0;
-  for (const double tap : taps.values)
-    tap_squares += tap * tap;
-  return squares(convolve(kernel, taps)) / (squares(kernel) * tap_squares * tap_squares);
 }
 
 void correct_variance(const Taps& taps, const CountImage& level, double sigma_max,

@@ -36,11 +36,6 @@ template <class T>
 void filter_in_place(const CountImage& n, const CountImage& level, const FilterWidths<T>& widths,
                      const FilterOptions& options, FilteredPieces& pieces, GuardCounts& guards);
 
-// By how much the variance grows when `mean` was filtered with taps x taps before: its neighbours
-// are then no longer independent. Exact for the round filter of size 2^level over even variance;
-// 1 for taps of length 1.
-double correlation_factor(const Taps& taps, int level, double sigma, const FilterOptions& options);
-
 // Multiplies the variance of filtered pieces by that factor, sigma = sigma_max 2^level.
 void correct_variance(const Taps& taps, const CountImage& level, double sigma_max,
                       const FilterOptions& options, RgbImage& variance);

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "lib/core/as_plane.h"
 #include "lib/filters/directional/base_image.h"
 #include "lib/filters/directional/base_step.h"
 #include "lib/filters/directional/filter_size.h"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "lib/core/parallel.h"
-#include "lib/filters/directional/size_factor.h"
 #include "lib/filters/directional/stop_votes.h"
 #include "lib/pyramid/region_mean.h"
 #include "lib/statistics/contrast.h"

@@ -16,8 +16,8 @@
 #include "lib/core/guards.h"
 #include "lib/core/image.h"
 #include "lib/core/view.h"
-#include "lib/filters/directional/filter_size_input.h"
 #include "lib/filters/directional/options.h"
+#include "lib/filters/directional/size_factor.h"
 
 namespace spool {
 

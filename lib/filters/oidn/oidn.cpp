@@ -86,8 +86,7 @@ OptionTable<OidnOptions> oidn_option_table() {
                                                            "of the network, version 2"))};
 }
 
-}  // namespace
-
+// Of one selection. Errors: kUsage without the library; kData with what the library says.
 Result<Reconstruction> reconstruct_oidn(const Selection& selection, const SamplePool& pool,
                                         const OidnOptions& options, const FilterContext&) {
   SPOOL_ASSIGN(const auto library, open_oidn());
@@ -115,6 +114,8 @@ Result<Reconstruction> reconstruct_oidn(const Selection& selection, const Sample
   note_lost_light(mean, result);
   return result;
 }
+
+}  // namespace
 
 Filter oidn_filter() {
   Filter filter = make_value<FilterFunction, OidnOptions>(

@@ -18,10 +18,6 @@ struct OidnOptions {
   OidnSettings settings;
 };
 
-// Of one selection. Errors: kUsage without the library; kData with what the library says.
-Result<Reconstruction> reconstruct_oidn(const Selection& selection, const SamplePool& pool,
-                                        const OidnOptions& options, const FilterContext& context);
-
 // It is made only where the library is there: else error kUsage, before any work.
 Filter oidn_filter();
 

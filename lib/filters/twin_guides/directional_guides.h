@@ -11,9 +11,17 @@
 // Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
-#include "lib/filters/twin_guides/guide_sources.h"
+#include <array>
+
+#include "lib/filters/twin_guides/sample_moments.h"
 
 namespace spool {
+
+// What the guides are made of, [P, t][channel]: the pilot and the mean of the logarithms
+// (guides.h), with variances, unblurred or on one level.
+struct GuideSources {
+  std::array<FloatRgb, 2> mean, variance;
+};
 
 // `scene_luminance` in units.
 GuideSources blur_along(const GuideSources& sources, double sigma, double stretch,

@@ -2,7 +2,6 @@
 // one vector of regressors, colours and differences to a piece.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 

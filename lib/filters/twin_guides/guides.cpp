@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "lib/core/parallel.h"
-#include "lib/filters/twin_guides/directional_guides.h"
 #include "lib/filters/twin_guides/tiles.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"

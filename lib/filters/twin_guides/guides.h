@@ -17,8 +17,8 @@
 
 #include <memory>
 
+#include "lib/filters/twin_guides/directional_guides.h"
 #include "lib/filters/twin_guides/feature_blend.h"
-#include "lib/filters/twin_guides/guide_sources.h"
 #include "lib/filters/twin_guides/tile_planes.h"
 
 namespace spool {

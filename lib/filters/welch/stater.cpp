@@ -56,8 +56,6 @@ PairTest pair_test(const PieceStatistics& statistics, const SamplePool& pool,
   return test;
 }
 
-}  // namespace
-
 const Presets<StaterOptions>& stater_presets() {
   static const Presets<StaterOptions> presets = [] {
     StaterOptions mc, m;
@@ -86,6 +84,7 @@ OptionTable<StaterOptions> stater_option_table() {
   return table;
 }
 
+// Error kData when no piece has a sample, or a feature cannot be read.
 Result<Reconstruction> reconstruct_stater(const Selection& selection, const SamplePool& pool,
                                           const StaterOptions& options,
                                           const FilterContext& context) {
@@ -100,6 +99,8 @@ Result<Reconstruction> reconstruct_stater(const Selection& selection, const Samp
   }
   return result;
 }
+
+}  // namespace
 
 Filter stater_filter() {
   return make_value<FilterFunction, StaterOptions>(

@@ -31,14 +31,6 @@ struct StaterOptions {
   PairFeatureOptions features;  // of the variances and of the means
 };
 
-const Presets<StaterOptions>& stater_presets();
-OptionTable<StaterOptions> stater_option_table();
-
-// Error kData when no piece has a sample, or a feature cannot be read.
-Result<Reconstruction> reconstruct_stater(const Selection& selection, const SamplePool& pool,
-                                          const StaterOptions& options,
-                                          const FilterContext& context);
-
 Filter stater_filter();
 
 }  // namespace spool

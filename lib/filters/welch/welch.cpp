@@ -94,8 +94,6 @@ PairTest pair_test(const Selection& selection, const SamplePool& pool, const Pai
   return test;
 }
 
-}  // namespace
-
 const Presets<WelchOptions>& welch_presets() {
   static const Presets<WelchOptions> presets = [] {
     WelchOptions moon, pooled;
@@ -133,6 +131,7 @@ OptionTable<WelchOptions> welch_option_table() {
   return table;
 }
 
+// Error kData when no piece has a sample, or a feature cannot be read.
 Result<Reconstruction> reconstruct_welch(const Selection& selection, const SamplePool& pool,
                                          const WelchOptions& options,
                                          const FilterContext& context) {
@@ -141,6 +140,8 @@ Result<Reconstruction> reconstruct_welch(const Selection& selection, const Sampl
   };
   return reconstruct_by_test(selection, pool, options.features, options.window, context, test_of);
 }
+
+}  // namespace
 
 Filter welch_filter() {
   return make_value<FilterFunction, WelchOptions>(

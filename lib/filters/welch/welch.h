@@ -39,13 +39,6 @@ struct WelchOptions {
   PairFeatureOptions features;
 };
 
-const Presets<WelchOptions>& welch_presets();
-OptionTable<WelchOptions> welch_option_table();
-
-// Error kData when no piece has a sample, or a feature cannot be read.
-Result<Reconstruction> reconstruct_welch(const Selection& selection, const SamplePool& pool,
-                                         const WelchOptions& options, const FilterContext& context);
-
 Filter welch_filter();
 
 }  // namespace spool

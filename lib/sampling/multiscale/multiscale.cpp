@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <utility>
+#include <vector>
 
 #include "lib/core/random.h"
 #include "lib/sampling/multiscale/analysis.h"
@@ -11,9 +13,7 @@
 #include "lib/sampling/multiscale/board_views.h"
 #include "lib/sampling/multiscale/epoch_update.h"
 #include "lib/sampling/multiscale/exact_update.h"
-#include "lib/sampling/multiscale/reach.h"
 #include "lib/sampling/multiscale/samples.h"
-#include "lib/sampling/multiscale/shared_progress.h"
 #include "lib/sampling/multiscale/tile_budgets.h"
 #include "lib/sampling/multiscale/tile_results.h"
 #include "lib/sampling/spending.h"
@@ -23,6 +23,45 @@ namespace spool {
 namespace {
 
 constexpr std::uint64_t kTileLane = 3;  // of random numbers
+
+// How far from a changed piece the images of each level change, in x and y alike.
+struct StepReach {
+  std::vector<int> coarse;  // of f_0, f_1, ...
+  std::vector<int> detail;  // of d_0, d_1, ...
+};
+
+StepReach step_reach(const MultiscaleOptions& options) {
+  // Far from every border. A change near one is mirrored, and then acts to the other side: so the
+  // larger of both sides counts for both.
+  constexpr int kFar = 1 << 14;
+  std::vector<Rectangle> coarse, detail;
+  pyramid_influence({kFar, kFar, kFar + 1, kFar + 1}, {0, 0, 2 * kFar, 2 * kFar},
+                    board_pyramid(options), coarse, detail);
+  const auto reach_of = [](const Rectangle& box) {
+    return std::max(kFar - box.x0, box.x1 - 1 - kFar);
+  };
+  StepReach reach;
+  for (const Rectangle& box : coarse)
+    reach.coarse.push_back(reach_of(box));
+  for (const Rectangle& box : detail)
+    reach.detail.push_back(reach_of(box));
+  return reach;
+}
+
+// Pieces whose statistics can change an analysis of `area`: area, grown by the reach of the
+// filters, its corner on the lattice of the coarsest level.
+Rectangle analysis_window(const Rectangle& area, const Rectangle& bounds,
+                          const MultiscaleOptions& options) {
+  const StepReach step = step_reach(options);
+  int reach = 1 << (options.levels() - 1);
+  for (const std::vector<int>* of : {&step.coarse, &step.detail})
+    reach = std::max(reach, *std::max_element(of->begin(), of->end()));
+  Rectangle window = grow(area, reach, reach, reach, reach, bounds);
+  const int lattice = 1 << (options.levels() + 1);  // phase00 counts phases from the corner
+  window.x0 -= window.x0 % lattice;
+  window.y0 -= window.y0 % lattice;
+  return window;
+}
 
 // A tile as the board of the whole grid was when it was loaded, with its view of its
 // neighbours.
@@ -51,6 +90,32 @@ std::unique_ptr<Update> make_update(EpochBoard& board, long long budget,
                                     const MultiscaleOptions& options) {
   return epoch_update(board, budget, options);
 }
+
+// Progress and cancellation of a run, from several tiles at once.
+class SharedProgress {
+ public:
+  SharedProgress(const SamplingContext& context, long long budget)
+      : context_(context), budget_(budget) {}
+
+  // `taken`: samples since the last call; false when the run is to stop.
+  bool operator()(long long taken) {
+    const std::lock_guard lock(mutex_);
+    spent_ += taken;
+    if (context_.progress) {
+      context_.progress(static_cast<double>(spent_) / static_cast<double>(std::max(budget_, 1LL)));
+    }
+    if (context_.cancelled != nullptr && (*context_.cancelled)()) cancelled_ = true;
+    return !cancelled_;
+  }
+  bool cancelled() const { return cancelled_; }
+
+ private:
+  const SamplingContext& context_;
+  long long budget_;
+  long long spent_ = 0;
+  bool cancelled_ = false;
+  std::mutex mutex_;
+};
 
 // Samples where P is largest, and what they change, again and again until the budget is spent.
 template <class T>

@@ -63,12 +63,7 @@ void priority_row(const double* variance, const double* detail, const double* co
   guards.add(Guard::kPriorityNotFinite, static_cast<std::uint64_t>(caught));
 }
 
-}  // namespace
-
-void update_variance_term(ScalarAnalysis<double>& scalar, int k, const Rectangle& box) {
-  region_mean_box(scalar.contrast, k, box, scalar.variance[static_cast<std::size_t>(k - 1)]);
-}
-
+// P_k = -infinity on the part of `box` whose regions are saturated.
 void close_regions(ExactBoard& board, int k, const Rectangle& box) {
   if (board.closed_pieces == 0 || box.empty()) return;
   const RegionCounts counts(board, k, box, false);
@@ -79,6 +74,12 @@ void close_regions(ExactBoard& board, int k, const Rectangle& box) {
       if (counts.open(x, y) == 0) priority(x, y) = -std::numeric_limits<double>::infinity();
     }
   }
+}
+
+}  // namespace
+
+void update_variance_term(ScalarAnalysis<double>& scalar, int k, const Rectangle& box) {
+  region_mean_box(scalar.contrast, k, box, scalar.variance[static_cast<std::size_t>(k - 1)]);
 }
 
 void compute_priority(ExactBoard& board, int k, const Rectangle& wanted,

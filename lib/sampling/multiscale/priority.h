@@ -23,7 +23,4 @@ void compute_priority(ExactBoard& board, int k, const Rectangle& box,
 void update_priority(ExactBoard& board, int k, const Rectangle& box,
                      const MultiscaleOptions& options, GuardCounts& guards);
 
-// P_k = -infinity on the part of `box` whose regions are saturated.
-void close_regions(ExactBoard& board, int k, const Rectangle& box);
-
 }  // namespace spool

@@ -1,4 +1,4 @@
-#include "formats/interchange/import_record.h"
+#include "formats/interchange/dump_plan.h"
 
 #include "formats/interchange/sha256.h"
 
