@@ -176,7 +176,8 @@ CountImage hand_out_greedily(const GreedyErrorMap& map, const PieceStatistics& s
               .rings = &rings[scale],
               .x = static_cast<int>(p) % bounds.x1,
               .y = static_cast<int>(p) / bounds.x1,
-              .seed = mix(seed, p, i % per_pixel)};
+              .seed = mix(seed, p, i % per_pixel),
+              .first = {}};
     wish.first = wish.target(0, bounds);
     return wish;
   };
