@@ -64,7 +64,6 @@ Result<std::vector<std::byte>> read_index(OpenDump& dump) {
                   {header.error().failure, fmt::format("{} (index, offset {})", header.error().what,
                                                        dump.footer.index_offset)});
   }
-  dump.index_header = *header;
   const IndexEntry entry{dump.footer.index_offset, *header};
   const uint64_t entries = dump.footer.record_count - 1;
   if (const auto alone = check_record_alone(*header, dump.file_header.dump_id()); !alone) {

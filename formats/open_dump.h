@@ -23,7 +23,6 @@ struct OpenDump {
   DumpHeader header;
   DumpGeometry geometry;
   Footer footer;
-  RecordHeader index_header;
   std::vector<IndexEntry> entries;       // all records but INDX, in file order
   std::vector<uint32_t> record_of_slot;  // entry number, or kNoRecord
   std::vector<std::string> meta;

@@ -81,7 +81,7 @@ void test(Comparison& c, double standard_error, double freedom) {
 
 // Mean cost of a series with the spread that its halves give it.
 MeanError mean_cost(const Series& series, Better better, bool logarithmic) {
-  HalfVariance between = half_variance(series.halves);
+  HalfSpread between = half_variance(series.halves);
   const double slope = cost_slope(series, better, logarithmic);
   between.variance *= slope * slope;
   return mean_error(costs(series, better, logarithmic), series.correlation, between,

@@ -50,8 +50,8 @@ double freedom_of(std::span<const HalfDifference> splits) {
 
 }  // namespace
 
-HalfVariance half_variance(std::span<const HalfDifference> splits) {
-  HalfVariance found;
+HalfSpread half_variance(std::span<const HalfDifference> splits) {
+  HalfSpread found;
   if (splits.empty()) return found;
   for (const HalfDifference& split : splits) {
     if (split.cells.size() != splits.front().cells.size()) return found;

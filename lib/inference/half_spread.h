@@ -28,13 +28,13 @@ struct HalfDifference {
   TakenCounts varying;
 };
 
-struct HalfVariance {
+struct HalfSpread {
   double variance = 0;  // of one image's metric between recordings, of its logarithm
   double freedom = 0;   // 0: not known
 };
 
 // `splits`: of one metric; none, or of pictures of several sizes: not known.
-HalfVariance half_variance(std::span<const HalfDifference> splits);
+HalfSpread half_variance(std::span<const HalfDifference> splits);
 
 // first * a - second * b, cell by cell, of the splits that both have; empty where sizes differ.
 std::vector<HalfDifference> difference_of(std::span<const HalfDifference> a, double first,

@@ -71,8 +71,8 @@ std::vector<double> recording_means(std::span<const double> values, int recordin
 
 }  // namespace
 
-MeanError mean_error(std::span<const double> values, double correlation,
-                     const HalfVariance& between, int recordings) {
+MeanError mean_error(std::span<const double> values, double correlation, const HalfSpread& between,
+                     int recordings) {
   SPOOL_CHECK_GE(correlation, 0.0);
   if (recordings >= kOwnSpread) {
     const std::vector<double> means = recording_means(values, recordings);
@@ -121,7 +121,7 @@ MeanError mean_error(std::span<const double> values, double correlation,
 Interval mean_interval(const Series& series, Range range) {
   Interval interval;
   interval.logarithmic = range == Range::kPositive && all_positive(series.values);
-  HalfVariance between = half_variance(series.halves);
+  HalfSpread between = half_variance(series.halves);
   if (!interval.logarithmic) {
     const double mean = mean_error(series.values, 0.0).mean;
     between.variance *= mean * mean;

@@ -84,7 +84,7 @@ struct MeanError {
   double freedom = 0;
 };
 MeanError mean_error(std::span<const double> values, double correlation,
-                     const HalfVariance& between = {}, int recordings = 1);
+                     const HalfSpread& between = {}, int recordings = 1);
 
 bool all_positive(std::span<const double> values);  // and one at least is finite
 

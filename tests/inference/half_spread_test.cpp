@@ -66,7 +66,7 @@ TEST(HalfSpread, DifferencesNeedTheSameCells) {
 // Replicates that are the same picture but for a trace: their own scatter says nothing.
 TEST(HalfSpread, ReplicatesThatShareTheirErrorHaveTheIntervalOfTheHalves) {
   Series series{{1.0, 1.001, 0.999, 1.0}, 1.0, {}, {cells(1, 0.05), cells(2, 0.05)}};
-  const HalfVariance between = half_variance(series.halves);
+  const HalfSpread between = half_variance(series.halves);
   const Interval found = mean_interval(series, Range::kPositive);
   EXPECT_NEAR(found.standard_error, std::sqrt(between.variance), 1e-4);
   EXPECT_NEAR(found.freedom, between.freedom, 1e-9);
