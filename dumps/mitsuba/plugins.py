@@ -115,7 +115,7 @@ def _force_integrator(mi, nodes, wishes):
 
 def _rigid(mi, node):
     """A camera whose matrix scales is refused by Mitsuba 3: its rotation is kept (polar decomposition). The scale of an
-    orthographic camera is the width of what it sees."""
+    orthographic camera is the width of its picture."""
     if node.props.plugin_name() == "orthographic" or "to_world" not in node.props or not hasattr(node.props["to_world"], "matrix"):
         return []
     matrix = np.array(node.props["to_world"].matrix, np.float64).reshape(4, 4)

@@ -96,7 +96,7 @@ def independence_findings(radiance, claimed, level):
     e = e[noisy]
     if not len(e):
         return [finding("independence", None, "every pixel is constant", "noise to look at")]
-    if len(e) > 4096:  # they see correlations of 1e-3
+    if len(e) > 4096:  # enough for correlations of 1e-3
         e = e[np.random.default_rng(SEED).choice(len(e), 4096, replace=False)]
     grams = [part.T @ part for part in np.array_split(e, -(-count // WINDOW), axis=1)]
     tests = [("variance of %d-means" % size, partial(group_variance, size=size)) for size in (4, 16) if count // size >= 4]

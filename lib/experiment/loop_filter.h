@@ -10,7 +10,7 @@
 
 namespace spool {
 
-// Without views and without a reference, which no sampler may see.
+// Without views and without a reference, which no sampler may have.
 LoopFilter loop_filter(const ReadyFilter& filter);
 
 // The filter in the loop of a sampler: the one that it names, else that of the image.

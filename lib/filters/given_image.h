@@ -12,7 +12,7 @@ namespace spool {
 Result<Reconstruction> own_image(RgbImage image, const SamplePool& pool, const std::string& name);
 
 // Hands `image` back for any selection of its size. Refuses half pools: a sampler that compares the
-// images of two halves would see no difference.
+// images of two halves would find no difference.
 FilterFunction given_image(RgbImage image, std::string name);
 
 }  // namespace spool

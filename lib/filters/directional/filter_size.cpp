@@ -41,7 +41,7 @@ Plane size_variance(const FilterSizeInput& input, int k, const Plane& contrast,
 }
 
 // Where a region is symmetric about a clean edge its mean does not change with its size, and no
-// size stops: a lone large filter on the edge. Its neighbours see the edge.
+// size stops: a lone large filter on the edge. Those of its neighbours hold it.
 CountImage limited_steps(const CountImage& level, int step) {
   CountImage limited = level;
   parallel_rows(0, level.height(), [&](int y) {

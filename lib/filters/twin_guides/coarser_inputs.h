@@ -4,7 +4,7 @@
 //   out  = sum s in / sum s       colours, differences, logarithms, features, positions
 //
 // So the Gaussian of the window becomes a small one, and edges of the guides stay. Taps of the next
-// scale stand twice as far apart and see means over about as much. Slow twin:
+// scale stand twice as far apart, on means over about as much. Slow twin:
 // tests/reference/twin_guides_reference.h.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What the fits of one scale see of every piece, and what they make of it.
+// What the fits of one scale take of every piece, and what they make of it.
 //
 // On the finest scale that is the piece itself. On a coarser one it is a small mean around it under
 // the weights of the scale before (coarser_inputs.h): colours and regressors alike, so that where a
