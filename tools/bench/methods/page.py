@@ -24,6 +24,11 @@ def of(kept, size, threads, method):
     return found if found and "cpu" in found else None
 
 
+def speedup(one, two):
+    """Of two threads: one thread has its CPU time where nothing else runs."""
+    return one["cpu"] / two["wall"]
+
+
 def megapixel(found):
     return found["cpu"] / JUDGED ** 2 * 1e6
 
@@ -46,7 +51,7 @@ def judged(kind, kept, names):
         if one is None:
             continue
         limit = SECONDS.get(method, OTHERS) * oidn(kept) / OIDN
-        faster = one["wall"] / two["wall"] if two else None
+        faster = speedup(one, two) if two else None
         rows.append([name_of(method, one), told(megapixel(one), 3, megapixel(one) <= limit), f"{limit:.3g}",
                      told(one["heap"], 0, one["heap"] <= BYTES),
                      "" if faster is None else told(faster, 2, faster >= TWO_THREADS or megapixel(one) <= LONG), exponent[method]])
@@ -65,7 +70,7 @@ def growth_rows(kept):
             growth = f"{1 + math.log(pixel[most] / pixel[least]) / math.log((most / least) ** 2):.2f}" if most > least else ""
             faster = [(of(kept, size, 1, name), of(kept, size, 2, name)) for size in sizes]
             rows.append([*name.split("/"), *(f"{pixel[size]:.3f}" if size in pixel else "" for size in sizes),
-                         *(f"{one['wall'] / two['wall']:.2f}" if one and two else "" for one, two in faster), growth])
+                         *(f"{speedup(*pair):.2f}" if all(pair) else "" for pair in faster), growth])
     return rows
 
 
