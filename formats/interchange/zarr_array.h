@@ -10,13 +10,11 @@
 #include <vector>
 
 #include "formats/interchange/expansion.h"
+#include "formats/interchange/zarr_chunk.h"
 #include "formats/interchange/zip_directory.h"
 #include "lib/core/error.h"
 
 namespace spool::interchange {
-
-// Of the buffers of chunks: Blosc 1, zstd, zlib, or plain.
-enum class ChunkCompressor { kNone, kBlosc, kZstd, kZlib };
 
 struct ZarrArray {
   std::string name;

@@ -9,6 +9,7 @@
 #include "lib/core/heap_policy.h"
 #include "lib/core/parallel.h"
 #include "tools/command_line/help_text.h"
+#include "tools/command_line/image_verbs.h"
 #include "tools/command_line/manual.h"
 #include "tools/command_line/method_verbs.h"
 #include "tools/command_line/misspelt.h"

@@ -1,4 +1,4 @@
-// The verbs that run one method on one recording, or show it; and those that make images visible.
+// The verbs that run one method on one recording, or show it.
 #pragma once
 
 #include "tools/command_line/program.h"
@@ -10,7 +10,5 @@ void add_reconstruct(Program& program);
 void add_pixel(Program& program);
 void add_view(Program& program);
 void add_list(Program& program);
-void add_picture(Program& program);
-void add_show(Program& program);
 
 }  // namespace spool::tools

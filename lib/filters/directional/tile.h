@@ -10,30 +10,11 @@
 #include "lib/core/rectangle.h"
 #include "lib/core/view.h"
 #include "lib/filters/directional/anisotropic_filter.h"
-#include "lib/filters/directional/options.h"
+#include "lib/filters/directional/size_channels.h"
 #include "lib/kernels/piece_estimates.h"
-#include "lib/pool/sample_pool.h"
-#include "lib/statistics/piece_statistics.h"
 #include "lib/statistics/selection.h"
-#include "lib/statistics/variance_of_mean.h"
 
 namespace spool {
-
-// What the size rule looks at where not the selection's own signal decides: its samples again, by
-// luminance, by the largest channel, or by red, green and blue each alone. The exposure, the limit
-// and the map of the selection's signal hold for all of them.
-struct SizeChannel {
-  Plane mean, variance;    // [y][x] exposed; variance of `mean`
-  Plane minimum, maximum;  // [y][x] exposed extremes of the samples; +-infinity where n = 0
-};
-
-// Red, green and blue, with `exposure` in place of the signal's own.
-std::vector<SizeChannel> size_channels(const PieceStatistics& statistics, const SamplePool& pool,
-                                       double exposure, const VarianceOptions& variance);
-
-// `statistics` with the signal that the option names; per_channel keeps it, as of_selection does.
-PieceStatistics with_analysis_channel(PieceStatistics statistics, const SamplePool& pool,
-                                      SizeChannels channels);
 
 struct Tile {
   int x0 = 0, y0 = 0;                      // of its first piece in the image

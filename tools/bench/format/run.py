@@ -10,10 +10,9 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from tools.bench.methods.page import lines
 from tools.bench.speed_page import ROOT, parser_of, publish
 from tools.report.whole_file import write_whole
-from tools.study.tables import as_csv
+from tools.study.tables import as_csv, markdown
 
 RECORDINGS = ["balls", "caustic", "chess", "table"]  # Cycles; the same layers in each
 READS, WRITES, OPENS_MS, BLOCK_MS, RSS_MB = 3.0, 5.0, 50.0, 2.0, 1024  # targets
@@ -57,7 +56,7 @@ def verdicts(runs, large):
                                                 f"{large['block_mapped_ms']:.3f} ms mapped"],
                 large["block_read_ms"] <= BLOCK_MS),
             row("memory for all of that", "1 GiB", [f"{large['peak_rss_mb']} MiB"], large["peak_rss_mb"] < RSS_MB)]
-    return lines(rows)
+    return markdown(rows[0], rows[1:])
 
 
 def main():

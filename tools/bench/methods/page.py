@@ -2,6 +2,8 @@
 import math
 import os
 
+from tools.study.tables import markdown
+
 LARGE = 4096  # pixels a side of pictures with fewer samples, which growth leaves out
 JUDGED, BUDGET, BYTES, TWO_THREADS, LONG = 512, 8, 300, 1.8, 0.5
 # Targets in CPU seconds a megapixel of a machine on which the command of Open Image Denoise takes OIDN of them; of methods that are not named, OTHERS.
@@ -12,11 +14,6 @@ OTHERS = 10.0
 
 def told(value, digits, holds=True):
     return f"{value:.{digits}f}" if holds else f"**{value:.{digits}f}**"
-
-
-def lines(rows):
-    head, *body = rows
-    return "\n".join("| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *body])
 
 
 def of(kept, size, threads, method):
@@ -55,7 +52,7 @@ def judged(kind, kept, names):
         rows.append([name_of(method, one), told(megapixel(one), 3, megapixel(one) <= limit), f"{limit:.3g}",
                      told(one["heap"], 0, one["heap"] <= BYTES),
                      "" if faster is None else told(faster, 2, faster >= TWO_THREADS or megapixel(one) <= LONG), exponent[method]])
-    return lines(rows)
+    return markdown(rows[0], rows[1:])
 
 
 def growth_rows(kept):

@@ -6,8 +6,6 @@ has the whole commands. Sizes and numbers of threads take turns, and of the turn
 adds. A method is left out at a size where a run would take longer than --longest, by the size before. What was measured is kept in methods.json of the build
 folder; tables are written into docs/speed.md, unless they shall only be printed.
 """
-import argparse
-import csv
 import json
 import re
 import subprocess
@@ -17,7 +15,9 @@ from pathlib import Path
 from tools.bench.limited_run import run
 from tools.bench.methods.mosaic import write_mosaic
 from tools.bench.methods.page import JUDGED, LARGE, YARDSTICK, growth_rows, page
-from tools.bench.speed_page import PAGE, replace_section
+from tools.bench.speed_page import PAGE, parser_of, publish
+from tools.report.whole_file import write_whole
+from tools.study.tables import as_csv
 
 BUDGET = 8
 WARMED = 5.0                                   # seconds; a longer run maps the recording's pages at no cost that counts
@@ -120,14 +120,12 @@ def keep(path, kept):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=Path)
+    parser = parser_of(__doc__)
     parser.add_argument("--sizes", default="512,1024,2048,4096", help="pixels along a side")
     parser.add_argument("--turns", type=int, default=1)
     parser.add_argument("--threads", default="1,2", help="1: on a machine that others use, two say nothing")
     parser.add_argument("--longest", type=float, default=60, help="seconds; what would take longer at a size is left out there")
     parser.add_argument("--methods", default=".*", help="a regular expression, e.g. filter/")
-    parser.add_argument("--print", action="store_true", help="leave docs/speed.md alone")
     parser.add_argument("--add", action="store_true", help="keep what was measured last, of which the least counts too")
     parser.add_argument("--again", action="store_true", help="keep what was measured last, except of --methods at --sizes")
     parser.add_argument("--kept", action="store_true", help="measure nothing: tables of what was measured last")
@@ -144,12 +142,10 @@ def main():
         for _ in range(options.turns):
             for size in sizes:
                 bench.measure(size, sorted({kind[0] for kind in kept} | set(sizes)))
-    text = page(kept)
-    print(text)
+    publish("methods", page(kept), options)
     if not options.print:
-        replace_section("methods", text)
-        with open(PAGE.parent / "results/speed/sizes.csv", "w", newline="", encoding="utf-8") as stream:
-            csv.writer(stream, lineterminator="\n").writerows(growth_rows(kept))
+        head, *rows = growth_rows(kept)
+        write_whole(PAGE.parent / "results/speed/sizes.csv", as_csv(head, rows))
 
 
 if __name__ == "__main__":

@@ -14,10 +14,10 @@ from pathlib import Path
 
 from tools.bench.limited_run import run
 from tools.bench.methods.mosaic import write_mosaic
-from tools.bench.methods.page import lines, machine
+from tools.bench.methods.page import machine
 from tools.bench.speed_page import PAGE, parser_of, publish
 from tools.report.whole_file import write_whole
-from tools.study.tables import as_csv
+from tools.study.tables import as_csv, markdown
 
 FEATURES = Path("dumps/tiny/chess.spool")
 TEST = b"\xf6\x40\x08\x04"                      # testb $4, 8(%rax): GCC's question for x86-64-v4 in a resolver; with 0 the answer is no
@@ -100,7 +100,7 @@ def page(found, size, turns):
         f"`tools/dev.sh bench vectors`: whole commands at {size}x{size} pixels of scene S, 8 of 64 samples, one thread, with the clones for AVX-512 and with those for AVX2, "
         f"on {machine()}, the least of {turns} turns in which every method ran; the images are the same bytes. A star: on a picture with features "
         f"(`dumps/tiny/chess.spool`, mirrored), which Open Image Denoise got, too. What takes less than {LEAST} of it: "
-        "[vectors.csv](results/speed/vectors.csv).", lines(rows)])
+        "[vectors.csv](results/speed/vectors.csv).", markdown(rows[0], rows[1:])])
 
 
 def main():
