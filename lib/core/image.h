@@ -25,12 +25,7 @@ class Image {
 
   Image() = default;
   Image(int width, int height, T fill = T{})
-      : width_(width),
-        height_(height),
-        data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {
-    SPOOL_CHECK_GE(width, 0);
-    SPOOL_CHECK_GE(height, 0);
-  }
+      : width_(width), height_(height), data_(pixels_of(width, height), fill) {}
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -60,6 +55,12 @@ class Image {
   friend bool operator==(const Image&, const Image&) = default;
 
  private:
+  static std::size_t pixels_of(int width, int height) {
+    SPOOL_CHECK_GE(width, 0);
+    SPOOL_CHECK_GE(height, 0);
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+
   int width_ = 0;
   int height_ = 0;
   std::vector<T> data_;

@@ -79,8 +79,9 @@ std::string shell_quoted(std::string_view text) {
 }
 
 std::string shell_word(std::string_view text) {
-  constexpr std::string_view kObeyed = " '\"\\$`!#&;()<>|*?[]{}~";
-  const bool plain = !text.empty() && text.find_first_of(kObeyed) == std::string_view::npos;
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+%@^";
+  const bool plain = !text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos;
   return plain ? std::string(text) : shell_quoted(text);
 }
 

@@ -105,6 +105,21 @@ Result<std::map<std::string, std::string>> pass_attributes(const format::SpoolRe
   return texts;
 }
 
+// Images of a longer recording would be samples of this one.
+Result<void> remove_earlier_export(const std::filesystem::path& out) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(out, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool sample = name.starts_with("sample_") && name.ends_with(".exr");
+    if (sample || name == "pixel_layers.exr") std::filesystem::remove(entry.path(), error);
+    if (error) break;
+  }
+  if (error)
+    return fail(ErrorCode::kIo, "{}: cannot be emptied ({}): check the folder", out.string(),
+                error.message());
+  return {};
+}
+
 }  // namespace
 
 Result<ExportReport> export_exr_folder(const std::filesystem::path& in,
@@ -121,6 +136,7 @@ Result<ExportReport> export_exr_folder(const std::filesystem::path& in,
   if (error)
     return fail(ErrorCode::kIo, "{}: cannot be made ({}): check the path", out.string(),
                 error.message());
+  if (force) SPOOL_TRY(remove_earlier_export(out));
   ExportReport report;
   const bool plain = names == ExrNames::kPlain;
   std::vector<Place> places;

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "lib/core/colour.h"
 #include "lib/core/image.h"
 
 namespace spool {
-double srgb_encode(double linear) {
-  const double x = std::clamp(linear, 0.0, 1.0);
-  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
+
+std::uint8_t srgb_byte(double linear) {
+  return static_cast<std::uint8_t>(std::lround(255.0 * srgb_encoded(std::clamp(linear, 0.0, 1.0))));
 }
 
 namespace {
@@ -51,9 +52,8 @@ Linear linear_colour_at(double lightness, double chroma, double hue_deg) {
 
 Rgb8 encoded(const Linear& linear) {
   Rgb8 colour{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    colour[c] = static_cast<std::uint8_t>(std::lround(255.0 * srgb_encode(linear[c])));
-  }
+  for (std::size_t c = 0; c < 3; ++c)
+    colour[c] = srgb_byte(linear[c]);
   return colour;
 }
 

@@ -12,8 +12,8 @@ namespace spool {
 
 using Rgb8 = std::array<std::uint8_t, 3>;  // sRGB, encoded
 
-// Linear [0,1] to the encoded value of sRGB; clamps.
-double srgb_encode(double linear);
+// A linear value as sRGB encodes it; clamped to [0, 1].
+std::uint8_t srgb_byte(double linear);
 
 // t in [0,1], clamped.
 Rgb8 sequential_colour(double t);

@@ -1,5 +1,6 @@
 #include "lib/image_io/colour_space.h"
 
+#include <array>
 #include <cmath>
 #include <string_view>
 
@@ -92,19 +93,6 @@ ColourMatrix product(const ColourMatrix& a, const ColourMatrix& b) {
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t k = 0; k < 3; ++k)
         result[r][c] += a[r][k] * b[k][c];
-  return result;
-}
-
-ColourMatrix inverse(const ColourMatrix& m) {
-  const auto minor = [&](std::size_t r, std::size_t c) {  // the cyclic order carries the sign
-    const std::size_t r0 = (r + 1) % 3, r1 = (r + 2) % 3, c0 = (c + 1) % 3, c1 = (c + 2) % 3;
-    return m[r0][c0] * m[r1][c1] - m[r0][c1] * m[r1][c0];
-  };
-  const double det = m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1) + m[0][2] * minor(0, 2);
-  ColourMatrix result{};
-  for (std::size_t r = 0; r < 3; ++r)
-    for (std::size_t c = 0; c < 3; ++c)
-      result[r][c] = minor(c, r) / det;
   return result;
 }
 

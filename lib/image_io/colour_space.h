@@ -6,16 +6,14 @@
 // chromaticities, colorInteropID, acesImageContainerFlag, oiio:ColorSpace; none: Rec. 709.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 
+#include "lib/core/colour.h"
 #include "lib/core/error.h"
 #include "lib/image_io/exr_types.h"
 
 namespace spool {
-
-using ColourMatrix = std::array<std::array<double, 3>, 3>;  // [to][from]
 
 struct ColourConversion {
   std::string from;     // "Rec. 2020"

@@ -52,7 +52,9 @@ class Chooser {
     if (choice_.part.empty())
       return those(all, [&](const ExrLayer& layer) { return parts_[layer.part].flat; });
     std::size_t number = parts_.size();
-    std::from_chars(choice_.part.data(), choice_.part.data() + choice_.part.size(), number);
+    const char* end = choice_.part.data() + choice_.part.size();
+    const auto read = std::from_chars(choice_.part.data(), end, number);
+    if (read.ec != std::errc() || read.ptr != end) number = parts_.size();
     Layers found =
         those(all, [&](const ExrLayer& layer) { return parts_[layer.part].name == choice_.part; });
     if (found.empty())

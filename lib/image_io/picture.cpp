@@ -43,9 +43,7 @@ Picture tone_map(const RgbImage& image, double exposure) {
       for (std::size_t c = 0; c < 3; ++c) {
         const double value = image[c](x, y);
         finite = finite && std::isfinite(value);
-        if (finite) {
-          colour[c] = static_cast<std::uint8_t>(std::lround(255.0 * srgb_encode(exposure * value)));
-        }
+        if (finite) colour[c] = srgb_byte(exposure * value);
       }
       picture.set(x, y, finite ? colour : kNotFinite);
     }

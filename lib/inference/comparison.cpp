@@ -13,13 +13,6 @@ bool compares_logarithms(const Series& a, const Series& b, Better better) {
   return better == Better::kLower && all_positive(a.values) && all_positive(b.values);
 }
 
-// Better when lower.
-double cost(double value, Better better, bool logarithmic) {
-  if (better == Better::kHigher) return -value;
-  if (better == Better::kOne) return std::abs(value > 0.0 ? std::log(value) : value - 1.0);
-  return logarithmic ? std::log(value) : value;
-}
-
 std::vector<double> costs(const Series& series, Better better, bool logarithmic) {
   std::vector<double> result;
   for (const double value : series.values)
@@ -89,6 +82,12 @@ MeanError mean_cost(const Series& series, Better better, bool logarithmic) {
 }
 
 }  // namespace
+
+double cost(double value, Better better, bool logarithmic) {
+  if (better == Better::kHigher) return -value;
+  if (better == Better::kOne) return std::abs(value > 0.0 ? std::log(value) : value - 1.0);
+  return logarithmic ? std::log(value) : value;
+}
 
 double Comparison::p_of(double limit) const {
   const double distance = difference - limit;

@@ -17,6 +17,9 @@
 
 namespace spool {
 
+// What is compared: lower is better; as a logarithm where `logarithmic`, of positive values.
+double cost(double value, Better better, bool logarithmic);
+
 struct Comparison {
   int n = 0;                                                     // pairs of finite values
   double difference = std::numeric_limits<double>::quiet_NaN();  // below 0: the first is better

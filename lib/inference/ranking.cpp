@@ -13,9 +13,7 @@ namespace {
 // Smaller is better; a mean that is not known comes last.
 double order_of(const RankedMethod& ranked, Better better) {
   const double mean = ranked.mean.mean;
-  if (std::isnan(mean)) return std::numeric_limits<double>::infinity();
-  if (better == Better::kHigher) return -mean;
-  return better == Better::kOne && mean > 0.0 ? std::abs(std::log(mean)) : mean;
+  return std::isnan(mean) ? std::numeric_limits<double>::infinity() : cost(mean, better, false);
 }
 
 // Places in the sorted list that are compared.

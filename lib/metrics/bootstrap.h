@@ -49,8 +49,6 @@ std::vector<double> resampled_sums(std::span<const double> values, const BlockBo
 // finite are left out. NaN when fewer than two remain.
 double standard_error_of(std::span<const double> resampled);
 
-// sum(numerator) / sum(denominator) over blocks with its bootstrap standard error. The standard
-// error is NaN when there is only one block. `numerator` and `denominator`: [block].
 // n / d, without a floating-point exception where nothing is divided by nothing: NaN there,
 // infinite where something is.
 double quotient(double n, double d);
@@ -59,6 +57,8 @@ struct Estimate {
   double value = std::numeric_limits<double>::quiet_NaN();
   double standard_error = std::numeric_limits<double>::quiet_NaN();
 };
+// sum(numerator) / sum(denominator) over blocks with its bootstrap standard error. The standard
+// error is NaN when there is only one block. `numerator` and `denominator`: [block].
 Estimate ratio_of_sums(const BlockBootstrap& bootstrap, std::span<const double> numerator,
                        std::span<const double> denominator);
 

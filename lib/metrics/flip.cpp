@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "lib/core/colour.h"
 #include "lib/core/parallel.h"
 #include "lib/metrics/weighted_rows.h"
 
@@ -16,30 +17,16 @@ namespace {
 using Triple = std::array<double, 3>;
 
 // Linear sRGB to XYZ, rows X, Y, Z, and the white it gives (1, 1, 1).
-constexpr std::array<Triple, 3> kToXyz = {{{0.4123865633, 0.3575914909, 0.1804504912},
-                                           {0.2126368217, 0.7151829818, 0.0721801965},
-                                           {0.0193306202, 0.1191971636, 0.9503725870}}};
+constexpr ColourMatrix kToXyz = {{{0.4123865633, 0.3575914909, 0.1804504912},
+                                  {0.2126368217, 0.7151829818, 0.0721801965},
+                                  {0.0193306202, 0.1191971636, 0.9503725870}}};
 constexpr Triple kWhite = {0.950428545, 1.0, 1.088900371};
 
 constexpr double kColourExponent = 0.7;  // q_c of [AnderssonEtAl20]
 constexpr double kPc = 0.4, kPt = 0.95;  // p_c, p_t
 constexpr double kFeatureWidth = 0.082;  // degrees, w
 
-std::array<Triple, 3> inverse(const std::array<Triple, 3>& m) {
-  const auto minor = [&](std::size_t r, std::size_t c) {
-    const std::size_t r0 = (r + 1) % 3, r1 = (r + 2) % 3, c0 = (c + 1) % 3, c1 = (c + 2) % 3;
-    return m[r0][c0] * m[r1][c1] - m[r0][c1] * m[r1][c0];  // the cyclic order carries the sign
-  };
-  const double det = m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1) + m[0][2] * minor(0, 2);
-  std::array<Triple, 3> result{};
-  for (std::size_t r = 0; r < 3; ++r) {
-    for (std::size_t c = 0; c < 3; ++c)
-      result[r][c] = minor(c, r) / det;
-  }
-  return result;
-}
-
-Triple times(const std::array<Triple, 3>& m, const Triple& v) {
+Triple times(const ColourMatrix& m, const Triple& v) {
   Triple result{};
   for (std::size_t r = 0; r < 3; ++r)
     result[r] = m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2];
@@ -55,7 +42,7 @@ Triple to_ycxcz(const Triple& rgb) {
 }
 
 Triple from_ycxcz(const Triple& ycxcz) {
-  static const std::array<Triple, 3> to_rgb = inverse(kToXyz);
+  static const ColourMatrix to_rgb = inverse(kToXyz);
   const double y = (ycxcz[0] + 16.0) / 116.0;
   return times(to_rgb, {(y + ycxcz[1] / 500.0) * kWhite[0], y * kWhite[1],
                         (y - ycxcz[2] / 200.0) * kWhite[2]});

@@ -24,7 +24,7 @@ Result<std::vector<bool>> metrics_named(const std::vector<std::string>& names) {
 const OptionTable<MetricOptions>& metric_option_table() {
   constexpr double kLargest = std::numeric_limits<double>::max();
   static const OptionTable<MetricOptions> table = {
-      number_option("rel_eps", &MetricOptions::rel_eps, 0.0, kLargest,
+      number_option("rel_eps", &MetricOptions::rel_eps, 1e-12, kLargest,
                     "added to the squared reference in relmse"),
       choice_option<MetricOptions, RelativeScale>(
           "rel_scale", &MetricOptions::rel_scale,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/core/colour.h"
 #include "lib/core/pairwise_sum.h"
 
 namespace spool {
@@ -28,10 +29,6 @@ RgbImage scaled_judged(const RgbImage& image, double factor, const Image<std::ui
     }
   }
   return result;
-}
-
-double srgb_encoded(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
 double tone_mapped(double value, double exposure) {

@@ -15,9 +15,6 @@ double tone_map_exposure(const RgbImage& reference, const Image<std::uint8_t>& j
 // Radiance times `factor`, 0 where not judged so that both images agree there.
 RgbImage scaled_judged(const RgbImage& image, double factor, const Image<std::uint8_t>& judged);
 
-// sRGB transfer function of a linear value in [0, 1] [IEC61966].
-double srgb_encoded(double linear);
-
 // srgb_encoded(clamp(exposure * value, 0, 1)).
 double tone_mapped(double value, double exposure);
 

@@ -96,7 +96,7 @@ FUNCTIONS = {
     "metrics": (judge, {"image": IMAGE, "reference": IMAGE + 0.1, "metrics": None, "variance": None, "standard_errors": False,
                         "threads": 0, "trim": 0.01, "rel_eps": 0.01, "rel_scale": "mean", "perceptual": "none"},
                 {"metrics": ["None"], "variance": ["None"], "threads": ["0"], "trim": ["0"],
-                 "rel_eps": ["0", "2.5", "1e308", "2^31", "2^63", "2^64", "scalar"]}),
+                 "rel_eps": ["2.5", "1e308", "2^31", "2^63", "2^64", "scalar"]}),
     "show": (spool.show, {"images": IMAGE, "reference": IMAGE, "crops": (), "title": "", "exposure": None, "max_mb": 16.0},
              {"images": ["nan image"], "reference": ["None", "nan image"], "crops": ["no number"], "title": ["x"],
               "exposure": ["None", "-1", "0", "2.5", "scalar"], "max_mb": ["2.5", "scalar"]}),

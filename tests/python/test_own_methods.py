@@ -1,4 +1,6 @@
 """Samplers and filters that are Python functions take part beside the library's."""
+import threading
+
 import numpy as np
 import pytest
 
@@ -154,6 +156,45 @@ def test_another_function_of_the_same_name_is_another_method(dump, tmp_path):
     assert mine.key != first.key
     with pytest.raises(spool.SpoolError, match="results that this plan does not have"):
         evaluate(mine)
+
+
+def test_functions_of_one_text_differ_by_what_they_take_from_around_them(dump):
+    def scaled_by(factor):
+        @spool.filter
+        def scaled(statistics):
+            return factor * statistics.mean
+        return scaled
+
+    # Numbers, arrays, what has no lasting description, functions and other methods: of one text each.
+    factors = [1.0, 0.25, np.full(3, 2.0), np.full(3, 4.0)]
+    keys = [scaled_by(factor).key for factor in factors]
+    assert len(set(keys)) == len(factors) and keys == [scaled_by(factor).key for factor in factors]
+    assert scaled_by(lambda: 1).key != scaled_by(lambda: 2).key
+    assert scaled_by(scaled_by(1.0)).key != scaled_by(scaled_by(2.0)).key
+    assert scaled_by(threading.Lock()).key != scaled_by(threading.Lock()).key
+
+    results = spool.evaluate({"recordings": [dump], "spp": [4], "replicates": 1, "samplers": ["uniform"],
+                              "filters": ["box", {"name": scaled_by(1.0), "label": "same"},
+                                          {"name": scaled_by(0.25), "label": "less"}]})
+    error = {row["filter"]: row["mse"] for row in results.rows}
+    assert error["same"] == error["box"] != error["less"]
+
+
+amount_of_module = 1.0
+
+
+def test_a_function_is_another_once_its_module_holds_other_values(dump):
+    @spool.filter
+    def scaled(statistics):
+        return amount_of_module * statistics.mean
+
+    def filtered(amount):
+        global amount_of_module
+        amount_of_module = amount
+        return scaled.key, spool.reconstruct(dump, None, scaled, spp=4)
+    (first, whole), (second, half) = filtered(1.0), filtered(0.5)
+    assert first != second and first == filtered(1.0)[0]
+    assert np.allclose(whole, 2 * half)
 
 
 def test_in_the_loop_of_a_sampler(dump):

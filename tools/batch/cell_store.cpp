@@ -47,8 +47,10 @@ Result<void> CellStore::create(const fs::path& folder) {
 
 Result<void> CellStore::remove_all(const fs::path& folder) {
   std::error_code status;
-  fs::remove_all(cells_of(folder), status);
-  if (status) return failed_on(cells_of(folder), status);
+  for (const fs::path& held : {cells_of(folder), folder / kKeptLines}) {
+    fs::remove_all(held, status);
+    if (status) return failed_on(held, status);
+  }
   return {};
 }
 

@@ -88,6 +88,15 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
                               {.overwrite = true, .shared = true});
 }
 
+void EvaluationPictures::remove(const Cell& cell) const {
+  const std::string stem = stem_of(cell);
+  remove_pictures(folder_, stem);
+  std::error_code status;
+  for (const char* name :
+       {"estimate", "density", "filter_size", "direction", "squared_error", "flip", "reference"})
+    std::filesystem::remove(folder_ / stem / (std::string(name) + ".exr"), status);
+}
+
 // Every result has its own reference where that is made of the samples it did not take.
 Result<void> EvaluationPictures::write_reference(const CellResult& result, const CellImages& images,
                                                  const std::string& stem) {
@@ -123,6 +132,29 @@ Result<std::string> EvaluationPictures::write_sheets(
     written += (written.empty() ? "" : ", ") + path.string();
   }
   return written;
+}
+
+Result<void> check_picture_names(const Plan& plan) {
+  const EvaluationPictures pictures({}, plan.recordings);
+  std::map<std::string, std::string> known;  // stem: result
+  for (const std::string& dump : plan.recordings) {
+    for (const MethodChoice& sampler : plan.samplers) {
+      for (const MethodChoice& filter : plan.filters) {
+        for (const double spp : plan.spp) {
+          const std::string stem = pictures.stem_of({dump, sampler, filter, spp});
+          const std::string result =
+              fmt::format("{}, {} + {} at {} spp", dump, sampler.label(), filter.label(), spp);
+          const auto [at, fresh] = known.try_emplace(stem, result);
+          if (fresh || at->second == result) continue;
+          return fail(ErrorCode::kUsage,
+                      "{} and {}: their images would have one name, {}: give one another label, or "
+                      "--no-pictures",
+                      at->second, result, stem);
+        }
+      }
+    }
+  }
+  return {};
 }
 
 }  // namespace spool::tools

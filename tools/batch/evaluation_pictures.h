@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lib/experiment/experiment.h"
+#include "lib/experiment/plan.h"
 
 namespace spool::tools {
 
@@ -27,6 +28,12 @@ class EvaluationPictures {
   // image that cannot hold its numbers; all others are then written.
   Result<void> add(const CellResult& result, const CellImages& images);
 
+  // Name of the folder of a result.
+  std::string stem_of(const Cell& cell) const;
+
+  // Of an earlier run, where the result of this one failed.
+  void remove(const Cell& cell) const;
+
   // Writes DUMP_SPPspp.png for every recording and budget from the images in the folder: reference
   // and all estimates side by side. Sheets of more than 24 estimates are left out. Returns where
   // they are, in one line; empty where there is none.
@@ -35,11 +42,12 @@ class EvaluationPictures {
  private:
   Result<void> write_reference(const CellResult& result, const CellImages& images,
                                const std::string& stem);
-  std::string stem_of(const Cell& cell) const;
-
   std::filesystem::path folder_;
   std::map<std::string, std::string> dump_names_;  // path: short name, unique
   std::set<std::string> referenced_;               // recordings whose reference is written
 };
+
+// kUsage where images of two results would have one name: different labels may become one.
+Result<void> check_picture_names(const Plan& plan);
 
 }  // namespace spool::tools

@@ -261,6 +261,7 @@ class PlanRun {
       if (!drawn && undrawn_++ == 0) first_undrawn_ = drawn.error().message;
       result.writing = clock.elapsed();
     }
+    if (!images && is_pictured(cell)) pictures_.remove(cell);
     // Tasks of an executor may share their machine.
     if (request_.only && !request_.exact_timing) result.alone = false;
     const ResultRecord record = record_of(result);

@@ -7,9 +7,9 @@
 
 #include "lib/experiment/plan_text.h"
 #include "lib/image_io/atomic_file.h"
+#include "tools/methods/python_program.h"
 #include "tools/methods/watched_process.h"
 #include "tools/terminal/interrupt.h"
-#include "tools/verbs/page_generator.h"
 
 namespace spool::tools {
 namespace {

@@ -54,12 +54,6 @@ Series series_of(const MethodResults& results, const std::string& metric) {
   return sum;
 }
 
-// Distance from the best value: what may grow no further.
-double cost(double value, const std::string& metric) {
-  if (better_of(metric) == Better::kHigher) return -value;
-  return better_of(metric) == Better::kOne ? std::abs(value - 1.0) : value;
-}
-
 }  // namespace
 
 Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
@@ -130,9 +124,8 @@ void judge(std::vector<Change>& changes, double significance, double tolerance) 
     change.verdict = change.difference.identical
                          ? Verdict::kIdentical
                          : verdict_of(change.difference, change.p, significance);
-    const double before = cost(change.before, change.metric);
-    const double after = cost(change.after, change.metric);
-    const bool small = std::abs(after - before) <= tolerance * std::abs(before);
+    const bool small =
+        std::abs(change.after - change.before) <= tolerance * std::abs(change.before);
     const bool told = change.verdict == Verdict::kBetter || change.verdict == Verdict::kWorse;
     if (told && small && tolerance > 0.0) change.verdict = Verdict::kUndecided;
   }

@@ -10,6 +10,7 @@
 #include "formats/spool_reader.h"
 #include "formats/temporary_file.h"
 #include "lib/experiment/plan_reader.h"
+#include "tools/batch/evaluation_pictures.h"
 #include "tools/methods/external_methods.h"
 
 namespace spool::tools {
@@ -93,7 +94,10 @@ Result<Plan> kept_plan(const fs::path& folder) {
 Result<NamedCells> name_cells(const Plan& plan) {
   NamedCells named(plan);
   const std::optional<std::size_t> twice = named.twice();
-  if (!twice) return named;
+  if (!twice) {
+    if (plan.pictures) SPOOL_TRY(check_picture_names(plan));
+    return named;
+  }
   const Cell cell = named.cell(*twice);
   return fail(ErrorCode::kUsage, "{} with {} at {} spp is asked for twice: name it once",
               cell.sampler.label(), cell.filter.label(), cell.spp);
@@ -170,8 +174,15 @@ Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIden
           name.starts_with("results.") || name == "manifest.json" || name.ends_with(".partial")) {
         continue;
       }
-      fs::copy(entry.path(), request.folder / name,
-               fs::copy_options::recursive | fs::copy_options::overwrite_existing, status);
+      if (name == "kept.jsonl")
+        return fail(ErrorCode::kUsage,
+                    "{}: results that were kept without their cells cannot be merged: leave this "
+                    "folder out",
+                    entry.path().string());
+      // Claims stay those that were written before the runs of this folder.
+      const auto existing = name == "claims.json" ? fs::copy_options::skip_existing
+                                                  : fs::copy_options::overwrite_existing;
+      fs::copy(entry.path(), request.folder / name, fs::copy_options::recursive | existing, status);
       if (status) {
         return fail(ErrorCode::kIo, "{}: {}", entry.path().string(), status.message());
       }

@@ -20,14 +20,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// As a shell would take it again.
-std::string quoted(const std::string& word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+%@";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  return shell_quoted(word);
-}
-
 // The words of this process's command line, as the system keeps them; empty where it does not.
 std::string command_line() {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
@@ -37,7 +29,7 @@ std::string command_line() {
   std::string text;
   for (std::size_t at = 0; at < bytes.size();) {
     const std::size_t end = std::min(bytes.find('\0', at), bytes.size());
-    text += (text.empty() ? "" : " ") + quoted(bytes.substr(at, end - at));
+    text += (text.empty() ? "" : " ") + shell_word(bytes.substr(at, end - at));
     at = end + 1;
   }
   return text;

@@ -14,11 +14,12 @@ void add_picture(Program& program) {
                       "EV: values times 2^EV, then sRGB (the log-average luminance becomes middle "
                       "grey)"),
       kExposure);
-  verb.add_option("--like", options.like, "take the automatic exposure from this image")
-      ->excludes(exposure);
+  CLI::Option* like =
+      verb.add_option("--like", options.like, "take the automatic exposure from this image")
+          ->excludes(exposure);
   CLI::Option* colour = verb.add_flag("--false-colour", options.false_colour,
                                       "one channel, or the luminance, as colours with a bar");
-  colour->excludes(exposure);
+  colour->excludes(exposure)->excludes(like);
   verb.add_option("--channel", options.channel, "of --false-colour: its name")->needs(colour);
   verb.add_option("--range", options.range, "of --false-colour: LOW,HIGH (all values)")
       ->needs(colour);

@@ -55,8 +55,11 @@ class LastWords {
     for (char& c : last) {
       if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
     }
-    if (last.size() > kLongestWords) last = last.substr(0, kLongestWords) + "...";
-    return last;
+    if (last.size() <= kLongestWords) return last;
+    std::size_t end = kLongestWords;
+    while (end > 0 && (static_cast<unsigned char>(last[end]) & 0xC0U) == 0x80U)
+      --end;  // not within a character
+    return last.substr(0, end) + "...";
   }
 
  private:

@@ -54,21 +54,34 @@ Error error_of(const std::string& name, nb::python_error& error, Watch* watch) {
       .value();
 }
 
+// A function of one's own is at work in this thread.
+class CallbackScope {
+ public:
+  explicit CallbackScope(Watch* watch) : watch_(watch) {
+    if (watch_ != nullptr) watch_->enter_callback();
+  }
+  CallbackScope(const CallbackScope&) = delete;
+  CallbackScope& operator=(const CallbackScope&) = delete;
+  ~CallbackScope() {
+    if (watch_ != nullptr) watch_->leave_callback();
+  }
+
+ private:
+  Watch* watch_;
+};
+
 // `work` with the interpreter's lock; what it raises becomes the error of the method.
 template <class Work>
 auto with_python(const std::string& name, Watch* watch, Work&& work) -> decltype(work()) {
   std::optional<decltype(work())> result;
   survive_the_end([&] {
     const nb::gil_scoped_acquire lock;
-    if (watch != nullptr) watch->enter_callback();
     try {
+      const CallbackScope callback(watch);
       result = work();
     } catch (nb::python_error& error) {
-      if (watch != nullptr) watch->leave_callback();
       result = tl::unexpected<Error>(error_of(name, error, watch));
-      return;
     }
-    if (watch != nullptr) watch->leave_callback();
   });
   return std::move(*result);
 }

@@ -66,7 +66,7 @@ def affordable_footprints(combinations, seconds, end, told_of):
     for index, combination in sorted(combinations.items(), key=lambda item: -item[1].spp):
         if len(footprints) == MOST_FOOTPRINTS or time.monotonic() >= end:
             break
-        if cpu_seconds(combination.rows[0]) > seconds:
+        if not combination.rows or cpu_seconds(combination.rows[0]) > seconds:
             continue
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         told = told_of(combination)

@@ -144,8 +144,11 @@ void add_verification(const ordered_json& meta, std::vector<std::vector<std::str
                                   ? fmt::format(", p = {:.2g}", p->get<double>())
                                   : std::string())});
   }
+  const ordered_json whole = found->value("holds", ordered_json(nullptr));
+  const bool fails = failing > 0 || whole == ordered_json(false);
+  const char* verdict = fails ? "FAILS" : holding > 0 ? "yes" : "not known";
   rows.push_back(
-      {"verified", fmt::format("{}: {} claims hold{}{}", failing > 0 ? "FAILS" : "yes", holding,
+      {"verified", fmt::format("{}: {} claims hold{}{}", verdict, holding,
                                failing > 0 ? fmt::format(", {} fail", failing) : "",
                                unknown > 0 ? fmt::format(", {} not known", unknown) : "")});
   rows.insert(rows.end(), claims.begin(), claims.end());

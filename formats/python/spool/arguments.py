@@ -60,7 +60,7 @@ def texts(name: str, values) -> list[str]:
 def path(name: str, value) -> str:
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
-    if not isinstance(value, str):
+    if not isinstance(value, str) or not value:
         raise wrong(name, value, "no path")
     if "\0" in value:
         raise wrong(name, value, "no path: it holds a NUL")
@@ -80,16 +80,25 @@ def choice(name: str, value, allowed) -> str:
 
 
 def array(name: str, value, kinds: str = "fiu") -> np.ndarray:
-    """An array of ordinary numbers. A mask would be ignored, so it is refused."""
-    if isinstance(value, np.ma.MaskedArray):
-        raise SpoolError("usage", f"{name}: is a masked array, and masks are not looked at: hand over .filled(VALUE)")
+    """An array of ordinary numbers."""
+    unmasked(name, value)
+    if isinstance(value, (str, bytes)):
+        raise wrong(name, value, "no array")
     try:
         made = np.asarray(value)
     except (ValueError, TypeError) as reason:
         raise SpoolError("usage", f"{name}: is no array: {reason}") from reason
+    if made.dtype.kind == "O":
+        raise SpoolError("usage", f"{name}: is {type(value).__name__}, no array of numbers")
     if made.dtype.kind not in kinds:
         raise SpoolError("usage", f"{name}: holds {_short(made.dtype)}, not numbers")
     return made
+
+
+def unmasked(name: str, value) -> None:
+    """A mask would be ignored, so it is refused."""
+    if isinstance(value, np.ma.MaskedArray):
+        raise SpoolError("usage", f"{name}: is a masked array, and masks are not looked at: hand over .filled(VALUE)")
 
 
 def image_size(name: str, shape) -> None:
@@ -128,7 +137,11 @@ def _short(of) -> str:
 def convert(array, dtype, what):
     """Arrays of the caller as those of a layer, without a value that silently becomes another: equal dtypes pass bit for bit; wider floats are
     rounded, and a finite value that would become infinite is refused; integers and booleans pass into u32 where they fit."""
-    array = np.asarray(array)
+    unmasked(what, array)
+    try:
+        array = np.asarray(array)
+    except (ValueError, TypeError) as reason:
+        raise SpoolError("usage", f"{what}: is no array: {reason}") from reason
     if array.dtype == dtype:
         return array
     if array.dtype.kind == "f" and dtype.kind == "f":

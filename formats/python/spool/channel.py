@@ -5,7 +5,7 @@ from collections import namedtuple
 import numpy as np
 
 from . import record_layout as layout
-from .arguments import mapping, wrong
+from .arguments import mapping, texts, wrong
 from .error import SpoolError
 
 # dtype is a numpy dtype; scope is "sample", "pixel" or "pass".
@@ -109,10 +109,21 @@ def channels_of(layers):
         if not isinstance(description, (tuple, list)) or len(description) not in (2, 3):
             raise wrong(f"layer {name}", description, "not (dtype, components) or (dtype, components, scope)")
         dtype, components, *scope = description
+        components = texts(f"layer {name}: components", components) if not isinstance(components, str) else list(components)
+        if not components:
+            raise wrong(f"layer {name}", description, "without components")
         semantic = VOCABULARY.get(name, ("", 0))[1]
-        channels += [Channel(f"{name}.{component}", group, np.dtype(dtype), semantic, scope[0] if scope else "sample")
+        channels += [Channel(f"{name}.{component}", group, dtype_of(name, dtype), semantic, scope[0] if scope else "sample")
                      for component in components]
     return channels
+
+
+def dtype_of(name, given):
+    """Any spelling ("f4", np.float32), as the file has it."""
+    try:
+        return np.dtype(given).newbyteorder("<")
+    except (TypeError, ValueError):
+        raise wrong(f"{name}: dtype", given, "no dtype of numpy") from None
 
 
 def _members(channels):

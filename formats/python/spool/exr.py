@@ -45,9 +45,12 @@ def write(path, channels):
     for name, plane in channels.items():
         plane = np.asarray(plane)
         wide = "<u4" if plane.dtype.kind == "u" else "<f2" if plane.dtype == np.float16 else "<f4"
+        if plane.dtype.kind not in "biuf":
+            raise SpoolError("usage", f"{os.fspath(path)}: {name} holds {plane.dtype.name}: give real numbers")
         with np.errstate(over="ignore"):
             planes[name] = np.ascontiguousarray(plane, wide)
-        if plane.dtype.kind == "f" and (np.isinf(planes[name]) & np.isfinite(plane)).any():
+        whole = plane.dtype.kind in "iu"
+        if (planes[name] != plane).any() if whole else (np.isinf(planes[name]) & np.isfinite(plane)).any():
             raise SpoolError("usage", f"{os.fspath(path)}: {name} has values that are too large for {planes[name].dtype.name}: scale them")
     shapes = {plane.shape for plane in planes.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 2 or 0 in next(iter(shapes)):

@@ -23,7 +23,7 @@ class PartialFile:
         self.partial = self.path + ".partial"
         self.size = 0
         self._force = force
-        self._failed = None
+        self._failed, self._handle = None, None
         self._synced, self._synced_at = 0, time.monotonic()
         if not force and os.path.lexists(self.path):
             raise self.error("usage", "exists: choose another name or ask to replace it")
@@ -93,6 +93,16 @@ class PartialFile:
         if self._handle is not None:
             os.close(self._handle)
             self._handle = None
+
+    def discard(self):
+        """Of a file that was never begun in earnest: what there is of it goes."""
+        if self._handle is not None:
+            os.unlink(self.partial)
+        self.close()
+
+    def __del__(self):  # its lock goes with a writer that nobody closed
+        if getattr(self, "_handle", None) is not None:
+            self.close()
 
     def _lock(self):
         try:

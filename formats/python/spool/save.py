@@ -1,5 +1,6 @@
 """One call from arrays to a complete `.spool` file."""
-from .arguments import array, mapping, note_axes
+from . import channel
+from .arguments import array, mapping, note_axes, texts
 from .arguments import path as path_of
 from .channel import VOCABULARY
 from .error import SpoolError
@@ -30,21 +31,32 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
         if name not in arrays:
             raise SpoolError("usage", f"{path}: no layer {name}: it has {', '.join(arrays)}")
     height, width, spp, _ = arrays["radiance"].shape
+    for name, given in components.items():
+        texts(f"{path}: components of {name}", given)
     declared = {}
     for name, values in arrays.items():
         if name not in components and name not in VOCABULARY:
             raise SpoolError("usage", f"{path}: layer {name} is not in the list: name its components")
-        code = dtypes.get(name) or _DTYPES.get(values.dtype.newbyteorder("=").str[1:])
+        code = channel.dtype_of(name, dtypes[name]) if name in dtypes else _DTYPES.get(values.dtype.newbyteorder("=").str[1:])
         if code is None:
             raise SpoolError("usage", f"{path}: layer {name} is {values.dtype}: convert it with astype")
         declared[name] = (code, tuple(components.get(name, VOCABULARY.get(name, ("",))[0])),
                           scope.get(name, "pixel" if name in PIXEL_LAYERS else "sample"))
     with Writer(path, width, height, spp, declared, tile_size=tile_size, block_spp=block_spp,
                 sample_order=sample_order, meta=meta, uuid=uuid, compress=compress, force=force) as writer:
-        samples = {name: values for name, values in arrays.items() if declared[name][2] == "sample"}
-        writer.write_passes(0, samples)
-        for name, values in arrays.items():
-            if declared[name][2] == "pixel":
-                writer.write_pixel(name, values)
-            elif declared[name][2] == "pass":
-                writer.write_pass(name, values)
+        try:
+            _write_all(writer, arrays, declared)
+        except SpoolError as error:
+            if error.kind == "usage":  # of the arrays, which are all still there
+                writer.discard()
+            raise
+
+
+def _write_all(writer, arrays, declared):
+    samples = {name: values for name, values in arrays.items() if declared[name][2] == "sample"}
+    writer.write_passes(0, samples)
+    for name, values in arrays.items():
+        if declared[name][2] == "pixel":
+            writer.write_pixel(name, values)
+        elif declared[name][2] == "pass":
+            writer.write_pass(name, values)

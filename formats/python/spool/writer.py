@@ -10,7 +10,7 @@ import numpy as np
 from . import channel, chunk_codec
 from . import meta as meta_json
 from . import record_layout as layout
-from .arguments import choice, convert, flag, text, whole, wrong
+from .arguments import choice, convert, flag, mapping, text, whole, wrong
 from .arguments import path as path_of
 from .error import SpoolError
 from .geometry import Geometry, groups_of
@@ -31,7 +31,7 @@ class Writer:
         if (layers is None) == (channels is None):
             raise SpoolError("usage", f"{path}: give either layers or channels")
         self.path = path_of("path", path)
-        self._file = None
+        self._file, self._finished = None, False
         try:
             flag("force", force)
             self._compress = compress if isinstance(compress, (bool, np.bool_)) else chunk_codec.level(compress)
@@ -68,6 +68,10 @@ class Writer:
             self._file.close()
             raise
 
+    def __repr__(self):
+        g = self.geometry
+        return f"<spool.Writer {self.path}: {g.width} x {g.height} pixels, {g.spp} samples each, {', '.join(self.layers)}>"
+
     def __enter__(self):
         return self
 
@@ -84,6 +88,7 @@ class Writer:
             if len(layer.components) != self._groups[layer.group][2]:
                 raise self._error(f"layer {group} shares its group: give the group's number and all its channels")
             group = layer.group
+        group, tile, begin = (self._whole(name, value) for name, value in (("group", group), ("tile", tile), ("begin", begin)))
         if not 0 <= group < len(self._groups):
             raise self._error(f"no group {group}")
         scope, dtype, channels = self._groups[group]
@@ -112,6 +117,7 @@ class Writer:
         Passes come in order; blocks are written as soon as they are full. One component may leave out its axis.
         """
         names = [name for name, layer in self.layers.items() if layer.scope == "sample"]
+        first, arrays = self._whole("first", first), mapping(f"{self.path}: arrays", arrays)
         if set(arrays) != set(names):
             raise self._error(f"passes of {sorted(arrays)} given, {sorted(names)} needed")
         if self._next_pass is None and first % self.geometry.block_spp == 0:
@@ -136,6 +142,9 @@ class Writer:
         for name, array in ready.items():
             self._pending[name].append(array)
         self._flush_passes(first)
+        for waiting in self._pending.values():
+            if waiting:  # the caller may use the array again
+                waiting[-1] = waiting[-1].copy()
 
     def write_pixel(self, layer, array):
         """A layer of scope pixel from [y][x][c]."""
@@ -159,7 +168,9 @@ class Writer:
         self._meta_count += 1
 
     def finish(self):
-        """Index, footer, fsync, rename. Blocks may be missing, but a pass that was begun must be whole."""
+        """Index, footer, fsync, rename. Blocks may be missing, but a pass that was begun must be whole. Once is enough."""
+        if self._finished:
+            return
         try:
             waiting = [name for name, arrays in self._pending.items() if arrays]
             if waiting:
@@ -169,8 +180,13 @@ class Writer:
             flags = layout.FLAG_COMPLETE if data == self.geometry.total_blocks(self._groups) else 0
             self._file.append(footer(at, self._file.size + 64, count + 1, data, self._dump_id, flags))
             self._file.finish()
+            self._finished = True
         finally:
             self._file.close()
+
+    def discard(self):
+        """Nothing of it is kept, NAME.partial neither."""
+        self._file.discard()
 
     def _flush_passes(self, first):
         block_spp, geometry = self.geometry.block_spp, self.geometry
@@ -209,8 +225,9 @@ class Writer:
             raise self._error(f"layer {layer.name} is written twice")
         self._pending[layer.name].append(array)
         members = [name for name, other in self.layers.items() if other.group == layer.group]
-        if not all(self._pending[name] for name in members):
-            return  # the other layers of this group are still to come
+        if not all(self._pending[name] for name in members):  # the other layers of this group are still to come
+            self._pending[layer.name] = [array.copy()]  # the caller may use the array again
+            return
         parts = [self._pending[name].pop() for name in members]
         if ndim == 3:
             self._write_image(layer.group, 0, [part[:, :, None] for part in parts])
@@ -234,6 +251,9 @@ class Writer:
             raise self._error(f"layer {name} has scope {layer.scope}, not {scope}")
         return layer
 
+    def _whole(self, name, value):
+        return whole(f"{self.path}: {name}", value, 64)
+
     def _error(self, text):
         return SpoolError("usage", f"{self.path}: {text}")
 
@@ -242,7 +262,14 @@ def _with_dtypes(channels):
     """Any spelling of a dtype ("f4", np.float32) -> the little-endian dtype of the file."""
     result = []
     for entry in channels:
-        dtype = np.dtype(entry.dtype).newbyteorder("<")
+        if not isinstance(entry, channel.Channel):
+            raise wrong("channels", entry, "no Channel")
+        text("channel", entry.name)
+        whole(f"channel {entry.name}: group", entry.group)
+        if not 0 <= whole(f"channel {entry.name}: semantic", entry.semantic) <= layout.MAX_SEMANTIC:
+            raise wrong(f"channel {entry.name}: semantic", entry.semantic, f"not 0 to {layout.MAX_SEMANTIC}")
+        choice(f"channel {entry.name}: scope", entry.scope, layout.SCOPES)
+        dtype = channel.dtype_of(entry.name, entry.dtype)
         if dtype not in layout.DTYPES.values():
             raise SpoolError("usage", f"channel {entry.name} is {dtype.name}, not float16, float32 or uint32")
         result.append(entry._replace(dtype=dtype))

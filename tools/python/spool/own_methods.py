@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import atexit
 import contextlib
-import hashlib
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -13,9 +12,10 @@ import numpy as np
 from . import _core
 from .arguments import flag, option_text, text, whole, wrong
 from .error import SpoolError
+from .function_identity import hash_of
 
 _OF_THE_STAGE = ("clamp", "energy")  # options that every filter has, handled by the library
-_MADE = {}  # by kind and key: how the library finds the function of a name that stands in a plan
+_MADE = {}  # by kind and key: how the library finds the function of a name that it was given
 _LAST = {}  # what a function raised: the library hands on a line of text only
 
 
@@ -63,11 +63,15 @@ class Method:
                 raise SpoolError("usage", f"{self.label}: option {name} needs a default: a number, a text, True or False")
             if kind == "filter" and name in _OF_THE_STAGE:
                 raise SpoolError("usage", f"{self.label}: every filter has an option {name} already: name yours otherwise")
-        # Results are kept by what made them: another function of the same name is another method.
-        self.key = f"{function.__name__}@{hashlib.sha256(_code_of(function).encode()).hexdigest()[:8]}"
         _core.check_called_options(self.with_options({}))
         _MADE[kind, self.key] = self
         self.__doc__ = function.__doc__
+
+    @property
+    def key(self):
+        """Results are kept by it: another function of the same name is another method, and so is one that something else
+        around it has made another."""
+        return f"{self.function.__name__}@{hash_of(self.function)}"
 
     def __call__(self, *arguments, **options):
         return self.function(*arguments, **options)
@@ -138,7 +142,9 @@ def method_text(kind: str, method: str | Method) -> str:
     if isinstance(method, Method):
         if method.kind != kind:
             raise SpoolError("usage", f"{kind}: {method!r} is a {method.kind}")
-        return f"python:{method.key}"
+        key = method.key
+        _MADE[kind, key] = method
+        return f"python:{key}"
     if callable(method):
         name = getattr(method, "__name__", None) or type(method).__name__
         raise SpoolError("usage", f"{kind}: {name} is a function without its decorator: write @spool.{kind} above it, or "
@@ -220,14 +226,6 @@ def _lambdas(moments):
     if not all(0 < value <= 4 for value in chosen):
         raise SpoolError("usage", f"option moments: {moments}: each lambda is above 0, at most 4")
     return chosen
-
-
-def _code_of(function):
-    try:
-        return inspect.getsource(function)
-    except (OSError, TypeError):  # typed at a prompt
-        code = function.__code__
-        return f"{code.co_code.hex()} {code.co_consts} {code.co_names} {function.__defaults__}"
 
 
 _core.call_methods_through(_look_up)
