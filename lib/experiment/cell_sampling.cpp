@@ -156,8 +156,10 @@ Result<SamplingRun> sample_cell(const CellWork& work, const Cell& cell,
     if (reference.kept && kind != ReferenceKind::kIndependent)
       reference.kept = std::make_shared<KeptSide>();
     run.parts.push_back({pools[i], std::move(sampled), std::move(reference), std::nullopt});
-    if (splits(options, cell, kind))
-      SPOOL_TRY(add_halves(run.parts.back(), sampler, context, options.fresh));
+    if (!splits(options, cell, kind)) continue;
+    const Result<void> halves = add_halves(run.parts.back(), sampler, context, options.fresh);
+    // Counts of a file may be more than a half has: then the spread is that of replicates.
+    if (!halves && (options.fresh || halves.error().code != ErrorCode::kData)) return halves;
   }
   run.density = density_of(run.parts);
   run.time = mean_time(times);

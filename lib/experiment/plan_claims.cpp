@@ -61,6 +61,12 @@ Result<void> set_claim(const TomlReader& toml, Claim& claim, std::string_view ke
   return {};
 }
 
+std::string text_of(const Claim& claim) {
+  if (claim.below == 1.0) return claim.better + " has less error than " + claim.than;
+  return fmt::format("{} has less than {:g} times the error of {}", claim.better, claim.below,
+                     claim.than);
+}
+
 }  // namespace
 
 Result<void> read_claims(const TomlReader& toml, const toml::table& root, Plan& plan) {
@@ -84,7 +90,7 @@ Result<void> read_claims(const TomlReader& toml, const toml::table& root, Plan& 
     if (claim.fresh && !has_fresh(claim.metric)) {
       return toml.refuse(*table, "samples = \"fresh\": only of relmse, mse and energy_ratio");
     }
-    if (claim.text.empty()) claim.text = claim.better + " has less error than " + claim.than;
+    if (claim.text.empty()) claim.text = text_of(claim);
     plan.experiment.fresh = plan.experiment.fresh || claim.fresh;
     plan.claims.push_back(std::move(claim));
   }

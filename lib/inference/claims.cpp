@@ -11,8 +11,9 @@ namespace {
 
 // Two-sided, that the difference is `limit`; NaN where it cannot be said.
 double p_of(const Comparison& comparison, double limit) {
-  if (!comparison.known() || comparison.identical) return comparison.p;
+  if (!comparison.known()) return comparison.p;
   if (limit != 0.0 && !comparison.logarithmic) return std::numeric_limits<double>::quiet_NaN();
+  if (comparison.identical) return limit == 0.0 ? 1.0 : 0.0;
   return comparison.p_of(limit);
 }
 

@@ -150,19 +150,44 @@ Comparison compare_independent(const Series& a, const Series& b, Better better) 
   return c;
 }
 
+namespace {
+
+// The least number above `now` that is enough, to three digits; infinite where none below 10^9 is.
+template <class IsEnough>
+double least_from(double now, const IsEnough& is_enough) {
+  double most = now + 1.0;
+  while (!is_enough(most)) {
+    most *= 2.0;
+    if (most > 1e9) return std::numeric_limits<double>::infinity();
+  }
+  double too_few = std::max(now, most / 2.0);
+  while (most - too_few > std::max(1.0, 1e-3 * most)) {
+    const double middle = std::floor(0.5 * (too_few + most));
+    (is_enough(middle) ? most : too_few) = middle;
+  }
+  return most;
+}
+
+}  // namespace
+
 MoreNeeded more_needed(const Comparison& comparison, int recordings, double level) {
-  constexpr double kPower80 = 0.8416212335729143, kManyFreedoms = 1e6;  // as the normal one
   MoreNeeded needed;
   if (!comparison.known()) return needed;
-  const double told = student_quantile(1.0 - 0.5 * level, kManyFreedoms) + kPower80;
   const double n = comparison.n, c = std::min(comparison.correlation, 1.0);
-  const double wanted = std::pow(comparison.difference / told, 2.0);  // of the mean's variance
   const double variance = std::pow(comparison.standard_error, 2.0);
   const double of_one = variance * n / (1.0 + (n - 1.0) * c);
-  needed.recordings = std::max(recordings + 1.0, std::ceil(recordings * variance / wanted));
-  needed.replicates = wanted > of_one * c
-                          ? std::max(n + 1.0, std::ceil(of_one * (1.0 - c) / (wanted - of_one * c)))
-                          : std::numeric_limits<double>::infinity();
+  // Of the mean's variance, with this many replicates or recordings more.
+  const auto wanted = [&](double more) {
+    const double freedom = std::max(1.0, comparison.freedom + more);
+    return std::pow(comparison.difference / (student_quantile(1.0 - 0.5 * level, freedom) +
+                                             student_quantile(0.8, freedom)),
+                    2.0);
+  };
+  needed.recordings = least_from(recordings, [&](double all) {
+    return variance * recordings / all <= wanted(all - recordings);
+  });
+  needed.replicates = least_from(
+      n, [&](double all) { return of_one * (1.0 + (all - 1.0) * c) / all <= wanted(all - n); });
   return needed;
 }
 

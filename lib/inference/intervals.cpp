@@ -141,14 +141,15 @@ Interval mean_interval(const Series& series, Range range) {
   return interval;
 }
 
-Interval single_interval(double value, double standard_error, Range range) {
+Interval single_interval(double value, double standard_error, int blocks, Range range) {
+  if (blocks >= 2) standard_error *= std::sqrt(blocks / (blocks - 1.0));  // a resample's lacks it
   Interval interval;
   interval.n = std::isfinite(value) ? 1 : 0;
   interval.logarithmic = range == Range::kPositive && value > 0.0;
   interval.mean = interval.logarithmic ? std::log(value) : value;
   interval.standard_error = interval.logarithmic ? standard_error / value : standard_error;
-  interval.freedom = kInfinity;
-  finish(interval, kNormal95 * interval.standard_error, range);
+  interval.freedom = std::max(1.0, blocks - 1.0);
+  finish(interval, student_quantile(0.975, interval.freedom) * interval.standard_error, range);
   interval.mean = value;
   return interval;
 }

@@ -67,9 +67,10 @@ struct Interval {
 // the series has its interval withheld.
 Interval mean_interval(const Series& series, Range range = Range::kReal);
 
-// Of one value known with a standard error of its own (from blocks of pixels), normally
-// distributed.
-Interval single_interval(double value, double standard_error, Range range = Range::kReal);
+// Of one value with the standard error that a bootstrap over so many blocks of pixels gives it: as
+// large as that of their mean, by Student's with one degree of freedom less.
+Interval single_interval(double value, double standard_error, int blocks,
+                         Range range = Range::kReal);
 
 // Mean of the means: of logarithms where all of them are (a geometric mean of quantities measured
 // independently), else NaN where they mix. The quantities are taken as given, not as drawn

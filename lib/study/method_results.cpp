@@ -6,6 +6,7 @@
 
 #include "lib/experiment/result_table.h"
 #include "lib/inference/shared_samples.h"
+#include "lib/metrics/bootstrap.h"
 
 namespace spool {
 namespace {
@@ -45,6 +46,15 @@ double value_of(const ResultRecord& record, std::size_t quantity) {
   if (columns().value[quantity] != kMade) return record.number(columns().value[quantity]);
   if (quantities()[quantity].name == kCpuTotal) return cpu_total(record);
   return record.number("samples_spent") / (record.number("width") * record.number("height"));
+}
+
+// Blocks of pixels that the standard error of one image is made of.
+int blocks_of(const ResultRecord& record) {
+  const double width = record.number("width"), height = record.number("height");
+  if (!(width > 0.0 && height > 0.0)) return 0;
+  const int side = BootstrapOptions{}.block_size;
+  const auto along = [&](double pixels) { return static_cast<int>(std::ceil(pixels / side)); };
+  return along(width) * along(height);
 }
 
 // Counts of all replicates together; where an older program kept none, the mean stands for all.
@@ -93,12 +103,19 @@ void add_record(MethodResults& method, const Result<ResultRecord>& found) {
     for (std::size_t q = 0; q < list.size(); ++q) {
       if (list[q].is_metric) method.pixel_errors[q] = found->number(columns().error[q]);
     }
+    method.pixel_blocks = blocks_of(*found);
   }
   for (const MetricHalves& halves : found->halves)
     method.spread[halves.metric].halves.push_back(halves.difference);
   method.shared_machine = method.shared_machine || found->text("timing") == "shared";
   method.reference = found->text("reference");
   method.biased = method.biased || method.reference.ends_with("(biased)");
+}
+
+// The energy of an image is a sum of its samples: what two share makes it alike by their share,
+// where squared errors are alike by its square (shared_samples.h).
+bool is_linear(std::string_view metric) {
+  return metric.starts_with("energy");
 }
 
 // What the replicates have in common, and how alike that makes their metrics.
@@ -120,9 +137,9 @@ void add_shared(MethodResults& method, const Plan& plan, const ReplicatePairs& p
   for (auto& [metric, spread] : method.spread) {
     // A half is a ring of half as many samples.
     const double ring_length = metric.ends_with("_fresh") ? 0.5 : 1.0;
-    spread.correlation = shared_of({varying_counts(spread.halves),
-                                    ring_length * method.taken.recorded, method.taken.rare})
-                             .correlation;
+    const Shared of_halves = shared_of(
+        {varying_counts(spread.halves), ring_length * method.taken.recorded, method.taken.rare});
+    spread.correlation = is_linear(metric) ? of_halves.samples : of_halves.correlation;
   }
 }
 
@@ -171,6 +188,10 @@ Series MethodResults::series(std::size_t quantity) const {
   series.withheld = withheld(kind.name);
   series.taken = taken;
   series.correlation = correlation;
+  if (is_linear(kind.name)) {
+    series.taken.rare = 1.0;
+    series.correlation = shared;
+  }
   if (const auto measured = spread.find(kind.name); measured != spread.end()) {
     series.correlation = measured->second.correlation;
     series.halves = measured->second.halves;
@@ -204,7 +225,7 @@ Interval MethodResults::interval(std::size_t quantity) const {
   const auto first =
       std::ranges::find_if(all.values, [](double value) { return std::isfinite(value); });
   return single_interval(first == all.values.end() ? kNaN : *first, pixel_errors[quantity],
-                         kind.range);
+                         pixel_blocks, kind.range);
 }
 
 SceneMethods read_scene(const Plan& plan, const PlanScene& scene, const StudySources& sources) {

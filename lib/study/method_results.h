@@ -30,6 +30,7 @@ struct MethodResults {
   MethodChoice sampler, filter;
   std::vector<std::vector<double>> values;  // [quantity][replicate]; NaN: none
   std::vector<double> pixel_errors;         // [quantity] of replicate 0, from blocks of pixels
+  int pixel_blocks = 0;                     // that they are made of
   int recordings = 1;                       // of the scene: as many replicates of each
   int done = 0, failed = 0;
   bool biased = false;

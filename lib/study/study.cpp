@@ -138,8 +138,8 @@ std::optional<OverallFinding::AgainstBaseline> overall_against_baseline(
     ratios.push_back(against->second.ratio);
     found.better += against->second.verdict == Verdict::kBetter;
     found.worse += against->second.verdict == Verdict::kWorse;
+    found.undecided += against->second.verdict == Verdict::kUndecided;
   }
-  found.undecided = static_cast<int>(scenes.size()) - found.better - found.worse;
   found.ratio = mean_of_intervals(ratios);
   return found;
 }

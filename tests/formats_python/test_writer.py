@@ -1,6 +1,9 @@
 import errno
 import fcntl
+import gc
 import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -205,3 +208,65 @@ def test_failed_fsync_or_rename_never_shows_the_file(tmp_path, monkeypatch, name
         output.finish()
     assert caught.value.kind == "io" and failing._after == -1  # not tried a second time
     assert os.listdir(tmp_path) == ["a.spool.partial"]
+
+
+def test_the_callers_array_may_be_used_again(tmp_path):
+    path, buffer = tmp_path / "reused.spool", np.empty((8, 8, 1, 3), "f4")
+    with spool.Writer(path, 8, 8, 4, {"radiance": ("f4", "RGB")}) as writer:
+        for sample in range(4):
+            buffer[:] = sample
+            writer.write_passes(sample, {"radiance": buffer})
+    assert spool.open(path).read("radiance")[0, 0, :, 0].tolist() == [0, 1, 2, 3]
+
+
+def test_a_mask_is_refused(tmp_path):
+    masked = np.ma.masked_greater(np.ones((8, 8, 1, 3), "f4"), 0)
+    with spool.Writer(tmp_path / "masked.spool", 8, 8, 1, {"radiance": ("f4", "RGB")}) as writer:
+        with pytest.raises(spool.SpoolError, match="masks are not looked at"):
+            writer.write_passes(0, {"radiance": masked})
+
+
+def test_finishing_twice_is_finishing_once(tmp_path):
+    with spool.Writer(tmp_path / "twice.spool", 4, 4, 1, {"radiance": ("f4", "RGB")}) as writer:
+        writer.write_passes(0, {"radiance": np.ones((4, 4, 1, 3), "f4")})
+        writer.finish()
+    assert spool.open(tmp_path / "twice.spool").complete
+
+
+def test_a_writer_that_went_lets_its_file_go(tmp_path):
+    writer = spool.Writer(tmp_path / "left.spool", 4, 4, 1, {"radiance": ("f4", "RGB")})
+    del writer
+    gc.collect()
+    spool.Writer(tmp_path / "left.spool", 4, 4, 1, {"radiance": ("f4", "RGB")}, force=True)._file.close()
+
+
+def test_arrays_that_do_not_fit_leave_no_file_behind(tmp_path):
+    radiance = np.ones((4, 4, 2, 3), "f4")
+    for wrong in (np.ones((4, 5, 2, 3), "f4"), np.full((4, 4, 2, 3), 1e300)):
+        with pytest.raises(spool.SpoolError):
+            spool.write(tmp_path / "a.spool", radiance, albedo=wrong)
+        assert not list(tmp_path.iterdir())
+    spool.write(tmp_path / "a.spool", radiance, albedo=radiance)
+
+
+@pytest.mark.parametrize("layers", [{"radiance": ("zz", "RGB")}, {"radiance": ("f4", 5)}, {"radiance": ("f4", "RGB"), "x": ("f4", "")},
+                                    {"radiance": ("f4", "RGB", "foo")}])
+def test_layers_that_are_none_are_refused_in_one_line(tmp_path, layers):
+    with pytest.raises(spool.SpoolError, match="none.spool: "):
+        spool.Writer(tmp_path / "none.spool", 4, 4, 1, layers)
+
+
+@pytest.mark.parametrize("first, arrays", [("0", {}), (None, {}), (0, None), (0, np.ones(3)), (False, {})])
+def test_passes_that_are_none_are_refused_in_one_line(tmp_path, first, arrays):
+    with spool.Writer(tmp_path / "none.spool", 4, 4, 1, {"radiance": ("f4", "RGB")}) as writer:
+        with pytest.raises(spool.SpoolError, match="none.spool: "):
+            writer.write_passes(first, arrays)
+
+
+def test_remarks_of_two_processes_all_arrive(tmp_path):
+    spool.write(tmp_path / "a.spool", np.ones((2, 2, 1, 3), "f4"))
+    code = "import sys, spool\nfor i in range(10): spool.append_meta(sys.argv[1], {sys.argv[2] + str(i): 1})"
+    both = [subprocess.Popen([sys.executable, "-c", code, tmp_path / "a.spool", name],
+                             env={"PYTHONPATH": os.pathsep.join(sys.path)}) for name in "ab"]
+    assert [process.wait() for process in both] == [0, 0]
+    assert len(spool.open(tmp_path / "a.spool").meta) == 20

@@ -32,6 +32,19 @@ TEST(Claims, AreJudgedAgainstTheirOwnLimit) {
   EXPECT_EQ(alone(1.05, 1.0), ClaimVerdict::kUndecided);
 }
 
+// Methods with the same values are 1 apart, whatever the limit.
+TEST(Claims, OfIdenticalMethodsAreDecidedByTheirLimit) {
+  Comparison same;
+  same.n = 8;
+  same.logarithmic = same.identical = true;
+  same.difference = same.standard_error = 0.0;
+  same.p = 1.0;
+  const auto judged = judge_claims(std::vector{same, same, same}, std::vector{1.0, 2.0, 0.5});
+  EXPECT_EQ(judged[0].verdict, ClaimVerdict::kUndecided);
+  EXPECT_EQ(judged[1].verdict, ClaimVerdict::kHolds);
+  EXPECT_EQ(judged[2].verdict, ClaimVerdict::kReversed);
+}
+
 TEST(Claims, AreOneFamily) {
   // p = 0.03 alone, 0.06 and more beside a second claim.
   const Comparison edge = near_ratio(std::exp(-0.27));

@@ -52,7 +52,7 @@ TEST(MeanInterval, StaysInItsRange) {
   EXPECT_EQ(debiased.low, 0.0);
   const Interval below = mean_interval({{-0.1, -0.4, 0.1}}, Range::kPositive);
   EXPECT_NEAR(below.mean - below.low, below.high - below.mean, 1e-12);  // it holds its mean
-  EXPECT_LT(single_interval(-0.3, 0.1, Range::kPositive).high, 0.0);
+  EXPECT_LT(single_interval(-0.3, 0.1, 16, Range::kPositive).high, 0.0);
   const Interval share = mean_interval({{0.0, 0.9, 1.0}}, Range::kShare);
   EXPECT_EQ(share.low, 0.0);
   EXPECT_EQ(share.high, 1.0);
@@ -75,10 +75,29 @@ TEST(MeanInterval, OneValueHasNoInterval) {
 }
 
 TEST(SingleInterval, OfAnErrorNeverReachesZero) {
-  const Interval found = single_interval(0.5, 0.4, Range::kPositive);
+  const Interval found = single_interval(0.5, 0.4, 5, Range::kPositive);
   EXPECT_DOUBLE_EQ(found.mean, 0.5);
-  EXPECT_NEAR(found.low, 0.5 * std::exp(-1.959963984540054 * 0.8), 1e-12);
-  EXPECT_TRUE(std::isnan(single_interval(0.5, std::nan("")).low));
+  EXPECT_NEAR(found.low, 0.5 * std::exp(-2.7764451052 * 0.8 * std::sqrt(5.0 / 4.0)), 1e-9);
+  EXPECT_TRUE(std::isnan(single_interval(0.5, std::nan(""), 1).low));
+}
+
+// Means of few blocks of normal pixels, with the error that resampling them gives.
+TEST(SingleInterval, OfFewBlocksHoldsAsOftenAsOfMany) {
+  for (const int blocks : {2, 4, 16}) {
+    int held = 0;
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+      double sum = 0.0, squares = 0.0;
+      for (unsigned b = 0; b < static_cast<unsigned>(blocks); ++b) {
+        const double block = test::normal(seed, b);
+        sum += block / blocks;
+        squares += block * block / blocks;
+      }
+      const double of_resamples = std::sqrt(std::max(0.0, squares - sum * sum) / blocks);
+      const Interval found = single_interval(sum, of_resamples, blocks);
+      held += found.low <= 0.0 && 0.0 <= found.high;
+    }
+    EXPECT_NEAR(held, 950, 4 * 7) << blocks;
+  }
 }
 
 TEST(MeanOfIntervals, IsGeometricAndKnowsItsFreedom) {

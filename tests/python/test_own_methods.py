@@ -1,4 +1,7 @@
 """Samplers and filters that are Python functions take part beside the library's."""
+import copy
+import gc
+import pickle
 import threading
 
 import numpy as np
@@ -178,6 +181,60 @@ def test_functions_of_one_text_differ_by_what_they_take_from_around_them(dump):
                                           {"name": scaled_by(0.25), "label": "less"}]})
     error = {row["filter"]: row["mse"] for row in results.rows}
     assert error["same"] == error["box"] != error["less"]
+
+
+def test_one_function_with_other_settings_is_another_method(dump):
+    def flat_once(statistics):
+        calls.append(statistics.round)
+        return np.ones(statistics.n.shape)
+    calls = []
+    once, thrice = spool.sampler(flat_once, rounds=1), spool.sampler(flat_once, rounds=3)
+    spool.replay(dump, once, 6)
+    assert once.key != thrice.key and len(calls) == 1
+
+
+def test_the_cause_is_that_of_the_named_function(dump):
+    @spool.filter
+    def first(statistics):
+        raise KeyError("first")
+
+    @spool.filter
+    def second(statistics):
+        raise OSError("second")
+
+    for method, kind in ((first, KeyError), (second, OSError)) * 2:
+        with pytest.raises(spool.SpoolError) as raised:
+            spool.evaluate({"recordings": [dump], "spp": [4], "replicates": 1, "samplers": ["uniform"],
+                            "filters": [method, second if method is first else first]})
+        name = "first" if "python:first" in str(raised.value) else "second"
+        assert isinstance(raised.value.__cause__, {"first": KeyError, "second": OSError}[name])
+
+
+def test_names_of_options_that_every_method_has_are_refused():
+    for kind, name in ((spool.sampler, "rounds"), (spool.sampler, "init_spp"), (spool.filter, "clamp"), (spool.filter, "moments")):
+        scope = {}
+        exec(f"def own(statistics, {name}=5): return statistics.n", scope)
+        with pytest.raises(spool.SpoolError, match=f"has an option {name} already"):
+            kind(scope["own"])
+
+
+def test_what_a_selection_was_drawn_by_is_not_changed_behind_it(dump):
+    selection = spool.replay(dump, "uniform", 4, seed=3)
+    spool.reconstruct(dump, selection, "box", seed=3)
+    for wrong in ({"spp": 5}, {"seed": 4}, {"order": "shuffled"}, {"pieces": 2}, {"holdout": 4}):
+        with pytest.raises(spool.SpoolError, match="leave it out"):
+            spool.reconstruct(dump, selection, "box", **wrong)
+
+
+def test_a_copy_of_results_outlives_them(dump):
+    made = spool.evaluate({"recordings": [dump], "spp": [4], "replicates": 1, "samplers": ["uniform"], "filters": ["box"]})
+    rows = len(made.rows)
+    for copied in (copy.copy(made), copy.deepcopy(made), pickle.loads(pickle.dumps(made))):
+        assert len(copied.rows) == rows and copied.means
+    kept = copy.copy(made)
+    del made
+    gc.collect()
+    assert len(kept.rows) == rows
 
 
 amount_of_module = 1.0

@@ -77,9 +77,10 @@ def _verdict_table(statistics, metric):
 def _verdict_cell(verdict):
     if verdict is None:
         return "<td></td>"
-    word = "better" if not verdict.worse and not verdict.undecided else (
-        "worse" if not verdict.better and not verdict.undecided else "undecided")
-    note = (word if verdict.better + verdict.worse + verdict.undecided == 1 else
+    told = {"better": verdict.better, "worse": verdict.worse, "undecided": verdict.undecided}
+    found = [word for word, scenes in told.items() if scenes]  # none where all are identical or were not compared
+    word = found[0] if len(found) == 1 else "undecided"
+    note = (word if sum(told.values()) == 1 else "identical, or not compared" if not found else
             f"{verdict.better} better, {verdict.worse} worse, {verdict.undecided} undecided")
     if math.isnan(verdict.ratio.mean):
         return f'<td class="{word}">not resolved<small>{note}</small></td>'

@@ -1,10 +1,12 @@
 """A meta record more in a finished file, in place: a large file need not be copied for a remark."""
+import contextlib
 import errno
 import os
 
 from . import meta as meta_json
 from . import record_layout as layout
 from .error import SpoolError
+from .partial_file import fcntl
 from .reader import open as open_dump
 from .record_bytes import footer, record
 
@@ -12,6 +14,23 @@ from .record_bytes import footer, record
 def append_meta(path, meta):
     """`meta`: a dict, or the text of a JSON object; keys of the top level replace those of earlier records. Index and footer are
     written anew behind it. Killed in between, the file ends without a footer, and `spool recover` makes it whole."""
+    with _alone(path):
+        _append(path, meta)
+
+
+@contextlib.contextmanager
+def _alone(path):
+    """One process at a time; without locks (Windows, some network folders) the caller has to see to it."""
+    with contextlib.ExitStack() as held:
+        with contextlib.suppress(OSError):  # the reader has the words for what is wrong with the file
+            handle = os.open(path, os.O_RDWR)
+            held.callback(os.close, handle)
+            if fcntl is not None:
+                fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+
+
+def _append(path, meta):
     with open_dump(path) as dump:
         old, entries, count = dump.footer, dump.index.tobytes(), len(dump.index)
         full, dump_id = len(dump.meta_records) == layout.MAX_META_RECORDS, int(old["dump_id"])

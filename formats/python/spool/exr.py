@@ -15,6 +15,7 @@ import zlib
 
 import numpy as np
 
+from .arguments import array
 from .error import SpoolError, open_regular
 
 MAGIC = 20000630
@@ -43,10 +44,10 @@ def write(path, channels):
     """Arrays [y][x] of one shape: unsigned integers become uint, float16 half, all else float."""
     planes = {}
     for name, plane in channels.items():
-        plane = np.asarray(plane)
+        if not isinstance(name, str) or not 0 < len(name.encode()) < 256 or "\0" in name:
+            raise SpoolError("usage", f"{os.fspath(path)}: {name!r} is no name of a channel")
+        plane = array(f"{os.fspath(path)}: {name}", plane, "biuf")
         wide = "<u4" if plane.dtype.kind == "u" else "<f2" if plane.dtype == np.float16 else "<f4"
-        if plane.dtype.kind not in "biuf":
-            raise SpoolError("usage", f"{os.fspath(path)}: {name} holds {plane.dtype.name}: give real numbers")
         with np.errstate(over="ignore"):
             planes[name] = np.ascontiguousarray(plane, wide)
         whole = plane.dtype.kind in "iu"
@@ -73,10 +74,17 @@ def write(path, channels):
     header += b"\0"
     line = sum(planes[name].itemsize for name in names) * width
     start = len(header) + 8 * height
-    with open(os.fspath(path), "wb") as file:
-        file.write(header + struct.pack(f"<{height}Q", *(start + y * (line + 8) for y in range(height))))
-        for y in range(height):
-            file.write(struct.pack("<ii", y, line) + b"".join(planes[name][y].tobytes() for name in names))
+    final, partial = os.fspath(path), f"{os.fspath(path)}.partial"
+    try:
+        with open(partial, "wb") as file:
+            file.write(header + struct.pack(f"<{height}Q", *(start + y * (line + 8) for y in range(height))))
+            for y in range(height):
+                file.write(struct.pack("<ii", y, line) + b"".join(planes[name][y].tobytes() for name in names))
+        os.replace(partial, final)
+    except OSError as error:
+        if os.path.isfile(partial):
+            os.unlink(partial)
+        raise SpoolError("io", f"{final}: {error.strerror or error}: check the folder and the disk") from error
 
 
 def _parse(data):

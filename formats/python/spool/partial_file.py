@@ -100,7 +100,7 @@ class PartialFile:
             os.unlink(self.partial)
         self.close()
 
-    def __del__(self):  # its lock goes with a writer that nobody closed
+    def __del__(self):  # its lock goes with a writer that was not closed
         if getattr(self, "_handle", None) is not None:
             self.close()
 

@@ -48,7 +48,11 @@ class Dump:
             raise self._records.error(reason.kind, reason.message) from None
         self._verified = set()
 
+    def __repr__(self):
+        return f"<spool.Dump {self.path}: {self.width} x {self.height} pixels, {self.spp} samples each, {', '.join(self.layers)}>"
+
     def close(self):
+        """The file; views that `block` handed out stay."""
         self._records.close()
 
     def __enter__(self):

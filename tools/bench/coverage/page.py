@@ -36,6 +36,8 @@ claimed; 5 % may.
 - Where samples have a tail of infinite variance, the expectation of the squared error does not exist, and no interval can hold it
   [BahadurSavage56].
 - Where one cell of the image carries an error, the interval is 3 to 15 times too wide.
+- Bias makes errors alike by the share of samples in common, not by its square: with a constant bias as large as the normal noise, intervals of MSE hold
+  97, 91, 90 % with 4, 16, 32 of 64 samples.
 """
 SCENES = ("scene", "side", "samples", "recordings", "measured", "rows", "held", "below", "withheld", "least", "below_without", "least_without",
           "itself_mse", "itself_relmse", "itself_mse_without", "itself_relmse_without")

@@ -7,7 +7,6 @@ import itertools
 import json
 import os
 import tempfile
-import weakref
 from collections.abc import Callable
 
 from . import _core
@@ -67,8 +66,13 @@ class Results:
         for name in _FILES:  # read when they are asked for, but missed at once
             if not os.path.isfile(os.path.join(folder, name)):
                 raise SpoolError("io", f"{folder}: no {name} in it: evaluate it first")
-        if temporary:
-            weakref.finalize(self, temporary.cleanup)
+        self._temporary = temporary  # goes with the last of those that read it
+
+    def __getstate__(self):
+        """What was read goes along; a temporary folder stays behind."""
+        if self._temporary:
+            self.rows, self.statistics  # noqa: B018 - read now
+        return {**self.__dict__, "_temporary": None}
 
     @functools.cached_property
     def rows(self) -> list[dict]:

@@ -10,15 +10,19 @@ import types
 _HERE = os.urandom(8)  # of this process: an object that has no lasting description is itself only here
 
 
-def hash_of(function: types.FunctionType) -> str:
+def hash_of(function: types.FunctionType | types.MethodType, settings: object = ()) -> str:
     """Eight hex digits of its text, its defaults and the values that it takes from around it, functions of the same file
-    with theirs. Other files' functions count by name; files that it reads are not looked at."""
+    with theirs, and of `settings`. Other files' functions count by name; files that it reads are not looked at."""
     digest = hashlib.sha256()
+    _add(settings, digest, set())
     _add_function(function, digest, set())
     return digest.hexdigest()[:8]
 
 
 def _add_function(function, digest, known):
+    if isinstance(function, types.MethodType):
+        _add(function.__self__, digest, known)
+        function = function.__func__
     if function in known:
         return
     known.add(function)
@@ -70,7 +74,14 @@ class _Sink:
 
 def _text_of(function):
     try:
-        return inspect.getsource(function)
+        text = inspect.getsource(function)
     except (OSError, TypeError):  # typed at a prompt
-        code = function.__code__
-        return f"{code.co_code.hex()} {code.co_consts} {code.co_names}"
+        text = ""
+    if text and function.__name__ != "<lambda>":  # several of which may stand in one line
+        return text
+    return text + _code_text(function.__code__)
+
+
+def _code_text(code):
+    parts = [_code_text(part) if isinstance(part, types.CodeType) else repr(part) for part in code.co_consts]
+    return f"{code.co_code.hex()} {parts} {code.co_names}"

@@ -79,9 +79,18 @@ def metrics(image: np.ndarray, reference: np.ndarray, *, metrics: Iterable[str] 
         raise SpoolError("usage", "metrics: is empty: name some, or None for all")
     with_errors = flag("standard_errors", standard_errors)
     judged = _core.metrics(_image(image, "image"), _image(reference, "reference"),
-                           None if variance is None else _image(variance, "variance"), settings, wanted,
+                           None if variance is None else _variance(variance), settings, wanted,
                            whole("threads", threads))
     return judged if with_errors else {name: value for name, (value, _) in judged.items()}
+
+
+def _variance(values):
+    variance = _image(values, "variance")
+    odd = np.argwhere(~(variance >= 0))  # NaN, too
+    if len(odd):
+        y, x, c = odd[0]
+        raise SpoolError("data", f"variance: {variance[y, x, c]} is no variance (pixel {x}, {y}): it is at least 0")
+    return variance
 
 
 def _image(values, name):

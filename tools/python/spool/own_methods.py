@@ -14,22 +14,22 @@ from .arguments import flag, option_text, text, whole, wrong
 from .error import SpoolError
 from .function_identity import hash_of
 
-_OF_THE_STAGE = ("clamp", "energy")  # options that every filter has, handled by the library
+_OF_EVERY = {"filter": ("clamp", "energy", "features", "moments"), "sampler": ("init_spp", "rounds", "features", "moments")}
 _MADE = {}  # by kind and key: how the library finds the function of a name that it was given
-_LAST = {}  # what a function raised: the library hands on a line of text only
+_RAISED = {}  # by key, what a function raised: the library hands on a line of text only
 
 
 @dataclass(frozen=True)
 class Statistics:
     """What a method gets of the samples taken so far. Arrays are of pieces: pixels, unless `pieces=2`."""
 
-    mean: np.ndarray  # [y][x][3], radiance; where n is 0, the neighbours'
-    variance: np.ndarray  # [y][x][3], of that mean; below 4 samples pooled with the neighbours'
-    n: np.ndarray  # [y][x], samples taken
-    left: np.ndarray  # [y][x], samples that are left to take
-    features: dict = field(default_factory=dict)  # {"albedo": [y][x][c]}, where asked for and recorded
-    feature_variances: dict = field(default_factory=dict)  # of those means, in the same way
-    moments: dict = field(default_factory=dict)  # {0.25: {"mean", "m2", "m3", "m4": [y][x][3]}}, for each lambda asked for
+    mean: np.ndarray = field(repr=False)  # [y][x][3], radiance; where n is 0, the neighbours'
+    variance: np.ndarray = field(repr=False)  # [y][x][3], of that mean; below 4 samples pooled with the neighbours'
+    n: np.ndarray = field(repr=False)  # [y][x], samples taken
+    left: np.ndarray = field(repr=False)  # [y][x], samples that are left to take
+    features: dict = field(default_factory=dict, repr=False)  # {"albedo": [y][x][c]}, where asked for and recorded
+    feature_variances: dict = field(default_factory=dict, repr=False)  # of those means, in the same way
+    moments: dict = field(default_factory=dict, repr=False)  # {0.25: {"mean", "m2", "m3", "m4": [y][x][3]}}, for each lambda asked for
     round: int = 0  # these five are a sampler's alone: 0 .. rounds - 1
     rounds: int = 1
     budget_left: int = 0  # samples
@@ -61,8 +61,8 @@ class Method:
         for name, default in self.defaults.items():
             if default is inspect.Parameter.empty or not isinstance(default, (bool, int, float, str)):
                 raise SpoolError("usage", f"{self.label}: option {name} needs a default: a number, a text, True or False")
-            if kind == "filter" and name in _OF_THE_STAGE:
-                raise SpoolError("usage", f"{self.label}: every filter has an option {name} already: name yours otherwise")
+            if name in _OF_EVERY[kind]:
+                raise SpoolError("usage", f"{self.label}: every {kind} has an option {name} already: name yours otherwise")
         _core.check_called_options(self.with_options({}))
         _MADE[kind, self.key] = self
         self.__doc__ = function.__doc__
@@ -71,7 +71,7 @@ class Method:
     def key(self):
         """Results are kept by it: another function of the same name is another method, and so is one that something else
         around it has made another."""
-        return f"{self.function.__name__}@{hash_of(self.function)}"
+        return f"{self.function.__name__}@{hash_of(self.function, (self.texts, self.moments))}"
 
     def __call__(self, *arguments, **options):
         return self.function(*arguments, **options)
@@ -79,7 +79,7 @@ class Method:
     def __repr__(self):
         return f"<spool.{self.kind} {self.label}>"
 
-    def with_options(self, texts):
+    def with_options(self, texts, key=""):
         """Ready to be called, with its options as texts."""
         given = dict(texts)
         own = {name: given.pop(name, value) for name, value in self.texts.items()}
@@ -90,7 +90,7 @@ class Method:
                 known = ", ".join([*own, "moments", *options])
                 raise SpoolError("usage", f"option {name}: unknown: it has {known}")
             options[name] = _value_of(name, value, options[name])
-        return _Ready(self, options, own, moments)
+        return _Ready(self, options, own, moments, key)
 
 
 @dataclass(frozen=True)
@@ -99,6 +99,7 @@ class _Ready:
     options: dict
     texts: dict
     moments: list
+    key: str
 
     def ask(self, told):
         """What the module calls: the arrays of Statistics in, wants [y][x] or an image [y][x][3] out."""
@@ -109,7 +110,7 @@ class _Ready:
             answer = self.method.function(statistics, **self.options)
             return _wants(answer, statistics) if self.method.kind == "sampler" else _image(answer, statistics)
         except BaseException as reason:
-            _LAST["raised"] = reason  # for failure_shown
+            _RAISED[self.key] = reason  # for failure_shown
             raise
 
 
@@ -160,17 +161,17 @@ def failure_shown(*methods):
     if not any(isinstance(method, Method) for method in methods):
         yield
         return
-    _LAST.pop("raised", None)
     try:
         yield
     except SpoolError as error:
-        raise error from _LAST.pop("raised", None)
+        named = next((key for key in list(_RAISED) if f"python:{key}:" in error.message), None)
+        raise error from _RAISED.pop(named, None)
 
 
 def _look_up(kind, key, texts):
     if (kind, key) not in _MADE:
         raise SpoolError("usage", f"no {kind} of that name was made here: decorate it with @spool.{kind} first")
-    return _MADE[kind, key].with_options(texts)
+    return _MADE[kind, key].with_options(texts, key)
 
 
 def _wants(answer, statistics):

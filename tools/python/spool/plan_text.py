@@ -57,6 +57,8 @@ def _key(key):
 def _value(key, value):
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, range) or getattr(value, "ndim", 0) == 1:  # of numpy's
+        value = list(value)
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(key, item) for item in value) + "]"
     if isinstance(value, (str, os.PathLike)):
@@ -77,4 +79,4 @@ def _quoted(line):
 
 
 def _as_list(value):
-    return list(value) if isinstance(value, (list, tuple)) else [value]
+    return list(value) if isinstance(value, (list, tuple, range)) or getattr(value, "ndim", 0) == 1 else [value]

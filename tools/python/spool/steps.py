@@ -37,14 +37,15 @@ def replay(samples: Samples, sampler: str | Method, spp: float, *, seed: int = 0
         with failure_shown(sampler, filter):
             return _core.replay(recording.source, *before, ",".join(wanted), limit)
 
-    return Selection(recording, run, texts("views", () if views is None else views))
+    drawn = {"spp": spp, "seed": seed, "order": order, "holdout": holdout, "pieces": pieces}
+    return Selection(recording, run, texts("views", () if views is None else views), drawn)
 
 
 class Selection:
     """How many samples of each pixel (piece) a sampler took, and what it knew."""
 
-    def __init__(self, recording, run, views):
-        self.recording, self._run = recording, run
+    def __init__(self, recording, run, views, drawn):
+        self.recording, self._run, self.drawn = recording, run, drawn  # by what settings of replay
         self.replayed = run(views)
         self._views = self.replayed.views() if views else None
 
@@ -81,10 +82,10 @@ class Selection:
 class Reconstruction:
     """What a filter returns: the image, and what else it has."""
 
-    image: np.ndarray  # [y][x][3] float64, radiance
-    variance: np.ndarray | None  # of the image, [y][x][3]
-    level: np.ndarray | None  # scale chosen for each piece
-    dominant_direction: np.ndarray | None  # degrees modulo 180; NaN where round
+    image: np.ndarray = field(repr=False)  # [y][x][3] float64, radiance
+    variance: np.ndarray | None = field(repr=False)  # of the image, [y][x][3]
+    level: np.ndarray | None = field(repr=False)  # scale chosen for each piece
+    dominant_direction: np.ndarray | None = field(repr=False)  # degrees modulo 180; NaN where round
     notes: list  # what was done other than asked
     guards: Mapping
     seconds: float
@@ -104,6 +105,8 @@ def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filt
     all). `filter`: a name as the program takes it, or a function made by @spool.filter; `options` are its own.
     """
     recording = recording_of(samples)
+    if isinstance(selection, Selection):
+        _check_drawn(selection, spp=spp, seed=seed, order=order, holdout=holdout, pieces=pieces)
     chosen = (selection.replayed, None) if isinstance(selection, Selection) else (None, _counts(selection))
     arguments = (*chosen, whole_number("spp", spp), text("preset", preset), settings("filter", options, pool),
                  *_pool(order, seed, holdout, pieces), ",".join(texts("views", views)), whole_number("threads", threads))
@@ -115,6 +118,14 @@ def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filt
         return image
     return Reconstruction(image, made.variance(), made.level(), made.dominant_direction(), made.notes(),
                           made.guards(), made.seconds(), made.views())
+
+
+def _check_drawn(selection, **given):
+    """Those of the selection hold, so another one would be ignored."""
+    defaults = {"spp": 0, "seed": 0, "order": "recorded", "holdout": 0, "pieces": 1}
+    for name, value in given.items():
+        if value not in (defaults[name], selection.drawn[name]):
+            raise wrong(name, value, f"not that of the selection, {selection.drawn[name]}: leave it out")
 
 
 def samplers() -> dict[str, dict]:
