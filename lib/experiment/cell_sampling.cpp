@@ -159,7 +159,8 @@ Result<SamplingRun> sample_cell(const CellWork& work, const Cell& cell,
     if (!splits(options, cell, kind)) continue;
     const Result<void> halves = add_halves(run.parts.back(), sampler, context, options.fresh);
     // Counts of a file may be more than a half has: then the spread is that of replicates.
-    if (!halves && (options.fresh || halves.error().code != ErrorCode::kData)) return halves;
+    if (!halves && (options.fresh || halves.error().code != ErrorCode::kData))
+      return tl::unexpected<Error>(halves.error());
   }
   run.density = density_of(run.parts);
   run.time = mean_time(times);

@@ -44,6 +44,15 @@ double difference_correlation(const Series& a, const Series& b, const std::vecto
                                sample_correlation(costs_a, costs_b));
 }
 
+// The same where halves say how much of the difference varies with either method: one that takes
+// nearly all samples of a few pieces does not make what the other one adds alike.
+double measured_correlation(const Series& a, double slope_a, const Series& b, double slope_b) {
+  const double of_a = slope_a * slope_a * half_variance(a.halves).variance;
+  const double of_b = slope_b * slope_b * half_variance(b.halves).variance;
+  if (!(of_a + of_b > 0.0)) return std::max(a.correlation, b.correlation);
+  return (of_a * a.correlation + of_b * b.correlation) / (of_a + of_b);
+}
+
 // By how much a cost changes where the metric changes by a share of itself.
 double cost_slope(const Series& series, Better better, bool logarithmic) {
   if (logarithmic) return 1.0;
@@ -117,11 +126,11 @@ Comparison compare_paired(const Series& a, const Series& b, Better better) {
   std::vector<double> differences;
   for (std::size_t r = 0; r < first.size(); ++r)
     differences.push_back(first[r] - second[r]);
-  const std::vector<HalfDifference> halves =
-      difference_of(a.halves, cost_slope(a, better, c.logarithmic), b.halves,
-                    cost_slope(b, better, c.logarithmic));
+  const double slope_a = cost_slope(a, better, c.logarithmic);
+  const double slope_b = cost_slope(b, better, c.logarithmic);
+  const std::vector<HalfDifference> halves = difference_of(a.halves, slope_a, b.halves, slope_b);
   const double correlation = halves.empty() ? difference_correlation(a, b, first, second)
-                                            : std::max(a.correlation, b.correlation);
+                                            : measured_correlation(a, slope_a, b, slope_b);
   const MeanError found = mean_error(differences, correlation, half_variance(halves), a.recordings);
   c.n = found.n;
   c.difference = found.mean;

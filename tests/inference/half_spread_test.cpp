@@ -75,6 +75,22 @@ TEST(HalfSpread, ReplicatesThatShareTheirErrorHaveTheIntervalOfTheHalves) {
             0.51 * std::sqrt(between.variance));
 }
 
+// The first method's replicates share nearly all of their error, the second one's nothing: what the
+// second one adds to the difference is not taken for a hundredth of what varies.
+TEST(HalfSpread, AMethodThatSharesItsErrorDoesNotMakeTheOtherOnesAlike) {
+  Series shared{{}, 0.999, {}, {cells(3, 0.3, 10), cells(4, 0.3, 10)}};
+  Series apart{{}, 0.01, {}, {cells(5, 0.04), cells(6, 0.04)}};
+  for (std::uint64_t r = 0; r < 8; ++r) {
+    shared.values.push_back(1.0 + 1e-4 * normal(7, r));
+    apart.values.push_back(2.0 * std::exp(0.2 * normal(8, r)));
+  }
+  const Comparison found = compare_paired(shared, apart, Better::kLower);
+  const double of_halves =
+      half_variance(shared.halves).variance + half_variance(apart.halves).variance;
+  EXPECT_LT(found.standard_error, 2.0 * std::sqrt(of_halves));
+  EXPECT_GT(found.standard_error, std::sqrt(half_variance(shared.halves).variance));
+}
+
 // What moves the whole image is in no cell: replicates vary more than the halves then.
 TEST(HalfSpread, ReplicatesThatVaryMoreThanTheHalvesHaveTheirOwnInterval) {
   const Series series{{1.0, 1.4, 0.7, 1.2}, 0.0, {}, {cells(1, 1e-3), cells(2, 1e-3)}};

@@ -5,6 +5,7 @@ import os
 
 from . import meta as meta_json
 from . import record_layout as layout
+from .arguments import path as path_of
 from .error import SpoolError
 from .partial_file import fcntl
 from .reader import open as open_dump
@@ -14,6 +15,7 @@ from .record_bytes import footer, record
 def append_meta(path, meta):
     """`meta`: a dict, or the text of a JSON object; keys of the top level replace those of earlier records. Index and footer are
     written anew behind it. Killed in between, the file ends without a footer, and `spool recover` makes it whole."""
+    path = path_of("path", path)
     with _alone(path):
         _append(path, meta)
 

@@ -96,8 +96,8 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     for key in ("reference", "reference_variance"):
         if key in arrays:
             _want_shape(name, key, arrays[key], (*shape[:2], 3))
-    if "reference_variance" in arrays and ("reference" not in arrays or (arrays["reference_variance"] < 0).any()):
-        raise SpoolError("usage", f"{name}: reference_variance is that of a reference, and at least 0")
+    if "reference_variance" in arrays and (arrays["reference_variance"] < 0).any():
+        raise SpoolError("usage", f"{name}: reference_variance: a variance is at least 0")
     held = {key: _frozen(values, np.float64, key) if key.startswith("reference") else _planes(values, key) for key, values in arrays.items()}
     source = _core.Source(name, held["radiance"], held.get("film"),
                           [(key, components, held[key]) for key, components in FEATURES.items() if key in held],
