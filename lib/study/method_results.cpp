@@ -168,15 +168,17 @@ double MethodResults::mean(std::size_t quantity) const {
 }
 
 Withheld MethodResults::withheld(const std::string& metric) const {
-  if ((metric != "mse" && metric != "relmse") || one_image()) return Withheld::kNo;
+  const bool relative = metric.starts_with("relmse");
+  if ((metric != "mse" && !relative) || one_image()) return Withheld::kNo;
   ErrorStanding standing;
-  standing.half_pixels = mean(quantity_index(metric + "_half_pixels"));
+  if (metric == "mse" || metric == "relmse")
+    standing.half_pixels = mean(quantity_index(metric + "_half_pixels"));
   const auto measured = spread.find(metric);
   const double common = measured == spread.end() ? correlation : measured->second.correlation;
   standing.independent_replicates = done / (1.0 + (done - 1.0) * std::min(common, 1.0));
   standing.halves = measured != spread.end();
   standing.own_spread = recordings >= kOwnSpread;
-  if (metric == "relmse") standing.reference_noise = mean(quantity_index("relmse_reference_noise"));
+  if (relative) standing.reference_noise = mean(quantity_index("relmse_reference_noise"));
   return withheld_of(standing);
 }
 

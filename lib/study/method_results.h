@@ -52,7 +52,7 @@ struct MethodResults {
 
   std::string name() const { return sampler.label() + " + " + filter.label(); }
   double mean(std::size_t quantity) const;
-  // mse and relmse; another metric is never withheld.
+  // mse, and relmse in all its forms; another metric is never withheld.
   Withheld withheld(const std::string& metric) const;
   Series series(std::size_t quantity) const;
   // Each value is the mean of two images of half of the recording.
