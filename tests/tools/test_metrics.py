@@ -91,6 +91,18 @@ def test_the_layer_of_both_files_is_chosen(run, good, tmp_path):
     assert run("metrics", "a.exr", "b.exr", "--layer", "Two", "--reference-layer", "y.beauty", "-q").err == ""
 
 
+def test_the_variance_is_that_layer_of_an_own_image_and_a_variance(run, good, images, dump, tmp_path):
+    good("reconstruct", dump, "--spp", 4, "--filter", "directional", "--layers", "-o", "own.exr")
+    pixels = {c: read_exr(tmp_path / "own.exr", f"variance.{c}").astype("f4") for c in "RGB"}
+    spool.exr.write(tmp_path / "v.exr", pixels)
+    alone, own = (good("metrics", *images, "--variance", name, "--json").json for name in ("v.exr", "own.exr"))
+    assert own["metrics"] == alone["metrics"] != good("metrics", *images, "--json").json["metrics"]
+    for value in (-1, np.nan, np.inf):
+        pixels["G"][2, 3] = value
+        spool.exr.write(tmp_path / "v.exr", pixels)
+        run("metrics", *images, "--variance", "v.exr").failed_with(1, "v.exr: pixel 3,2", "no variance")
+
+
 def test_what_does_not_fit_is_refused(run, good, images, dump):
     run("metrics", "a.exr", "none.exr").failed_with(3, "none.exr")
     run("metrics", "a.exr", dump).failed_with(1, "scene.spool")

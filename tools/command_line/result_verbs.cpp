@@ -124,8 +124,10 @@ void add_metrics(Program& program) {
   MetricsOptions& options = program.metrics;
   verb.add_option("IMAGE", options.image, "an EXR: R, G, B or Y, scene-linear")->required();
   verb.add_option("REFERENCE", options.reference, "an EXR of the same size")->required();
-  verb.add_option("--variance", options.variance,
-                  "EXR with the variance of the reference's mean: errors are debiased by it");
+  verb.add_option(
+      "--variance", options.variance,
+      "EXR with the variance of the reference's mean (its layer variance, where it has one): "
+      "errors are debiased by it");
   repeatable(
       verb.add_option("--mask", options.masks,
                       "NAME=FILE.exr: energy ratio where the mask is above 0.5; several times"));

@@ -19,6 +19,26 @@ Result<void> check_lies_on(const ForeignPicture& reference, const ForeignPicture
   return check_aligned(picture, reference, name, "the reference");
 }
 
+// Spool's own images hold the variance beside the picture that it is of.
+Result<ForeignPicture> read_variance(const std::filesystem::path& path) {
+  auto layer = read_picture(path, {"variance", "", "", ""});
+  if (layer || layer.error().code != ErrorCode::kUsage) return layer;
+  return read_picture(path, kNoLayerOption);
+}
+
+// kData where the reference is finite and its variance is none.
+Result<void> check_variance(const RgbImage& variance, const RgbImage& mean,
+                            const std::string& name) {
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < mean[c].size(); ++i)
+      if (std::isfinite(mean[c][i]) && !(variance[c][i] >= 0.0 && std::isfinite(variance[c][i])))
+        return fail(ErrorCode::kData,
+                    "{}: pixel {},{}: {} is no variance: give the variance of the reference's mean",
+                    name, i % static_cast<std::size_t>(mean[c].width()),
+                    i / static_cast<std::size_t>(mean[c].width()), variance[c][i]);
+  return {};
+}
+
 struct JudgedPictures {
   RgbImage image;
   JudgingReference reference;
@@ -34,13 +54,14 @@ Result<JudgedPictures> read_pictures(const MetricsOptions& options) {
                       remark_line(options.reference.string(), mean.remarks)};
   if (!options.variance.empty()) {
     const std::string name = options.variance.string();
-    SPOOL_ASSIGN(ForeignPicture variance, read_picture(options.variance, kNoLayerOption));
+    SPOOL_ASSIGN(ForeignPicture variance, read_variance(options.variance));
     SPOOL_TRY(check_lies_on(mean, variance, name));
     if (!variance.converted_from.empty())
       return fail(ErrorCode::kData,
                   "{}: variances in {} are not those in Rec. 709: estimate them after the "
                   "conversion",
                   name, variance.converted_from);
+    SPOOL_TRY(check_variance(variance.rgb, mean.rgb, name));
     pictures.remarks.push_back(remark_line(name, variance.remarks));
     pictures.reference.variance = std::move(variance.rgb);
   }
@@ -138,9 +159,7 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
                     "(--set rel_scale=none: as they are); +- one standard error\n",
                     table.pixels, table.relative_scale));
   }
-  return check_finite(table, options.image.string(),
-                      options.variance.empty() ? options.reference.string()
-                                               : options.reference.string() + " or its variance");
+  return check_finite(table, options.image.string(), options.reference.string());
 }
 
 }  // namespace spool::tools
