@@ -53,6 +53,14 @@ def test_misuse_is_exit_code_2_with_the_nearest_word(run, dump):
     run(*replay, "--preset", "none").failed_with(2, "preset")
 
 
+@pytest.mark.parametrize("words", [
+    "reconstruct FILE --filter box -o a.exr --selection", "reconstruct FILE --filter box -o a.exr --spp", "evaluate FILE --shard",
+    "evaluate FILE --executor", "evaluate FILE -o", "metrics FILE FILE --variance", "metrics FILE FILE --error-map",
+    "picture FILE -o a.png --like", "recover FILE", "report", "pack -o a.spool", "figure FILE -o", "reconstruct FILE -o a.exr --order"])
+def test_what_is_empty_is_no_value_that_was_left_out(run, dump, words):
+    run(*words.replace("FILE", str(dump)).split(), "").failed_with(2, ": is empty: give a value")
+
+
 def test_missing_and_foreign_files(run, tmp_path):
     run("info", "no.spool").failed_with(3, "no.spool")
     (tmp_path / "text.spool").write_text("this is not a dump, but it is long enough to be read " * 9)

@@ -28,6 +28,8 @@ std::vector<std::string> known_words(const CLI::App& app, bool options) {
 
 // What CLI11 found, in the program's words.
 std::string in_our_words(const CLI::App& at, const CLI::ParseError& error) {
+  if (const std::string empty = empty_option(at); !empty.empty())
+    return empty + ": is empty: give a value or leave it out";
   const std::string text = error.what();
   for (const CLI::Option* option : at.get_options()) {
     const std::string name = option->get_name();

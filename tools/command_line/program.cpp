@@ -10,6 +10,12 @@
 
 namespace spool::tools {
 
+std::string empty_option(const CLI::App& verb) {
+  for (const CLI::Option* option : verb.get_options())
+    if (std::ranges::count(option->results(), "") > 0) return option->get_name();
+  return "";
+}
+
 void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force) {
   constexpr const char* kGroup = "Common";
   verb.get_help_ptr()->group(kGroup);

@@ -65,11 +65,16 @@ struct Program {
   Verb chosen;
 };
 
+// "--spp" where an option or an argument was given as ""; else nothing.
+std::string empty_option(const CLI::App& verb);
+
 // What a verb does when it is chosen.
 template <class Options>
 void runs(CLI::App& verb, Program& program,
           Result<void> (*run)(const Options&, const CommonOptions&), const Options& options) {
-  verb.callback([&program, &options, run] {
+  verb.callback([&verb, &program, &options, run] {
+    if (const std::string name = empty_option(verb); !name.empty())
+      throw CLI::ValidationError(name, "");  // misspelt.h words it
     program.chosen = [&program, &options, run] { return run(options, program.common); };
   });
 }
