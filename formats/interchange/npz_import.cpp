@@ -222,6 +222,11 @@ Result<DumpPlan> plan_members(const std::vector<NpzMember>& members, const json&
   const bool sample_major = options.layout ? *options.layout == NpzLayout::kSHWC : layout == "SHWC";
   if (options.layout && layout && sample_major != (*layout == "SHWC"))
     return fail(ErrorCode::kUsage, "{}: meta.layout is {}: leave import.layout out", name, *layout);
+  if (!options.layout && !layout)
+    return fail(ErrorCode::kUsage,
+                "{}: no meta.layout, so the order of axes is unknown: give --set "
+                "import.layout=HWSC or SHWC",
+                name);
 
   for (const NpzMember& member : members) {
     if (member.layer == "meta") continue;
@@ -259,14 +264,8 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
   std::rotate(members.begin(), named("radiance"), named("radiance") + 1);
 
   json meta = json::object();
-  const bool has_meta = named("meta") != members.end();
-  if (has_meta) {
+  if (named("meta") != members.end()) {
     SPOOL_ASSIGN(meta, read_npz_meta(file, *named("meta")));
-  } else if (!options.layout) {
-    return fail(
-        ErrorCode::kUsage,
-        "{}: no array meta, so the order of axes is unknown: give --set import.layout=HWSC or SHWC",
-        name);
   }
   SPOOL_ASSIGN(DumpPlan plan, plan_members(members, meta, options, name));
   drop_structure(meta, plan);
@@ -288,9 +287,9 @@ ImportFormat npz_format() {
   return import_format<O>(
       "npz", "numpy arrays: radiance [y][x][s][3], other layers, reference, meta",
       {exchangeable_option<O>(),
-       open_choice_option<O, NpzLayout>("layout", &O::layout, "meta",
-                                        {{"HWSC", NpzLayout::kHWSC}, {"SHWC", NpzLayout::kSHWC}},
-                                        "axes of arrays without `meta`: S sample, C channel"),
+       open_choice_option<O, NpzLayout>(
+           "layout", &O::layout, "meta", {{"HWSC", NpzLayout::kHWSC}, {"SHWC", NpzLayout::kSHWC}},
+           "axes of arrays without `meta.layout`: S sample, C channel"),
        switch_option<O>("narrow", &O::narrow, "round 64-bit floats to 32 bits")},
       import_npz);
 }

@@ -13,7 +13,7 @@ from conftest import run_jobs
 
 
 def meta_array(**values):
-    return np.frombuffer(json.dumps({"spool_npz": 1, **values}).encode(), np.uint8)
+    return np.frombuffer(json.dumps({"spool_npz": 1, "layout": "HWSC", **values}).encode(), np.uint8)
 
 
 def radiance(rng, height=5, width=9, spp=4):
@@ -102,7 +102,7 @@ def test_meta_may_be_a_string_array(tmp_path):
     for number, meta in enumerate((json.dumps({"scene": "\u00e4\u20ac\U0001F600"}, ensure_ascii=False), b'{"scene":"x"}')):
         source, out = tmp_path / f"{number}.npz", tmp_path / f"{number}.spool"
         np.savez(source, radiance=samples, meta=np.array(meta))
-        assert run("import npz", source, out) == (0, "")
+        assert run("import npz", source, out, "layout=HWSC") == (0, "")
         assert spool.open(out).meta["scene"] == json.loads(meta)["scene"]
 
 
@@ -219,8 +219,9 @@ def test_unusable_arrays_are_named(tmp_path, code, words, arrays):
 
 
 def test_layout_is_never_guessed(tmp_path):
-    code, message = refused(tmp_path, savez(radiance=SAMPLES))
-    assert code == 2 and "import.layout" in message
+    for arrays in ({}, {"meta": np.frombuffer(b'{"spool_npz": 1}', "u1")}):
+        code, message = refused(tmp_path, savez(radiance=SAMPLES, **arrays))
+        assert code == 2 and "order of axes is unknown: give --set import.layout" in message
     code, message = refused(tmp_path, savez(radiance=SAMPLES, meta=meta_array(layout="HWSC")), "layout=SHWC")
     assert code == 2 and "leave import.layout out" in message
 
