@@ -4,7 +4,6 @@
 
 #include "lib/image_io/exr_layers.h"
 #include "lib/image_io/exr_source.h"
-#include "lib/image_io/foreign_picture.h"
 
 namespace spool {
 namespace {
@@ -26,7 +25,8 @@ Result<std::size_t> counted_part(const ExrSource& source) {
 
 }  // namespace
 
-Result<ExrFile> read_counts_exr(const std::filesystem::path& path) {
+Result<ExrFile> read_counts_exr(const std::filesystem::path& path,
+                                const std::optional<NeededSize>& needed) {
   SPOOL_ASSIGN(ExrSource source, ExrSource::open(path));
   SPOOL_ASSIGN(const std::size_t p, counted_part(source));
   const ExrPart& part = source.parts()[p];
@@ -35,6 +35,7 @@ Result<ExrFile> read_counts_exr(const std::filesystem::path& path) {
                 "{}: the data window ({}) is not the display window ({}): save counts of every "
                 "pixel",
                 source.name(), text_of(part.data), text_of(part.display));
+  if (needed) SPOOL_TRY(check_size(source.name(), part.data, *needed));
   return read_part(source, p);
 }
 

@@ -43,20 +43,26 @@ std::vector<std::size_t> channels_of(const ExrLayer& layer) {
   return {*layer.grey};
 }
 
+Result<ExrWindow> shown_window(const std::string& name, const ExrPart& part) {
+  const ExrWindow shown = shared(part.data, part.display);
+  if (shown.width >= 1 && shown.height >= 1) return shown;
+  return fail(ErrorCode::kData,
+              "{}: the data window ({}) lies outside of the display window ({}): nothing is "
+              "shown; move it, e.g. oiiotool --origin",
+              name, text_of(part.data), text_of(part.display));
+}
+
 Result<ForeignPicture> read_layer(ExrSource& source, const std::vector<ExrLayer>& layers,
-                                  const ChosenLayer& chosen, bool any_number) {
+                                  const ChosenLayer& chosen, bool any_number,
+                                  const std::optional<NeededSize>& needed) {
   const ExrLayer& layer = chosen.layer;
   const ExrPart& part = source.parts()[layer.part];
   const std::vector<std::size_t> channels = channels_of(layer);
   ForeignPicture picture;
   picture.display = part.display;
-  picture.shown = shared(part.data, part.display);
+  SPOOL_ASSIGN(picture.shown, shown_window(source.name(), part));
   if (!chosen.remark.empty()) picture.remarks.push_back(chosen.remark);
-  if (picture.shown.width < 1 || picture.shown.height < 1)
-    return fail(ErrorCode::kData,
-                "{}: the data window ({}) lies outside of the display window ({}): nothing is "
-                "shown; move it, e.g. oiiotool --origin",
-                source.name(), text_of(part.data), text_of(part.display));
+  if (needed) SPOOL_TRY(check_size(source.name(), picture.shown, *needed));
   for (const std::size_t c : channels)
     if (part.channels[c].type == PixelType::kUint && !any_number)
       return fail(ErrorCode::kData,
@@ -96,7 +102,7 @@ Result<ForeignPicture> read_layer(ExrSource& source, const std::vector<ExrLayer>
 }
 
 Result<ForeignPicture> read(const std::filesystem::path& path, const LayerChoice& choice,
-                            bool single) {
+                            bool single, const std::optional<NeededSize>& needed) {
   SPOOL_ASSIGN(ExrSource source, ExrSource::open(path));
   const std::vector<ExrLayer> layers = layers_of(source.parts());
   const std::vector<ExrPart>& parts = source.parts();
@@ -104,24 +110,43 @@ Result<ForeignPicture> read(const std::filesystem::path& path, const LayerChoice
       choice.layer.empty()) {
     ChosenLayer only{layers.at(0), ""};
     only.layer.grey = 0;
-    SPOOL_ASSIGN(ForeignPicture picture, read_layer(source, layers, only, true));
+    SPOOL_ASSIGN(ForeignPicture picture, read_layer(source, layers, only, true, needed));
     picture.remarks.clear();
     return picture;
   }
   SPOOL_ASSIGN(const ChosenLayer chosen,
                choose_layer(source.name(), parts, layers, choice, Taken::kPicture));
-  return read_layer(source, layers, chosen, single || !choice.layer.empty());
+  return read_layer(source, layers, chosen, single || !choice.layer.empty(), needed);
 }
 
 }  // namespace
 
-Result<ForeignPicture> read_picture(const std::filesystem::path& path, const LayerChoice& choice) {
-  return read(path, choice, false);
+Result<ForeignPicture> read_picture(const std::filesystem::path& path, const LayerChoice& choice,
+                                    const std::optional<NeededSize>& needed) {
+  return read(path, choice, false, needed);
 }
 
 Result<ForeignPicture> read_single_or_picture(const std::filesystem::path& path,
-                                              const LayerChoice& choice) {
-  return read(path, choice, true);
+                                              const LayerChoice& choice,
+                                              const std::optional<NeededSize>& needed) {
+  return read(path, choice, true, needed);
+}
+
+Result<NeededSize> picture_size(const std::filesystem::path& path, const LayerChoice& choice) {
+  SPOOL_ASSIGN(const ExrSource source, ExrSource::open(path));
+  SPOOL_ASSIGN(const ChosenLayer chosen,
+               choose_layer(source.name(), source.parts(), layers_of(source.parts()), choice,
+                            Taken::kPicture));
+  const ExrPart& part = source.parts()[chosen.layer.part];
+  SPOOL_ASSIGN(const ExrWindow shown, shown_window(source.name(), part));
+  return NeededSize{shown.width, shown.height, path.string()};
+}
+
+Result<void> check_size(const std::string& name, const ExrWindow& window,
+                        const NeededSize& needed) {
+  if (window.width == needed.width && window.height == needed.height) return {};
+  return fail(ErrorCode::kData, "{}: is {} x {} pixels, {} {} x {}: make it as large", name,
+              window.width, window.height, needed.of, needed.width, needed.height);
 }
 
 Result<void> check_aligned(const ForeignPicture& a, const ForeignPicture& b, std::string_view name,

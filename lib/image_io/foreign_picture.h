@@ -6,7 +6,9 @@
 // both. What was chosen, converted or left out stands in `remarks`.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,13 +27,25 @@ struct ForeignPicture {
   std::vector<std::string> remarks;  // without the name of the file
 };
 
+// What a picture must be as large as.
+struct NeededSize {
+  std::int64_t width = 0, height = 0;
+  std::string of = "the recording";
+};
+
 // kData, kUsage, kIo, kDamage as exr_source.h, layer_choice.h and colour_space.h say; kData also
 // for whole numbers where light is meant, and for a data window outside of the display window.
+// A wrong size is kData before a pixel is decoded: a small file may claim a huge picture.
 Result<ForeignPicture> read_picture(const std::filesystem::path& path,
-                                    const LayerChoice& choice = {});
+                                    const LayerChoice& choice = {},
+                                    const std::optional<NeededSize>& needed = {});
 // The same of a file that has one channel and may mean anything by it: a mask, a map.
 Result<ForeignPicture> read_single_or_picture(const std::filesystem::path& path,
-                                              const LayerChoice& choice = {});
+                                              const LayerChoice& choice = {},
+                                              const std::optional<NeededSize>& needed = {});
+// Of a picture, from the header alone.
+Result<NeededSize> picture_size(const std::filesystem::path& path, const LayerChoice& choice);
+Result<void> check_size(const std::string& name, const ExrWindow& window, const NeededSize& needed);
 
 // kData where the pixels of `name` do not lie on those of `other`, in the plane of OpenEXR or in
 // their displays.

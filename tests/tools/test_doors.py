@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO
 import pytest
 import spool
 
@@ -69,6 +70,19 @@ def test_no_exr_takes_memory_on_its_headers_word(tmp_path, small, door):
         line = refused(*exr_doors(path, small, tmp_path)[door], cwd=tmp_path)
         assert "sample_0001.exr" in line, (name, line)
     assert not list(tmp_path.glob("out*"))
+
+
+def test_a_picture_of_another_size_is_not_decoded(tmp_path, small):
+    for name, side in (("huge.exr", 8000), ("small.exr", 4)):
+        output = OpenImageIO.ImageOutput.create(str(tmp_path / name))
+        spec = OpenImageIO.ImageSpec(side, side, 1, "half")
+        spec.channelnames = ["Y"]
+        assert output.open(str(tmp_path / name), spec) and output.write_image(np.ones((side, side, 1), "f2")) and output.close()
+    for words in (["metrics", "huge.exr", "small.exr"], ["metrics", "small.exr", "huge.exr"], ["metrics", "small.exr", "small.exr", "--variance", "huge.exr"],
+                  ["metrics", "small.exr", "small.exr", "--mask", "m=huge.exr"], ["reconstruct", small, "--selection", "huge.exr", "--filter", "box", "-o", "out.exr"],
+                  ["reconstruct", small, "--filter", f"exec:cp {tmp_path / 'huge.exr'} $2 #", "-o", "out.exr"],
+                  ["replay", small, "--sampler", f"exec:cp {tmp_path / 'huge.exr'} $2 #", "--spp", 2, "--set", "sampler.init_spp=1", "-o", "out.exr"]):
+        assert "8000 x 8000" in refused(*words, cwd=tmp_path, codes=(1,))
 
 
 def test_no_zarr_store_becomes_much_larger_than_it_is(tmp_path):

@@ -64,6 +64,10 @@ const OptionTable<ExecSamplerOptions>& exec_sampler_option_table() {
   return table;
 }
 
+NeededSize size_of(const SamplePool& pool) {
+  return {pool.recording().width(), pool.recording().height()};
+}
+
 Needs needs_of(const ExecOptions& options) {
   return {.features = options.told.features ? Use::kWhenRecorded : Use::kNone};
 }
@@ -85,7 +89,7 @@ Result<Answer<Value>> call(const std::string& command, const PieceStatistics& st
                            const SamplePool& pool, const ExecOptions& options,
                            std::vector<std::pair<std::string, std::string>> environment,
                            const std::function<bool()>* cancelled,
-                           Result<Value> (*read)(const std::filesystem::path&)) {
+                           const std::function<Result<Value>(const std::filesystem::path&)>& read) {
   SPOOL_ASSIGN(const ExchangeFolder folder, ExchangeFolder::create());
   const std::filesystem::path input = folder / "statistics.exr", output = folder / "answer.exr";
   const StageClock writing;
@@ -115,11 +119,6 @@ Result<Answer<Value>> call(const std::string& command, const PieceStatistics& st
   return fail(ErrorCode::kData, "exec:{}: {}", command, message);
 }
 
-// A command has no option that chooses: its answer is one picture.
-Result<ForeignPicture> read_answer(const std::filesystem::path& path) {
-  return read_picture(path, kNoLayerOption);
-}
-
 Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionValues& set) {
   SPOOL_ASSIGN(const ExecSamplerOptions options,
                with_options(exec_sampler_option_table(), ExecSamplerOptions{}, set));
@@ -128,13 +127,16 @@ Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionV
     double exchange = 0.0;
     const AskForCounts ask = [&](const CountQuestion& question) -> Result<CountImage> {
       SPOOL_ASSIGN(const auto answer,
-                   call(command, question.statistics, question.pool, options.exec,
-                        {{"SPOOL_ROUND", std::to_string(question.round)},
-                         {"SPOOL_ROUNDS", std::to_string(question.rounds)},
-                         {"SPOOL_LEFT", std::to_string(question.left)},
-                         {"SPOOL_SHARE", std::to_string(question.share)},
-                         {"SPOOL_SEED", std::to_string(question.seed)}},
-                        context.cancelled, &read_counts_exr));
+                   call<ExrFile>(command, question.statistics, question.pool, options.exec,
+                                 {{"SPOOL_ROUND", std::to_string(question.round)},
+                                  {"SPOOL_ROUNDS", std::to_string(question.rounds)},
+                                  {"SPOOL_LEFT", std::to_string(question.left)},
+                                  {"SPOOL_SHARE", std::to_string(question.share)},
+                                  {"SPOOL_SEED", std::to_string(question.seed)}},
+                                 context.cancelled, [&](const std::filesystem::path& path) {
+                                   return read_counts_exr(path, NeededSize{question.pool.width(),
+                                                                           question.pool.height()});
+                                 }));
       exchange += answer.exchange_seconds;
       return counts_from_exr(answer.value, fmt::format("exec:{}: answer", command));
     };
@@ -154,8 +156,12 @@ Result<ReadyFilter> make_exec_filter(const std::string& command, const OptionVal
   const FilterFunction run = [command, options](const Selection& selection, const SamplePool& pool,
                                                 const FilterContext&) -> Result<Reconstruction> {
     const std::string name = fmt::format("exec:{}: answer", command);
-    SPOOL_ASSIGN(auto answer,
-                 call(command, selection.statistics, pool, options, {}, nullptr, &read_answer));
+    SPOOL_ASSIGN(auto answer, call<ForeignPicture>(command, selection.statistics, pool, options, {},
+                                                   nullptr, [&](const std::filesystem::path& path) {
+                                                     return read_picture(
+                                                         path, kNoLayerOption,
+                                                         size_of(pool));  // no option chooses
+                                                   }));
     SPOOL_ASSIGN(Reconstruction own, own_image(std::move(answer.value.rgb), pool, name));
     own.exchange_seconds = answer.exchange_seconds;
     return own;

@@ -73,29 +73,31 @@ std::string ImageLetters::next(const SamplePool& pool) {
 
 ReadyFilter replicate_image_filter(const std::string& pattern, const std::string& replicate,
                                    const LayerChoice& layer) {
-  return {[=, letters = std::make_shared<ImageLetters>()](
-              const Selection&, const SamplePool& pool,
-              const FilterContext&) -> Result<Reconstruction> {
-            if (replicate.empty()) {
-              return fail(ErrorCode::kUsage,
-                          "image:{}: names the images of an evaluation: use it in spool evaluate, "
-                          "or give the name of one file",
-                          pattern);
-            }
-            const std::string letter = letters->next(pool);
-            const std::filesystem::path path = fill_replicate(pattern, replicate + letter);
-            std::error_code status;
-            if (!std::filesystem::exists(path, status)) {
-              return fail(ErrorCode::kIo,
-                          "{}: is missing: make it of the input of that name (spool evaluate "
-                          "--export-inputs DIR){}",
-                          path.string(),
-                          letter.empty() ? "" : ", or write halves = false into a plan");
-            }
-            SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, layer));
-            return own_image(std::move(picture.rgb), pool, "image:" + path.string());
-          },
-          Needs{}};
+  return {
+      [=, letters = std::make_shared<ImageLetters>()](
+          const Selection&, const SamplePool& pool,
+          const FilterContext&) -> Result<Reconstruction> {
+        if (replicate.empty()) {
+          return fail(ErrorCode::kUsage,
+                      "image:{}: names the images of an evaluation: use it in spool evaluate, "
+                      "or give the name of one file",
+                      pattern);
+        }
+        const std::string letter = letters->next(pool);
+        const std::filesystem::path path = fill_replicate(pattern, replicate + letter);
+        std::error_code status;
+        if (!std::filesystem::exists(path, status)) {
+          return fail(ErrorCode::kIo,
+                      "{}: is missing: make it of the input of that name (spool evaluate "
+                      "--export-inputs DIR){}",
+                      path.string(), letter.empty() ? "" : ", or write halves = false into a plan");
+        }
+        SPOOL_ASSIGN(ForeignPicture picture,
+                     read_picture(path, layer,
+                                  NeededSize{pool.recording().width(), pool.recording().height()}));
+        return own_image(std::move(picture.rgb), pool, "image:" + path.string());
+      },
+      Needs{}};
 }
 
 }  // namespace spool::tools

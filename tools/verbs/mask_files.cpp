@@ -7,8 +7,8 @@ namespace spool::tools {
 namespace {
 
 // A single channel, or the mean of R, G and B.
-Result<Plane> read_mask(const std::string& path) {
-  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(path, kNoLayerOption));
+Result<Plane> read_mask(const std::string& path, const std::optional<NeededSize>& needed) {
+  SPOOL_ASSIGN(const ForeignPicture picture, read_single_or_picture(path, kNoLayerOption, needed));
   const RgbImage& rgb = picture.rgb;
   Plane mask(rgb[0].width(), rgb[0].height());
   for (std::size_t i = 0; i < mask.size(); ++i)
@@ -18,7 +18,8 @@ Result<Plane> read_mask(const std::string& path) {
 
 }  // namespace
 
-Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts) {
+Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts,
+                                                  const NeededSize& needed) {
   std::vector<EnergyMask> masks;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
@@ -26,7 +27,7 @@ Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>
       return fail(ErrorCode::kUsage, "--mask {}: write NAME=FILE.exr", text);
     }
     EnergyMask mask{text.substr(0, equals), "", text.substr(equals + 1), {}};
-    SPOOL_ASSIGN(mask.plane, read_mask(mask.path));
+    SPOOL_ASSIGN(mask.plane, read_mask(mask.path, needed));
     masks.push_back(std::move(mask));
   }
   return masks;
@@ -34,7 +35,7 @@ Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>
 
 Result<void> read_masks(std::vector<EnergyMask>& masks) {
   for (EnergyMask& mask : masks) {
-    SPOOL_ASSIGN(mask.plane, read_mask(mask.path));
+    SPOOL_ASSIGN(mask.plane, read_mask(mask.path, {}));
   }
   return {};
 }

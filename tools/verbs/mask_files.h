@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "lib/core/error.h"
+#include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/energy_masks.h"
 
 namespace spool::tools {
 
-// "NAME=FILE"; kUsage for other texts.
-Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts);
+// "NAME=FILE", of the size of an image; kUsage for other texts.
+Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts,
+                                                  const NeededSize& needed);
 
 // The planes of masks that have names and paths only.
 Result<void> read_masks(std::vector<EnergyMask>& masks);

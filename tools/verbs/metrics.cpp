@@ -12,18 +12,11 @@
 namespace spool::tools {
 namespace {
 
-// kData when the pixels of the picture `name` do not lie on those of the reference.
-Result<void> check_lies_on(const ForeignPicture& reference, const ForeignPicture& picture,
-                           const std::string& name) {
-  SPOOL_TRY(check_same_size(picture.rgb, reference.rgb, name));
-  return check_aligned(picture, reference, name, "the reference");
-}
-
 // Spool's own images hold the variance beside the picture that it is of.
-Result<ForeignPicture> read_variance(const std::filesystem::path& path) {
-  auto layer = read_picture(path, {"variance", "", "", ""});
+Result<ForeignPicture> read_variance(const std::filesystem::path& path, const NeededSize& size) {
+  auto layer = read_picture(path, {"variance", "", "", ""}, size);
   if (layer || layer.error().code != ErrorCode::kUsage) return layer;
-  return read_picture(path, kNoLayerOption);
+  return read_picture(path, kNoLayerOption, size);
 }
 
 // kData where the reference is finite and its variance is none.
@@ -46,16 +39,17 @@ struct JudgedPictures {
 };
 
 Result<JudgedPictures> read_pictures(const MetricsOptions& options) {
+  SPOOL_ASSIGN(const NeededSize size, picture_size(options.image, options.layer));
+  SPOOL_ASSIGN(ForeignPicture mean, read_picture(options.reference, options.reference_layer, size));
   SPOOL_ASSIGN(ForeignPicture image, read_picture(options.image, options.layer));
-  SPOOL_ASSIGN(ForeignPicture mean, read_picture(options.reference, options.reference_layer));
-  SPOOL_TRY(check_lies_on(mean, image, options.image.string()));
+  SPOOL_TRY(check_aligned(image, mean, options.image.string(), "the reference"));
   JudgedPictures pictures;
   pictures.remarks = {remark_line(options.image.string(), image.remarks),
                       remark_line(options.reference.string(), mean.remarks)};
   if (!options.variance.empty()) {
     const std::string name = options.variance.string();
-    SPOOL_ASSIGN(ForeignPicture variance, read_variance(options.variance));
-    SPOOL_TRY(check_lies_on(mean, variance, name));
+    SPOOL_ASSIGN(ForeignPicture variance, read_variance(options.variance, size));
+    SPOOL_TRY(check_aligned(variance, mean, name, "the reference"));
     if (!variance.converted_from.empty())
       return fail(ErrorCode::kData,
                   "{}: variances in {} are not those in Rec. 709: estimate them after the "
@@ -125,7 +119,9 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
   SPOOL_ASSIGN(const JudgedPictures pictures, read_pictures(options));
   const RgbImage& image = pictures.image;
   const JudgingReference& reference = pictures.reference;
-  SPOOL_ASSIGN(const std::vector<EnergyMask> masks, read_energy_masks(options.masks));
+  SPOOL_ASSIGN(const std::vector<EnergyMask> masks,
+               read_energy_masks(options.masks,
+                                 {image[0].width(), image[0].height(), options.image.string()}));
   for (const std::string& remark : pictures.remarks)
     print_note(remark);
   if (is_the_reference(image, reference.mean))

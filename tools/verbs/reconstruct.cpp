@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "formats/spool_reader.h"
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/reference.h"
 #include "lib/image_io/atomic_file.h"
@@ -38,6 +39,21 @@ Result<CountImage> uniform_counts(const SamplePool& pool, int spp) {
     }
   }
   return n;
+}
+
+// A small file may claim a huge image: apply_selection() looks at what was decoded.
+Result<void> check_selection_size(const ReconstructOptions& options) {
+  SPOOL_ASSIGN(const format::SpoolReader recording, format::SpoolReader::open(options.dump));
+  SPOOL_ASSIGN(const ExrSource source, ExrSource::open(options.selection));
+  const auto width = static_cast<double>(recording.header().width),
+             height = static_cast<double>(recording.header().height);
+  for (const ExrPart& part : source.parts())
+    if (static_cast<double>(part.data.width) > width * kPiecesPerSide.highest ||
+        static_cast<double>(part.data.height) > height * kPiecesPerSide.highest)
+      return fail(ErrorCode::kData,
+                  "{}: is {} x {}, the recording {} x {}: a selection has the recording's size",
+                  source.name(), part.data.width, part.data.height, width, height);
+  return {};
 }
 
 // Means do where it is not.
@@ -230,6 +246,7 @@ Result<void> run_reconstruct(const ReconstructOptions& given, const CommonOption
   SPOOL_TRY(refuse_existing(options.output, common.force));
   std::optional<SelectionFile> selection;
   if (!options.selection.empty()) {
+    SPOOL_TRY(check_selection_size(options));
     SPOOL_ASSIGN(selection, read_selection(options.selection));
   }
   std::optional<Progress> progress;  // from when the recording is there
