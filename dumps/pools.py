@@ -46,8 +46,15 @@ def read_pools(path):
 
 
 def seconds_of(pool):
-    """CPU seconds of all its samples."""
+    """CPU seconds of the whole recording where that is pinned, else of all its samples."""
+    if "pinned" in pool:
+        return pool["pinned"]["cpu_seconds"]
     return pool["size"][0] * pool["size"][1] * (pool["samples"] + pool["reference"]) * pool["cost"] * 1e-6
+
+
+def samples_of(pool):
+    count = pool.get("recordings", 1)
+    return "%d of %d" % (count, pool["samples"] // count) if count > 1 else str(pool["samples"])
 
 
 def file_of(pool, folder):
@@ -80,8 +87,8 @@ def state(pool, folder):
 def show(pools, folder, scenes):
     print("recordings in %s, scenes by others in %s" % (folder, scenes))
     for pool in pools.values():
-        print("%-20s %-8s %4d x %-4d %4d samples, reference %5d, %8s of CPU, %s" % (
-            pool["name"], pool["renderer"], *pool["size"], pool["samples"], pool["reference"], duration(seconds_of(pool)),
+        print("%-24s %-8s %4d x %-4d %9s samples, reference %5d, %12s of CPU, %s" % (
+            pool["name"], pool["renderer"], *pool["size"], samples_of(pool), pool["reference"], duration(seconds_of(pool)),
             state(pool, folder) or missing_source(pool, scenes) or "to do"))
     print("to do: %s of CPU" % duration(sum(seconds_of(pool) for pool in pools.values() if state(pool, folder) != "here")))
 
@@ -92,9 +99,7 @@ def table(pools):
     for pool in pools.values():
         pin = pool.get("pinned", {})
         found = (duration(pin["cpu_seconds"]), size_text(pin["bytes"]), "`%s`" % pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4
-        count = pool.get("recordings", 1)
-        samples = "%d of %d" % (count, pool["samples"] // count) if count > 1 else pool["samples"]
-        lines.append("| `%s` | %dx%d | %s | %d | %s | %s | %s | %s |" % (pool["name"], *pool["size"], samples, pool["reference"], *found))
+        lines.append("| `%s` | %dx%d | %s | %d | %s | %s | %s | %s |" % (pool["name"], *pool["size"], samples_of(pool), pool["reference"], *found))
     print("\n".join(lines))
 
 

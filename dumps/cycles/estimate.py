@@ -32,7 +32,7 @@ def dry_run(recorder, options):
         "channels %s" % " ".join(channel_names(recorder.plan)),
         "passes %d at %.3g s, reference %d batches of %d spp at %.3g s" % (
             options.samples, per_pass, recorder.batches, recorder.batch_spp, per_batch),
-        "estimate %s (%.2f minutes), folder %s, dump at most %s" % (
+        "estimate %s (%.2f minutes), folder %s, recording at most %s" % (
             duration(seconds[0] + rest), (seconds[0] + rest) / 60, size(folder_bytes),
             size(dump_bytes)),
         *reference_hint(options.samples, options.reference, per_pass * options.samples, per_batch * recorder.batches,

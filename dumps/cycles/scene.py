@@ -1,6 +1,7 @@
 """The scene to record: from a .blend file or built by a script of dumps/scenes; its needs and hash."""
 import hashlib
 import importlib.util
+import inspect
 import os
 import sys
 
@@ -19,7 +20,8 @@ def scene_names():
 
 
 def load_scene(name, blend, folders=()):
-    """name: of dumps/scenes, or a .py file with build(find) -> scene, where find(file) is its path, beside the script or in one of `folders`.
+    """name: of dumps/scenes, or a .py file with build() or build(find) -> scene, where find(file) is its path, beside the script or in
+    one of `folders`.
     Returns (scene, identity for the manifest: name and sha256)."""
     if name and blend:
         raise usage_failure("--scene and --blend are two scenes: give one")
@@ -59,7 +61,7 @@ def _build_file(source, folders):
     if not hasattr(module, "build"):
         raise usage_failure("%s: has no function build(find) that returns a scene" % source)
     try:
-        scene = module.build(find)
+        scene = module.build(find) if inspect.signature(module.build).parameters else module.build()
     except (Failure, KeyboardInterrupt):
         raise
     except (Exception, SystemExit) as error:  # of a user's script

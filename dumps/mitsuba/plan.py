@@ -60,7 +60,7 @@ def describe(options, recordable, tracer, layers, dtypes):
     print("needs %s" % ", ".join("%s: %s" % (name, "yes" if needed else "no") for name, needed in needs))
     print("channels %s, %d bytes a sample" % (" ".join(layers), per_sample))
     print("rate %.3g million samples a second" % (pixels * options.samples / pool / 1e6))
-    print("estimate %s (%.2f minutes), dump at most %s" % (
+    print("estimate %s (%.2f minutes), recording at most %s" % (
         duration(pool + reference), (pool + reference) / 60,
         size_text(per_sample * pixels * options.samples + (REFERENCE_BYTES * pixels if options.reference else 0))))
     for line in reference_hint(options.samples, options.reference, pool, reference, auto=options.auto):

@@ -40,7 +40,10 @@ std::vector<Metric> make_list() {
       {{"mse_g", "mean squared error of green, debiased"}, Rule::kRatio, kSquaredOf + 1},
       {{"mse_b", "mean squared error of blue, debiased"}, Rule::kRatio, kSquaredOf + 2},
       {{"rmse", "root of the mean squared error, not debiased"}, Rule::kRootRatio, kRawSquared},
-      {{"relmse", "mean of (squared error, debiased) / (reference^2 + rel_eps)"},
+      {{"relmse",
+        "mean of (squared error, debiased) / (reference^2 + rel_eps), both images first divided by "
+        "the reference's mean luminance (option rel_scale); rel_eps is 0.01 and keeps black pixels "
+        "from deciding"},
        Rule::kRatio,
        kRelative},
       {{"relmse_r", "relmse of red"}, Rule::kRatio, kRelativeOf},
@@ -70,7 +73,9 @@ std::vector<Metric> make_list() {
        Rule::kPerceptual},
       {{"ms_ssim", "the same over up to five scales", Better::kHigher}, Rule::kPerceptual},
       {{"flip_ldr", "mean FLIP of the tone-mapped images, 0 .. 1"}, Rule::kPerceptual},
-      {{"flip_hdr", "mean FLIP over all exposures, 0 .. 1 (option perceptual=all)"},
+      {{"flip_hdr",
+        "mean over pixels of the worst FLIP over at most 16 exposures, 0 .. 1 (option "
+        "perceptual=all)"},
        Rule::kPerceptual},
       {{"energy_ratio", "sum of the image / sum of the reference", Better::kOne},
        Rule::kRatio,

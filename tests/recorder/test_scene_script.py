@@ -1,9 +1,11 @@
 """A scene that a script outside of dumps/scenes builds, from files in a folder of its own."""
 import hashlib
+from pathlib import Path
 
 import pytest
 from conftest import Folder, one_line, record
 
+SCENES = Path(__file__).resolve().parents[2] / "dumps" / "scenes"
 BUILD = """
 import bpy
 from model.stage import add_camera, add_lamp, start_scene
@@ -35,6 +37,11 @@ def test_its_identity_covers_the_files_it_finds(tmp_path):
         found[size] = Folder(tmp_path / f"passes{size}").recording["scene"]
     assert found["1"]["name"] == found["2"]["name"] == "block.py" and found["1"]["sha256"] != found["2"]["sha256"]
     assert found["1"]["sha256"] != hashlib.sha256(BUILD.encode()).hexdigest()
+
+
+def test_a_scene_of_the_tree_may_be_given_by_its_path(tmp_path):
+    done = record("--scene", SCENES / "balls.py", "--dry-run", "--size", "16", "--samples", "1", "-o", tmp_path / "passes")
+    assert done.returncode == 0 and "scene balls.py" in done.stdout, done.stderr
 
 
 @pytest.mark.parametrize("text, files, code, words", [

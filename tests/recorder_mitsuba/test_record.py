@@ -227,7 +227,7 @@ def test_frames_larger_than_a_chunk_are_cut_into_bands(tmp_path):
 def test_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
     (tmp_path / "lens.xml").write_text(LENS)
     result = check_ok(record(tmp_path / "lens.xml", "--dry-run", "--samples", 100, "--channels", "radiance,needed"))
-    for words in ("needs depth of field: yes, motion blur: yes, volumes: no", "24x16", "minutes", "dump at most 922 kB",
+    for words in ("needs depth of field: yes, motion blur: yes, volumes: no", "24x16", "minutes", "recording at most 922 kB",
                   "channels radiance lens time, 24 bytes"):
         assert words in result.stdout, result.stdout
     assert "channels radiance, 12 bytes" in check_ok(record(tmp_path / "lens.xml", "--dry-run", "--channels", "radiance")).stdout

@@ -72,6 +72,21 @@ def test_the_baseline_is_the_one_that_the_file_compares_the_others_with(baseline
     assert (chosen[0] == baseline) if baseline else chosen == OTHERS[:5]
 
 
+def test_labelled_methods_are_the_users_too():
+    labelled = [{"sampler": s, "filter": "box", "sampler_name": "multiscale", "filter_name": "box"}
+                for s in ("eager{alpha=0.8}", "multiscale:paper{alpha=0.8} [R]", "multiscale [2 threads]")]
+    assert own_methods(labelled, BUILT_IN) == {"eager{alpha=0.8} + box": ["eager{alpha=0.8}"]}
+
+
+def test_a_method_is_known_without_its_mark_and_an_error_names_whole_methods():
+    names = [f"multiscale [R] + cross_bilateral{{sigma={i}}} [R]" for i in range(64)]
+    assert choose_methods(["multiscale + cross_bilateral{sigma=7}"], [condition(*names)], {}) == [names[7]]
+    with pytest.raises(Failure) as failure:
+        choose_methods(["x" * 60], [condition(*names)], {})
+    shown = str(failure.value)
+    assert len(shown) < 400 and shown.endswith("[R]; and 59 more")
+
+
 def test_a_method_that_only_another_recording_has_may_be_asked_for():
     conditions = [condition("uniform + box", "a + f"), condition("uniform + box", "b + f")]
     assert choose_methods(["b + f"], conditions, {}) == ["b + f"]
@@ -138,6 +153,19 @@ def test_a_table_of_many_methods_is_cut_into_parts(tmp_path, monkeypatch):
     tex = (tmp_path / "f" / "table.tex").read_text()
     assert tex.count(r"\begin{table}") == 8 and "part 8 of 8" in tex  # of 240 rows
     assert sum(tex.count(f"m{i} + ") for i in range(60)) == 240
+
+
+def test_letters_of_too_many_groups_are_left_out_and_that_is_said_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(figure_set.FigureSet, "_curves", lambda *_: [])
+    folder = made(tmp_path / "r", (), [f"m{i}" for i in range(4)])
+    path = folder / "statistics.json"
+    data = json.loads(path.read_text())
+    data["conditions"][0]["ranking"][3]["letters"] = "uvwxyza1b1c1d1e1"
+    path.write_text(json.dumps(data))
+    assert main([str(folder), "-o", str(tmp_path / "f"), "--method", "m0 + box"]) == 0
+    tex, text = ((tmp_path / "f" / name).read_text() for name in ("table.tex", "table.md"))
+    assert "a1b1" not in tex + text and text.count("too many groups") == tex.count("too many groups") == 1
+    assert re.search(r"\| a \|", text)  # of the other budget
 
 
 def test_the_largest_loss_of_light_is_told_and_what_is_widened_is_said_once():

@@ -22,5 +22,11 @@ TEST(ShownResults, AnEndOfARatioReadsOneOnlyWhereItIsOne) {
   EXPECT_EQ(shown(0.5, 1.0), "1.05 [0.5, 1]");
 }
 
+TEST(ShownResults, ACountIsAWholeNumber) {
+  EXPECT_EQ(count_text(384), "380");
+  EXPECT_EQ(count_text(12), "12");
+  EXPECT_EQ(count_text(31600), "32000");
+}
+
 }  // namespace
 }  // namespace spool::tools

@@ -56,12 +56,13 @@ std::string energy_text(const RankedResult& result) {
   return result.relmse && result.relmse->loses_energy ? text + " (loses)" : text;
 }
 
-ShownResults best_of_each(const ShownResults& results) {
+// With the baseline, which the ratios of the others are to.
+ShownResults best_of_each(const ShownResults& results, const std::string& baseline) {
   std::map<StudyPlace, std::size_t> taken;
   ShownResults best;
   for (const RankedResult& result : results) {
-    if (++taken[result.place()] <= kBestShown && best.size() < kLongestTable)
-      best.push_back(result);
+    const bool among = ++taken[result.place()] <= kBestShown || shown_method(result) == baseline;
+    if (among && best.size() < kLongestTable) best.push_back(result);
   }
   return best;
 }
@@ -168,19 +169,19 @@ std::string judged_text(const std::string& reference, bool biased) {
 }
 
 // What stands below the table.
-std::string remarks_text(const Study& study, const ShownResults& shown, std::size_t all,
+std::string remarks_text(const Study& study, const ShownResults& shown, const ShownResults& all,
                          bool wide) {
   const bool compared = std::ranges::any_of(
-      shown, [&](const RankedResult& result) { return shown_method(result) == study.baseline; });
+      all, [&](const RankedResult& result) { return shown_method(result) == study.baseline; });
   std::string text = fmt::format(
       "Mean [95 % interval], best first; {}. Verdicts: all pairs of a recording and budget "
       "together at 5 %.{}\n",
       compared ? fmt::format("ratio to {} at the same budget", visible_text(study.baseline))
                : "no ratio without a baseline (--baseline 'SAMPLER + FILTER', or in the plan)",
       wide ? "" : " MSE, energy, times: --wide.");
-  if (shown.size() < all) {
-    text += fmt::format("The {} best by relMSE of each recording and budget, of {} in all.\n",
-                        kBestShown, all);
+  if (shown.size() < all.size()) {
+    text += fmt::format("The {} best by relMSE of each recording and budget{}, of {} in all.\n",
+                        kBestShown, compared ? " and the baseline" : "", all.size());
   }
   text += would_decide_text(shown) + support_text(shown, wide) + losses_text(shown) +
           exchange_text(shown);
@@ -202,11 +203,11 @@ std::string remarks_text(const Study& study, const ShownResults& shown, std::siz
 std::string summary_text(const Study& study, bool wide) {
   const ShownResults all = ranked_results(study);
   if (all.empty()) return "no results\n";
-  const ShownResults shown = all.size() > kLongestTable ? best_of_each(all) : all;
+  const ShownResults shown = all.size() > kLongestTable ? best_of_each(all, study.baseline) : all;
   const std::string table =
       wide ? wide_table(study, shown) + equal_time_table(study.curves) : short_table(study, shown);
   return wrapped(claims_text(study.claims), line_width()) + table + "\n" +
-         wrapped(remarks_text(study, shown, all.size(), wide), line_width());
+         wrapped(remarks_text(study, shown, all, wide), line_width());
 }
 
 }  // namespace spool::tools

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <string>
 
 #include "tools/methods/external_methods.h"
 
@@ -66,6 +67,10 @@ std::string ratio_text(const Interval& ratio) {
   const std::string mean = fmt::format("{:.3g}", ratio.mean);
   if (!has_ends(ratio)) return mean;
   return mean + fmt::format(" [{}, {}]", ratio_end(ratio.low), ratio_end(ratio.high));
+}
+
+std::string count_text(double count) {
+  return fmt::format("{:.0f}", std::stod(fmt::format("{:.2g}", count)));
 }
 
 }  // namespace spool::tools

@@ -25,4 +25,7 @@ std::string value_text(const Interval& interval, const char* format = "{:.4g}");
 // One or two digits less: a ratio is read beside its error. "-" where not known.
 std::string ratio_text(const Interval& ratio);
 
+// Two digits of it, as a whole number: 380, not 3.8e+02.
+std::string count_text(double count);
+
 }  // namespace spool::tools

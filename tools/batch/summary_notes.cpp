@@ -60,9 +60,9 @@ std::string would_decide_text(const ShownResults& shown) {
     if (!result.relmse || !result.relmse->would_decide) continue;
     const WouldDecide& more = *result.relmse->would_decide;
     found.emplace_back(more.recordings ? 1e6 + more.count : more.count,
-                       fmt::format("{:.2g} {} for {} ({}, {:g} spp)", more.count, more.unit(),
-                                   shown_method(result), shown_scene(result.place().recording),
-                                   result.place().spp));
+                       fmt::format("{} {} for {} ({}, {:g} spp)", count_text(more.count),
+                                   more.unit(), shown_method(result),
+                                   shown_scene(result.place().recording), result.place().spp));
   }
   if (found.empty()) return "";
   std::ranges::stable_sort(found, {}, &std::pair<double, std::string>::first);

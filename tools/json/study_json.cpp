@@ -24,14 +24,16 @@ const char* const kRules[][2] = {
      "Over the replicates; geometric where every value is positive, so that quotients of means are "
      "means of quotients."},
     {"interval",
-     "95 %, each for itself, about another recording of the scene: Student's, of the logarithms "
-     "where the mean is geometric, widened where replicates share samples. The reference is taken "
-     "as given. `order_low` and `order_high`, where given, are about this recording in another "
-     "order of its samples, and about nothing else."},
+     "An interval at 95 % says where the mean of another recording of the scene would lie; each "
+     "is computed for itself. It is Student's, of the logarithms where the mean is geometric, and "
+     "wider where replicates share samples. The reference is taken as given."},
+    {"order",
+     "`order_low` and `order_high`, where given, are about this recording in another order of its "
+     "samples, and about nothing else."},
     {"verdict",
-     "Methods are compared replicate by replicate on the logarithms of their errors; of all pairs "
-     "of a scene, budget and metric together at 5 % (Holm). Methods that share a letter are not "
-     "separated."},
+     "Methods are compared replicate by replicate on the logarithms of their errors. Verdicts are "
+     "Holm's, at 5 % for all pairs of a scene, budget and metric together. Methods that share a "
+     "letter are not separated."},
     {"claim",
      "A question of the plan: the ratio of two errors lies below its limit. The claims of a scene "
      "and budget together at 5 % (Holm), apart from the pairs. Over several places: holds where "

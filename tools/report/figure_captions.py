@@ -97,6 +97,7 @@ def table_caption(statistics, metric, labels, baseline):
         if baseline:
             text += f" Ratio: error over that of {breakable(baseline)} on the same replicates."
         text += " Methods that share a letter are not separated; bold: the best, separated from every other."
+        text += " ".join(["", latex(statistics.letters_note(metric))]).rstrip()
         if any("loses_energy" in e for c in conditions for e in c["ranking"]):
             text += r" $\dagger$: loses light."
         why = withheld(conditions, methods)

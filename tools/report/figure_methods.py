@@ -1,5 +1,8 @@
 """Which methods a figure shows: those of the user first, the baseline, then the first of the ranking."""
 
+import re
+
+from tools.report.aggregate import MARK
 from tools.report.failure import USAGE, Failure
 from tools.report.number_text import list_text
 from tools.report.summary import name_of
@@ -7,6 +10,7 @@ from tools.report.summary import name_of
 MOST_METHODS = 8
 MOST_OWN = 6
 USUAL = 5
+NAMED = 250  # letters of names in an error, which is cut at 400
 ARGUMENTS = ("exec", "import", "image", "counts", "python")  # their names are followed by what the user wrote
 
 
@@ -20,15 +24,20 @@ def baseline_of(conditions):
 
 
 def own_methods(results, built_in):
-    """{method: the names in it that are not built in}; `built_in`: the program's own samplers and filters."""
+    """{method: the names in it that are labels or not built in}; `built_in`: the program's own samplers and filters."""
     own = {}
     for entry in results:
         names = [entry.get(kind, "") for kind in ("sampler_name", "filter_name")]
         found = [label for name, label in zip(names, (entry["sampler"], entry["filter"]))
-                 if name.split(":")[0] in ARGUMENTS or (built_in and name not in built_in)]
+                 if name.split(":")[0] in ARGUMENTS or (built_in and name not in built_in) or is_labelled(name, label)]
         if found:
             own[name_of(entry)] = found
     return own
+
+
+def is_labelled(name, label):
+    """Whether the plan calls a method otherwise than the program does; older files do not say its own name."""
+    return bool(name) and re.split(r"[:{ ]", label, maxsplit=1)[0] != name.split(":")[0]
 
 
 def is_command(name):
@@ -38,9 +47,11 @@ def is_command(name):
 def choose_methods(wanted, conditions, own):
     """Names in the order of the figure. `conditions`: of one budget."""
     names = list(dict.fromkeys(name_of(entry) for condition in conditions for entry in condition["ranking"]))
+    marked = {name.replace(MARK, ""): name for name in names}  # a name is found without the mark, too
+    wanted = [marked.get(name.replace(MARK, ""), name) for name in wanted]
     for name in wanted:
         if name not in names:
-            raise Failure(f"--method: no '{name}' at this budget; there are {'; '.join(names[:12])}", USAGE)
+            raise Failure(f"--method: no '{name}' at this budget; there are {_some_of(names)}", USAGE)
     if len(set(wanted)) > MOST_METHODS:
         raise Failure(f"--method: {len(set(wanted))} methods: a figure has room for {MOST_METHODS}", USAGE)
     if wanted:
@@ -55,6 +66,15 @@ def choose_methods(wanted, conditions, own):
     chosen += [baseline] if baseline else []
     others = [name for name in names if name not in chosen and name not in own]
     return chosen + others[:max(1, USUAL - len(chosen))]
+
+
+def _some_of(names):
+    """As many whole names as an error has room for."""
+    count = 1
+    while count < len(names) and len("; ".join(names[:count + 1])) <= NAMED:
+        count += 1
+    rest = len(names) - count
+    return "; ".join(names[:count]) + (f"; and {rest} more" if rest else "")
 
 
 def left_out_text(chosen, conditions):

@@ -143,7 +143,8 @@ def markdown_table(statistics, metric, labels, baseline):
                                                 f"{row.letters} {row.marks()}".strip()]) + " |")
             lines.append("")
     lines += ["Means with 95 % intervals" + (f"; ratio: to {markdown(baseline)}" if baseline else "") + ". Methods that share "
-              "a letter are not separated; bold: the best, separated from every other method; †: loses light; ‡: interval and verdict withheld.", ""]
+              "a letter are not separated; bold: the best, separated from every other method; †: loses light; ‡: interval and verdict withheld."
+              + " ".join(["", statistics.letters_note(metric)]).rstrip(), ""]
     for claim, where, verdict, ratio in claim_rows(statistics.claims, labels):
         lines.append(markdown(f"{claim}: {verdict}") if claim else
                      "- " + markdown(f"{where}: {verdict} {plain_interval(ratio)}".rstrip()))

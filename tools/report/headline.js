@@ -51,7 +51,7 @@ function startHeadline(area) {
   function draw() {
     holder.replaceChildren(headlineTable(draw));
     note.textContent = `${metricText(report.metric)} relative to ${hero.baseline}: below 1 is better. Bold: separated. Methods that ` +
-      'share a letter are not separated. ▼: loses energy. A click shows the pictures.';
+      `share a letter are not separated. ${report.lettersNote} ▼: loses energy. A click shows the pictures.`;
     title.textContent = `${report.dumps[hero.dump]}: ${metricText(report.metric)} against samples per pixel`;
     drawHeroChart(chart);
     drawCrops(strip);

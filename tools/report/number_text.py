@@ -41,6 +41,11 @@ def count_text(count, noun):
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
+def rounded_count(count):
+    """Two digits of it, as a whole number: 380, not 3.8e+02."""
+    return f"{float(number_text(count, 2)):.0f}"
+
+
 def list_text(items, longest):
     """"a, b and c"; beyond `longest`, "a, b and 5 more"."""
     if len(items) > longest:

@@ -44,6 +44,7 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "metric": metric,
         "names": {name: metric_name(name) for name in metrics},
         "baseline": statistics.baseline,
+        "lettersNote": statistics.letters_note(metric),
         "metrics": [name for name in names if name in metrics],
         "quantities": [{"name": name, "meaning": OWN_MEANINGS.get(name) or vocabulary.meaning(name)} for name in names],
         # What the user added, which is what a page opens on.

@@ -3,6 +3,7 @@
 Nothing here or elsewhere in the report computes one.
 """
 
+import re
 from pathlib import PurePath
 from typing import NamedTuple
 
@@ -12,6 +13,9 @@ from tools.report.vocabulary import read_json
 NAN = float("nan")
 VERSION = 1
 BASELINE = "uniform + box"  # where a plan names no other
+MOST_LETTERS = 10  # of one method; more are not read, and make tables too wide
+MOST_GROUPS = 26  # beyond z, a letter has a number behind it
+UNLETTERED = "Where methods are in too many groups to letter, no letters are shown; statistics.json has them."
 
 
 class Interval(NamedTuple):
@@ -32,6 +36,15 @@ def best_is_alone(ranking):
     return bool(others) and ranking[0]["compared"] and all(e.get("against_best") == "worse" for e in others)
 
 
+def hide_crowded_letters(ranking):
+    """Whether there were too many to show."""
+    groups = [re.findall(r"[a-z]\d*", entry["letters"]) for entry in ranking]
+    crowded = max(map(len, groups), default=0) > MOST_LETTERS or len(set().union(*groups)) > MOST_GROUPS
+    for entry in ranking if crowded else ():
+        entry["letters"] = ""
+    return crowded
+
+
 class Statistics:
     def __init__(self, data):
         self.rules = data.get("rules", {})
@@ -43,6 +56,11 @@ class Statistics:
         self.curves = data["curves"]
         self.overall = data["overall"]
         self._name_threads()
+        self.unlettered = {c["metric"] for c in self.conditions if hide_crowded_letters(c["ranking"])}
+
+    def letters_note(self, metric):
+        """Empty where all letters are shown."""
+        return UNLETTERED if metric in self.unlettered else ""
 
     def scene_of(self):
         """{file name of a recording: the recording that its scene is named by}; no two have one file name."""

@@ -3,7 +3,7 @@
 from html import escape
 
 from tools.report.metric_names import metric_name
-from tools.report.number_text import known_text, number_text
+from tools.report.number_text import known_text, number_text, rounded_count
 from tools.report.page import scrolled_table
 from tools.report.statistics_file import interval_of
 from tools.report.summary import name_of
@@ -15,7 +15,7 @@ def statistics_html(statistics, labels, metric):
     """Empty where nothing was computed for this metric."""
     conditions = statistics.of_metric(metric)
     curves = [c for c in statistics.curves if c["metric"] == metric]
-    parts = [_rankings(conditions, labels, metric, statistics.baseline),
+    parts = [_rankings(conditions, labels, metric, statistics.baseline, statistics.letters_note(metric)),
              _equal_time(curves, labels, statistics.baseline), _needed(curves, labels, statistics.baseline), _slopes(curves, labels)]
     if not any(parts):
         return ""
@@ -42,11 +42,11 @@ def _rank_row(entry):
 
 
 def _would_decide(entry):
-    more = [f"about {number_text(count, 2)} {unit} would decide" for unit, count in entry.get("would_decide", {}).items()]
+    more = [f"about {rounded_count(count)} {unit} would decide" for unit, count in entry.get("would_decide", {}).items()]
     return f"<small>{escape(more[0])}</small>" if more else ""
 
 
-def _rankings(conditions, labels, metric, baseline):
+def _rankings(conditions, labels, metric, baseline, note):
     blocks = []
     for c in conditions:
         rows = [_rank_row(entry) for entry in c["ranking"][:LONGEST_RANKING]]
@@ -58,7 +58,7 @@ def _rankings(conditions, labels, metric, baseline):
             f'{number_text(c["spp"])} spp{biased}</summary><p>About {escape(c["about"]["text"])}.</p>'
             + scrolled_table("ranks", ("group", "method", escape(metric_name(metric)) + biased, f"relative to {escape(baseline)}",
                                        f"than {escape(baseline)}", "energy"), rows) + f"{more}</details>")
-    return f"<h3>Ranks</h3>{''.join(blocks)}" if blocks else ""
+    return f"<h3>Ranks</h3>{note and f'<p>{note}</p>'}{''.join(blocks)}" if blocks else ""
 
 
 def _equal_time(curves, labels, baseline):
