@@ -218,6 +218,14 @@ def test_every_kind_of_reference_works(good, tmp_path, reference):
     assert reference in text and ("BIASED" in text) == (reference == "pool")
 
 
+def test_of_many_methods_the_baseline_is_shown_and_no_sheet_is_said_to_be_missing(good, tmp_path):
+    path = write_dump(tmp_path / "r.spool", samples(height=8, width=8)[0])
+    sigmas = ",".join(f"gaussian{{sigma={0.2 + 0.01 * i:.2f}}}" for i in range(30))
+    text = good("evaluate", path, "--filters", f"box,{sigmas}", "--spp", "1,2,3,4,5,6,7", "--replicates", 2, "-o", "out").out
+    assert "ratio to uniform + box" in text and "and the baseline, of 217 in all" in text and "no ratio" not in text
+    assert text.count("(baseline)") == 7 and "no sheet of more than 24 estimates" in text
+
+
 def test_documentation_explains_every_column(good):
     page = (Path(__file__).parents[2] / "docs" / "results.md").read_text()
     metrics = {metric["name"] for metric in good("list", "metrics", "--json").json}

@@ -110,8 +110,12 @@ Result<void> EvaluationPictures::write_reference(const CellResult& result, const
 Result<std::string> EvaluationPictures::write_sheets(
     const std::vector<PicturedResult>& results) const {
   std::string written;
+  bool any_larger = false;
   for (const Sheet& sheet : sheets_of(results)) {
-    if (sheet.results.size() > kLargestSheet) continue;
+    if (sheet.results.size() > kLargestSheet) {
+      any_larger = true;
+      continue;
+    }
     const std::string& dump = dump_names_.at(sheet.first->dump);
     std::filesystem::path reference = folder_ / stem_of(*sheet.first) / "reference.exr";
     if (!std::filesystem::exists(reference)) reference = folder_ / (dump + "_reference.exr");
@@ -130,6 +134,10 @@ Result<std::string> EvaluationPictures::write_sheets(
     const std::string heading = fmt::format("{}  {:g} samples per pixel", dump, sheet.first->spp);
     SPOOL_TRY(write_png(path, contact_sheet(heading, panels), true, true));
     written += (written.empty() ? "" : ", ") + path.string();
+  }
+  if (any_larger) {
+    written += fmt::format("{}no sheet of more than {} estimates: spool figure draws some of them",
+                           written.empty() ? "" : "; ", kLargestSheet);
   }
   return written;
 }

@@ -36,7 +36,7 @@ class EvaluationPictures {
 
   // Writes DUMP_SPPspp.png for every recording and budget from the images in the folder: reference
   // and all estimates side by side. Sheets of more than 24 estimates are left out. Returns where
-  // they are, in one line; empty where there is none.
+  // they are, and that some are left out, in one line; empty where there are no results.
   Result<std::string> write_sheets(const std::vector<PicturedResult>& results) const;
 
  private:
