@@ -41,6 +41,11 @@ def test_each_verb_s_page_has_every_option(good):
     assert [(verb, option) for verb, option in EVERY if f"\\fB{option}\\fR" not in pages[verb]] == []
 
 
+def test_a_value_is_described_once_in_words_of_a_user():
+    text = {verb: helped(verb, "--help") for verb in ("pack", "convert")}
+    assert "--max-expansion UINT" in text["pack"] and "UINT:" not in text["pack"] and "REQUIRED" not in text["convert"]
+
+
 @pytest.mark.parametrize("verb", [None, *verbs()])
 def test_groff_has_nothing_to_warn_of(good, tmp_path, verb):
     page = tmp_path / "page.1"
@@ -79,6 +84,10 @@ def test_bash_offers_every_verb_every_option_and_values(good, tmp_path):
     assert bash_offers(script, "spool", "list", "filt") == {"filters"}
     assert bash_offers(script, "spool", "replay", "--order", "s") == {"shuffled"}
     assert bash_offers(script, "spool", "compare", "--match", "") == {"label", "name"}
+    assert bash_offers(script, "spool", "reconstruct", "--preset", "rob") == {"robust"}
+    assert bash_offers(script, "spool", "evaluate", "--reference", "hold") == {"holdout", "holdout_pair"}
+    assert bash_offers(script, "spool", "figure", "--metric", "flip") == {"flip_ldr", "flip_hdr"}
+    assert bash_offers(script, "spool", "man", "eval") == {"evaluate"}
     assert bash_offers(script, "spool", "replay", "-o", "") == set(), "files are the shell's"
 
 

@@ -1,5 +1,7 @@
 """`spool pixel`: the samples of a pixel in the order of a replay."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,13 @@ def test_an_evaluations_first_replicate_takes_the_first_of_the_list(good, scene,
                 n = int(counts[y, x])
                 mean = np.mean(np.array(pixel["samples"][:n]), axis=0)
                 np.testing.assert_allclose([estimate[c][y, x] for c in "RGB"], mean, rtol=1e-5)
+
+
+def test_widths_of_a_footprint_are_parted_by_semicolons_and_end_without(good):
+    chess = Path(__file__).parents[2] / "dumps/tiny/chess.spool"
+    line = next(text for text in good("pixel", chess, "--at", "20,30", "--sampler", "uniform", "--spp", "8", "--filter",
+                                      "directional").out.splitlines() if text.startswith("footprint"))
+    assert "degrees; " in line and line.endswith("degrees"), line
 
 
 def test_what_is_wrong_is_named(run, scene):

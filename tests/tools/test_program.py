@@ -360,6 +360,7 @@ def test_lists_name_every_option_with_defaults(good):
                 assert option["defaults"] and option["help"] and option["allowed"]
     assert "mse" in {m["name"] for m in good("list", "metrics", "--json").json}
     good("list", "presets")
+    assert good("list").out.count("A.k,") == 1
     assert "samples_spent" in good("list", "columns").out
 
 

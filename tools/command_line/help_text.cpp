@@ -59,7 +59,9 @@ std::string value_of(const CLI::Option& option) {
   if (!option.get_option_text().empty()) return option.get_option_text();
   if (option.get_items_expected_max() == 0) return "";
   const std::vector<std::string> choices = written_choices(option);
-  return choices.empty() ? option.get_type_name() : fmt::format("{}", fmt::join(choices, "|"));
+  if (!choices.empty()) return fmt::format("{}", fmt::join(choices, "|"));
+  const std::string type = option.get_type_name();  // what CLI11 checks stands behind a colon
+  return type.substr(0, type.find(':'));
 }
 
 std::string option_entry(const CLI::Option& option) {

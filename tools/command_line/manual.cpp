@@ -6,12 +6,28 @@
 
 #include "lib/core/option_table.h"
 #include "lib/exchange/foreign_formats.h"
+#include "lib/experiment/reference.h"
+#include "lib/experiment/result_record.h"
 #include "lib/filters/filters.h"
+#include "lib/metrics/error_metrics.h"
 #include "lib/sampling/samplers.h"
 #include "lib/synthetic/synthetic_scenes.h"
 
 namespace spool::tools {
 namespace {
+
+std::vector<std::string> names_of_presets() {
+  std::vector<std::string> names;
+  const auto add = [&](const auto& methods) {
+    for (const auto& method : methods) {
+      for (const std::string& preset : method.presets)
+        if (std::ranges::find(names, preset) == names.end()) names.push_back(preset);
+    }
+  };
+  add(samplers());
+  add(filters());
+  return names;
+}
 
 // Values that CLI11 does not know: names of methods and scenes.
 std::vector<std::string> known_names(const std::string& verb, const CLI::Option& option) {
@@ -23,6 +39,10 @@ std::vector<std::string> known_names(const std::string& verb, const CLI::Option&
     kinds.insert(kinds.begin(), "passes");
     return kinds;
   }
+  if (name == "preset") return names_of_presets();
+  if (name == "metric" && verb == "compare") return compared_metrics();
+  if (name == "metric") return names_of(metrics());
+  if (verb == "evaluate" && name == "reference") return names_of(reference_kinds());
   if (verb == "convert" && name == "to") return names_of(exchange::export_formats());
   if (verb == "list" && name == "WHAT") return lists();
   if (verb == "synth" && name == "NAME") {
@@ -66,6 +86,9 @@ ProgramText text_of(const CLI::App& app) {
           .push_back(text_of(text.name, *option));
     program.verbs.push_back(std::move(text));
   }
+  const std::vector<std::string> verbs = names_of(program.verbs);
+  for (VerbText& verb : program.verbs)
+    if (verb.name == "man") verb.arguments.front().choices = verbs;
   return program;
 }
 

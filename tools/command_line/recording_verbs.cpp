@@ -96,7 +96,7 @@ void add_convert(Program& program) {
   verb.add_option("--to", options.to, fmt::format("{}", fmt::join(kinds, ", ")))
       ->required()
       ->check(CLI::IsMember(kinds).description(""))
-      ->option_text("FORMAT REQUIRED");
+      ->option_text("FORMAT");
   repeatable(
       verb.add_option("--set", options.settings,
                       "export.OPTION=VALUE, an option of the format: see spool list exports"));

@@ -101,8 +101,10 @@ std::vector<std::string> names_of(const ListedMethods& list) {
 std::vector<std::string> names_of(const ListedTable& table) {
   const auto at = std::ranges::find(table.columns, "name") - table.columns.begin();
   std::vector<std::string> names;
-  for (const auto& row : table.rows)
-    names.push_back(row[static_cast<std::size_t>(at)]);
+  for (const auto& row : table.rows) {  // views of two methods may have one name
+    const std::string& name = row[static_cast<std::size_t>(at)];
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
   return names;
 }
 

@@ -65,7 +65,7 @@ void print_pixel(const PixelAnswer& pixel) {
 void print_shape(const FootprintShape& shape) {
   std::string widths;
   for (const auto& [beta, width] : shape.widths)
-    widths += fmt::format(" {:.4g} at {:.4g} degrees;", width, beta);
+    widths += fmt::format("{} {:.4g} at {:.4g} degrees", widths.empty() ? "" : ";", width, beta);
   print_line(fmt::format(
       "footprint: size {}, direction {}{}{}", shape.size,
       std::isnan(shape.direction) ? "none" : fmt::format("{:.4g} degrees", shape.direction),
