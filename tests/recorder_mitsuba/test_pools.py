@@ -57,6 +57,15 @@ def pools(place, *arguments, **more):
                           env=environment, **more)
 
 
+def test_the_listing_says_what_the_table_says(place):
+    pinned = 'pinned = { samples_sha256 = "ab", bytes = 1000, cpu_seconds = 474, versions = "x", processor = "y", claims = "84 hold" }'
+    text = SMALL.replace('name = "one"', f'name = "{"long_" * 4}one"\nrecordings = 4\n{pinned}')
+    (place / "pools.toml").write_text(text)
+    listed, table = pools(place).stdout, pools(place, "--table").stdout
+    assert "4 of 6 samples" in listed and "| 4 of 6 |" in table and "7 min 54 s" in listed and "7 min 54 s" in table
+    assert len({line.index(" samples, ") for line in listed.splitlines() if " samples, " in line}) == 1
+
+
 def give_scene(place):
     (place / "scenes" / "theirs").mkdir(parents=True)
     (place / "scenes" / "theirs" / "lens.xml").write_text(SCENE)

@@ -224,6 +224,8 @@ def test_of_many_methods_the_baseline_is_shown_and_no_sheet_is_said_to_be_missin
     text = good("evaluate", path, "--filters", f"box,{sigmas}", "--spp", "1,2,3,4,5,6,7", "--replicates", 2, "-o", "out").out
     assert "ratio to uniform + box" in text and "and the baseline, of 217 in all" in text and "no ratio" not in text
     assert text.count("(baseline)") == 7 and "no sheet of more than 24 estimates" in text
+    rules = json.loads((tmp_path / "out/statistics.json").read_text())["rules"]
+    assert "order_low" in rules["order"] and "order_low" not in rules["interval"] + rules["verdict"]  # which the report prints
 
 
 def test_documentation_explains_every_column(good):

@@ -361,6 +361,8 @@ def test_lists_name_every_option_with_defaults(good):
     assert "mse" in {m["name"] for m in good("list", "metrics", "--json").json}
     good("list", "presets")
     assert good("list").out.count("A.k,") == 1
+    meanings = {m["name"]: m["meaning"] for m in good("list", "metrics", "--json").json}
+    assert "worst FLIP" in meanings["flip_hdr"] and "rel_scale" in meanings["relmse"]
     assert "samples_spent" in good("list", "columns").out
 
 

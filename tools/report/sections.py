@@ -46,7 +46,7 @@ def _claim(claim):
 
 HOW_TO_READ = (
     "<details><summary>How to read this</summary><p>Values are means over replicates with their 95 % "
-    "interval in brackets, each for itself. Where all values are positive the mean is geometric, so that a "
+    "interval in brackets; each interval is computed for itself. Where all values are positive the mean is geometric, so that a "
     "ratio is the quotient of two means. An interval says where the mean of another recording of the scene "
     "would lie; it does not say how another scene would come out. With one replicate it is a bootstrap over "
     "blocks of pixels. Whether two methods differ is decided for all pairs of a scene and budget together at "
