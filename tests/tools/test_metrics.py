@@ -54,6 +54,11 @@ def test_masks_and_the_error_map(good, run, images, tmp_path):
         a[bright].sum() / b[bright].sum(), rel=1e-9)
     assert np.allclose(read_exr(tmp_path / "error.exr", "Y"), ((a - b) ** 2).mean(axis=2), rtol=1e-6)
     run("metrics", *images, "--mask", "bright").failed_with(2, "NAME=FILE")
+    run("metrics", *images, "--mask", "m=a.exr", "--mask", "m=b.exr").failed_with(2, "--mask m=b.exr", "there twice")
+    spool.exr.write(tmp_path / "far.exr", dict.fromkeys("RGB", np.full((20, 24), 1e30, "f4")))
+    done = run("metrics", "far.exr", "b.exr", "--error-map", "far_error.exr")
+    done.failed_with(1, "far_error.exr", "cannot hold", "scale both images down")
+    assert "mse" in done.out and not (tmp_path / "far_error.exr").exists()
 
 
 @pytest.mark.parametrize("which", ["image", "reference", "both"])

@@ -1,5 +1,7 @@
 #include "tools/verbs/mask_files.h"
 
+#include <algorithm>
+
 #include "lib/image_io/foreign_picture.h"
 
 namespace spool::tools {
@@ -26,6 +28,8 @@ Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>
     if (equals == std::string::npos || equals == 0) {
       return fail(ErrorCode::kUsage, "--mask {}: write NAME=FILE.exr", text);
     }
+    if (std::ranges::find(masks, text.substr(0, equals), &EnergyMask::name) != masks.end())
+      return fail(ErrorCode::kUsage, "--mask {}: the name is there twice: choose another", text);
     EnergyMask mask{text.substr(0, equals), "", text.substr(equals + 1), {}};
     SPOOL_ASSIGN(mask.plane, read_mask(mask.path, needed));
     masks.push_back(std::move(mask));

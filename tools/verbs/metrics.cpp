@@ -141,11 +141,6 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
                  energy_in_mask(image, reference.mean, mask, metric.bootstrap));
     add("energy_ratio_in_" + mask.name, "energy ratio where the mask is above 0.5", ratio);
   }
-  if (!options.error_map.empty()) {
-    ExrFile map{image[0].width(), image[0].height(), {}};
-    map.channels.push_back({"Y", PixelType::kFloat, squared_error_map(image, reference)});
-    SPOOL_TRY(write_exr(options.error_map, map, {.overwrite = common.force}));
-  }
   if (common.json) {
     print(metrics_text(options.image, options.reference, values, table));
   } else {
@@ -154,6 +149,14 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
         fmt::format("\n{} pixels judged; relative metrics after a factor {:.4g} on both images "
                     "(--set rel_scale=none: as they are); +- one standard error\n",
                     table.pixels, table.relative_scale));
+  }
+  if (!options.error_map.empty()) {
+    ExrFile map{image[0].width(), image[0].height(), {}};
+    map.channels.push_back({"Y", PixelType::kFloat, squared_error_map(image, reference)});
+    Result<void> written = write_exr(options.error_map, map, {.overwrite = common.force});
+    if (!written && written.error().code == ErrorCode::kData)
+      written.error().message += ": scale both images down";
+    SPOOL_TRY(written);
   }
   return check_finite(table, options.image.string(), options.reference.string());
 }
