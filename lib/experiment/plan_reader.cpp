@@ -221,6 +221,20 @@ class PlanReader : private TomlReader {
     return {};
   }
 
+  static Result<void> check_mask(const Plan& plan, const EnergyMask& mask) {
+    std::vector<std::string> files;
+    for (const std::string& recording : plan.recordings)
+      files.push_back(std::filesystem::path(recording).filename().string());
+    if (!mask.recording.empty() && std::ranges::find(files, mask.recording) == files.end())
+      return fail(ErrorCode::kUsage, "{}",
+                  unknown_name("recording of the plan", mask.recording, files));
+    for (const EnergyMask& other : plan.experiment.masks)
+      if (other.name == mask.name &&
+          (other.recording == mask.recording || other.recording.empty() || mask.recording.empty()))
+        return fail(ErrorCode::kUsage, "mask {} is there twice: name one otherwise", mask.name);
+    return {};
+  }
+
   Result<void> read_masks(Plan& plan) const {
     const toml::node* tables = root_.get("mask");
     if (!tables) return {};
@@ -247,6 +261,7 @@ class PlanReader : private TomlReader {
           mask.path.empty()) {
         return refuse(*table, "a mask requires a name without spaces and a file");
       }
+      SPOOL_TRY(at(*table, check_mask(plan, mask)));
       plan.experiment.masks.push_back(std::move(mask));
     }
     return {};
