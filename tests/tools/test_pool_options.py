@@ -101,8 +101,11 @@ def test_quarter_pixels_in_all_three_verbs(good, run, scene, dump, tmp_path):
 
 
 def test_held_out_samples_are_never_taken(good, run, dump, tmp_path):
-    good("replay", dump, "--sampler", "uniform", "--spp", 12, "--holdout", 4, "-o", "n.exr")
+    good("replay", dump, "--sampler", "uniform", "--spp", 12, "--holdout", 4, "-o", "n.exr", "--force")
     assert (read_exr(tmp_path / "n.exr", "n") == 12).all()
+    make = ("reconstruct", dump, "--selection", "n.exr")
+    good(*make, "--filter", "box", "--holdout", 4, "-o", "held.exr")
+    run(*make, "--filter", "box", "--holdout", 8, "-o", "i.exr").failed_with(2, "--holdout 8: n.exr was made with 4: leave --holdout out")
     run("replay", dump, "--sampler", "uniform", "--spp", 13, "--holdout", 4, "-o", "m.exr").failed_with(1, "--spp 12")
 
 

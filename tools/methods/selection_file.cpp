@@ -185,6 +185,9 @@ Result<SelectionFile> read_selection(const std::filesystem::path& path) {
   SPOOL_TRY(refuse_removed_signal(file, path));
   SelectionFile selection;
   SPOOL_ASSIGN(selection.n, counts_from_exr(file, path.string()));
+  if (std::ranges::count(selection.n.pixels(), 0) == std::ssize(selection.n.pixels()))
+    return fail(ErrorCode::kData, "{}: no piece has a sample: raise the budget or check the counts",
+                path.string());
   read_rest(file, "", selection);
   selection.pool = pool_options_of(file);
   for (const char* part : kHalves) {

@@ -248,6 +248,10 @@ Result<void> run_reconstruct(const ReconstructOptions& given, const CommonOption
   if (!options.selection.empty()) {
     SPOOL_TRY(check_selection_size(options));
     SPOOL_ASSIGN(selection, read_selection(options.selection));
+    const int kept = selection->pool.value_or(options.pool).holdout;
+    if (options.pool.holdout != 0 && options.pool.holdout != kept)
+      return fail(ErrorCode::kUsage, "--holdout {}: {} was made with {}: leave --holdout out",
+                  options.pool.holdout, options.selection.string(), kept);
   }
   std::optional<Progress> progress;  // from when the recording is there
   SPOOL_ASSIGN(Reconstructed done,
