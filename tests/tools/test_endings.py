@@ -275,6 +275,12 @@ def test_a_full_disk_leaves_no_half_file_of_any_verb(run, dump, tmp_path, argume
     assert run(*command).code == 0
 
 
+def test_an_export_onto_a_full_disk_is_an_error_of_the_disk(run, dump):
+    command = ["evaluate", dump, "--spp", 2, "--replicates", 2, "--export-inputs", "inputs"]
+    run(*command, **bounded_files(4000)).failed_with(3, "--export-inputs: ")
+    assert run(*command).code == 0
+
+
 def test_devices_are_not_replaced(run, tmp_path):
     """A --force that renames a file onto /dev/null would break the machine."""
     os.mkfifo(tmp_path / "pipe.spool")

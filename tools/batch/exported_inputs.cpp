@@ -117,7 +117,7 @@ Result<void> export_inputs(const RunRequest& request, const CommonOptions& commo
       evaluation_memory(methods.samplers, methods.filters, pieces, plan.experiment.halves > 0);
   const SampleFilm film = film_for(methods.samplers, methods.filters, pieces);
   std::atomic<std::size_t> written = 0;
-  std::optional<std::string> failure;
+  std::optional<Error> failure;
   std::size_t done = 0;
   const auto cancelled = [&] { return request.cancelled && request.cancelled(); };
   Progress progress("export", common.quiet);
@@ -134,14 +134,14 @@ Result<void> export_inputs(const RunRequest& request, const CommonOptions& commo
       {.finished =
            [&](CellResult& result, const CellImages*) {
              ++done;
-             if (result.error && !failure) failure = result.error->message;
+             if (result.error && !failure) failure = result.error;
            },
        .progress =
            [&](double share) {
              progress.update(share, fmt::format("{} of {} replicates", done, cells.size()));
            },
        .cancelled = cancelled});
-  if (failure) return fail(ErrorCode::kData, "--export-inputs: {}", *failure);
+  if (failure) return fail(failure->code, "--export-inputs: {}", failure->message);
   if (cancelled()) {
     return fail(ErrorCode::kData, "interrupted; {}: the same command goes on from there",
                 folder.string());
