@@ -22,10 +22,11 @@ Result<double> parse_number(std::string_view name, std::string_view text, double
 Result<int> parse_integer(std::string_view name, std::string_view text, int lowest, int highest) {
   int value = 0;
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (code != std::errc{} || end != text.data() + text.size()) {
+  const bool too_large = code == std::errc::result_out_of_range;
+  if ((code != std::errc{} && !too_large) || end != text.data() + text.size()) {
     return fail(ErrorCode::kUsage, "option {}: '{}' is not a whole number", name, text);
   }
-  if (value < lowest || value > highest) {
+  if (too_large || value < lowest || value > highest) {
     return fail(ErrorCode::kUsage, "option {}: {} is outside {} .. {}", name, text, lowest,
                 highest);
   }

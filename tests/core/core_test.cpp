@@ -160,6 +160,8 @@ TEST(OptionTable, RefusesWhatIsOutsideAndSaysWhy) {
     EXPECT_EQ(set.error().code, ErrorCode::kUsage);
     EXPECT_NE(set.error().message.find(name), std::string::npos);
   }
+  const auto large = set_option(kTable, options, "levels", "9999999999999999999");
+  EXPECT_NE(large.error().message.find("9999999999999999999 is outside"), std::string::npos);
   const auto unknown = set_option(kTable, options, "alhpa", "0.5");
   ASSERT_FALSE(unknown.has_value());
   EXPECT_NE(unknown.error().message.find("did you mean 'alpha'"), std::string::npos);
