@@ -156,7 +156,7 @@ def test_wants_beyond_the_pool_go_to_the_others_and_are_counted(good, script, du
     ("pass", ("wrote no answer", "last argument")),
     ("import sys; open(sys.argv[2], 'w').write('garbage ' * 50)", ("not an OpenEXR",)),
     ("import sys; open(sys.argv[2], 'wb')", ("answer",)),
-    (answer("{'n': np.full((3, 4), 1, 'u4')}"), ("4 x 3 counts", "24 x 20 pieces")),
+    (answer("{'n': np.full((3, 4), 1, 'u4')}"), ("4 x 3 pixels", "24 x 20")),
     (answer("{'n': np.full((20, 24), -1.0)}"), ("-1", "pixel 0, 0")),
     (answer("{'n': np.where(np.eye(20, 24, 5) > 0, .5, 1)}"), ("0.5", "pixel 5, 0")),
     (answer("{'n': np.full((20, 24), np.nan)}"), ("nan", "pixel 0, 0")),
