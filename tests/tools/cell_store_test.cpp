@@ -98,7 +98,8 @@ TEST(CellStore, DamageIsCountedAndALineThatWasCutIsNot) {
   write(scratch.path() / "cells" / "a.jsonl", first + "\n" + damaged + "\n" + last);
   const CellStore store = opened(scratch.path());
   EXPECT_EQ(store.damaged(), 1u);
-  EXPECT_EQ(store.first_damage(), (scratch.path() / "cells" / "a.jsonl").string() + ", line 2");
+  EXPECT_EQ(store.damage(), "1 damaged results count as missing; the first: " +
+                                (scratch.path() / "cells" / "a.jsonl").string() + ", line 2");
   EXPECT_EQ(mse_in(store, 1), "1");
   EXPECT_FALSE(store.read(cell_id(2), Cell{}).has_value());
   EXPECT_FALSE(store.read(cell_id(3), Cell{}).has_value());

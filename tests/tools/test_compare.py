@@ -82,6 +82,33 @@ def test_times_are_compared_by_name_only(run, evaluate):
     assert {c["metric"] for c in found} == {"cpu"} and {c["verdict"] for c in found} == {"identical"}
 
 
+def test_damaged_cells_are_told_and_make_no_answer_by_themselves(run, good, evaluate, tmp_path):
+    a, b = evaluate("a"), evaluate("b")
+    cells = next((tmp_path / "b/cells").glob("*.jsonl"))
+    lines = cells.read_text().splitlines(keepends=True)
+    cells.write_text("".join([lines[0].replace("0", "1", 1), *lines[1:]]))
+    for words in (("compare", a, b), ("evaluate", "--statistics-only", b), ("report", b, "-o", "b.html")):
+        assert "warning: 1 damaged results count as missing; the first: b/cells/" in run(*words).err, words
+    cells.write_text("".join("junk\n" for _ in lines))
+    for words in (("compare", a, b), ("evaluate", "--statistics-only", b)):
+        run(*words).failed_with(1, f"b: no finished results in it; {len(lines)} damaged results count as missing; the first: b/cells/")
+
+
+def test_what_has_no_results_is_not_merged_into_a_new_folder(run, evaluate, tmp_path):
+    evaluate("a")
+    (tmp_path / "empty").mkdir()
+    for name in ("empty", "none"):
+        run("evaluate", "a.toml", "--merge", "--from", name, "-o", "new").failed_with(3, f"{name}: has no folder cells")
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_file_of_counts_that_asks_for_fewer_is_no_recording_that_ran_out(good, dump):
+    good("replay", dump, "--sampler", "uniform", "--spp", 2, "-o", "n.exr")
+    done = good("evaluate", dump, "--samplers", "uniform,counts:n.exr", "--spp", 4, "--replicates", 2, "-o", "out")
+    assert "2 of 4 results spent less than their budget because their file of counts asks for fewer" in done.err
+    assert "ran out" not in done.err
+
+
 def test_wrong_use(run, evaluate, tmp_path):
     a = evaluate("a")
     run("compare", a, "none").failed_with(3, "plan.toml")

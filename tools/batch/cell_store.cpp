@@ -136,6 +136,15 @@ void CellStore::add_line(std::string_view line, std::uint64_t offset, std::size_
   }
 }
 
+std::string CellStore::damage() const {
+  return fmt::format("{} damaged results count as missing; the first: {}", damaged_, first_damage_);
+}
+
+tl::unexpected<Error> nothing_finished(const fs::path& folder, const CellStore& store) {
+  return fail(ErrorCode::kData, "{}: no finished results in it{}", folder.string(),
+              store.damaged() > 0 ? "; " + store.damage() : "");
+}
+
 void CellStore::keep_best() {
   std::ranges::stable_sort(entries_, [](const Entry& a, const Entry& b) {
     return std::pair(a.number, !a.failed) < std::pair(b.number, !b.failed);
@@ -200,10 +209,6 @@ std::size_t CellStore::count_others(const std::function<bool(const std::string&)
 }
 
 Result<void> CellStore::take_from(const CellStore& other) {
-  if (!is_in(other.folder_)) {
-    return fail(ErrorCode::kIo, "{}: No such file or directory: is it a folder of spool evaluate?",
-                other.folder_.string());
-  }
   std::vector<Entry> wanted;
   for (const Entry& entry : other.entries_) {
     const Entry* own = find(entry.number);

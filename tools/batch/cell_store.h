@@ -37,10 +37,10 @@ class CellStore {
   static Result<void> remove_all(const std::filesystem::path& folder);
 
   bool empty() const { return entries_.empty(); }
-  // Lines whose checksum is wrong, and where the first is; without the last line of a file, which a
+  // Lines whose checksum is wrong; without the last line of a file, which a
   // killed run leaves.
   std::size_t damaged() const { return damaged_; }
-  const std::string& first_damage() const { return first_damage_; }
+  std::string damage() const;  // for a warning, where there is some
 
   // Found by open() of a later store, not by this one's read().
   Result<void> write(const std::string& id, const ResultRecord& record);
@@ -84,5 +84,7 @@ class CellStore {
   std::uint64_t own_bytes_ = 0;
   std::chrono::steady_clock::time_point synced_;
 };
+
+tl::unexpected<Error> nothing_finished(const std::filesystem::path& folder, const CellStore& store);
 
 }  // namespace spool::tools

@@ -57,10 +57,8 @@ Result<void> write_statistics_file(const fs::path& path, const Study& study) {
 }
 
 Result<void> write_study(const fs::path& folder, Study study, const CommonOptions& common,
-                         bool wide) {
-  if (study.results.empty()) {
-    return fail(ErrorCode::kData, "{}: no finished results in it", folder.string());
-  }
+                         bool wide, const CellStore& store) {
+  if (study.results.empty()) return nothing_finished(folder, store);
   mark_late_claims(folder, study.claims);
   SPOOL_TRY(write_statistics_file(folder / "statistics.json", study));
   if (common.json) print(results_text(ranked_results(study)));
@@ -176,7 +174,7 @@ class PlanRun {
     };
     Study study = study_of(request_.plan, sources);
     SPOOL_TRY(writer.finish());
-    SPOOL_TRY(write_study(request_.folder, std::move(study), common_, request_.wide));
+    SPOOL_TRY(write_study(request_.folder, std::move(study), common_, request_.wide, store_));
     std::string sheets;
     if (request_.plan.pictures) {
       SPOOL_ASSIGN(sheets, pictures_.write_sheets(pictured));
@@ -287,7 +285,8 @@ class PlanRun {
       return;
     }
     const double budget = std::round(cell.spp * record.number("width") * record.number("height"));
-    if (record.number("samples_spent") < budget) ++short_of_samples_;
+    if (record.number("samples_spent") < budget)
+      ++(cell.sampler.name == "counts" ? asked_for_fewer_ : short_of_samples_);
   }
 
   // kData when cells are missing, failed or gave pixels that are no numbers; a warning for pools
@@ -298,6 +297,12 @@ class PlanRun {
           fmt::format("{} of {} results spent less than their budget because the recording ran "
                       "out: column samples_spent",
                       short_of_samples_, results_));
+    }
+    if (asked_for_fewer_ > 0) {
+      print_warning(
+          fmt::format("{} of {} results spent less than their budget because their file of counts "
+                      "asks for fewer samples: column samples_spent",
+                      asked_for_fewer_, results_));
     }
     if (undrawn_ > 0) {
       print_warning(fmt::format("{} of {} results lack an image; the first: {}", undrawn_, results_,
@@ -334,7 +339,7 @@ class PlanRun {
   std::timed_mutex keeping_;      // a line on the disk, and its count
   std::atomic<int> at_once_ = 1;  // sampling runs beside each other
   std::size_t wanted_ = 0;
-  std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0;
+  std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0, asked_for_fewer_ = 0;
   std::size_t undrawn_ = 0;  // results with an image that cannot hold its numbers
   std::string first_failure_, first_undrawn_;
   std::set<std::string> references_;  // images that are no estimate
@@ -346,7 +351,9 @@ class PlanRun {
 Result<void> write_statistics(const fs::path& folder, const Plan& plan, const CommonOptions& common,
                               bool wide) {
   SPOOL_ASSIGN(const CellStore store, CellStore::open(folder));
-  return write_study(folder, study_of(plan, study_sources(store, plan)), common, wide);
+  Study study = study_of(plan, study_sources(store, plan));
+  if (store.damaged() > 0 && !study.results.empty()) print_warning(store.damage());
+  return write_study(folder, std::move(study), common, wide, store);
 }
 
 Result<Shard> parse_shard(const std::string& text) {
@@ -363,11 +370,12 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   const auto started = std::chrono::system_clock::now();
   SPOOL_ASSIGN(NamedCells named, name_cells(request.plan));
   SPOOL_TRY(check_dumps(request.plan));
+  for (const fs::path& from : request.merge_from)
+    if (!CellStore::is_in(from))
+      return fail(ErrorCode::kIo, "{}: has no folder cells: give one that spool evaluate -o wrote",
+                  from.string());
   SPOOL_ASSIGN(CellStore store, prepare_folder(request, named, common.force));
-  if (store.damaged() > 0) {
-    print_warning(fmt::format("{} damaged results count as missing; the first: {}", store.damaged(),
-                              store.first_damage()));
-  }
+  if (store.damaged() > 0) print_warning(store.damage());
   SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps,
                identify_dumps(request.plan.recordings, request.folder));
   SPOOL_TRY(write_identities(dumps, request.folder));

@@ -57,7 +57,7 @@ Series series_of(const MethodResults& results, const std::string& metric) {
 }  // namespace
 
 Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
-  ResultFolder folder{path, {}, {}, {}};
+  ResultFolder folder{path, {}, {}, {}, {}};
   SPOOL_ASSIGN(folder.plan, kept_plan(path));
   SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps, known_dumps(path));
   for (const DumpIdentity& dump : dumps)
@@ -89,9 +89,8 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
       }
     }
   }
-  if (folder.combinations.empty()) {
-    return fail(ErrorCode::kData, "{}: no finished results in it", path.string());
-  }
+  if (folder.combinations.empty()) return nothing_finished(path, store);
+  if (store.damaged() > 0) folder.damage = store.damage();
   return folder;
 }
 

@@ -33,6 +33,7 @@ struct ResultFolder {
   Plan plan;
   std::map<std::string, DumpIdentity> dumps;        // by file name of the recording
   std::map<std::string, Combination> combinations;  // by what they are matched by
+  std::string damage;                               // of its cells; empty: none
 };
 
 // kIo when `path` is not what spool evaluate wrote, kData when nothing in it is finished, kUsage

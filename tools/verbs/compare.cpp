@@ -140,6 +140,8 @@ Result<void> run_compare(const CompareOptions& options, const CommonOptions& com
   SPOOL_ASSIGN(const std::vector<std::string> metrics, chosen_metrics(options));
   SPOOL_ASSIGN(const auto folders, read_folders(options));
   const auto& [before, after] = folders;
+  for (const ResultFolder* folder : {&before, &after})
+    if (!folder->damage.empty()) print_warning(folder->damage);
   Comparisons outcome;
   outcome.claims = claim_changes(before.path, after.path);
   for (const auto& [key, combination] : before.combinations) {

@@ -10,6 +10,7 @@
 #include "lib/experiment/result_table.h"
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
+#include "tools/batch/cell_store.h"
 #include "tools/verbs/option_bounds.h"
 #include "tools/verbs/page_generator.h"
 
@@ -72,6 +73,9 @@ Result<void> validate(const ReportOptions& options) {
 Result<void> run_report(const ReportOptions& options, const CommonOptions& common) {
   SPOOL_TRY(validate(options));
   std::vector<std::string> words;
+  // The report is of results.csv: cells that were damaged since are missing in the next.
+  if (const auto store = CellStore::open(options.folder); store && store->damaged() > 0)
+    print_warning(store->damage());
   if (common.force) words.emplace_back("--force");
   SPOOL_ASSIGN(const std::string said, make_report(options, std::move(words)));
   if (!common.quiet) print_line(said);
