@@ -55,6 +55,13 @@ std::optional<LayerName> find_layer_name(std::string_view layer) {
   return std::nullopt;
 }
 
+std::vector<std::string> listed_layer_names() {
+  std::vector<std::string> names;
+  for (const Row& row : kRows)
+    names.emplace_back(row.layer);
+  return names;
+}
+
 bool is_layer_name(std::string_view layer) {
   const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
   return !layer.empty() && layer.size() <= 29 && lower(layer[0]) &&

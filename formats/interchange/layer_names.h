@@ -18,6 +18,8 @@ struct LayerName {
 // nullopt for a name that the page does not list.
 std::optional<LayerName> find_layer_name(std::string_view layer);
 
+std::vector<std::string> listed_layer_names();
+
 // A lower-case letter, then lower-case letters, digits or '_'; at most 29 bytes, so that ".X" fits.
 bool is_layer_name(std::string_view layer);
 

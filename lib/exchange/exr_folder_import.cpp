@@ -2,7 +2,9 @@
 
 #include <charconv>
 
+#include "formats/interchange/layer_names.h"
 #include "formats/temporary_file.h"
+#include "lib/core/nearest_name.h"
 #include "lib/exchange/numbered_files.h"
 #include "lib/exchange/sample_image.h"
 #include "lib/image_io/foreign_picture.h"
@@ -121,6 +123,10 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
                                        const std::filesystem::path& out,
                                        const ExrFolderImportOptions& options) {
   SPOOL_TRY(format::refuse_existing_target(out, options.force));
+  if (!options.map.radiance.layer.empty() && options.map.layers.contains("radiance"))
+    return fail(ErrorCode::kUsage,
+                "{}: --layer {} and import.map=radiance={} both choose radiance: give one",
+                in.string(), options.map.radiance.layer, options.map.layers.at("radiance"));
   SPOOL_ASSIGN(const NumberedFiles numbered, numbered_files(in, kPixelFile));
   const std::vector<std::filesystem::path>& files = numbered.paths;
   SPOOL_ASSIGN(const std::vector<ExrPart> first, parts_of(files[0]));
@@ -174,6 +180,21 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
 
 namespace {
 
+// A name of one's own is a layer, too: only what is long enough to be one of the page misspelt, and
+// is none with something added, is not taken.
+Result<void> add_to_map(LayerMap& map, const std::string& ours, const std::string& theirs) {
+  const std::vector<std::string> listed = interchange::listed_layer_names();
+  const std::string near = nearest_name(ours, listed);
+  const auto in = [](const std::string& a, const std::string& b) {
+    return b.find(a) != std::string::npos;
+  };
+  if (ours.size() > 5 && !near.empty() && !in(near, ours) && !in(ours, near))
+    return fail(ErrorCode::kUsage, "option map: {}", unknown_name("layer", ours, listed));
+  if (!map.layers.emplace(ours, theirs).second)
+    return fail(ErrorCode::kUsage, "option map: {} is there twice: give it one layer", ours);
+  return {};
+}
+
 Option<ExrFolderImportOptions> radiance_option(std::string name, std::string LayerChoice::* member,
                                                std::string help) {
   using O = ExrFolderImportOptions;
@@ -199,8 +220,8 @@ interchange::ImportFormat exr_folder_format() {
             return fail(ErrorCode::kUsage, "option map: '{}' is no OURS=LAYER, e.g. albedo=DiffCol",
                         text);
           }
-          options.map.layers[std::string(text.substr(0, equals))] = text.substr(equals + 1);
-          return {};
+          return add_to_map(options.map, std::string(text.substr(0, equals)),
+                            std::string(text.substr(equals + 1)));
         },
         [](const O& options) {
           std::string text;

@@ -97,6 +97,16 @@ def test_a_layer_can_be_named(tmp_path):
     sample_dumps.assert_same(path, {"radiance": at[..., :3].copy(), "albedo": at[..., 3:].copy()})
 
 
+@pytest.mark.parametrize("options, words", [
+    (["map=radiance=a", "layer=b"], "both choose radiance: give one"), (["map=albdeo=b", "layer=a"], "did you mean 'albedo'")])
+def test_choices_that_contradict_each_other_or_are_misspelt(tmp_path, options, words):
+    source = folder(tmp_path, [f"{layer}.{c}" for layer in "ab" for c in "RGB"], list(RNG.random((2, 3, 4, 6), np.float32)))
+    code, message, path = imported(tmp_path, source, *options)
+    assert code == 2 and words in message and not path.exists(), message
+    for own in ("emit", "indirect", "albedo_2"):
+        assert imported(tmp_path, source, f"map={own}=b", "layer=a", "force")[0] == 0
+
+
 @pytest.mark.parametrize("names, layers", [("blender", ["radiance", "albedo", "depth"]), ("rgb", ["radiance"])])
 def test_export_under_other_names(tmp_path, names, layers):
     arrays = sample_dumps.rich(tmp_path / "a.spool", 2)

@@ -213,6 +213,7 @@ def test_options_of_foreign_formats_are_settings(run, good, tmp_path):
     run(*pack, "--layout", "HWSC").failed_with(2, "--set import.layout=")
     run(*pack, "--set", "import.laiout=HWSC").failed_with(2, "import npz", "did you mean 'layout'")
     run(*pack, "--set", "import.layout=WHSC").failed_with(2, "'WHSC' is not one of meta|HWSC|SHWC")
+    run("pack", "--from", "exr-folder", ".", "-o", "a.spool", "--set", "import.map=albedo=a", "--set", "import.map=albedo=b").failed_with(2, "there twice")
     run(*pack, "--set", "layout=HWSC").failed_with(2, "import.OPTION=VALUE")
     run("pack", "passes", "-o", "p.spool", "--set", "import.layout=HWSC").failed_with(2, "no options")
     formats = good("list", "imports", "--json").json
