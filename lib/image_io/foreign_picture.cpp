@@ -43,6 +43,8 @@ std::vector<std::size_t> channels_of(const ExrLayer& layer) {
   return {*layer.grey};
 }
 
+enum class Pixels { kAll, kNone };
+
 Result<ExrWindow> shown_window(const std::string& name, const ExrPart& part) {
   const ExrWindow shown = shared(part.data, part.display);
   if (shown.width >= 1 && shown.height >= 1) return shown;
@@ -54,7 +56,7 @@ Result<ExrWindow> shown_window(const std::string& name, const ExrPart& part) {
 
 Result<ForeignPicture> read_layer(ExrSource& source, const std::vector<ExrLayer>& layers,
                                   const ChosenLayer& chosen, bool any_number,
-                                  const std::optional<NeededSize>& needed) {
+                                  const std::optional<NeededSize>& needed, Pixels pixels) {
   const ExrLayer& layer = chosen.layer;
   const ExrPart& part = source.parts()[layer.part];
   const std::vector<std::size_t> channels = channels_of(layer);
@@ -73,7 +75,10 @@ Result<ForeignPicture> read_layer(ExrSource& source, const std::vector<ExrLayer>
   if (layer.colour || !any_number) {
     SPOOL_ASSIGN(conversion, conversion_to_rec709(part, source.name()));
   }
-  SPOOL_ASSIGN(std::vector<ExrPlane> planes, source.read(layer.part, channels));
+  std::vector<ExrPlane> planes;
+  if (pixels == Pixels::kAll) {
+    SPOOL_ASSIGN(planes, source.read(layer.part, channels));
+  }
   const int width = static_cast<int>(part.data.width), height = static_cast<int>(part.data.height);
   for (std::size_t c = 0; c < planes.size(); ++c) {
     picture.rgb[c] = cropped(to_doubles(planes[c], width, height), part.data, picture.shown);
@@ -102,7 +107,8 @@ Result<ForeignPicture> read_layer(ExrSource& source, const std::vector<ExrLayer>
 }
 
 Result<ForeignPicture> read(const std::filesystem::path& path, const LayerChoice& choice,
-                            bool single, const std::optional<NeededSize>& needed) {
+                            bool single, const std::optional<NeededSize>& needed,
+                            Pixels pixels = Pixels::kAll) {
   SPOOL_ASSIGN(ExrSource source, ExrSource::open(path));
   const std::vector<ExrLayer> layers = layers_of(source.parts());
   const std::vector<ExrPart>& parts = source.parts();
@@ -110,13 +116,13 @@ Result<ForeignPicture> read(const std::filesystem::path& path, const LayerChoice
       choice.layer.empty()) {
     ChosenLayer only{layers.at(0), ""};
     only.layer.grey = 0;
-    SPOOL_ASSIGN(ForeignPicture picture, read_layer(source, layers, only, true, needed));
+    SPOOL_ASSIGN(ForeignPicture picture, read_layer(source, layers, only, true, needed, pixels));
     picture.remarks.clear();
     return picture;
   }
   SPOOL_ASSIGN(const ChosenLayer chosen,
                choose_layer(source.name(), parts, layers, choice, Taken::kPicture));
-  return read_layer(source, layers, chosen, single || !choice.layer.empty(), needed);
+  return read_layer(source, layers, chosen, single || !choice.layer.empty(), needed, pixels);
 }
 
 }  // namespace
@@ -132,14 +138,9 @@ Result<ForeignPicture> read_single_or_picture(const std::filesystem::path& path,
   return read(path, choice, true, needed);
 }
 
-Result<NeededSize> picture_size(const std::filesystem::path& path, const LayerChoice& choice) {
-  SPOOL_ASSIGN(const ExrSource source, ExrSource::open(path));
-  SPOOL_ASSIGN(const ChosenLayer chosen,
-               choose_layer(source.name(), source.parts(), layers_of(source.parts()), choice,
-                            Taken::kPicture));
-  const ExrPart& part = source.parts()[chosen.layer.part];
-  SPOOL_ASSIGN(const ExrWindow shown, shown_window(source.name(), part));
-  return NeededSize{shown.width, shown.height, path.string()};
+Result<ForeignPicture> read_picture_header(const std::filesystem::path& path,
+                                           const LayerChoice& choice) {
+  return read(path, choice, false, {}, Pixels::kNone);
 }
 
 Result<void> check_size(const std::string& name, const ExrWindow& window,

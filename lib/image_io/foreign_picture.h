@@ -43,8 +43,9 @@ Result<ForeignPicture> read_picture(const std::filesystem::path& path,
 Result<ForeignPicture> read_single_or_picture(const std::filesystem::path& path,
                                               const LayerChoice& choice = {},
                                               const std::optional<NeededSize>& needed = {});
-// Of a picture, from the header alone.
-Result<NeededSize> picture_size(const std::filesystem::path& path, const LayerChoice& choice);
+// All of a picture but its pixels.
+Result<ForeignPicture> read_picture_header(const std::filesystem::path& path,
+                                           const LayerChoice& choice);
 Result<void> check_size(const std::string& name, const ExrWindow& window, const NeededSize& needed);
 
 // kData where the pixels of `name` do not lie on those of `other`, in the plane of OpenEXR or in

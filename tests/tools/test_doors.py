@@ -80,6 +80,7 @@ def test_a_picture_of_another_size_is_not_decoded(tmp_path, small):
         assert output.open(str(tmp_path / name), spec) and output.write_image(np.ones((side, side, 1), "f2")) and output.close()
     for words in (["metrics", "huge.exr", "small.exr"], ["metrics", "small.exr", "huge.exr"], ["metrics", "small.exr", "small.exr", "--variance", "huge.exr"],
                   ["metrics", "small.exr", "small.exr", "--mask", "m=huge.exr"], ["reconstruct", small, "--selection", "huge.exr", "--filter", "box", "-o", "out.exr"],
+                  ["reconstruct", small, "--filter", "image:huge.exr", "-o", "out.exr"],
                   ["reconstruct", small, "--filter", f"exec:cp {tmp_path / 'huge.exr'} $2 #", "-o", "out.exr"],
                   ["replay", small, "--sampler", f"exec:cp {tmp_path / 'huge.exr'} $2 #", "--spp", 2, "--set", "sampler.init_spp=1", "-o", "out.exr"]):
         assert "8000 x 8000" in refused(*words, cwd=tmp_path, codes=(1,))

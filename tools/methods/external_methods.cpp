@@ -1,5 +1,6 @@
 #include "tools/methods/external_methods.h"
 
+#include <mutex>
 #include <utility>
 
 #include "formats/interchange/export_format.h"
@@ -214,13 +215,30 @@ const OptionTable<ImageOptions>& image_option_table() {
   return table;
 }
 
+// Read for the first recording that has its size: a small file may claim a huge picture.
+struct KeptImage {
+  std::mutex mutex;
+  FilterFunction filter;
+};
+
 Result<ReadyFilter> make_image_filter(const std::string& path, const OptionValues& set) {
   SPOOL_ASSIGN(const ImageOptions options, with_options(image_option_table(), {}, set));
   if (is_of_replicates({"image", path, {}}) || !options.replicate.empty())
     return replicate_image_filter(path, options.replicate, options.layer);
-  SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, options.layer));
-  print_note(remark_line("image:" + path, picture.remarks));
-  return ReadyFilter{given_image(std::move(picture.rgb), "image:" + path), made_elsewhere()};
+  SPOOL_ASSIGN(const ForeignPicture header, read_picture_header(path, options.layer));
+  print_note(remark_line("image:" + path, header.remarks));
+  const auto kept = std::make_shared<KeptImage>();
+  return ReadyFilter{[=](const Selection& selection, const SamplePool& pool,
+                         const FilterContext& context) -> Result<Reconstruction> {
+                       const std::scoped_lock lock(kept->mutex);
+                       if (!kept->filter) {
+                         SPOOL_ASSIGN(ForeignPicture picture,
+                                      read_picture(path, options.layer, size_of(pool)));
+                         kept->filter = given_image(std::move(picture.rgb), "image:" + path);
+                       }
+                       return kept->filter(selection, pool, context);
+                     },
+                     made_elsewhere()};
 }
 
 Result<ReadyFilter> make_known_ensemble(const std::string& parts, const OptionValues& set) {

@@ -39,7 +39,8 @@ struct JudgedPictures {
 };
 
 Result<JudgedPictures> read_pictures(const MetricsOptions& options) {
-  SPOOL_ASSIGN(const NeededSize size, picture_size(options.image, options.layer));
+  SPOOL_ASSIGN(const ForeignPicture header, read_picture_header(options.image, options.layer));
+  const NeededSize size{header.shown.width, header.shown.height, options.image.string()};
   SPOOL_ASSIGN(ForeignPicture mean, read_picture(options.reference, options.reference_layer, size));
   SPOOL_ASSIGN(ForeignPicture image, read_picture(options.image, options.layer));
   SPOOL_TRY(check_aligned(image, mean, options.image.string(), "the reference"));
