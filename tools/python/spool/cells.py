@@ -82,7 +82,7 @@ def _ranked(condition, entry, first):
     verdict = entry.get("against_baseline", "")
     letters = f"withheld: {entry['withheld']}" if entry.get("withheld") else f"{entry.get('letters', '')} {verdict}"
     letters += "" if entry.get("compared", True) or "not compared" in letters else " not compared"
-    letters += "".join(f" (about {count} {what} would decide)" for what, count in (entry.get("would_decide") or {}).items())
+    letters += "".join(f" (about {count:.0f} {what} would decide)" for what, count in (entry.get("would_decide") or {}).items())
     energy = _numbers(entry.get("energy")) + (" (loses)" if "loses_energy" in entry else "")
     return _line(condition["dump"] if first else None, condition["spp"] if first else None, entry,
                  _numbers(entry.get("value")), _numbers(entry.get("ratio")), letters, energy, verdict)
