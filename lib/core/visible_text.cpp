@@ -81,7 +81,10 @@ std::string shell_quoted(std::string_view text) {
 std::string shell_word(std::string_view text) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+%@^";
-  const bool plain = !text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos;
+  const auto is_plain = [&](char c) {
+    return (c & 0x80) != 0 || kPlain.find(c) != std::string_view::npos;
+  };
+  const bool plain = !text.empty() && std::ranges::all_of(text, is_plain);
   return plain ? std::string(text) : shell_quoted(text);
 }
 
