@@ -328,7 +328,7 @@ def test_a_selection_of_a_removed_option_is_not_taken_for_another(run, dump, tmp
 
 
 def test_selection_of_another_size_and_no_image_are_refused(run, dump, tmp_path):
-    subprocess.run(["oiiotool", "--create", "4x4", "1", "-o", str(tmp_path / "small.exr")], check=True)
+    subprocess.run(["oiiotool", "--pattern", "constant:color=1", "4x4", "1", "-o", str(tmp_path / "small.exr")], check=True)
     command = ("reconstruct", dump, "--filter", "box", "-o", "i.exr", "--selection")
     run(*command, "small.exr").failed_with(1, "4 x 4", "24 x 20")
     run(*command, dump).failed_with(1, "is a .spool file, an OpenEXR image is needed", "spool reconstruct")
