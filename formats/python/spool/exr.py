@@ -9,6 +9,7 @@ The layout is that of OpenEXR's own page "OpenEXR File Layout". Sizes are checke
 length of the file before anything is allocated.
 """
 
+import contextlib
 import os
 import struct
 import zlib
@@ -81,10 +82,12 @@ def write(path, channels):
             for y in range(height):
                 file.write(struct.pack("<ii", y, line) + b"".join(planes[name][y].tobytes() for name in names))
         os.replace(partial, final)
-    except OSError as error:
-        if os.path.isfile(partial):
+    except BaseException as error:
+        with contextlib.suppress(OSError):
             os.unlink(partial)
-        raise SpoolError("io", f"{final}: {error.strerror or error}: check the folder and the disk") from error
+        if isinstance(error, OSError):
+            raise SpoolError("io", f"{final}: {error.strerror or error}: check the folder and the disk") from error
+        raise
 
 
 def _parse(data):
