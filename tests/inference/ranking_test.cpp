@@ -214,6 +214,8 @@ TEST(RankMethods, OtherDirections) {
   const Ranking ranking = rank_methods(energies, Better::kOne);
   EXPECT_EQ(ranking.methods[0].method, 1u);
   EXPECT_EQ(ranking.between(1, 0), Verdict::kBetter);
+  const std::vector<Series> negative = {{{-0.5, -0.4}}, noisy(1.3, 0.001, 1)};
+  EXPECT_EQ(rank_methods(negative, Better::kOne).methods[0].method, 1u);
 }
 
 }  // namespace

@@ -119,6 +119,15 @@ def test_export_under_other_names(tmp_path, names, layers):
     assert ("ViewLayer.Combined.R" if names == "blender" else "R") in first
 
 
+def test_an_export_leaves_no_images_of_a_longer_one(tmp_path):
+    for name, spp in (("long", 4), ("short", 2)):
+        spool.write(tmp_path / f"{name}.spool", np.ones((6, 5, spp, 3), "f4"))
+    results = run_jobs(("export exr-folder", tmp_path / "long.spool", tmp_path / "out"),
+                       ("export exr-folder", tmp_path / "short.spool", tmp_path / "out", "force=1"))
+    assert [code for code, _ in results] == [0, 0], results
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["sample_0000.exr", "sample_0001.exr"]
+
+
 NAMES = [  # in the order of their numbers, and what is said of them
     (["a_-0002.exr", "a_-0001.exr", "a_0000.exr", "a_0001.exr"], "numbered -2 to 1"),
     (["a-2.exr", "a-1.exr", "a0.exr", "a1.exr"], "numbered -2 to 1"),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from spool import exr
 
 from conftest import read_exr, samples, write_dump
 from results_comparison import assert_same_results, cell_lines, rows_of
@@ -189,6 +190,49 @@ def test_errors_are_found_before_the_work(run, good, dump, tmp_path):
     assert not (tmp_path / "out").exists()
     good("evaluate", dump, "--spp", 4, "-o", "out", "--no-pictures")
     run("evaluate", dump, "--spp", 2, "-o", "out").failed_with(2, "--force")
+
+
+def test_images_of_two_methods_have_two_names(run, good, dump, tmp_path):
+    command = ("evaluate", dump, "--spp", 4, "--replicates", 1, "-o", "out")
+    run(*command, "--filters", "a_=box,a=gaussian").failed_with(2, "their images would have one name")
+    run(*command, "--samplers", "a_c=uniform,a=mitchell", "--filters", "d=box,c_d=gaussian").failed_with(2, "their images would have one name")
+    assert not (tmp_path / "out").exists()
+    good(*command, "--filters", "a_=box,a=gaussian", "--no-pictures")
+
+
+def test_force_begins_anew_whatever_was_kept(good, dump, tmp_path):
+    command = ("evaluate", dump, "--spp", 4, "--replicates", 1, "--no-pictures", "-o", "out")
+    good(*command)
+    cells = next((tmp_path / "out" / "cells").glob("*.jsonl"))
+    cells.rename(tmp_path / "out" / "kept.jsonl")
+    good(*command, "--force")
+    assert not (tmp_path / "out" / "kept.jsonl").exists() and list((tmp_path / "out" / "cells").glob("*.jsonl"))
+
+
+def test_a_failed_result_has_no_image_of_an_earlier_run(good, run, dump, tmp_path):
+    works = tmp_path / "works.sh"
+    works.write_text("#!/bin/sh\ncp $1 $2\n")
+    command = ("evaluate", dump, "--spp", 4, "--replicates", 1, "--filters", f"box,own=exec:sh {works}", "-o", "out")
+    good(*command)
+    image = tmp_path / "out" / "scene_uniform_own_4spp" / "estimate.exr"
+    assert image.is_file()
+    works.write_text("#!/bin/sh\nexit 1\n")
+    run(*command, "--force").failed_with(1, "own")
+    assert not image.exists()
+    good("report", "out", "-o", "page.html")
+
+
+def test_counts_of_a_file_may_be_more_than_a_half_has(good, dump, tmp_path):
+    exr.write(tmp_path / "counts.exr", {"n": np.where(np.arange(24) < 12, 12, 4)[None, :].repeat(20, axis=0).astype("u4")})
+    good("evaluate", dump, "--spp", 8, "--samplers", "uniform,counts:counts.exr", "--replicates", 4, "--no-pictures", "-o", "out")
+    assert not any(row["error"] for row in rows_of(tmp_path / "out"))
+
+
+def test_a_claim_with_a_limit_says_it(good, dump, tmp_path):
+    (tmp_path / "plan.toml").write_text(
+        f'recordings = ["{dump}"]\nspp = [4]\nreplicates = 4\npictures = false\nsamplers = ["uniform"]\nfilters = ["box", "gaussian"]\n'
+        '[[claim]]\nbetter = "uniform + gaussian"\nthan = "uniform + box"\nbelow = 4\n')
+    assert "uniform + gaussian has less than 4 times the error of uniform + box" in good("evaluate", "plan.toml", "-o", "out").out
 
 
 def test_settings_reach_the_methods_that_have_them(good, run, dump, tmp_path):

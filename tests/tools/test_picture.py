@@ -68,6 +68,8 @@ def test_what_is_wrong_is_named(run, image, tmp_path):
     run("picture", a, "--false-colour", "--channel", "Z", "-o", png).failed_with(2, "no layer or channel Z", "R")
     run("picture", a, "--false-colour", "--range", "3,1", "-o", png).failed_with(2, "LOW,HIGH")
     run("picture", a, "--false-colour", "--range", "0,1", "--log", "-o", png).failed_with(2, "above 0")
+    run("picture", a, "--false-colour", "--like", a, "-o", png).failed_with(2, "--like")
+    run("picture", a, "--part", "0zz", "-o", png).failed_with(2, "no part 0zz")
     run("picture", tmp_path / "none.exr", "-o", png).failed_with(3, "none.exr")
     assert not png.exists()
     run("picture", a, "-o", png)

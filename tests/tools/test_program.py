@@ -106,6 +106,8 @@ def test_info_shows_what_the_verification_found(good, tmp_path):
     odd = {"holds": "perhaps", "findings": [3, {"name": []}]}
     write_dump(tmp_path / "odd.spool", samples()[0], meta={"verification": odd})
     assert "1 not known" in good("info", "odd.spool").out
+    write_dump(tmp_path / "none.spool", samples()[0], meta={"verification": {"holds": False, "findings": []}})
+    assert "FAILS: 0 claims hold" in good("info", "none.spool").out
 
 
 def test_check_finds_cut_and_flipped_bytes(good, run, dump, tmp_path):
