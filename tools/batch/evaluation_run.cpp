@@ -155,7 +155,6 @@ class PlanRun {
 
   // What is there becomes results.csv, results.jsonl, statistics, sheets and the printed summary.
   Result<void> collect() {
-    SPOOL_TRY(check_plan_is_there(request_.folder, named_));
     SPOOL_ASSIGN(store_, CellStore::open(request_.folder));
     SPOOL_ASSIGN(ResultsWriter writer, ResultsWriter::create(request_.folder));
     std::vector<PicturedResult> pictured;

@@ -161,19 +161,6 @@ Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& na
   return store;
 }
 
-Result<void> check_plan_is_there(const fs::path& folder, const NamedCells& named) {
-  SPOOL_ASSIGN(const Plan plan, kept_plan(folder));
-  const NamedCells there(plan);
-  for (std::size_t i = 0; i < named.size(); ++i) {
-    if (there.find(named.id(i))) continue;
-    return fail(ErrorCode::kUsage,
-                "{}: another plan was begun in it meanwhile: evaluate each into a folder of its "
-                "own; what this one finished is in {}",
-                folder.string(), (folder / "cells").string());
-  }
-  return {};
-}
-
 Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps,
                            CellStore& store) {
   for (const fs::path& from : request.merge_from) {

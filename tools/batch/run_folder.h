@@ -47,10 +47,6 @@ Result<void> check_dumps(const Plan& plan);
 // touched (kUsage).
 Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force);
 
-// kUsage where another plan was begun in the folder while this one ran: its tables would be those
-// of one, its cells those of both.
-Result<void> check_plan_is_there(const std::filesystem::path& folder, const NamedCells& named);
-
 // Copies cells and images of `request.merge_from`, which must come from the same recordings; the
 // cells into `store`, that of the request's folder.
 Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps,
