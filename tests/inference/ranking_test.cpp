@@ -214,7 +214,9 @@ TEST(RankMethods, OtherDirections) {
   const Ranking ranking = rank_methods(energies, Better::kOne);
   EXPECT_EQ(ranking.methods[0].method, 1u);
   EXPECT_EQ(ranking.between(1, 0), Verdict::kBetter);
-  const std::vector<Series> negative = {{{-0.5, -0.4}}, noisy(1.3, 0.001, 1)};
+  std::vector<Series> negative = {noisy(0.5, 0.001, 1), noisy(1.3, 0.001, 2)};
+  for (double& value : negative[0].values)
+    value = -value;
   EXPECT_EQ(rank_methods(negative, Better::kOne).methods[0].method, 1u);
 }
 
