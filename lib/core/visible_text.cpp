@@ -88,6 +88,12 @@ std::string shell_word(std::string_view text) {
   return plain ? std::string(text) : shell_quoted(text);
 }
 
+std::size_t start_of_character(std::string_view text, std::size_t at) {
+  while (at > 0 && (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U)
+    --at;
+  return at;
+}
+
 bool is_utf8(std::string_view text) {
   while (!text.empty()) {
     const Decoded next = decode(text);

@@ -18,6 +18,9 @@ std::string printable_ascii(std::string_view text);
 std::string shell_word(std::string_view text);
 std::string shell_quoted(std::string_view text);  // always: 'it'\''s'
 
+// Where the character begins that has the byte `at`: to cut a text there.
+std::size_t start_of_character(std::string_view text, std::size_t at);
+
 // Whether every byte belongs to a character.
 bool is_utf8(std::string_view text);
 

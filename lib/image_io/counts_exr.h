@@ -12,8 +12,7 @@
 namespace spool {
 
 // All channels of the part with a channel n, or of the only part. kData where several parts could
-// be meant, and where the data window is not the display window or
-// has another size.
+// be meant, and where the data window is not the display window or has another size.
 Result<ExrFile> read_counts_exr(const std::filesystem::path& path,
                                 const std::optional<NeededSize>& needed = {});
 

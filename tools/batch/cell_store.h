@@ -37,8 +37,7 @@ class CellStore {
   static Result<void> remove_all(const std::filesystem::path& folder);
 
   bool empty() const { return entries_.empty(); }
-  // Lines whose checksum is wrong; without the last line of a file, which a
-  // killed run leaves.
+  // Lines whose checksum is wrong; without the last line of a file, which a killed run leaves.
   std::size_t damaged() const { return damaged_; }
   std::string damage() const;  // for a warning, where there is some
 

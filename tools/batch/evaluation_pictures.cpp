@@ -89,12 +89,7 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
 }
 
 void EvaluationPictures::remove(const Cell& cell) const {
-  const std::string stem = stem_of(cell);
-  remove_pictures(folder_, stem);
-  std::error_code status;
-  for (const char* name :
-       {"estimate", "density", "filter_size", "direction", "squared_error", "flip", "reference"})
-    std::filesystem::remove(folder_ / stem / (std::string(name) + ".exr"), status);
+  remove_pictures(folder_, stem_of(cell), Removed::kNumbersToo);
 }
 
 // Every result has its own reference where that is made of the samples it did not take.

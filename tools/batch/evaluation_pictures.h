@@ -42,6 +42,7 @@ class EvaluationPictures {
  private:
   Result<void> write_reference(const CellResult& result, const CellImages& images,
                                const std::string& stem);
+
   std::filesystem::path folder_;
   std::map<std::string, std::string> dump_names_;  // path: short name, unique
   std::set<std::string> referenced_;               // recordings whose reference is written

@@ -149,12 +149,14 @@ ExrAttributes image_attributes(const std::string& title, double spp, const std::
   return {{{kTitle, title}, {kRecording, recording}}, {{kBudget, spp}}};
 }
 
-void remove_pictures(const fs::path& folder, const std::string& stem) {
+void remove_pictures(const fs::path& folder, const std::string& stem, Removed removed) {
   std::error_code status;
   fs::remove(folder / (stem + ".png"), status);
   for (const auto& entry : fs::directory_iterator(folder / stem, status)) {
     std::error_code none;
-    if (entry.path().extension() == ".png") fs::remove(entry.path(), none);
+    const fs::path kind = entry.path().extension();
+    if (kind == ".png" || (kind == ".exr" && removed == Removed::kNumbersToo))
+      fs::remove(entry.path(), none);
   }
 }
 

@@ -65,10 +65,6 @@ const OptionTable<ExecSamplerOptions>& exec_sampler_option_table() {
   return table;
 }
 
-NeededSize size_of(const SamplePool& pool) {
-  return {pool.recording().width(), pool.recording().height()};
-}
-
 Needs needs_of(const ExecOptions& options) {
   return {.features = options.told.features ? Use::kWhenRecorded : Use::kNone};
 }
@@ -230,11 +226,13 @@ Result<ReadyFilter> make_image_filter(const std::string& path, const OptionValue
   const auto kept = std::make_shared<KeptImage>();
   return ReadyFilter{[=](const Selection& selection, const SamplePool& pool,
                          const FilterContext& context) -> Result<Reconstruction> {
-                       const std::scoped_lock lock(kept->mutex);
-                       if (!kept->filter) {
-                         SPOOL_ASSIGN(ForeignPicture picture,
-                                      read_picture(path, options.layer, size_of(pool)));
-                         kept->filter = given_image(std::move(picture.rgb), "image:" + path);
+                       {
+                         const std::scoped_lock lock(kept->mutex);
+                         if (!kept->filter) {
+                           SPOOL_ASSIGN(ForeignPicture picture,
+                                        read_picture(path, options.layer, size_of(pool)));
+                           kept->filter = given_image(std::move(picture.rgb), "image:" + path);
+                         }
                        }
                        return kept->filter(selection, pool, context);
                      },

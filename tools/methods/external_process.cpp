@@ -13,6 +13,7 @@
 #include <sstream>
 #include <thread>
 
+#include "lib/core/visible_text.h"
 #include "tools/methods/watched_process.h"
 
 extern char** environ;
@@ -56,10 +57,7 @@ class LastWords {
       if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
     }
     if (last.size() <= kLongestWords) return last;
-    std::size_t end = kLongestWords;
-    while (end > 0 && (static_cast<unsigned char>(last[end]) & 0xC0U) == 0x80U)
-      --end;  // not within a character
-    return last.substr(0, end) + "...";
+    return last.substr(0, start_of_character(last, kLongestWords)) + "...";
   }
 
  private:

@@ -29,6 +29,10 @@ std::string replaced(std::string text, std::string_view name, const std::string&
 
 }  // namespace
 
+NeededSize size_of(const SamplePool& pool) {
+  return {pool.recording().width(), pool.recording().height()};
+}
+
 bool is_of_replicates(const MethodChoice& filter) {
   return filter.name == "image" && std::ranges::any_of(kNames, [&](const char* name) {
            return filter.preset.find(name) != std::string::npos;
@@ -73,31 +77,29 @@ std::string ImageLetters::next(const SamplePool& pool) {
 
 ReadyFilter replicate_image_filter(const std::string& pattern, const std::string& replicate,
                                    const LayerChoice& layer) {
-  return {
-      [=, letters = std::make_shared<ImageLetters>()](
-          const Selection&, const SamplePool& pool,
-          const FilterContext&) -> Result<Reconstruction> {
-        if (replicate.empty()) {
-          return fail(ErrorCode::kUsage,
-                      "image:{}: names the images of an evaluation: use it in spool evaluate, "
-                      "or give the name of one file",
-                      pattern);
-        }
-        const std::string letter = letters->next(pool);
-        const std::filesystem::path path = fill_replicate(pattern, replicate + letter);
-        std::error_code status;
-        if (!std::filesystem::exists(path, status)) {
-          return fail(ErrorCode::kIo,
-                      "{}: is missing: make it of the input of that name (spool evaluate "
-                      "--export-inputs DIR){}",
-                      path.string(), letter.empty() ? "" : ", or write halves = false into a plan");
-        }
-        SPOOL_ASSIGN(ForeignPicture picture,
-                     read_picture(path, layer,
-                                  NeededSize{pool.recording().width(), pool.recording().height()}));
-        return own_image(std::move(picture.rgb), pool, "image:" + path.string());
-      },
-      Needs{}};
+  return {[=, letters = std::make_shared<ImageLetters>()](
+              const Selection&, const SamplePool& pool,
+              const FilterContext&) -> Result<Reconstruction> {
+            if (replicate.empty()) {
+              return fail(ErrorCode::kUsage,
+                          "image:{}: names the images of an evaluation: use it in spool evaluate, "
+                          "or give the name of one file",
+                          pattern);
+            }
+            const std::string letter = letters->next(pool);
+            const std::filesystem::path path = fill_replicate(pattern, replicate + letter);
+            std::error_code status;
+            if (!std::filesystem::exists(path, status)) {
+              return fail(ErrorCode::kIo,
+                          "{}: is missing: make it of the input of that name (spool evaluate "
+                          "--export-inputs DIR){}",
+                          path.string(),
+                          letter.empty() ? "" : ", or write halves = false into a plan");
+            }
+            SPOOL_ASSIGN(ForeignPicture picture, read_picture(path, layer, size_of(pool)));
+            return own_image(std::move(picture.rgb), pool, "image:" + path.string());
+          },
+          Needs{}};
 }
 
 }  // namespace spool::tools

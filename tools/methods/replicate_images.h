@@ -11,9 +11,13 @@
 
 #include "lib/experiment/cell.h"
 #include "lib/filters/filter.h"
+#include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/layer_choice.h"
 
 namespace spool::tools {
+
+// Of a picture that is laid beside the samples.
+NeededSize size_of(const SamplePool& pool);
 
 // A filter whose file name holds one of the names in braces.
 bool is_of_replicates(const MethodChoice& filter);

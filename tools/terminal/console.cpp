@@ -24,12 +24,6 @@ constexpr std::size_t kMark = 32;  // what stands for the bytes that are left ou
 bool quiet = false;        // of notes
 bool lost_output = false;  // of this process, to stdout
 
-std::size_t start_of_character(std::string_view text, std::size_t at) {
-  while (at > 0 && (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U)
-    --at;
-  return at;
-}
-
 std::string shortened(const std::string& text) {
   if (text.size() <= kLongestError) return text;
   const std::size_t head = start_of_character(text, kLongestError - kErrorEnd - kMark);

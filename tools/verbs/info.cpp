@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/interchange/sha256.h"
+#include "lib/core/visible_text.h"
 #include "tools/json/json_text.h"
 #include "tools/verbs/dump_meta.h"
 
@@ -107,10 +108,7 @@ std::string remark(const ordered_json& info, const char* key, bool brief = false
     text = plain(*found);
   }
   if (text.size() <= kLongestRemark) return text;
-  std::size_t end = kLongestRemark - 3;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
-    --end;  // not within a character
-  return text.substr(0, end) + "...";
+  return text.substr(0, start_of_character(text, kLongestRemark - 3)) + "...";
 }
 
 std::string text_of(const ordered_json& object, const char* key) {

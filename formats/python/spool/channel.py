@@ -113,17 +113,9 @@ def channels_of(layers):
         if not components:
             raise wrong(f"layer {name}", description, "without components")
         semantic = VOCABULARY.get(name, ("", 0))[1]
-        channels += [Channel(f"{name}.{component}", group, dtype_of(name, dtype), semantic, scope[0] if scope else "sample")
+        channels += [Channel(f"{name}.{component}", group, dtype, semantic, scope[0] if scope else "sample")
                      for component in components]
     return channels
-
-
-def dtype_of(name, given):
-    """Any spelling ("f4", np.float32), as the file has it."""
-    try:
-        return np.dtype(given).newbyteorder("<")
-    except (TypeError, ValueError):
-        raise wrong(f"{name}: dtype", given, "no dtype of numpy") from None
 
 
 def _members(channels):

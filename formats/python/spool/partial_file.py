@@ -17,13 +17,15 @@ _SYNC_SECONDS = 30
 class PartialFile:
     """size: bytes of whole records so far. After a failed write or fsync every further call fails."""
 
+    _handle = None
+
     def __init__(self, path, force):
         self.path = os.path.abspath(os.fspath(path))
         self.name = os.fspath(path)
         self.partial = self.path + ".partial"
         self.size = 0
         self._force = force
-        self._failed, self._handle = None, None
+        self._failed = None
         self._synced, self._synced_at = 0, time.monotonic()
         if not force and os.path.lexists(self.path):
             raise self.error("usage", "exists: choose another name or ask to replace it")
@@ -101,8 +103,7 @@ class PartialFile:
         self.close()
 
     def __del__(self):  # its lock goes with a writer that was not closed
-        if getattr(self, "_handle", None) is not None:
-            self.close()
+        self.close()
 
     def _lock(self):
         try:

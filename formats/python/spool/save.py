@@ -1,6 +1,5 @@
 """One call from arrays to a complete `.spool` file."""
-from . import channel
-from .arguments import array, mapping, note_axes, texts
+from .arguments import array, mapping, note_axes
 from .arguments import path as path_of
 from .channel import VOCABULARY
 from .error import SpoolError
@@ -31,16 +30,14 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
         if name not in arrays:
             raise SpoolError("usage", f"{path}: no layer {name}: it has {', '.join(arrays)}")
     height, width, spp, _ = arrays["radiance"].shape
-    for name, given in components.items():
-        texts(f"{path}: components of {name}", given)
     declared = {}
     for name, values in arrays.items():
         if name not in components and name not in VOCABULARY:
             raise SpoolError("usage", f"{path}: layer {name} is not in the list: name its components")
-        code = channel.dtype_of(name, dtypes[name]) if name in dtypes else _DTYPES.get(values.dtype.newbyteorder("=").str[1:])
+        code = dtypes.get(name) or _DTYPES.get(values.dtype.newbyteorder("=").str[1:])
         if code is None:
             raise SpoolError("usage", f"{path}: layer {name} is {values.dtype}: convert it with astype")
-        declared[name] = (code, tuple(components.get(name, VOCABULARY.get(name, ("",))[0])),
+        declared[name] = (code, components.get(name, VOCABULARY.get(name, ("",))[0]),
                           scope.get(name, "pixel" if name in PIXEL_LAYERS else "sample"))
     with Writer(path, width, height, spp, declared, tile_size=tile_size, block_spp=block_spp,
                 sample_order=sample_order, meta=meta, uuid=uuid, compress=compress, force=force) as writer:

@@ -37,7 +37,7 @@ class Writer:
             self._compress = compress if isinstance(compress, (bool, np.bool_)) else chunk_codec.level(compress)
             sizes = [whole(name, value) for name, value in (("width", width), ("height", height), ("tile_size", tile_size),
                                                             ("spp", spp), ("block_spp", block_spp))]
-            self.channels = _with_dtypes(channels if channels is not None else channel.channels_of(layers))
+            self.channels = _checked(channels if channels is not None else channel.channels_of(layers))
             choice("sample_order", sample_order, layout.SAMPLE_ORDERS)
             group_count = 1 + max((entry.group for entry in self.channels), default=0)
             self.geometry = Geometry(*sizes, group_count, len(self.channels),
@@ -258,8 +258,8 @@ class Writer:
         return SpoolError("usage", f"{self.path}: {text}")
 
 
-def _with_dtypes(channels):
-    """Any spelling of a dtype ("f4", np.float32) -> the little-endian dtype of the file."""
+def _checked(channels):
+    """Channels whose every value is one; any spelling of a dtype ("f4", np.float32) -> the little-endian dtype of the file."""
     result = []
     for entry in channels:
         if not isinstance(entry, channel.Channel):
@@ -269,7 +269,10 @@ def _with_dtypes(channels):
         if not 0 <= whole(f"channel {entry.name}: semantic", entry.semantic) <= layout.MAX_SEMANTIC:
             raise wrong(f"channel {entry.name}: semantic", entry.semantic, f"not 0 to {layout.MAX_SEMANTIC}")
         choice(f"channel {entry.name}: scope", entry.scope, layout.SCOPES)
-        dtype = channel.dtype_of(entry.name, entry.dtype)
+        try:
+            dtype = np.dtype(entry.dtype).newbyteorder("<")
+        except (TypeError, ValueError):
+            raise wrong(f"channel {entry.name}: dtype", entry.dtype, "no dtype of numpy") from None
         if dtype not in layout.DTYPES.values():
             raise SpoolError("usage", f"channel {entry.name} is {dtype.name}, not float16, float32 or uint32")
         result.append(entry._replace(dtype=dtype))

@@ -14,9 +14,8 @@ from .arguments import flag, option_text, text, whole, wrong
 from .error import SpoolError
 from .function_identity import hash_of
 
-_OF_EVERY = {"filter": ("clamp", "energy", "features", "moments"), "sampler": ("init_spp", "rounds", "features", "moments")}
+_OF_THE_STAGE = {"filter": ("clamp", "energy"), "sampler": ()}  # options that every one has, handled by the library
 _MADE = {}  # by kind and key: how the library finds the function of a name that it was given
-_RAISED = {}  # by key, what a function raised: the library hands on a line of text only
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class Method:
     def __init__(self, function, kind, init_spp, rounds, features, moments, label):
         if not callable(function) or not hasattr(function, "__code__"):
             raise wrong(f"spool.{kind}", function, "no function")
-        self.function, self.kind = function, kind
+        self.function, self.kind, self.raised = function, kind, None
         self.label = function.__name__ if label is None else text("label", label)
         # As the program writes them; what each may be stands in the library's table.
         self.texts = {"features": option_text(flag("features", features))}
@@ -61,7 +60,7 @@ class Method:
         for name, default in self.defaults.items():
             if default is inspect.Parameter.empty or not isinstance(default, (bool, int, float, str)):
                 raise SpoolError("usage", f"{self.label}: option {name} needs a default: a number, a text, True or False")
-            if name in _OF_EVERY[kind]:
+            if name in (*self.texts, "moments", *_OF_THE_STAGE[kind]):
                 raise SpoolError("usage", f"{self.label}: every {kind} has an option {name} already: name yours otherwise")
         _core.check_called_options(self.with_options({}))
         _MADE[kind, self.key] = self
@@ -110,7 +109,7 @@ class _Ready:
             answer = self.method.function(statistics, **self.options)
             return _wants(answer, statistics) if self.method.kind == "sampler" else _image(answer, statistics)
         except BaseException as reason:
-            _RAISED[self.key] = reason  # for failure_shown
+            self.method.raised = self.key, reason  # for failure_shown: the library hands on a line of text only
             raise
 
 
@@ -158,14 +157,18 @@ def method_text(kind: str, method: str | Method) -> str:
 @contextlib.contextmanager
 def failure_shown(*methods):
     """What a function of one's own raised stands behind the error that it became."""
-    if not any(isinstance(method, Method) for method in methods):
+    own = [method for method in methods if isinstance(method, Method)]
+    if not own:
         yield
         return
     try:
         yield
     except SpoolError as error:
-        named = next((key for key in list(_RAISED) if f"python:{key}:" in error.message), None)
-        raise error from _RAISED.pop(named, None)
+        found = [method.raised[1] for method in own if method.raised and f"python:{method.raised[0]}:" in error.message]
+        raise error from (found[0] if found else None)
+    finally:
+        for method in own:
+            method.raised = None
 
 
 def _look_up(kind, key, texts):

@@ -57,9 +57,7 @@ def _key(key):
 def _value(key, value):
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, range) or getattr(value, "ndim", 0) == 1:  # of numpy's
-        value = list(value)
-    if isinstance(value, (list, tuple)):
+    if _is_list(value):
         return "[" + ", ".join(_value(key, item) for item in value) + "]"
     if isinstance(value, (str, os.PathLike)):
         return _quoted(text(f"plan: {key}", os.fspath(value)))
@@ -79,4 +77,8 @@ def _quoted(line):
 
 
 def _as_list(value):
-    return list(value) if isinstance(value, (list, tuple, range)) or getattr(value, "ndim", 0) == 1 else [value]
+    return list(value) if _is_list(value) else [value]
+
+
+def _is_list(value):
+    return isinstance(value, (list, tuple, range)) or getattr(value, "ndim", 0) == 1  # of numpy's
