@@ -84,14 +84,9 @@ void add_pixel(std::span<const float> samples, size_t stride, uint32_t n, int x,
 
 Result<CountImage> read_counts(const std::filesystem::path& path,
                                const format::DumpHeader& header) {
-  SPOOL_ASSIGN(const ExrFile file, read_counts_exr(path));
+  SPOOL_ASSIGN(const ExrFile file, read_counts_exr(path, NeededSize{header.width, header.height}));
   SPOOL_ASSIGN(const std::size_t channel, count_channel(file, path.string()));
   const Plane& counts = file.channels[channel].data;
-  if (file.width != static_cast<int>(header.width) ||
-      file.height != static_cast<int>(header.height))
-    return fail(ErrorCode::kData,
-                "{}: {} x {} pixels, the recording {} x {}: give a selection of it", path.string(),
-                file.width, file.height, header.width, header.height);
   CountImage image(file.width, file.height);
   for (size_t i = 0; i < image.size(); ++i) {
     const double n = counts[i];

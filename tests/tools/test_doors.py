@@ -78,7 +78,9 @@ def test_a_picture_of_another_size_is_not_decoded(tmp_path, small):
         spec = OpenImageIO.ImageSpec(side, side, 1, "half")
         spec.channelnames = ["Y"]
         assert output.open(str(tmp_path / name), spec) and output.write_image(np.ones((side, side, 1), "f2")) and output.close()
-    for words in (["metrics", "huge.exr", "small.exr"], ["metrics", "small.exr", "huge.exr"], ["metrics", "small.exr", "small.exr", "--variance", "huge.exr"],
+    (tmp_path / "plan.toml").write_text(f'recordings = ["{small}"]\nspp = [2]\nsamplers = ["uniform"]\nfilters = ["box"]\n'
+                                        '[[mask]]\nname = "m"\nfile = "huge.exr"\n')
+    for words in (["evaluate", "plan.toml", "-o", "out"], ["metrics", "huge.exr", "small.exr"], ["metrics", "small.exr", "huge.exr"], ["metrics", "small.exr", "small.exr", "--variance", "huge.exr"],
                   ["metrics", "small.exr", "small.exr", "--mask", "m=huge.exr"], ["reconstruct", small, "--selection", "huge.exr", "--filter", "box", "-o", "out.exr"],
                   ["reconstruct", small, "--filter", "image:huge.exr", "-o", "out.exr"],
                   ["reconstruct", small, "--filter", f"exec:cp {tmp_path / 'huge.exr'} $2 #", "-o", "out.exr"],

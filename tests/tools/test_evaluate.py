@@ -209,6 +209,16 @@ def test_force_begins_anew_whatever_was_kept(good, dump, tmp_path):
     assert not (tmp_path / "out" / "kept.jsonl").exists() and list((tmp_path / "out" / "cells").glob("*.jsonl"))
 
 
+def test_two_plans_at_once_are_not_one_folder(run, good, dump, tmp_path):
+    """The other one finishes a result while this one runs."""
+    good("evaluate", dump, "--spp", 2, "--replicates", 1, "--no-pictures", "-o", "other")
+    own = tmp_path / "own.sh"
+    own.write_text(f"#!/bin/sh\ncp {tmp_path}/other/cells/*.jsonl {tmp_path}/out/cells\ncp $1 $2\n")
+    run("evaluate", dump, "--spp", 4, "--replicates", 1, "--no-pictures", "--filters", f"own=exec:sh {own}", "-o", "out").failed_with(
+        2, "another plan was run in it meanwhile")
+    assert len(list((tmp_path / "out" / "cells").glob("*.jsonl"))) == 2 and not (tmp_path / "out" / "results.csv").exists()
+
+
 def test_a_failed_result_has_no_image_of_an_earlier_run(good, run, dump, tmp_path):
     works = tmp_path / "works.sh"
     works.write_text("#!/bin/sh\ncp $1 $2\n")

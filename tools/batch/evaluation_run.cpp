@@ -156,6 +156,12 @@ class PlanRun {
   // What is there becomes results.csv, results.jsonl, statistics, sheets and the printed summary.
   Result<void> collect() {
     SPOOL_ASSIGN(store_, CellStore::open(request_.folder));
+    if (!request_.merge && !common_.force && count_others(store_, named_) > 0) {
+      return fail(ErrorCode::kUsage,
+                  "{}: another plan was run in it meanwhile: evaluate each into a folder of its "
+                  "own; what this one finished is in {}",
+                  request_.folder.string(), (request_.folder / "cells").string());
+    }
     SPOOL_ASSIGN(ResultsWriter writer, ResultsWriter::create(request_.folder));
     std::vector<PicturedResult> pictured;
     std::size_t missing = 0;

@@ -131,6 +131,10 @@ Result<void> check_dumps(const Plan& plan) {
   return {};
 }
 
+std::size_t count_others(const CellStore& store, const NamedCells& named) {
+  return store.count_others([&](const std::string& id) { return named.find(id).has_value(); });
+}
+
 Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force) {
   const fs::path& folder = request.folder;
   std::error_code status;
@@ -148,8 +152,7 @@ Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& na
                 folder.string());
   }
   SPOOL_ASSIGN(CellStore store, CellStore::open(folder));
-  const std::size_t others =
-      store.count_others([&](const std::string& id) { return named.find(id).has_value(); });
+  const std::size_t others = count_others(store, named);
   if (others > 0 && !force) {
     return fail(ErrorCode::kUsage,
                 "{}: holds {} results that this plan does not have: choose another folder, or give "

@@ -43,6 +43,9 @@ Result<NamedCells> name_cells(const Plan& plan);
 // kUsage when it is there twice.
 Result<void> check_dumps(const Plan& plan);
 
+// Finished cells that are none of the plan's.
+std::size_t count_others(const CellStore& store, const NamedCells& named);
+
 // A folder of ours is continued, unfinished files of killed runs removed; a strange one is not
 // touched (kUsage).
 Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force);

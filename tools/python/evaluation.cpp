@@ -21,7 +21,7 @@ Result<tools::RunRequest> request_of(const std::string& plan, const std::string&
   const FilterList& filters = tools::known_filters();
   tools::RunRequest request;
   SPOOL_ASSIGN(request.plan, parse_plan(plan, name, folder, {samplers, filters}));
-  SPOOL_TRY(tools::read_masks(request.plan.experiment.masks));
+  SPOOL_TRY(tools::read_masks(request.plan));
   SPOOL_TRY(check_loop_filters(samplers, request.plan.samplers, filters, request.plan.filters));
   request.folder = output;
   return request;

@@ -146,7 +146,7 @@ Result<Plan> plan_of_file(const EvaluateOptions& options) {
   SPOOL_TRY(refuse_options_beside_plan(options));
   SPOOL_ASSIGN(Plan plan, read_plan(options.files.front(), {known_samplers(), known_filters()}));
   if (options.no_pictures) plan.pictures = false;
-  SPOOL_TRY(read_masks(plan.experiment.masks));
+  SPOOL_TRY(read_masks(plan));
   return plan;
 }
 

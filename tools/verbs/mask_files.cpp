@@ -1,7 +1,9 @@
 #include "tools/verbs/mask_files.h"
 
 #include <algorithm>
+#include <filesystem>
 
+#include "formats/spool_reader.h"
 #include "lib/image_io/foreign_picture.h"
 
 namespace spool::tools {
@@ -37,9 +39,16 @@ Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>
   return masks;
 }
 
-Result<void> read_masks(std::vector<EnergyMask>& masks) {
-  for (EnergyMask& mask : masks) {
-    SPOOL_ASSIGN(mask.plane, read_mask(mask.path, {}));
+Result<void> read_masks(Plan& plan) {
+  for (EnergyMask& mask : plan.experiment.masks) {
+    for (const std::string& recording : plan.recordings) {
+      if (!mask.recording.empty() &&
+          std::filesystem::path(recording).filename().string() != mask.recording)
+        continue;
+      SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(recording));
+      const NeededSize needed{reader.header().width, reader.header().height, recording};
+      SPOOL_ASSIGN(mask.plane, read_mask(mask.path, needed));
+    }
   }
   return {};
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
+#include "lib/experiment/plan.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/energy_masks.h"
 
@@ -14,7 +15,7 @@ namespace spool::tools {
 Result<std::vector<EnergyMask>> read_energy_masks(const std::vector<std::string>& texts,
                                                   const NeededSize& needed);
 
-// The planes of masks that have names and paths only.
-Result<void> read_masks(std::vector<EnergyMask>& masks);
+// The planes of a plan's masks; kData where one is not as large as each recording that it is for.
+Result<void> read_masks(Plan& plan);
 
 }  // namespace spool::tools
