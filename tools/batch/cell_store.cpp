@@ -81,7 +81,6 @@ Result<void> CellStore::add_old_cell(const fs::path& path, std::uint64_t number)
                 path.string());
   }
   ResultRecord record;
-  record.fields.resize(result_columns().size());
   const bool failed = !read_cell_text(*text, record) || record.failed();
   entries_.push_back({number, 0, static_cast<std::uint32_t>(text->size()),
                       static_cast<std::uint32_t>(files_.size()), failed});
@@ -174,11 +173,9 @@ Result<std::string> CellStore::text_of(const Entry& entry) const {
   return text;
 }
 
-// Without the columns that say which cell it is.
 Result<ResultRecord> CellStore::record_at(const Entry& entry) const {
   SPOOL_ASSIGN(const std::string text, text_of(entry));
   ResultRecord record;
-  record.fields.resize(result_columns().size());
   if (!read_cell_text(text, record))
     return fail(ErrorCode::kData, "{}: is no result of a cell", files_[entry.file].string());
   return record;
@@ -187,20 +184,21 @@ Result<ResultRecord> CellStore::record_at(const Entry& entry) const {
 Result<ResultRecord> CellStore::read(const std::string& id, const Cell& cell) const {
   const auto number = cell_number(id);
   const Entry* entry = number ? find(*number) : nullptr;
-  ResultRecord record;
-  record.fields.resize(result_columns().size());
-  if (entry) {
-    SPOOL_ASSIGN(record, record_at(*entry));
-  }
+  ResultRecord asked, record;
   CellResult empty;
   empty.cell = cell;
-  for (std::size_t i = 0; i < result_columns().size(); ++i) {
-    const ResultColumn& column = result_columns()[i];
-    if (column.kind == ColumnKind::kCell) record.fields[i] = column.text(empty);
+  for (const ResultColumn& column : result_columns())
+    asked.fields.push_back(column.kind == ColumnKind::kCell ? column.text(empty) : "");
+  if (entry) {
+    SPOOL_ASSIGN(record, record_at(*entry));
+  } else if (const ResultRecord* kept = kept_.find(asked)) {
+    record = *kept;
+  } else {
+    return fail(ErrorCode::kIo, "{}: {} is not finished yet", cells_of(folder_).string(), id);
   }
-  if (entry) return record;
-  if (kept_.fill(record)) return record;
-  return fail(ErrorCode::kIo, "{}: {} is not finished yet", cells_of(folder_).string(), id);
+  for (std::size_t i = 0; i < result_columns().size(); ++i)
+    if (result_columns()[i].kind == ColumnKind::kCell) record.fields[i] = asked.fields[i];
+  return record;
 }
 
 std::size_t CellStore::count_others(const std::function<bool(const std::string&)>& known) const {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "formats/bounded_json.h"
 #include "formats/crc32.h"
@@ -69,14 +71,47 @@ std::optional<std::size_t> column_of(const std::string& name) {
   static const std::unordered_map<std::string, std::size_t> columns = [] {
     std::unordered_map<std::string, std::size_t> known;
     for (std::size_t i = 0; i < result_columns().size(); ++i)
-      if (result_columns()[i].kind != ColumnKind::kCell) known.emplace(result_columns()[i].name, i);
+      known.emplace(result_columns()[i].name, i);
     return known;
   }();
   const auto found = columns.find(name);
   return found == columns.end() ? std::nullopt : std::optional(found->second);
 }
 
-// Takes the parts of the text as the parser comes to them.
+// "2:4000 5:96": samples taken, and the number of pieces that gave so many. What is no such text
+// counts as not known.
+std::vector<std::pair<int, long long>> counts_of(std::string_view text) {
+  std::vector<std::pair<int, long long>> counts;
+  while (!text.empty()) {
+    if (!counts.empty() && !skip(text, " ")) return {};
+    const auto samples = next_number<int>(text);
+    if (!samples || *samples < 0 || !skip(text, ":")) return {};
+    const auto pieces = next_number<long long>(text);
+    if (!pieces || *pieces <= 0) return {};
+    counts.emplace_back(*samples, *pieces);
+  }
+  return counts;
+}
+
+// Numbers between spaces, of one half's difference in each cell of the image; `columns` of them in
+// a row. What is no such text counts as not measured.
+bool read_halves(long long columns, std::string_view cells, std::string_view varying,
+                 HalfDifference& difference) {
+  while (!cells.empty()) {
+    if (!difference.cells.empty() && !skip(cells, " ")) return false;
+    const auto cell = next_number<double>(cells);
+    if (!cell || !std::isfinite(*cell)) return false;
+    difference.cells.push_back(*cell);
+  }
+  const auto count = static_cast<long long>(difference.cells.size());
+  if (columns < 1 || count == 0 || count > kMostCells || count % columns != 0) return false;
+  difference.columns = static_cast<int>(columns);
+  difference.varying = counts_of(varying);
+  return true;
+}
+
+// Takes the parts of the text as the parser comes to them. Fields are those of "fields", or of the
+// object itself.
 class CellReader {
  public:
   explicit CellReader(ResultRecord& record) : record_(record) {}
@@ -85,7 +120,6 @@ class CellReader {
 
   bool start_object(std::size_t) {
     ++depth_;
-    if (depth_ == 2 && section_ == "fields") has_fields_ = true;
     if (depth_ == 3) columns_ = 0, cells_.clear(), varying_.clear();
     return true;
   }
@@ -97,12 +131,14 @@ class CellReader {
   bool start_array(std::size_t) { return ++depth_ > 0; }
   bool end_array() { return --depth_ > 0; }
   bool key(std::string& name) {
-    if (depth_ <= 3) (depth_ == 1 ? section_ : depth_ == 2 ? name_ : part_) = std::move(name);
+    if (depth_ == 1) section_ = name;
+    if (depth_ <= 2) name_ = std::move(name);
+    if (depth_ == 3) part_ = std::move(name);
     return true;
   }
   bool string(std::string& text) {
     if (depth_ == 1 && section_ == "counts") record_.counts = counts_of(text);
-    if (depth_ == 2 && section_ == "fields") keep(std::move(text));
+    if (is_field()) keep(std::move(text));
     if (depth_ == 3 && part_ == "cells") cells_ = std::move(text);
     if (depth_ == 3 && part_ == "varying") varying_ = std::move(text);
     return true;
@@ -120,7 +156,7 @@ class CellReader {
  private:
   template <class Number>
   bool number(Number value) {
-    if (depth_ == 2 && section_ == "fields") keep(ordered_json(value).dump());
+    if (is_field()) keep(ordered_json(value).dump());
     if constexpr (std::is_integral_v<Number>) {
       if (depth_ == 3 && part_ == "columns" && value <= kMostCells)
         columns_ = static_cast<long long>(value);
@@ -128,8 +164,13 @@ class CellReader {
     return true;
   }
 
+  bool is_field() const { return depth_ == 1 || (depth_ == 2 && section_ == "fields"); }
+
   void keep(std::string text) {
-    if (const auto column = column_of(name_)) record_.fields[*column] = std::move(text);
+    const auto column = column_of(name_);
+    if (!column) return;
+    record_.fields[*column] = std::move(text);
+    has_fields_ = true;
   }
 
   // One that cannot be understood: none of them is known.
@@ -149,34 +190,6 @@ class CellReader {
 };
 
 }  // namespace
-
-std::vector<std::pair<int, long long>> counts_of(std::string_view text) {
-  std::vector<std::pair<int, long long>> counts;
-  while (!text.empty()) {
-    if (!counts.empty() && !skip(text, " ")) return {};
-    const auto samples = next_number<int>(text);
-    if (!samples || *samples < 0 || !skip(text, ":")) return {};
-    const auto pieces = next_number<long long>(text);
-    if (!pieces || *pieces <= 0) return {};
-    counts.emplace_back(*samples, *pieces);
-  }
-  return counts;
-}
-
-bool read_halves(long long columns, std::string_view cells, std::string_view varying,
-                 HalfDifference& difference) {
-  while (!cells.empty()) {
-    if (!difference.cells.empty() && !skip(cells, " ")) return false;
-    const auto cell = next_number<double>(cells);
-    if (!cell || !std::isfinite(*cell)) return false;
-    difference.cells.push_back(*cell);
-  }
-  const auto count = static_cast<long long>(difference.cells.size());
-  if (columns < 1 || count == 0 || count > kMostCells || count % columns != 0) return false;
-  difference.columns = static_cast<int>(columns);
-  difference.varying = counts_of(varying);
-  return true;
-}
 
 std::string cell_line(std::uint64_t number, const ResultRecord& record) {
   ordered_json json;
@@ -213,6 +226,7 @@ std::optional<CheckedLine> checked_line(std::string_view line) {
 }
 
 bool read_cell_text(std::string_view text, ResultRecord& record) {
+  record.fields.resize(result_columns().size());
   CellReader reader(record);
   return format::read_json(text, reader) && reader.has_fields();
 }

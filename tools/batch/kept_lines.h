@@ -7,8 +7,6 @@
 #include <memory>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "lib/experiment/result_record.h"
 
 namespace spool::tools {
@@ -18,12 +16,12 @@ class KeptLines {
   // None where there is no such file. What is no line of a result is left out.
   static KeptLines read(const std::filesystem::path& path);
 
-  // Fills in all but the columns that say which cell it is, wherever its recording lies; false when
+  // The record of the cell that the columns of `cell` say, wherever its recording lies; null when
   // there is no line of it.
-  bool fill(ResultRecord& record) const;
+  const ResultRecord* find(const ResultRecord& cell) const;
 
  private:
-  std::shared_ptr<const std::map<std::string, nlohmann::ordered_json>> lines_;
+  std::shared_ptr<const std::map<std::string, ResultRecord>> lines_;
 };
 
 }  // namespace spool::tools
