@@ -91,10 +91,28 @@ class MethodReader {
     return {};
   }
 
+  Result<void> checked(const MethodChoice& choice) const {
+    const auto made = has_results_ ? describe_method(known_, choice) : make_method(known_, choice);
+    return made.map([](const auto&) {});
+  }
+
+  // The key of a table whose value alone gives the error that the choice gives; else `where`.
+  const toml::node& place_of(const Error& error, const MethodChoice& choice,
+                             const toml::node& where) const {
+    for (const auto& option : choice.set) {
+      const toml::node* key = where.as_table() ? where.as_table()->get(option.first) : nullptr;
+      MethodChoice alone = choice;
+      alone.set = {option};
+      const Result<void> found = checked(alone);
+      if (key && !found && found.error().message == error.message) return *key;
+    }
+    return where;
+  }
+
   Result<void> add_checked(MethodChoice choice, const toml::node& where,
                            std::vector<MethodChoice>& choices) const {
-    SPOOL_TRY(toml_.at(
-        where, has_results_ ? describe_method(known_, choice) : make_method(known_, choice)));
+    const Result<void> ready = checked(choice);
+    if (!ready) return toml_.at(place_of(ready.error(), choice, where), ready);
     SPOOL_TRY(toml_.at(where, check_own_label(known_, choice)));
     choices.push_back(std::move(choice));
     return toml_.at(where, check_distinct(known_.kind, choices));

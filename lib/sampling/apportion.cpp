@@ -54,34 +54,37 @@ std::vector<long long> apportion_units(const std::vector<std::uint64_t>& units, 
         parallel_count<Wide>(active.size(), [&](std::size_t i) { return Wide{units[active[i]]}; });
     const bool equal = total == 0;
     if (equal) total = active.size();
+    const long long divided = left;
     const auto product = [&](std::size_t t) {
-      return static_cast<Wide>(left) * (equal ? 1 : units[t]);
+      return static_cast<Wide>(divided) * (equal ? 1 : units[t]);
     };
-    const auto given = parallel_count<long long>(active.size(), [&](std::size_t i) {
+    const auto filled = parallel_count<long long>(active.size(), [&](std::size_t i) {
       const std::size_t t = active[i];
-      const Wide wanted = product(t) / total;
-      const auto room = static_cast<Wide>(caps[t] - share[t]);
-      const auto add = static_cast<long long>(std::min(wanted, room));
-      share[t] += add;
-      return add;
+      if (product(t) / total < static_cast<Wide>(caps[t])) return 0LL;
+      return share[t] = caps[t];
     });
-    if (given == 0) {  // every wanted share is below 1, so fewer samples are left than shares
-      std::vector<std::pair<Wide, std::size_t>> remainders;
-      remainders.reserve(active.size());
-      for (const std::size_t t : active)
-        remainders.emplace_back(product(t) % total, t);
-      const auto larger = [](const auto& a, const auto& b) {
-        return a.first != b.first ? a.first > b.first : a.second < b.second;
-      };
-      const auto cut = remainders.begin() + left;
-      SPOOL_CHECK_LE(static_cast<std::size_t>(left), remainders.size());
-      std::nth_element(remainders.begin(), cut, remainders.end(), larger);
-      for (auto it = remainders.begin(); it != cut; ++it)
-        ++share[it->second];
-      return share;
+    left -= filled;
+    if (filled > 0) {  // what they cannot take makes the quotas of the others larger
+      std::erase_if(active, [&](std::size_t t) { return share[t] == caps[t]; });
+      continue;
     }
-    left -= given;
-    std::erase_if(active, [&](std::size_t t) { return share[t] == caps[t]; });
+    left -= parallel_count<long long>(active.size(), [&](std::size_t i) {
+      const std::size_t t = active[i];
+      return share[t] = static_cast<long long>(product(t) / total);
+    });
+    std::vector<std::pair<Wide, std::size_t>> remainders;
+    remainders.reserve(active.size());
+    for (const std::size_t t : active)
+      remainders.emplace_back(product(t) % total, t);
+    const auto larger = [](const auto& x, const auto& y) {
+      return x.first != y.first ? x.first > y.first : x.second < y.second;
+    };
+    SPOOL_CHECK_LE(static_cast<std::size_t>(left), remainders.size());
+    const auto cut = remainders.begin() + left;
+    std::nth_element(remainders.begin(), cut, remainders.end(), larger);
+    for (auto it = remainders.begin(); it != cut; ++it)
+      ++share[it->second];
+    break;
   }
   return share;
 }

@@ -2,8 +2,9 @@
 //
 // The sum is min(budget, sum of caps) for every input; no share exceeds its cap. Integer arithmetic
 // only, so the result depends neither on threads nor on the order of a floating-point sum: weights
-// become 32-bit fractions of the largest, shares are floor(R u / U) with 128-bit products, what is
-// left goes one each to the largest remainders, ties to the lower index.
+// become 32-bit fractions of the largest. Whose quota R u / U is its cap or more gets the cap,
+// until none is; the others get the floors of their quotas, and what is left goes one each to the
+// largest remainders of the same quotas, ties to the lower index.
 #pragma once
 
 #include <span>

@@ -35,11 +35,14 @@ Plane filtered_difference(const RgbImage& a, const RgbImage& b, double exposure)
 
 CountImage hand_out_deficits(const Plane& weight, const CountImage& n, const SamplePool& pool,
                              long long share) {
-  const double sum = pairwise_sum(weight.size(), [&](std::size_t i) { return weight[i]; });
+  const auto counted = [&](std::size_t i) {
+    return std::isgreater(weight[i], 0.0) ? weight[i] : 0.0;  // nor NaN
+  };
+  const double sum = pairwise_sum(weight.size(), counted);
   const auto all = static_cast<double>(count_samples(n) + share);
   Plane deficit(n.width(), n.height());
   parallel_for(n.size(), [&](std::size_t i) {
-    const double worth = sum > 0.0 ? weight[i] / sum * all : 0.0;
+    const double worth = sum > 0.0 ? counted(i) / sum * all : 0.0;
     deficit[i] = std::max(worth - n[i], 0.0);
   });
   return hand_out(deficit, n, pool, share);

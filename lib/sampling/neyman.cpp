@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "lib/core/pairwise_sum.h"
 #include "lib/core/parallel.h"
+#include "lib/core/parallel_count.h"
 #include "lib/sampling/rounds.h"
 #include "lib/sampling/spending.h"
 
@@ -53,9 +57,9 @@ RgbImage error_weights(const SamplePool& pool, NeymanTarget target) {
   return weight;
 }
 
-Plane pool_deviation(const SamplePool& pool, const RgbImage& weight) {
+Plane pool_variance(const SamplePool& pool, const RgbImage& weight) {
   const int q = pool.pieces_per_side();
-  Plane deviation(pool.width(), pool.height());
+  Plane variance(pool.width(), pool.height());
   parallel_rows(0, pool.height(), [&](int y) {
     for (int x = 0; x < pool.width(); ++x) {
       const int count = pool.size(x, y);
@@ -71,10 +75,46 @@ Plane pool_deviation(const SamplePool& pool, const RgbImage& weight) {
       double sum = 0.0;
       for (std::size_t c = 0; c < 3; ++c)
         sum += weight[c](x / q, y / q) * m2[c];
-      if (count > 1) deviation(x, y) = std::sqrt(sum / (3.0 * (count - 1)));
+      if (count > 1) variance(x, y) = sum / (3.0 * (count - 1));
     }
   });
-  return deviation;
+  return variance;
+}
+
+// Gains fall with every sample of a piece, so all above one threshold are taken; it is found among
+// the positive doubles, which are ordered as their bits are.
+CountImage best_counts(const Plane& variance, const CountImage& first, const SamplePool& pool,
+                       long long left) {
+  if (left == 0) return first;  // not every piece has a sample
+  const std::vector<long long> room = room_of(first, pool);
+  // Of piece i until its next sample gains less than the threshold.
+  const auto more = [&](std::uint64_t threshold, std::size_t i) {
+    const double gains = variance[i] / std::bit_cast<double>(threshold);  // n (n - 1) at most
+    const double count = std::floor(0.5 * (1.0 + std::sqrt(1.0 + 4.0 * gains)));
+    return static_cast<long long>(std::clamp(count - first[i], 0.0, static_cast<double>(room[i])));
+  };
+  const auto all = [&](std::uint64_t threshold) {
+    return parallel_count<long long>(room.size(),
+                                     [&](std::size_t i) { return more(threshold, i); });
+  };
+  const double largest = *std::ranges::max_element(variance.pixels());
+  std::uint64_t low = 1, high = std::bit_cast<std::uint64_t>(std::max(largest, 1e-300));
+  while (high - low > 1) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    (all(middle) > left ? low : high) = middle;
+  }
+  CountImage n = first;
+  left -= all(high);
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    const long long sure = more(high, i);
+    const long long equal = std::min(more(low, i) - sure, left);  // to the last bit
+    n[i] += static_cast<std::int32_t>(sure + equal);
+    left -= equal;
+  }
+  const CountImage rest = hand_out(Plane(n.width(), n.height()), n, pool, left);  // without gain
+  for (std::size_t i = 0; i < n.size(); ++i)
+    n[i] += rest[i];
+  return n;
 }
 
 }  // namespace
@@ -83,17 +123,14 @@ Result<SamplingResult> sample_neyman(const SamplePool& pool, long long budget,
                                      const NeymanOptions& options, const SamplingContext& context) {
   CountImage n = initial_counts(pool, budget, options.init_spp, context.seed);
   const long long initial = count_samples(n);
-  const Plane deviation = pool_deviation(pool, error_weights(pool, options.minimise));
-  const CountImage none(pool.width(), pool.height());
-  const CountImage ideal = hand_out(deviation, none, pool, budget);
-  Plane missing(n.width(), n.height());
-  for (std::size_t i = 0; i < n.size(); ++i)
-    missing[i] = std::max(ideal[i] - n[i], 0);
-  const long long left = std::min(budget, pool.total_capacity()) - initial;
-  const CountImage extra = hand_out(missing, n, pool, left);
-  for (std::size_t i = 0; i < n.size(); ++i)
-    n[i] += extra[i];
-  if (context.views != nullptr) context.views->add("deviation", deviation);
+  const Plane variance = pool_variance(pool, error_weights(pool, options.minimise));
+  n = best_counts(variance, n, pool, std::min(budget, pool.total_capacity()) - initial);
+  if (context.views != nullptr) {
+    Plane deviation = variance;
+    for (double& value : deviation.pixels())
+      value = std::sqrt(value);
+    context.views->add("deviation", deviation);
+  }
   Spending spending = begin_spending(pool, budget, n);
   spending.log.initial = initial;
   SPOOL_TRY(report_progress(context, "neyman", budget, budget));

@@ -1,7 +1,8 @@
 // Oracle: samples in proportion to the standard deviation of each piece's whole recorded pool
-// [Neyman34]. It knows what no sampler can know.
+// [Neyman34], in the best whole numbers. It knows what no sampler can know.
 //
-//   n ~ sqrt(mean_c w_c s_c^2)     s_c: deviation of channel c over everything recorded
+//   v = mean_c w_c s_c^2     s_c: deviation of channel c over everything recorded
+//   each next sample goes where it takes most off the sum of v / n: v / (n (n + 1))
 //   w_c = 1 with minimise=mse; u^2 / (u^2 D_c^2 + 0.01) with minimise=relmse, as that metric weighs
 //         (D the reference, or the mean of everything recorded; u = 1 / its mean luminance)
 //

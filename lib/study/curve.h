@@ -27,6 +27,7 @@ struct EqualTimeAt {
 struct CurveFinding {
   std::string recording;
   int threads = 0;
+  std::string group;  // of the scene
   MethodPair methods;
   bool biased = false;
   std::string metric;

@@ -10,6 +10,7 @@ struct StudyPlace {
   std::string recording;  // the first of the scene
   double spp = 0;         // the budget
   int threads = 0;        // 0: as many as the process may use
+  std::string group;      // of the scene; empty: the recording stands alone
 
   friend bool operator==(const StudyPlace&, const StudyPlace&) = default;
   friend auto operator<=>(const StudyPlace&, const StudyPlace&) = default;

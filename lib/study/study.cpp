@@ -80,7 +80,7 @@ class SceneStudy {
 
  private:
   StudyPlace place(std::size_t budget) const {
-    return {scene_.recordings.front(), plan_.spp[budget], threads_};
+    return {scene_.recordings.front(), plan_.spp[budget], threads_, scene_.group};
   }
 
   MethodSummary::Against against_baseline(std::size_t budget, std::size_t method,
@@ -111,6 +111,7 @@ class SceneStudy {
         if (!curve) continue;
         curve->recording = scene_.recordings.front();
         curve->threads = threads_;
+        curve->group = scene_.group;
         curve->methods = pair_of(budgets_.front()[m]);
         list.push_back(std::move(*curve));
       }
@@ -190,7 +191,7 @@ Study study_of(const Plan& plan, const StudySources& sources) {
     SceneMethods methods = read_scene(plan, scene, sources);
     for (const int threads : plan.threads) {
       for (std::size_t b = 0; b < plan.spp.size(); ++b) {
-        const StudyPlace place{scene.recordings.front(), plan.spp[b], threads};
+        const StudyPlace place{scene.recordings.front(), plan.spp[b], threads, scene.group};
         places.push_back(claims_at(plan, place, b, methods));
       }
     }

@@ -1,10 +1,9 @@
-// Slow twin of lib/sampling/neyman.h: deviations from two passes over each piece's pool.
+// Slow twin of lib/sampling/neyman.h: deviations from two passes over each piece's pool, and a
+// search for the place of each sample.
 #pragma once
 
 #include <cmath>
-#include <vector>
 
-#include "lib/sampling/apportion.h"
 #include "lib/sampling/sampler.h"
 
 namespace spool::reference {
@@ -33,31 +32,24 @@ Plane pool_deviation(const SamplePool& pool, Weight&& weight) {
   return deviation;
 }
 
-// Counts for `budget` samples when every piece has `first` already: what each lacks of its ideal.
+// Counts for `budget` samples when every piece has `first` already: one sample after the other goes
+// where it takes most off the sum of variance / count, the first of several.
 template <class Weight>
 CountImage neyman(const SamplePool& pool, const CountImage& first, long long budget,
                   Weight&& channel_weight) {
   const Plane deviation = pool_deviation(pool, channel_weight);
-  std::vector<double> weight(deviation.pixels().begin(), deviation.pixels().end());
-  std::vector<long long> room;
-  long long initial = 0, capacity = 0;
-  for (int y = 0; y < pool.height(); ++y) {
-    for (int x = 0; x < pool.width(); ++x) {
-      room.push_back(pool.capacity(x, y));
-      capacity += pool.capacity(x, y);
-    }
-  }
-  const std::vector<long long> ideal = apportion(weight, budget, room);
-  for (std::size_t i = 0; i < weight.size(); ++i) {
-    weight[i] = ideal[i] > first[i] ? static_cast<double>(ideal[i] - first[i]) : 0.0;
-    room[i] -= first[i];
-    initial += first[i];
-  }
-  const std::vector<long long> extra =
-      apportion(weight, std::min(budget, capacity) - initial, room);
   CountImage n = first;
-  for (std::size_t i = 0; i < weight.size(); ++i)
-    n[i] += static_cast<int>(extra[i]);
+  for (long long left = budget - count_samples(first); left > 0; --left) {
+    double largest = -1.0;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < n.size(); ++i) {
+      const int x = static_cast<int>(i) % n.width(), y = static_cast<int>(i) / n.width();
+      const double gain = deviation[i] * deviation[i] / (n[i] * (n[i] + 1.0));
+      if (n[i] < pool.capacity(x, y) && gain > largest) largest = gain, at = i;
+    }
+    if (largest < 0.0) break;
+    ++n[at];
+  }
   return n;
 }
 

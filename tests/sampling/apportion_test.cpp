@@ -20,7 +20,8 @@ Shares uncapped(const std::vector<double>& weights, long long budget) {
 }
 
 TEST(Apportion, WorkedExamples) {
-  EXPECT_EQ(uncapped({3, 1, 1, 1}, 10), (Shares{7, 1, 1, 1}));
+  EXPECT_EQ(uncapped({3, 1, 1, 1}, 10), (Shares{5, 2, 2, 1}));
+  EXPECT_EQ(uncapped({1, 0.6, 0.4}, 3), (Shares{1, 1, 1}));
   EXPECT_EQ(uncapped({0, 0, 0}, 7), (Shares{3, 2, 2}));
   EXPECT_EQ(uncapped({1, 0, 4}, 10), (Shares{2, 0, 8}));
   EXPECT_EQ(apportion(std::vector<double>{1, 1}, 10, Shares{2, 100}), (Shares{2, 8}));
@@ -40,7 +41,7 @@ TEST(Apportion, OddWeightsCountAsTheHeaderSays) {
   EXPECT_EQ(uncapped({1e-300, 1e300}, 10), (Shares{0, 10}));
 }
 
-// Sum exact, caps kept, and with room for all within one of the exact quota.
+// Sum exact, and caps kept.
 TEST(Apportion, TwoThousandRandomCasesKeepSumAndCaps) {
   std::uint64_t counter = 0;
   const auto random = [&](std::uint64_t n) { return mix(7, counter++) % n; };
@@ -66,19 +67,38 @@ TEST(Apportion, TwoThousandRandomCasesKeepSumAndCaps) {
   }
 }
 
-TEST(Apportion, NoShareFallsBelowTheFloorOfItsQuota) {
+// Of what those leave whose quota is their cap or more.
+TEST(Apportion, EveryShareIsWithinOneOfItsQuota) {
   for (std::uint64_t round = 0; round < 500; ++round) {
     const std::size_t n = 1 + mix(9, round) % 30;
     std::vector<double> weights(n);
-    double sum = 0.0;
-    for (std::size_t t = 0; t < n; ++t)
-      sum += weights[t] = unit_double(mix(10, round, t));
-    const auto budget = static_cast<long long>(mix(11, round) % 100000);
-    const Shares shares = uncapped(weights, budget);
+    Shares caps(n, kNoCap);
     for (std::size_t t = 0; t < n; ++t) {
-      const double quota = weights[t] / sum * static_cast<double>(budget);
-      ASSERT_GT(static_cast<double>(shares[t]),
-                quota - 1.0 - 1e-3);  // 1e-3: weights round to 2^-32
+      weights[t] = 0.01 + unit_double(mix(10, round, t));
+      if (round % 2 == 1) caps[t] = static_cast<long long>(mix(12, round, t) % 2000);
+    }
+    const auto budget = static_cast<long long>(mix(11, round) % 20000);
+    const Shares shares = apportion(weights, budget, caps);
+    const auto quotas = [&](const std::vector<bool>& full) {
+      double sum = 0.0, open = static_cast<double>(budget);
+      for (std::size_t t = 0; t < n; ++t)
+        full[t] ? open -= static_cast<double>(caps[t]) : sum += weights[t];
+      std::vector<double> quota;
+      for (std::size_t t = 0; t < n; ++t)
+        quota.push_back(full[t] ? static_cast<double>(caps[t]) : weights[t] / sum * open);
+      return quota;
+    };
+    std::vector<bool> full(n, false), before;
+    while (full != before) {
+      before = full;
+      const std::vector<double> quota = quotas(before);
+      for (std::size_t t = 0; t < n; ++t)
+        full[t] = before[t] || quota[t] >= static_cast<double>(caps[t]);
+    }
+    const std::vector<double> quota = quotas(full);
+    for (std::size_t t = 0; t < n; ++t) {
+      // 1e-3: weights round to 2^-32.
+      ASSERT_NEAR(static_cast<double>(shares[t]), quota[t], full[t] ? 0.0 : 1.0 + 1e-3) << round;
     }
   }
 }

@@ -181,10 +181,7 @@ TEST(Neyman, CountsAreProportionalToTheDeviation) {
     for (int x = 0; x < 8; ++x)
       (x < 4 ? low : high) += result->selection.statistics.n(x, y);
   }
-  // Apportionment floors 32 small shares and hands the rest out in proportion again: the larger
-  // weights gain up to one sample in twenty here.
-  EXPECT_GT(high / low, 2.9);
-  EXPECT_LT(high / low, 3.2);
+  EXPECT_NEAR(high / low, 3.0, 0.05);
 }
 
 TEST(Neyman, FlatPiecesKeepTheirFirstSampleAndCapsHold) {

@@ -1,11 +1,13 @@
 // Greedy error minimisation and NL-means sampling against slow twins.
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "lib/kernels/piece_estimates.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/sampling/cross_bilateral.h"
+#include "lib/sampling/filter_disagreement.h"
 #include "lib/sampling/greedy_error.h"
 #include "lib/sampling/nl_means.h"
 #include "lib/sampling/rounds.h"
@@ -277,6 +279,17 @@ TEST(CrossBilateralSampling, WorthsThatComeOutNegativeAreZeroAndCounted) {
   }
   EXPECT_GT(zeros, 0u);
   EXPECT_EQ(guards[Guard::kNegativeError], zeros);
+}
+
+TEST(HandOutDeficits, AWeightThatIsNoNumberCountsAsNone) {
+  const SamplePool pool = test::memory_pool(4, 1, 8, [](int, int, int) { return Rgb{1, 1, 1}; });
+  Plane weight(4, 1);
+  weight[0] = std::numeric_limits<double>::quiet_NaN();
+  weight[1] = 1.0;
+  weight[2] = -1.0;
+  const CountImage more = hand_out_deficits(weight, CountImage(4, 1, 1), pool, 4);
+  EXPECT_EQ(std::vector<int>(more.pixels().begin(), more.pixels().end()),
+            (std::vector<int>{0, 4, 0, 0}));
 }
 
 }  // namespace

@@ -25,6 +25,7 @@
 #include "tools/batch/evaluation_pictures.h"
 #include "tools/batch/evaluation_summary.h"
 #include "tools/batch/given_images.h"
+#include "tools/batch/input_files.h"
 #include "tools/batch/results_writer.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_manifest.h"
@@ -389,6 +390,8 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true, true));
   SPOOL_TRY(merge_folders(request, dumps, store));
   SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named));
+  if (!request.merge)
+    SPOOL_TRY(check_input_files(request.folder, request.plan, named, chosen, store));
   PlanRun run(request, common, std::move(named), std::move(chosen), std::move(store));
   if (!request.merge) SPOOL_TRY(run.run());
   SPOOL_TRY(write_manifest(request, dumps, started));

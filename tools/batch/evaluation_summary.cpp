@@ -30,8 +30,8 @@ std::string claims_text(const std::vector<ClaimFinding>& claims) {
     for (const auto& [place, judged] : finding.places) {
       const Interval ratio = judged.comparison.ratio();
       const bool known = std::isfinite(ratio.low) && std::isfinite(ratio.high);
-      text += fmt::format("  {} {:g} spp: {}{}\n", visible_text(shown_scene(place.recording)),
-                          place.spp, claim_verdict_name(judged.verdict),
+      text += fmt::format("  {} {:g} spp: {}{}\n", visible_text(shown_scene(place)), place.spp,
+                          claim_verdict_name(judged.verdict),
                           known ? " " + value_text(ratio, "{:.3g}") : "");
     }
   }
@@ -81,7 +81,7 @@ Rows short_rows(const Study& study, const ShownResults& shown, bool ratio_interv
   for (const RankedResult& result : shown) {
     const StudyPlace& place = result.place();
     const std::string heading =
-        fmt::format("{}, {:g} samples per pixel{}", shown_scene(place.recording), place.spp,
+        fmt::format("{}, {:g} samples per pixel{}", shown_scene(place), place.spp,
                     threads ? fmt::format(", {} threads", place.threads) : "");
     if (heading != last) rows.push_back({heading});
     last = heading;
@@ -100,7 +100,7 @@ std::string short_table(const Study& study, const ShownResults& shown) {
   std::istringstream lines(text);
   bool fits = true;
   for (std::string line; std::getline(lines, line);)
-    fits = fits && (width == 0 || character_count(line) <= width);
+    fits = fits && (width == 0 || column_count(line) <= width);
   return fits ? text : format_columns(short_rows(study, shown, false), 1, width);
 }
 
@@ -110,8 +110,8 @@ std::string wide_table(const Study& study, const ShownResults& shown) {
                 "than baseline", "MSE", "ratio", "energy", "sampling", "filtering"}};
   if (threads) rows.front().emplace_back("threads");
   for (const RankedResult& result : shown) {
-    rows.push_back({shown_scene(result.place().recording), shown_sampler(result),
-                    shown_filter(result), fmt::format("{:g}", result.place().spp),
+    rows.push_back({shown_scene(result.place()), shown_sampler(result), shown_filter(result),
+                    fmt::format("{:g}", result.place().spp),
                     fmt::format("{:.4g}", mean_or(result.quantity("samples_per_pixel"), 0.0)),
                     value_text(result.quantity("relmse")), baseline_ratio(result.relmse),
                     verdict_text(result.relmse), value_text(result.quantity("mse")),
@@ -132,7 +132,7 @@ std::string equal_time_table(const std::vector<CurveFinding>& curves) {
     for (const auto& [at, seconds, found] : curve.equal_time) {
       const bool outside = found.too_slow || found.too_fast;
       rows.push_back(
-          {shown_scene(curve.recording), curve.methods.sampler, curve.methods.filter,
+          {shown_scene(curve.recording, curve.group), curve.methods.sampler, curve.methods.filter,
            fmt::format("{:g}", at), std::isfinite(seconds) ? format_seconds(seconds) : "n/a",
            outside ? (found.too_slow ? "too slow" : "too fast") : ratio_text(found.ratio)});
     }

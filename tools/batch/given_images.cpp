@@ -9,10 +9,6 @@
 namespace spool::tools {
 namespace {
 
-std::string image_of(const Cell& cell, const std::string& pattern) {
-  return fill_replicate(fill_names(pattern, cell), std::to_string(cell.replicate));
-}
-
 // The filter that a sampler has in its loop cannot be a file.
 Result<void> refuse_loops(const Plan& plan, const std::string& of) {
   for (const MethodChoice& sampler : plan.samplers) {

@@ -142,8 +142,8 @@ Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& na
   const bool first = !request.shard && (!request.only || request.only->empty());
   if (force && first && !request.merge) {
     SPOOL_TRY(CellStore::remove_all(folder));
-    for (const char* name :
-         {"dumps.json", "manifest.json", "results.csv", "results.jsonl", "statistics.json"})
+    for (const char* name : {"dumps.json", "inputs.json", "manifest.json", "results.csv",
+                             "results.jsonl", "statistics.json"})
       fs::remove(folder / name, status);
   } else if (!empty && !CellStore::is_in(folder)) {
     return fail(ErrorCode::kUsage,

@@ -23,8 +23,12 @@ bool is_described_filter(const RankedResult& result) {
   return is_by_description(known_filters(), result.result->filter_name);
 }
 
-std::string shown_scene(const std::string& recording) {
-  return std::filesystem::path(recording).stem().string();
+std::string shown_scene(const std::string& recording, const std::string& group) {
+  return group.empty() ? std::filesystem::path(recording).stem().string() : group;
+}
+
+std::string shown_scene(const StudyPlace& place) {
+  return shown_scene(place.recording, place.group);
 }
 
 std::string shown_sampler(const RankedResult& result) {

@@ -14,7 +14,8 @@ using ShownResults = std::vector<RankedResult>;
 bool is_described_sampler(const RankedResult& result);
 bool is_described_filter(const RankedResult& result);
 
-std::string shown_scene(const std::string& recording);  // the name of the file
+std::string shown_scene(const std::string& recording, const std::string& group);
+std::string shown_scene(const StudyPlace& place);       // the group, or the name of the file
 std::string shown_sampler(const RankedResult& result);  // with "[R]" where by description
 std::string shown_filter(const RankedResult& result);
 std::string shown_method(const RankedResult& result);

@@ -47,8 +47,8 @@ std::string fewest_text(const Fewest& fewest) {
       "Few pixels: {:.0f} bear half of the {} of {} ({}, {:g} spp), the worst "
       "0.1 % {:.0f} %.\n",
       std::max(1.0, fewest.pixels), fewest.metric->shown,
-      visible_text(shown_method(*fewest.result)), visible_text(shown_scene(place.recording)),
-      place.spp, 100.0 * fewest.share);
+      visible_text(shown_method(*fewest.result)), visible_text(shown_scene(place)), place.spp,
+      100.0 * fewest.share);
 }
 
 }  // namespace
@@ -59,10 +59,10 @@ std::string would_decide_text(const ShownResults& shown) {
   for (const RankedResult& result : shown) {
     if (!result.relmse || !result.relmse->would_decide) continue;
     const WouldDecide& more = *result.relmse->would_decide;
-    found.emplace_back(more.recordings ? 1e6 + more.count : more.count,
-                       fmt::format("{} {} for {} ({}, {:g} spp)", count_text(more.count),
-                                   more.unit(), shown_method(result),
-                                   shown_scene(result.place().recording), result.place().spp));
+    found.emplace_back(
+        more.recordings ? 1e6 + more.count : more.count,
+        fmt::format("{} {} for {} ({}, {:g} spp)", count_text(more.count), more.unit(),
+                    shown_method(result), shown_scene(result.place()), result.place().spp));
   }
   if (found.empty()) return "";
   std::ranges::stable_sort(found, {}, &std::pair<double, std::string>::first);

@@ -63,6 +63,10 @@ std::string fill_replicate(std::string pattern, const std::string& replicate) {
   return replaced(std::move(pattern), kReplicate, replicate);
 }
 
+std::string image_of(const Cell& cell, const std::string& pattern) {
+  return fill_replicate(fill_names(pattern, cell), std::to_string(cell.replicate));
+}
+
 Cell with_filled_names(const Cell& cell) {
   if (!is_of_replicates(cell.filter)) return cell;
   Cell filled = cell;

@@ -31,6 +31,9 @@ std::string fill_names(std::string pattern, const Cell& cell);
 // The same with the replicate, "0" or "0a".
 std::string fill_replicate(std::string pattern, const std::string& replicate);
 
+// All names of the pattern filled in.
+std::string image_of(const Cell& cell, const std::string& pattern);
+
 // The cell with its filter's file names filled in, for make_method.
 Cell with_filled_names(const Cell& cell);
 

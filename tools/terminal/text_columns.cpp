@@ -3,6 +3,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
+#include <clocale>
+#include <cwchar>
 #include <sstream>
 
 #include "lib/core/visible_text.h"
@@ -18,7 +20,7 @@ using Rows = std::vector<std::vector<std::string>>;
 using Widths = std::vector<std::size_t>;
 
 std::string padding(std::size_t width, std::string_view text) {
-  return std::string(width - std::min(width, character_count(text)), ' ');
+  return std::string(width - std::min(width, column_count(text)), ' ');
 }
 
 std::size_t sum_of(const Widths& widths) {
@@ -47,7 +49,7 @@ Widths fitted(Widths widths, std::size_t first_number, std::size_t width) {
 
 std::vector<std::string> lines_of(const std::string& cell, std::size_t width) {
   std::vector<std::string> lines;
-  std::istringstream text(character_count(cell) > width ? wrapped(cell, width) : cell);
+  std::istringstream text(column_count(cell) > width ? wrapped(cell, width) : cell);
   for (std::string line; std::getline(text, line);)
     lines.push_back(line);
   return lines;
@@ -59,7 +61,7 @@ std::string row_text(const std::vector<std::string>& row, const Widths& widths,
   std::vector<std::vector<std::string>> cells;
   std::size_t height = 1;
   for (std::size_t i = 0; i < row.size(); ++i) {
-    const bool above = i == 0 && character_count(row[i]) > widths[i];
+    const bool above = i == 0 && column_count(row[i]) > widths[i];
     if (above) text += wrapped(row[i], width, 2) + "\n";
     cells.push_back(above ? std::vector<std::string>{} : lines_of(row[i], widths[i]));
     height = std::max(height, cells.back().size());
@@ -85,9 +87,23 @@ std::size_t line_width(int descriptor) {
   return ::ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col >= kNarrowest ? size.ws_col : 0;
 }
 
-std::size_t character_count(std::string_view text) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+std::size_t column_count(std::string_view text) {
+  static const locale_t utf8 = ::newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
+  if (utf8 == nullptr) return text.size();
+  const locale_t before = ::uselocale(utf8);
+  std::mbstate_t state{};
+  std::size_t columns = 0;
+  while (!text.empty()) {
+    wchar_t character = 0;
+    const std::size_t bytes = std::mbrtowc(&character, text.data(), text.size(), &state);
+    const bool known = bytes > 0 && bytes <= text.size();  // else no UTF-8
+    const int width = known ? ::wcwidth(character) : 1;
+    columns += static_cast<std::size_t>(width >= 0 ? width : 1);
+    text.remove_prefix(known ? bytes : 1);
+    if (!known) state = {};
+  }
+  ::uselocale(before);
+  return columns;
 }
 
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
@@ -96,13 +112,13 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t indent
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
     const std::size_t start = std::min(line.find_first_not_of(' '), line.size());
-    const bool fits = character_count(line) <= width;
+    const bool fits = column_count(line) <= width;
     std::istringstream words{std::string(fits ? "" : line.substr(start))};
     std::size_t used = start;
     result += fits ? line : line.substr(0, start);
     bool first = true;
     for (std::string word; words >> word; first = false) {
-      const std::size_t length = character_count(word);
+      const std::size_t length = column_count(word);
       if (!first && used + 1 + length > width) {
         result += "\n" + std::string(start + indent, ' ');
         used = start + indent;
@@ -128,7 +144,7 @@ std::string format_columns(const Rows& rows, std::size_t first_number, std::size
     widths.resize(std::max(widths.size(), row.size()));
     for (std::size_t i = 0; i < row.size(); ++i) {
       row[i] = visible_text(row[i]);
-      if (!is_heading(row, shown)) widths[i] = std::max(widths[i], character_count(row[i]));
+      if (!is_heading(row, shown)) widths[i] = std::max(widths[i], column_count(row[i]));
     }
   }
   std::string text;

@@ -10,7 +10,8 @@ namespace spool::tools {
 // Characters of a line of the terminal on `descriptor` (stdout); 0 where that is a file or a pipe,
 // whose text does not depend on anyone's window.
 std::size_t line_width(int descriptor = 1);
-std::size_t character_count(std::string_view text);
+// Columns that a text takes there: an ideograph two, a combining mark none.
+std::size_t column_count(std::string_view text);
 
 // Each line of `text` in lines of at most `width` characters, broken between words; those after its
 // first begin below it, `indent` further in. Words are left whole. With a width of 0 nothing

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include "tools/json/answers_json.h"
 #include "tools/json/study_json.h"
 #include "tools/methods/method_settings.h"
+#include "tools/terminal/text_columns.h"
 #include "tools/verbs/option_bounds.h"
 
 namespace spool::tools {
@@ -65,7 +68,7 @@ std::string text_of(const Comparisons& outcome, bool all) {
   }
   list("no error at all, like the reference itself", without_error);
   const bool paired = std::ranges::any_of(outcome.changes, &Change::paired);
-  text += fmt::format(
+  std::string notes = fmt::format(
       "{} comparisons ({}, on logarithms, all together): {} better, {} worse, {} undecided, "
       "{} identical, {} not compared.\n",
       outcome.changes.size(), paired ? "paired by replicate" : "independent",
@@ -76,11 +79,11 @@ std::string text_of(const Comparisons& outcome, bool all) {
     const auto count = std::ranges::count_if(
         outcome.changes, [&](const Change& c) { return c.difference.withheld == why; });
     if (count > 0)
-      text += fmt::format("Not compared for {}: {}: {}.\n", withheld_name(why), count,
-                          withheld_remedy(why));
+      notes += fmt::format("Not compared for {}: {}: {}.\n", withheld_name(why), count,
+                           withheld_remedy(why));
   }
-  if (biased) text += "BIASED: judged by the samples that images were made of.\n";
-  return text;
+  if (biased) notes += "BIASED: judged by the samples that images were made of.\n";
+  return text + wrapped(notes, line_width());
 }
 
 // By names, so that two presets of a method are compared; where a folder has several of one name,
@@ -97,13 +100,17 @@ Result<std::pair<ResultFolder, ResultFolder>> read_folders(const CompareOptions&
   return read(MatchBy::kPreset);
 }
 
-// Of the claims that either folder's statistics.json has.
+// Of the claims that either folder's statistics.json has; those of one text in their order.
 std::vector<ClaimChange> claim_changes(const std::filesystem::path& before,
                                        const std::filesystem::path& after) {
   std::vector<ClaimChange> changes;
   const auto add = [&](const std::filesystem::path& folder, std::string ClaimChange::* side) {
+    const std::string ClaimChange::* const text = &ClaimChange::text;
+    std::map<std::string, std::size_t> read;
     for (const KeptClaim& claim : kept_claims(folder / "statistics.json")) {
-      auto found = std::ranges::find(changes, claim.text, &ClaimChange::text);
+      auto found = std::ranges::find(changes, claim.text, text);
+      for (std::size_t i = read[claim.text]++; i > 0 && found != changes.end(); --i)
+        found = std::ranges::find(std::next(found), changes.end(), claim.text, text);
       if (found == changes.end())
         found = changes.insert(changes.end(), {claim.text, "not asked", "not asked"});
       (*found).*side = claim.verdict;
@@ -150,13 +157,15 @@ Result<void> run_compare(const CompareOptions& options, const CommonOptions& com
       outcome.only_before.push_back(combination.key);
       continue;
     }
-    if (found->second.results.failed > 0 && combination.results.failed == 0)
+    if (found->second.results.failed > combination.results.failed)
       outcome.newly_failed.push_back(found->second.key);
     for (const std::string& metric : metrics)
       outcome.changes.push_back(compare_one(before, after, combination, found->second, metric));
   }
   for (const auto& [key, combination] : after.combinations) {
-    if (!before.combinations.contains(key)) outcome.only_after.push_back(combination.key);
+    if (before.combinations.contains(key)) continue;
+    outcome.only_after.push_back(combination.key);
+    if (combination.results.failed > 0) outcome.newly_failed.push_back(combination.key);
   }
   if (outcome.changes.empty()) {
     return fail(

@@ -1,0 +1,105 @@
+#include "tools/batch/input_files.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <sstream>
+#include <string>
+
+#include "formats/bounded_json.h"
+#include "formats/interchange/sha256.h"
+#include "lib/image_io/atomic_file.h"
+#include "tools/methods/replicate_images.h"
+
+namespace spool::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+// What a command writes to by `>` is none of its inputs.
+std::vector<std::string> words_of(const std::string& command) {
+  std::vector<std::string> words;
+  bool written = false;
+  std::istringstream text(command);
+  for (std::string word; text >> word;) {
+    const bool redirects = word.find('>') != std::string::npos;
+    if (!redirects && !written) {
+      std::erase_if(word, [](char c) { return c == '"' || c == '\'' || c == ';'; });
+      words.push_back(word);
+    }
+    written = redirects && word.ends_with('>');
+  }
+  return words;
+}
+
+std::vector<std::string> files_of(const MethodChoice& method, const Cell& cell) {
+  if (method.name == "exec") return words_of(method.preset);
+  if (method.name == "counts") return {method.preset};
+  if (method.name == "image") return {image_of(cell, method.preset)};
+  return {};
+}
+
+// {path: cells}
+std::map<std::string, std::vector<std::size_t>> input_files(const Plan& plan,
+                                                            const NamedCells& named,
+                                                            const std::vector<bool>& chosen) {
+  std::map<std::string, std::vector<std::size_t>> found;
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    if (!chosen[i]) continue;
+    const Cell cell = named.cell(i);
+    std::vector<std::string> names = files_of(cell.sampler, cell);
+    for (std::string& name : files_of(cell.filter, cell))
+      names.push_back(std::move(name));
+    for (const EnergyMask& mask : plan.experiment.masks)
+      names.push_back(mask.path);
+    for (const std::string& name : names)
+      found[name].push_back(i);
+  }
+  std::error_code status;
+  std::erase_if(found, [&](const auto& file) { return !fs::is_regular_file(file.first, status); });
+  return found;
+}
+
+// As it was when `entry` was written, by its size and time.
+bool is_unchanged(const ordered_json& entry, const ordered_json& now) {
+  return entry.is_object() && entry.contains("sha256") && entry["sha256"].is_string() &&
+         entry.value("bytes", ordered_json()) == now["bytes"] &&
+         entry.value("modified", ordered_json()) == now["modified"];
+}
+
+}  // namespace
+
+Result<void> check_input_files(const fs::path& folder, const Plan& plan, const NamedCells& named,
+                               const std::vector<bool>& chosen, const CellStore& store) {
+  const auto files = input_files(plan, named, chosen);
+  if (files.empty()) return {};
+  ordered_json known = format::parse_json_file<ordered_json>(folder / "inputs.json");
+  if (!known.is_object()) known = ordered_json::object();
+  const auto has_result = [&](std::size_t i) {
+    const auto record = store.read(named.id(i), named.cell(i));
+    return record && !record->failed();
+  };
+  for (const auto& [name, cells] : files) {
+    const std::string path = fs::absolute(name).lexically_normal().string();
+    std::error_code status;
+    ordered_json now = {{"bytes", fs::file_size(path, status)},
+                        {"modified", fs::last_write_time(path, status).time_since_epoch().count()}};
+    ordered_json& entry = known[path];
+    if (is_unchanged(entry, now)) continue;
+    SPOOL_ASSIGN(now["sha256"], interchange::sha256_of(path));
+    const bool changed = entry.is_object() && entry.value("sha256", now["sha256"]) != now["sha256"];
+    if (changed && std::ranges::any_of(cells, has_result)) {
+      return fail(ErrorCode::kUsage,
+                  "{}: has changed since the results in {} were made: choose another folder or "
+                  "give --force",
+                  name, folder.string());
+    }
+    entry = std::move(now);
+  }
+  return write_text_file(folder / "inputs.json",
+                         known.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n",
+                         true, true);
+}
+
+}  // namespace spool::tools
