@@ -7,6 +7,7 @@
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/piece_estimates.h"
+#include "lib/statistics/joined_halves.h"
 
 namespace spool {
 namespace {
@@ -25,7 +26,7 @@ std::optional<double> mean_of_neighbours(const Plane& image, int x, int y) {
 }
 
 struct BrightSample {
-  int x = 0, y = 0;  // piece
+  int x = 0, y = 0, i = 0;  // piece, and which of it
   Rgb value{};
   double luminance = 0.0;
 };
@@ -39,11 +40,22 @@ std::optional<BrightSample> brightest(const SamplePool& pool, const CountImage& 
       for (int i = 0; i < n(px, py); ++i) {
         const Rgb value = pool.sample(px, py, i);
         const double bright = luminance(value[0], value[1], value[2]);
-        if (!found || bright > found->luminance) found = BrightSample{px, py, value, bright};
+        if (!found || bright > found->luminance) found = BrightSample{px, py, i, value, bright};
       }
     }
   }
   return found;
+}
+
+// What a sample counts in the mean of its piece.
+double share_of(const BrightSample& sample, const Selection& selection) {
+  const auto samples = [&](const Selection& of) { return of.statistics.n(sample.x, sample.y); };
+  if (selection.halves_use == HalvesUse::kTogether) {
+    const int even = samples(selection.halves[0]), odd = samples(selection.halves[1]);
+    const int own = half_of_joined(even, odd, sample.i) == 0 ? even : odd;
+    if (even > 0 && odd > 0) return 0.5 / own;
+  }
+  return 1.0 / samples(selection);
 }
 
 }  // namespace
@@ -67,10 +79,9 @@ Result<Reconstruction> reconstruct_clamped(const Selection& selection, const Sam
       const double limit = options.factor * std::max(*around, 0.0);
       if (sample->luminance <= limit) continue;
       ++clamped[static_cast<std::size_t>(y)];
-      for (std::size_t c = 0; c < 3; ++c) {
-        limited.mean[c](sample->x, sample->y) +=
-            sample->value[c] * (limit / sample->luminance - 1.0) / limited.n(sample->x, sample->y);
-      }
+      const double taken = (limit / sample->luminance - 1.0) * share_of(*sample, selection);
+      for (std::size_t c = 0; c < 3; ++c)
+        limited.mean[c](sample->x, sample->y) += sample->value[c] * taken;
     }
   });
   for (const std::uint64_t of_row : clamped)

@@ -180,7 +180,8 @@ class Ensemble {
       const SamplePool half_pool = pool.half(h);
       const Selection half{half_statistics(selection.statistics, half_pool, h),
                            selection.attenuation};
-      means[side] = pixel_means(half.statistics, result.guards);
+      means[side] = pixel_means(prefix_means(pool.without_limits().half(h), half.statistics.n),
+                                result.guards);
       SPOOL_ASSIGN(std::vector<RgbImage> found,
                    images(half, half_pool, context, 1.0 + h, runs, result));
       for (std::size_t k = 0; k < parts_.size(); ++k)

@@ -10,6 +10,7 @@
 #include "lib/kernels/scene_luminance.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
+#include "lib/statistics/joined_halves.h"
 
 namespace spool {
 namespace {
@@ -135,6 +136,9 @@ ClampedSamples clamp_samples(const Selection& selection, const SamplePool& pool,
   Selection seen{
       prefix_statistics(clamped, taken.n, taken.signal, taken.channel_minimum.has_value()),
       selection.attenuation};
+  if (selection.halves_use == HalvesUse::kTogether)
+    weigh_halves_alike(seen.statistics, clamped, selection.halves[0].statistics.n,
+                       selection.halves[1].statistics.n);
   return {std::move(clamped), std::move(seen)};
 }
 

@@ -43,7 +43,8 @@ struct ClampedSamples {
 };
 
 // What a filter gets when samples are clamped before it. `guards` counts the samples scaled down.
-// Halves of the selection are not looked at: clamp each of them apart.
+// Of halves that are used together the pool is pool_of_joined(); halves that are apart are clamped
+// each.
 ClampedSamples clamp_samples(const Selection& selection, const SamplePool& pool,
                              const SampleClampOptions& options, GuardCounts& guards);
 

@@ -90,6 +90,12 @@ SamplePool SamplePool::with_limits(Plane limits) const {
   return pool;
 }
 
+SamplePool SamplePool::without_limits() const {
+  SamplePool pool = *this;
+  pool.limits_ = nullptr;
+  return pool;
+}
+
 SamplePool SamplePool::with_halves_first(CountImage even, CountImage odd) const {
   SPOOL_CHECK(halves_first_ == nullptr);
   SPOOL_CHECK(even.width() == width() && even.height() == height() && odd.same_size(even));

@@ -81,6 +81,7 @@ class SamplePool {
   // pixels, >= 0, scaled down to it: for methods that clamp (lib/kernels/sample_clamp.h). Of two
   // limits the lower one holds.
   SamplePool with_limits(Plane limits) const;
+  SamplePool without_limits() const;
 
   // Index in the recording of the i-th sample of the piece.
   int recorded_index(int x, int y, int i) const;

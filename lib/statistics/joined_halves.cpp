@@ -1,7 +1,10 @@
 #include "lib/statistics/joined_halves.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
+
+#include "lib/core/parallel.h"
 
 namespace spool {
 namespace {
@@ -31,6 +34,34 @@ Selection join_halves(const SamplePool& pool, std::vector<Selection> halves) {
                odd.analysis.mean[i], factor);
   }
   return {std::move(all), {}, std::move(halves), HalvesUse::kTogether};
+}
+
+int half_of_joined(int even, int odd, int i) {
+  const int longer = even > odd ? 0 : 1;
+  return i < 2 * std::min(even, odd) ? i % 2 : longer;
+}
+
+void weigh_halves_alike(PieceStatistics& all, const SamplePool& joined, const CountImage& even,
+                        const CountImage& odd) {
+  parallel_rows(0, all.height(), [&](int y) {
+    for (int x = 0; x < all.width(); ++x) {
+      const std::size_t piece = even.index(x, y);
+      const std::array<int, 2> n = {even[piece], odd[piece]};
+      if (n[0] == 0 || n[1] == 0) continue;
+      std::array<std::array<double, 4>, 2> mean{};  // [half]: R, G, B and the analysis signal
+      for (int i = 0; i < n[0] + n[1]; ++i) {
+        const auto h = static_cast<std::size_t>(half_of_joined(n[0], n[1], i));
+        const Rgb value = joined.sample(x, y, i);
+        for (std::size_t c = 0; c < 3; ++c)
+          mean[h][c] += static_cast<double>(value[c]) / n[h];
+        mean[h][3] += all.signal.value(value) / n[h];
+      }
+      const double a = n[0], b = n[1], factor = (a + b) * (a + b) / (4.0 * a * b);
+      for (std::size_t c = 0; c < 3; ++c)
+        set_joined(all.mean[c][piece], all.m2[c][piece], mean[0][c], mean[1][c], factor);
+      set_joined(all.analysis.mean[piece], all.analysis.m2[piece], mean[0][3], mean[1][3], factor);
+    }
+  });
 }
 
 PieceStatistics half_statistics(const PieceStatistics& statistics, const SamplePool& half_pool,

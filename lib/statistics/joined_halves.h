@@ -18,6 +18,14 @@ namespace spool {
 // Statistics as above with `halves` beside them, for a filter that reads pool_of_joined().
 Selection join_halves(const SamplePool& pool, std::vector<Selection> halves);
 
+// Which half sample i of a piece of pool_of_joined() is of, 0 <= i < even + odd.
+int half_of_joined(int even, int odd, int i);
+
+// Brings the statistics of the first even + odd samples of `joined`, a pool as pool_of_joined()
+// gives, to the mean and M2 above: of samples that were changed after they were taken.
+void weigh_halves_alike(PieceStatistics& all, const SamplePool& joined, const CountImage& even,
+                        const CountImage& odd);
+
 // The statistics of every second sample taken (parity 0: even), with the same analysis signal.
 // `half_pool` is pool.half(parity).
 PieceStatistics half_statistics(const PieceStatistics& statistics, const SamplePool& half_pool,

@@ -49,6 +49,33 @@ TEST(Clamped, ChangesTheBrightestSampleOnly) {
   EXPECT_EQ(result->image[1](0, 0), 1.0);
 }
 
+TEST(Clamped, ASampleOfJoinedHalvesCountsAsItDoesInTheirMean) {
+  const SamplePool pool = testing::make_pool(13, 9, 9, heavy(13, 9));
+  const Selection selection = testing::joined_halves(pool);
+  const SamplePool first = pool_of_joined(pool, selection);
+  const auto none = reconstruct_clamped(selection, first, {0.0}, {});
+  // Without its brightest sample; black where a half has no other.
+  for (int y = 0; y < 9; ++y) {
+    for (int x = 0; x < 13; ++x) {
+      const int n[2] = {selection.halves[0].statistics.n(x, y),
+                        selection.halves[1].statistics.n(x, y)};
+      int at_half = 0, at = 0;
+      double brightest = -1.0, expected = 0.0;
+      for (int h = 0; h < 2; ++h) {
+        for (int i = 0; i < n[h]; ++i) {
+          const Rgb v = pool.half(h).sample(x, y, i);
+          if (const double l = luminance(v[0], v[1], v[2]); l > brightest)
+            brightest = l, at_half = h, at = i;
+        }
+      }
+      for (int h = 0; h < 2; ++h)
+        for (int i = 0; i < n[h]; ++i)
+          if (h != at_half || i != at) expected += 0.5 * pool.half(h).sample(x, y, i)[1] / n[h];
+      EXPECT_NEAR(none->image[1](x, y), expected, 1e-12 * std::max(1.0, brightest));
+    }
+  }
+}
+
 TEST(ClampedDeterminism, SameBitsForAnyNumberOfThreads) {
   const SamplePool pool = testing::make_pool(61, 40, 6, heavy(61, 40));
   const Selection selection = testing::select_uniform(pool, 6);

@@ -7,6 +7,7 @@
 #include "lib/filters/filters.h"
 #include "lib/kernels/sample_clamp.h"
 #include "tests/filters/small_pools.h"
+#include "tests/reference/test_images.h"
 
 namespace spool {
 namespace {
@@ -54,6 +55,17 @@ TEST(FilterStage, EnergyIsThatOfTheBoxMean) {
         EXPECT_NEAR(sum_of(image[c]) / sum_of(box[c]), 1.0, 1e-12) << filter << " " << clamp;
     }
   }
+}
+
+TEST(FilterStage, AClampThatTakesNothingLeavesJoinedHalvesAsTheyAre) {
+  const SamplePool pool = testing::make_pool(24, 20, 8, testing::noisy_picture(24, 20, 4));
+  const Selection selection = testing::joined_halves(pool);
+  const SamplePool first = pool_of_joined(pool, selection);
+  const Reconstruction plain = run("box", {}, selection, first);
+  const Reconstruction clamped = run("box", {{"clamp", "on"}}, selection, first);
+  ASSERT_EQ(clamped.guards[Guard::kClampedSample], 0u);
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_LT(reference::max_difference(plain.image[c], clamped.image[c]), 1e-12);
 }
 
 // Exhausted pieces have fewer than the others by no decision.

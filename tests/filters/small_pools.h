@@ -11,6 +11,7 @@
 
 #include "lib/core/random.h"
 #include "lib/pool/sample_pool.h"
+#include "lib/statistics/joined_halves.h"
 #include "lib/statistics/selection.h"
 #include "tests/support/made_features.h"
 
@@ -72,6 +73,16 @@ inline Selection select_counts(const SamplePool& pool, const std::function<int(i
       counts(x, y) = std::min(count(x, y), pool.capacity(x, y));
   }
   return {prefix_statistics(pool, counts), {}};
+}
+
+// 1 to 4 samples of the even half of a piece and 1 to 3 of the odd one.
+inline Selection joined_halves(const SamplePool& pool) {
+  std::vector<Selection> halves;
+  for (int h = 0; h < 2; ++h)
+    halves.push_back(select_counts(pool.half(h), [&](int x, int y) {
+      return 1 + (h == 0 ? x + 2 * y : 3 * x + y) % (4 - h);
+    }));
+  return join_halves(pool, std::move(halves));
 }
 
 // A noisy picture with a gradient, an edge and a disc; `key` chooses the noise.

@@ -55,6 +55,22 @@ void expect_union_first(const SamplePool& of, const SamplePool& ordered, int siz
   }
 }
 
+TEST(JoinedHalves, StatisticsMadeAgainOfTheirSamplesAreTheSame) {
+  const SamplePool whole = pool();
+  const Selection selection = joined(whole);
+  const SamplePool first = pool_of_joined(whole, selection);
+  PieceStatistics again = prefix_statistics(first, selection.statistics.n);
+  weigh_halves_alike(again, first, counts(0), counts(1));
+  for (std::size_t i = 0; i < again.n.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(again.mean[c][i], selection.statistics.mean[c][i], 1e-14);
+      EXPECT_NEAR(again.m2[c][i], selection.statistics.m2[c][i], 1e-12);
+    }
+    EXPECT_NEAR(again.analysis.mean[i], selection.statistics.analysis.mean[i], 1e-14);
+    EXPECT_NEAR(again.analysis.m2[i], selection.statistics.analysis.m2[i], 1e-12);
+  }
+}
+
 TEST(JoinedHalves, AreTheFirstSamplesOfTheirPool) {
   const SamplePool whole = pool();
   expect_union_first(whole, whole.with_halves_first(counts(0), counts(1)), kSamples);
