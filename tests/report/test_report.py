@@ -116,7 +116,7 @@ def made_sets(tmp_path, size):
     rows = make_rows(samplers=("uniform",), budgets=(4, 8), size=size)
     write_results(tmp_path, rows)
     write_images(tmp_path, rows, dump_names(dict.fromkeys(r["dump"] for r in rows)), file_name_of)
-    return find_images(tmp_path, aggregate(read_results(tmp_path / "results.csv"), read_statistics(tmp_path)))
+    return find_images(tmp_path, aggregate(read_results(tmp_path / "results.csv"), read_statistics(tmp_path)), [])
 
 
 @pytest.mark.parametrize("megabytes", [10.0, 2.0, 0.2, 0.0])
@@ -156,6 +156,30 @@ def test_names_of_files_are_those_of_the_program():
     assert file_name_of("gr\u00fcn 1") == "gr__n_1"
     assert dump_names(["a/chess.spool", "b/chess.spool", "b/x y.spool"]) == {
         "a/chess.spool": "chess", "b/chess.spool": "chess-2", "b/x y.spool": "x_y"}
+
+
+def test_images_are_those_of_their_recording_where_a_group_has_names_alike(tmp_path):
+    from tools.report.aggregate import aggregate
+    from tools.report.results_table import read_results
+    from tools.report.statistics_file import read_statistics
+    rows = make_rows(samplers=("uniform",), budgets=(4,), size=(8, 6))
+    write_results(tmp_path, rows)
+    first, last = dict.fromkeys(row["dump"] for row in rows)
+    recordings = [first, f"more/{first.rpartition('/')[2]}", last]
+    write_images(tmp_path, rows, dump_names(recordings), file_name_of)
+    found = find_images(tmp_path, aggregate(read_results(tmp_path / "results.csv"), read_statistics(tmp_path)), recordings)
+    names = dump_names(recordings)
+    assert {entry.dump for entry in found} == {first, last}
+    assert all(entry.paths["estimate"].parent.name.startswith(names[entry.dump] + "_uniform") for entry in found)
+
+
+def test_recordings_and_groups_are_called_as_they_are():
+    from tools.report.statistics_file import Statistics
+    scenes = [{"dump": "a/\u4e2d\u6587 <b>.spool", "group": "", "recordings": ["a/\u4e2d\u6587 <b>.spool"]},
+              {"dump": "b/x.spool", "group": "my group", "recordings": ["b/x.spool", "b/y.spool"]}]
+    found = Statistics({"scenes": scenes, "results": [], "conditions": [], "curves": [], "overall": []})
+    assert found.labels() == {"a/\u4e2d\u6587 <b>.spool": "\u4e2d\u6587 <b>", "b/x.spool": "my group"}
+    assert found.recordings() == ["a/\u4e2d\u6587 <b>.spool", "b/x.spool", "b/y.spool"]
 
 
 def test_re_implementations_are_marked_beside_every_name(tmp_path, assets_cache):

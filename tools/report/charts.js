@@ -58,7 +58,7 @@ function hoverText(c) {
   }
   const [letters, against] = c.ranks[shown.metric] ?? ['', ''];
   if (letters) lines.push(`group ${letters}`);
-  if (against) lines.push(`${against} than ${report.baseline}`.replace('undecided than', 'not separated from'));
+  if (against) lines.push(againstText(against, report.baseline));
   return lines.map(plotText).join('<br>');
 }
 

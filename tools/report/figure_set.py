@@ -12,8 +12,9 @@ from tools.report.figure_methods import baseline_of, choose_methods, is_command,
 from tools.report.figure_tables import curves_csv, latex_tables, markdown_table
 from tools.report.figure_text import significant
 from tools.report.figure_windows import asked_windows
-from tools.report.file_names import dump_names, file_name_of, numbered
+from tools.report.file_names import file_name_of, numbered
 from tools.report.metric_names import metric_name
+from tools.report.pixel_data import evaluated
 from tools.report.result_images import find_images
 from tools.report.results_table import choose_metric, read_results
 from tools.report.statistics_file import best_is_alone, interval_of, read_statistics
@@ -32,10 +33,10 @@ class FigureSet:
         if self.metric not in self.statistics.metrics():
             raise Failure(f"--metric: methods are ranked by {', '.join(self.statistics.metrics())}, not by {self.metric}", USAGE)
         combinations = aggregate(self.table, self.statistics)
-        self.labels = dump_names(dict.fromkeys(c.dump for c in combinations))
-        self.labels.update({s["dump"]: s["group"] for s in self.statistics.scenes if s["group"]})
-        found = find_images(options.folder, combinations)
-        Described(read_manifest(options.folder)).mark(combinations, self.statistics)
+        self.labels = self.statistics.labels()
+        manifest = read_manifest(options.folder)
+        found = find_images(options.folder, combinations, evaluated(manifest, self.statistics))
+        Described(manifest).mark(combinations, self.statistics)
         self.images = {combinations[entry.combination].key: entry.paths for entry in found}
         ranked = self.statistics.of_metric(self.metric)
         self.budget = options.spp or self.statistics.largest_budget(self.metric)

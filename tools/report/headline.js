@@ -3,6 +3,11 @@
 const verdictWords = ['better', 'worse', 'undecided', 'identical'];
 const opposite = {better: 'worse', worse: 'better'};
 
+function againstText(verdict, other) {
+  const words = {undecided: 'not separated from', identical: 'identical to', 'not compared': 'not compared with'};
+  return `${words[verdict] ?? `${verdict} than`} ${other}`;
+}
+
 // {mean, low, high, verdict} of a combination against the method `baseline` in the same condition; null where unknown.
 function ratioTo(condition, index, baseline) {
   const c = report.combinations[index];
@@ -14,10 +19,11 @@ function ratioTo(condition, index, baseline) {
   const place = condition.field.indexOf(index);
   const other = condition.field.findIndex((i) => methodOf(report.combinations[i]) === baseline);
   if (other < 0) return null;
+  const inverse = (value) => (value === null ? NaN : 1 / value);  // null: not resolved
   for (const [a, b, mean, low, high, word] of condition.pairs) {
     const verdict = verdictWords[word];
     if (a === place && b === other) return {mean, low, high, verdict};
-    if (a === other && b === place) return {mean: 1 / mean, low: 1 / high, high: 1 / low, verdict: opposite[verdict] ?? verdict};
+    if (a === other && b === place) return {mean: inverse(mean), low: inverse(high), high: inverse(low), verdict: opposite[verdict] ?? verdict};
   }
   return null;
 }
@@ -106,8 +112,7 @@ function headlineCell(condition, name) {
   const mean = ratio?.verdict === 'baseline' ? '1' : numberText(ratio?.mean ?? NaN, 3) || '-';
   const told = ratio && (ratio.verdict === 'better' || ratio.verdict === 'worse');
   const words = [`${metricText(report.metric)} ${numberText(value.mean)}${boundsText(value, 3)}`];
-  if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${boundsText(ratio, 3)}: ${ratio.verdict} than ${hero.baseline}`.replace(
-    'undecided than', 'not separated from'));
+  if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${boundsText(ratio, 3)}: ${againstText(ratio.verdict, hero.baseline)}`);
   if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);
   return element('td', {class: `number ${ratio?.verdict ?? ''}`, title: words.join('\n'), 'data-ratio': ratio ? ratio.mean : '',
     'data-verdict': ratio?.verdict ?? '', style: `background: ${ratioColour(ratio?.mean)}`, onclick: () => openInViewer(c)},

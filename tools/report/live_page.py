@@ -31,18 +31,13 @@ def page(title):
 
 
 def facts(folder):
-    from tools.report.file_names import dump_names
     from tools.report.pixel_data import recording_paths, replay_order
-    from tools.report.results_table import read_results
     from tools.report.statistics_file import read_statistics
     from tools.report.vocabulary import read_manifest
 
-    rows = read_results(folder / "results.csv").rows
     manifest = read_manifest(folder)
     order, paths = replay_order(manifest), recording_paths(manifest)
-    labels = dump_names(dict.fromkeys(row["dump"] for row in rows))
-    labels.update({s["dump"]: s["group"] for s in read_statistics(folder).scenes if s["group"]})
-    found = [{"path": paths[Path(dump).name], "label": label} for dump, label in labels.items()
+    found = [{"path": paths[Path(dump).name], "label": label} for dump, label in read_statistics(folder).labels().items()
              if Path(dump).name in paths and Path(paths[Path(dump).name]).is_file()]
     return {"recordings": found if order is not None else [],
             "seed": order if isinstance(order, int) else None}

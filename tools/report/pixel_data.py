@@ -99,6 +99,11 @@ def recording_paths(manifest):
             if isinstance(d, dict) and d.get("path")}
 
 
+def evaluated(manifest, statistics):
+    """The recordings in the order of their plan; scene by scene where an older program wrote no manifest."""
+    return [str(d["path"]) for d in manifest.get("dumps", []) if isinstance(d, dict) and d.get("path")] or statistics.recordings()
+
+
 def footprints_of(program, path, order, places, combination, vocabulary):
     """[{"taps": [[dx, dy, weight]], "shapes"}] of the places; nothing where the filter does not say. Only methods of the
     program itself are run: the names come from a folder that anybody may have made."""

@@ -8,12 +8,13 @@ function buildPixelPanel(view) {
   view.listeners.push(() => drawPixelPanel(view));
 }
 
-// The stored pixel that was touched, or the nearest within a few.
+// The stored pixel that was touched, or the nearest within a few, of those in the picture.
 function storedPixel(view) {
   const {pixel} = view.state, crop = view.scene().crop ?? [0, 0];
   if (!pixel) return null;
   const distance = (p) => Math.hypot(p.x - crop[0] - pixel.x, p.y - crop[1] - pixel.y);
-  const nearest = pixelsOf(view.scene().dump).reduce((best, p) => (!best || distance(p) < distance(best) ? p : best), null);
+  const isShown = (p) => p.x >= crop[0] && p.y >= crop[1] && p.x < crop[0] + view.size.width && p.y < crop[1] + view.size.height;
+  const nearest = pixelsOf(view.scene().dump).filter(isShown).reduce((best, p) => (!best || distance(p) < distance(best) ? p : best), null);
   return nearest && distance(nearest) <= Math.max(2, view.size.width / 40) ? nearest : null;
 }
 

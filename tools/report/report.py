@@ -11,9 +11,8 @@ from pathlib import Path
 
 from tools.report.aggregate import Described, aggregate
 from tools.report.failure import IO, USAGE, Failure, guarded
-from tools.report.file_names import dump_names
 from tools.report.page import build_page
-from tools.report.pixel_data import pixel_answers
+from tools.report.pixel_data import evaluated, pixel_answers
 from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
 from tools.report.result_images import find_images, first_results, pack_images, with_flip_maps
 from tools.report.results_table import choose_metric, read_results
@@ -54,9 +53,8 @@ def make_report(options):
     vocabulary, manifest = read_vocabulary(options.vocabulary), read_manifest(options.folder)
     statistics = read_statistics(options.folder)
     combinations = aggregate(table, statistics)
-    labels = dump_names(dict.fromkeys(c.dump for c in combinations))
-    labels.update({s["dump"]: s["group"] for s in statistics.scenes if s["group"]})
-    all_found = find_images(options.folder, combinations)
+    labels = statistics.labels()
+    all_found = find_images(options.folder, combinations, evaluated(manifest, statistics))
     found = with_flip_maps(first_results(all_found, combinations, statistics, metric), options.program)
     images = pack_images(found, options.output.resolve().parent, options.max_image_mb)
     if options.served:  # every pixel answers, and no file but the page is served

@@ -58,8 +58,9 @@ class _Found(NamedTuple):
     paths: dict  # picture: path
 
 
-def find_images(folder, combinations):
-    names = dump_names(dict.fromkeys(c.dump for c in combinations))
+def find_images(folder, combinations, recordings):
+    """`recordings`: all of the plan, in its order."""
+    names = dump_names(dict.fromkeys([*recordings, *(c.dump for c in combinations)]))
     found = []
     for index, c in enumerate(combinations):
         stem = bounded("_".join([names[c.dump], file_name_of(without_threads(c.sampler)), file_name_of(c.filter),

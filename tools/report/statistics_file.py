@@ -8,6 +8,7 @@ from pathlib import PurePath
 from typing import NamedTuple
 
 from tools.report.failure import Failure
+from tools.report.file_names import numbered
 from tools.report.vocabulary import read_json
 
 NAN = float("nan")
@@ -65,6 +66,15 @@ class Statistics:
     def scene_of(self):
         """{file name of a recording: the recording that its scene is named by}; no two have one file name."""
         return {PurePath(recording).name: scene["dump"] for scene in self.scenes for recording in scene["recordings"]}
+
+    def recordings(self):
+        """All of them, scene by scene."""
+        return [recording for scene in self.scenes for recording in scene["recordings"]]
+
+    def labels(self):
+        """{recording that a scene is named by: what people read}."""
+        files = numbered({scene["dump"]: PurePath(scene["dump"]).stem for scene in self.scenes})
+        return {scene["dump"]: scene["group"] or files[scene["dump"]] for scene in self.scenes}
 
     def metrics(self):
         """Those that methods are ranked by."""
