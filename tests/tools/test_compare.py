@@ -75,6 +75,30 @@ def test_failures_and_gaps_are_told(run, good, evaluate, tmp_path):
     assert "only after" in good("compare", "c", a).out
 
 
+def test_what_fails_more_often_has_failed(run, evaluate, tmp_path):
+    def fail(folder, count):
+        numbers = sorted(json.loads(line)["cell"] for line in cell_lines(tmp_path / folder))[:count]
+        changed_cells(tmp_path / folder, lambda cell: {**cell, "failed": 1, "fields": {"error": "broken on purpose"}} if cell["cell"] in numbers else cell)
+
+    one = PLAN.replace("[2, 4, 8]", "[4]").replace('[[filter]]\nname = "gaussian"\n', "")
+    a, b = evaluate("a", plan=one), evaluate("b", plan=one)
+    fail("a", 1)
+    fail("b", 6)
+    assert run("compare", a, b, "--json").json["newly_failed"]
+    run("compare", a, b).failed_with(1, "1 failed")
+    evaluate("c", plan=PLAN.replace("[2, 4, 8]", "[4]"))
+    fail("c", 12)
+    finished = run("compare", evaluate("d", plan=one), "c")
+    assert finished.code == 1 and "2 failed" in finished.err
+
+
+def test_claims_of_one_text_stay_two(good, evaluate):
+    claim = '[[claim]]\ntext = "x"\nmetric = "mse"\nspp = [8]\nbetter = "uniform + {}"\nthan = "uniform + {}"\n'
+    a = evaluate("a", plan=PLAN.replace("{seed}", "1") + claim.format("gaussian", "box") + claim.format("box", "gaussian"))
+    claims = [line for line in good("compare", a, a).out.splitlines() if line.startswith("claim")]
+    assert len(claims) == 2 and claims[0] != claims[1]
+
+
 def test_times_are_compared_by_name_only(run, evaluate):
     a = evaluate("a")
     assert {c["metric"] for c in run("compare", a, a, "--json").json["comparisons"]} == {"relmse"}

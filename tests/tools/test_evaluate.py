@@ -219,6 +219,45 @@ def test_two_plans_at_once_are_not_one_folder(run, good, dump, tmp_path):
     assert len(list((tmp_path / "out" / "cells").glob("*.jsonl"))) == 2 and not (tmp_path / "out" / "results.csv").exists()
 
 
+@pytest.mark.parametrize("kind", ["command", "image", "counts", "mask"])
+def test_results_of_an_input_that_was_changed_are_not_kept(run, good, dump, tmp_path, kind):
+    for name, spp in (("a.exr", 2), ("b.exr", 4)):
+        good("replay", dump, "--sampler", "uniform", "--spp", spp, "-o", f"n_{name}")
+        good("reconstruct", dump, "--filter", "box", "--spp", spp, "-o", name)
+    given = tmp_path / "given"
+    samplers, filters, more, files = '"uniform"', '"box"', "", ("a.exr", "b.exr")
+    if kind == "command":
+        (tmp_path / "a.exr").write_text("cp $1 $2")
+        (tmp_path / "b.exr").write_text("sleep 0; cp $1 $2")
+        filters = '"own=exec:sh given 2> log.txt"'
+    if kind == "image":
+        filters = '"image:given"'
+    if kind == "counts":
+        samplers, files = '"counts:given"', ("n_a.exr", "n_b.exr")
+    if kind == "mask":
+        more = '[[mask]]\nname = "m"\nfile = "given"\n'
+    (tmp_path / "plan.toml").write_text(f'recordings = ["{dump}"]\nspp = [4]\nreplicates = 1\npictures = false\nsamplers = [{samplers}]\n'
+                                        f"filters = [{filters}]\n{more}")
+    for number, name in enumerate(files):
+        given.write_bytes((tmp_path / name).read_bytes())
+        if number == 0:
+            good("evaluate", "plan.toml", "-o", "out")
+            (tmp_path / "log.txt").write_text("written again")
+            good("evaluate", "plan.toml", "-o", "out")
+    run("evaluate", "plan.toml", "-o", "out").failed_with(2, "given: has changed since the results in out were made", "--force")
+    good("evaluate", "plan.toml", "-o", "out", "--force")
+    good("evaluate", "plan.toml", "-o", "out")
+
+
+def test_a_command_that_failed_may_be_mended(run, good, dump, tmp_path):
+    own = tmp_path / "own.sh"
+    command = ("evaluate", dump, "--spp", 4, "--replicates", 1, "--no-pictures", "--filters", "box,own=exec:sh own.sh", "-o", "out")
+    own.write_text("exit 1\n")
+    run(*command).failed_with(1, "1 of 2 results failed")
+    own.write_text("cp $1 $2\n")
+    good(*command)
+
+
 def test_a_failed_result_has_no_image_of_an_earlier_run(good, run, dump, tmp_path):
     works = tmp_path / "works.sh"
     works.write_text("#!/bin/sh\ncp $1 $2\n")
