@@ -277,12 +277,15 @@ Plane flip_ldr_map(const RgbImage& reference, const RgbImage& test) {
   return flip_difference(flip_view(reference), flip_view(test));
 }
 
-std::optional<FlipExposures> flip_exposures(const RgbImage& reference) {
+std::optional<FlipExposures> flip_exposures(const RgbImage& reference,
+                                            const Image<std::uint8_t>& judged) {
   std::vector<double> luminances;
   for (std::size_t p = 0; p < reference[0].size(); ++p) {
+    if (!judged.empty() && judged[p] == 0) continue;
     luminances.push_back(kToXyz[1][0] * reference[0][p] + kToXyz[1][1] * reference[1][p] +
                          kToXyz[1][2] * reference[2][p]);
   }
+  if (luminances.empty()) return std::nullopt;
   std::sort(luminances.begin(), luminances.end());
   const double brightest = luminances.back();
   if (!(brightest > 0.0)) return std::nullopt;
@@ -300,8 +303,9 @@ std::optional<FlipExposures> flip_exposures(const RgbImage& reference) {
   return exposures;
 }
 
-std::optional<Plane> flip_hdr_map(const RgbImage& reference, const RgbImage& test) {
-  const std::optional<FlipExposures> exposures = flip_exposures(reference);
+std::optional<Plane> flip_hdr_map(const RgbImage& reference, const RgbImage& test,
+                                  const Image<std::uint8_t>& judged) {
+  const std::optional<FlipExposures> exposures = flip_exposures(reference, judged);
   if (!exposures) return std::nullopt;
   Plane worst(reference[0].width(), reference[0].height());
   for (int i = 0; i < exposures->count; ++i) {

@@ -6,6 +6,7 @@
 // count as 0 in HDR-FLIP; the authors' tone map takes them as they are.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "lib/core/image.h"
@@ -34,11 +35,13 @@ struct FlipExposures {
   double start = 0, stop = 0;  // base-2 logarithms
   int count = 0;
 };
-// Exposures at which HDR-FLIP looks, from the reference's brightest and median luminance; absent
-// when no pixel of the reference has a positive luminance.
-std::optional<FlipExposures> flip_exposures(const RgbImage& reference);
+// Exposures at which HDR-FLIP looks, from the brightest and the median luminance of the reference's
+// pixels that are judged (all of them without a mask); absent when none of them has a positive one.
+std::optional<FlipExposures> flip_exposures(const RgbImage& reference,
+                                            const Image<std::uint8_t>& judged = {});
 
 // The largest LDR-FLIP over the exposures, tone-mapped by the ACES fit. Absent as above.
-std::optional<Plane> flip_hdr_map(const RgbImage& reference, const RgbImage& test);
+std::optional<Plane> flip_hdr_map(const RgbImage& reference, const RgbImage& test,
+                                  const Image<std::uint8_t>& judged = {});
 
 }  // namespace spool

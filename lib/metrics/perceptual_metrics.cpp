@@ -117,7 +117,7 @@ PerceptualTable perceptual_metrics(const PerceptualInputs& inputs, const BlockBo
   }
   if (which != Perceptual::kAll || !wanted("flip_hdr")) return table;
   const auto hdr = flip_hdr_map(scaled_judged(inputs.reference, 1.0, judged),
-                                scaled_judged(inputs.estimate, 1.0, judged));
+                                scaled_judged(inputs.estimate, 1.0, judged), judged);
   if (hdr) table.values[3] = map_mean("flip_hdr", only_judged(*hdr, judged), bootstrap);
   return table;
 }

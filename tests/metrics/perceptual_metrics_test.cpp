@@ -1,5 +1,6 @@
 #include "lib/metrics/perceptual_metrics.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -120,6 +121,45 @@ TEST(Flip, BlackReferenceHasNoExposures) {
   mostly_black[1](4, 3) = 2.0;
   const FlipExposures exposures = *flip_exposures(mostly_black);
   EXPECT_NEAR(exposures.stop - exposures.start, 2.0, 1e-12);
+}
+
+// A dark strip, a grey field and a lamp; the image has noise in the strip.
+RgbImage strip_and_lamp(int height, bool noisy) {
+  return make_image(96, height, [&](int x, int y, int) {
+    const double noise = noisy ? ((x * 7919 + y * 104729) % 1009 < 500 ? 0.3 : 1.7) : 1.0;
+    return x == 90 && y == 0 ? 30.0 : x < 24 ? 1e-3 * noise : 1.0;
+  });
+}
+
+TEST(Flip, PixelsThatAreNotJudgedDoNotChooseTheExposures) {
+  RgbImage reference = strip_and_lamp(96, false);
+  Image<std::uint8_t> judged(96, 96);
+  for (int y = 0; y < 36; ++y) {
+    for (int x = 0; x < 96; ++x)
+      judged(x, y) = 1;
+  }
+  const RgbImage zeroed = scaled_judged(reference, 1.0, judged);
+  const FlipExposures masked = *flip_exposures(zeroed, judged),
+                      alone = *flip_exposures(strip_and_lamp(36, false));
+  EXPECT_EQ(masked.start, alone.start);
+  EXPECT_EQ(masked.stop, alone.stop);
+  EXPECT_EQ(masked.count, alone.count);
+  EXPECT_NE(flip_exposures(zeroed)->stop, alone.stop);
+  EXPECT_FALSE(flip_exposures(zeroed, Image<std::uint8_t>(96, 96)).has_value());
+}
+
+TEST(PerceptualMetrics, PixelsWithoutAReferenceLeaveTheOthersErrors) {
+  RgbImage reference = strip_and_lamp(96, false);
+  for (Plane& plane : reference)
+    std::fill(plane.pixels().begin() + 36 * 96, plane.pixels().end(), std::nan(""));
+  MetricOptions options;
+  options.perceptual = Perceptual::kAll;
+  const MetricTable holed = error_metrics(strip_and_lamp(96, true), {reference, {}, {}}, options);
+  const MetricTable alone =
+      error_metrics(strip_and_lamp(36, true), {strip_and_lamp(36, false), {}, {}}, options);
+  for (const char* name : {"ssim", "flip_ldr", "flip_hdr", "psnr_tm", "relmse"})
+    EXPECT_NEAR(holed[name].value, alone[name].value, 1e-3 + 0.05 * std::abs(alone[name].value))
+        << name;
 }
 
 TEST(Ssim, MapsEqualTheTwin) {
