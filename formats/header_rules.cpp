@@ -82,8 +82,6 @@ Judged<FileHeader> check_file_header(std::span<const std::byte> first) {
   if (first.size() < kUnit) {
     if (magic_ok)
       return violates(kIncomplete, "cut within the file header ({} bytes)", first.size());
-    if (line_ends_translated(first))
-      return violates(kDamaged, "line ends were translated (offset 4)");
     return violates(kNotSpool, "not a .spool file ({} bytes, no .spool magic)", first.size());
   }
   if (!magic_ok) return judge_wrong_magic(first);

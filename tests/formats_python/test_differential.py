@@ -4,6 +4,7 @@ SPOOL_ROUNDTRIP_TOOL names the program; ctest sets it.
 """
 import os
 import signal
+import zlib
 
 import numpy as np
 import pytest
@@ -125,6 +126,44 @@ def test_same_verdict_on_every_lie(tmp_path):
     agree(paths)
 
 
+def test_same_verdict_on_two_faults_in_different_places(tmp_path):
+    """The first record in the file decides, whichever rule it breaks; also against an index that does not add up."""
+    good = Container(tiny(tmp_path / "good.spool", compress=True))
+    faults = [("type", np.void(b"DATB")), ("type", np.void(b"DAT1")), ("sequence", 99), ("dump_id", 1), ("codec", 2), ("filter", 2),
+              ("raw_bytes", 2**26 + 1), ("stored_bytes", 0), ("stored_bytes", 2**63), ("stored_bytes", 2**26 + 64)]
+    paths = []
+    for first, one in enumerate(faults):
+        for second, two in enumerate(faults):
+            for rows in ((3, 4), (4, 3), (3, 3)):
+                lie = good.copy()
+                for row, (field, value) in zip(rows, (one, two)):
+                    lie.records[row][0][field] = value
+                paths.append(tmp_path / f"{first}_{second}_{rows}")
+                paths[-1].write_bytes(lie.build())
+        for row in range(len(good.records)):
+            for field in ("offset", "stored_bytes"):
+                lie = good.copy()
+                lie.records[3][0][one[0]] = one[1]
+
+                def change(entries, header, foot, row=row, field=field):
+                    entries[row][field] += 64
+                    header["payload_crc32"] = zlib.crc32(entries.tobytes())
+                lie.lie_in_index = change
+                paths.append(tmp_path / f"{first}_{row}_{field}")
+                paths[-1].write_bytes(lie.build())
+    agree(paths)
+
+
+def test_same_verdict_on_translated_line_ends(tmp_path):
+    good = tiny(tmp_path / "good.spool")
+    paths = []
+    for begin in (b"\x89SPL\n", b"\x89SPL\n\x1a\n", b"\x89SPL\r\r\n", b"\x89SPL\r\x1a\r", b"\x89SPL\r", b"\x89SPL\r\n\x1a\n", b"\x89SP"):
+        for length in (len(begin), 40, 63, 64, 65, 200):
+            paths.append(tmp_path / f"{len(paths)}.bad")
+            paths[-1].write_bytes((begin + good[8:])[:length])
+    agree(paths)
+
+
 def test_same_verdict_on_random_damage(tmp_path):
     rng = np.random.default_rng(17)
     paths = []
@@ -151,8 +190,10 @@ def test_same_verdict_on_meta(tmp_path):
              b'{"a":' + b"9" * 400 + b"}", b'{"a":' + b"9" * 300 + b"}", b'{"a":"\xff"}', b'{"a":"\\ud800"}', b'{"a":"\\ud83d\\ude00"}',
              b'{"\\udc00":1}', b'{"a":01}', b'{"a":1,}', b'{"a":-0}', b'{"a":1.}', b'{"a":.5}', b'{"a":+1}', b'{"a":"\n"}', b'{"a":"\x7f"}',
              b'{"a":1,"a":2}', b'{"a":"\\x41"}', b'{"a":tru}', b'{/**/}', b'{"a":"\xed\xa0\x80"}', b'{"a":"\xc0\x80"}', b'{"a":"\\u0000"}',
+             b'{"a":"\\ud800","a":1}', b'{"a":["\\ud800"],"a":1}', b'{"b":[{"\\udc00":1}],"b":1}', b'{"a":"[[\\"[[","a":1}',
              b'{"a":"\0"}', b'{"":{}}', b'{"a":1.7976931348623159e308}', b'{"a":1.7976931348623157e308}']
     texts += [b'{"a":' + b"[" * depth + b"]" * depth + b"}" for depth in (62, 63, 64, 65, 3000, 200000)]
+    texts += [b'{"a":' + b"[" * depth + b"]" * depth + b',"a":1}' for depth in (63, 64)]
     good = Container(tiny(tmp_path / "good.spool"))
     paths = []
     for number, text in enumerate(texts):

@@ -109,6 +109,15 @@ def test_data_header(good, tmp_path, field, value, kind):
     assert kind_of(lie, tmp_path) == kind
 
 
+@pytest.mark.parametrize("unknown, damaged, kind", [(3, 4, "unsupported"), (4, 3, "damaged")])
+@pytest.mark.parametrize("field, value", [("dump_id", 0), ("sequence", 99), ("stored_bytes", 2**26 + 64)])
+def test_the_first_record_with_a_fault_decides(good, tmp_path, unknown, damaged, kind, field, value):
+    lie = good.copy()
+    lie.records[unknown][0]["codec"] = 2
+    lie.records[damaged][0][field] = value
+    assert kind_of(lie, tmp_path) == kind
+
+
 @pytest.mark.parametrize("row", [0, 1, 2])
 @pytest.mark.parametrize("field, kind", [("codec", "damaged"), ("filter", "damaged"), ("group", "damaged"), ("tile", "damaged"),
                                          ("sample_begin", "damaged"), ("sample_count", "damaged")])

@@ -1,6 +1,7 @@
 """The JSON of `meta` records, as strict as section 4.4: one object, finite numbers, whole characters, 64 levels."""
 import json
 import math
+import re
 
 from . import record_layout as layout
 from .error import SpoolError
@@ -14,8 +15,9 @@ def decode(payload):
         text = payload.decode("utf-8")
         if text[0] != "{":
             raise ValueError("the first byte is not '{'")
-        value = json.loads(text, parse_constant=_refuse, parse_float=_finite, parse_int=_integer)
-        _walk(value)
+        _check_depth(text)
+        value = json.loads(text, parse_constant=_refuse, parse_float=_finite, parse_int=_integer,
+                           object_pairs_hook=_whole_characters)
     except (ValueError, OverflowError, RecursionError) as reason:
         raise SpoolError("damaged", f"meta is not one JSON object in UTF-8, {reason}") from None
     return value
@@ -52,16 +54,22 @@ def _integer(text):
     return int(text)
 
 
-def _walk(value):
-    pending = [(value, 1)]
+# Both rules hold for what the text says, also where a second key of one name hides the first one's value.
+
+def _check_depth(text):
+    depth = 0
+    for bracket in re.findall(r"[\[\]{}]", re.sub(r'"[^"\\]*(?:\\.[^"\\]*)*"?', "", text, flags=re.DOTALL)):
+        depth += 1 if bracket in "[{" else -1
+        if depth > layout.MAX_META_DEPTH:
+            raise ValueError(f"nested deeper than {layout.MAX_META_DEPTH}")
+
+
+def _whole_characters(pairs):
+    pending = [part for pair in pairs for part in pair]
     while pending:
-        value, depth = pending.pop()
+        value = pending.pop()
         if isinstance(value, str):
             value.encode("utf-8")  # a lone surrogate raises UnicodeEncodeError, a ValueError
-        elif isinstance(value, (dict, list)):
-            if depth > layout.MAX_META_DEPTH:
-                raise ValueError(f"nested deeper than {layout.MAX_META_DEPTH}")
-            if isinstance(value, dict):
-                pending += [(key, depth + 1) for key in value]
-                value = value.values()
-            pending += [(item, depth + 1) for item in value]
+        elif isinstance(value, list):  # an object in it has been here
+            pending += value
+    return dict(pairs)

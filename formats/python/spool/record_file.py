@@ -178,51 +178,59 @@ class RecordFile:
     # Step 7
     def _open_records(self):
         entries, end = self.entries, int(self.foot["index_offset"])
-        stored, raw = entries["stored_bytes"], entries["raw_bytes"]
-        # The bound on stored_bytes keeps the running sum far below 2^64.
-        self._refuse("damaged", stored > layout.MAX_RAW_BYTES, "stored_bytes is larger than 64 MiB")
+        # The bound keeps the running sum far below 2^64; a record beyond it is refused for its size.
+        stored = np.minimum(entries["stored_bytes"], np.uint64(layout.MAX_RAW_BYTES + 64))
         ends = np.cumsum(64 + (stored + np.uint64(63)) // np.uint64(64) * np.uint64(64), dtype=np.uint64) + np.uint64(64)
         starts = np.concatenate([np.array([64], np.uint64), ends[:-1]])
-        self._refuse("damaged", entries["offset"] != starts, "index entry does not touch its neighbour")
+        stray = np.flatnonzero((entries["offset"] != starts) | (starts + np.uint64(64) > np.uint64(end)))
+        beyond = np.flatnonzero(ends > np.uint64(end))
+        count = min([len(entries), *stray[:1].tolist(), *(beyond[:1] + 1).tolist()])
+        # A record that does not match its entry says more than an index that does not add up.
+        self._check_records(entries[:count], starts[:count])
+        if count < len(entries) or beyond.size:
+            row = min([*stray[:1].tolist(), *beyond[:1].tolist()])
+            raise self.error("damaged", f"index entry does not touch its neighbour (record {row}, byte {int(entries[row]['offset'])})")
         if int(ends[-1]) != end:
             raise self.error("damaged", f"last record does not end at the index (byte {end})")
+        self.names = entries["type"].copy().view("S4").ravel()
+
+    def _check_records(self, entries, starts):
+        """Each record by itself; the first one in the file with a fault decides, and of its faults the first listed."""
         # One read per header: the headers are the truth, and a stale index must not go unnoticed.
         headers = b"".join([self.read_at(offset, 64) for offset in starts.tolist()])
         table = np.frombuffer(headers, layout.RECORD_HEADER)
         crc = [crc32(headers[at:at + 60]) for at in range(0, len(headers), 64)]
-        self._refuse("damaged", (table["crc32"] != np.array(crc, np.uint32)) | (table["sync"] != np.void(layout.SYNC)),
-                     "record header is damaged")
         both = [np.frombuffer(part, np.uint8).reshape(-1, 64) for part in (headers, entries.tobytes())]
-        self._refuse("damaged", (both[0][:, 4:60] != both[1][:, 8:]).any(axis=1), "record header disagrees with the index")
-        self._refuse("damaged", entries["sequence"] != np.arange(len(entries), dtype=np.uint64), "sequence number is wrong")
-        self._refuse("damaged", entries["dump_id"] != np.uint64(self._dump_id), "record belongs to another file")
         letters = both[1][:, 8:12]
         small = letters | 0x20
-        self._refuse("damaged", ((small < ord("a")) | (small > ord("z"))).any(axis=1), "record type is not four letters")
         names = letters.copy().view("S4").ravel()
         known = np.isin(names, (b"IMAG", b"CHAN", b"DATA", b"INDX"))
-        self._refuse("unsupported", ((letters[:, 0] & 0x20) == 0) & ~known, "unknown critical record type")
+        stored, raw = entries["stored_bytes"], entries["raw_bytes"]
         codec, filter, data = entries["codec"], entries["filter"], names == b"DATA"
-        self._refuse("unsupported", (codec > layout.CODEC_ZSTD) | (filter > layout.FILTER_SHUFFLE), "unknown codec or filter")
-        for bad, what in (
-                (stored == 0, "stored_bytes is 0"), (raw > layout.MAX_RAW_BYTES, "raw_bytes is larger than 64 MiB"),
-                ((codec == 0) & (stored != raw), "plain record has stored_bytes other than raw_bytes"),
-                ((codec == 1) & (stored >= raw), "compressed record is not smaller than its contents"),
-                ((codec == 0) & (filter != 0), "filter without codec"),
-                (~data & (codec != 0), "codec in a record that is not DATA"),
-                (~data & ((entries["group"] != 0) | (entries["tile"] != 0) | (entries["sample_begin"] != 0)
-                          | (entries["sample_count"] != 0)), "tile or samples in a record that is not DATA")):
-            self._refuse("damaged", bad, what)
-        self.names = names
-
-    def _refuse(self, kind, bad, what):
-        rows = np.flatnonzero(bad)
-        if rows.size:
-            row = int(rows[0])
-            raise self.error(kind, f"{what} (record {row}, byte {int(self.entries[row]['offset'])})")
+        faults = (
+            ("damaged", (table["crc32"] != np.array(crc, np.uint32)) | (table["sync"] != np.void(layout.SYNC)), "record header is damaged"),
+            ("damaged", (both[0][:, 4:60] != both[1][:, 8:]).any(axis=1), "record header disagrees with the index"),
+            ("damaged", entries["sequence"] != np.arange(len(entries), dtype=np.uint64), "sequence number is wrong"),
+            ("damaged", entries["dump_id"] != np.uint64(self._dump_id), "record belongs to another file"),
+            ("damaged", ((small < ord("a")) | (small > ord("z"))).any(axis=1), "record type is not four letters"),
+            ("unsupported", ((letters[:, 0] & 0x20) == 0) & ~known, "unknown critical record type"),
+            ("unsupported", (codec > layout.CODEC_ZSTD) | (filter > layout.FILTER_SHUFFLE), "unknown codec or filter"),
+            ("damaged", stored == 0, "stored_bytes is 0"),
+            ("damaged", stored > layout.MAX_RAW_BYTES, "stored_bytes is larger than 64 MiB"),
+            ("damaged", raw > layout.MAX_RAW_BYTES, "raw_bytes is larger than 64 MiB"),
+            ("damaged", (codec == 0) & (stored != raw), "plain record has stored_bytes other than raw_bytes"),
+            ("damaged", (codec == 1) & (stored >= raw), "compressed record is not smaller than its contents"),
+            ("damaged", (codec == 0) & (filter != 0), "filter without codec"),
+            ("damaged", ~data & (codec != 0), "codec in a record that is not DATA"),
+            ("damaged", ~data & ((entries["group"] != 0) | (entries["tile"] != 0) | (entries["sample_begin"] != 0)
+                                 | (entries["sample_count"] != 0)), "tile or samples in a record that is not DATA"))
+        found = np.flatnonzero(np.logical_or.reduce([bad for _, bad, _ in faults]))
+        if found.size:
+            row = int(found[0])
+            kind, what = next((kind, what) for kind, bad, what in faults if bad[row])
+            raise self.error(kind, f"{what} (record {row}, byte {int(entries[row]['offset'])})")
 
 
 def _lines_translated(start):
     """The magic after CR LF became LF, or LF became CR LF."""
-    return any(start.startswith(layout.MAGIC.replace(old, new))
-               for old, new in ((b"\r\n", b"\n"), (b"\n", b"\r\n"), (b"\r\n", b"\r")))
+    return start.startswith((b"\x89SPL\n", b"\x89SPL\r\r\n"))
