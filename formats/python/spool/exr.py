@@ -110,11 +110,15 @@ def _parse(data):
         raise ValueError("file too short for its size")
     lines = LINES_PER_CHUNK[compression]
     raw = np.empty((height, line_bytes), np.uint8)
+    missing = set(range(0, height, lines))
     for offset in struct.unpack_from(f"<{-(-height // lines)}Q", data, at):
         y, size = struct.unpack_from("<ii", data, offset)
         y -= y0
         if not 0 <= y < height or y % lines or size < 0 or offset + 8 + size > len(data):
             raise ValueError("a chunk outside the file")
+        if y not in missing:  # another one is not there then, and its lines would be what the memory held before
+            raise ValueError(f"the chunk of line {y + y0} is there twice")
+        missing.remove(y)
         count = min(lines, height - y)
         raw[y:y + count] = _chunk(data[offset + 8:offset + 8 + size], count * line_bytes,
                                   compression).reshape(count, line_bytes)

@@ -1,0 +1,25 @@
+"""Images as the numpy module reads them: a file that names a chunk twice has lines that nothing filled."""
+import struct
+
+import numpy as np
+import pytest
+import spool
+import spool.exr
+
+
+@pytest.mark.parametrize("first, second", [(0, 0), (0, 2), (3, 3)])
+def test_each_chunk_is_there_once(tmp_path, first, second):
+    path = tmp_path / "a.exr"
+    spool.exr.write(path, {"Y": np.arange(12, dtype="f4").reshape(4, 3)})
+    data = bytearray(path.read_bytes())
+    start = len(data) - 4 * (8 + 12) - 4 * 8
+    offsets = list(struct.unpack_from("<4Q", data, start))
+    struct.pack_into("<4Q", data, start, *reversed(offsets))  # in any order
+    path.write_bytes(data)
+    assert spool.exr.read(path)["Y"].tolist() == np.arange(12).reshape(4, 3).tolist()
+    offsets[first] = offsets[second] if first != second else offsets[first - 1]
+    struct.pack_into("<4Q", data, start, *offsets)
+    path.write_bytes(data)
+    with pytest.raises(spool.SpoolError, match=r"a\.exr: .*twice") as caught:
+        spool.exr.read(path)
+    assert caught.value.kind == "invalid" and "\n" not in str(caught.value)
