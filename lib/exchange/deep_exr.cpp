@@ -363,10 +363,8 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
   plan.record.format = "deep-exr";
   SPOOL_ASSIGN(interchange::ForeignFile identity, interchange::identify(file));
   plan.record.files.push_back(std::move(identity));
-  const bool has_pixel_layers =
-      input.told && std::any_of(input.told->channels.begin(), input.told->channels.end(),
-                                [](const auto& c) { return c.scope == Scope::kPixel; });
-  if (has_pixel_layers) SPOOL_TRY(read_pixel_layers(pixel_file_of(in), end, scratch, plan));
+  if (input.told && input.told->has_pixel_layers())
+    SPOOL_TRY(read_told_pixel_layers(*input.told, pixel_file_of(in), end, scratch, plan));
   for (ForeignLayer& layer : plan.layers)
     layer.array.file = &scratch;
   if (!input.told) {

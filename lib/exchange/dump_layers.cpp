@@ -121,7 +121,15 @@ Result<std::optional<ToldDump>> told_dump(const ExrAttributes& attributes,
     told.sample_order = format::SampleOrder::kExchangeable;
   else if (text("spoolSampleOrder") != "renderer")
     return refuse("spoolSampleOrder");
+  if (const auto found = attributes.numbers.find("samplesPerPixel");
+      found != attributes.numbers.end())
+    told.samples = found->second;
   return told;
+}
+
+bool ToldDump::has_pixel_layers() const {
+  return std::ranges::any_of(channels,
+                             [](const ToldChannel& c) { return c.scope == Scope::kPixel; });
 }
 
 Result<void> write_pixel_layers(const format::SpoolReader& dump, ScratchLayers& scratch,
@@ -196,6 +204,28 @@ Result<void> read_pixel_layers(const std::filesystem::path& path, uint64_t& end,
   SPOOL_ASSIGN(const auto file, format::FileHandle::open(path, format::OpenMode::kRead));
   SPOOL_ASSIGN(interchange::ForeignFile identity, interchange::identify(file));
   plan.record.files.push_back(std::move(identity));
+  return {};
+}
+
+Result<void> read_told_pixel_layers(const ToldDump& told, const std::filesystem::path& path,
+                                    uint64_t& end, format::FileHandle& scratch,
+                                    interchange::DumpPlan& plan) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(path, unknown))
+    return fail(ErrorCode::kData,
+                "{}: is missing, the recording had layers with one value per pixel: copy it "
+                "beside the samples, or export again",
+                path.string());
+  SPOOL_TRY(read_pixel_layers(path, end, scratch, plan));
+  for (const ToldChannel& channel : told.channels) {
+    const auto is_it = [&](const interchange::ForeignLayer& layer) {
+      return layer.scope == Scope::kPixel && layer.name == channel.layer &&
+             std::ranges::find(layer.components, channel.component) != layer.components.end();
+    };
+    if (channel.scope == Scope::kPixel && std::ranges::none_of(plan.layers, is_it))
+      return fail(ErrorCode::kData, "{}: no channel {}: was it dropped by a tool?", path.string(),
+                  channel.name());
+  }
   return {};
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,8 @@ struct ToldDump {
   std::vector<ToldChannel> channels;
   nlohmann::json meta = nlohmann::json::object();
   format::SampleOrder sample_order = format::SampleOrder::kRenderer;
+  std::optional<double> samples;  // of every pixel, where the attributes say it
+  bool has_pixel_layers() const;
 };
 // kData when the attributes are there and make no sense; nullopt when there are none.
 Result<std::optional<ToldDump>> told_dump(const ExrAttributes& attributes, const std::string& name);
@@ -60,5 +63,9 @@ Result<void> write_pixel_layers(const format::SpoolReader& dump, ScratchLayers& 
 // Adds the pixel layers of such a file to `plan`, its numbers at the end of `scratch`.
 Result<void> read_pixel_layers(const std::filesystem::path& path, uint64_t& end,
                                format::FileHandle& scratch, interchange::DumpPlan& plan);
+// The same for what told_dump() found: kData when a layer is missing that the recording had.
+Result<void> read_told_pixel_layers(const ToldDump& told, const std::filesystem::path& path,
+                                    uint64_t& end, format::FileHandle& scratch,
+                                    interchange::DumpPlan& plan);
 
 }  // namespace spool::exchange

@@ -88,6 +88,31 @@ Result<void> plan_pass_layers(const ToldDump& told, const std::vector<ExrAttribu
   return {};
 }
 
+// An export of our own says how many images it had.
+Result<void> check_complete(const ToldDump& told, const std::vector<std::filesystem::path>& files,
+                            const std::string& in) {
+  if (!told.samples || *told.samples == static_cast<double>(files.size())) return {};
+  return fail(ErrorCode::kData,
+              "{}: {} images, {} says that the recording had {} samples: copy the folder again, or "
+              "export again",
+              in, files.size(), files[0].filename().string(), *told.samples);
+}
+
+// Images of another recording between them would be samples of this one.
+Result<void> check_source(const ExrAttributes& first, const ExrAttributes& image,
+                          const std::filesystem::path& file) {
+  const auto source = [](const ExrAttributes& attributes) {
+    const auto found = attributes.texts.find("spoolSource");
+    return found == attributes.texts.end() ? std::string() : found->second;
+  };
+  if (source(first) == source(image)) return {};
+  return fail(
+      ErrorCode::kData,
+      "{}: of another recording than the first image: export both anew, each to a folder of "
+      "its own",
+      file.string());
+}
+
 // The values of every image into the scratch file; their attributes.
 Result<std::vector<ExrAttributes>> read_images(const std::filesystem::path& in,
                                                const std::vector<std::filesystem::path>& files,
@@ -107,6 +132,7 @@ Result<std::vector<ExrAttributes>> read_images(const std::filesystem::path& in,
       if (s == 0) first_radiance = values;
     }
     attributes.push_back(std::move(image.attributes));
+    SPOOL_TRY(check_source(attributes[0], attributes[s], files[s]));
     SPOOL_ASSIGN(const FileHandle file, FileHandle::open(files[s], format::OpenMode::kRead));
     SPOOL_ASSIGN(interchange::ForeignFile identity, interchange::identify(file));
     plan.record.files.push_back(std::move(identity));
@@ -132,6 +158,7 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   SPOOL_ASSIGN(const std::vector<ExrPart> first, parts_of(files[0]));
   SPOOL_ASSIGN(const ExrMapping mapping, map_exr_layers(first, options.map, files[0].string()));
   SPOOL_ASSIGN(auto told, told_dump(first[0].attributes, files[0].string()));
+  if (told) SPOOL_TRY(check_complete(*told, files, in.string()));
   const ExrPart& part = first[mapping.layers[0].planes[0].first];
   const ExrWindow& window = part.data;
   SPOOL_TRY(check_size(window, files[0].string()));
@@ -149,7 +176,9 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   SPOOL_ASSIGN(const auto attributes, read_images(in, files, first, mapping, scratch, plan));
   if (told) SPOOL_TRY(plan_pass_layers(*told, attributes, in.string(), end, scratch, plan));
   std::error_code ignored;
-  if (std::filesystem::exists(in / kPixelFile, ignored))
+  if (told && told->has_pixel_layers())
+    SPOOL_TRY(read_told_pixel_layers(*told, in / kPixelFile, end, scratch, plan));
+  else if (std::filesystem::exists(in / kPixelFile, ignored))
     SPOOL_TRY(read_pixel_layers(in / kPixelFile, end, scratch, plan));
   for (ForeignLayer& layer : plan.layers)
     layer.array.file = &scratch;

@@ -3,6 +3,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import spool
+import spool.exr
 
 import exr_files
 import sample_dumps
@@ -126,6 +127,41 @@ def test_an_export_leaves_no_images_of_a_longer_one(tmp_path):
                        ("export exr-folder", tmp_path / "short.spool", tmp_path / "out", "force=1"))
     assert [code for code, _ in results] == [0, 0], results
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["sample_0000.exr", "sample_0001.exr"]
+
+
+def taken_away(folder, name):
+    (folder / name).unlink()
+
+
+def without_layer(folder, name):
+    pixels = spool.exr.read(folder / name)
+    kept = [key for key in pixels if not key.startswith("reference")]
+    write_image(folder / name, kept, np.dstack([pixels[key] for key in kept]).astype("f4"))
+
+
+def from_another_recording(folder, name):
+    spool.write(folder.parent / "other.spool", np.ones((6, 5, 4, 3), "f4"), reference=np.ones((6, 5, 3), "f4"), albedo=np.ones((6, 5, 3), "f4"),
+                scope={"albedo": "pixel"})
+    code, message = run_jobs(("export exr-folder", folder.parent / "other.spool", folder.parent / "other"))[0]
+    assert code == 0, message
+    (folder.parent / "other" / name).replace(folder / name)
+
+
+@pytest.mark.parametrize("change, name, words", [
+    (taken_away, "sample_0003.exr", "out: 3 images, sample_0000.exr says that the recording had 4 samples"),
+    (taken_away, "sample_0000.exr", "out: 3 images, sample_0001.exr says that the recording had 4 samples"),
+    (taken_away, "pixel_layers.exr", "pixel_layers.exr: is missing"),
+    (without_layer, "pixel_layers.exr", "pixel_layers.exr: no channel reference.R"),
+    (from_another_recording, "sample_0002.exr", "sample_0002.exr: of another recording")])
+def test_an_export_of_ours_that_is_not_whole_is_refused(tmp_path, change, name, words):
+    spool.write(tmp_path / "whole.spool", np.ascontiguousarray(SAMPLES.transpose(1, 2, 0, 3)), reference=SAMPLES[0], albedo=SAMPLES[1],
+                scope={"albedo": "pixel"})
+    code, message = run_jobs(("export exr-folder", tmp_path / "whole.spool", tmp_path / "out"))[0]
+    assert code == 0, message
+    change(tmp_path / "out", name)
+    code, message, path = imported(tmp_path, tmp_path / "out")
+    assert code == 1 and words in message and "\n" not in message.strip(), message
+    assert not path.exists()
 
 
 NAMES = [  # in the order of their numbers, and what is said of them
