@@ -4,6 +4,7 @@
 #include "lib/filters/box.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
+#include "lib/pyramid/convolved_variance.h"
 
 namespace spool {
 namespace {
@@ -33,10 +34,9 @@ Result<Reconstruction> reconstruct_gaussian(const Selection& selection, const Sa
   const Taps taps = gaussian_taps(options.sigma);
   for (const auto& [x, y] : wanted_pixels(context))
     context.footprints->add(footprint_of(taps, x, y, result.image));
-  const Taps squares = squared_taps(taps);
   for (std::size_t c = 0; c < 3; ++c) {
     result.image[c] = convolve(result.image[c], taps);
-    if (result.variance) (*result.variance)[c] = convolve((*result.variance)[c], squares);
+    if (result.variance) convolve_variance((*result.variance)[c], taps);
   }
   return result;
 }

@@ -3,8 +3,8 @@
 //   image = G_sigma * pixel means,  variance = (G_sigma)^2 * variance of the pixel means
 //
 // Taps are cut at radius ceil(3 sigma), sum to 1, and extend symmetrically beyond the border. The
-// variance takes the pixels as independent, and at the border the two taps that fold onto one pixel
-// as independent too, which understates it there by less than a factor of two.
+// variance takes the pixels as independent; taps that the border folds onto one pixel are added
+// before they are squared.
 // Slow twin: tests/reference/gaussian_reference.h.
 #pragma once
 

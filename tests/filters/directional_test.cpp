@@ -347,13 +347,40 @@ TEST(Directional, CentresWithoutSamplesAreFilled) {
   }
 }
 
-TEST(Directional, QuarterPixelsAreAveragedAfterFiltering) {
+// As many positions, the same number in each quarter of the pixel.
+std::vector<FilmPosition> quarters(int samples) {
   std::vector<FilmPosition> film;
-  for (int s = 0; s < 16; ++s)
+  for (int s = 0; s < samples; ++s)
     film.push_back(
         {0.25f + 0.5f * static_cast<float>(s % 2), 0.25f + 0.5f * static_cast<float>(s / 2 % 2)});
+  return film;
+}
+
+TEST(Directional, QuarterPixelsThatKeepTheirMeansAreIndependent) {
   const SamplePool pool =
-      make_pool(20, 14, 16, noisy_picture(20, 14, 9), {.pieces_per_side = 2}, film);
+      make_pool(20, 14, 16, noisy_picture(20, 14, 9), {.pieces_per_side = 2}, quarters(16));
+  DirectionalOptions options;
+  options.base = BaseImage::kNone;
+  options.size.factor.constant = 1e9;  // stops at once
+  const Selection selection = select_uniform(pool, 4);
+  const Reconstruction own = run(selection, pool, options);
+  const auto box = reconstruct_box(selection, pool, {}, {});
+  int stopped = 0;
+  for (std::size_t p = 0; p < own.image[1].size(); ++p) {
+    const int x = 2 * static_cast<int>(p % 20), y = 2 * static_cast<int>(p / 20);
+    if ((*own.level)(x, y) + (*own.level)(x + 1, y) + (*own.level)(x, y + 1) +
+            (*own.level)(x + 1, y + 1) >
+        0)
+      continue;
+    ++stopped;
+    EXPECT_DOUBLE_EQ((*own.variance)[1][p], (*box->variance)[1][p]);
+  }
+  EXPECT_GT(stopped, 20);
+}
+
+TEST(Directional, QuarterPixelsAreAveragedAfterFiltering) {
+  const SamplePool pool =
+      make_pool(20, 14, 16, noisy_picture(20, 14, 9), {.pieces_per_side = 2}, quarters(16));
   const Reconstruction result = run(select_uniform(pool, 4), pool);
   EXPECT_EQ(result.image[0].width(), 20);
   EXPECT_EQ(result.image[0].height(), 14);
@@ -503,7 +530,12 @@ TEST(DirectionalHalves, FewerThanTwoSamplesAPieceAllDecideAndSaySo) {
 
 TEST(Directional, EstimatedVarianceIsTheSpreadOverIndependentImages) {
   const int size = 44, repeats = 120;
-  for (const BaseImage base : {BaseImage::kNone, BaseImage::kPixelGaussian, BaseImage::kChosen}) {
+  const std::vector<FilmPosition> film = quarters(8);
+  for (const auto& [base, pieces] : {std::pair{BaseImage::kNone, 1},
+                                     {BaseImage::kPixelGaussian, 1},
+                                     {BaseImage::kChosen, 1},
+                                     {BaseImage::kNone, 2},
+                                     {BaseImage::kPixelGaussian, 2}}) {
     DirectionalOptions options;
     options.base = base;
     options.size.factor.constant = 0.0;
@@ -512,11 +544,14 @@ TEST(Directional, EstimatedVarianceIsTheSpreadOverIndependentImages) {
     Plane sum(size, size), squares(size, size);
     double estimated = 0.0, measured = 0.0;
     for (int r = 0; r < repeats; ++r) {
-      const SamplePool pool = make_pool(size, size, 8, [&](int x, int y, int s) {
-        const auto v = static_cast<float>(unit_double(mix(r, x, y, s)));
-        return Rgb{v, v, v};
-      });
-      const Reconstruction result = run(select_uniform(pool, 8), pool, options);
+      const SamplePool pool = make_pool(
+          size, size, 8,
+          [&](int x, int y, int s) {
+            const auto v = static_cast<float>(unit_double(mix(r, x, y, s)));
+            return Rgb{v, v, v};
+          },
+          {.pieces_per_side = pieces}, film);
+      const Reconstruction result = run(select_uniform(pool, 8 / (pieces * pieces)), pool, options);
       for (int y = 12; y < size - 12; ++y) {
         for (int x = 12; x < size - 12; ++x) {
           const double value = result.image[0](x, y);

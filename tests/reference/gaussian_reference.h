@@ -9,7 +9,8 @@
 
 namespace spool::reference {
 
-// sum over the square of radius ceil(3 sigma) of weight^power * image, weights normalised to sum 1.
+// Sum over the pixels of share^power * image. A pixel's share is the sum of the weights that fall
+// on it within the square of radius ceil(3 sigma), all of which sum to 1.
 inline Plane gaussian_sum(const Plane& image, double sigma, int power) {
   const int radius = static_cast<int>(std::ceil(3.0 * sigma));
   double total = 0.0;
@@ -18,15 +19,17 @@ inline Plane gaussian_sum(const Plane& image, double sigma, int power) {
   Plane out(image.width(), image.height());
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
+      Plane share(image.width(), image.height());
       for (int dy = -radius; dy <= radius; ++dy) {
         for (int dx = -radius; dx <= radius; ++dx) {
           const double weight =
               sigma > 0.0 ? std::exp(-0.5 * (dx * dx + dy * dy) / (sigma * sigma)) : 1.0;
-          out(x, y) += std::pow(weight / (total * total), power) *
-                       image(extend_symmetric(x + dx, image.width()),
-                             extend_symmetric(y + dy, image.height()));
+          share(extend_symmetric(x + dx, image.width()),
+                extend_symmetric(y + dy, image.height())) += weight / (total * total);
         }
       }
+      for (std::size_t p = 0; p < image.size(); ++p)
+        out(x, y) += std::pow(share[p], power) * image[p];
     }
   }
   return out;

@@ -89,6 +89,20 @@ FilteredPieces weighted_means(Tile& tile, const CountImage& level, const FilterW
   return pieces;
 }
 
+// Filtered pieces of one pixel are made of the same samples, so that the variance of their mean is
+// at most the mean of theirs: average_piece_variance() divides that by q^2, which holds for pieces
+// that kept means of their own.
+void undo_division(const Plane& raw, BaseImage base, int pieces_per_side, const CountImage& level,
+                   RgbImage& variance) {
+  if (pieces_per_side == 1) return;
+  for (std::size_t i = 0; i < level.size(); ++i) {
+    const bool own_mean = base == BaseImage::kNone || (!raw.empty() && raw[i] > 0.0);
+    if (level[i] == 0 && own_mean) continue;
+    for (Plane& channel : variance)
+      channel[i] *= pieces_per_side * pieces_per_side;
+  }
+}
+
 template <class T>
 FilteredTile filter_tile(Tile tile, const SamplePool& pool, const DirectionalOptions& options,
                          Views* views, Footprints* footprints) {
@@ -122,6 +136,7 @@ FilteredTile filter_tile(Tile tile, const SamplePool& pool, const DirectionalOpt
   // Weighted mean over the region [LiuZheng (10)-(12)]
   result.pieces =
       weighted_means(tile, result.level, widths, sample_variance, pool, options, result.guards);
+  undo_division(raw, options.base, pool.pieces_per_side(), result.level, result.pieces.variance);
   if (footprints && !by_sample) {
     tell_footprints<T>(
         {own_means, raw, tile.pieces.n, result.level, widths, options, pool.pieces_per_side()},
