@@ -41,7 +41,8 @@ Plane size_variance(const FilterSizeInput& input, int k, const Plane& contrast,
 }
 
 // Where a region is symmetric about a clean edge its mean does not change with its size, and no
-// size stops: a lone large filter on the edge. Those of its neighbours hold it.
+// size stops: a lone large filter on the edge. What its neighbours chose holds it; one pass, as the
+// presets were tuned with it: a size may end more than a step above one that was limited, too.
 CountImage limited_steps(const CountImage& level, int step) {
   CountImage limited = level;
   parallel_rows(0, level.height(), [&](int y) {

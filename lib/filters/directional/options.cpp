@@ -75,7 +75,7 @@ OptionTable<FilterSizeOptions> filter_size_option_table() {
           "evidence", &O::evidence, 0.0, 1e6,
           "standard deviations of a difference that no vote overrules; 0: any vote")),
       integer_option<O>("size_step", &O::step, 0, 16,
-                        "levels that a size may lie above its neighbours' least; 0: any"),
+                        "levels that a size may lie above the least its neighbours chose; 0: any"),
       switch_option<O>("size_lone", &O::lone,
                        "a size that no line of pieces shares stays; else it is its neighbours'"),
   };

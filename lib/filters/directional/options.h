@@ -63,8 +63,10 @@ struct FilterSizeOptions {
   bool track_a0 = false;          // A_0 as the sampler kept it; else A_0 := A_1
   SizeSmooth smooth = SizeSmooth::kOpensOnly;
   double evidence = 3.0;  // standard deviations of a difference that no vote overrules; 0: none
-  int step = 0;           // a piece is at most so many levels above its 8 neighbours' least; 0: any
-  bool lone = false;      // sizes smaller than those around them stay (lone_sizes.h)
+  // So many levels above the least that eq 9 chose for its 8 neighbours is the most; 0: any. Their
+  // choices are not limited first, so that in the end two neighbours may differ by more.
+  int step = 0;
+  bool lone = false;  // sizes smaller than those around them stay (lone_sizes.h)
 };
 
 enum class AnisotropySource {
