@@ -148,6 +148,29 @@ TEST(TwinGuidesDifferential, TheWholeFilter) {
   options.cut = 2.0, options.ridge = 0.5;
   options.limit = 2.0;
   whole_agrees(make_pool(31, 12, 8, noisy_picture(31, 12, 10)), 2, options);
+  TwinGuidesOptions wide;
+  wide.guide_sigma = 2.0, wide.stretch = 3.0;
+  whole_agrees(make_pool(24, 9, 8, noisy_picture(24, 9, 11)), 2, wide);
+}
+
+// Where there is no structure a guide that may stretch is the round one, as wide as it was asked.
+TEST(TwinGuides, AWideGuideIsAsWideWithAStretchAsWithout) {
+  const auto pool = make_pool(64, 48, 8, [](int x, int y, int s) {
+    const auto v = static_cast<float>(1.0 + unit_double(mix(9, x, y, s)));
+    return Rgb{v, v, v};
+  });
+  TwinGuidesOptions options;
+  options.scales = 1, options.guide_sigma = 4.0, options.stretch = 0.0;
+  const Selection selection = testing::select_uniform(pool, 8);
+  const auto round = reconstruct_twin_guides(selection, pool, options, {});
+  options.stretch = 1e-6;
+  const auto stretched = reconstruct_twin_guides(selection, pool, options, {});
+  double difference = 0.0;
+  for (std::size_t p = 0; p < round->image[1].size(); ++p)
+    difference += std::pow(round->image[1][p] - stretched->image[1][p], 2) /
+                  static_cast<double>(round->image[1].size());
+
+  EXPECT_LT(std::sqrt(difference), 1e-5);
 }
 
 TEST(TwinGuidesDifferential, TheWholeFilterWithFirefliesAndALamp) {

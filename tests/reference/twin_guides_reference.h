@@ -277,6 +277,9 @@ inline GuideLevel blurred_along(const GuideLevel& from, double sigma, double str
     }
   }
   xx = blur(xx, 2.0), xy = blur(xy, 2.0), yy = blur(yy, 2.0);
+  int reach = 5;
+  while (reach < std::sqrt(14.0) * sigma || reach < 5.0 * sigma * (1.0 + stretch) / 3.0)
+    ++reach;
   GuideLevel to = from;
   to.sigma = sigma;
   for (int y = 0; y < height; ++y) {
@@ -287,8 +290,8 @@ inline GuideLevel blurred_along(const GuideLevel& from, double sigma, double str
       const double f = 1.0 + stretch * coherence * coherence;
       double total = 0.0;
       std::array<double, 12> sum{};
-      for (int j = -5; j <= 5; ++j) {
-        for (int i = -5; i <= 5; ++i) {
+      for (int j = -reach; j <= reach; ++j) {
+        for (int i = -reach; i <= reach; ++i) {
           const double across = i * std::cos(angle) + j * std::sin(angle);
           const double along = j * std::cos(angle) - i * std::sin(angle);
           const double z = std::pow(across * f / sigma, 2) + std::pow(along / f / sigma, 2);

@@ -18,9 +18,7 @@
 namespace spool {
 namespace {
 
-constexpr int kReach = 5;
-constexpr int kPairs = 2 * kReach * (kReach + 1);  // of opposite offsets
-constexpr int kPadded = (kPairs + 15) / 16 * 16;
+constexpr int kLeastReach = 5;
 constexpr float kNoGradient = 1e-4f;  // squared difference of logarithms that is no structure
 constexpr double kEnd = 7.0;
 constexpr std::size_t kPlanes = 12;
@@ -30,29 +28,42 @@ struct Shape {
   float even, straight, slanted;
 };
 
+// Pieces that hold all of the round Gaussian's weights, and of the longest one as much as those of
+// the defaults do.
+int reach_of(double sigma, double stretch) {
+  const double round = std::sqrt(2.0 * kEnd) * sigma;
+  return std::max(
+      kLeastReach,
+      static_cast<int>(std::ceil(std::max(round, 5.0 * sigma * (1.0 + stretch) / 3.0))));
+}
+
 // Half of the window: the other half has the same weights.
 struct Offsets {
-  int dx[kPadded] = {}, dy[kPadded] = {};
-  float square[kPadded] = {}, straight[kPadded] = {}, slanted[kPadded] = {};
-  Offsets() {
-    int count = 0;
-    for (int j = 0; j <= kReach; ++j) {
-      for (int i = j == 0 ? 1 : -kReach; i <= kReach; ++i, ++count) {
-        dx[count] = i, dy[count] = j;
-        square[count] = static_cast<float>(i * i + j * j);
-        straight[count] = static_cast<float>(i * i - j * j);
-        slanted[count] = static_cast<float>(2 * i * j);
+  int pairs = 0;  // of opposite offsets
+  std::vector<int> dx, dy;
+  std::vector<float> square, straight, slanted;  // padded with zeros to whole vectors
+
+  explicit Offsets(int reach) {
+    for (int j = 0; j <= reach; ++j) {
+      for (int i = j == 0 ? 1 : -reach; i <= reach; ++i, ++pairs) {
+        dx.push_back(i), dy.push_back(j);
+        square.push_back(static_cast<float>(i * i + j * j));
+        straight.push_back(static_cast<float>(i * i - j * j));
+        slanted.push_back(static_cast<float>(2 * i * j));
       }
     }
+    const std::size_t padded = (square.size() + 15) / 16 * 16;
+    for (std::vector<float>* terms : {&square, &straight, &slanted})
+      terms->resize(padded);
   }
 };
 
 SPOOL_VECTOR_CLONES
-void weights_of(const Shape& shape, const Offsets& offsets, float end, float* __restrict weight) {
+void weights_of(const Shape& shape, const float* square, const float* straight_of,
+                const float* slanted_of, std::size_t padded, float end, float* __restrict weight) {
   const float even = shape.even, straight = shape.straight, slanted = shape.slanted;
-  for (int k = 0; k < kPadded; ++k) {
-    const float z =
-        even * offsets.square[k] + straight * offsets.straight[k] + slanted * offsets.slanted[k];
+  for (std::size_t k = 0; k < padded; ++k) {
+    const float z = even * square[k] + straight * straight_of[k] + slanted * slanted_of[k];
     const float w = exp_negative(z) - end;
     weight[k] = w > 0.0f ? w : 0.0f;
   }
@@ -61,12 +72,12 @@ void weights_of(const Shape& shape, const Offsets& offsets, float end, float* __
 // sum of w (lanes - own) / sum of w, both ends of each pair: an even picture stays even to the bit.
 template <class Vector>
 [[gnu::always_inline]] inline void mean_of(const float* weight, const std::ptrdiff_t* step,
-                                           float centre, const float* own, float* mean) {
+                                           int pairs, float centre, const float* own, float* mean) {
   constexpr int kParts = kLanes / kFloats<Vector>;
   Vector off[kParts], sum[kParts] = {}, u, v;
   std::memcpy(off, own, sizeof(off));
   float total = centre;
-  for (int k = 0; k < kPairs; ++k) {
+  for (int k = 0; k < pairs; ++k) {
     const float w = weight[k];
     if (!(w > 0.0f)) continue;
     for (int part = 0; part < kParts; ++part) {
@@ -82,9 +93,9 @@ template <class Vector>
   }
 }
 
-SPOOL_VECTOR_WIDTHS(void mean_of_lanes(const float* weight, const std::ptrdiff_t* step,
+SPOOL_VECTOR_WIDTHS(void mean_of_lanes(const float* weight, const std::ptrdiff_t* step, int pairs,
                                        float centre, const float* own, float* mean),
-                    mean_of<Vector>(weight, step, centre, own, mean))
+                    mean_of<Vector>(weight, step, pairs, centre, own, mean))
 
 Image<float> smooth_logarithm(const FloatRgb& pilot, double floor) {
   Image<float> l(pilot[0].width(), pilot[0].height());
@@ -136,14 +147,14 @@ auto planes_of(Sources& sources) {
   return planes;
 }
 
-std::vector<Piece> pieces_around(const Rectangle& tile,
+std::vector<Piece> pieces_around(const Rectangle& tile, int reach,
                                  const std::array<const Image<float>*, kPlanes>& planes) {
   const int width = planes[0]->width(), height = planes[0]->height();
-  std::vector<Piece> pieces(static_cast<std::size_t>(tile.width() + 2 * kReach) *
-                            static_cast<std::size_t>(tile.height() + 2 * kReach));
+  std::vector<Piece> pieces(static_cast<std::size_t>(tile.width() + 2 * reach) *
+                            static_cast<std::size_t>(tile.height() + 2 * reach));
   std::size_t place = 0;
-  for (int y = tile.y0 - kReach; y < tile.y1 + kReach; ++y) {
-    for (int x = tile.x0 - kReach; x < tile.x1 + kReach; ++x, ++place) {
+  for (int y = tile.y0 - reach; y < tile.y1 + reach; ++y) {
+    for (int x = tile.x0 - reach; x < tile.x1 + reach; ++x, ++place) {
       const std::size_t from =
           planes[0]->index(extend_symmetric(x, width), extend_symmetric(y, height));
       for (std::size_t i = 0; i < kPlanes; ++i)
@@ -162,23 +173,25 @@ GuideSources blur_along(const GuideSources& sources, double sigma, double stretc
   GuideSources to = sources;
   const auto inputs = planes_of(sources);
   const auto planes = planes_of(to);
-  const Offsets offsets;
+  const int reach = reach_of(sigma, stretch);
+  const Offsets offsets(reach);
   const auto end = static_cast<float>(std::exp(-kEnd));
   parallel_tiles(tensor.xx.width(), tensor.xx.height(), [&](const Rectangle& tile) {
-    const std::vector<Piece> pieces = pieces_around(tile, inputs);
-    const std::ptrdiff_t row = (tile.width() + 2 * kReach) * kLanes;
-    std::array<std::ptrdiff_t, kPairs> step;
-    for (std::size_t k = 0; k < kPairs; ++k)
+    const std::vector<Piece> pieces = pieces_around(tile, reach, inputs);
+    const std::ptrdiff_t row = (tile.width() + 2 * reach) * kLanes;
+    std::vector<std::ptrdiff_t> step(offsets.dx.size());
+    for (std::size_t k = 0; k < step.size(); ++k)
       step[k] = offsets.dy[k] * row + offsets.dx[k] * kLanes;
-    std::array<float, kPadded> weight;
+    std::vector<float> weight(offsets.square.size());
     alignas(Piece) std::array<float, kLanes> mean;
     for (int y = tile.y0; y < tile.y1; ++y) {
-      const float* own = pieces[0].lanes + (y - tile.y0 + kReach) * row + kReach * kLanes;
+      const float* own = pieces[0].lanes + (y - tile.y0 + reach) * row + reach * kLanes;
       for (int x = tile.x0; x < tile.x1; ++x, own += kLanes) {
         const std::size_t piece = tensor.xx.index(x, y);
         weights_of(shape_of(tensor.xx[piece], tensor.xy[piece], tensor.yy[piece], sigma, stretch),
-                   offsets, end, weight.data());
-        mean_of_lanes(weight.data(), step.data(), 1.0f - end, own, mean.data());
+                   offsets.square.data(), offsets.straight.data(), offsets.slanted.data(),
+                   weight.size(), end, weight.data());
+        mean_of_lanes(weight.data(), step.data(), offsets.pairs, 1.0f - end, own, mean.data());
         for (std::size_t i = 0; i < kPlanes; ++i)
           (*planes[i])[piece] = mean[i];
       }

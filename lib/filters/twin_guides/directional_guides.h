@@ -7,7 +7,8 @@
 //   f         1 + stretch coherence^2;         long axis sigma f, short axis sigma / f
 //
 // The short axis is that of the gradient. The area stays, so noise falls as much as under G_sigma.
-// Weights end at 0 (less e^-7) within 5 pieces.
+// Weights end at 0 (less e^-7) within 5 pieces, more where sigma or the stretch are larger than the
+// defaults: max(5, sqrt(14) sigma, 5/3 sigma (1 + stretch)), rounded up.
 // Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
