@@ -63,6 +63,14 @@ Result<SamplePool> SamplePool::create(std::shared_ptr<const RecordedSamples> rec
       pool.list_begin_[index + 1] = pool.lists_.size();
     }
   }
+  // Each piece gives up its share rounded up, and rejected samples are no longer there.
+  if (options.holdout > 0 && pool.total_capacity() == 0) {
+    return fail(ErrorCode::kData,
+                "{}: holding out {} of {} samples leaves none to replay in any of the pixels' {} "
+                "pieces: hold out fewer{}",
+                samples.name(), options.holdout, samples.spp(), q * q,
+                q > 1 ? ", or take whole pixels (pieces_per_side = 1)" : "");
+  }
   return pool;
 }
 

@@ -33,7 +33,9 @@ Plane alike(const Plane& mean, const Plane& variance_sum, int radius) {
       const double count = rows * inside(x, radius, width);
       const double spread = result(x, y) - sum(x, y) * sum(x, y) / count;
       const double noise = variance_sum(x, y) * (count - 1.0) / count;
-      result(x, y) = noise > 0.0 ? std::clamp(2.0 - spread / noise, 0.0, 1.0) : 0.0;
+      // One piece differs from none.
+      const double none = count < 2.0 ? 1.0 : 0.0;
+      result(x, y) = noise > 0.0 ? std::clamp(2.0 - spread / noise, 0.0, 1.0) : none;
     }
   });
   return result;

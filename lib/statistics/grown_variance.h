@@ -4,6 +4,7 @@
 //   v_r = mean of v over W_r,   N_r = (sum of v)^2 / sum of v^2,   v_0 = 0
 //   enough_r = (N_r - 10) / 10 within 0 .. 1; 1 of the last radius
 //   alike_r = 2 - (variance of the means over W_r) / v_r within 0 .. 1; 1 without means
+//             and of one piece
 //   out = sum over r of left_r (alike_r enough_r v_r + (1 - alike_r) v_(r-1))
 //   left_1 = 1, that of the next radius is left_r alike_r (1 - enough_r)
 //

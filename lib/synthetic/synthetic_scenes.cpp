@@ -67,11 +67,12 @@ AnalyticScene disc(int width, int height, const SyntheticOptions&) {
       {{}, {circle}});
 }
 
-// Rings whose frequency reaches half a cycle per pixel at half the width from the centre.
+// Rings whose frequency reaches half a cycle per pixel at the ends of the longer side: beyond that
+// the mean over a pixel would not be found.
 AnalyticScene zone_plate(int width, int height, const SyntheticOptions&) {
   return drawn_scene([width, height](double x, double y) {
     const double dx = x - 0.5 * width, dy = y - 0.5 * height;
-    return 0.5 + 0.5 * std::cos(std::numbers::pi * (dx * dx + dy * dy) / width);
+    return 0.5 + 0.5 * std::cos(std::numbers::pi * (dx * dx + dy * dy) / std::max(width, height));
   });
 }
 
@@ -83,18 +84,24 @@ AnalyticScene soft_shadow(int width, int, const SyntheticOptions&) {
   return scene;
 }
 
+double sinc(double t) {
+  return t == 0.0 ? 1.0 : std::sin(t) / t;
+}
+
 // Coin-flip noise whose odds vary across straight streaks and not along them.
 AnalyticScene streaks(int, int, const SyntheticOptions& options) {
   const double angle = options.angle * std::numbers::pi / 180.0;
   const double across = 2.0 * std::numbers::pi / (20.0 * options.period);
+  const double right = -std::sin(angle) * across, down = std::cos(angle) * across;
   const auto odds = [=](double x, double y) {
     return 0.5 + 0.45 * std::cos(across * (y * std::cos(angle) - x * std::sin(angle)));
   };
+  // Of the cosine over a pixel, whose corner may be many periods from its other one.
+  const double kept = sinc(0.5 * right) * sinc(0.5 * down);
   AnalyticScene scene;
   scene.value = [odds](const SampleDraw& d) { return d.t < odds(d.x, d.y) ? 1.1 : 0.1; };
-  scene.moments = [odds](int x, int y) {
-    return pixel_mean(x, y, {},
-                      [&](double px, double py) { return two_valued(0.1, 1.1, odds(px, py)); });
+  scene.moments = [odds, kept](int x, int y) {
+    return two_valued(0.1, 1.1, 0.5 + kept * (odds(x + 0.5, y + 0.5) - 0.5));
   };
   return scene;
 }

@@ -151,6 +151,25 @@ TEST(SamplePool, QuarterPixelsSplitSamplesByFilmPositionInOrder) {
   }
 }
 
+TEST(SamplePool, AHoldoutThatLeavesNoPieceASampleIsAnError) {
+  RecordedSamples samples = *memory_recording(3, 3, 8, labelled);
+  std::vector<FilmPosition> film;
+  for (int s = 0; s < 8; ++s)
+    film.push_back(
+        {0.25f + 0.5f * static_cast<float>(s % 2), 0.25f + 0.5f * static_cast<float>(s / 2 % 2)});
+  samples.set_pass_film(film);
+  const auto recording = std::make_shared<const RecordedSamples>(std::move(samples));
+  PoolOptions options;
+  options.pieces_per_side = 2;
+  options.holdout = 4;
+  EXPECT_EQ(pool_of(recording, options).total_capacity(), 36);
+  options.holdout = 5;  // 2 of each piece's 2
+  const auto none = SamplePool::create(recording, options);
+  ASSERT_FALSE(none.has_value());
+  EXPECT_EQ(none.error().code, ErrorCode::kData);
+  EXPECT_NE(none.error().message.find("holding out 5 of 8 samples leaves none"), std::string::npos);
+}
+
 TEST(SamplePool, PiecesGiveUpTheirShareOfTheHoldoutRoundedUp) {
   auto recording = std::make_shared<const RecordedSamples>(make_scene_s(4, 3, 40, 3));
   PoolOptions options;

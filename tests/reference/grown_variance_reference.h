@@ -31,7 +31,6 @@ inline Plane grown_variance(const Plane& v, int largest, const Plane* mean = nul
           });
         }
         double alike = 1.0;
-        if (mean && count == 1.0) alike = 0.0;
         if (mean && count > 1.0)
           alike = sum > 0.0 ? std::clamp(2.0 - spread / (sum / count), 0.0, 1.0) : 0.0;
         const double pieces = squares > 0.0 ? sum * sum / squares : 0.0;

@@ -46,6 +46,12 @@ TEST(GrownVariance, EqualsItsSlowTwin) {
   }
 }
 
+TEST(GrownVariance, APieceAloneIsLikeItself) {
+  const Plane mean(1, 1, 2.0), variance(1, 1, 0.25);
+  for (const int radius : {1, 2, 8})
+    EXPECT_EQ(grown_variance(variance, radius, &mean)[0], 0.25);
+}
+
 // Where 25 pieces are dark in every sample nothing tells rare light from black.
 TEST(GrownVariance, HardlyAPieceOfRareLightIsWithoutNoise) {
   const RareLight rare(64, 64);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "lib/core/parallel.h"
+#include "lib/synthetic/pixel_quadrature.h"
 #include "lib/synthetic/scene_s.h"
 #include "lib/synthetic/synthetic_scenes.h"
 
@@ -94,6 +96,37 @@ TEST(SyntheticScenes, SampledMeansAndVariancesAgreeWithTheExactOnes) {
     auto scene = synthetic_scene(entry.name, 24, 20, options);
     ASSERT_TRUE(scene.has_value());
     expect_exact_moments(*scene, 400);
+  }
+}
+
+TEST(SyntheticScenes, AreExactInTallPicturesAndWithPeriodsFarBelowAPixel) {
+  expect_exact_moments(*synthetic_scene("zone_plate", 3, 200), 400);
+  expect_exact_moments(*synthetic_scene("zone_plate", 200, 3), 400);
+  for (const char* name : {"streaks", "fine_checker"}) {
+    for (const double period : {1e-3, 3e-3, 0.037, 0.4}) {
+      SyntheticOptions options;
+      options.period = period;
+      for (const double angle : {0.0, 30.0, 90.0}) {
+        options.angle = angle;
+        expect_exact_moments(*synthetic_scene(name, 24, 20, options), 400);
+      }
+    }
+  }
+}
+
+TEST(SyntheticScenes, StreaksHaveTheMeanOfTheirCosine) {
+  SyntheticOptions options;
+  const AnalyticScene scene = *synthetic_scene("streaks", 24, 20, options);
+  const double angle = options.angle * std::numbers::pi / 180.0;
+  for (const auto& [x, y] : {std::pair{0, 0}, {5, 17}, {23, 2}}) {
+    const Moments whole = pixel_mean(x, y, {}, [&](double px, double py) -> Moments {
+      const double across = 2.0 * std::numbers::pi / (20.0 * options.period);
+      const double odds =
+          0.5 + 0.45 * std::cos(across * (py * std::cos(angle) - px * std::sin(angle)));
+      return {0.1 + odds, 0.01 + 1.2 * odds};
+    });
+    EXPECT_NEAR(scene.moments(x, y).first, whole.first, 1e-14);
+    EXPECT_NEAR(scene.moments(x, y).second, whole.second, 1e-14);
   }
 }
 
