@@ -28,6 +28,21 @@ def test_the_same_line(call, words, path, program):
     assert (caught.value.code, caught.value.message) == (code, line) and code != 0 and "\n" not in line
 
 
+@pytest.mark.parametrize("call, words", [
+    (lambda path: spool.reconstruct(path, None, "directional", filter="db3"), 'filter: .*"directional{filter=db3}"'),
+    (lambda path: spool.reconstruct(path, None, "directional:paper", filter="db3"), 'filter: .*"METHOD{filter=db3}"'),
+    (lambda path: spool.replay(path, "uniform", 4, sampler="a\nb"), 'sampler: .*"uniform{sampler=a b}"')])
+def test_an_option_with_the_name_of_a_parameter(call, words, path):
+    with pytest.raises(spool.SpoolError, match=words) as caught:
+        call(path)
+    assert caught.value.kind == "usage" and "\n" not in str(caught.value)
+
+
+def test_an_option_with_the_name_of_a_parameter_in_the_methods_text(path):
+    made = [spool.reconstruct(path, None, filter=method) for method in ("directional{filter=db3}", "directional")]
+    assert not np.array_equal(*made)
+
+
 def test_a_damaged_file(path, program):
     damaged = bytearray(path.read_bytes())
     damaged[len(damaged) // 2] ^= 0x10

@@ -1,8 +1,11 @@
 """The two steps: samples are taken, and an image is made of them; and what methods there are."""
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import functools
+import inspect
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,7 +18,26 @@ from .images import Image
 from .own_methods import Method, failure_shown, method_text
 from .recordings import Samples, recording_of
 
+_Step = TypeVar("_Step", bound=Callable)
 
+
+def _options_apart(step: _Step) -> _Step:
+    """An option of a method may have the name of a parameter that is given by its place: Python's own error names neither."""
+    names = list(inspect.signature(step).parameters)
+
+    @functools.wraps(step)
+    def call(*given, **named):
+        for name, value in zip(names, given):
+            if name in named:
+                method = value if isinstance(value, str) and value.isidentifier() else "METHOD"
+                option = " ".join(str(named[name]).split())[:40]
+                raise SpoolError("usage", f"{name}: is a parameter of {step.__name__}() that has its value already: an option of that name "
+                                          f'goes into the text of the method, "{method}{{{name}={option}}}"')
+        return step(*given, **named)
+    return call  # type: ignore[return-value]
+
+
+@_options_apart
 def replay(samples: Samples, sampler: str | Method, spp: float, *, seed: int = 0, order: str = "recorded",
            filter: str | Method | None = None, preset: str = "", holdout: int = 0, pieces: int = 1,
            decision_split: bool = False, pool: Mapping | None = None, views: Iterable[str] | None = None,
@@ -95,6 +117,7 @@ class Reconstruction:
         return reconstruction_html(self)
 
 
+@_options_apart
 def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filter: str | Method, *, spp: int = 0,
                 preset: str = "", seed: int = 0, order: str = "recorded", holdout: int = 0, pieces: int = 1,
                 pool: Mapping | None = None, views: Iterable[str] = (), threads: int = 0, whole: bool = False,
