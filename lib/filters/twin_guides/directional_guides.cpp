@@ -31,10 +31,9 @@ struct Shape {
 // Pieces that hold all of the round Gaussian's weights, and of the longest one as much as those of
 // the defaults do.
 int reach_of(double sigma, double stretch) {
-  const double round = std::sqrt(2.0 * kEnd) * sigma;
-  return std::max(
-      kLeastReach,
-      static_cast<int>(std::ceil(std::max(round, 5.0 * sigma * (1.0 + stretch) / 3.0))));
+  const double widest =
+      std::max(std::sqrt(2.0 * kEnd) * sigma, 5.0 * sigma * (1.0 + stretch) / 3.0);
+  return std::max(kLeastReach, static_cast<int>(std::ceil(widest)));
 }
 
 // Half of the window: the other half has the same weights.
