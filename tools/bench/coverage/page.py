@@ -15,7 +15,7 @@ whose mean is the exact reference; scene S anew. Each was evaluated
 by default options, 8 replicates, 4, 8, 16 of 64 samples: `uniform`, `mitchell`, `adaptive_wavelet`, `greedy_error`, `nl_means`,
 `multiscale` with `box`; `uniform` and `multiscale`, the two samplers, with `directional`.{more} A row is the mean of MSE, relMSE or energy, or a ratio of MSE or relMSE to `uniform` + `box`, of one method at one budget.
 Its interval should hold the mean of the other recordings in 95 %: {held} of all do. Below 90 % lie {below} rows of {rows}; were every row at 95 %, chance alone would put
-{expected:.0f} there, as {fewest} to {most} intervals are few. Ratios here have the wider intervals of before [0155](decisions.md#0155-the-spread-between-recordings-is-measured-on-halves-of-the-recording); today's held 436 of 456 (MSE, five scenes). Rows are *withheld* where most of their recordings have no verdict
+{expected:.0f} there, as {fewest} to {most} intervals are few. Rows of 256 samples have the wider ratios of before [0155](decisions.md#0155-the-spread-between-recordings-is-measured-on-halves-of-the-recording). Rows are *withheld* where most of their recordings have no verdict
 because few pixels carry the error ([decision 156](decisions.md#0156-what-a-verdict-may-stand-on)); "without halves" are the same results with the
 spread between recordings assumed and not measured, nothing withheld.
 
