@@ -9,6 +9,9 @@ def film_findings(dump, window, level):
     if layer is None:
         return [finding("film positions", None, "not recorded", "uniform in the pixel")] + index_findings(dump)
     xy = dump.passes("film") if layer.scope == "pass" else dump.read("film", *window).reshape(-1, 2)
+    lost = int((~np.isfinite(xy)).any(axis=1).sum())
+    if lost:
+        return [finding("film inside the pixel", False, "%d of %d are not finite" % (lost, len(xy)), "0 .. 1")]
     found = [finding("film inside the pixel", bool(xy.min() >= 0 and xy.max() < 1),
                      "%.4f .. %.4f" % (xy.min(), xy.max()), "0 .. 1")]
     spread = float(xy.std(axis=0).min())

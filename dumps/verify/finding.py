@@ -1,8 +1,13 @@
 """One statement about a recording: what was measured, what was expected, and whether they agree."""
+from math import isfinite
 
 
 def finding(name, holds, measured, expected, p_value=None, note=""):
-    """holds: True, False, or None where the recording does not contain enough to decide."""
+    """holds: True, False, or None where the recording does not contain enough to decide. A p-value that is no number, which metadata
+    could not hold, is none: the claim is not known to hold, so it fails unless it was undecided anyway."""
+    if p_value is not None and not isfinite(p_value):
+        holds, p_value = None if holds is None else False, None
+        note = "%sits test gives no number: values are not finite or too large" % (note and note + "; ")
     entry = {"name": name, "holds": holds, "measured": measured, "expected": expected}
     if p_value is not None:
         entry["p_value"] = p_value

@@ -24,6 +24,8 @@ def reference_findings(dump, radiance, level):
     if "reference_variance" not in dump.layers or count < 8:
         return [finding("reference agrees", None, "no variance, or fewer than 8 samples", "both")]
     variance = dump.pixel("reference_variance").astype(np.float64)
+    if not np.isfinite(variance).all():
+        return [finding("reference variance finite", False, "%d values are not" % (~np.isfinite(variance)).sum(), "all")]
     samples = radiance.astype(np.float64)
     expected = samples.var(axis=2, ddof=1) / count + variance
     difference = samples.mean(axis=2) - reference

@@ -81,6 +81,16 @@ def keep_verification(path, verification, out=None, force=False):
 
 
 def main():
+    """Python's own exit code of an error means here that a claim fails, so no error may leave as one."""
+    try:
+        return run()
+    except Exception as error:
+        print(one_line("verify: %s: the samples could not be tested: %s%s" % (
+            sys.argv[1] if sys.argv[1:] else "no file", type(error).__name__, ": %s" % error if str(error) else "")), file=sys.stderr)
+        return 3
+
+
+def run():
     parser = Parser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("dump")
     parser.add_argument("--write", action="store_true", help="keep the findings in the dump's metadata")
