@@ -19,9 +19,9 @@ FILES = {"pass": "pass_%05d.f32", "reference": "reference_%05d.f32"}
 
 
 class PassFolder:
-    """recording: everything that must be equal for passes to belong together."""
+    """recording: everything that must be equal for passes to belong together. packed: a recording has taken the passes, the log stays as it is."""
 
-    def __init__(self, path, recording):
+    def __init__(self, path, recording, packed=False):
         self.path = path
         self.size = recording["width"], recording["height"]
         self.entries = {kind: {} for kind in FILES}
@@ -29,7 +29,7 @@ class PassFolder:
             os.makedirs(path, exist_ok=True)
             self.lock = whole_files.lock(path, "another recorder is writing here")
             self._open_manifest(recording)
-            self._open_log()
+            self._open_log(packed)
         except OSError as error:
             raise io_failure("%s: %s%s" % (path, error.strerror, hint_of(error)))
 
@@ -104,8 +104,9 @@ class PassFolder:
             raise usage_failure("%s: holds another recording (%s): choose another folder" %
                                 (self.path, difference))
 
-    def _open_log(self):
-        """Keeps the lines whose file is whole, and cuts off a torn last line."""
+    def _open_log(self, packed):
+        """Keeps the lines whose file is whole, and cuts off a torn last line. Lines without a file leave the log too: `spool pack`
+        would ask for passes that nobody renders again."""
         name = self._name("passes.jsonl")
         if not os.path.exists(name):
             return
@@ -114,6 +115,7 @@ class PassFolder:
         whole = content[:content.rfind(b"\n") + 1]
         if len(whole) != len(content):
             os.truncate(name, len(whole))
+        lost = False
         for number, text in enumerate(whole.splitlines(), 1):
             try:
                 line = json.loads(text)
@@ -122,9 +124,12 @@ class PassFolder:
                     self.entries[kind][index] = line
                 else:
                     self.entries[kind].pop(index, None)
+                    lost = True
             except (ValueError, KeyError, TypeError):
                 raise Failure(1, "%s: line %d is damaged: remove the line, its pass is rendered again"
                               % (name, number))
+        if lost and not packed:
+            self._write_log([])
 
     def _is_whole(self, line):
         try:

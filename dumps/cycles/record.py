@@ -159,7 +159,7 @@ class Stop:
 
 
 def record(recorder, options, stop):
-    folder = PassFolder(options.out, recorder.recording())
+    folder = PassFolder(options.out, recorder.recording(), options.packed)
     if options.packed:
         return "%s: packed, nothing is rendered" % options.out
     start = time.monotonic()

@@ -1,4 +1,5 @@
 """dumps/record.sh: from a scene to a dump in one command."""
+import hashlib
 import json
 import os
 import signal
@@ -102,3 +103,69 @@ def test_a_failure_of_the_recorder_is_the_failure_of_the_script(tmp_path):
 def test_wrong_use_says_how(arguments, message):
     done = run(*arguments)
     assert done.returncode == 2 and message in done.stderr
+
+
+def fake_python(folder, body):
+    """A python3 for record.sh whose verify.py does something else; returns the environment."""
+    folder.mkdir()
+    (folder / "python3").write_text("#!/bin/sh\ncase $1 in *verify.py) %s ;; *) exec /usr/bin/python3 \"$@\" ;; esac\n" % body)
+    (folder / "python3").chmod(0o755)
+    return {**os.environ, "SPOOL": SPOOL, "PATH": "%s:%s" % (folder, os.environ["PATH"])}
+
+
+def run_with(environment, *options):
+    return subprocess.run([ROOT / "dumps" / "record.sh", *map(str, options)], capture_output=True, text=True, timeout=280, env=environment)
+
+
+@pytest.fixture(scope="module")
+def untested(tmp_path_factory):
+    """A recording that is packed, its passes gone, and whose test died: with Python's exit code of an error, and by a signal."""
+    if not os.path.exists(SPOOL):
+        pytest.skip("NOT TESTED: the program spool is not built")
+    folder = tmp_path_factory.mktemp("untested")
+    options = ("chess", "--size", "20x12", "--samples", "4", "--seed", "3", "-o", folder / "chess.spool")
+    environments = [fake_python(folder / name, body) for name, body in (("raises", "exit 1"), ("killed", "kill -9 $$"))]
+    return folder, options, [run_with(environment, *options) for environment in environments]
+
+
+def kept(folder):
+    return hashlib.sha256((folder / "chess.spool.passes" / "whole.spool").read_bytes()).hexdigest()
+
+
+def test_a_test_that_dies_is_no_failed_claim_and_takes_nothing_with_it(untested):
+    folder, _, dones = untested
+    for done in dones:
+        assert done.returncode == 3 and not (folder / "chess.spool").exists(), done.stderr
+        last = done.stderr.splitlines()[-1]
+        assert last.startswith("record.sh: ") and "is kept in %s" % (folder / "chess.spool.passes" / "whole.spool") in last
+    assert kept(folder)
+
+
+@pytest.mark.parametrize("more", [("--samples", "x"), ("--dry-run",), ("--smaples", "3"), ("--seed", "4")])
+def test_a_command_that_is_refused_or_renders_nothing_keeps_what_is_packed(untested, more):
+    folder, options, _ = untested
+    before = kept(folder)
+    run(*options, *more)
+    assert kept(folder) == before
+
+
+def test_another_command_waits_while_a_recording_is_tested(untested):
+    folder, options, _ = untested
+    before = kept(folder)
+    process = subprocess.Popen([ROOT / "dumps" / "record.sh", *map(str, options)], env=fake_python(folder / "slow", "echo testing; exec sleep 300"),
+                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True)
+    assert "testing\n" in iter(process.stdout.readline, "")
+    done = run(*options)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    assert done.returncode == 2 and "another recorder is writing here" in done.stderr, done.stderr
+    assert kept(folder) == before
+
+
+def test_fewer_samples_than_a_packed_recording_had_are_rendered_and_packed(untested):
+    folder, options, _ = untested
+    done = run(*options, "--samples", "2")
+    assert done.returncode == 0, done.stderr
+    told = subprocess.run([SPOOL, "info", folder / "chess.spool", "--json"], capture_output=True, text=True)
+    assert json.loads(told.stdout)["samples_per_pixel"] == 2
+    assert not (folder / "chess.spool.passes").exists()
