@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <set>
 #include <span>
 #include <utility>
@@ -20,13 +21,18 @@ namespace {
 
 constexpr float kLargestHalf = 65504.0F;
 constexpr uint64_t kFreeBytes = uint64_t{32} << 20;  // as of foreign files
+
+// Takes a block, as SpoolWriter::write_block.
+using Sink =
+    std::function<Result<void>(uint16_t, uint32_t, uint32_t, uint32_t, std::span<const std::byte>)>;
+
 Result<uint16_t> to_half(float value, const PassManifest& manifest, const PassEntry& entry,
                          uint32_t plane, uint32_t x, uint32_t y) {
   if (std::isfinite(value) && std::abs(value) > kLargestHalf) {
     return fail(ErrorCode::kData,
                 "{}: {} is {} (pixel {}, {}), which f16 cannot hold: pack with {}",
                 entry.file.string(), manifest.channels[plane].name, value, x, y,
-                plane < 3 ? "radiance as f32" : "features as f32");
+                plane < 3 ? "radiance as f32" : "features as f32 (--full-features)");
   }
   return std::bit_cast<uint16_t>(static_cast<_Float16>(value));
 }
@@ -60,7 +66,7 @@ Result<void> scatter(const PassManifest& manifest, const PassEntry& entry, uint3
 // Samples [begin, begin + count) of one row of tiles, all sample groups.
 Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
                         std::span<const Tile> tiles, uint32_t begin, uint32_t count,
-                        SampleWatch& watch, uint64_t& not_finite, SpoolWriter& writer) {
+                        SampleWatch& watch, uint64_t& not_finite, const Sink& sink) {
   const uint32_t y0 = tiles.front().y0;
   const uint32_t y1 = y0 + tiles.front().height;
   const auto planes = static_cast<uint32_t>(manifest.channels.size());
@@ -83,7 +89,7 @@ Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
       if (group.group == 0)
         watch.add({tile.x0, tile.y0, tile.x0 + tile.width, tile.y0 + tile.height}, begin, count,
                   group.type, blocks[t]);
-      SPOOL_TRY(writer.write_block(group.group, tiles[t].number, begin, count, blocks[t]));
+      SPOOL_TRY(sink(group.group, tiles[t].number, begin, count, blocks[t]));
     }
   }
   return {};
@@ -91,7 +97,7 @@ Result<void> write_band(const PassManifest& manifest, const DumpPlan& plan,
 
 template <class Value, class Take>
 Result<void> write_pass_group(const PassManifest& manifest, const DumpHeader& header,
-                              uint16_t group, size_t channels, Take take, SpoolWriter& writer) {
+                              uint16_t group, size_t channels, Take take, const Sink& sink) {
   for (uint32_t begin = 0; begin < header.spp; begin += header.block_spp) {
     const uint32_t count = std::min(header.block_spp, header.spp - begin);
     std::vector<Value> values;
@@ -99,7 +105,7 @@ Result<void> write_pass_group(const PassManifest& manifest, const DumpHeader& he
       for (uint32_t s = 0; s < count; ++s)
         values.push_back(take(manifest.passes[begin + s], c));
     }
-    SPOOL_TRY(writer.write_block(group, 0, begin, count, std::as_bytes(std::span(values))));
+    SPOOL_TRY(sink(group, 0, begin, count, std::as_bytes(std::span(values))));
   }
   return {};
 }
@@ -108,7 +114,7 @@ Result<void> write_pass_group(const PassManifest& manifest, const DumpHeader& he
 // batches, double; rounded to float32 at the end.
 Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& plan,
                                   std::span<const Tile> tiles, uint64_t& not_finite,
-                                  SpoolWriter& writer) {
+                                  const Sink& sink) {
   const uint32_t y0 = tiles.front().y0;
   const uint32_t y1 = y0 + tiles.front().height;
   const size_t plane = size_t{manifest.width} * (y1 - y0);
@@ -150,8 +156,7 @@ Result<void> write_reference_band(const PassManifest& manifest, const DumpPlan& 
         }
       }
     }
-    SPOOL_TRY(
-        writer.write_block(plan.reference, tile.number, 0, 1, std::as_bytes(std::span(values))));
+    SPOOL_TRY(sink(plan.reference, tile.number, 0, 1, std::as_bytes(std::span(values))));
   }
   return {};
 }
@@ -202,43 +207,68 @@ Result<void> check_expansion(const PassManifest& manifest, const PackOptions& op
               wanted / std::max<uint64_t>(stored, 1) + 1);
 }
 
-// Returns remarks on the samples, or nothing.
-Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& plan,
-                               bool remove_passes, SpoolWriter& writer) {
-  const PassManifest& manifest = recording.manifest;
+// All blocks into `sink`; after those of some passes, `taken` hears which. Returns remarks on the
+// samples, or nothing.
+Result<std::string> write_blocks(const PassManifest& manifest, const DumpPlan& plan,
+                                 const Sink& sink,
+                                 const std::function<void(std::span<const PassEntry>)>& taken) {
   const DumpHeader& header = plan.header;
-  SPOOL_TRY(writer.write_meta(recording_meta(recording)));
   if (plan.film != 0) {
     SPOOL_TRY(write_pass_group<float>(
         manifest, header, plan.film, 2,
-        [](const PassEntry& pass, size_t c) { return c == 0 ? pass.film_x : pass.film_y; },
-        writer));
+        [](const PassEntry& pass, size_t c) { return c == 0 ? pass.film_x : pass.film_y; }, sink));
   }
   SPOOL_TRY(write_pass_group<uint32_t>(
       manifest, header, plan.seed, 1, [](const PassEntry& pass, size_t) { return pass.seed; },
-      writer));
+      sink));
   uint64_t not_finite = 0;
   SampleWatch watch(header.width, header.height, header.spp, plan.film != 0);
   const uint32_t bands = (header.height + header.tile_size - 1) / header.tile_size;
   for (uint32_t band = 0; band < bands && plan.reference != 0; ++band) {
-    SPOOL_TRY(
-        write_reference_band(manifest, plan, tiles_of_band(header, band), not_finite, writer));
+    SPOOL_TRY(write_reference_band(manifest, plan, tiles_of_band(header, band), not_finite, sink));
   }
-  if (remove_passes) remove_files(manifest.batches, true);
   // Block by block of samples, so that passes can go when they are in the file.
   for (uint32_t begin = 0; begin < header.spp; begin += header.block_spp) {
     const uint32_t count = std::min(header.block_spp, header.spp - begin);
     for (uint32_t band = 0; band < bands; ++band) {
       SPOOL_TRY(write_band(manifest, plan, tiles_of_band(header, band), begin, count, watch,
-                           not_finite, writer));
+                           not_finite, sink));
     }
-    if (remove_passes) remove_files(std::span(manifest.passes).subspan(begin, count), false);
+    taken(std::span(manifest.passes).subspan(begin, count));
   }
   SPOOL_ASSIGN(std::string remark, judge(watch, manifest, header.sample_order));
-  SPOOL_TRY(writer.finish());
   if (not_finite > 0)
     remark += fmt::format("{}{} values are not finite and were stored as they are",
                           remark.empty() ? "" : "; ", not_finite);
+  return remark;
+}
+
+// Everything that can be wrong with the passes, before the first of them goes. Nothing is written.
+Result<void> check_all(const PassManifest& manifest, const DumpPlan& plan) {
+  const auto nowhere = [](uint16_t, uint32_t, uint32_t, uint32_t, std::span<const std::byte>) {
+    return Result<void>();
+  };
+  SPOOL_TRY(write_blocks(manifest, plan, nowhere, [](std::span<const PassEntry>) {}));
+  return {};
+}
+
+// `removed`: passes have gone, and only the unfinished file holds them.
+Result<std::string> write_dump(const PassRecording& recording, const DumpPlan& plan,
+                               bool remove_passes, bool& removed, SpoolWriter& writer) {
+  const PassManifest& manifest = recording.manifest;
+  SPOOL_TRY(writer.write_meta(recording_meta(recording)));
+  const auto sink = [&](uint16_t group, uint32_t tile, uint32_t begin, uint32_t count,
+                        std::span<const std::byte> payload) {
+    return writer.write_block(group, tile, begin, count, payload);
+  };
+  const auto taken = [&](std::span<const PassEntry> passes) {
+    if (!remove_passes) return;
+    if (!removed) remove_files(manifest.batches, true);
+    removed = true;
+    remove_files(passes, false);
+  };
+  SPOOL_ASSIGN(std::string remark, write_blocks(manifest, plan, sink, taken));
+  SPOOL_TRY(writer.finish());
   return remark;
 }
 
@@ -257,6 +287,20 @@ PackReport report_of(const PassRecording& recording, const DumpHeader& header,
   return report;
 }
 
+// After an error: an unfinished file stays where it alone holds passes, which is said.
+tl::unexpected<Error> keep_or_drop(Error error, const std::filesystem::path& out,
+                                   bool remove_passes, bool removed) {
+  std::filesystem::path partial = out;
+  partial += ".partial";
+  std::error_code ignored;
+  if (!remove_passes) return tl::unexpected(std::move(error));
+  if (removed)
+    return fail(error.code, "{}; {} keeps the passes that are gone: spool recover", error.message,
+                partial.string());
+  std::filesystem::remove(partial, ignored);
+  return tl::unexpected(std::move(error));
+}
+
 }  // namespace
 
 Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders,
@@ -269,11 +313,17 @@ Result<PackReport> pack_passes(const std::vector<std::filesystem::path>& folders
   writer_options.force = options.force;
   writer_options.uuid = options.uuid;
   // A recording of half the samples is no use where the passes are still at hand.
-  writer_options.discard_unfinished = true;
-  SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, plan.header, writer_options));
-  SPOOL_ASSIGN(std::string remark, write_dump(recording, plan, options.remove_passes, writer));
+  writer_options.discard_unfinished = !options.remove_passes;
+  if (options.remove_passes) SPOOL_TRY(check_all(recording.manifest, plan));
+  bool removed = false;
+  Result<std::string> remark;
+  {
+    SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, plan.header, writer_options));
+    remark = write_dump(recording, plan, options.remove_passes, removed, writer);
+  }
+  if (!remark) return keep_or_drop(std::move(remark).error(), out, options.remove_passes, removed);
   PackReport report = report_of(recording, plan.header, out);
-  report.remark = std::move(remark);
+  report.remark = std::move(*remark);
   return report;
 }
 

@@ -18,6 +18,8 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/spool_reader.h"
+#include "formats/spool_recovery.h"
+#include "tests/formats/faulty_calls.h"
 
 namespace spool::format {
 namespace {
@@ -424,6 +426,71 @@ TEST_F(PassFolderTest, AFeatureThatF16CannotHoldIsRefusedNotClamped) {
   ASSERT_TRUE(radiance.has_value());
   EXPECT_EQ((*radiance)[0], 1e30F);
   EXPECT_TRUE(std::isnan((*radiance)[1]));
+}
+
+size_t passes_in(const fs::path& folder) {
+  size_t count = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    count += entry.path().extension() == ".f32";
+  return count;
+}
+
+TEST_F(PassFolderTest, NoPassGoesBeforeAllOfThemAreFoundGood) {
+  PackOptions options = small_tiles();
+  options.remove_passes = true;
+  const fs::path large = make_folder("large", 0, 5, 2);
+  std::vector<float> values = pass_values(4);  // in the last block, when others would be gone
+  values[(4 * kHeight + 2) * kWidth + 20] = 70000.0F;
+  write_file(large, pass_line(4, "shift"), values);
+  const fs::path repeated = make_folder("repeated", 0, 5, 2);
+  write_file(repeated, pass_line(4, "shift"), pass_values(1));
+  for (const fs::path& folder : {large, repeated}) {
+    const auto report = pack_passes({folder}, root_ / "a.spool", options);
+    ASSERT_FALSE(report.has_value());
+    EXPECT_EQ(report.error().code, ErrorCode::kData) << report.error().message;
+    EXPECT_EQ(passes_in(folder), 7U);
+    EXPECT_FALSE(fs::exists(root_ / "a.spool.partial"));
+  }
+}
+
+// Whatever write fails: each pass is in its folder, or in the unfinished file.
+TEST_F(PassFolderTest, NoPassIsLostOnAFullDisk) {
+  PackOptions options = small_tiles();
+  options.remove_passes = true;
+  size_t kept = 0;
+  for (uint64_t bytes = 4096;; bytes += 1500) {
+    const fs::path folder = make_folder(fmt::format("a{}", bytes), 0, 6, 2);
+    const fs::path out = root_ / fmt::format("{}.spool", bytes);
+    FaultPlan plan;
+    plan.disk_bytes = bytes;
+    Result<PackReport> report;
+    {
+      const FaultyCalls faulty(plan);
+      report = pack_passes({folder}, out, options);
+    }
+    if (report) break;
+    EXPECT_EQ(report.error().code, ErrorCode::kIo) << report.error().message;
+    EXPECT_FALSE(fs::exists(out));
+    const fs::path partial = out.string() + ".partial";
+    const size_t there = passes_in(folder);
+    if (there == 8) {
+      EXPECT_FALSE(fs::exists(partial)) << bytes;  // the passes alone hold everything
+      continue;
+    }
+    ++kept;
+    EXPECT_THAT(report.error().message, HasSubstr(partial.string() + " keeps the passes"));
+    const auto recovered = recover_dump(partial, root_ / "recovered.spool", true);
+    ASSERT_TRUE(recovered.has_value()) << recovered.error().message;
+    auto reader = SpoolReader::open(root_ / "recovered.spool");
+    ASSERT_TRUE(reader.has_value()) << reader.error().message;
+    EXPECT_TRUE(reader->find_layer("reference").has_value());
+    const auto gone = static_cast<uint32_t>(6 - there);
+    const auto radiance = reader->read_region("radiance", {5, 3, 6, 4}, 0, gone);
+    ASSERT_TRUE(radiance.has_value()) << radiance.error().message;
+    for (uint32_t s = 0; s < gone; ++s)
+      EXPECT_EQ((*radiance)[s], value_at(s, 0, 3, 5));
+  }
+  EXPECT_GE(kept, 3U);
 }
 
 TEST_F(PassFolderTest, WhatIsNoPassFolderIsRefusedInOneLine) {
