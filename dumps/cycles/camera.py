@@ -3,6 +3,7 @@
 Cycles shoots sample index 0 through the centre of the pixel. Moving the frame by a fraction of a
 pixel (lens shift) therefore puts the sample of every pixel of a pass at one known position.
 """
+from dumps.cycles.animation import curves_of
 from dumps.recording.failure import scene_failure
 
 # Cycles looks the pixel filter up in a table of 1024 entries whose last one is not used: the centre
@@ -22,13 +23,10 @@ class ShiftedCamera:
         if self.data.type == "PANO":
             raise scene_failure("camera '%s' is panoramic: lens shift has no effect on it, use "
                                 "--mode iid" % self.data.name)
-        animation = self.data.animation_data
-        if animation:
-            curves = action_curves(animation.action) if animation.action else []
-            for curve in curves + list(animation.drivers):
-                if curve.data_path in ("shift_x", "shift_y"):
-                    raise scene_failure("camera '%s': %s is animated and would undo the film "
-                                        "position, use --mode iid" % (self.data.name, curve.data_path))
+        for curve in curves_of(self.data):
+            if curve.data_path in ("shift_x", "shift_y"):
+                raise scene_failure("camera '%s': %s is animated and would undo the film position, use --mode iid" %
+                                    (self.data.name, curve.data_path))
 
     def place(self, x, y):
         """Film position in the pixel, [0, 1)^2, y down (Blender's shift counts y up)."""
@@ -47,11 +45,3 @@ def shift_unit(scene):
     horizontal = camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and wide >= high)
     side = wide if horizontal else high
     return side / render.pixel_aspect_x, side / render.pixel_aspect_y
-
-
-def action_curves(action):
-    if hasattr(action, "fcurves"):
-        return list(action.fcurves)
-    # 5.0: layers of strips, a bag of curves for each animated thing
-    return [curve for layer in action.layers for strip in layer.strips for bag in strip.channelbags
-            for curve in bag.fcurves]

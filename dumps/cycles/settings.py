@@ -5,6 +5,7 @@ scene itself decides (bounces, caustics, exposure) is left alone and written dow
 """
 import bpy
 
+from dumps.cycles.animation import mute
 from dumps.recording.failure import io_failure, scene_failure
 
 # Cycles' own. (property, value); those a version does not have are skipped and not recorded.
@@ -44,6 +45,9 @@ SCENE_CYCLES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmissio
                 "use_light_tree", "use_fast_gi", "film_exposure", "feature_set", "shading_system")
 SCENE_RENDER = ("use_motion_blur", "motion_blur_shutter", "pixel_aspect_x", "pixel_aspect_y",
                 "use_simplify")
+# Set beside the tables above, here and by the recorder.
+CYCLES_TOO = ("seed", "samples", "sample_offset", "use_sample_subset", "sample_subset_length", "sampling_pattern")
+RENDER_TOO = ("engine", "resolution_x", "resolution_y", "threads_mode", "threads", "filepath", "use_file_extension")
 # Sampling settings in words; those that are replaced are named in one line.
 WORDS = {"use_adaptive_sampling": "adaptive sampling", "sample_clamp_direct": "clamp of direct light",
          "sample_clamp_indirect": "clamp of indirect light", "light_sampling_threshold": "light threshold", "blur_glossy": "filter glossy",
@@ -91,6 +95,19 @@ def overridden(scene, view_layer):
 def _composes(scene):
     tree = getattr(scene, "node_tree", None) or getattr(scene, "compositing_node_group", None)
     return bool(tree) and any(node.bl_idname not in PLAIN_COMPOSITOR for node in tree.nodes)
+
+
+def mute_animation(scene):
+    """A curve or driver of a setting would put its own value in the place of the recorder's in every pass. Returns lines that say so."""
+    set_here = {"cycles." + name for name in [*dict(SAMPLING), *CYCLES_TOO]} | {"render." + name for name in [*dict(RENDER), *RENDER_TOO]}
+    # switches of passes and counts of the view layers; how a picture is written is the recorder's too
+    muted = mute(scene, lambda path: path in set_here or path.startswith("render.image_settings.") or
+                 path.startswith("view_layers[") and path.rpartition(".")[2].startswith(("use", "samples", "denoising_store")))
+    if scene.world:
+        muted += mute(scene.world, lambda path: path.startswith("mist_settings."))
+    for item in bpy.data.objects:
+        muted += mute(item, lambda path: path == "pass_index")
+    return ["animated or driven, and set by the recorder instead: %s" % ", ".join(sorted(set(muted)))] if muted else []
 
 
 def apply_settings(scene, view_layer, threads):
