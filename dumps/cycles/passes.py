@@ -68,8 +68,8 @@ CHANNELS = {
                         "to the first surface that is not a mirror or glass"),
     "position": Channel("XYZ", ("Position",), "first hit; 0 where nothing is hit", space="world",
                         index_zero=True, dtype="f32"),
-    "object": Channel(("ID",), ("IndexOB",), "1 + index of the object among the "
-                      "scene's objects by name; 0 where nothing is hit", index_zero=True,
+    "object": Channel(("ID",), ("IndexOB",), "1 + index of the object among all "
+                      "objects of the file by name; 0 where nothing is hit", index_zero=True,
                       dtype="f32"),
     "direct": Channel("RGB", ("Emit", "Env", "VolumeDir") + tuple(
         k + part for k in LIGHT for part in ("Col", "Dir")),
@@ -163,7 +163,7 @@ def planes_of(plan, rendered, width, height, mist_depth):
             flat = channel.mix({source: values for source, (values, _) in zip(channel.sources, found)})
         for c in range(len(channel.components)):
             plane = flat[c::n]
-            if channel is MIST_DEPTH:
+            if channel.sources == MIST_DEPTH.sources:
                 plane = array("f", [0.0 if v >= 1.0 else v * mist_depth for v in plane])
             elif name == "depth":
                 plane = array("f", [0.0 if v > NOTHING else v for v in plane])

@@ -19,13 +19,13 @@ import bpy
 from dumps.cycles import files
 from dumps.cycles.batches import batch_plan
 from dumps.cycles.camera import ShiftedCamera
+from dumps.cycles.depth import prepare_depth
 from dumps.cycles.engine import Renderer
 from dumps.cycles.estimate import dry_run
 from dumps.cycles.options import parse_options, script_arguments
 from dumps.cycles.pass_folder import PassFolder
 from dumps.cycles.passes import (
     CHANNELS,
-    MIST_DEPTH,
     describe_channels,
     describe_layers,
     plan_channels,
@@ -33,11 +33,12 @@ from dumps.cycles.passes import (
     switch_passes,
 )
 from dumps.cycles.reference import FIRST, fold, keep_or_drop, record_until_it_suffices
-from dumps.cycles.scene import aspect_change, find_needs, load_scene, prepare, scene_reach
+from dumps.cycles.scene import aspect_change, find_needs, load_scene, number_objects, prepare
 from dumps.cycles.seeds import film_position, pool_seed, reference_seed
 from dumps.cycles.settings import (
     apply_settings,
     longest_sequence,
+    mute_animation,
     overridden,
     power_of_two,
     recorded_settings,
@@ -58,17 +59,17 @@ class Recorder:
         files.require(self.identity["name"])
         own_size = prepare(self.scene, options.camera, options.frame, options.size)
         self.view_layer = bpy.context.view_layer
-        changes += overridden(self.scene, self.view_layer)
+        changes += overridden(self.scene, self.view_layer) + mute_animation(self.scene)
         apply_settings(self.scene, self.view_layer, options.threads)
         self.width, self.height = self.scene.render.resolution_x, self.scene.render.resolution_y
+        self.plan, self.mist_depth, mixed = prepare_depth(self.scene, self.plan)
+        changes += mixed
         change = aspect_change((self.width, self.height), own_size)
         changes += [change] if change else []
         if changes and not options.scene:
             self.identity["changes"] = changes
-        self.mist_depth = self._set_mist()
         if "object" in self.plan:
-            for i, item in enumerate(sorted(self.scene.objects, key=lambda o: o.name)):
-                item.pass_index = i + 1
+            number_objects()
         self.camera = ShiftedCamera(self.scene)
         if options.mode == "shift":
             self.camera.refuse_unusable()
@@ -79,20 +80,6 @@ class Recorder:
         os.makedirs(scratch, exist_ok=True)
         self.renderer = Renderer(self.scene, options.pixels, scratch)
         self.batch_spp, self.batches = (FIRST, options.reference // FIRST) if options.auto else batch_plan(options.reference)
-
-    def _set_mist(self):
-        """Distance by the mist pass: the one depth that Cycles writes for every sample index."""
-        if self.plan.get("depth") is not MIST_DEPTH:
-            return 0.0
-        world = self.scene.world
-        if world is None:
-            world = self.scene.world = bpy.data.worlds.new("record")
-            world.use_nodes = False
-            world.color = (0.0, 0.0, 0.0)
-        mist = world.mist_settings
-        mist.use_mist, mist.start, mist.falloff = False, 0.0, "LINEAR"
-        mist.depth = scene_reach(self.scene)
-        return mist.depth
 
     def recording(self):
         """Everything that must agree between passes of one recording."""

@@ -9,6 +9,7 @@ import bpy
 
 from dumps.recording.failure import Failure, io_failure, scene_failure, usage_failure
 
+MOST_OBJECTS = 32767     # largest pass_index
 SCENES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "scenes")
 
 
@@ -107,22 +108,26 @@ def _open(blend):
 
 
 def prepare(scene, camera, frame, size):
-    """Camera, frame and resolution by the options; refuses what cannot be rendered. Returns the scene's own resolution."""
-    if camera:
-        found = scene.objects.get(camera)
-        if found is None or found.type != "CAMERA":
-            cameras = sorted(o.name for o in scene.objects if o.type == "CAMERA")
-            raise usage_failure("camera '%s' is not in the scene (%s)" %
-                                (camera, ", ".join(cameras) or "it has none"))
-        scene.camera = found
+    """Frame, camera and resolution by the options; refuses what cannot be rendered. Returns the scene's own resolution."""
+    found = scene.objects.get(camera) if camera else None
+    if camera and (found is None or found.type != "CAMERA"):
+        cameras = sorted(o.name for o in scene.objects if o.type == "CAMERA")
+        raise usage_failure("camera '%s' is not in the scene (%s)" %
+                            (camera, ", ".join(cameras) or "it has none"))
+    # Cameras bound to markers of the timeline: the frame chooses among them, and nothing else does from then on.
+    bound = [marker for marker in scene.timeline_markers if marker.camera]
+    if frame is not None or bound:
+        scene.frame_set(scene.frame_current if frame is None else frame)
+    chosen = found if camera else scene.camera
+    for marker in bound:
+        marker.camera = None               # some versions then look for another one, so the choice comes last
+    scene.camera = chosen
     if scene.camera is None:
         raise scene_failure("scene '%s' has no camera: set one in the file or give --camera NAME" %
                             scene.name)
     if scene.camera.type != "CAMERA":
         raise scene_failure("scene '%s' looks through '%s', which is no camera" %
                             (scene.name, scene.camera.name))
-    if frame is not None:
-        scene.frame_set(frame)
     render = scene.render
     percent = render.resolution_percentage
     own = max(1, render.resolution_x * percent // 100), max(1, render.resolution_y * percent // 100)
@@ -136,6 +141,15 @@ def aspect_change(size, own):
     if abs(size[0] * own[1] - size[1] * own[0]) <= max(own):
         return None
     return "%dx%d has another aspect than the scene's %dx%d: the picture shows more or less of it" % (*size, *own)
+
+
+def number_objects():
+    """All of the file: what a collection shows as an instance is no object of the scene."""
+    items = sorted(bpy.data.objects, key=lambda o: (o.name, o.library.filepath if o.library else ""))
+    if len(items) > MOST_OBJECTS:
+        raise scene_failure("the file has %d objects, and Blender numbers %d: leave out the channel object" % (len(items), MOST_OBJECTS))
+    for i, item in enumerate(items):
+        item.pass_index = i + 1
 
 
 def find_needs(scene):
@@ -154,8 +168,12 @@ def _aperture(camera):
     return camera.lens / (2000.0 * stop) if stop > 0 else 1.0
 
 
+def _material_trees():
+    return [m.node_tree for m in bpy.data.materials if m.use_nodes and m.users]
+
+
 def _has_volumes(scene):
-    trees = [m.node_tree for m in bpy.data.materials if m.use_nodes and m.users]
+    trees = _material_trees()
     if scene.world and scene.world.use_nodes:
         trees.append(scene.world.node_tree)
     linked = any(link.to_node.bl_idname.startswith("ShaderNodeOutput") and
@@ -163,17 +181,20 @@ def _has_volumes(scene):
     return linked or any(o.type == "VOLUME" for o in scene.objects)
 
 
-def scene_reach(scene):
-    """A length in scene units that no camera ray's first hit exceeds: twice the distance from the
-    camera to the farthest corner of any object's box (moving objects move within that factor)."""
-    graph = bpy.context.evaluated_depsgraph_get()
-    eye = scene.camera.matrix_world.translation
-    farthest = 1.0
-    for instance in graph.object_instances:
-        if instance.object.type in ("CAMERA", "LIGHT", "EMPTY", "ARMATURE"):
-            continue
-        matrix = instance.matrix_world
-        for corner in instance.object.bound_box:
-            point = [sum(matrix[r][k] * corner[k] for k in range(3)) + matrix[r][3] for r in range(3)]
-            farthest = max(farthest, sum((p - e) ** 2 for p, e in zip(point, eye)) ** 0.5)
-    return 2.0 * farthest
+def lets_a_part_through(scene):
+    """Whether a camera ray may reach a surface with less than all its light, or pass it with the rest."""
+    return _has_volumes(scene) or any(_is_transparent(node) for tree in _material_trees() for node in _nodes(tree))
+
+
+def _nodes(tree, seen=()):
+    """Those of its groups too."""
+    for node in tree.nodes:
+        yield node
+        inner = getattr(node, "node_tree", None)
+        if inner and inner not in seen:
+            yield from _nodes(inner, (*seen, inner))
+
+
+def _is_transparent(node):
+    alpha = node.inputs.get("Alpha") if node.bl_idname == "ShaderNodeBsdfPrincipled" else None
+    return node.bl_idname in ("ShaderNodeBsdfTransparent", "ShaderNodeHoldout") or bool(alpha and (alpha.is_linked or alpha.default_value < 1))
