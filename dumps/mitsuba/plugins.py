@@ -50,7 +50,7 @@ def refuse_without_radiance(mi, source, state, wishes):
 
 def force(mi, state, wishes):
     kind, changes = mi.ObjectType, []
-    film = _film_size(mi, state)
+    film, recorded = _film_size(mi, state), _children(state, _recorded_sensor(mi, state), kind.Film)
     size = wishes.size or film or DEFAULT_FILM
     if film and abs(size[0] * film[1] - size[1] * film[0]) > max(film):
         changes.append("%dx%d has another aspect than the film's %dx%d: the picture shows more or less of the scene" % (*size, *film))
@@ -60,7 +60,7 @@ def force(mi, state, wishes):
         changes.append("the scene has %d sensors: only the first is recorded" % sensors)
     for node in state.nodes:
         if node.type == kind.Film:
-            changes += _crop(node)
+            changes += _crop(node) if node in recorded else []
             for key in [key for key in node.props.keys() if key != "rfilter"]:
                 del node.props[key]
             node.props.set_plugin_name("hdrfilm")
@@ -86,9 +86,8 @@ def force(mi, state, wishes):
 
 
 def _film_size(mi, state):
-    for node in state.nodes:
-        if node.type == mi.ObjectType.Film:
-            return int(node.props.get("width", DEFAULT_FILM[0])), int(node.props.get("height", DEFAULT_FILM[1]))
+    for node in _children(state, _recorded_sensor(mi, state), mi.ObjectType.Film):
+        return int(node.props.get("width", DEFAULT_FILM[0])), int(node.props.get("height", DEFAULT_FILM[1]))
     return None
 
 
@@ -128,10 +127,25 @@ def _rigid(mi, node):
     return ["the camera's matrix scales by %.3g to %.3g: only its rotation is used" % (factors.min(), factors.max())]
 
 
+def depth_unit(sensor):
+    """Length in the world of a step of 1 along the camera's z: 1, but for an orthographic camera that scales."""
+    length = float(np.linalg.norm(np.array(sensor.world_transform().matrix, np.float64).reshape(4, 4)[:3, 2]))
+    return length if abs(length - 1) > SCALE_TOLERANCE else 1.0
+
+
 def _has_child(state, node, kind):
-    """Whether a node of this kind hangs on the node. Nothing but references is read: what is read, Mitsuba takes for known."""
+    return bool(_children(state, node, kind))
+
+
+def _children(state, node, kind):
+    """Nodes of this kind that hang on the node. Nothing but references is read: what is read, Mitsuba takes for known."""
     values = [node.props[key] for key in node.props.keys() if node.props.type(key).name == "ResolvedReference"]
-    return any(state.nodes[value.index()].type == kind for value in values)
+    return [state.nodes[value.index()] for value in values if state.nodes[value.index()].type == kind]
+
+
+def _recorded_sensor(mi, state):
+    """The first of the scene, as Mitsuba counts them."""
+    return _children(state, state.root, mi.ObjectType.Sensor)[0]
 
 
 def _replace(node, plugin):

@@ -37,8 +37,8 @@ class ScalarLoop:
                 for s in range(count):
                     film = sampler.next_2d()
                     lens = sampler.next_2d() if of.has_lens else mi.Point2f(.5, .5)
-                    time = of.shutter_open + sampler.next_1d() * of.shutter_time if of.shutter_time > 0 \
-                        else of.shutter_open
+                    moment = sampler.next_1d() if of.shutter_time > 0 else 0.0
+                    time = of.shutter_open + moment * of.shutter_time
                     position = mi.Point2f((x + film[0]) / self.width, (first_row + y + film[1]) / self.height)
                     ray, weight = of.sensor.sample_ray_differential(time, 0.0, position, lens)
                     ray.scale_differential(self.differential_scale)
@@ -47,7 +47,7 @@ class ScalarLoop:
                     if again:
                         arrays["direct"][y, x, s] = weight * of.direct.sample(of.scene, again, ray, medium)[0]
                     for name, value in (("film", film), ("lens", mi.warp.square_to_uniform_disk_concentric(lens)),
-                                        ("time", (time - of.shutter_open) / (of.shutter_time or 1.0))):
+                                        ("time", moment)):
                         if name in arrays:
                             arrays[name][y, x, s] = value
                     if need_features:
@@ -73,7 +73,7 @@ class ScalarLoop:
         if no_diffuse_answer(mi, flags, not any(albedo)):
             albedo = 1, 1, 1
         found = {"albedo": albedo, "normal": values[3:6], "position": values[6:9], "shape": shape,
-                 "depth": (self.to_camera @ mi.Point3f(values[6], values[7], values[8]))[2] if shape else 0}
+                 "depth": (self.to_camera @ mi.Point3f(values[6], values[7], values[8]))[2] * of.depth_unit if shape else 0}
         for name, value in found.items():
             if name in arrays:
                 arrays[name][y, x, s] = value

@@ -14,7 +14,7 @@ from collections import namedtuple
 
 from dumps.mitsuba import old_format, parameters, scene_files
 from dumps.mitsuba.losses import listen
-from dumps.mitsuba.plugins import force, refuse_unknown, refuse_without_radiance, substitute
+from dumps.mitsuba.plugins import depth_unit, force, refuse_unknown, refuse_without_radiance, substitute
 from dumps.recording import failure
 from dumps.recording.failure import Failure, scene_failure, usage_failure
 
@@ -41,6 +41,7 @@ class Recordable:
         self.scene, self.sensor, self.integrator, self.direct = scene, scene.sensors()[0], integrator, direct
         self.name, self.digest, self.changes = name, digest, changes
         self.has_lens = bool(self.sensor.needs_aperture_sample())
+        self.depth_unit = depth_unit(self.sensor)
         self.shutter_open = float(self.sensor.shutter_open())
         self.shutter_time = float(self.sensor.shutter_open_time())
         self.shapes = [shape.id() for shape in scene.shapes()]

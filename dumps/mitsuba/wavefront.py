@@ -7,6 +7,9 @@ import numpy as np
 
 from dumps.mitsuba.channels import has_instances, material_flags, no_diffuse_answer
 
+# Of the albedo in spectral variants: sets of four wavelengths, evenly over what Mitsuba sees (360 .. 830 nm).
+WAVELENGTH_SETS = 8
+
 
 class Wavefront:
     def __init__(self, mi, dr, recordable, samples_per_pixel):
@@ -21,6 +24,7 @@ class Wavefront:
         self.shape_table = mi.UInt32(table)
         self.material_flags = mi.UInt32(material_flags(mi, recordable.scene))
         self.has_instances = has_instances(recordable.scene)
+        self.daylight = mi.load_dict({"type": "d65"}) if mi.is_spectral else None
 
     def trace(self, count, seed, layers, rows=None):
         """{layer: [y][x][s][c] float32 (shape: uint32)} of `count` samples of every pixel; rows: (first, end)."""
@@ -46,8 +50,9 @@ class Wavefront:
         corner = mi.Vector2f(mi.Float(pixel - row * self.width), mi.Float(row + dr.opaque(mi.UInt32, first_row)))
         film = sampler.next_2d()
         lens = sampler.next_2d() if of.has_lens else mi.Point2f(.5)
-        time = of.shutter_open + sampler.next_1d() * of.shutter_time if of.shutter_time > 0 \
-            else mi.Float(of.shutter_open)
+        # Kept as drawn: out of the time itself it would come rounded, up to 1.
+        moment = sampler.next_1d() if of.shutter_time > 0 else mi.Float(0)
+        time = of.shutter_open + moment * of.shutter_time
         wavelength = sampler.next_1d() if mi.is_spectral else mi.Float(0)
         ray, weight = of.sensor.sample_ray_differential(
             time, wavelength, (corner + film) / mi.ScalarVector2f(self.width, self.height), lens)
@@ -64,20 +69,34 @@ class Wavefront:
         if again:
             out["direct"] = rgb(of.direct.sample(of.scene, again, ray, medium)[0])
         drawn = {"film": film, "lens": mi.warp.square_to_uniform_disk_concentric(lens),
-                 "time": (time - of.shutter_open) / (of.shutter_time or 1.0)}
+                 "time": moment}
         out.update((name, drawn[name]) for name in drawn if name in layers)
         if any(name in layers for name in ("albedo", "normal", "depth", "position", "shape")):
             values = self.features.sample(of.scene, sampler, ray, medium)[2]
             position = mi.Point3f(values[6], values[7], values[8])
             shape, flags = self._shape(ray, mi.UInt32(values[9]))
-            albedo = mi.Color3f(values[0], values[1], values[2])
+            albedo = self._white_balanced(ray) if mi.is_spectral and "albedo" in layers else mi.Color3f(values[0], values[1], values[2])
             view = of.sensor.world_transform().inverse() @ position
             found = {"albedo": dr.select(no_diffuse_answer(mi, flags, dr.all(albedo == 0)), 1, albedo),
                      "normal": mi.Vector3f(values[3], values[4], values[5]),
-                     "depth": dr.select(shape > 0, view.z, 0), "position": position, "shape": shape}
+                     "depth": dr.select(shape > 0, view.z * of.depth_unit if of.depth_unit != 1 else view.z, 0), "position": position, "shape": shape}
             out.update((name, found[name]) for name in found if name in layers)
         dr.eval(out)
         return out
+
+    def _white_balanced(self, ray):
+        """Albedo where light has wavelengths: what a surface makes of daylight against what white would. Mitsuba's own answer is of the
+        wavelengths of the sample alone, and tinted where the surface is grey."""
+        mi, dr = self.mi, self.dr
+        hit = self.of.scene.ray_intersect(ray)
+        bsdf, seen, white = hit.bsdf(ray), mi.Color3f(0), mi.Color3f(0)
+        step = (mi.MI_CIE_MAX - mi.MI_CIE_MIN) / (4 * WAVELENGTH_SETS)
+        for first in range(WAVELENGTH_SETS):
+            hit.wavelengths = type(ray.wavelengths)([mi.MI_CIE_MIN + step * (first + WAVELENGTH_SETS * i + 0.5) for i in range(4)])
+            light = self.daylight.eval(hit)
+            seen += mi.spectrum_to_srgb(mi.unpolarized_spectrum(bsdf.eval_diffuse_reflectance(hit, hit.is_valid())) * light, hit.wavelengths)
+            white += mi.spectrum_to_srgb(light, hit.wavelengths)
+        return dr.select(hit.is_valid(), seen / white, 0)
 
     def _shape(self, ray, found):
         """(1 + index in scene.shapes or 0, flags of the material there); found: Mitsuba's id of the shape."""
