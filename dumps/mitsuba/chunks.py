@@ -7,12 +7,15 @@ nothing else.
 import json
 import os
 import shutil
+import sys
 import zipfile
 import zlib
 from math import prod
 
 import numpy as np
 
+import spool
+from dumps.mitsuba.channels import LAYERS
 from dumps.recording import whole_files
 from dumps.recording.failure import io_failure, usage_failure
 from spool import SpoolError, chunk_codec
@@ -63,23 +66,48 @@ class Chunks:
         for index in indices:
             os.remove(self._name(index))
 
-    def save_numbers(self, numbers, wish):
+    def save_numbers(self, numbers, wish, marks):
+        """marks: of the whole pool, sorted, or empty where they were counted before; with another reference they are asked for again when
+        the chunks are gone."""
+        if len(marks) and not os.path.exists(self._marks()):
+            self._save(os.path.basename(self._marks()), lambda stream: np.save(stream, marks))
         self._save("numbers.json", lambda stream: stream.write(json.dumps({"wish": wish, "numbers": numbers}).encode()))
 
-    def load_numbers(self, wish):
+    def pool_marks(self, count):
+        """Sorted, of all chunks."""
+        if os.path.exists(self._marks()):
+            return self._read_array(self._marks())
+        return np.sort(np.concatenate([self.marks(index) for index in range(count)]))
+
+    def load_numbers(self, wish, cut, layers, recordings):
         """What was counted before a file began to take the chunks, or None. wish: the reference; with another one the files that
-        are whole are of no use."""
+        are whole give their samples back. cut: of one of the recordings."""
         path = os.path.join(self.folder, "numbers.json")
         if not os.path.exists(path):
             return None
         found = self._plan(path)
         if found["wish"] == wish:
             return found["numbers"]
-        for name in os.listdir(self.folder):
-            if name.startswith("whole_"):
-                os.remove(os.path.join(self.folder, name))
+        for number in range(recordings):
+            if self.is_whole(number):
+                self._take_back(number, cut, layers)
         os.remove(path)
         return None
+
+    def _take_back(self, number, cut, layers):
+        """The chunks of a file that is whole, then it goes: a run that is stopped in between does it again."""
+        path, each = self.whole_name(number), len(cut.parts)
+        with spool.open(path) as dump:
+            narrow = [name for name in layers if dump.layers[name].dtype != np.dtype("<" + LAYERS[name][0])]
+            if narrow or not os.path.exists(self._marks()):
+                print("%s: is of another --reference, and %s: its samples are traced again" % (
+                    path, "its %s has 16 bits" % narrow[0] if narrow else "of an earlier version"), file=sys.stderr)
+            else:
+                seconds = dump.meta["cost_per_sample"] * dump.width * dump.height * dump.spp / each
+                for index, (first, count, rows) in enumerate(cut.parts, number * each):
+                    self.save(index, np.empty(0, "<u8"), {name: dump.read(name, 0, rows[0], dump.width, rows[1], first, count)
+                                                          for name in layers}, seconds)
+        os.remove(path)
 
     def save(self, index, marks, layers, seconds):
         """marks: of shared_numbers; layers: {name: [y][x][s][c]}."""
@@ -112,13 +140,9 @@ class Chunks:
     def marks(self, index):
         return self._read(self._name(index), "marks")["marks"]
 
-    def largest(self, indices):
-        """The largest finite magnitude of their radiance."""
-        found = 0.0
-        for index in indices:
-            radiance = self.layers(index, ["radiance"])["radiance"]
-            found = max(found, float(np.abs(radiance, where=np.isfinite(radiance), out=np.zeros_like(radiance)).max()))
-        return found
+    def light(self, index, names):
+        """Values of these layers, whatever pixel and sample they are of."""
+        return np.concatenate([array.ravel() for array in self.layers(index, names).values()])
 
     def save_reference(self, state):
         self._save("reference.npz", lambda stream: np.savez(stream, **state))
@@ -136,6 +160,15 @@ class Chunks:
 
     def remove(self):
         shutil.rmtree(self.folder)
+
+    def _marks(self):
+        return os.path.join(self.folder, "marks.npy")
+
+    def _read_array(self, path):
+        try:
+            return np.load(path)
+        except (OSError, ValueError, EOFError) as error:
+            raise self._damaged(path, error)
 
     def _read(self, path, *names):
         """{name: array}, of all names if none is given. A recorder never leaves half a file, but disks do."""

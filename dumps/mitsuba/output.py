@@ -16,6 +16,7 @@ from dumps.recording.recordings import group_meta, names
 # What a recording is made of. chunks: of all recordings, one after the other; cut: how one of them is cut.
 Parts = namedtuple("Parts", "mi recordable tracer layers chunks cut")
 LARGEST_HALF, SMALLEST_HALF = 65504.0, 2.0 ** -14    # with 11 bits of precision
+HALF_ROUNDING = 2.0 ** -11
 
 
 def stored(name, array):
@@ -24,16 +25,28 @@ def stored(name, array):
 
 
 def half_ranges(layers, chunks, indices):
-    """(largest radiance, whether 16 bits hold the depth with their full precision)"""
+    """(why 16 bits do not hold the light, or nothing; whether they hold the depth with their full precision)"""
     fits = "depth" not in layers or all(
         np.all((depth == 0) | ((depth >= SMALLEST_HALF) & (depth <= LARGEST_HALF)))
         for depth in (chunks.layers(index, ["depth"])["depth"] for index in indices))
-    return chunks.largest(indices), fits
+    return light_too_wide(chunks.light(index, [name for name in ("radiance", "direct") if name in layers]) for index in indices), fits
 
 
-def layer_types(layers, half, largest=0.0, depth_fits=False):
-    """{layer: dtype}. half: radiance and places on the lens in 16 bits, unless a sample is too large for them; depth by its range."""
-    narrow = {"radiance": "f2", "direct": "f2", "lens": "f2"} if half and largest <= LARGEST_HALF else {}
+def light_too_wide(arrays):
+    """Why 16 bits do not hold this light, or nothing. Below SMALLEST_HALF they lose bits, and all of them below 6e-8: as much of the
+    light as their rounding takes anyway may lie there, which the dark ends of paths need, a dark scene does not."""
+    largest = total = small = 0.0
+    for array in arrays:
+        size = np.abs(np.where(np.isfinite(array), array, 0), dtype=np.float64)
+        largest, total, small = max(largest, float(size.max())), total + float(size.sum()), small + float(size[size < SMALLEST_HALF].sum())
+    if largest > LARGEST_HALF:
+        return "a sample exceeds %g" % LARGEST_HALF
+    return "%.3g of the light is darker than %.2g" % (small / total, SMALLEST_HALF) if small > HALF_ROUNDING * total else ""
+
+
+def layer_types(layers, half, too_wide="", depth_fits=False):
+    """{layer: dtype}. half: radiance and places on the lens in 16 bits, unless the light is too wide for them; depth by its range."""
+    narrow = {"radiance": "f2", "direct": "f2", "lens": "f2"} if half and not too_wide else {}
     if half and depth_fits:
         narrow["depth"] = "f2"
     return {name: narrow.get(name, LAYERS[name][0]) for name in layers}
@@ -65,7 +78,8 @@ def write_file(path, options, parts, number, meta, reference):
     tracer, layers, chunks, cut = parts.tracer, parts.layers, parts.chunks, parts.cut
     first_chunk = number * len(cut.parts)
     own = range(first_chunk, first_chunk + len(cut.parts))
-    types = layer_types(layers, options.half, *half_ranges(layers, chunks, own) if options.half else ())
+    ranges = half_ranges(layers, chunks, own) if options.half else ("", False)
+    types = layer_types(layers, options.half, *ranges)
     file_layers = {name: (types[name], LAYERS[name][1]) for name in layers}
     meta = {**metadata(options, parts, sum(map(chunks.seconds, own)), first_chunk), **meta, "channels": {name: MEANINGS[name] for name in layers}}
     if reference is not None:
@@ -92,15 +106,14 @@ def write_file(path, options, parts, number, meta, reference):
         if reference is not None:
             writer.write_pixel("reference", reference["mean"].astype("<f4"))
             writer.write_pixel("reference_variance", variance_of_mean(reference).astype("<f4"))
-    if options.half and types["radiance"] != "f2":
-        return "--half: a sample exceeds %g: the radiance is kept in 32 bits" % LARGEST_HALF
-    return None
+    return "--half: %s: the radiance is kept in 32 bits" % ranges[0] if ranges[0] else None
 
 
-def finish(options, parts, numbers, reference):
-    """[(file, findings)]; findings are empty where no test was wanted. numbers: counts for the claim on random numbers."""
+def finish(options, parts, numbers, marks, reference):
+    """[(file, findings)]; findings are empty where no test was wanted. numbers: counts for the claim on random numbers; marks: those of the
+    pool, kept beside them."""
     chunks, outs, done = parts.chunks, names(options.out, options.recordings), []
-    chunks.save_numbers(numbers, [options.reference, options.auto])
+    chunks.save_numbers(numbers, [options.reference, options.auto], marks)
     made_of = [parts.recordable.digest, options.seed, options.samples, options.reference, parts.mi.variant(), parts.mi.__version__]
     for number in range(len(outs)):
         path = chunks.whole_name(number)

@@ -135,19 +135,19 @@ def record(options, mi, recordable, tracer, layers):
         raise usage_failure("--chunk-lanes %d is too small for %dx%d pixels: raise it (about %d bytes each)" %
                             (options.chunk_lanes, tracer.width, tracer.height, BYTES_PER_LANE))
     chunks = Chunks(options.out + ".recording", plan_of(options, mi, recordable, tracer, layers, cut))
-    numbers, reference = chunks.load_numbers([options.reference, options.auto]), None
+    numbers, reference = chunks.load_numbers([options.reference, options.auto], cut, layers, options.recordings), None
     wall = record_pool(options, tracer, layers, chunks, cut)
     if wall * options.reference / options.samples > LONG_REFERENCE:
         print("\n".join(reference_hint(options.samples, options.reference, wall, wall * options.reference / options.samples,
                                        auto=options.auto)), flush=True)
     marks = np.empty(0, "<u8")
     if numbers is None:
-        marks = np.sort(np.concatenate([chunks.marks(index) for index in range(total)]))
+        marks = chunks.pool_marks(total)
         numbers = {"pool": len(marks), "pool_repeated": shared_numbers.repeated(marks)}
     if options.reference:
         reference = record_reference(options, tracer, chunks, reference_cut, marks)
         numbers.update(reference=int(reference["looked_at"]), reference_repeated=int(reference["repeated"]))
-    return finish(options, Parts(mi, recordable, tracer, layers, chunks, cut), numbers, reference)
+    return finish(options, Parts(mi, recordable, tracer, layers, chunks, cut), numbers, marks, reference)
 
 
 def run(arguments):

@@ -56,6 +56,6 @@ def test_a_smaller_reference_is_offered_with_its_price():
 
 def test_half_narrows_radiance_and_lens_unless_a_sample_does_not_fit():
     layers = ["radiance", "lens", "time", "depth", "albedo"]
-    assert layer_types(layers, True, 65504.0) == {"radiance": "f2", "lens": "f2", "time": "f4", "depth": "f4", "albedo": "f2"}
-    assert layer_types(layers, True, 65504.0, True)["depth"] == layer_types(layers, True, 1e6, True)["depth"] == "f2"
-    assert layer_types(layers, True, 65600.0)["radiance"] == layer_types(layers, False)["radiance"] == "f4"
+    assert layer_types(layers, True) == {"radiance": "f2", "lens": "f2", "time": "f4", "depth": "f4", "albedo": "f2"}
+    assert layer_types(layers, True, "", True)["depth"] == layer_types(layers, True, "too large", True)["depth"] == "f2"
+    assert layer_types(layers, True, "too large")["radiance"] == layer_types(layers, False)["radiance"] == "f4"

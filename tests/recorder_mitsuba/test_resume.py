@@ -141,6 +141,31 @@ def test_a_recording_killed_while_its_samples_are_tested_goes_on_and_is_tested(t
         assert dump.meta["verification"]["holds"] is True
 
 
+def test_a_whole_file_gives_its_samples_to_another_reference(tmp_path, whole):
+    """Killed while the samples were tested: nothing of the pool is traced again, and the file is as one that was never stopped."""
+    out, folder = tmp_path / "on.spool", tmp_path / "on.spool.recording"
+    options = [*OPTIONS, "-o", out]
+    process = subprocess.Popen([sys.executable, RECORD, *map(str, options), "--reference", "16"], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    while process.poll() is None and not (folder / "whole_1.spool").exists():
+        time.sleep(0.001)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL and not out.exists() and not list(folder.glob("chunk_*"))
+    # Stopped again as soon as the file has given its samples back: all are there before a first one could be traced.
+    process = subprocess.Popen([sys.executable, RECORD, *map(str, options), "--reference", "2048"], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and (folder / "numbers.json").exists():
+        time.sleep(0.001)
+    there = list(folder.glob("chunk_*"))
+    process.send_signal(signal.SIGKILL)
+    assert process.communicate()[1] == "" and len(there) == 4
+    check_ok(record(*options, "--reference", 8))
+    assert os.listdir(tmp_path) == ["on.spool"] and content_hash(str(out)) == whole(8)
+    with spool.open(out) as dump:
+        assert dump.meta["random_numbers"]["pool"] == 16 * PIXELS and dump.meta["random_numbers"]["reference_repeated"] == 0
+        assert dump.meta["cost_per_sample"] > 0
+
+
 @pytest.mark.parametrize("reference", [8, 16])
 def test_a_file_that_took_some_chunks_and_was_cut_is_made_again(tmp_path, whole, reference):
     """Killed as the first chunk is taken: it is traced once more; so is all that a whole file took, for another reference."""

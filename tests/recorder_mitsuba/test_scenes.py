@@ -8,6 +8,7 @@ mi = pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its record
 
 import spool
 from dumps.mitsuba.channels import chosen_layers
+from dumps.mitsuba.output import light_too_wide
 from conftest import BALL, CAMERA, FILM, LIGHT, OLD, check_ok, record, refusal, told
 
 NEW = '<integrator type="path"/>' + CAMERA % FILM + LIGHT + BALL
@@ -229,3 +230,60 @@ def test_half_keeps_what_does_not_fit_in_32_bits(tmp_path):
     assert "the radiance is kept in 32 bits" in result.stderr
     with spool.open(out) as dump:
         assert dump.layers["radiance"].dtype == np.dtype("<f4") and dump.read("radiance").max() > 9e5
+
+
+def test_a_dark_scene_is_kept_in_32_bits_and_the_dark_ends_of_paths_are_not(tmp_path):
+    dark, out = tmp_path / "dark.xml", tmp_path / "out.spool"
+    for light, kind in (("1e-7", "<f4"), ("1", "<f2")):
+        dark.write_text('<scene version="3.0.0">' + (CAMERA % FILM).replace("lookAt", "lookat").replace("toWorld", "to_world") +
+                        '<emitter type="constant"><float name="radiance" value="%s"/></emitter>' % light + BALL % "" + "</scene>")
+        result = check_ok(record(dark, "-o", out, "--samples", 8, "--half", "--no-verify", "--force"))
+        assert ("of the light is darker than 6.1e-05: the radiance is kept in 32 bits" in result.stderr) == (kind == "<f4")
+        with spool.open(out) as dump:
+            assert dump.layers["radiance"].dtype == np.dtype(kind) and dump.read("radiance").max() > 0
+    bright = np.full(1000, 0.5, "<f4")
+    bright[:300] = 1e-6
+    assert light_too_wide([bright]) == "" and light_too_wide([np.zeros(3, "<f4")]) == ""
+
+
+def test_the_film_is_that_of_the_recorded_sensor(load):
+    bare = CAMERA % ""
+    second = (CAMERA % FILM.replace("24", "12")).replace("40", "20")
+    found = load((NEW % "").replace(CAMERA.replace("lookAt", "lookat").replace("toWorld", "to_world") % FILM, "").replace(CAMERA % FILM, "")
+                 + bare + second, "3.0.0")
+    assert tuple(found.sensor.film().crop_size()) == (768, 576) and "x_fov = 40" in str(found.sensor)
+
+
+@pytest.mark.parametrize("variant", ["llvm_ad_rgb", "scalar_rgb"])
+def test_depth_is_a_length_for_an_orthographic_camera_that_scales(tmp_path, variant):
+    camera = (CAMERA % FILM).replace('"perspective"', '"orthographic"').replace("<lookAt", '<scale value="3"/><lookAt').replace(
+        '<float name="fov" value="40"/>', "").replace("lookAt", "lookat").replace("toWorld", "to_world")
+    (tmp_path / "s.xml").write_text('<scene version="3.0.0"><integrator type="path"/>' + camera + LIGHT + '<shape type="rectangle"/></scene>')
+    check_ok(record(tmp_path / "s.xml", "-o", tmp_path / "s.spool", "--samples", 2, "--no-verify", "--variant", variant))
+    with spool.open(tmp_path / "s.spool") as dump:
+        depth = dump.read("depth")
+        assert sorted({round(float(value), 3) for value in np.unique(depth)}) == [0, 4]
+
+
+def test_a_grey_albedo_is_grey_where_light_has_wavelengths(tmp_path):
+    (tmp_path / "s.xml").write_text('<scene version="3.0.0"><integrator type="path"/>' + (CAMERA % FILM).replace("lookAt", "lookat").replace(
+        "toWorld", "to_world") + LIGHT + BALL % '<bsdf type="diffuse"><rgb name="reflectance" value="%s"/></bsdf>' + "</scene>")
+    text = (tmp_path / "s.xml").read_text()
+    for color in ((0.5, 0.5, 0.5), (0.6, 0.3, 0.2)):
+        (tmp_path / "s.xml").write_text(text % ("%g, %g, %g" % color))
+        check_ok(record(tmp_path / "s.xml", "-o", tmp_path / "s.spool", "--samples", 4, "--no-verify", "--force", "--variant", "llvm_ad_spectral"))
+        with spool.open(tmp_path / "s.spool") as dump:
+            albedo, shape = dump.read("albedo").astype(float), dump.read("depth")[..., 0] > 0
+            assert np.abs(albedo[shape] - color).max() < 0.005 and not albedo[~shape].any()
+
+
+@pytest.mark.parametrize("variant", ["llvm_ad_rgb", "scalar_rgb"])
+def test_the_moment_in_the_shutter_is_the_number_that_was_drawn(tmp_path, variant):
+    """A short shutter, late: out of the time itself only eleven values would come, one of them 1."""
+    camera = (CAMERA % (FILM + '<float name="shutter_open" value="10"/><float name="shutter_close" value="10.00001"/>')).replace(
+        "lookAt", "lookat").replace("toWorld", "to_world")
+    (tmp_path / "s.xml").write_text('<scene version="3.0.0"><integrator type="path"/>' + camera + LIGHT + BALL % "" + "</scene>")
+    check_ok(record(tmp_path / "s.xml", "-o", tmp_path / "s.spool", "--samples", 4, "--no-verify", "--variant", variant))
+    with spool.open(tmp_path / "s.spool") as dump:
+        moment = dump.read("time")
+        assert moment.min() >= 0 and moment.max() < 1 and len(np.unique(moment)) > 1000
