@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "lib/core/pairwise_sum.h"
@@ -75,7 +76,9 @@ Plane pool_variance(const SamplePool& pool, const RgbImage& weight) {
       double sum = 0.0;
       for (std::size_t c = 0; c < 3; ++c)
         sum += weight[c](x / q, y / q) * m2[c];
-      if (count > 1) variance(x, y) = sum / (3.0 * (count - 1));
+      // NaN counts as no variance, and infinity as the largest there is.
+      if (count > 1 && std::isgreater(sum, 0.0))
+        variance(x, y) = std::min(sum / (3.0 * (count - 1)), std::numeric_limits<double>::max());
     }
   });
   return variance;

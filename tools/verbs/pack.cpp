@@ -77,7 +77,9 @@ Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& c
 
 Result<void> run_pack(const PackVerbOptions& options, const CommonOptions& common) {
   const InterruptNote note([&] {
-    return "nothing is kept of " + options.output.string() + ": the same command starts anew";
+    return options.pack.remove_passes
+               ? "what was packed is kept beside " + options.output.string() + ": see spool recover"
+               : "nothing is kept of " + options.output.string() + ": the same command starts anew";
   });
   for (const interchange::ImportFormat& format : exchange::import_formats()) {
     if (format.name == options.from) return pack_foreign(format, options, common);
