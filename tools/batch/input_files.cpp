@@ -33,6 +33,10 @@ std::vector<std::string> words_of(const std::string& command) {
   return words;
 }
 
+bool may_have_files(const MethodChoice& method) {
+  return method.name == "exec" || method.name == "counts" || method.name == "image";
+}
+
 std::vector<std::string> files_of(const MethodChoice& method, const Cell& cell) {
   if (method.name == "exec") return words_of(method.preset);
   if (method.name == "counts") return {method.preset};
@@ -45,6 +49,9 @@ std::map<std::string, std::vector<std::size_t>> input_files(const Plan& plan,
                                                             const NamedCells& named,
                                                             const std::vector<bool>& chosen) {
   std::map<std::string, std::vector<std::size_t>> found;
+  if (plan.experiment.masks.empty() && std::ranges::none_of(plan.samplers, may_have_files) &&
+      std::ranges::none_of(plan.filters, may_have_files))
+    return found;  // a plan may have millions of cells
   for (std::size_t i = 0; i < named.size(); ++i) {
     if (!chosen[i]) continue;
     const Cell cell = named.cell(i);
