@@ -165,10 +165,12 @@ def test_images_are_those_of_their_recording_where_a_group_has_names_alike(tmp_p
     rows = make_rows(samplers=("uniform",), budgets=(4,), size=(8, 6))
     write_results(tmp_path, rows)
     first, last = dict.fromkeys(row["dump"] for row in rows)
-    recordings = [first, f"more/{first.rpartition('/')[2]}", last]
-    write_images(tmp_path, rows, dump_names(recordings), file_name_of)
-    found = find_images(tmp_path, aggregate(read_results(tmp_path / "results.csv"), read_statistics(tmp_path)), recordings)
-    names = dump_names(recordings)
+    alike = first.rpartition("/")[2].replace(".", "_.")  # another name, the same folder
+    names = dump_names([alike, first, last])
+    write_images(tmp_path, rows, names, file_name_of)
+    moved = [f"elsewhere/{path.rpartition('/')[2]}" for path in (alike, first, last)]
+    found = find_images(tmp_path, aggregate(read_results(tmp_path / "results.csv"), read_statistics(tmp_path)), moved)
+    assert names[first].endswith("-2")
     assert {entry.dump for entry in found} == {first, last}
     assert all(entry.paths["estimate"].parent.name.startswith(names[entry.dump] + "_uniform") for entry in found)
 

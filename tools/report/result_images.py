@@ -59,15 +59,15 @@ class _Found(NamedTuple):
 
 
 def find_images(folder, combinations, recordings):
-    """`recordings`: all of the plan, in its order."""
-    names = dump_names(dict.fromkeys([*recordings, *(c.dump for c in combinations)]))
+    """`recordings`: all of the plan, in its order; no two have one file name, and their folders may have moved."""
+    names = dump_names(dict.fromkeys(os.path.basename(path) for path in [*recordings, *(c.dump for c in combinations)]))
     found = []
     for index, c in enumerate(combinations):
-        stem = bounded("_".join([names[c.dump], file_name_of(without_threads(c.sampler)), file_name_of(c.filter),
+        stem = bounded("_".join([names[os.path.basename(c.dump)], file_name_of(without_threads(c.sampler)), file_name_of(c.filter),
                                  f"{c.spp:g}spp"]), LONGEST_STEM)
         paths = {name: folder / stem / f"{name}.exr" for name in PICTURES}
         if not paths["reference"].exists():
-            paths["reference"] = folder / f"{names[c.dump]}_reference.exr"
+            paths["reference"] = folder / f"{names[os.path.basename(c.dump)]}_reference.exr"
         paths = {name: path for name, path in paths.items() if path.is_file()}
         if "estimate" in paths:
             found.append(_Found(index, c.dump, paths))
