@@ -32,9 +32,11 @@ def page(title):
 
 def facts(folder):
     from tools.report.pixel_data import recording_paths, replay_order
+    from tools.report.results_table import read_results
     from tools.report.statistics_file import read_statistics
     from tools.report.vocabulary import read_manifest
 
+    read_results(folder / "results.csv")  # the error where it is no folder of results
     manifest = read_manifest(folder)
     order, paths = replay_order(manifest), recording_paths(manifest)
     found = [{"path": paths[Path(dump).name], "label": label} for dump, label in read_statistics(folder).labels().items()
