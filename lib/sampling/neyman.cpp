@@ -114,6 +114,7 @@ CountImage best_counts(const Plane& variance, const CountImage& first, const Sam
     n[i] += static_cast<std::int32_t>(sure + equal);
     left -= equal;
   }
+  if (left == 0) return n;
   const CountImage rest = hand_out(Plane(n.width(), n.height()), n, pool, left);  // without gain
   for (std::size_t i = 0; i < n.size(); ++i)
     n[i] += rest[i];

@@ -47,6 +47,8 @@ Result<void> read_masks(Plan& plan) {
         continue;
       SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(recording));
       const NeededSize needed{reader.header().width, reader.header().height, recording};
+      if (mask.plane.width() == needed.width && mask.plane.height() == needed.height)
+        continue;  // it was read for another recording of that size
       SPOOL_ASSIGN(mask.plane, read_mask(mask.path, needed));
     }
   }
