@@ -153,6 +153,14 @@ TEST(TwinGuidesDifferential, TheWholeFilter) {
   whole_agrees(make_pool(24, 9, 8, noisy_picture(24, 9, 11)), 2, wide);
 }
 
+TEST(TwinGuidesDifferential, TheWholeFilterOnDarkAlbedo) {
+  const testing::FeatureFunction dark = [](std::string_view layer, std::size_t c, int x, int y,
+                                           int s) {
+    return (layer == "albedo" ? 0.1 : 1.0) * test::made_feature(layer, c, x, y, s, 24);
+  };
+  whole_agrees(make_pool(24, 15, 8, noisy_picture(24, 15, 12), {}, {}, dark), 2);
+}
+
 // Where there is no structure a guide that may stretch is the round one, as wide as it was asked.
 TEST(TwinGuides, AWideGuideIsAsWideWithAStretchAsWithout) {
   const auto pool = make_pool(64, 48, 8, [](int x, int y, int s) {

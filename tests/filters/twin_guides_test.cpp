@@ -63,6 +63,26 @@ TEST(TwinGuides, APowerOfTwoScalesEveryBitAndAnyFactorToRounding) {
   }
 }
 
+// Stripes of a dark albedo under noisy light.
+TEST(TwinGuides, AnEighthOfADarkAlbedoIsTheSameTexture) {
+  const auto texture = [](int x, int y) { return (x + y) % 4 < 2 ? 0.05 : 0.25; };
+  const auto picture = [=](int x, int y, int s) {
+    const auto v =
+        static_cast<float>(texture(x, y) * -std::log(1.0 - unit_double(mix(3, x, y, s))));
+    return Rgb{v, v, v};
+  };
+  const auto image_with = [&](double factor) {
+    const testing::FeatureFunction features = [=](std::string_view layer, std::size_t, int x, int y,
+                                                  int) {
+      return layer == "albedo" ? factor * texture(x, y) : 1.0;
+    };
+    return image_of(make_pool(kWidth, kHeight, 8, picture, {}, {}, features), 8);
+  };
+  const RgbImage plain = image_with(1.0), dark = image_with(0.125);
+  for (std::size_t i = 0; i < plain[1].size(); ++i)
+    ASSERT_NEAR(dark[1][i], plain[1][i], 1e-5);
+}
+
 TEST(TwinGuides, BlackStaysBlackAndAConstantStaysToTheBit) {
   for (const float value : {0.0f, 0.3f, 1e-20f, 7e9f}) {
     const RgbImage image = image_of([=](int, int, int) { return Rgb{value, value, value}; });

@@ -672,9 +672,23 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane l
     GuardCounts guards;
     const auto feature =
         feature_statistics(pool, n, layer, guards, layer.name == "depth" ? 1e15 : 4.0);
+    double first = 0.0, second = 0.0;
+    for (const Plane& mean : feature->mean) {
+      for (const double v : mean.pixels()) {
+        first += std::abs(v);
+        second += v * v;
+      }
+    }
+    const bool dark = layer.name == "albedo" && second > 0.0 && second < 0.3 * first;
+    const double factor = dark ? 0.3 * first / second : 1.0;
     for (std::size_t c = 0; c < feature->mean.size(); ++c) {
-      raw.push_back(feature->mean[c]);
-      raw_variance.push_back(blur(feature->variance[c], 1.0));
+      Plane mean = feature->mean[c], variance = blur(feature->variance[c], 1.0);
+      for (double& v : mean.pixels())
+        v *= factor;
+      for (double& v : variance.pixels())
+        v *= factor * factor;
+      raw.push_back(mean);
+      raw_variance.push_back(variance);
     }
   }
   Planes clean, clean_variance;

@@ -206,7 +206,8 @@ def place_text(claim, plan, store):
     spread = f"; {' to '.join(dict.fromkeys(tables.number(r, 3 if 0.9 < r < 1.1 else 2) for r in (ratios[0], ratios[-1])))}" if ratios else ""
     name = plan.split("_")[0].upper()
     bound = "" if claim["below"] == 1 else f" below {claim['below']:g}"
-    return f"([{name}](results/{store.folder.name}/{plan}_claims.csv): {counts.get('holds', 0)} of {compared} hold{bound}{''.join(', ' + m for m in more)}{spread})"
+    late = tables.LATE if claim.get("after_results") else ""
+    return f"([{name}](results/{store.folder.name}/{plan}_claims.csv){late}: {counts.get('holds', 0)} of {compared} hold{bound}{''.join(', ' + m for m in more)}{spread})"
 
 
 def said(match, small, full):

@@ -5,6 +5,7 @@ import math
 from pathlib import PurePosixPath
 
 ORDER = ("holds", "reversed", "undecided", "not compared")
+LATE = "†"  # a claim that was written after its results
 WITH_INTERVAL = ("mse", "relmse", "energy_ratio", "mse_ratio", "relmse_ratio")
 QUESTION = ("better", "than", "metric", "below")
 
@@ -79,9 +80,10 @@ def claims_table(by_plan, described=()):
 
 
 def summary(claims):
-    """'6 hold, 10 mixed'"""
+    """'6 hold, 10 mixed', and whether some were asked late"""
     verdicts = [c["verdict"] for c in claims]
-    return ", ".join(f"{verdicts.count(v)} {v.replace('holds', 'hold')}" for v in (*ORDER[:1], "mixed", *ORDER[1:]) if v in verdicts)
+    found = ", ".join(f"{verdicts.count(v)} {v.replace('holds', 'hold')}" for v in (*ORDER[:1], "mixed", *ORDER[1:]) if v in verdicts)
+    return found + (LATE if any(c.get("after_results") for c in claims) else "")
 
 
 def claims_csv(claims):

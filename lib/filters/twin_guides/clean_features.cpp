@@ -1,5 +1,6 @@
 #include "lib/filters/twin_guides/clean_features.h"
 
+#include <cmath>
 #include <utility>
 
 #include "lib/filters/twin_guides/feature_fit.h"
@@ -13,6 +14,26 @@ namespace spool {
 namespace {
 
 constexpr double kLargestFeature = 4.0;  // albedos and normals beyond are no surface's
+constexpr double kDarkAlbedo = 0.3;
+
+// Sum of squares over sum: what is bright counts, however much background is black.
+double typical_value(const std::vector<Plane>& channels) {
+  double sum = 0.0, squares = 0.0;
+  for (const Plane& channel : channels) {
+    for (const double v : channel.pixels()) {
+      sum += std::abs(v);
+      squares += v * v;
+    }
+  }
+  return sum > 0.0 ? squares / sum : 0.0;
+}
+
+// What brings dark albedos up to kDarkAlbedo: textures of tar and rust are textures.
+double brightening(const FeatureStatistics& feature) {
+  if (feature.layer.name != "albedo") return 1.0;
+  const double value = typical_value(feature.mean);
+  return value > 0.0 && value < kDarkAlbedo ? kDarkAlbedo / value : 1.0;
+}
 
 }  // namespace
 
@@ -23,9 +44,11 @@ Result<CleanFeatures> clean_features(const SamplePool& pool, const CountImage& n
     const double largest = layer.name == "depth" ? kLargestFeatureValue : kLargestFeature;
     SPOOL_ASSIGN(const FeatureStatistics feature,
                  feature_statistics(pool, n, layer, guards, largest));
+    const double factor = brightening(feature);
     for (std::size_t c = 0; c < feature.mean.size(); ++c) {
-      raw.value.push_back(to_float(feature.mean[c]));
-      raw.variance.push_back(convolve(to_float(feature.variance[c]), four_sigma_taps(1.0)));
+      raw.value.push_back(to_float(feature.mean[c], factor));
+      raw.variance.push_back(
+          convolve(to_float(feature.variance[c], factor * factor), four_sigma_taps(1.0)));
     }
   }
   if (raw.value.size() > kMostFeatureChannels) {

@@ -3,8 +3,10 @@
 // and motion off and leaves edges and ramps.
 //
 // Channels are those of albedo, normal and depth, as many as were recorded; none is allowed. Values
-// are clipped to [-4, 4], depth is divided by its largest mean. A piece without samples has its
-// neighbours' features. Slow twin: tests/reference/feature_fit_reference.h.
+// are clipped to [-4, 4], depth is divided by its largest mean. Albedos whose sum of squares over
+// their sum is below 0.3 are brought up to that, so that constants in units of features find the
+// textures of dark surfaces. A piece without samples has its neighbours' features. Slow twins:
+// tests/reference/feature_fit_reference.h, twin_guides_reference.h.
 #pragma once
 
 #include <vector>

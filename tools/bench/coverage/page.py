@@ -32,7 +32,7 @@ claimed; 5 % may.
 - Light that few samples carry: a recording without them has too low an interval. Three recordings (`--recordings`, `group`) show it.
   Of the rows below 90 % {both} miss to both sides.
 - The relMSE of `multiscale` without a filter: bright pixels take samples from all others, so that replicates are more alike than the samples
-  they share; its least row holds the truth in {least} %.
+  they share; its least row of more than 10 intervals holds the truth in {least} %.
 - Where samples have a tail of infinite variance, the expectation of the squared error does not exist, and no interval can hold it
   [BahadurSavage56].
 - Where one cell of the image carries an error, the interval is 3 to 15 times too wide.
