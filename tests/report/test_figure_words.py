@@ -1,10 +1,10 @@
 """Which methods `spool figure` shows, and what captions and tables say of them."""
 
+import csv
 import json
 import re
 import shutil
 import subprocess
-from types import SimpleNamespace
 
 import pytest
 from made_results import make_rows, write_images, write_results
@@ -12,12 +12,14 @@ from made_results import make_rows, write_images, write_results
 pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python")
 
 from tools.report import figure_set
+from tools.report.draw_curves import read
 from tools.report.failure import Failure
 from tools.report.figure import main
 from tools.report.figure_captions import notes, numbers_text
 from tools.report.figure_methods import choose_methods, left_out_text, own_methods
 from tools.report.figure_text import breakable
 from tools.report.result_images import dump_names, file_name_of
+from tools.report.statistics_file import Statistics
 
 HOSTILE = r"a_b%&#${x}~^\d"
 DOCUMENT = r"""\documentclass[twocolumn]{article}
@@ -128,8 +130,26 @@ def test_captions_say_budget_replicates_and_intervals_and_claims_are_the_program
     assert "contradicted & $1.23_{\\,1.11}^{\\,1.36}$" in tex and "(added after results)" in tex
     assert "4 spp & not compared: few pixels & $1.20$" in tex
     assert re.search(r"8 spp: contradicted 1\.23 ..1\.11, 1\.36", text) and "not supported" in text
-    assert r"$\ddagger$: interval and verdict withheld (few pixels)" in tex and tex.count(r"$\ddagger$") == 5
+    assert r"$\ddagger$: no verdict, and no interval of a ratio to it (few pixels)" in tex and tex.count(r"$\ddagger$") == 5
     assert "(a)" not in captions and "relmse" not in captions + tex + text
+
+
+@pytest.mark.parametrize("reference", ["independent", "pool (biased)"])
+def test_captions_tables_and_curves_say_what_judged_and_of_the_pool_that_it_is_biased(tmp_path, capsys, reference):
+    folder = made(tmp_path / "r", [CLAIM], budgets=(4,))
+    text = (folder / "statistics.json").read_text().replace('"independent"', f'"{reference}"')
+    (folder / "statistics.json").write_text(text.replace('"biased": false', f'"biased": {json.dumps("biased" in reference)}'))
+    assert main([str(folder), "-o", str(tmp_path / "f")]) == 0
+    biased, kind = "biased" in reference, reference.split(" ")[0]
+    out = capsys.readouterr().out
+    assert out.endswith(f"Judged by {kind}. BIASED: errors are too small, and differently for each method.\n") == biased
+    drawn = read(tmp_path / "f" / "curves.csv")[0][HOSTILE][f"{HOSTILE} + box"]
+    assert all(low != low and high != high for _, _, low, high, _ in drawn)  # withheld: no bar
+    for name, parts in (("captions.tex", 3), ("table.tex", 2), ("table.md", 1)):
+        text = (tmp_path / "f" / name).read_text()
+        assert text.count(f"Judged by {kind}.") == parts and text.count("BIASED") == parts * biased, name
+        assert ("relMSE (biased)" in text) == biased and not (biased and re.search(r"mathbf|\*\*0", text))
+    assert {row["metric"] for row in csv.DictReader((tmp_path / "f" / "curves.csv").open())} == {"relmse" + " (biased)" * biased}
 
 
 @pytest.mark.skipif(not shutil.which("pdflatex"), reason="SKIPPED: no LaTeX")
@@ -176,7 +196,9 @@ def test_the_largest_loss_of_light_is_told_and_what_is_widened_is_said_once():
     assert notes(shared[1:], ["a + b"]) == r" Light is lost by a + b (5 \%)." and notes(shared, ["c + d"]) == ""
     few = [{**shared[0], "ranking": [{"sampler": "c", "filter": "d", "withheld": "few pixels"}]}]
     assert notes(few, ["c + d"]) == " Means without an interval: withheld (few pixels)."
-    said = numbers_text(SimpleNamespace(results=[{"replicates": 3}]), "relmse", shared)
+    said = numbers_text(Statistics({"scenes": [], "results": [{"replicates": 3, "threads": 0, "reference": "holdout"}], "conditions": [], "curves": [],
+                                    "overall": []}), "relmse", shared)
+    assert "Judged by holdout." in said
     assert said.count("another recording") == 1 and said.endswith("wider where replicates share samples.")
 
 

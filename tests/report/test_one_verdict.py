@@ -20,6 +20,8 @@ from tools.report.statistics_file import hide_crowded_letters
 PROGRAM = os.environ.get("SPOOL_PROGRAM", "spool")
 PLANS = Path(__file__).resolve().parents[2] / "tools" / "plans"
 BASELINE = "uniform + box"
+AGAINST = {"better": "worse than", "worse": "better than", "undecided": "not separated from", "identical": "identical to",
+           "not compared": "not compared with"}
 CLAIMS = ['[[claim]]', 'text = "<the> method lowers MSE"', 'better = "multiscale + directional"', 'than = "uniform + box"', 'metric = "mse"',
           '[[claim]]', 'better = "uniform + box"', 'than = "multiscale + box"', 'spp = 4', 'below = 0.1']
 
@@ -188,37 +190,37 @@ def check_report(folder, page):
 def check_sentences(text, conditions):
     for condition in conditions:
         where = f"{stem(condition)} at {condition['spp']:g} spp: "
-        best, rest = condition["ranking"][0], [e for e in condition["ranking"][1:] if e["compared"]]
+        best, rest = condition["ranking"][0], condition["ranking"][1:]
         # A result that failed there is told before, in the same words.
         sentence = next(s for s in text.split(where)[1:] if s.startswith(name_of(best))).split(" spp: ")[0]
-        level = [name_of(e) for e in rest if e["against_best"] != "worse"]
-        assert ("has the lowest error" in sentence) == (not level)
-        if len(level) == len(rest):
-            assert "none of the other" in sentence
-        elif level:
-            named = sentence.split("not separated from ")[1]
-            for method in level if len(level) <= 6 else level[:5]:
-                assert method in named
-            assert len(level) <= 6 or f"{len(level) - 5} more" in named
-            assert ("times the error of" in sentence) == (best.get("against_baseline") == "better")
+        said = {}
+        for entry in rest:
+            said.setdefault(entry.get("against_best", "not compared"), []).append(entry)
+        alone = any(e["compared"] for e in rest) and all(
+            e["against_best"] == "worse" if e["compared"] else e["value"][0] >= best["value"][0] for e in rest)
+        assert ("has the lowest error" in sentence) == alone
+        for word, entries in said.items():
+            if alone and word == "worse":
+                continue
+            clause = next(part for part in sentence.split("; ") if part.startswith(AGAINST[word]))
+            for entry in entries if len(entries) <= 6 else entries[:5]:
+                assert name_of(entry) in clause
+            assert len(entries) <= 6 or f"{len(entries) - 5} more" in clause
+        assert ("times the error of" in sentence) == (best.get("against_baseline") == "better")
 
 
 def check_table(text, statistics):
     found = re.search('<table class="verdicts">(.*?)</table>', text, re.S).group(1)
     budgets = [float(b) for b in re.findall(r'scope="col">([\d.]+) spp', found)]
-    several = len(statistics["scenes"]) > 1
     for row in re.findall("<tr>(<th scope=\"row\">.*?)</tr>", found):
         method = plain(re.search("<th[^>]*>(.*?)</th>", row).group(1))
         for spp, (kind, cell) in zip(budgets, re.findall(r'<td class="(\w+)">(.*?)</td>', row)):
-            if several:
-                entry = next(e for e in statistics["overall"] if (name_of(e), e["spp"]) == (method, spp))
-                said = entry["against_baseline"]["relmse"]
-                assert f"{said['better']} better, {said['worse']} worse, {said['undecided']} undecided" in cell
-            else:
-                entry = next(e for c in statistics["conditions"] if (c["metric"], c["spp"]) == ("relmse", spp)
-                             for e in c["ranking"] if name_of(e) == method)
-                word = entry["against_baseline"]
-                assert kind == (word if word in ("better", "worse") else "undecided")
+            said = [e["against_baseline"] for c in statistics["conditions"] if (c["metric"], c["spp"]) == ("relmse", spp)
+                    for e in c["ranking"] if name_of(e) == method]
+            assert len(said) == len(statistics["scenes"])
+            assert re.search("<small>(.*)</small>", cell)[1] == (", ".join(
+                f"{said.count(word)} {word}" for word in AGAINST if word in said) if len(said) > 1 else said[0])
+            assert kind == (said[0] if set(said) in ({"better"}, {"worse"}) else "undecided")
 
 
 def test_the_report_says_it(evaluated, tmp_path, assets_cache):
@@ -235,14 +237,14 @@ def test_the_report_says_it_whatever_it_is(evaluated, tmp_path, assets_cache, se
             entry["letters"] = draw.choice(["a", "b", "ab", "c"])
             for key in ("against_best", "against_baseline"):
                 if key in entry:
-                    entry[key] = draw.choice(["better", "worse", "undecided"])
+                    entry[key] = draw.choice([*AGAINST])
+        for entry in condition["ranking"][len(condition["ranking"]) - draw.randrange(3):]:  # the last two, at most
+            entry.update(compared=False, letters="", withheld="few pixels")
+            entry.pop("against_best", None)
     for claim in data["claims"]:
         claim["verdict"] = draw.choice(["holds", "reversed", "mixed"])
         for place in claim["places"]:
             place["verdict"] = draw.choice(["holds", "reversed", "undecided"])
-    for entry in data["overall"]:
-        for said in entry.get("against_baseline", {}).values():
-            said["better"], said["worse"], said["undecided"] = draw.randrange(3), draw.randrange(3), 2
     folder = tmp_path / "changed"
     folder.mkdir()
     for name in ("results.csv", "manifest.json"):

@@ -15,8 +15,8 @@ function errorBar(points, colour) {
   const known = (p) => Number.isFinite(p.low) && Number.isFinite(p.high);
   return {
     type: 'data', symmetric: false, visible: true, color: colour, thickness: 1.5, width: 4,
-    array: points.map((p) => (known(p) ? p.high - p.mean : 0)),
-    arrayminus: points.map((p) => (known(p) ? p.mean - Math.max(p.low, p.mean * 1e-6) : 0)),
+    array: points.map((p) => (known(p) ? p.high - p.mean : NaN)),
+    arrayminus: points.map((p) => (known(p) ? p.mean - Math.max(p.low, p.mean * 1e-6) : NaN)),
   };
 }
 

@@ -34,7 +34,7 @@ def read(path):
             scene, method, metric = (row[key][row[key][:1] == "'":] for key in ("scene", "method", "metric"))
             if row["drawn"] != "0" and row["mean"] and float(row["mean"]) > 0:
                 mean = float(row["mean"])
-                low, high = (float(row[key]) if row[key] else mean for key in ("low", "high"))
+                low, high = (float(row[key]) if row[key] else math.nan for key in ("low", "high"))  # no bar
                 seconds = float(row["seconds"]) if row["seconds"] else math.nan
                 curves[scene][method].append((float(row["spp"]), mean, low, high, seconds))
     return curves, metric
@@ -79,11 +79,11 @@ def panel(axes, methods, colour_of, width, over_time):
         means = [point[1] for point in points]
         bars = [[m - max(p[2], m * 1e-6) for m, p in zip(means, points)], [p[3] - m for m, p in zip(means, points)]]
         places += xs
-        lows += [m - bar for m, bar in zip(means, bars[0])]
-        highs += [m + bar for m, bar in zip(means, bars[1])]
+        lows += [m - bar if bar == bar else m for m, bar in zip(means, bars[0])]
+        highs += [m + bar if bar == bar else m for m, bar in zip(means, bars[1])]
         turn, i = divmod(colour_of[method], len(COLOURS))  # the ninth has the colour of the first with another marker
-        axes.errorbar(xs, means, yerr=bars, color=COLOURS[i], marker=MARKERS[(i + turn) % 8], linestyle=DASHES[(i + 3 * turn) % 8], capsize=1.8,
-                      elinewidth=0.7, label=method)
+        axes.errorbar(xs, means, yerr=bars if any(bar == bar for bar in bars[0]) else None, color=COLOURS[i], marker=MARKERS[(i + turn) % 8],
+                      linestyle=DASHES[(i + 3 * turn) % 8], capsize=1.8, elinewidth=0.7, label=method)
     axes.set_xscale("log")
     axes.set_yscale("log")
     low, high = min(lows), max(highs)

@@ -21,7 +21,7 @@ function latexTable(head, rows) {
 // The headline's values and ratios. Bold: the first of its ranking, where the file separates it from every other.
 function headlineRows() {
   const conditions = report.conditions.filter((c) => c.spp === hero.spp);
-  const head = ['method', ...conditions.map((c) => `${report.dumps[c.dump]}, ${hero.spp} spp`)];
+  const head = [`method, ${metricText(report.metric)}`, ...conditions.map((c) => `${report.dumps[c.dump]}, ${hero.spp} spp`)];
   const rows = headlineMethods().map((name) => {
     const bold = new Set();
     const texts = conditions.map((condition, i) => {

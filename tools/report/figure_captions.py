@@ -1,13 +1,12 @@
 """captions.tex: every figure as an environment with the caption that its numbers need."""
 
 from tools.report.aggregate import MARK
+from tools.report.figure_tables import BOLD, NO_VERDICT
 from tools.report.figure_text import breakable, latex
-from tools.report.metric_names import metric_name
 from tools.report.number_text import list_text
-from tools.report.summary import name_of
+from tools.report.summary import name_of, unjudged
 
 LONGEST = 12  # of a list of names
-HIGHER = ("psnr", "ssim", "ms_ssim")
 
 
 def environment(files, caption, column):
@@ -29,11 +28,11 @@ def replicates_text(statistics):
 
 def numbers_text(statistics, metric, conditions):
     """What the numbers of figure and table are about."""
-    better = "1 is best" if metric.startswith("energy") else "larger is better" if metric.startswith(HIGHER) else "smaller is better"
+    better = "1 is best" if metric.startswith("energy") else "smaller is better"
     about = " or ".join(dict.fromkeys(c["about"]["text"].split(";")[0] for c in conditions))
     widened = "; they are wider where replicates share samples" if any(c["about"]["kind"] == "shared" for c in conditions) else ""
-    return (rf"Numbers are means of {latex(metric_name(metric))} over {replicates_text(statistics)} with 95\,\% intervals "
-            f"({better}). Intervals and verdicts are about {latex(about)}{widened}.")
+    return (rf"Numbers are means of {latex(statistics.metric_text(metric))} over {replicates_text(statistics)} with 95\,\% intervals "
+            f"({better}). {latex(statistics.judged_text())} Intervals and verdicts are about {latex(about)}{widened}.")
 
 
 def notes(conditions, methods):
@@ -43,17 +42,16 @@ def notes(conditions, methods):
         lost.setdefault(name_of(entry), []).append(100 * entry.get("loses_energy", 0.0))
     names = [f"{name} ({'up to ' if len(shares) > 1 else ''}{max(shares):.2g} %)" for name, shares in lost.items() if max(shares)]
     text = f" Light is lost by {breakable(list_text(names, LONGEST))}." if names else ""
-    why = withheld(conditions, methods)
+    why = reasons(e.get("withheld") for c in conditions for e in c["ranking"] if name_of(e) in methods)
     text += f" Means without an interval: withheld ({why})." if why else ""
     if any(MARK in name for name in methods):
         text += " [R]: implemented again from a description."
     return text
 
 
-def withheld(conditions, methods):
-    """Why some of them have no interval; empty where all have."""
-    entries = [e for c in conditions for e in c["ranking"] if name_of(e) in methods]
-    return latex("; ".join(sorted({e["withheld"] for e in entries if "withheld" in e})))
+def reasons(found):
+    """Each once; empty where there is none."""
+    return latex("; ".join(sorted(set(filter(None, found)))))
 
 
 def comparison_caption(statistics, metric, conditions, shown, labels):
@@ -68,13 +66,13 @@ def comparison_caption(statistics, metric, conditions, shown, labels):
         text += " Below them: squared error, on one scale."
     text += " " + numbers_text(statistics, metric, conditions)
     if any(s.bold for block in shown for s in block.methods.values()):
-        text += " Bold: the best, separated from every other method of the evaluation."
+        text += f" Bold: {BOLD} of the evaluation."
     return text + notes(conditions, methods)
 
 
 def curves_caption(statistics, metric, methods, over_time, shared, commands):
     conditions = statistics.of_metric(metric)
-    text = latex(metric_name(metric)) + " over " + (
+    text = latex(statistics.metric_text(metric)) + " over " + (
         "time: of sampling and filtering, and of rendering the samples where the recording says it" if over_time else
         "samples per pixel; points at one budget stand beside each other") + ", on logarithmic axes. "
     text += numbers_text(statistics, metric, conditions)
@@ -91,17 +89,17 @@ def table_caption(statistics, metric, labels, baseline):
     def caption(dump, part, parts):
         conditions = [c for c in statistics.of_metric(metric) if c["dump"] == dump]
         methods = [name_of(e) for c in conditions for e in c["ranking"]]
-        text = latex(metric_name(metric)) + " on " + breakable(labels[dump])
+        text = latex(statistics.metric_text(metric)) + " on " + breakable(labels[dump])
         text += f" (part {part + 1} of {parts})" if parts > 1 else ""
         text += ". " + numbers_text(statistics, metric, conditions) + " Sub- and superscript: ends of the interval."
         if baseline:
             text += f" Ratio: error over that of {breakable(baseline)} on the same replicates."
-        text += " Methods that share a letter are not separated; bold: the best, separated from every other."
+        text += " Methods that share a letter are not separated; bold: " + BOLD + "."
         text += " ".join(["", latex(statistics.letters_note(metric))]).rstrip()
         if any("loses_energy" in e for c in conditions for e in c["ranking"]):
             text += r" $\dagger$: loses light."
-        why = withheld(conditions, methods)
-        text += rf" $\ddagger$: interval and verdict withheld ({why})." if why else ""
+        why = reasons(unjudged(e) for c in conditions for e in c["ranking"])
+        text += rf" $\ddagger$: {NO_VERDICT} ({why})." if why else ""
         if any(MARK in name for name in methods):
             text += " [R]: implemented again from a description."
         return text

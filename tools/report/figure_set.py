@@ -69,7 +69,7 @@ class FigureSet:
             folder.text("table.md", markdown_table(self.statistics, self.metric, self.labels, self.baseline))
         return (f"{self.options.output}: {compared} comparison{'' if compared == 1 else 's'} at {self.budget:g} spp, curves, "
                 f"captions and tables of {metric_name(self.metric)}" + self.left_out
-                + ("" if compared else "; no pictures in the folder, so no comparison"))
+                + ("" if compared else "; no pictures in the folder, so no comparison") + self.statistics.warning())
 
     def _comparisons(self, folder):
         """Captions of one figure for each recording, and of those with several as rows."""
@@ -87,7 +87,7 @@ class FigureSet:
     def _block(self, condition):
         """The pictures of one recording; None where there are none to compare."""
         entries = {name_of(entry): entry for entry in condition["ranking"]}
-        alone = best_is_alone(condition["ranking"])
+        alone = best_is_alone(condition)
         panels = {}
         for place, method in enumerate(self.chosen):
             entry = entries.get(method)
@@ -105,7 +105,7 @@ class FigureSet:
     def _comparison(self, folder, name, rows):
         conditions, blocks = [c for c, _ in rows], [block for _, block in rows]
         column = self.options.column or 2
-        head = f"{metric_name(self.metric)} at {self.budget:g} sample{'' if self.budget == 1 else 's'} per pixel"
+        head = f"{self.statistics.metric_text(self.metric)} at {self.budget:g} sample{'' if self.budget == 1 else 's'} per pixel"
         if any(len(s.lines) > 1 for block in blocks for s in block.methods.values()):
             head += ", with 95 % intervals"
         draw_comparison(blocks, self.chosen, head, folder.pictures(name), column, self.options.font)

@@ -6,11 +6,13 @@ import io
 from typing import NamedTuple
 
 from tools.report.figure_text import breakable, latex, printable, significant
-from tools.report.metric_names import metric_name
+from tools.report.metric_names import BIASED
 from tools.report.statistics_file import Interval, best_is_alone, interval_of
-from tools.report.summary import late_text, name_of, verdict_text
+from tools.report.summary import late_text, name_of, unjudged, verdict_text
 
 MOST_LINES = 34  # of a table that fits into a column
+BOLD = "the best, separated from every other method that is compared"
+NO_VERDICT = "no verdict, and no interval of a ratio to it"
 LATEX_MARKS = {"†": r"$\dagger$", "‡": r"$\ddagger$"}
 LINE_LETTERS = 24  # of a name
 
@@ -22,16 +24,16 @@ class Row(NamedTuple):
     letters: str
     bold: bool
     loses: bool
-    withheld: str  # why there is no verdict; "" where there is
+    unjudged: str  # why there is no verdict; "" where there is
 
     def marks(self):
-        return ("†" if self.loses else "") + ("‡" if self.withheld else "")
+        return ("†" if self.loses else "") + ("‡" if self.unjudged else "")
 
 
 def rows_of(condition):
-    alone = best_is_alone(condition["ranking"])
+    alone = best_is_alone(condition)
     return [Row(name_of(entry), interval_of(entry["value"]), interval_of(entry.get("ratio")), entry["letters"],
-                alone and place == 0, "loses_energy" in entry, entry.get("withheld", "")) for place, entry in enumerate(condition["ranking"])]
+                alone and place == 0, "loses_energy" in entry, unjudged(entry)) for place, entry in enumerate(condition["ranking"])]
 
 
 def by_scene(statistics, metric):
@@ -84,7 +86,7 @@ def latex_tables(statistics, metric, labels, baseline, captions):
                  for c in conditions for row in rows_of(c)]
         parts = parts_of(lines, lambda line: line[1].method)
         for i, part in enumerate(parts):
-            inside, shown = [rf"& {latex(metric_name(metric))} & {'ratio' if baseline else ''} & \\"], None
+            inside, shown = [rf"& {latex(statistics.metric_text(metric))} & {'ratio' if baseline else ''} & \\"], None
             for budget, row in part:
                 inside += [r"\midrule", budget] if budget != shown else []
                 shown = budget
@@ -92,7 +94,7 @@ def latex_tables(statistics, metric, labels, baseline, captions):
                                         latex(row.letters) + "".join(LATEX_MARKS[m] for m in row.marks())])
                               + r" \\[2pt]")
             text += framed(captions(dump, i, len(parts)), "Xrrl", inside)
-    return "\n".join([*text, *claims_table(statistics.claims, labels)])
+    return "\n".join([*text, *claims_table(statistics, labels)])
 
 
 def claim_rows(claims, labels):
@@ -105,13 +107,13 @@ def claim_rows(claims, labels):
     return rows
 
 
-def claims_table(claims, labels):
+def claims_table(statistics, labels):
     text = []
-    for part in parts_of(claim_rows(claims, labels), lambda row: row[0] or row[1]):
+    for part in parts_of(claim_rows(statistics.claims, labels), lambda row: row[0] or row[1]):
         lines = [rf"{breakable(claim) if claim else chr(92) + 'quad ' + breakable(where)} & {latex(verdict)} & "
                  rf"{latex_interval(ratio)} \\[2pt]" for claim, where, verdict, ratio in part]
         text += framed(r"Claims of the plan and what the results say of them. Ratio: error of the method that is claimed to be better over "
-                       r"that of the other; sub- and superscript: ends of its 95\,\% interval.", "Xlr",
+                       r"that of the other; sub- and superscript: ends of its 95\,\% interval. " + latex(statistics.judged_text()), "Xlr",
                        [r"claim & verdict & ratio \\", r"\midrule", *lines])
     return text
 
@@ -135,7 +137,7 @@ def markdown_table(statistics, metric, labels, baseline):
     for dump, conditions in by_scene(statistics, metric).items():
         for condition in conditions:
             lines += [f"**{markdown(labels[dump])}, {condition['spp']:g} samples per pixel**", "",
-                      f"| method | {markdown(metric_name(metric))} | ratio | |", "|---|---:|---:|---|"]
+                      f"| method | {markdown(statistics.metric_text(metric))} | ratio | |", "|---|---:|---:|---|"]
             for row in rows_of(condition):
                 value = markdown(plain_interval(row.value))
                 lines.append("| " + " | ".join([markdown(row.method), f"**{value}**" if row.bold else value,
@@ -143,8 +145,8 @@ def markdown_table(statistics, metric, labels, baseline):
                                                 f"{row.letters} {row.marks()}".strip()]) + " |")
             lines.append("")
     lines += ["Means with 95 % intervals" + (f"; ratio: to {markdown(baseline)}" if baseline else "") + ". Methods that share "
-              "a letter are not separated; bold: the best, separated from every other method; †: loses light; ‡: interval and verdict withheld."
-              + " ".join(["", statistics.letters_note(metric)]).rstrip(), ""]
+              "a letter are not separated; bold: " + BOLD + "; †: loses light; ‡: " + NO_VERDICT + ". "
+              + " ".join([statistics.judged_text(), statistics.letters_note(metric)]).rstrip(), ""]
     for claim, where, verdict, ratio in claim_rows(statistics.claims, labels):
         lines.append(markdown(f"{claim}: {verdict}") if claim else
                      "- " + markdown(f"{where}: {verdict} {plain_interval(ratio)}".rstrip()))
@@ -169,6 +171,6 @@ def curves_csv(statistics, metric, labels, drawn):
         for entry in condition["ranking"]:
             name = name_of(entry)
             numbers = [*interval_of(entry["value"]), seconds.get((condition["dump"], condition["spp"], name), float("nan"))]
-            writer.writerow([csv_text(labels[condition["dump"]]), csv_text(name), f"{condition['spp']:g}", csv_text(metric),
+            writer.writerow([csv_text(labels[condition["dump"]]), csv_text(name), f"{condition['spp']:g}", csv_text(metric + BIASED * statistics.biased),
                              *("" if n != n else repr(n) for n in numbers), drawn.index(name) + 1 if name in drawn else 0])
     return out.getvalue()

@@ -1,6 +1,6 @@
 // The first screen: methods x recordings at one budget, coloured by the ratio to a baseline; letters and verdicts are
 // those of statistics.json. Ratios to another baseline are the file's pairs, read in the other direction where needed.
-const verdictWords = ['better', 'worse', 'undecided', 'identical'];
+const verdictWords = ['better', 'worse', 'undecided', 'identical', 'not compared'];
 const opposite = {better: 'worse', worse: 'better'};
 
 function againstText(verdict, other) {
@@ -57,7 +57,7 @@ function startHeadline(area) {
   function draw() {
     holder.replaceChildren(headlineTable(draw));
     note.textContent = `${metricText(report.metric)} relative to ${hero.baseline}: below 1 is better. Bold: separated. Methods that ` +
-      `share a letter are not separated. ${report.lettersNote} ▼: loses energy. A click shows the pictures.`;
+      `share a letter are not separated. ${report.lettersNote} ‡: no verdict. ▼: loses energy. A click shows the pictures.`;
     title.textContent = `${report.dumps[hero.dump]}: ${metricText(report.metric)} against samples per pixel`;
     drawHeroChart(chart);
     drawCrops(strip);
@@ -108,14 +108,14 @@ function headlineCell(condition, name) {
   const index = condition.field.find((i) => methodOf(report.combinations[i]) === name);
   if (index === undefined) return element('td', {class: 'number'}, '');
   const c = report.combinations[index], ratio = ratioTo(condition, index, hero.baseline);
-  const value = interval(c, report.metric), letters = (c.ranks[report.metric] ?? [''])[0];
+  const value = interval(c, report.metric), letters = (c.ranks[report.metric] ?? [''])[0] || (report.lettersNote ? '' : '‡');
   const mean = ratio?.verdict === 'baseline' ? '1' : numberText(ratio?.mean ?? NaN, 3) || '-';
   const told = ratio && (ratio.verdict === 'better' || ratio.verdict === 'worse');
   const words = [`${metricText(report.metric)} ${numberText(value.mean)}${boundsText(value, 3)}`];
   if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${boundsText(ratio, 3)}: ${againstText(ratio.verdict, hero.baseline)}`);
   if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);
   return element('td', {class: `number ${ratio?.verdict ?? ''}`, title: words.join('\n'), 'data-ratio': ratio ? ratio.mean : '',
-    'data-verdict': ratio?.verdict ?? '', style: `background: ${ratioColour(ratio?.mean)}`, onclick: () => openInViewer(c)},
+    'data-verdict': ratio?.verdict ?? '', style: `background: ${ratioColour(ratio?.verdict === 'not compared' ? NaN : ratio?.mean)}`, onclick: () => openInViewer(c)},
   told ? element('b', {}, mean) : mean, ' ', element('span', {class: 'letters'}, letters),
   c.loses ? element('span', {class: 'loses', title: words[words.length - 1]}, ' ▼') : null);
 }
@@ -123,9 +123,8 @@ function headlineCell(condition, name) {
 function overallCell(name) {
   const c = report.overall.find((o) => o.spp === hero.spp && methodOf(o) === name);
   const ratio = c ? interval(c, `${report.metric}_ratio`).mean : NaN;
-  const said = c?.against;
   return element('td', {class: 'number', style: `background: ${ratioColour(ratio)}`,
-    title: said ? `${said[0]} better, ${said[1]} worse, ${said[2]} undecided` : ''},
+    title: c?.against ?? ''},
   name === report.baseline ? '1' : numberText(ratio, 3));
 }
 

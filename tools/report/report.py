@@ -19,7 +19,7 @@ from tools.report.results_table import choose_metric, read_results
 from tools.report.sections import quantities_html, run_html, summary_html
 from tools.report.statistics_file import read_statistics
 from tools.report.statistics_section import statistics_html
-from tools.report.summary import is_biased, summarise
+from tools.report.summary import summarise
 from tools.report.vocabulary import read_manifest, read_vocabulary
 from tools.report.whole_file import write_whole
 
@@ -64,11 +64,11 @@ def make_report(options):
     described.mark(combinations, statistics)
     names = quantity_names(combinations, table.metrics)
     title = options.title or f"Spool report: {', '.join(list(labels.values())[:4])}"
-    biased = BIASED if is_biased(combinations) else ""
+    biased = BIASED if statistics.biased else ""
     ranks = statistics_html(statistics, labels, metric)
     sections = [
         ("summary", "Results",
-         summary_html(summarise(combinations, statistics, metric, labels), statistics, metric, statistics.largest_budget(metric))
+         biased + summary_html(summarise(combinations, statistics, metric, labels), statistics, metric, statistics.largest_budget(metric))
          + described.note()),
         ("charts", "Error, time and budget", biased + '<div id="chart-area"></div>'),
         *([("statistics", "Ranks and differences", biased + ranks)] if ranks else []),
@@ -87,11 +87,11 @@ def make_report(options):
         raise Failure(f"{options.output}: {error.strerror}: choose another place", IO) from error
     size = options.output.stat().st_size / 1e6
     return (f"{options.output}: {size:.1f} MB, {len(table.rows)} results, {len(images.packed)} images "
-            f"({images.bytes / 1e6:.1f} MB)")
+            f"({images.bytes / 1e6:.1f} MB)" + statistics.warning())
 
 
-BIASED = ('<p class="warning biased">Biased: judged by the samples that the images were made of. Do not '
-          "compare methods by these errors.</p>")
+BIASED = ('<p class="warning biased">BIASED: judged by the samples that the images were made of. Every error is too small, '
+          "and by a different factor for each method. Do not compare methods by it.</p>")
 
 
 LIVE = '<p><a href="live">Other budgets and methods</a></p>'

@@ -8,12 +8,12 @@ import math
 from tools.report.aggregate import RATIO_METRICS, TIMES
 from tools.report.figure_methods import own_methods
 from tools.report.figure_windows import choose_windows
-from tools.report.metric_names import metric_name
 from tools.report.result_images import exposure_and_mean
 from tools.report.statistics_file import Interval, best_is_alone, interval_of
+from tools.report.summary import name_of, said_text, verdicts
 
 QUANTITIES_LAST = TIMES + ("samples_per_pixel", "saturated_share", "efficiency")
-WORDS = ("better", "worse", "undecided", "identical")
+WORDS = ("better", "worse", "undecided", "identical", "not compared")
 MOST_PAIRS = 60000  # in the page; beyond, only ratios to the baseline
 OWN_MEANINGS = {
     "samples_per_pixel": "samples taken, per pixel",
@@ -33,7 +33,7 @@ def quantity_names(combinations, metrics):
 
 def report_data(combinations, statistics, metrics, metric, labels, vocabulary, images, pixels):
     names = quantity_names(combinations, metrics)
-    own = own_methods(statistics.results, frozenset())
+    own, against = own_methods(statistics.results, frozenset()), verdicts(statistics, metric)
     dumps = list(dict.fromkeys(c.dump for c in combinations))
     samplers = list(dict.fromkeys(c.sampler for c in combinations))
     filters = list(dict.fromkeys(c.filter for c in combinations))
@@ -42,7 +42,7 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "samplers": samplers,
         "filters": filters,
         "metric": metric,
-        "names": {name: metric_name(name) for name in metrics},
+        "names": {name: statistics.metric_text(name) for name in metrics},
         "baseline": statistics.baseline,
         "lettersNote": statistics.letters_note(metric),
         "metrics": [name for name in names if name in metrics],
@@ -51,7 +51,7 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "own": list(own),
         "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names, metric) for c in combinations],
         # For the charts only: the recording after the last one.
-        "overall": [_overall(entry, len(dumps), samplers, filters, names, metric) for entry in statistics.overall],
+        "overall": [_overall(entry, len(dumps), samplers, filters, names, against) for entry in statistics.overall],
         "budget": statistics.largest_budget(metric),
         "conditions": _conditions(statistics.of_metric(metric), {c.key: i for i, c in enumerate(combinations)}, dumps),
         "pixels": [{"dump": dumps.index(dump), **answers} for dump, answers in pixels.items()],
@@ -63,13 +63,13 @@ def _conditions(conditions, index, dumps):
     """[{dump, spp, field: places of combinations, best first, alone: the first is separated from all others, pairs}]"""
     with_pairs = sum(len(c.get("pairs") or []) for c in conditions) <= MOST_PAIRS
     return [{"dump": dumps.index(c["dump"]), "spp": c["spp"],
-             "field": [index[c["dump"], c["spp"], e["sampler"], e["filter"]] for e in c["ranking"]], "alone": best_is_alone(c["ranking"]),
+             "field": [index[c["dump"], c["spp"], e["sampler"], e["filter"]] for e in c["ranking"]], "alone": best_is_alone(c),
              "pairs": [_pair(*pair) for pair in c.get("pairs") or []] if with_pairs else []} for c in conditions]
 
 
 def _pair(a, b, ratio, low, high, _, verdict):
     short = [None if n != n else float(f"{n:.5g}") for n in interval_of([ratio, low, high])]
-    return [a, b, *short, WORDS.index(verdict) if verdict in WORDS else 2]
+    return [a, b, *short, WORDS.index(verdict if verdict in WORDS else "not compared")]
 
 
 def _combination(c, dump, samplers, filters, names, metric):
@@ -85,14 +85,14 @@ def _combination(c, dump, samplers, filters, names, metric):
                       for metric, entry in c.ranks.items()}}
 
 
-def _overall(entry, dump, samplers, filters, names, metric):
+def _overall(entry, dump, samplers, filters, names, against):
     found = {name: interval_of(value) for name, value in entry["quantities"].items()}
     for name in RATIO_METRICS:
         found[name + "_ratio"] = interval_of(entry.get("against_baseline", {}).get(name, {}).get("ratio"))
-    said = entry.get("against_baseline", {}).get(metric)
+    verdict = against.get((name_of(entry), entry["spp"]))
     return {"dump": dump, "sampler": samplers.index(entry["sampler"]), "filter": filters.index(entry["filter"]),
             "spp": entry["spp"], "replicates": 0, "failed": 0, "ranks": {}, "loses": 0,
-            "against": [said.get(word, 0) for word in ("better", "worse", "undecided")] if said else None,
+            "against": said_text(verdict.said) if verdict else "",
             "values": [_interval(found.get(name, Interval())) for name in names]}
 
 

@@ -9,7 +9,7 @@ from tools.report.metric_names import metric_name
 from tools.report.number_text import interval_text, known_text, number_text
 from tools.report.page import licences_html, scrolled_table
 from tools.report.statistics_file import interval_of
-from tools.report.summary import late_text, leading, verdict_text, verdicts
+from tools.report.summary import late_text, leading, said_text, verdict_text, verdicts
 
 LONGEST_VERDICTS = 60
 
@@ -68,23 +68,18 @@ def _verdict_table(statistics, metric):
     rest = len(methods) - LONGEST_VERDICTS
     more = f"<p>{rest} further methods: see the table.</p>" if rest > 0 else ""
     over = ("with its 95 % interval, and the verdict" if dumps == 1 else
-            f"geometric mean over {dumps} scenes with its interval; below it, on how many the method is "
-            "better, worse or undecided")
-    return (f"<p>{escape(metric_name(metric))} relative to {escape(statistics.baseline)} at the same budget: {over}.</p>"
+            f"geometric mean over {dumps} scenes with its interval; below it, on how many scenes which verdict")
+    return (f"<p>{escape(statistics.metric_text(metric))} relative to {escape(statistics.baseline)} at the same budget: {over}.</p>"
             f'{scrolled_table("verdicts", ("method", *(f"{spp:g} spp" for spp in budgets)), rows)}{more}')
 
 
 def _verdict_cell(verdict):
     if verdict is None:
         return "<td></td>"
-    told = {"better": verdict.better, "worse": verdict.worse, "undecided": verdict.undecided}
-    found = [word for word, scenes in told.items() if scenes]  # none where all are identical or were not compared
-    word = found[0] if len(found) == 1 else "undecided"
-    note = (word if sum(told.values()) == 1 else "identical, or not compared" if not found else
-            f"{verdict.better} better, {verdict.worse} worse, {verdict.undecided} undecided")
-    if math.isnan(verdict.ratio.mean):
-        return f'<td class="{word}">not resolved<small>{note}</small></td>'
-    return f'<td class="{word}">{interval_text(verdict.ratio, 3)}<small>{note}</small></td>'
+    note = said_text(verdict.said)
+    word = next((word for word in ("better", "worse") if [*verdict.said] == [word]), "undecided")  # of all scenes
+    ratio = "not resolved" if math.isnan(verdict.ratio.mean) else interval_text(verdict.ratio, 3)
+    return f'<td class="{word}">{ratio}<small>{escape(note)}</small></td>'
 
 
 def guards_html(combinations, labels, vocabulary):

@@ -3,12 +3,14 @@
 Nothing here or elsewhere in the report computes one.
 """
 
+import math
 import re
 from pathlib import PurePath
 from typing import NamedTuple
 
 from tools.report.failure import Failure
 from tools.report.file_names import numbered
+from tools.report.metric_names import BIASED, metric_name
 from tools.report.vocabulary import read_json
 
 NAN = float("nan")
@@ -31,10 +33,16 @@ def interval_of(numbers):
     return Interval(*numbers) if len(numbers) in (1, 3) else Interval()
 
 
-def best_is_alone(ranking):
-    """Whether the file separates the first of a ranking from every other: only then it may be printed as the best."""
-    others = [entry for entry in ranking[1:] if entry["compared"]]
-    return bool(others) and ranking[0]["compared"] and all(e.get("against_best") == "worse" for e in others)
+def best_is_alone(condition):
+    """Whether the first of a ranking may be printed as the best: the file separates it from every other that is compared,
+    none that is not has a better mean, and images were not judged by their own samples."""
+    def cost(entry):
+        mean = interval_of(entry["value"]).mean
+        return abs(math.log(mean) if mean > 0 else mean - 1) if condition["metric"] == "energy_ratio" else mean
+    first, *others = condition["ranking"]
+    compared = [entry for entry in others if entry["compared"]]
+    return (bool(compared) and first["compared"] and not condition.get("biased") and all(e.get("against_best") == "worse" for e in compared)
+            and not any(cost(e) < cost(first) for e in others if not e["compared"]))
 
 
 def hide_crowded_letters(ranking):
@@ -56,6 +64,7 @@ class Statistics:
         self.conditions = data["conditions"]
         self.curves = data["curves"]
         self.overall = data["overall"]
+        self.biased = any(c.get("biased") for c in self.conditions)
         self._name_threads()
         self.unlettered = {c["metric"] for c in self.conditions if hide_crowded_letters(c["ranking"])}
 
@@ -79,6 +88,19 @@ class Statistics:
     def metrics(self):
         """Those that methods are ranked by."""
         return list(dict.fromkeys(c["metric"] for c in self.conditions))
+
+    def metric_text(self, metric):
+        """Its name, marked where nothing may be concluded from it."""
+        return metric_name(metric + BIASED * self.biased)
+
+    def judged_text(self):
+        """By what reference; of one that is biased, what spool evaluate warns of."""
+        kinds = ", ".join(sorted({entry["reference"].removesuffix(BIASED) for entry in self.results} - {""}))
+        return f"Judged by {kinds}." + (" BIASED: errors are too small, and differently for each method." if self.biased else "")
+
+    def warning(self):
+        """What ends a line on the terminal; empty where nothing is biased."""
+        return f". {self.judged_text()}" if self.biased else ""
 
     def of_metric(self, metric):
         return [c for c in self.conditions if c["metric"] == metric]

@@ -2,11 +2,10 @@
 
 from html import escape
 
-from tools.report.metric_names import metric_name
 from tools.report.number_text import known_text, number_text, rounded_count
 from tools.report.page import scrolled_table
 from tools.report.statistics_file import interval_of
-from tools.report.summary import name_of
+from tools.report.summary import name_of, unjudged
 
 LONGEST_RANKING = 24
 
@@ -15,7 +14,7 @@ def statistics_html(statistics, labels, metric):
     """Empty where nothing was computed for this metric."""
     conditions = statistics.of_metric(metric)
     curves = [c for c in statistics.curves if c["metric"] == metric]
-    parts = [_rankings(conditions, labels, metric, statistics.baseline, statistics.letters_note(metric)),
+    parts = [_rankings(conditions, labels, statistics.metric_text(metric), statistics.baseline, statistics.letters_note(metric)),
              _equal_time(curves, labels, statistics.baseline), _needed(curves, labels, statistics.baseline), _slopes(curves, labels)]
     if not any(parts):
         return ""
@@ -30,33 +29,32 @@ def _interval(numbers):
 def _rank_row(entry):
     lost = entry.get("loses_energy")
     note = f"<small>loses {100 * lost:.2g} % of the energy</small>" if lost is not None else ""
-    letters = entry["letters"] or ("" if entry["compared"] else "not compared")
-    if "withheld" in entry:
-        letters = f"no verdict: {entry['withheld']}"
+    letters = f"no verdict: {entry['withheld']}" if "withheld" in entry else entry["letters"] or unjudged(entry)
     return (f'<tr><td class="letters">{escape(letters)}</td>'
             f'<th scope="row">{escape(name_of(entry))}{note}</th>'
             f'<td class="number">{_interval(entry["value"])}</td>'
             f'<td class="number">{_interval(entry.get("ratio"))}</td>'
-            f'<td>{escape(entry.get("against_baseline", ""))}{_would_decide(entry)}</td>'
+            f'<td>{escape(entry.get("against_baseline", ""))}{_why(entry)}</td>'
             f'<td class="number">{_interval(entry["energy"])}</td></tr>')
 
 
-def _would_decide(entry):
-    more = [f"about {rounded_count(count)} {unit} would decide" for unit, count in entry.get("would_decide", {}).items()]
-    return f"<small>{escape(more[0])}</small>" if more else ""
+def _why(entry):
+    """Of what is not decided: what would, or why the baseline's own error does not."""
+    why = [f"about {rounded_count(count)} {unit} would decide" for unit, count in entry.get("would_decide", {}).items()]
+    why += [f"of the baseline: {entry['baseline_withheld']}"] if "baseline_withheld" in entry else []
+    return f"<small>{escape(why[0])}</small>" if why else ""
 
 
-def _rankings(conditions, labels, metric, baseline, note):
+def _rankings(conditions, labels, metric_text, baseline, note):
     blocks = []
     for c in conditions:
         rows = [_rank_row(entry) for entry in c["ranking"][:LONGEST_RANKING]]
         rest = len(c["ranking"]) - LONGEST_RANKING
         more = f"<p>{rest} further methods: statistics.json has them.</p>" if rest > 0 else ""
-        biased = " (biased)" if c.get("biased") else ""
         blocks.append(
             f'<details{" open" if not blocks else ""}><summary>{escape(labels[c["dump"]])} at '
-            f'{number_text(c["spp"])} spp{biased}</summary><p>About {escape(c["about"]["text"])}.</p>'
-            + scrolled_table("ranks", ("group", "method", escape(metric_name(metric)) + biased, f"relative to {escape(baseline)}",
+            f'{number_text(c["spp"])} spp</summary><p>About {escape(c["about"]["text"])}.</p>'
+            + scrolled_table("ranks", ("group", "method", escape(metric_text), f"relative to {escape(baseline)}",
                                        f"than {escape(baseline)}", "energy"), rows) + f"{more}</details>")
     return f"<h3>Ranks</h3>{note and f'<p>{note}</p>'}{''.join(blocks)}" if blocks else ""
 

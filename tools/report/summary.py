@@ -24,7 +24,7 @@ def summarise(combinations, statistics, metric, labels):
     sentences = [scope(combinations, labels), *abouts(statistics, metric)]
     sentences += failures(combinations, labels)
     for condition in statistics.of_metric(metric):
-        sentences.append(best_of(condition, metric, labels, statistics.baseline)._replace(spp=condition["spp"]))
+        sentences.append(best_of(condition, statistics.metric_text(metric), labels, statistics.baseline)._replace(spp=condition["spp"]))
     sentences += energy(combinations, labels)
     return [*sentences, *cautions(combinations, metric, labels), *support(statistics, metric, labels)]
 
@@ -46,9 +46,9 @@ def _counted(statistics, metric, budget):
     for condition in conditions:
         name = name_of(condition["ranking"][0])
         first[name] += 1
-        alone[name] += best_is_alone(condition["ranking"])
+        alone[name] += best_is_alone(condition)
     return [Sentence(f"At {budget:g} spp, {name} comes first on {count} of {len(conditions)} scenes, and is separated "
-                     f"from every other method on {alone[name]} of them.") for name, count in first.most_common(2)]
+                     f"from every other method that is compared on {alone[name]} of them.") for name, count in first.most_common(2)]
 
 
 def scope(combinations, labels):
@@ -90,6 +90,11 @@ def name_of(entry):
     return f"{entry['sampler']} + {entry['filter']}"
 
 
+def unjudged(entry):
+    """Why there is no verdict on a method; empty where there is."""
+    return entry.get("withheld") or ("" if entry["compared"] else "not compared")
+
+
 def late_text(claim):
     """Of a claim: whether it was there before the results."""
     return " (added after results)" if claim.get("after_results") else ""
@@ -100,28 +105,27 @@ def verdict_text(place):
     return place["verdict"] + (f": {place['withheld']}" if "withheld" in place else "")
 
 
+AGAINST = {"better": "worse than", "worse": "better than", "undecided": "not separated from", "identical": "identical to",
+           "not compared": "not compared with"}  # what a verdict against the first says of the first
+
+
 def best_of(condition, metric, labels, baseline):
     where = f"{labels[condition['dump']]} at {condition['spp']:g} spp"
     field = condition["ranking"]
     best, rest = field[0], field[1:]
-    value = f"{metric_name(metric)} {interval_text(interval_of(best['value']))}{_lost(best)}"
+    value = f"{metric} {interval_text(interval_of(best['value']))}{_lost(best)}"
     if not rest:
         return Sentence(f"{where}: {name_of(best)}, alone, has {value}.")
     if not best["compared"] or condition["about"]["kind"] == "one image":
-        return Sentence(f"{where}: {name_of(best)} has the smallest mean, {value}; without independent "
+        return Sentence(f"{where}: {name_of(best)} comes first, {value}; without independent "
                         "replicates nothing can be said about differences.")
-    compared = [e for e in rest if e["compared"]]
-    worse = [e for e in compared if e["against_best"] == "worse"]
-    level = [e for e in compared if e["against_best"] != "worse"]
-    if not worse:
-        return Sentence(f"{where}: {name_of(best)} has the smallest mean, {value}; none of the other "
-                        f"{len(compared)} is separated from it.")
-    if level:
-        text = (f"{where}: {name_of(best)} has the smallest mean, {value}, but is not separated from "
-                + list_text([name_of(e) for e in level], LONGEST_LIST))
-    else:
-        text = f"{where}: {name_of(best)} has the lowest error, {value}"
-    return Sentence(f"{text}{_against_baseline(best, baseline)}.")
+    said = {}
+    for entry in rest:
+        said.setdefault(entry.get("against_best", "not compared"), []).append(name_of(entry))
+    alone = best_is_alone(condition)
+    clauses = [f"{AGAINST[word]} {list_text(names, LONGEST_LIST)}" for word, names in said.items() if not (alone and word == "worse")]
+    text = f"{where}: {name_of(best)} {'has the lowest error' if alone else 'comes first'}, {value}"
+    return Sentence("; ".join([text, *clauses]) + f"{_against_baseline(best, baseline)}.")
 
 
 def _lost(entry):
@@ -129,42 +133,35 @@ def _lost(entry):
 
 
 def _against_baseline(entry, baseline):
-    verdict = entry.get("against_baseline")
-    if verdict is None:
+    if entry.get("against_baseline") != "better":
         return ""
     ratio = interval_of(entry.get("ratio"))
-    if verdict != "better":
-        return f"; it is not separated from {baseline}"
     if math.isnan(ratio.mean):
-        return f"; it is lower than {baseline} by a ratio that is not resolved"
+        return f"; it is better than {baseline} by a ratio that is not resolved"
     return f"; it has {interval_text(ratio, 3)} times the error of {baseline}"
 
 
 class Verdict(NamedTuple):
-    """A method against the baseline at one budget: on how many scenes which."""
+    """A method against the baseline at one budget."""
     ratio: object  # Interval
-    better: int
-    worse: int
-    undecided: int
+    said: Counter  # {verdict: on how many scenes}
+
+
+def said_text(said):
+    """"2 better, 1 not compared"; the word alone of one scene."""
+    return next(iter(said)) if sum(said.values()) == 1 else ", ".join(f"{said[word]} {word}" for word in AGAINST if said[word])
 
 
 def verdicts(statistics, metric):
     """{(method, spp): Verdict} for the methods with a baseline beside them."""
+    ratios = {(name_of(e), e["spp"]): e.get("against_baseline", {}).get(metric, {}).get("ratio") for e in statistics.overall}
     result = {}
-    if len(statistics.scenes) > 1:
-        for entry in statistics.overall:
-            found = entry.get("against_baseline", {}).get(metric)
-            if found:
-                result[name_of(entry), entry["spp"]] = Verdict(
-                    interval_of(found["ratio"]), found["better"], found["worse"], found["undecided"])
-        return result
     for condition in statistics.of_metric(metric):
         for entry in condition["ranking"]:
-            said = entry.get("against_baseline")
-            if said is not None:
-                result[name_of(entry), condition["spp"]] = Verdict(
-                    interval_of(entry.get("ratio")), said == "better", said == "worse",
-                    said not in ("better", "worse"))
+            if "against_baseline" in entry:
+                key = name_of(entry), condition["spp"]
+                ratio = ratios.get(key) if len(statistics.scenes) > 1 else entry.get("ratio")
+                result.setdefault(key, Verdict(interval_of(ratio), Counter())).said[entry["against_baseline"]] += 1
     return result
 
 
@@ -199,15 +196,7 @@ def support(statistics, metric, labels):
         yield Sentence(f"{count_text(count, 'result')} without verdict on {metric_name(metric)}: {reason}.", "warning")
 
 
-def is_biased(combinations):
-    return any("biased" in row.get("reference", "") for c in combinations for row in c.rows)
-
-
 def cautions(combinations, metric, labels):
-    if is_biased(combinations):
-        yield Sentence(
-            "Judged by the pool that the images were made of: every error here is too small, and by "
-            "a different factor for each method. Do not compare methods by it.", "warning")
     saturated = [c for c in combinations if c.quantity("saturated_share").mean > SATURATION_LIMIT]
     if saturated:
         worst = max(saturated, key=lambda c: c.quantity("saturated_share").mean)
