@@ -92,6 +92,46 @@ def test_what_fails_more_often_has_failed(run, evaluate, tmp_path):
     assert finished.code == 1 and "2 failed" in finished.err
 
 
+def test_a_combination_with_fewer_replicates_is_incomplete(run, good, evaluate, tmp_path):
+    a, b = evaluate("a"), evaluate("b")
+    files = sorted((tmp_path / "b" / "cells").glob("*.jsonl"))
+    lines = {file: file.read_text().splitlines(keepends=True) for file in files}
+    for file, kept in lines.items():
+        file.write_text("".join(line for line in kept if json.loads(line)["cell"] not in sorted(
+            json.loads(line)["cell"] for line in cell_lines(tmp_path / "a"))[:5]))
+    finished = run("compare", a, b)
+    shown = [line.split() for line in finished.out.splitlines() if line.startswith("incomplete: b: scene  ")]
+    assert finished.code == 1 and sum(int(words[-2]) - int(words[-4]) for words in shown) == 5
+    assert f"{len(shown)} incomplete" in finished.err
+    assert "incomplete: b: " in good("compare", b, a).out  # BEFORE may be
+    warning = "warning: b: 5 of 36 results are missing: spool evaluate b/plan.toml -o b makes them"
+    assert warning in good("evaluate", "--statistics-only", b).err
+    good("evaluate", "b/plan.toml", "-o", "b")
+    assert "incomplete" not in good("compare", a, b).out and "missing" not in good("evaluate", "--statistics-only", b).err
+
+
+def test_what_was_judged_differently_is_not_compared(run, good, evaluate):
+    ways = {"own": "independent", "pool": "pool (biased)", "held": "holdout, 4 held out", "more": "holdout, 5 held out",
+            "eps": "independent, rel_eps=0.1", "clamped": "holdout, 4 held out, firefly_limit=3"}
+    plan = PLAN.replace("[2, 4, 8]", "[2]")
+    own = evaluate("own", plan=plan)
+    evaluate("pool", plan='reference = "pool"\n' + plan)
+    evaluate("held", plan='reference = "holdout"\nholdout = 4\n' + plan)
+    evaluate("more", plan='reference = "holdout"\nholdout = 5\n' + plan)
+    evaluate("eps", plan=plan + "[metrics]\nrel_eps = 0.1\n")
+    evaluate("clamped", plan='reference = "holdout"\nholdout = 4\n' + plan + "[pool]\nfirefly_limit = 3\n")
+    for before, after in [("pool", own), (own, "pool"), (own, "held"), ("held", "more"), (own, "eps"), ("held", "clamped")]:
+        finished = run("compare", before, after, "--all")
+        finished.failed_with(1, "2 judged differently")
+        text = " ".join(finished.out.split())
+        assert f"Judged differently, not compared: 2: by {ways[before]} before, {ways[after]} after." in text
+        assert "2 not compared" in text and ("BIASED" in text) == ("pool" in (before, after))
+    assert run("compare", own, "pool", "--json").json["comparisons"][0]["verdict"] == "not compared"
+    evaluate("named", plan='reference = "independent"\n' + plan + '[metrics]\nperceptual = "none"\n')
+    assert "2 identical" in good("compare", own, "named").out
+    good("compare", own, "pool", "--metric", "cpu", "--tolerance", 100)  # times are not judged
+
+
 def test_claims_of_one_text_stay_two(good, evaluate):
     claim = '[[claim]]\ntext = "x"\nmetric = "mse"\nspp = [8]\nbetter = "uniform + {}"\nthan = "uniform + {}"\n'
     a = evaluate("a", plan=PLAN.replace("{seed}", "1") + claim.format("gaussian", "box") + claim.format("box", "gaussian"))

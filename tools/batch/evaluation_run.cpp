@@ -358,8 +358,21 @@ class PlanRun {
 Result<void> write_statistics(const fs::path& folder, const Plan& plan, const CommonOptions& common,
                               bool wide) {
   SPOOL_ASSIGN(const CellStore store, CellStore::open(folder));
-  Study study = study_of(plan, study_sources(store, plan));
+  std::size_t missing = 0, all = 0;
+  StudySources sources = study_sources(store, plan);
+  sources.read = [&, read = std::move(sources.read)](const Cell& cell) {
+    Result<ResultRecord> record = read(cell);
+    missing += !record;
+    ++all;
+    return record;
+  };
+  Study study = study_of(plan, sources);
   if (store.damaged() > 0 && !study.results.empty()) print_warning(store.damage());
+  if (missing > 0 && !study.results.empty()) {
+    print_warning(fmt::format(
+        "{}: {} of {} results are missing: spool evaluate {} -o {} makes them", folder.string(),
+        missing, all, (folder / "plan.toml").string(), folder.string()));
+  }
   return write_study(folder, std::move(study), common, wide, store);
 }
 

@@ -45,6 +45,28 @@ bool is_paired(const ResultFolder& a, const ResultFolder& b, const Combination& 
   });
 }
 
+// Those that are not the default, without what only says which metrics there are.
+template <class Options>
+std::string set_options(const OptionTable<Options>& table, const Options& options) {
+  const OptionValues usual = option_values(table, Options{}),
+                     values = option_values(table, options);
+  std::string text;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] == usual[i] || values[i].first == "perceptual") continue;
+    text += fmt::format(", {}={}", values[i].first, values[i].second);
+  }
+  return text;
+}
+
+// By what a result was judged; rules for samples count where these make the reference.
+std::string judge_of(const ResultRecord& record, const Plan& plan) {
+  std::string text = record.text("reference");
+  if (record.number("holdout") > 0.0) text += fmt::format(", {} held out", record.text("holdout"));
+  if (record.text("reference") != reference_name(ReferenceKind::kIndependent))
+    text += set_options(sanitise_option_table(), plan.rules);
+  return text + set_options(metric_option_table(), plan.experiment.metrics);
+}
+
 Series series_of(const MethodResults& results, const std::string& metric) {
   if (metric != kCpuTime) return results.series(quantity_index(metric));
   Series sum = results.series(quantity_index("cpu_sampling"));
@@ -63,12 +85,20 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
   for (const DumpIdentity& dump : dumps)
     folder.dumps[dump.path.filename().string()] = dump;
   SPOOL_ASSIGN(const CellStore store, CellStore::open(path));
-  const StudySources sources = study_sources(store, folder.plan);
+  std::string judged;  // of the scene's first result
+  StudySources sources = study_sources(store, folder.plan);
+  sources.read = [&, read = std::move(sources.read)](const Cell& cell) {
+    Result<ResultRecord> record = read(cell);
+    if (judged.empty() && record && !record->failed()) judged = judge_of(*record, folder.plan);
+    return record;
+  };
   for (const PlanScene& scene : scenes_of(folder.plan)) {
     std::vector<std::string> files;
     for (const std::string& recording : scene.recordings)
       files.push_back(fs::path(recording).filename().string());
+    judged.clear();
     SceneMethods found = read_scene(folder.plan, scene, sources);
+    const int wanted = folder.plan.replicates * static_cast<int>(files.size());
     for (std::size_t b = 0; b < folder.plan.spp.size(); ++b) {
       for (std::size_t t = 0; t < folder.plan.threads.size(); ++t) {
         const double spp = folder.plan.spp[b];
@@ -84,7 +114,7 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
                         "setting of each method, or match by label",
                         path.string(), place->second.key, shown);
           }
-          place->second = {shown, std::move(method), files};
+          place->second = {shown, std::move(method), files, judged, wanted};
         }
       }
     }
@@ -103,12 +133,17 @@ Change compare_one(const ResultFolder& a, const ResultFolder& b, const Combinati
   change.key = before.key;
   if (before.key != after.key) change.key += " -> " + after.key;
   change.metric = metric;
+  change.biased = before.results.biased || after.results.biased;
   change.before = mean_interval(first, range).mean;
   change.after = mean_interval(second, range).mean;
+  const bool known = !before.judged.empty() && !after.judged.empty();
+  if (metric != kCpuTime && known && before.judged != after.judged) {
+    change.judged_differently = fmt::format("{} before, {} after", before.judged, after.judged);
+    return change;
+  }
   change.paired = metric != kCpuTime && is_paired(a, b, before, after);
   change.difference = change.paired ? compare_paired(second, first, better_of(metric))
                                     : compare_independent(second, first, better_of(metric));
-  change.biased = after.results.biased;
   return change;
 }
 

@@ -26,6 +26,10 @@ struct Combination {
   std::string key;  // as it is printed
   MethodResults results;
   std::vector<std::string> files;  // names of the scene's recordings
+  std::string judged;              // by what: reference, samples held out, options
+  int wanted = 0;                  // replicates
+
+  int missing() const { return wanted - results.done - results.failed; }
 };
 
 struct ResultFolder {
@@ -46,6 +50,7 @@ struct Change {
   Comparison difference;         // after against before
   double p = 1;                  // adjusted
   bool paired = false, biased = false;
+  std::string judged_differently;  // by what before and after; empty: alike
   Verdict verdict = Verdict::kUndecided;
 };
 
@@ -67,6 +72,7 @@ struct Comparisons {
   std::vector<ClaimChange> claims;
   std::vector<Change> changes;
   std::vector<std::string> newly_failed, only_before, only_after;  // combinations
+  std::vector<std::string> incomplete;                             // and how many replicates
 };
 
 }  // namespace spool::tools

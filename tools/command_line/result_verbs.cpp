@@ -167,8 +167,10 @@ void add_compare(Program& program) {
   verb.add_flag("--all", options.all, "also list what did not change");
   add_common(verb, program.common, true, false);
   verb.footer(
-      "Exit code 1 when something became worse, failed, or is missing in AFTER: for a build "
-      "machine. Differences are paired where both drew the same samples.\n"
+      "Exit code 1 when something became worse, failed, is missing or incomplete in AFTER, or was "
+      "judged by another reference, other samples held out or other options of metrics, which is "
+      "not compared: for a build machine. Differences are paired where both drew the same "
+      "samples.\n"
       "Examples:\n"
       "  spool evaluate plan.toml -o new && spool compare accepted new\n"
       "  spool compare accepted new --metric relmse,cpu --tolerance 0.02\n"

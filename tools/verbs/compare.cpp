@@ -25,6 +25,7 @@ std::string shown(double value) {
 
 // after / before with its interval; the means alone where errors have no logarithm.
 std::string ratio_text(const Change& change) {
+  if (!change.judged_differently.empty()) return "-";
   const Interval ratio = change.difference.ratio();
   if (!std::isfinite(ratio.mean)) return shown(change.after / change.before);
   return fmt::format("{} [{}, {}]", shown(ratio.mean), shown(ratio.low), shown(ratio.high));
@@ -37,9 +38,7 @@ long long count(const Comparisons& outcome, Verdict verdict) {
 std::string text_of(const Comparisons& outcome, bool all) {
   std::vector<std::vector<std::string>> rows = {
       {"", "metric", "before", "after", "ratio (95 %)", "p (Holm)", "verdict"}};
-  bool biased = false;
   for (const Change& c : outcome.changes) {
-    biased = biased || c.biased;
     if (!all && c.verdict != Verdict::kBetter && c.verdict != Verdict::kWorse) continue;
     rows.push_back({c.key, c.metric, shown(c.before), shown(c.after), ratio_text(c),
                     std::isnan(c.p) ? "n/a" : fmt::format("{:.2g}", c.p),
@@ -59,6 +58,7 @@ std::string text_of(const Comparisons& outcome, bool all) {
       text += visible_text(fmt::format("{}: {}", what, key)) + "\n";
   };
   list("failed now", outcome.newly_failed);
+  list("incomplete", outcome.incomplete);
   list("only before", outcome.only_before);
   list("only after", outcome.only_after);
   std::vector<std::string> without_error;
@@ -82,7 +82,14 @@ std::string text_of(const Comparisons& outcome, bool all) {
       notes += fmt::format("Not compared for {}: {}: {}.\n", withheld_name(why), count,
                            withheld_remedy(why));
   }
-  if (biased) notes += "BIASED: judged by the samples that images were made of.\n";
+  std::map<std::string, int> judged;
+  for (const Change& c : outcome.changes)
+    if (!c.judged_differently.empty()) ++judged[c.judged_differently];
+  for (const auto& [how, count] : judged)
+    notes += visible_text(fmt::format("Judged differently, not compared: {}: by {}.", count, how)) +
+             "\n";
+  if (std::ranges::any_of(outcome.changes, &Change::biased))
+    notes += "BIASED: judged by the samples that images were made of.\n";
   return text + wrapped(notes, line_width());
 }
 
@@ -151,7 +158,15 @@ Result<void> run_compare(const CompareOptions& options, const CommonOptions& com
     if (!folder->damage.empty()) print_warning(folder->damage);
   Comparisons outcome;
   outcome.claims = claim_changes(before.path, after.path);
+  std::size_t less_complete = 0;
+  const auto list_missing = [&](const ResultFolder& folder, const Combination& combination) {
+    const int missing = combination.missing(), wanted = combination.wanted;
+    if (missing == 0) return;
+    outcome.incomplete.push_back(fmt::format("{}: {}: {} of {} replicates", folder.path.string(),
+                                             combination.key, wanted - missing, wanted));
+  };
   for (const auto& [key, combination] : before.combinations) {
+    list_missing(before, combination);
     const auto found = after.combinations.find(key);
     if (found == after.combinations.end()) {
       outcome.only_before.push_back(combination.key);
@@ -159,10 +174,12 @@ Result<void> run_compare(const CompareOptions& options, const CommonOptions& com
     }
     if (found->second.results.failed > combination.results.failed)
       outcome.newly_failed.push_back(found->second.key);
+    less_complete += found->second.missing() > combination.missing();
     for (const std::string& metric : metrics)
       outcome.changes.push_back(compare_one(before, after, combination, found->second, metric));
   }
   for (const auto& [key, combination] : after.combinations) {
+    list_missing(after, combination);
     if (before.combinations.contains(key)) continue;
     outcome.only_after.push_back(combination.key);
     if (combination.results.failed > 0) outcome.newly_failed.push_back(combination.key);
@@ -178,10 +195,16 @@ Result<void> run_compare(const CompareOptions& options, const CommonOptions& com
   judge(outcome.changes, options.significance, options.tolerance);
   print(common.json ? comparisons_text(outcome) : text_of(outcome, options.all));
   const long long worse = count(outcome, Verdict::kWorse);
-  if (worse == 0 && outcome.newly_failed.empty() && outcome.only_before.empty()) return {};
-  return fail(ErrorCode::kData, "{}: {} worse, {} failed, {} missing against {}",
-              options.after.string(), worse, outcome.newly_failed.size(),
-              outcome.only_before.size(), options.before.string());
+  const auto differently = std::ranges::count_if(
+      outcome.changes, [](const Change& c) { return !c.judged_differently.empty(); });
+  if (worse == 0 && outcome.newly_failed.empty() && outcome.only_before.empty() &&
+      less_complete == 0 && differently == 0)
+    return {};
+  return fail(
+      ErrorCode::kData,
+      "{}: {} worse, {} failed, {} missing, {} incomplete, {} judged differently against {}",
+      options.after.string(), worse, outcome.newly_failed.size(), outcome.only_before.size(),
+      less_complete, differently, options.before.string());
 }
 
 }  // namespace spool::tools

@@ -26,7 +26,8 @@ struct CompareOptions {
 };
 
 Result<void> validate(const CompareOptions& options);
-// kData when something became worse, failed or is missing in `after`.
+// kData when something became worse, failed, is incomplete or missing in `after`, or was judged
+// differently.
 Result<void> run_compare(const CompareOptions& options, const CommonOptions& common);
 
 }  // namespace spool::tools
